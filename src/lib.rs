@@ -1,0 +1,4 @@
+//! Morion designs freeform catadioptric mirrors, meshes them, writes solids that a machine shop
+//! can cut, and proves the written file by tracing rays against it.
+
+pub mod num;
