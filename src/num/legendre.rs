@@ -1,0 +1,283 @@
+//! Tensor Legendre series: value, derivatives, integrals and rigorous bounds.
+//!
+//! A series is f(u, v) = sum of c_ij P_i(u) P_j(v) on the square [-1, 1]^2. Arguments a rounding
+//! error outside the square are welcome; far outside it the terms grow without bound.
+
+/// Coefficients c_ij of a tensor Legendre series, `rows` of u-degree by `columns` of v-degree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    rows: usize,
+    columns: usize,
+    coefficients: Vec<f64>,
+}
+
+/// Value, gradient and Hessian of a series at a point, in its own (u, v).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Jet {
+    /// f.
+    pub f: f64,
+    /// (f_u, f_v).
+    pub gradient: [f64; 2],
+    /// (f_uu, f_uv, f_vv).
+    pub hessian: [f64; 3],
+}
+
+/// P_0(x) ... P_degree(x).
+#[must_use]
+pub fn values(degree: usize, x: f64) -> Vec<f64> {
+    let mut p = Vec::with_capacity(degree + 1);
+    p.push(1.0);
+    for k in 0..degree {
+        let before = if k == 0 { 0.0 } else { p[k - 1] };
+        p.push(next(k, x, p[k], before));
+    }
+    p
+}
+
+/// P_0'(x) ... P_degree'(x), from the values.
+#[must_use]
+pub fn derivatives(values: &[f64]) -> Vec<f64> {
+    let mut d = vec![0.0; values.len()];
+    for k in 1..values.len() {
+        let before = if k < 2 { 0.0 } else { d[k - 2] };
+        d[k] = before + (2 * k - 1) as f64 * values[k - 1];
+    }
+    d
+}
+
+/// Three-term recurrence: P_{k+1}.
+#[inline]
+fn next(k: usize, x: f64, p: f64, before: f64) -> f64 {
+    let k = k as f64;
+    ((2.0 * k + 1.0) * x * p - k * before) / (k + 1.0)
+}
+
+impl Series {
+    /// A series from a function giving c_ij for i < `rows`, j < `columns`.
+    #[must_use]
+    pub fn from_fn(rows: usize, columns: usize, mut c: impl FnMut(usize, usize) -> f64) -> Self {
+        let coefficients = (0..rows * columns)
+            .map(|k| c(k / columns, k % columns))
+            .collect();
+        Self {
+            rows,
+            columns,
+            coefficients,
+        }
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.coefficients[i * self.columns + j]
+    }
+
+    /// df/du, exactly, as a series.
+    #[must_use]
+    pub fn derivative_u(&self) -> Self {
+        // P_i' = sum of (2k+1) P_k over k < i with i - k odd.
+        Self::from_fn(self.rows, self.columns, |k, j| {
+            (2 * k + 1) as f64
+                * (k + 1..self.rows)
+                    .step_by(2)
+                    .map(|i| self.at(i, j))
+                    .sum::<f64>()
+        })
+    }
+
+    /// df/dv, exactly, as a series.
+    #[must_use]
+    pub fn derivative_v(&self) -> Self {
+        Self::from_fn(self.rows, self.columns, |i, k| {
+            (2 * k + 1) as f64
+                * (k + 1..self.columns)
+                    .step_by(2)
+                    .map(|j| self.at(i, j))
+                    .sum::<f64>()
+        })
+    }
+
+    /// An upper bound of |f| on the square: sum of |c_ij|, as |P_k| <= 1 there. Rounding of the
+    /// sum and of an evaluation is covered.
+    #[must_use]
+    pub fn bound(&self) -> f64 {
+        // Both round by well under 1e4 ulps for up to 41 x 41 terms.
+        self.coefficients.iter().map(|c| c.abs()).sum::<f64>() * (1.0 + 1e-12)
+    }
+
+    /// f on the line of constant `v`, ready for many values of u.
+    #[must_use]
+    pub fn row(&self, v: f64) -> Row {
+        let p = values(self.columns - 1, v);
+        let d = derivatives(&p);
+        let dd = derivatives(&d);
+        let fold = |basis: &[f64]| -> Vec<f64> {
+            self.coefficients
+                .chunks_exact(self.columns)
+                .map(|c| c.iter().zip(basis).map(|(c, b)| c * b).sum())
+                .collect()
+        };
+        let (f, f_v, f_vv) = (fold(&p), fold(&d), fold(&dd));
+        Row {
+            terms: (0..self.rows)
+                .map(|i| Term {
+                    grow: (2 * i + 1) as f64 / (i + 1) as f64,
+                    shrink: i as f64 / (i + 1) as f64,
+                    odd: (2 * i + 1) as f64,
+                    f: f[i],
+                    f_v: f_v[i],
+                    f_vv: f_vv[i],
+                })
+                .collect(),
+        }
+    }
+
+    /// Integral of f over the rectangle [u0, u1] x [v0, v1].
+    #[must_use]
+    pub fn integral(&self, u: [f64; 2], v: [f64; 2]) -> f64 {
+        // The antiderivative of P_k is (P_{k+1} - P_{k-1}) / (2k+1), and u for P_0.
+        let definite = |count: usize, [lo, hi]: [f64; 2]| -> Vec<f64> {
+            let (a, b) = (values(count, lo), values(count, hi));
+            let step = |k: usize| {
+                if k == 0 {
+                    hi - lo
+                } else {
+                    ((b[k + 1] - b[k - 1]) - (a[k + 1] - a[k - 1])) / (2 * k + 1) as f64
+                }
+            };
+            (0..count).map(step).collect()
+        };
+        let (along_u, along_v) = (definite(self.rows, u), definite(self.columns, v));
+        self.coefficients
+            .chunks_exact(self.columns)
+            .zip(&along_u)
+            .map(|(c, iu)| iu * c.iter().zip(&along_v).map(|(c, iv)| c * iv).sum::<f64>())
+            .sum()
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    grow: f64,
+    shrink: f64,
+    odd: f64,
+    f: f64,
+    f_v: f64,
+    f_vv: f64,
+}
+
+/// A series on one line of constant v: evaluation costs one pass over the u-degrees.
+#[derive(Debug, Clone)]
+pub struct Row {
+    terms: Vec<Term>,
+}
+
+impl Row {
+    /// Value and gradient at `u` (the Hessian is left zero).
+    #[inline]
+    #[must_use]
+    pub fn gradient(&self, u: f64) -> Jet {
+        let (mut p, mut p0, mut d, mut d0) = (1.0, 0.0, 0.0, 0.0);
+        let (mut f, mut f_u, mut f_v) = (0.0, 0.0, 0.0);
+        for t in &self.terms {
+            f += t.f * p;
+            f_u += t.f * d;
+            f_v += t.f_v * p;
+            (d, d0) = (d0 + t.odd * p, d);
+            (p, p0) = (t.grow * u * p - t.shrink * p0, p);
+        }
+        Jet {
+            f,
+            gradient: [f_u, f_v],
+            hessian: [0.0; 3],
+        }
+    }
+
+    /// Value, gradient and Hessian at `u`; value and gradient have the bits of [`Row::gradient`].
+    #[must_use]
+    pub fn jet(&self, u: f64) -> Jet {
+        let (mut p, mut p0, mut d, mut d0, mut dd, mut dd0) = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let mut hessian = [0.0; 3];
+        for t in &self.terms {
+            hessian[0] += t.f * dd;
+            hessian[1] += t.f_v * d;
+            hessian[2] += t.f_vv * p;
+            (dd, dd0) = (dd0 + t.odd * d, dd);
+            (d, d0) = (d0 + t.odd * p, d);
+            (p, p0) = (t.grow * u * p - t.shrink * p0, p);
+        }
+        Jet {
+            hessian,
+            ..self.gradient(u)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// u^3 v^2 + u in Legendre form: u^3 = (2 P3 + 3 P1)/5, v^2 = (2 P2 + P0)/3.
+    fn cubic() -> Series {
+        Series::from_fn(4, 3, |i, j| {
+            let u3 = [0.0, 0.6, 0.0, 0.4][i];
+            let v2 = [1.0 / 3.0, 0.0, 2.0 / 3.0][j];
+            u3 * v2 + if (i, j) == (1, 0) { 1.0 } else { 0.0 }
+        })
+    }
+
+    #[test]
+    fn jets_match_the_monomials() {
+        for (u, v) in [(0.3, -0.7), (1.0, 1.0), (-1.0, 0.2), (0.0, 0.0)] {
+            let jet = cubic().row(v).jet(u);
+            let exact = [
+                u * u * u * v * v + u,
+                3.0 * u * u * v * v + 1.0,
+                2.0 * u * u * u * v,
+                6.0 * u * v * v,
+                6.0 * u * u * v,
+                2.0 * u * u * u,
+            ];
+            let found = [
+                jet.f,
+                jet.gradient[0],
+                jet.gradient[1],
+                jet.hessian[0],
+                jet.hessian[1],
+                jet.hessian[2],
+            ];
+            for (a, b) in exact.iter().zip(found) {
+                assert!((a - b).abs() < 1e-14, "({u}, {v}): {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivative_series_agree_with_the_jet() {
+        let (f_uv, f_vv) = (
+            cubic().derivative_u().derivative_v(),
+            cubic().derivative_v().derivative_v(),
+        );
+        for (u, v) in [(0.3, -0.7), (-0.9, 0.4)] {
+            let jet = cubic().row(v).jet(u);
+            assert!((f_uv.row(v).gradient(u).f - jet.hessian[1]).abs() < 1e-14);
+            assert!((f_vv.row(v).gradient(u).f - jet.hessian[2]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn integral_over_a_part_is_exact() {
+        // Over [0, 1] x [-1, 1/2]: 1/4 * (1/8 + 1)/3 + 1/2 * 3/2.
+        let found = cubic().integral([0.0, 1.0], [-1.0, 0.5]);
+        assert!((found - (0.25 * 0.375 + 0.75)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn bound_holds_on_the_square() {
+        let bound = cubic().bound();
+        for i in 0..=20 {
+            for j in 0..=20 {
+                let (u, v) = (f64::from(i) / 10.0 - 1.0, f64::from(j) / 10.0 - 1.0);
+                assert!(cubic().row(v).gradient(u).f.abs() <= bound);
+            }
+        }
+    }
+}

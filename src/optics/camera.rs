@@ -1,0 +1,61 @@
+//! Cameras: which ray each point of the picture sends out.
+
+use crate::geom::{DVec2, DVec3, Ray};
+
+/// An orthographic (telecentric) camera looking along -Z, its picture centred on the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Orthographic {
+    /// Columns and rows of the sensor.
+    pub pixels: [u32; 2],
+    /// Side of a (square) pixel on the mirror, mm.
+    pub pixel_mm: f64,
+}
+
+impl Orthographic {
+    /// The point (X, Y) mm on the mirror's plane under the picture point (`x`, `y`) pixels: x to
+    /// the right, y downwards, both from the upper left corner; pixel centres at halves.
+    #[inline]
+    #[must_use]
+    pub fn image_point(&self, x: f64, y: f64) -> DVec2 {
+        let [width, height] = self.pixels.map(f64::from);
+        DVec2::new(x - 0.5 * width, 0.5 * height - y) * self.pixel_mm
+    }
+
+    /// The ray through an image point, starting at height `z` mm.
+    #[inline]
+    #[must_use]
+    pub fn ray(&self, q: DVec2, z: f64) -> Ray {
+        Ray {
+            origin: q.extend(z),
+            direction: DVec3::NEG_Z,
+        }
+    }
+
+    /// Image points of the pixel centres, row by row from the upper left.
+    pub fn pixel_centres(&self) -> impl Iterator<Item = DVec2> {
+        let (camera, [width, height]) = (*self, self.pixels);
+        (0..height).flat_map(move |row| {
+            (0..width).map(move |column| {
+                camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5)
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_square_centred_and_run_right_and_down() {
+        let camera = Orthographic {
+            pixels: [4, 2],
+            pixel_mm: 0.5,
+        };
+        let centres: Vec<_> = camera.pixel_centres().collect();
+        assert_eq!(centres.len(), 8);
+        assert_eq!(centres[0], DVec2::new(-0.75, 0.25));
+        assert_eq!(centres[7], DVec2::new(0.75, -0.25));
+        assert_eq!(camera.image_point(2.0, 1.0), DVec2::ZERO);
+    }
+}
