@@ -1,6 +1,9 @@
 //! Morion designs freeform catadioptric mirrors, meshes them, writes solids that a machine shop
 //! can cut, and proves the written file by tracing rays against it.
 
+pub mod design;
 pub mod geom;
+pub mod mirror;
 pub mod num;
 pub mod optics;
+pub mod profile;

@@ -27,3 +27,10 @@ impl Ray {
         self.origin + self.direction * t
     }
 }
+
+/// Angle between two unit vectors, radians: exact for small angles and near pi alike.
+#[inline]
+#[must_use]
+pub fn angle(a: DVec3, b: DVec3) -> f64 {
+    2.0 * crate::num::asin((0.5 * (a - b).length()).min(1.0))
+}

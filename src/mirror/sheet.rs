@@ -1,0 +1,180 @@
+//! One smooth sheet: a tensor Legendre series placed in the part frame.
+
+use crate::geom::{DVec2, Rect};
+use crate::num::legendre::{Row, Series};
+
+/// Sag (mm) and slope (Z_X, Z_Y) of a surface at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Z, mm.
+    pub sag: f64,
+    /// (Z_X, Z_Y), dimensionless.
+    pub slope: DVec2,
+}
+
+/// Second derivatives of the sag, 1/mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curvature {
+    /// Z_XX.
+    pub xx: f64,
+    /// Z_XY.
+    pub xy: f64,
+    /// Z_YY.
+    pub yy: f64,
+}
+
+impl Curvature {
+    /// Determinant of the Hessian: negative on saddles.
+    #[must_use]
+    pub fn det(&self) -> f64 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+
+    /// The Hessian times a vector.
+    #[inline]
+    #[must_use]
+    pub fn times(&self, d: DVec2) -> DVec2 {
+        DVec2::new(self.xx * d.x + self.xy * d.y, self.xy * d.x + self.yy * d.y)
+    }
+
+    /// Largest absolute eigenvalue.
+    #[must_use]
+    pub fn norm(&self) -> f64 {
+        let mean = 0.5 * (self.xx + self.yy);
+        let half = 0.5 * (self.xx - self.yy);
+        mean.abs() + (half * half + self.xy * self.xy).sqrt()
+    }
+}
+
+/// The surface Z = s F(u, v) + lift, where (u, v) runs over [-1, 1]^2 as (X, Y) runs over a
+/// rectangle, F is the paper's f in the paper's units and s the scale in mm per unit.
+#[derive(Debug, Clone)]
+pub struct Sheet {
+    /// F.
+    pub series: Series,
+    /// Where (u, v) = (0, 0), mm.
+    pub centre: DVec2,
+    /// mm per unit of u and of v.
+    pub half: DVec2,
+    /// s, mm per unit of F.
+    pub scale_mm: f64,
+    /// Z of F = 0, mm.
+    pub lift_mm: f64,
+}
+
+impl Sheet {
+    /// The sheet on the line of constant `y`.
+    #[must_use]
+    pub fn row(&self, y: f64) -> SheetRow {
+        SheetRow {
+            row: self.series.row((y - self.centre.y) / self.half.y),
+            centre: self.centre.x,
+            per_mm: 1.0 / self.half.x,
+            scale: self.scale_mm,
+            lift: self.lift_mm,
+            slope: self.scale_mm / self.half,
+        }
+    }
+
+    /// Sag and slope at one point.
+    #[must_use]
+    pub fn at(&self, q: DVec2) -> Point {
+        self.row(q.y).at(q.x)
+    }
+
+    /// Second derivatives at one point, 1/mm.
+    #[must_use]
+    pub fn curvature(&self, q: DVec2) -> Curvature {
+        let u = (q - self.centre) / self.half;
+        let [xx, xy, yy] = self
+            .series
+            .row(u.y)
+            .jet(u.x)
+            .hessian
+            .map(|h| h * self.scale_mm);
+        let (a, b) = (self.half.x, self.half.y);
+        Curvature {
+            xx: xx / (a * a),
+            xy: xy / (a * b),
+            yy: yy / (b * b),
+        }
+    }
+
+    /// Integral of the sag over a rectangle, mm^3.
+    #[must_use]
+    pub fn integral(&self, rect: Rect) -> f64 {
+        let (lo, hi) = (
+            (rect.min - self.centre) / self.half,
+            (rect.max - self.centre) / self.half,
+        );
+        let unit = self.series.integral([lo.x, hi.x], [lo.y, hi.y]);
+        unit * self.half.x * self.half.y * self.scale_mm + self.lift_mm * rect.area()
+    }
+}
+
+/// A sheet on one line of constant Y.
+#[derive(Debug, Clone)]
+pub struct SheetRow {
+    row: Row,
+    centre: f64,
+    per_mm: f64,
+    scale: f64,
+    lift: f64,
+    slope: DVec2,
+}
+
+impl SheetRow {
+    /// Sag and slope at `x`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: f64) -> Point {
+        let jet = self.row.gradient((x - self.centre) * self.per_mm);
+        Point {
+            sag: self.scale * jet.f + self.lift,
+            slope: DVec2::from_array(jet.gradient) * self.slope,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Z = 0.02 X^2 Y + 7 on a rectangle off the origin, as a Legendre series.
+    fn sheet() -> Sheet {
+        let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
+        // X = 3 + 4u, Y = -2 + 5v; u^2 = (2 P2 + 1)/3.
+        let x2 = [9.0 + 16.0 / 3.0, 24.0, 32.0 / 3.0];
+        let y = [-2.0, 5.0];
+        let series = Series::from_fn(3, 2, |i, j| 0.01 * x2[i] * y[j]);
+        Sheet {
+            series,
+            centre,
+            half,
+            scale_mm: 2.0,
+            lift_mm: 7.0,
+        }
+    }
+
+    #[test]
+    fn derivatives_are_in_the_part_frame() {
+        let q = DVec2::new(1.5, -4.0);
+        let point = sheet().at(q);
+        assert!((point.sag - (0.02 * 2.25 * -4.0 + 7.0)).abs() < 1e-13);
+        assert!((point.slope - DVec2::new(0.04 * 1.5 * -4.0, 0.02 * 2.25)).length() < 1e-14);
+        let c = sheet().curvature(q);
+        assert!((c.xx + 0.16).abs() < 1e-14 && (c.xy - 0.06).abs() < 1e-14 && c.yy.abs() < 1e-14);
+        assert!((c.det() + 0.0036).abs() < 1e-14);
+        assert!((c.norm() - 0.18).abs() < 1e-13);
+    }
+
+    #[test]
+    fn integral_matches_the_closed_form() {
+        let rect = Rect {
+            min: DVec2::new(0.0, -3.0),
+            max: DVec2::new(2.0, 1.0),
+        };
+        let exact = 0.02 * (8.0 / 3.0) * (0.5 * (1.0 - 9.0)) + 7.0 * 8.0;
+        assert!((sheet().integral(rect) - exact).abs() < 1e-12);
+    }
+}
