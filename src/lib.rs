@@ -3,6 +3,7 @@
 
 pub mod design;
 pub mod geom;
+pub mod mesh;
 pub mod mirror;
 pub mod num;
 pub mod optics;

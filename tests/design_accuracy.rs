@@ -157,7 +157,8 @@ fn the_papers_mirrors_have_their_known_worst_ray_errors() {
         .facts
         .ray_error_mrad
         .max;
-    println!("{panoramic} {refit}"); assert!((panoramic - 29.3).abs() < 0.2, "{panoramic}");
+    println!("{panoramic} {refit}");
+    assert!((panoramic - 29.3).abs() < 0.2, "{panoramic}");
     assert!((refit - 22.0).abs() < 0.2, "{refit}");
 }
 

@@ -6,7 +6,7 @@
 mod bounds;
 mod sheet;
 
-pub use bounds::{CellBounds, SheetBounds};
+pub use bounds::{CellBounds, Cells, Union};
 pub use sheet::{Curvature, Point, Sheet, SheetRow};
 
 use crate::geom::{DVec2, DVec3, Rect};

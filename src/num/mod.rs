@@ -4,6 +4,7 @@
 //! same bytes" would break with them; the functions here are `libm`'s software versions, equal
 //! everywhere. `sqrt`, `abs` and rounding are exact in IEEE 754 and may be called directly.
 
+pub mod bernstein;
 mod elementary;
 pub mod least_squares;
 pub mod legendre;

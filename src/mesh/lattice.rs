@@ -1,0 +1,274 @@
+//! Point proposals: a triangular lattice in rows along X, stretched along each axis by a spacing
+//! that follows the tolerances. Proposals need not be right, only near: the proof decides.
+
+use super::proof::{Prover, largest_deviation};
+use super::{Limits, MeshError};
+use crate::geom::{DVec2, Rect};
+use crate::mirror::Curvature;
+use crate::optics::reflect_vertical;
+
+/// Places per side where the tolerances are turned into spacings.
+const PLACES: usize = 32;
+/// Share of a limit that the lattice aims at; the rest is for the proof's remainder terms.
+const AIM: f64 = 0.985;
+/// Row distance over column spacing of equilateral triangles.
+const EQUILATERAL: f64 = 0.866_025_403_784_438_6;
+/// Largest number of facets that is meshed: about 10 GB in all stages.
+const MOST_FACETS: f64 = 4e7;
+
+/// The lattice's points, row by row, single-precision numbers; the first and last of a row and
+/// the first and last row lie exactly on the rim of `domain`.
+pub fn propose(prover: &Prover, domain: Rect, limits: Limits) -> Result<Vec<DVec2>, MeshError> {
+    let needs = Needs::new(prover, domain, limits);
+    let (columns, rows) = needs.spacings();
+    let (across, along) = (
+        count(&columns, domain.size().x),
+        count(&rows, domain.size().y),
+    );
+    let facets = 2.0 * across * along;
+    if !(facets <= MOST_FACETS) {
+        return Err(MeshError::TooMany {
+            facets,
+            most: MOST_FACETS,
+        });
+    }
+    let even = steps(&columns, domain.min.x, domain.max.x, 0.0);
+    let odd = steps(&columns, domain.min.x, domain.max.x, 0.5);
+    let mut points = Vec::with_capacity((facets / 2.0) as usize + even.len());
+    for (k, &y) in steps(&rows, domain.min.y, domain.max.y, 0.0)
+        .iter()
+        .enumerate()
+    {
+        let row = if k % 2 == 0 { &even } else { &odd };
+        points.extend(row.iter().map(|&x| DVec2::new(x, y)));
+    }
+    Ok(points)
+}
+
+/// Number of steps over `length` at the given spacings.
+fn count(spacing: &[f64], length: f64) -> f64 {
+    let cell = length / (spacing.len() - 1) as f64;
+    spacing
+        .windows(2)
+        .map(|s| 0.5 * cell * (1.0 / s[0] + 1.0 / s[1]))
+        .sum()
+}
+
+/// Places from `lo` to `hi`, both included, a whole number of local spacings apart; with a `phase`
+/// the inner ones are moved by that share of a step.
+fn steps(spacing: &[f64], lo: f64, hi: f64, phase: f64) -> Vec<f64> {
+    let total = count(spacing, hi - lo);
+    let whole = total.ceil().max(1.0);
+    let cell = (hi - lo) / (spacing.len() - 1) as f64;
+    let mut places = vec![lo];
+    let mut next = if phase > 0.0 { phase } else { 1.0 };
+    let mut reached = 0.0;
+    for (k, s) in spacing.windows(2).enumerate() {
+        let here = 0.5 * cell * (1.0 / s[0] + 1.0 / s[1]) * whole / total;
+        while next < reached + here && next < whole - 0.25 {
+            let x = lo + cell * (k as f64 + (next - reached) / here);
+            let x = f64::from(x as f32);
+            if places.last().is_some_and(|&last| x > last) && x < hi {
+                places.push(x);
+            }
+            next += 1.0;
+        }
+        reached += here;
+    }
+    places.push(hi);
+    places
+}
+
+/// What the tolerances ask for at one place of the panel.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    curvature: Curvature,
+    /// Image displacement (mm) per change of slope along X and Y.
+    per_slope: [DVec2; 2],
+}
+
+impl Place {
+    /// Facet error (mm) and chord error (mm) of the lattice triangle with base `a` along X and
+    /// height `b` along Y, on the quadratic surface through this place.
+    fn errors(&self, a: f64, b: f64) -> (f64, f64) {
+        let corners = [DVec2::ZERO, DVec2::new(a, 0.0), DVec2::new(0.5 * a, b)];
+        let Curvature { xx, xy, yy } = self.curvature;
+        let facet = DVec2::new(
+            0.5 * xx * a,
+            0.5 * (xy * a + yy * b) - xx * a * a / (8.0 * b),
+        );
+        let shift = |corner: &DVec2| {
+            let slope = facet - self.curvature.times(*corner);
+            (self.per_slope[0] * slope.x + self.per_slope[1] * slope.y).length()
+        };
+        let along = |i: usize, j: usize| {
+            let edge = corners[j] - corners[i];
+            self.curvature.times(edge).dot(edge)
+        };
+        let worst = corners.iter().map(shift).fold(0.0, f64::max);
+        (
+            worst,
+            largest_deviation(along(0, 1), along(1, 2), along(2, 0)),
+        )
+    }
+}
+
+/// The places of a panel and the limits there.
+struct Needs {
+    places: Vec<Place>,
+    limits: Limits,
+    size: DVec2,
+}
+
+impl Needs {
+    fn new(prover: &Prover, domain: Rect, limits: Limits) -> Self {
+        let place = |q: DVec2| {
+            let slope = prover.sheet.at(q).slope;
+            // Sizing needs three digits: a forward difference gives six.
+            let step = 1e-6 * slope.length().max(1e-6);
+            let shown = |p: DVec2| prover.strip.locate(reflect_vertical(p), q);
+            let per_slope =
+                [DVec2::X, DVec2::Y].map(|d| (shown(slope + d * step) - shown(slope)) / step);
+            Place {
+                curvature: prover.sheet.curvature(q),
+                per_slope,
+            }
+        };
+        let places = domain.grid(PLACES, PLACES).map(|(q, _)| place(q)).collect();
+        Self {
+            places,
+            limits,
+            size: domain.size(),
+        }
+    }
+
+    fn keeps(&self, place: &Place, a: f64, b: f64) -> bool {
+        let (facet, chord) = place.errors(a, b);
+        self.limits
+            .facet_mm
+            .is_none_or(|limit| facet <= AIM * limit)
+            && self
+                .limits
+                .chord_mm
+                .is_none_or(|limit| chord <= AIM * limit)
+    }
+
+    /// The largest spacing of equilateral triangles at a place, at most the domain's size.
+    fn equilateral(&self, place: &Place) -> f64 {
+        let (facet, chord) = place.errors(1.0, EQUILATERAL);
+        let largest = self.size.max_element();
+        let by_facet = self
+            .limits
+            .facet_mm
+            .map_or(largest, |limit| AIM * limit / facet);
+        let by_chord = self
+            .limits
+            .chord_mm
+            .map_or(largest, |limit| (AIM * limit / chord).sqrt());
+        by_facet.min(by_chord).min(largest)
+    }
+
+    /// Column spacing against X and row spacing against Y, at the grid's places: of a few trial
+    /// widenings of the columns, the one that needs the fewest points.
+    fn spacings(&self) -> (Vec<f64>, Vec<f64>) {
+        let width = PLACES + 1;
+        let equilateral: Vec<f64> = self.places.iter().map(|p| self.equilateral(p)).collect();
+        let narrowest = |i: usize| {
+            (0..width)
+                .map(|j| equilateral[j * width + i])
+                .fold(f64::INFINITY, f64::min)
+        };
+        let base: Vec<f64> = (0..width).map(narrowest).collect();
+        let trial = |widening: f64| {
+            let columns: Vec<f64> = base.iter().map(|a| a * widening).collect();
+            let rows: Vec<f64> = (0..width).map(|j| self.row_spacing(j, &columns)).collect();
+            (columns, rows)
+        };
+        let points = |(columns, rows): &(Vec<f64>, Vec<f64>)| {
+            count(columns, self.size.x) * count(rows, self.size.y)
+        };
+        [0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3]
+            .map(trial)
+            .into_iter()
+            .min_by(|a, b| points(a).total_cmp(&points(b)))
+            .expect("there are trials")
+    }
+
+    /// The widest row distance at row `j` that suits every place of the row.
+    fn row_spacing(&self, j: usize, columns: &[f64]) -> f64 {
+        let row = &self.places[j * columns.len()..(j + 1) * columns.len()];
+        let keeps = |b: f64| {
+            row.iter()
+                .zip(columns)
+                .all(|(place, &a)| self.keeps(place, a, b))
+        };
+        let narrowest = columns.iter().copied().fold(f64::INFINITY, f64::min);
+        let (mut low, mut high) = (0.3 * narrowest, 8.0 * narrowest);
+        for _ in 0..24 {
+            let middle = 0.5 * (low + high);
+            if keeps(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_reach_both_ends_exactly_and_alternate() {
+        let spacing = [0.1, 0.2, 0.3];
+        let even = steps(&spacing, -1.0, 2.0, 0.0);
+        let odd = steps(&spacing, -1.0, 2.0, 0.5);
+        assert_eq!((even[0], *even.last().unwrap()), (-1.0, 2.0));
+        assert_eq!((odd[0], *odd.last().unwrap()), (-1.0, 2.0));
+        assert_eq!(odd.len(), even.len() + 1);
+        assert!(even.windows(2).all(|w| w[1] > w[0]) && odd.windows(2).all(|w| w[1] > w[0]));
+        for k in 1..odd.len() - 1 {
+            assert!(even[k - 1] < odd[k] && odd[k] < even[k]);
+        }
+    }
+
+    #[test]
+    fn errors_of_a_bowl_and_a_saddle_are_the_closed_forms() {
+        let unit = [DVec2::X, DVec2::Y];
+        let h = 0.1;
+        // Equilateral triangle on z = k r^2 / 2: circumradius h/sqrt 3, chord k R^2 / 2.
+        let bowl = Curvature {
+            xx: 2.0,
+            xy: 0.0,
+            yy: 2.0,
+        };
+        let (facet, chord) = Place {
+            curvature: bowl,
+            per_slope: unit,
+        }
+        .errors(h, EQUILATERAL * h);
+        assert!((facet - 2.0 * h / 3.0f64.sqrt()).abs() < 1e-15);
+        assert!((chord - h * h / 3.0).abs() < 1e-15);
+        // On the saddle one principal direction along X: the facet's point is half a circumradius
+        // below the centre, farthest from the apex.
+        let saddle = Curvature {
+            xx: 2.0,
+            xy: 0.0,
+            yy: -2.0,
+        };
+        let (facet, _) = Place {
+            curvature: saddle,
+            per_slope: unit,
+        }
+        .errors(h, EQUILATERAL * h);
+        let radius = h / 3.0f64.sqrt();
+        assert!(
+            (facet / (2.0 * radius) - 1.75f64.sqrt()).abs() < 1e-12
+                || (facet / (2.0 * radius) - 1.5).abs() < 1e-12,
+            "{}",
+            facet / (2.0 * radius)
+        );
+    }
+}

@@ -1,0 +1,132 @@
+//! Triangulation and repair: spade joins the points, the proof is asked of every facet, and the
+//! facets that fail get a point on their longest edge until none fails.
+
+use super::proof::{Bound, Prover, Vertex};
+use super::{Limits, MeshError};
+use crate::geom::{DVec2, TriMesh};
+use rayon::prelude::*;
+use spade::{DelaunayTriangulation, Point2, Triangulation};
+
+/// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
+const CHUNK: usize = 4096;
+
+/// The Delaunay triangulation of `points` (rows of equal Y), refined until every facet keeps
+/// `limits`, with the bound reached.
+pub fn triangulate(
+    prover: &Prover,
+    points: Vec<DVec2>,
+    limits: Limits,
+) -> Result<(TriMesh, Bound), MeshError> {
+    let mut vertices = on_rows(prover, &points);
+    let mut plane = delaunay(&points)?;
+    loop {
+        let triangles: Vec<[u32; 3]> = plane
+            .inner_faces()
+            .map(|f| f.vertices().map(|v| v.index() as u32))
+            .collect();
+        let (bound, failed) = prove(prover, &vertices, &triangles, limits);
+        if failed.is_empty() {
+            let vertices = vertices.into_iter().map(|v| v.at).collect();
+            return Ok((
+                TriMesh {
+                    vertices,
+                    triangles,
+                },
+                bound,
+            ));
+        }
+        for t in failed {
+            let point = split_point(prover, triangles[t].map(|v| &vertices[v as usize]))?;
+            let index = insert(&mut plane, point)?;
+            if index == vertices.len() {
+                vertices.push(prover.vertex(point, prover.sheet.at(point)));
+            }
+        }
+    }
+}
+
+/// Evaluates the mirror at points that come in rows of equal Y.
+fn on_rows(prover: &Prover, points: &[DVec2]) -> Vec<Vertex> {
+    let rows: Vec<&[DVec2]> = points.chunk_by(|a, b| a.y == b.y).collect();
+    let evaluate = |row: &&[DVec2]| {
+        let sheet = prover.sheet.row(row[0].y);
+        row.iter()
+            .map(|&q| prover.vertex(q, sheet.at(q.x)))
+            .collect::<Vec<_>>()
+    };
+    rows.par_iter().map(evaluate).collect::<Vec<_>>().concat()
+}
+
+fn delaunay(points: &[DVec2]) -> Result<DelaunayTriangulation<Point2<f64>>, MeshError> {
+    let points = points.iter().map(|p| Point2::new(p.x, p.y)).collect();
+    DelaunayTriangulation::bulk_load_stable(points).map_err(|reason| MeshError::Point {
+        x: f64::NAN,
+        y: f64::NAN,
+        reason: reason.to_string(),
+    })
+}
+
+fn insert(plane: &mut DelaunayTriangulation<Point2<f64>>, p: DVec2) -> Result<usize, MeshError> {
+    match plane.insert(Point2::new(p.x, p.y)) {
+        Ok(vertex) => Ok(vertex.index()),
+        Err(reason) => Err(MeshError::Point {
+            x: p.x,
+            y: p.y,
+            reason: reason.to_string(),
+        }),
+    }
+}
+
+/// The worst bound, and the facets over the limits in ascending order.
+fn prove(
+    prover: &Prover,
+    vertices: &[Vertex],
+    triangles: &[[u32; 3]],
+    limits: Limits,
+) -> (Bound, Vec<usize>) {
+    let chunks: Vec<(Bound, Vec<usize>)> = triangles
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(chunk, facets)| {
+            let (mut worst, mut failed) = (Bound::default(), Vec::new());
+            for (k, facet) in facets.iter().enumerate() {
+                let bound = prover.bound(facet.map(|v| &vertices[v as usize]));
+                worst = worst.max(bound);
+                if !limits.hold(&bound) {
+                    failed.push(chunk * CHUNK + k);
+                }
+            }
+            (worst, failed)
+        })
+        .collect();
+    chunks.into_iter().fold(
+        (Bound::default(), Vec::new()),
+        |(worst, mut all), (bound, failed)| {
+            all.extend(failed);
+            (worst.max(bound), all)
+        },
+    )
+}
+
+/// Where a facet that fails is split: the middle of its longest edge, on the grid of single
+/// precision (so that a point on the rim stays on it).
+fn split_point(prover: &Prover, facet: [&Vertex; 3]) -> Result<DVec2, MeshError> {
+    let corners = facet.map(|v| v.at.truncate());
+    let longest = (0..3)
+        .map(|k| (corners[k], corners[(k + 1) % 3]))
+        .max_by(|a, b| a.0.distance(a.1).total_cmp(&b.0.distance(b.1)))
+        .expect("a facet has edges");
+    let (size_mm, middle) = (longest.0.distance(longest.1), (longest.0 + longest.1) * 0.5);
+    let point = middle.as_vec2().as_dvec2();
+    // Below this many steps of single precision facets lose their shape to rounding.
+    const STEPS: f64 = 64.0;
+    let step = middle.abs().max_element() * f64::from(f32::EPSILON);
+    if size_mm <= STEPS * step {
+        return Err(MeshError::Floor {
+            at: point,
+            size_mm,
+            bound: prover.bound(facet),
+        });
+    }
+    Ok(point)
+}
