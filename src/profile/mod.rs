@@ -1,5 +1,24 @@
-//! stub
+//! What is wanted of a mirror: the TOML profile, read and checked.
+//!
+//! A [`Profile`] that exists is a valid one: every number is finite and within its limits, and
+//! the layout fits the projection. [`Profile::parse`] either returns one or returns all the
+//! [`Complaints`] at once, each with its place in the file.
+
+mod check;
+mod complaint;
+mod lines;
+mod reader;
+mod schema;
+mod shipped;
+mod source;
+mod values;
+mod words;
+
 use std::fmt;
+
+pub use complaint::{Complaint, Complaints};
+pub use shipped::{Shipped, shipped};
+
 /// A checked profile: camera, projection, layout, method, part, mesh, files and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
@@ -157,4 +176,26 @@ pub struct Accept {
     pub pixel_error_max_px: Option<f64>,
     /// Smallest share of the frame's pixels that see their part of the world, 0 to 1.
     pub frame_filled: Option<f64>,
+}
+
+impl Profile {
+    /// Reads and checks a profile.
+    ///
+    /// `name` is what output goes under and `file` what complaints call the file. On failure every
+    /// complaint that can be made is made, in the order of the file.
+    pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
+        let text = source::text(file, bytes)?;
+        let (tree, errors) = toml::de::DeTable::parse_recoverable(text);
+        let mut reader = reader::Reader::new(file, text);
+        for error in &errors {
+            reader.broken(error);
+        }
+        let mended = reader.mended();
+        let tree = match &mended {
+            Some(text) => toml::de::DeTable::parse_recoverable(text).0,
+            None => tree,
+        };
+        check::profile(&mut reader, tree.get_ref(), name, bytes)
+            .ok_or_else(|| reader.into_complaints())
+    }
 }

@@ -1,0 +1,377 @@
+//! A walk over the parsed tree that notes every complaint and goes on.
+
+use std::collections::BTreeSet;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Error};
+
+use super::complaint::{Complaint, Complaints};
+use super::lines::Lines;
+use super::schema;
+use super::words::{list, shown, syntax_hint};
+
+/// A value and where it stands.
+pub(super) type Value<'t> = Spanned<DeValue<'t>>;
+
+const MAX_SYNTAX_COMPLAINTS: usize = 20;
+
+/// Whether a table may do without a key.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Need {
+    Required,
+    Optional,
+}
+
+/// A table of the profile.
+pub(super) struct Section<'t> {
+    pub(super) path: String,
+    pub(super) at: usize,
+    entries: &'t DeTable<'t>,
+    /// Keys that were meant but misspelt; one complaint is enough for each.
+    misspelt: Vec<&'static str>,
+}
+
+impl<'t> Section<'t> {
+    /// The whole path of one of the table's keys.
+    pub(super) fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key) || self.misspelt.contains(&key)
+    }
+}
+
+/// Collects what is wrong with one file.
+pub(super) struct Reader<'a> {
+    file: &'a str,
+    text: &'a str,
+    lines: Lines<'a>,
+    complaints: Vec<Complaint>,
+    /// The lines with an error of syntax.
+    syntax: BTreeSet<usize>,
+    /// Parts of the file could not be read, so an absent key may well be there.
+    torn: bool,
+    /// The last error of syntax was of a list or inline table.
+    swallowing: bool,
+    /// Where lines stand that are neither a setting nor a table.
+    stray: Vec<usize>,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+        Reader {
+            file,
+            text,
+            lines: Lines::new(text),
+            complaints: Vec::new(),
+            syntax: BTreeSet::new(),
+            torn: false,
+            swallowing: false,
+            stray: Vec::new(),
+        }
+    }
+
+    /// Notes an error of syntax.
+    pub(super) fn broken(&mut self, error: &Error) {
+        let span = error.span().unwrap_or(0..0);
+        let line = self.lines.line(span.start);
+        // A slip of syntax often trips the parser several times.
+        if !self.syntax.insert(line) {
+            return;
+        }
+        if error.message() == "duplicate key" {
+            let key = shown(self.text.get(span.clone()).unwrap_or(""));
+            let message = format!("{key} must be given only once, found it again");
+            return self.complain(span.start, message, "keep one of them");
+        }
+        self.torn = true;
+        // A list left open swallows the lines below it.
+        let swallows = error.message().starts_with("missing comma")
+            || error.message().contains("inline table element");
+        let swallowed = swallows && self.swallowing;
+        self.swallowing = swallows;
+        if swallowed {
+            return;
+        }
+        if error.message().starts_with("key with no value") {
+            self.stray.push(span.start.min(self.text.len()));
+        }
+        match self.syntax.len() {
+            ..=MAX_SYNTAX_COMPLAINTS => {
+                let message = format!("the text must be TOML: {}", error.message());
+                let hint = syntax_hint(error.message());
+                self.complain(span.start, message, hint);
+            }
+            n if n == MAX_SYNTAX_COMPLAINTS + 1 => {
+                let message = "more lines are not TOML".to_owned();
+                self.complain(span.start, message, "is this file a profile?");
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes a complaint at a byte offset. An empty hint is none.
+    pub(super) fn complain(&mut self, at: usize, message: String, hint: &str) {
+        let (line, column) = self.lines.place(at);
+        self.complaints.push(Complaint {
+            file: self.file.to_owned(),
+            line,
+            column,
+            message,
+            hint: (!hint.is_empty()).then(|| hint.to_owned()),
+        });
+    }
+
+    /// Notes that something is missing from a table, unless it may have been lost to an error of
+    /// syntax.
+    pub(super) fn missing(&mut self, section: &Section, message: String, hint: &str) {
+        if !self.torn {
+            self.complain(section.at, message, hint);
+        }
+    }
+
+    /// The text without its lines that are neither a setting nor a table, which end the parser's
+    /// reading. Every other byte keeps its place.
+    pub(super) fn mended(&self) -> Option<String> {
+        if self.stray.is_empty() {
+            return None;
+        }
+        let mut bytes = self.text.as_bytes().to_vec();
+        for &at in &self.stray {
+            let start = bytes[..at].iter().rposition(|&b| b == b'\n');
+            let start = start.map_or(0, |newline| newline + 1);
+            let end = bytes[at..].iter().position(|&b| b == b'\n');
+            let end = end.map_or(bytes.len(), |length| at + length);
+            let line = &mut bytes[start..end];
+            if !line.iter().any(|b| b"[]{}\"'\r".contains(b)) {
+                line.fill(b' ');
+            }
+        }
+        String::from_utf8(bytes).ok()
+    }
+
+    pub(super) fn is_clean(&self) -> bool {
+        self.complaints.is_empty()
+    }
+
+    pub(super) fn into_complaints(mut self) -> Complaints {
+        self.complaints.sort_by_key(|c| (c.line, c.column));
+        Complaints(self.complaints)
+    }
+
+    /// The source of a value, short enough to quote.
+    pub(super) fn quote(&self, value: &Value) -> String {
+        shown(self.text.get(value.span()).unwrap_or(""))
+    }
+
+    /// The source of a value of the wrong type, and its type.
+    pub(super) fn quote_type(&self, value: &Value) -> String {
+        match value.get_ref() {
+            DeValue::Table(_) => "a table".to_owned(),
+            found if is_list_of_tables(found) => "a list of tables".to_owned(),
+            DeValue::Array(_) => format!("the list {}", self.quote(value)),
+            DeValue::String(_) => format!("the text {}", self.quote(value)),
+            DeValue::Datetime(_) => format!("the date or time {}", self.quote(value)),
+            DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_) => self.quote(value),
+        }
+    }
+
+    /// The table that is the whole profile.
+    pub(super) fn root<'t>(&mut self, entries: &'t DeTable<'t>) -> Section<'t> {
+        self.open(String::new(), 0, entries, "")
+    }
+
+    /// Opens a table and complains of the keys it should not have.
+    fn open<'t>(
+        &mut self,
+        path: String,
+        at: usize,
+        entries: &'t DeTable<'t>,
+        hint: &str,
+    ) -> Section<'t> {
+        let known = schema::keys(&path);
+        let mut misspelt = Vec::new();
+        for (key, _) in entries {
+            let word = key.get_ref().as_ref();
+            let garbled = self.torn && self.syntax.contains(&self.lines.line(key.span().start));
+            if known.contains(&word) || garbled {
+                continue;
+            }
+            let hint = match (schema::nearest(word, known), schema::home(word)) {
+                (Some(meant), _) => {
+                    misspelt.push(meant);
+                    format!("did you mean {meant}?")
+                }
+                (None, Some(home)) => format!("{word} belongs in [{home}]"),
+                (None, None) => hint.to_owned(),
+            };
+            let holder = match path.as_str() {
+                "" => "the profile",
+                path => path,
+            };
+            let known = list(known, "and");
+            let message = format!("{holder} must hold only {known}, found {}", shown(word));
+            self.complain(key.span().start, message, &hint);
+        }
+        Section {
+            path,
+            at,
+            entries,
+            misspelt,
+        }
+    }
+
+    /// A table inside a table.
+    pub(super) fn section<'t>(
+        &mut self,
+        parent: &Section<'t>,
+        key: &str,
+        need: Need,
+    ) -> Option<Section<'t>> {
+        let path = parent.path_of(key);
+        let hint = format!(
+            "write [{path}] and below it {}",
+            list(schema::keys(&path), "and")
+        );
+        if need == Need::Required && !parent.has(key) {
+            self.missing(
+                parent,
+                format!("{path} must be a table, found nothing"),
+                &hint,
+            );
+        }
+        self.table(parent, key, &hint, "")
+    }
+
+    /// A table inside a table, with one hint if it is something else and one for unknown keys.
+    fn table<'t>(
+        &mut self,
+        parent: &Section<'t>,
+        key: &str,
+        form: &str,
+        unknown: &str,
+    ) -> Option<Section<'t>> {
+        let path = parent.path_of(key);
+        let value = parent.entries.get(key)?;
+        let at = value.span().start;
+        match value.get_ref() {
+            DeValue::Table(table) => return Some(self.open(path, at, table, unknown)),
+            _ if self.is_filler(value) => {}
+            found => {
+                let message = format!("{path} must be a table, found {}", self.quote_type(value));
+                let doubled = format!("write [{path}] with single brackets");
+                let form = if is_list_of_tables(found) {
+                    &doubled
+                } else {
+                    form
+                };
+                self.complain(at, message, form);
+            }
+        }
+        None
+    }
+
+    /// The alternatives that a table holds; a complaint unless it is exactly one.
+    pub(super) fn alternatives<'t>(
+        &mut self,
+        root: &Section<'t>,
+        key: &str,
+        hint: &str,
+    ) -> Vec<(&'static str, Section<'t>)> {
+        let names: Vec<String> = schema::keys(key)
+            .iter()
+            .map(|name| format!("[{key}.{name}]"))
+            .collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let must = match names.as_slice() {
+            [only] => format!("{key} must hold {only}"),
+            names => format!("{key} must hold exactly one of {}", list(names, "and")),
+        };
+        if !root.has(key) {
+            self.missing(root, format!("{must}, found nothing"), hint);
+            return Vec::new();
+        }
+        let form = format!("write {}", list(&names, "or"));
+        let Some(parent) = self.table(root, key, &form, hint) else {
+            return Vec::new();
+        };
+        let mut found: Vec<_> = schema::keys(key)
+            .iter()
+            .filter_map(|name| Some((*name, self.section(&parent, name, Need::Optional)?)))
+            .collect();
+        found.sort_by_key(|(_, section)| section.at);
+        if let [_, .., (_, last)] = found.as_slice() {
+            let message = format!("{must}, found {}", found.len());
+            self.complain(last.at, message, "remove all but one");
+        }
+        if parent.entries.is_empty() {
+            self.missing(&parent, format!("{must}, found nothing"), hint);
+        }
+        found
+    }
+
+    /// The value of a key. If it is required and absent, a complaint.
+    pub(super) fn value<'t>(
+        &mut self,
+        section: &Section<'t>,
+        key: &str,
+        need: Need,
+        must: &str,
+        hint: &str,
+    ) -> Option<&'t Value<'t>> {
+        let value = section.entries.get(key);
+        if value.is_none() && need == Need::Required && !section.has(key) {
+            let path = section.path_of(key);
+            self.missing(
+                section,
+                format!("{path} must be {must}, found nothing"),
+                hint,
+            );
+        }
+        value.filter(|value| !self.is_filler(value))
+    }
+
+    /// Whether a value stands for one that could not be read; its lines have a complaint already.
+    fn is_filler(&self, value: &Value) -> bool {
+        let span = value.span();
+        let lines = self.lines.line(span.start)..=self.lines.line(span.end);
+        self.torn && (span.is_empty() || self.syntax.range(lines).next().is_some())
+    }
+}
+
+fn is_list_of_tables(value: &DeValue) -> bool {
+    value
+        .as_array()
+        .is_some_and(|list| list.iter().any(|v| v.get_ref().is_table()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bad_line_is_named_once() {
+        let text = "a = = = 1\nb = x\nc 3\n";
+        let mut reader = Reader::new("p.toml", text);
+        for error in &DeTable::parse_recoverable(text).1 {
+            reader.broken(error);
+        }
+        let places: Vec<_> = reader.into_complaints().0.iter().map(|c| c.line).collect();
+        assert_eq!(places, [1, 2, 3]);
+    }
+
+    #[test]
+    fn a_flood_of_bad_lines_is_cut_short() {
+        let text = "a = = 1\n".repeat(1000);
+        let mut reader = Reader::new("p.toml", &text);
+        for error in &DeTable::parse_recoverable(&text).1 {
+            reader.broken(error);
+        }
+        assert_eq!(reader.into_complaints().0.len(), MAX_SYNTAX_COMPLAINTS + 1);
+    }
+}

@@ -1,0 +1,59 @@
+//! The profiles that come with Morion.
+
+/// A profile that comes with Morion and can be named without a path.
+#[derive(Clone, Copy, Debug)]
+pub struct Shipped {
+    /// Its name.
+    pub name: &'static str,
+    /// Its text, TOML.
+    pub text: &'static str,
+}
+
+/// The shipped profiles, the paper's two mirrors first.
+pub fn shipped() -> &'static [Shipped] {
+    &[
+        Shipped {
+            name: "panoramic",
+            text: include_str!("../../profiles/panoramic.toml"),
+        },
+        Shipped {
+            name: "conquistador",
+            text: include_str!("../../profiles/conquistador.toml"),
+        },
+        Shipped {
+            name: "conformal",
+            text: include_str!("../../profiles/conformal.toml"),
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::Profile;
+
+    #[test]
+    fn all_are_valid_and_say_what_they_are() {
+        for shipped in shipped() {
+            let file = format!("{}.toml", shipped.name);
+            match Profile::parse(shipped.name, &file, shipped.text.as_bytes()) {
+                Ok(profile) => assert!(!profile.summary.is_empty(), "{file}"),
+                Err(complaints) => panic!("{complaints}"),
+            }
+        }
+    }
+
+    #[test]
+    fn every_file_in_profiles_is_shipped() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/profiles");
+        let mut files: Vec<String> = std::fs::read_dir(folder)
+            .expect("profiles/ is there")
+            .map(|entry| entry.expect("readable").file_name())
+            .map(|file| file.to_string_lossy().replace(".toml", ""))
+            .collect();
+        files.sort();
+        let mut names: Vec<&str> = shipped().iter().map(|s| s.name).collect();
+        names.sort();
+        assert_eq!(files, names);
+    }
+}

@@ -1,0 +1,289 @@
+//! Profiles that are valid, profiles at the edge of it, and text that is no profile at all.
+
+use morion::profile::{
+    Accept, Camera, Format, Law, Layout, MeshLimits, Method, PanelSource, Part, Profile,
+    Projection, Ridge, shipped,
+};
+use proptest::prelude::*;
+
+/// The least that is a profile, with the edits of one test.
+fn with(edits: &[(&str, &str)]) -> Result<Profile, String> {
+    let mut text = "\
+camera.orthographic.pixels = [640, 480]
+projection.cylindrical = { azimuth_deg = [-180, 180], elevation_deg = [-30, 30] }
+layout.conquistador = {}
+method.vector-field.degree = 12
+part = { width_mm = 60, base_mm = 5 }
+mesh.chord_um = 2
+export.formats = [\"stl\"]
+"
+    .to_owned();
+    for (old, new) in edits {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
+    Profile::parse("least", "least.toml", text.as_bytes()).map_err(|c| c.to_string())
+}
+
+#[test]
+fn the_shipped_conquistador_is_the_papers() {
+    let text = shipped()
+        .iter()
+        .find(|s| s.name == "conquistador")
+        .expect("shipped")
+        .text;
+    let profile = Profile::parse("c", "c.toml", text.as_bytes()).expect("valid");
+    assert_eq!(
+        profile,
+        Profile {
+            name: "c".into(),
+            sha256: profile.sha256.clone(),
+            summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
+            camera: Camera::Orthographic { pixels: [640, 480] },
+            projection: Projection {
+                law: Law::Cylindrical,
+                azimuth_deg: [-180.0, 180.0],
+                elevation_deg: [-30.0, 30.0],
+            },
+            layout: Layout::Conquistador {
+                panel: PanelSource::Refit,
+                ridge: Ridge::Crest,
+                fill_frame: true,
+            },
+            method: Method::VectorField { degree: 12 },
+            part: Part {
+                width_mm: 60.0,
+                base_mm: 5.0,
+            },
+            mesh: MeshLimits {
+                chord_um: Some(2.0),
+                facet_px: Some(1.0),
+            },
+            formats: vec![Format::Stl, Format::Obj],
+            accept: Accept {
+                pixel_error_rms_px: Some(2.0),
+                pixel_error_max_px: Some(6.0),
+                frame_filled: Some(0.999),
+            },
+        }
+    );
+}
+
+#[test]
+fn defaults_and_other_ways_to_write_toml() {
+    let profile = with(&[]).expect("valid");
+    assert_eq!(profile.summary, "");
+    assert_eq!(profile.accept, Accept::default());
+    assert_eq!(profile.mesh.facet_px, None);
+    assert_eq!(
+        profile.layout,
+        Layout::Conquistador {
+            panel: PanelSource::Refit,
+            ridge: Ridge::Crest,
+            fill_frame: false,
+        }
+    );
+    let strip = with(&[("layout.conquistador", "layout.strip")]).expect("valid");
+    assert_eq!(strip.layout, Layout::Strip { fill_frame: false });
+    let valley = "layout.conquistador = { ridge = \"valley\", panel = \"section\" }";
+    let valley = with(&[("layout.conquistador = {}", valley)]).expect("valid");
+    assert_eq!(
+        valley.layout,
+        Layout::Conquistador {
+            panel: PanelSource::Section,
+            ridge: Ridge::Valley,
+            fill_frame: false,
+        }
+    );
+    let mercator = with(&[("cylindrical", "mercator"), ("[640", "[0x2_80")]).expect("valid");
+    assert_eq!(mercator.projection.law, Law::Mercator);
+    assert_eq!(mercator.camera, Camera::Orthographic { pixels: [640, 480] });
+}
+
+#[test]
+fn limits_are_where_they_are_said_to_be() {
+    let strip = ("layout.conquistador", "layout.strip");
+    for (old, inside, outside) in [
+        ("[640, 480]", "[1, 16384]", "[1, 16385]"),
+        ("[-180, 180]", "[-360, 0]", "[-360.001, -1]"),
+        ("[-180, 180]", "[0, 360]", "[-0.001, 360]"),
+        ("[-30, 30]", "[-89.999, 89.999]", "[-90, 89]"),
+        ("degree = 12", "degree = 1", "degree = 0"),
+        ("degree = 12", "degree = 40", "degree = 41"),
+        ("width_mm = 60", "width_mm = 1e-3", "width_mm = 0.999e-3"),
+        ("width_mm = 60", "width_mm = 1e6", "width_mm = 1000001"),
+        ("base_mm = 5", "base_mm = 0.001", "base_mm = -0.0"),
+        ("chord_um = 2", "chord_um = 1e-4", "chord_um = 0.99e-4"),
+        ("chord_um = 2", "facet_px = 1e-3", "facet_px = 0"),
+        ("chord_um = 2", "facet_px = 1000", "facet_px = 1000.1"),
+        (
+            "\"stl\"]",
+            "\"stl\"]\naccept = { frame_filled = 1, pixel_error_rms_px = 0 }",
+            "\"stl\"]\naccept.frame_filled = 1.0001",
+        ),
+    ] {
+        if let Err(complaints) = with(&[strip, (old, inside)]) {
+            panic!("{inside}: {complaints}");
+        }
+        assert!(with(&[strip, (old, outside)]).is_err(), "{outside}");
+    }
+}
+
+#[test]
+fn the_hash_is_of_the_bytes() {
+    let text = shipped()[0].text;
+    let hash = |text: &str| {
+        Profile::parse("p", "p.toml", text.as_bytes())
+            .expect("valid")
+            .sha256
+    };
+    assert_eq!(hash(text).len(), 64);
+    assert_ne!(hash(text), hash(&format!("{text}\n")));
+    assert_ne!(hash(text), hash(&text.replace('\n', "\r\n")));
+    // SHA-256 of this very text, by another program.
+    assert_eq!(
+        with(&[]).expect("valid").sha256,
+        "5d3ca418c56b4d2330511dbf3057523715d608c39eba8c28f6085009c79eb517"
+    );
+}
+
+/// Nesting of every kind, within the limit of size, on a small stack.
+#[test]
+fn nesting_never_exhausts_the_stack() {
+    let deep = |unit: &str, tail: &str| {
+        let mut text = unit.repeat((65_000 - tail.len()) / unit.len());
+        text.push_str(tail);
+        text
+    };
+    let keys = deep("a.", "b = 1");
+    let half = |open: &str, close: &str| {
+        let n = 60_000 / (open.len() + close.len());
+        format!("{}1{}", open.repeat(n), close.repeat(n))
+    };
+    let dotted = format!("{{{}a=", "a.".repeat(70));
+    let product = format!("x = {}1{}", dotted.repeat(75), "}".repeat(75));
+    let texts = [
+        keys.clone(),
+        format!("[{keys}"),
+        deep("[", ""),
+        deep("x = [", ""),
+        deep("x = [}", ""),
+        deep("x = {]", ""),
+        deep("a = {", ""),
+        deep("[a.", ""),
+        deep("[[a]]\n", ""),
+        deep("a . ", "b = 1"),
+        deep("\"\".", "b = 1"),
+        deep("'='.", "b = 1"),
+        deep("\"#\\\"\".", "b = 1"),
+        deep("'''\n'''.", "b = 1"),
+        format!("x = {}", half("[", "]")),
+        format!("x = {}", half("{a=", "}")),
+        format!("x = {}", half("{a.b.c.d.e.f.g.h=\n", "}")),
+        format!("x = {}", half("[}", "{]")),
+        product,
+    ];
+    let small = std::thread::Builder::new().stack_size(256 * 1024);
+    let thread = small.spawn(move || {
+        for text in texts {
+            let start: String = text.chars().take(20).collect();
+            let complaints = Profile::parse("deep", "deep.toml", text.as_bytes());
+            let complaints = complaints.expect_err("no profile");
+            assert!((1..=21).contains(&complaints.0.len()), "{start}");
+        }
+    });
+    assert!(thread.expect("a thread").join().is_ok());
+}
+
+/// Text made of the pieces that TOML is made of.
+fn soup() -> impl Strategy<Value = String> {
+    let piece = prop::sample::select(vec![
+        "[",
+        "]",
+        "[[",
+        "]]",
+        "{",
+        "}",
+        "=",
+        ",",
+        ".",
+        "\n",
+        "\r\n",
+        "\r",
+        "\"",
+        "'",
+        "\"\"\"",
+        "'''",
+        "\\",
+        "#",
+        " ",
+        "\t",
+        "camera",
+        "orthographic",
+        "pixels",
+        "mesh",
+        "chord_um",
+        "layout",
+        "strip",
+        "summary",
+        "1",
+        "-1",
+        "0x",
+        "1e",
+        "nan",
+        "inf",
+        "true",
+        "1979-05-27",
+        "é",
+        "\u{feff}",
+        "\0",
+        "\u{1b}",
+        "_",
+    ]);
+    prop::collection::vec(piece, 0..60).prop_map(|pieces| pieces.concat())
+}
+
+/// Complaints must be there, in order and inside the text.
+fn check_complaints(text: &[u8]) -> Result<(), TestCaseError> {
+    if let Err(complaints) = Profile::parse("soup", "soup.toml", text) {
+        prop_assert!(!complaints.0.is_empty());
+        let places: Vec<_> = complaints.0.iter().map(|c| (c.line, c.column)).collect();
+        prop_assert!(places.is_sorted());
+        let text = String::from_utf8_lossy(text);
+        let lines: Vec<&str> = text.split('\n').collect();
+        for ((line, column), complaint) in places.iter().zip(&complaints.0) {
+            prop_assert!((1..=lines.len()).contains(line));
+            prop_assert!((1..=lines[line - 1].chars().count() + 1).contains(column));
+            let raw = complaint.to_string().contains('\u{1b}');
+            prop_assert!(!raw, "an escape character reaches the terminal");
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn no_text_is_too_strange(text in soup()) {
+        check_complaints(text.as_bytes())?;
+    }
+
+    #[test]
+    fn no_bytes_are_too_strange(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        check_complaints(&bytes)?;
+    }
+
+    /// A valid profile with a piece cut out or something strange put in.
+    #[test]
+    fn no_damage_is_too_strange(
+        which in 0..3_usize,
+        at in 0..1500_usize,
+        cut in 0..40_usize,
+        put in soup(),
+    ) {
+        let mut text = shipped()[which].text.as_bytes().to_vec();
+        let at = at.min(text.len());
+        let end = (at + cut).min(text.len());
+        text.splice(at..end, put.bytes());
+        check_complaints(&text)?;
+    }
+}
