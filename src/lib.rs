@@ -2,9 +2,11 @@
 //! can cut, and proves the written file by tracing rays against it.
 
 pub mod design;
+pub mod export;
 pub mod geom;
 pub mod mesh;
 pub mod mirror;
 pub mod num;
 pub mod optics;
 pub mod profile;
+pub mod solid;

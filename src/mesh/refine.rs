@@ -5,6 +5,7 @@ use super::proof::{Bound, Prover, Vertex};
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, TriMesh};
 use rayon::prelude::*;
+use spade::handles::FixedVertexHandle;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
@@ -37,7 +38,8 @@ pub fn triangulate(
         }
         for t in failed {
             let point = split_point(prover, triangles[t].map(|v| &vertices[v as usize]))?;
-            let index = insert(&mut plane, point)?;
+            let near = FixedVertexHandle::from_index(triangles[t][0] as usize);
+            let index = insert(&mut plane, point, near)?;
             if index == vertices.len() {
                 vertices.push(prover.vertex(point, prover.sheet.at(point)));
             }
@@ -66,8 +68,12 @@ fn delaunay(points: &[DVec2]) -> Result<DelaunayTriangulation<Point2<f64>>, Mesh
     })
 }
 
-fn insert(plane: &mut DelaunayTriangulation<Point2<f64>>, p: DVec2) -> Result<usize, MeshError> {
-    match plane.insert(Point2::new(p.x, p.y)) {
+fn insert(
+    plane: &mut DelaunayTriangulation<Point2<f64>>,
+    p: DVec2,
+    near: FixedVertexHandle,
+) -> Result<usize, MeshError> {
+    match plane.insert_with_hint(Point2::new(p.x, p.y), near) {
         Ok(vertex) => Ok(vertex.index()),
         Err(reason) => Err(MeshError::Point {
             x: p.x,

@@ -1,0 +1,221 @@
+//! Reading meshes back, as a stranger would: nothing is taken from the writer but the file.
+
+use crate::geom::{DVec3, TriMesh};
+use std::io::{self, Cursor};
+use thiserror::Error;
+
+/// A mesh as a file holds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reread {
+    /// Facets; corners at the same place are joined.
+    pub mesh: TriMesh,
+    /// Unit normals at each facet's corners, if the file has any. Facets without normals of their
+    /// own have arbitrary ones.
+    pub normals: Option<Vec<[DVec3; 3]>>,
+}
+
+/// Why a file could not be read.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    /// A binary STL is shorter or longer than its facet count says.
+    #[error("the STL says {facets} facets, which take {expected} bytes, but it has {found}")]
+    Length {
+        /// Facets promised.
+        facets: u32,
+        /// Bytes they take.
+        expected: u64,
+        /// Bytes there are.
+        found: u64,
+    },
+    /// Not an STL.
+    #[error("not a readable STL: {0}")]
+    Stl(io::Error),
+    /// Not an OBJ.
+    #[error("not a readable OBJ: {0}")]
+    Obj(tobj::LoadError),
+    /// A coordinate is not a finite number.
+    #[error("facet {facet} has a coordinate that is not a finite number")]
+    NotFinite {
+        /// The facet.
+        facet: usize,
+    },
+    /// There is nothing in it.
+    #[error("the file holds no facets")]
+    Empty,
+}
+
+/// Reads binary or text STL.
+///
+/// # Errors
+/// [`ReadError`].
+pub fn read_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
+    const HEAD: usize = 84;
+    const FACET: u64 = 50;
+    if !bytes.starts_with(b"solid") && bytes.len() >= HEAD {
+        let facets = u32::from_le_bytes([bytes[80], bytes[81], bytes[82], bytes[83]]);
+        let expected = HEAD as u64 + FACET * u64::from(facets);
+        if expected != bytes.len() as u64 {
+            return Err(ReadError::Length {
+                facets,
+                expected,
+                found: bytes.len() as u64,
+            });
+        }
+    }
+    let mut cursor = Cursor::new(bytes);
+    let facets = stl_io::create_stl_reader(&mut cursor).map_err(ReadError::Stl)?;
+    let mut corners = Vec::with_capacity(3 * bytes.len() / FACET as usize);
+    for facet in facets {
+        let facet = facet.map_err(ReadError::Stl)?;
+        corners.extend(
+            facet
+                .vertices
+                .map(|v| DVec3::from_array(v.0.map(f64::from))),
+        );
+    }
+    Ok(Reread {
+        mesh: welded(corners)?,
+        normals: None,
+    })
+}
+
+/// Reads OBJ, with normals where it has them.
+///
+/// # Errors
+/// [`ReadError`].
+pub fn read_obj(bytes: &[u8]) -> Result<Reread, ReadError> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..Default::default()
+    };
+    let no_materials = |_: &std::path::Path| Ok(Default::default());
+    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
+        .map_err(ReadError::Obj)?;
+    let (mut corners, mut normals) = (Vec::new(), Vec::new());
+    for tobj::Model { mesh, .. } in &models {
+        let at = |array: &[f64], k: u32| DVec3::from_slice(&array[3 * k as usize..]);
+        corners.extend(mesh.indices.iter().map(|&k| at(&mesh.positions, k)));
+        normals.extend(mesh.normal_indices.iter().map(|&k| at(&mesh.normals, k)));
+    }
+    let has_normals = normals.len() == corners.len();
+    let triples = |n: &[DVec3]| [n[0], n[1], n[2]].map(DVec3::normalize_or_zero);
+    let normals = has_normals.then(|| normals.chunks_exact(3).map(triples).collect());
+    Ok(Reread {
+        mesh: welded(corners)?,
+        normals,
+    })
+}
+
+fn welded(corners: Vec<DVec3>) -> Result<TriMesh, ReadError> {
+    if corners.is_empty() {
+        return Err(ReadError::Empty);
+    }
+    if let Some(bad) = corners.iter().position(|v| !v.is_finite()) {
+        return Err(ReadError::NotFinite { facet: bad / 3 });
+    }
+    Ok(TriMesh::weld(corners.into_iter()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::{Label, write_stl};
+    use crate::solid::{Precision, Solid};
+
+    fn stl() -> Vec<u8> {
+        let vertices = vec![
+            DVec3::new(-1.0, -1.0, 2.0),
+            DVec3::new(1.0, -1.0, 2.5),
+            DVec3::new(0.0, 1.5, 3.0),
+        ];
+        let face = TriMesh {
+            vertices,
+            triangles: vec![[0, 1, 2]],
+        };
+        let solid = Solid::from_face(&face, Precision::Single).unwrap();
+        let label = Label {
+            profile: "solid\nof a long name ".repeat(9),
+            sha256: "0123456789abcdef".into(),
+            tolerances: "chord 2 um".into(),
+        };
+        let mut bytes = Vec::new();
+        write_stl(&mut bytes, &solid, &label).unwrap();
+        assert_eq!(
+            read_stl(&bytes).unwrap().mesh.triangles.len(),
+            solid.mesh().triangles.len()
+        );
+        bytes
+    }
+
+    #[test]
+    fn the_header_is_ours_and_80_bytes_long() {
+        let bytes = stl();
+        assert!(bytes.starts_with(b"Morion solid?of a long name "));
+        assert_eq!(bytes.len() as u64 - 84, 50 * u64::from(bytes[80]));
+    }
+
+    #[test]
+    fn no_coordinate_is_minus_zero() {
+        for facet in stl()[84..].chunks(50) {
+            for number in facet[..48].chunks(4) {
+                assert_ne!(number, (-0.0f32).to_le_bytes(), "{facet:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_truncated_file_says_how_much_is_missing() {
+        let bytes = stl();
+        let Err(ReadError::Length {
+            expected, found, ..
+        }) = read_stl(&bytes[..bytes.len() - 7])
+        else {
+            panic!("not refused")
+        };
+        assert_eq!(expected - found, 7);
+        assert!(read_stl(&bytes[..60]).is_err());
+        assert!(read_stl(b"").is_err());
+    }
+
+    #[test]
+    fn a_header_that_claims_gigabytes_is_refused_before_memory_is_asked_for() {
+        let mut bytes = stl();
+        bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(matches!(read_stl(&bytes), Err(ReadError::Length { .. })));
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused() {
+        let mut bytes = stl();
+        bytes[84 + 50 + 12..84 + 50 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert!(matches!(
+            read_stl(&bytes),
+            Err(ReadError::NotFinite { facet: 1 })
+        ));
+        let obj = b"v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n";
+        assert!(matches!(
+            read_obj(obj),
+            Err(ReadError::NotFinite { facet: 0 })
+        ));
+    }
+
+    #[test]
+    fn obj_normals_stay_with_their_corners() {
+        let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 2\nvn 0 1 0\n\
+                    f 1//1 2//1 3//2\nf 2 4 3\n";
+        let read = read_obj(obj).unwrap();
+        assert_eq!(read.mesh.triangles, [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(read.normals.unwrap()[0], [DVec3::Z, DVec3::Z, DVec3::Y]);
+    }
+
+    #[test]
+    fn an_obj_that_points_nowhere_is_an_error() {
+        assert!(matches!(
+            read_obj(b"v 0 0 0\nf 1 2 3\n"),
+            Err(ReadError::Obj(_))
+        ));
+        assert!(matches!(read_obj(b"# nothing\n"), Err(ReadError::Empty)));
+    }
+}

@@ -1,0 +1,537 @@
+//! Is this mesh a solid, and if not, which facet is to blame?
+//!
+//! One criterion proves closedness, orientation and manifoldness together: around every vertex the
+//! facets, each giving a step from its next corner to its last, form exactly one cycle. Only when
+//! that fails are edges sorted to find out why.
+
+use crate::geom::{DVec3, TriMesh};
+use rayon::prelude::*;
+use std::fmt;
+
+/// Defects reported in full; more of them are only counted.
+const REPORTED: usize = 8;
+/// Vertices or facets handled at a time; fixed, so that sums do not depend on the thread count.
+const CHUNK: usize = 16_384;
+
+/// What is wrong at one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Defect {
+    /// Only one facet has this edge.
+    Open {
+        /// That facet.
+        facet: usize,
+        /// The edge's ends.
+        edge: [DVec3; 2],
+    },
+    /// More than two facets have this edge.
+    Crowded {
+        /// One of them.
+        facet: usize,
+        /// The edge's ends.
+        edge: [DVec3; 2],
+        /// How many.
+        facets: usize,
+    },
+    /// Two facets run along this edge in the same direction.
+    Turned {
+        /// One of them.
+        facet: usize,
+        /// The edge's ends.
+        edge: [DVec3; 2],
+    },
+    /// The facets at this vertex form more than one fan.
+    Pinched {
+        /// A facet there.
+        facet: usize,
+        /// The vertex.
+        at: DVec3,
+    },
+    /// The facet has no area, or a coordinate that is not a number.
+    Degenerate {
+        /// The facet.
+        facet: usize,
+        /// One of its corners.
+        at: DVec3,
+    },
+}
+
+impl fmt::Display for Defect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = |v: DVec3| format!("({}, {}, {})", v.x, v.y, v.z);
+        match *self {
+            Self::Open {
+                facet,
+                edge: [a, b],
+            } => write!(
+                f,
+                "open: only facet {facet} has the edge {}-{}",
+                place(a),
+                place(b)
+            ),
+            Self::Crowded {
+                facet,
+                edge: [a, b],
+                facets,
+            } => write!(
+                f,
+                "not manifold: facet {facet} and {} more share the edge {}-{}",
+                facets - 1,
+                place(a),
+                place(b)
+            ),
+            Self::Turned {
+                facet,
+                edge: [a, b],
+            } => write!(
+                f,
+                "not oriented: facet {facet} and its neighbour run the same way along {}-{}",
+                place(a),
+                place(b)
+            ),
+            Self::Pinched { facet, at } => {
+                write!(
+                    f,
+                    "not manifold: facet {facet} touches another fan at vertex {}",
+                    place(at)
+                )
+            }
+            Self::Degenerate { facet, at } => {
+                write!(f, "degenerate: facet {facet} at {} has no area", place(at))
+            }
+        }
+    }
+}
+
+/// The result of checking a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Check {
+    /// Every edge has a facet on both sides.
+    pub closed: bool,
+    /// Neighbours agree on what is outside.
+    pub oriented: bool,
+    /// No edge or vertex joins more than one sheet.
+    pub manifold: bool,
+    /// Pieces that hang together by vertices.
+    pub components: usize,
+    /// Vertices - edges + facets: 2 for a body without handles.
+    pub euler: i64,
+    /// Enclosed volume, mm^3; negative when inside out.
+    pub volume_mm3: f64,
+    /// The first few defects.
+    pub defects: Vec<Defect>,
+    /// How many defects there are.
+    pub defect_count: usize,
+}
+
+impl Check {
+    /// Whether the mesh is one solid body without handles.
+    #[must_use]
+    pub fn is_solid(&self) -> bool {
+        self.reasons().is_empty()
+    }
+
+    /// Every reason why it is not, readable.
+    #[must_use]
+    pub fn reasons(&self) -> Vec<String> {
+        let mut reasons: Vec<String> = self.defects.iter().map(ToString::to_string).collect();
+        if self.defect_count > self.defects.len() {
+            reasons.push(format!(
+                "and {} more defects",
+                self.defect_count - self.defects.len()
+            ));
+        }
+        if self.components != 1 {
+            reasons.push(format!(
+                "{} separate pieces instead of one",
+                self.components
+            ));
+        }
+        if reasons.is_empty() && self.euler != 2 {
+            reasons.push(format!(
+                "Euler characteristic {} instead of 2: it has handles",
+                self.euler
+            ));
+        }
+        if !(self.volume_mm3 > 0.0) {
+            reasons.push(format!(
+                "volume {} mm^3: inside out or empty",
+                self.volume_mm3
+            ));
+        }
+        reasons
+    }
+}
+
+/// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet.
+#[must_use]
+pub fn check(mesh: &TriMesh) -> Check {
+    let fans = Fans::new(mesh);
+    let mut defects = degenerate_facets(mesh);
+    let (mut closed, mut oriented, mut manifold) = (true, true, true);
+    if !fans.all_single() {
+        for defect in edge_defects(mesh).into_iter().chain(pinches(mesh, &fans)) {
+            match defect {
+                Defect::Open { .. } => closed = false,
+                Defect::Turned { .. } => oriented = false,
+                _ => manifold = false,
+            }
+            defects.push(defect);
+        }
+    }
+    let used = fans.used();
+    let edges = if closed && oriented && manifold {
+        3 * mesh.triangles.len() / 2
+    } else {
+        count_edges(mesh)
+    };
+    let defect_count = defects.len();
+    defects.truncate(REPORTED);
+    Check {
+        closed,
+        oriented,
+        manifold,
+        components: components(mesh),
+        euler: used as i64 - edges as i64 + mesh.triangles.len() as i64,
+        volume_mm3: volume(mesh),
+        defects,
+        defect_count,
+    }
+}
+
+/// The directed edges without a partner, in the order of their facets.
+pub fn open_edges(mesh: &TriMesh) -> impl Iterator<Item = (u32, u32)> {
+    let fans = Fans::new(mesh);
+    mesh.triangles.iter().flat_map(move |&[a, b, c]| {
+        let fans = &fans;
+        let open: Vec<_> = [(a, b), (b, c), (c, a)]
+            .into_iter()
+            .filter(|&(from, to)| !fans.has(to, from))
+            .collect();
+        open
+    })
+}
+
+/// For every vertex, the (next, last) corners of the facets around it.
+struct Fans {
+    start: Vec<u32>,
+    steps: Vec<[u32; 2]>,
+}
+
+impl Fans {
+    fn new(mesh: &TriMesh) -> Self {
+        let mut start = vec![0u32; mesh.vertices.len() + 1];
+        for v in mesh.triangles.iter().flatten() {
+            start[*v as usize + 1] += 1;
+        }
+        for k in 1..start.len() {
+            start[k] += start[k - 1];
+        }
+        let mut fill = start.clone();
+        let mut steps = vec![[0; 2]; 3 * mesh.triangles.len()];
+        for &[a, b, c] in &mesh.triangles {
+            for (v, step) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+                steps[fill[v as usize] as usize] = step;
+                fill[v as usize] += 1;
+            }
+        }
+        Self { start, steps }
+    }
+
+    fn of(&self, v: usize) -> &[[u32; 2]] {
+        &self.steps[self.start[v] as usize..self.start[v + 1] as usize]
+    }
+
+    fn has(&self, from: u32, to: u32) -> bool {
+        self.of(from as usize).iter().any(|step| step[0] == to)
+    }
+
+    fn used(&self) -> usize {
+        self.start.windows(2).filter(|w| w[1] > w[0]).count()
+    }
+
+    /// Whether the steps at `v` form one cycle (or there are none).
+    fn single(&self, v: usize) -> bool {
+        let steps = self.of(v);
+        let Some(&[first, mut at]) = steps.first() else {
+            return true;
+        };
+        for _ in 1..steps.len() {
+            if at == first {
+                return false;
+            }
+            let mut onward = steps.iter().filter(|step| step[0] == at);
+            match (onward.next(), onward.next()) {
+                (Some(step), None) => at = step[1],
+                _ => return false,
+            }
+        }
+        at == first
+    }
+
+    fn all_single(&self) -> bool {
+        (0..self.start.len() - 1)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .all(|v| self.single(v))
+    }
+}
+
+fn degenerate_facets(mesh: &TriMesh) -> Vec<Defect> {
+    let is_empty = |&t: &usize| {
+        let area = mesh.area_vector(t).length_squared();
+        !(area > 0.0 && area.is_finite())
+    };
+    (0..mesh.triangles.len())
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .filter(is_empty)
+        .map(|facet| Defect::Degenerate {
+            facet,
+            at: mesh.corners(facet)[0],
+        })
+        .collect()
+}
+
+/// Undirected edges with their facets and directions, sorted.
+fn sorted_edges(mesh: &TriMesh) -> Vec<([u32; 2], usize, bool)> {
+    let mut edges: Vec<_> = mesh
+        .triangles
+        .iter()
+        .enumerate()
+        .flat_map(|(facet, &[a, b, c])| {
+            [(a, b), (b, c), (c, a)]
+                .map(|(from, to)| ([from.min(to), from.max(to)], facet, from < to))
+        })
+        .collect();
+    edges.sort_unstable();
+    edges
+}
+
+fn count_edges(mesh: &TriMesh) -> usize {
+    sorted_edges(mesh).chunk_by(|a, b| a.0 == b.0).count()
+}
+
+fn edge_defects(mesh: &TriMesh) -> Vec<Defect> {
+    let defect = |group: &[([u32; 2], usize, bool)]| {
+        let (ends, facet, _) = group[0];
+        let edge = ends.map(|v| mesh.vertices[v as usize]);
+        let along = group.iter().filter(|g| g.2).count();
+        match group.len() {
+            1 => Some(Defect::Open { facet, edge }),
+            2 if along == 1 => None,
+            2 => Some(Defect::Turned { facet, edge }),
+            facets => Some(Defect::Crowded {
+                facet,
+                edge,
+                facets,
+            }),
+        }
+    };
+    sorted_edges(mesh)
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter_map(defect)
+        .collect()
+}
+
+/// Vertices whose edges are all sound but whose facets form several fans.
+fn pinches(mesh: &TriMesh, fans: &Fans) -> Vec<Defect> {
+    let sound = |v: usize| {
+        let steps = fans.of(v);
+        steps.iter().all(|&[next, last]| {
+            let leaving = steps.iter().filter(|s| s[0] == next).count();
+            let arriving = steps.iter().filter(|s| s[1] == next).count();
+            leaving == 1 && arriving == 1 && steps.iter().any(|s| s[0] == last)
+        })
+    };
+    (0..mesh.vertices.len())
+        .filter(|&v| !fans.single(v) && sound(v))
+        .map(|v| {
+            let here = |t: &[u32; 3]| t.contains(&(v as u32));
+            let facet = mesh.triangles.iter().position(here).unwrap_or_default();
+            Defect::Pinched {
+                facet,
+                at: mesh.vertices[v],
+            }
+        })
+        .collect()
+}
+
+/// Pieces that hang together by vertices (unused vertices do not count).
+fn components(mesh: &TriMesh) -> usize {
+    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+    fn root(parent: &mut [u32], mut v: u32) -> u32 {
+        while parent[v as usize] != v {
+            parent[v as usize] = parent[parent[v as usize] as usize];
+            v = parent[v as usize];
+        }
+        v
+    }
+    let mut used = vec![false; parent.len()];
+    for &[a, b, c] in &mesh.triangles {
+        let (ra, rb, rc) = (
+            root(&mut parent, a),
+            root(&mut parent, b),
+            root(&mut parent, c),
+        );
+        let least = ra.min(rb).min(rc);
+        for (v, r) in [(a, ra), (b, rb), (c, rc)] {
+            parent[r as usize] = least;
+            used[v as usize] = true;
+        }
+    }
+    (0..parent.len())
+        .filter(|&v| used[v] && parent[v] == v as u32)
+        .count()
+}
+
+/// Enclosed volume by the divergence theorem, summed in fixed chunks.
+fn volume(mesh: &TriMesh) -> f64 {
+    let sums: Vec<f64> = mesh
+        .triangles
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            chunk
+                .iter()
+                .map(|t| {
+                    let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+                    a.dot(b.cross(c))
+                })
+                .sum()
+        })
+        .collect();
+    sums.iter().sum::<f64>() / 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solid::{Precision, Solid};
+
+    fn cube() -> TriMesh {
+        Solid::from_face(&crate::solid::tests::face(), Precision::Double)
+            .unwrap()
+            .mesh()
+            .clone()
+    }
+
+    #[test]
+    fn a_missing_facet_is_found_by_its_edges() {
+        let mut mesh = cube();
+        mesh.triangles.remove(5);
+        let found = check(&mesh);
+        assert!(!found.closed && found.oriented && found.manifold);
+        assert_eq!(found.defect_count, 3);
+        assert!(found.reasons()[0].starts_with("open: only facet"));
+    }
+
+    #[test]
+    fn a_turned_facet_is_found() {
+        let mut mesh = cube();
+        mesh.triangles[4].swap(0, 1);
+        let found = check(&mesh);
+        assert!(found.closed && !found.oriented && found.manifold);
+        assert!(matches!(found.defects[0], Defect::Turned { .. }));
+    }
+
+    #[test]
+    fn a_fin_is_not_manifold() {
+        let mut mesh = cube();
+        mesh.vertices.push(DVec3::new(0.0, 0.0, 9.0));
+        let fin = mesh.vertices.len() as u32 - 1;
+        let [a, b, _] = mesh.triangles[0];
+        mesh.triangles.extend([[a, b, fin], [b, a, fin]]);
+        let found = check(&mesh);
+        assert!(found.closed && !found.manifold);
+    }
+
+    #[test]
+    fn two_bodies_are_counted_and_a_shared_corner_is_a_pinch() {
+        let mut apart = cube();
+        let count = apart.vertices.len() as u32;
+        let other = cube();
+        apart
+            .vertices
+            .extend(other.vertices.iter().map(|&v| v + DVec3::splat(10.0)));
+        apart
+            .triangles
+            .extend(other.triangles.iter().map(|t| t.map(|v| v + count)));
+        let found = check(&apart);
+        assert_eq!((found.components, found.euler), (2, 4));
+        assert!(found.closed && found.manifold && !found.is_solid());
+
+        // The corner (1, 1, 2) of one is the corner (-1, -1, 0) of the other.
+        let touching = apart.triangles.iter().flat_map(|t| {
+            t.map(|v| {
+                let p = apart.vertices[v as usize];
+                if v < count {
+                    p
+                } else {
+                    p - DVec3::splat(10.0) + DVec3::new(2.0, 2.0, 2.0)
+                }
+            })
+        });
+        let corners: Vec<_> = touching.collect();
+        let found = check(&TriMesh::weld(corners.into_iter()));
+        assert!(found.closed && found.oriented && !found.manifold);
+        assert!(matches!(found.defects[..], [Defect::Pinched { .. }]));
+        assert_eq!(found.components, 1);
+    }
+
+    #[test]
+    fn inside_out_has_negative_volume() {
+        let mut mesh = cube();
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let found = check(&mesh);
+        assert_eq!(found.volume_mm3, -8.0);
+        assert!(found.closed && found.oriented && !found.is_solid());
+    }
+
+    #[test]
+    fn an_empty_facet_and_a_nan_are_degenerate() {
+        let mut mesh = cube();
+        mesh.vertices[1] = mesh.vertices[0];
+        assert!(
+            check(&mesh)
+                .defects
+                .iter()
+                .any(|d| matches!(d, Defect::Degenerate { .. }))
+        );
+        let mut mesh = cube();
+        mesh.vertices[1].x = f64::NAN;
+        assert!(!check(&mesh).is_solid());
+    }
+
+    #[test]
+    fn a_torus_is_no_mirror() {
+        let (n, m) = (8u32, 6u32);
+        let vertex = |i: u32, j: u32| {
+            let turn = |k: u32, of: u32| f64::from(k) * 2.0 * std::f64::consts::PI / f64::from(of);
+            let (a, b) = (turn(i, n), turn(j, m));
+            let far = 3.0 + crate::num::cos(b);
+            DVec3::new(
+                far * crate::num::cos(a),
+                far * crate::num::sin(a),
+                crate::num::sin(b),
+            )
+        };
+        let index = |i: u32, j: u32| (i % n) * m + j % m;
+        let vertices = (0..n * m).map(|k| vertex(k / m, k % m)).collect();
+        let quad = |k: u32| {
+            let (i, j) = (k / m, k % m);
+            let (a, b, c, d) = (
+                index(i, j),
+                index(i + 1, j),
+                index(i + 1, j + 1),
+                index(i, j + 1),
+            );
+            [[a, b, c], [a, c, d]]
+        };
+        let found = check(&TriMesh {
+            vertices,
+            triangles: (0..n * m).flat_map(quad).collect(),
+        });
+        assert!(found.closed && found.oriented && found.manifold && found.volume_mm3 > 0.0);
+        assert_eq!(found.euler, 0);
+        assert!(found.reasons()[0].contains("handles"));
+    }
+}
