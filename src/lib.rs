@@ -2,3 +2,4 @@
 //! can cut, and proves the written file by tracing rays against it.
 
 pub mod num;
+pub mod render;
