@@ -9,4 +9,7 @@ pub mod mirror;
 pub mod num;
 pub mod optics;
 pub mod profile;
+
+pub mod render;
 pub mod solid;
+pub mod trace;

@@ -225,8 +225,8 @@ mod tests {
         let mut fine = face();
         fine.vertices.push(DVec3::new(1.0 + 1e-12, 0.0, 2.0));
         fine.triangles.push([1, 4, 2]);
-        let solid = Solid::from_face(&fine).unwrap();
-        let Err(SolidError::Check(check)) = solid.to_single() else {
+        assert!(Solid::from_face(&fine, Precision::Double).is_ok());
+        let Err(SolidError::Check(check)) = Solid::from_face(&fine, Precision::Single) else {
             panic!("not refused")
         };
         assert!(

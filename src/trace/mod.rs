@@ -1,0 +1,14 @@
+//! The witness: rays against the triangles of a file.
+//!
+//! It knows only those triangles and a table of intended rays handed to it, so it cannot agree
+//! with a wrong design.
+
+mod frame;
+mod grid;
+mod line;
+mod scene;
+mod witness;
+
+pub use frame::Frame;
+pub use scene::{Hit, Scene};
+pub use witness::{Errors, Intent, Outcome, Seen, Witness};

@@ -1,0 +1,221 @@
+//! A mesh that rays can be asked against.
+
+use super::grid::Grid;
+use super::line::Line;
+use crate::geom::{Ray, TriMesh};
+
+/// Where a ray meets a facet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Distance along the ray, mm.
+    pub t: f64,
+    /// The facet.
+    pub facet: u32,
+    /// Barycentric weights of the facet's corners.
+    pub weights: [f64; 3],
+}
+
+/// A triangle mesh with what is needed to find the facets a ray meets.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    mesh: TriMesh,
+    grid: Grid,
+}
+
+impl Scene {
+    /// Takes over `mesh`; no promise is asked of it.
+    #[must_use]
+    pub fn new(mesh: TriMesh) -> Self {
+        let grid = Grid::new(&mesh);
+        Self { mesh, grid }
+    }
+
+    /// The triangles.
+    #[must_use]
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// The nearest facet ahead of the ray's origin; of two at the same distance (a ray through an
+    /// edge) the one with the lower number.
+    #[must_use]
+    pub fn first(&self, ray: &Ray) -> Option<Hit> {
+        let line = Line::new(ray);
+        let mut nearest: Option<Hit> = None;
+        self.grid.walk(ray, [0.0, f64::INFINITY], |facets| {
+            for &facet in facets {
+                if let Some(hit) = self.meet(&line, facet) {
+                    let nearer = nearest.is_none_or(|n| (hit.t, facet) < (n.t, n.facet));
+                    if hit.t > 0.0 && nearer {
+                        nearest = Some(hit);
+                    }
+                }
+            }
+            nearest.map_or(f64::INFINITY, |hit| hit.t)
+        });
+        nearest
+    }
+
+    /// A facet other than `from` that the ray meets further than `clear` mm from its origin; the
+    /// first one found.
+    #[must_use]
+    pub fn blocker(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
+        let line = Line::new(ray);
+        let mut found = None;
+        self.grid.walk(ray, [0.0, f64::INFINITY], |facets| {
+            let blocks = |&&facet: &&u32| {
+                facet != from && self.meet(&line, facet).is_some_and(|hit| hit.t > clear)
+            };
+            found = found.or(facets.iter().find(blocks).copied());
+            if found.is_some() { 0.0 } else { f64::INFINITY }
+        });
+        found
+    }
+
+    #[inline]
+    fn meet(&self, line: &Line, facet: u32) -> Option<Hit> {
+        let [a, b, c] = self.mesh.corners(facet as usize).map(|v| line.project(v));
+        line.meet(a, b, c)
+            .map(|(t, weights)| Hit { t, facet, weights })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{DVec2, DVec3};
+    use crate::num::{cos, sin};
+
+    /// Random numbers in [0, 1) from a counter (splitmix64).
+    fn random(k: u64) -> f64 {
+        let mut z = k.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A bumpy grid of n x n quads over [0, n]^2, with long thin facets of a base below it.
+    fn terrain(n: u32) -> TriMesh {
+        let side = n + 1;
+        let mut vertices: Vec<DVec3> = (0..side * side)
+            .map(|k| {
+                let (x, y) = (f64::from(k % side), f64::from(k / side));
+                DVec3::new(
+                    x,
+                    y,
+                    2.0 + sin(0.7 * x) * cos(0.9 * y) + 0.3 * random(u64::from(k)),
+                )
+            })
+            .collect();
+        let quad = |k: u32| {
+            let a = k / n * side + k % n;
+            [[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]
+        };
+        let mut triangles: Vec<[u32; 3]> = (0..n * n).flat_map(quad).collect();
+        let foot = vertices.len() as u32;
+        let far = f64::from(n);
+        vertices.extend(
+            [(0.0, 0.0), (far, 0.0), (far, far), (0.0, far)].map(|(x, y)| DVec3::new(x, y, 0.0)),
+        );
+        triangles.extend([[foot, foot + 2, foot + 1], [foot, foot + 3, foot + 2]]);
+        TriMesh {
+            vertices,
+            triangles,
+        }
+    }
+
+    fn brute_force(scene: &Scene, ray: &Ray) -> Option<Hit> {
+        let hits =
+            (0..scene.mesh.triangles.len() as u32).filter_map(|t| scene.meet(&Line::new(ray), t));
+        hits.filter(|h| h.t > 0.0)
+            .min_by(|a, b| a.t.total_cmp(&b.t).then(a.facet.cmp(&b.facet)))
+    }
+
+    #[test]
+    fn the_grid_finds_what_brute_force_finds() {
+        let scene = Scene::new(terrain(24));
+        let mut hits = 0;
+        for k in 0..20_000u64 {
+            let r = |j: u64| random(1000 + 8 * k + j);
+            let origin = DVec3::new(30.0 * r(0) - 3.0, 30.0 * r(1) - 3.0, 8.0 * r(2) - 2.0);
+            let mut direction = DVec3::new(r(3) - 0.5, r(4) - 0.5, r(5) - 0.5);
+            match k % 8 {
+                0 => direction = DVec3::NEG_Z,
+                1 => direction.x = 0.0,
+                2 => direction.y = 0.0,
+                3 => direction.z *= 1e-3,
+                _ => {}
+            }
+            let ray = Ray {
+                origin,
+                direction: direction.normalize(),
+            };
+            let expected = brute_force(&scene, &ray);
+            assert_eq!(scene.first(&ray), expected, "ray {k} {ray:?}");
+            let clear = 1e-6;
+            let blocked = (0..scene.mesh.triangles.len() as u32)
+                .any(|t| t != 7 && scene.meet(&Line::new(&ray), t).is_some_and(|h| h.t > clear));
+            assert_eq!(
+                scene.blocker(&ray, 7, clear).is_some(),
+                blocked,
+                "ray {k} {ray:?}"
+            );
+            hits += usize::from(expected.is_some());
+        }
+        assert!(hits > 4000, "{hits}");
+    }
+
+    #[test]
+    fn rays_through_vertices_and_edges_never_slip_between() {
+        let scene = Scene::new(terrain(24));
+        let nudge = |x: f64, ulps: i64| f64::from_bits((x.to_bits() as i64 + ulps) as u64);
+        for k in 0..30_000u64 {
+            let r = |j: u64| random(77 + 8 * k + j);
+            let (x, y) = (6.0 + (12.0 * r(0)).floor(), 6.0 + (12.0 * r(1)).floor());
+            // Through a vertex, or anywhere on an edge or diagonal, and one ulp beside it.
+            let along = if k % 3 == 0 { 0.0 } else { r(2) };
+            let ulps = (k % 5) as i64 - 2;
+            let foot = [
+                DVec2::new(nudge(x, ulps), y + along),
+                DVec2::new(x + along, nudge(y, ulps)),
+                DVec2::new(x + along, nudge(y + along, ulps)),
+            ][(k % 3) as usize];
+            let tilt = if k % 2 == 0 {
+                DVec3::ZERO
+            } else {
+                DVec3::new(r(3) - 0.5, r(4) - 0.5, 0.0)
+            };
+            let direction = (DVec3::NEG_Z + 0.3 * tilt).normalize();
+            let ray = Ray {
+                origin: foot.extend(9.0),
+                direction,
+            };
+            let hit = scene
+                .first(&ray)
+                .unwrap_or_else(|| panic!("ray {k} fell through: {ray:?}"));
+            assert!(hit.facet < 2 * 24 * 24, "ray {k} reached the base: {ray:?}");
+        }
+    }
+
+    #[test]
+    fn weights_give_the_point() {
+        let scene = Scene::new(terrain(5));
+        let ray = Ray {
+            origin: DVec3::new(2.3, 3.4, 9.0),
+            direction: DVec3::new(0.1, -0.2, -1.0).normalize(),
+        };
+        let hit = scene.first(&ray).unwrap();
+        let corners = scene.mesh().corners(hit.facet as usize);
+        let point: DVec3 = corners.iter().zip(hit.weights).map(|(c, w)| *c * w).sum();
+        assert!((point - ray.at(hit.t)).length() < 1e-13);
+    }
+
+    #[test]
+    fn an_empty_mesh_meets_nothing() {
+        let ray = Ray {
+            origin: DVec3::Z,
+            direction: DVec3::NEG_Z,
+        };
+        assert_eq!(Scene::new(TriMesh::default()).first(&ray), None);
+    }
+}

@@ -1,0 +1,174 @@
+//! One ray a sensor pixel: what each one meets, where it goes, and how far that is from intended.
+
+use super::Scene;
+use crate::geom::{DVec2, DVec3, Ray, angle};
+use crate::num::stats::Summary;
+use crate::optics::{Image, reflect};
+use rayon::prelude::*;
+
+/// What a camera ray is meant to do: an entry of the table handed to the witness.
+#[derive(Debug, Clone, Copy)]
+pub struct Intent {
+    /// The camera's ray.
+    pub ray: Ray,
+    /// Its image point (X, Y), mm.
+    pub point: DVec2,
+    /// Whether the mirror is meant to be there.
+    pub aimed: bool,
+    /// The direction that the projection wants it to see.
+    pub wanted: DVec3,
+    /// The direction that the smooth, designed mirror shows.
+    pub designed: DVec3,
+}
+
+/// How a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is reflected into the world.
+    Hit,
+    /// It meets nothing.
+    Missed,
+    /// It is reflected and then meets this facet.
+    Shadowed(u32),
+    /// The nearest facet shows it its back.
+    BackFace,
+}
+
+/// Errors of one ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Angle between the direction seen and the one wanted, radians.
+    pub ray: f64,
+    /// How far away in the image the content belongs, mm on the mirror.
+    pub image_mm: f64,
+    /// How far away it belongs from what the designed mirror shows, mm on the mirror.
+    pub facet_mm: f64,
+}
+
+/// What became of one ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Its end.
+    pub outcome: Outcome,
+    /// Whether the mirror was meant to be there.
+    pub aimed: bool,
+    /// The direction wanted.
+    pub wanted: DVec3,
+    /// The direction seen, for rays that hit.
+    pub direction: DVec3,
+    /// Errors by the facet's own normal, for rays that hit.
+    pub errors: Errors,
+    /// Errors by the file's interpolated normals, where it has any.
+    pub smooth: Option<Errors>,
+}
+
+/// What became of all rays, row by row.
+#[derive(Debug, Clone)]
+pub struct Witness {
+    /// One entry a sensor pixel.
+    pub seen: Vec<Seen>,
+}
+
+impl Witness {
+    /// Traces `rows` rows of rays against `scene`: nearest hit over the whole mesh, reflection by
+    /// the facet that is hit, shadow by the mesh itself. `table` gives the intended rays of a row,
+    /// `image` carries errors back to the image, `normals` are the file's own at each facet's
+    /// corners.
+    pub fn trace(
+        scene: &Scene,
+        normals: Option<&[[DVec3; 3]]>,
+        image: &Image,
+        rows: usize,
+        table: impl Fn(usize) -> Vec<Intent> + Sync,
+    ) -> Self {
+        let row = |k: usize| -> Vec<Seen> {
+            table(k)
+                .iter()
+                .map(|intent| follow(scene, normals, image, intent))
+                .collect()
+        };
+        Self {
+            seen: (0..rows)
+                .into_par_iter()
+                .map(row)
+                .collect::<Vec<_>>()
+                .concat(),
+        }
+    }
+
+    /// The rays aimed at the mirror.
+    pub fn aimed(&self) -> impl Iterator<Item = &Seen> {
+        self.seen.iter().filter(|seen| seen.aimed)
+    }
+
+    /// Number of aimed rays with an outcome that `pick` accepts.
+    #[must_use]
+    pub fn count(&self, pick: impl Fn(Outcome) -> bool) -> usize {
+        self.aimed().filter(|seen| pick(seen.outcome)).count()
+    }
+
+    /// Summary over the aimed rays that hit; `None` when none did.
+    #[must_use]
+    pub fn summary(&self, error: impl Fn(&Seen) -> Option<f64>) -> Option<Summary> {
+        let hits = self.aimed().filter(|seen| seen.outcome == Outcome::Hit);
+        Summary::of(hits.filter_map(error).collect())
+    }
+}
+
+fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: &Intent) -> Seen {
+    let nothing = Errors {
+        ray: f64::NAN,
+        image_mm: f64::NAN,
+        facet_mm: f64::NAN,
+    };
+    let end = |outcome| Seen {
+        outcome,
+        aimed: intent.aimed,
+        wanted: intent.wanted,
+        direction: DVec3::ZERO,
+        errors: nothing,
+        smooth: None,
+    };
+    let Some(hit) = scene.first(&intent.ray) else {
+        return end(Outcome::Missed);
+    };
+    let normal = scene.mesh().area_vector(hit.facet as usize);
+    if normal.dot(intent.ray.direction) >= 0.0 {
+        return end(Outcome::BackFace);
+    }
+    let direction = reflect(intent.ray.direction, normal);
+    let leaving = Ray {
+        origin: intent.ray.at(hit.t),
+        direction,
+    };
+    // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
+    let clear = 1e-12 * (leaving.origin.abs().max_element() + hit.t);
+    if let Some(facet) = scene.blocker(&leaving, hit.facet, clear) {
+        return Seen {
+            direction,
+            ..end(Outcome::Shadowed(facet))
+        };
+    }
+    let designed = image.locate(intent.designed, intent.point);
+    let errors = |direction: DVec3| {
+        let content = image.locate(direction, intent.point);
+        Errors {
+            ray: angle(direction, intent.wanted),
+            image_mm: (content - intent.point).length(),
+            facet_mm: (content - designed).length(),
+        }
+    };
+    let smooth = normals.map(|normals| {
+        let corners = normals[hit.facet as usize].iter().zip(hit.weights);
+        errors(reflect(
+            intent.ray.direction,
+            corners.map(|(n, w)| *n * w).sum(),
+        ))
+    });
+    Seen {
+        direction,
+        errors: errors(direction),
+        smooth,
+        ..end(Outcome::Hit)
+    }
+}
