@@ -1,1 +1,5 @@
-fn main() {}
+//! The `morion` command.
+
+fn main() -> std::process::ExitCode {
+    morion::cli::run()
+}

@@ -11,4 +11,4 @@ mod witness;
 
 pub use frame::Frame;
 pub use scene::{Hit, Scene};
-pub use witness::{Errors, Intent, Outcome, Seen, Witness};
+pub use witness::{Errors, Intent, Outcome, Seen, Witness, look};

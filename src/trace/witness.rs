@@ -1,6 +1,6 @@
 //! One ray a sensor pixel: what each one meets, where it goes, and how far that is from intended.
 
-use super::Scene;
+use super::{Hit, Scene};
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
 use crate::optics::{Image, reflect};
@@ -115,46 +115,59 @@ impl Witness {
     }
 }
 
-fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: &Intent) -> Seen {
-    let nothing = Errors {
-        ray: f64::NAN,
-        image_mm: f64::NAN,
-        facet_mm: f64::NAN,
-    };
-    let end = |outcome| Seen {
-        outcome,
-        aimed: intent.aimed,
-        wanted: intent.wanted,
-        direction: DVec3::ZERO,
-        errors: nothing,
-        smooth: None,
-    };
-    let Some(hit) = scene.first(&intent.ray) else {
-        return end(Outcome::Missed);
+/// Follows one camera ray: its outcome, the facet it hits first and the direction it leaves in (the
+/// zero vector when it is not reflected).
+#[must_use]
+pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
+    let Some(hit) = scene.first(ray) else {
+        return (Outcome::Missed, None, DVec3::ZERO);
     };
     let normal = scene.mesh().area_vector(hit.facet as usize);
-    if normal.dot(intent.ray.direction) >= 0.0 {
-        return end(Outcome::BackFace);
+    if normal.dot(ray.direction) >= 0.0 {
+        return (Outcome::BackFace, Some(hit), DVec3::ZERO);
     }
-    let direction = reflect(intent.ray.direction, normal);
+    let direction = reflect(ray.direction, normal);
     let leaving = Ray {
-        origin: intent.ray.at(hit.t),
+        origin: ray.at(hit.t),
         direction,
     };
     // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
     let clear = 1e-12 * (leaving.origin.abs().max_element() + hit.t);
-    if let Some(facet) = scene.blocker(&leaving, hit.facet, clear) {
-        return Seen {
-            direction,
-            ..end(Outcome::Shadowed(facet))
-        };
+    match scene.blocker(&leaving, hit.facet, clear) {
+        Some(facet) => (Outcome::Shadowed(facet), Some(hit), direction),
+        None => (Outcome::Hit, Some(hit), direction),
     }
-    let designed = image.locate(intent.designed, intent.point);
+}
+
+fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: &Intent) -> Seen {
+    let Intent {
+        point,
+        aimed,
+        wanted,
+        ..
+    } = *intent;
+    let (outcome, hit, direction) = look(scene, &intent.ray);
+    let (Outcome::Hit, Some(hit), true) = (outcome, hit, aimed) else {
+        let nothing = Errors {
+            ray: f64::NAN,
+            image_mm: f64::NAN,
+            facet_mm: f64::NAN,
+        };
+        return Seen {
+            outcome,
+            aimed,
+            wanted,
+            direction,
+            errors: nothing,
+            smooth: None,
+        };
+    };
+    let designed = image.locate(intent.designed, point);
     let errors = |direction: DVec3| {
-        let content = image.locate(direction, intent.point);
+        let content = image.locate(direction, point);
         Errors {
-            ray: angle(direction, intent.wanted),
-            image_mm: (content - intent.point).length(),
+            ray: angle(direction, wanted),
+            image_mm: (content - point).length(),
             facet_mm: (content - designed).length(),
         }
     };
@@ -166,9 +179,11 @@ fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: 
         ))
     });
     Seen {
+        outcome,
+        aimed,
+        wanted,
         direction,
         errors: errors(direction),
         smooth,
-        ..end(Outcome::Hit)
     }
 }

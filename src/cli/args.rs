@@ -1,0 +1,102 @@
+//! The command line.
+
+use clap::{Parser, Subcommand, ValueEnum};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// Design freeform panoramic mirrors, write solids a machine shop can cut, and prove the files by
+/// tracing rays.
+#[derive(Debug, Parser)]
+#[command(name = "morion", version, max_term_width = 100)]
+#[command(after_help = "Exit code: 0 passed, 1 a negative verdict, 2 could not do it.")]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+    /// How results are printed
+    #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+    /// No progress on stderr
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Number of threads [default: one per core]; results do not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// When to colour; overrides NO_COLOR
+    #[arg(long, global = true, value_enum, default_value_t = Colour::Auto, value_name = "WHEN")]
+    pub color: Colour,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Design, mesh, write, read back, trace: every stage, into DIR/NAME/
+    Build {
+        /// Profile files, or names of shipped profiles
+        #[arg(required = true, value_name = "PROFILE")]
+        profiles: Vec<String>,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
+    /// Validate a profile, and nothing else
+    Check {
+        /// Profile file, or name of a shipped profile
+        profile: String,
+    },
+    /// Check and ray-trace an STL or OBJ of any making against a profile
+    Verify {
+        /// The file, millimetres, in the part frame of the profile
+        file: PathBuf,
+        /// Profile file, or name of a shipped profile
+        #[arg(long)]
+        profile: String,
+    },
+    /// List the shipped profiles
+    Profiles {
+        /// Print this one, to start from
+        #[arg(long, value_name = "NAME")]
+        show: Option<String>,
+    },
+}
+
+/// How results are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A readable summary
+    Text,
+    /// The report as JSON
+    Json,
+}
+
+/// When output is coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// On terminals, unless NO_COLOR is set
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+impl Colour {
+    /// Makes it hold for all later output.
+    pub fn write_global(self) {
+        let choice = match self {
+            Self::Auto => anstream::ColorChoice::Auto,
+            Self::Always => anstream::ColorChoice::Always,
+            Self::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,132 @@
+//! Arguments, terminal manners and exit codes.
+
+mod args;
+mod progress;
+
+use crate::pipeline::{build, load, verify};
+use crate::profile::{Profile, shipped};
+use crate::report::{Report, Verdict, text};
+use args::{Arguments, Command, Format};
+use clap::Parser;
+use progress::Progress;
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+/// The part passed.
+const PASSED: u8 = 0;
+/// A negative verdict.
+const FAILED: u8 = 1;
+/// It could not be done: usage, profile, input or output.
+const UNABLE: u8 = 2;
+
+/// Runs the program: parses the arguments, does the work, and returns the exit code.
+#[must_use]
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    arguments.color.write_global();
+    if let Some(threads) = arguments.threads {
+        // Fails only when a pool exists already, which cannot be before the first parallel work.
+        let _ = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build_global();
+    }
+    match execute(&arguments) {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            let style = anstyle::Style::new()
+                .bold()
+                .fg_color(Some(anstyle::AnsiColor::Red.into()));
+            let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
+            ExitCode::from(UNABLE)
+        }
+    }
+}
+
+type Failure = Box<dyn std::error::Error>;
+
+fn execute(arguments: &Arguments) -> Result<u8, Failure> {
+    let progress = Progress::new(arguments.quiet);
+    match &arguments.command {
+        Command::Build { profiles, out } => {
+            let profiles = load_all(profiles)?;
+            let mut code = PASSED;
+            for profile in &profiles {
+                let report = build(profile, out, &progress)?;
+                code = code.max(conclude(arguments, &report)?);
+            }
+            Ok(code)
+        }
+        Command::Check { profile } => {
+            let profile = load(profile)?;
+            if !arguments.quiet {
+                print(&format!("{}: valid ({})\n", profile.name, profile.sha256))?;
+            }
+            Ok(PASSED)
+        }
+        Command::Verify { file, profile } => {
+            let report = verify(&load(profile)?, file, &progress)?;
+            conclude(arguments, &report)
+        }
+        Command::Profiles { show: None } => {
+            for shipped in shipped() {
+                let summary = load(shipped.name)?.summary;
+                print(&format!("{:14} {summary}\n", shipped.name))?;
+            }
+            Ok(PASSED)
+        }
+        Command::Profiles { show: Some(name) } => {
+            let Some(profile) = shipped().iter().find(|profile| profile.name == name) else {
+                return Err(
+                    format!("no profile {name} is shipped; `morion profiles` lists them").into(),
+                );
+            };
+            print(profile.text)?;
+            Ok(PASSED)
+        }
+    }
+}
+
+/// All profiles, or all their faults; two of one name would overwrite each other.
+fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
+    let (mut profiles, mut faults) = (Vec::<Profile>::new(), Vec::new());
+    for named in named {
+        match load(named) {
+            Ok(profile) if profiles.iter().any(|p| p.name == profile.name) => {
+                faults.push(format!(
+                    "{named}: another profile is called {} too",
+                    profile.name
+                ));
+            }
+            Ok(profile) => profiles.push(profile),
+            Err(fault) => faults.push(fault.to_string()),
+        }
+    }
+    if faults.is_empty() {
+        Ok(profiles)
+    } else {
+        Err(faults.join("\n").into())
+    }
+}
+
+/// Prints a report and turns its verdict into an exit code.
+fn conclude(arguments: &Arguments, report: &Report) -> Result<u8, Failure> {
+    match arguments.format {
+        Format::Json => print(&report.json())?,
+        Format::Text => print(&text(report))?,
+    }
+    Ok(match report.verdict {
+        Verdict::Pass => PASSED,
+        Verdict::Fail => FAILED,
+    })
+}
+
+/// Prints to stdout; a reader that has gone away is no error.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = anstream::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(format!("cannot write to standard output: {error}").into())
+        }
+        _ => Ok(()),
+    }
+}

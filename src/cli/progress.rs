@@ -1,0 +1,63 @@
+//! Progress on stderr: a spinner with the stage on a terminal, one line a stage elsewhere.
+
+use crate::pipeline::{Observer, Stage};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::time::Duration;
+
+/// Reports stages to stderr, or nothing at all.
+pub struct Progress {
+    quiet: bool,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    /// Looks at stderr to choose the form.
+    pub fn new(quiet: bool) -> Self {
+        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+            bar.set_style(ProgressStyle::default_spinner());
+            bar
+        });
+        Self { quiet, bar }
+    }
+}
+
+impl Observer for Progress {
+    fn begin(&self, stage: Stage) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(stage.name());
+            bar.enable_steady_tick(Duration::from_millis(80));
+        }
+    }
+
+    fn end(&self, stage: Stage, took: Duration, note: &str) {
+        if self.quiet {
+            return;
+        }
+        let line = format!(
+            "{:8} {:7.1} ms  {note}",
+            stage.name(),
+            took.as_secs_f64() * 1e3
+        );
+        match &self.bar {
+            Some(bar) => {
+                bar.disable_steady_tick();
+                bar.println(line);
+                if stage == Stage::Report {
+                    bar.finish_and_clear();
+                }
+            }
+            // Progress that cannot be shown is not worth failing for.
+            None => drop(writeln!(std::io::stderr(), "{line}")),
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

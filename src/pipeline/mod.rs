@@ -1,0 +1,310 @@
+//! Stage order, files, progress: the one place where everything meets.
+//!
+//! A build designs, meshes, closes, writes, and then starts again from the bytes on the disk: what
+//! was written is read, checked and traced like a stranger's file, and only then published under
+//! its own name, with the report beside it.
+
+mod examine;
+mod files;
+mod observer;
+mod source;
+mod verdict;
+
+pub use files::FileError;
+pub use observer::{Observer, Silent, Stage};
+pub use source::{SourceError, load};
+
+use crate::design::{Design, DesignError, design};
+use crate::export::{ReadError, write_obj, write_stl};
+use crate::mesh::{Face, Limits, MeshError, mesh};
+use crate::profile::{Format, Profile};
+use crate::report::{
+    FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, html,
+};
+use crate::solid::{Precision, Solid, SolidError};
+use examine::{Evidence, examine, picture};
+use files::{Folder, Staged};
+use observer::Clock;
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a build or a verification could not be done. (A part that turns out bad is no error: that is
+/// a verdict.)
+#[derive(Debug, Error)]
+pub enum Error {
+    /// The design has no answer.
+    #[error("cannot design {profile}: {source}")]
+    Design {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        source: DesignError,
+    },
+    /// No mesh keeps the limits.
+    #[error("cannot mesh {profile}: {source}")]
+    Mesh {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        source: MeshError,
+    },
+    /// The body is not a solid.
+    #[error("cannot close {profile} for {format}: {source}")]
+    Solid {
+        /// Profile name.
+        profile: String,
+        /// For which format.
+        format: Format,
+        /// Why.
+        source: SolidError,
+    },
+    /// The disk refuses.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The picture cannot be encoded.
+    #[error("cannot encode the picture: {0}")]
+    Picture(String),
+    /// A file to be verified is of no known format.
+    #[error("{path}: the name must end in .stl or .obj")]
+    Format {
+        /// The file.
+        path: String,
+    },
+    /// A file to be verified cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: String,
+        /// Why.
+        source: ReadError,
+    },
+}
+
+/// Builds `profile` into `out`/NAME: every stage, every file, and the report that is returned.
+///
+/// # Errors
+/// [`Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
+/// folders.
+pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+    let clock = Clock::new(observer);
+    let folder = Folder::create(&out.join(&profile.name))?;
+
+    let design = clock.stage(Stage::Design, || designed(profile))?;
+    let face = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
+    let solids = clock.stage(Stage::Solid, || closed(profile, &face))?;
+    let label = files::label(profile, tolerances(profile, &design, &face));
+
+    let staged = clock.stage(Stage::Write, || {
+        let write = |(format, solid): &(Format, Solid)| {
+            let staged = folder.stage(&format!("mirror.{format}"), |mut out| match format {
+                Format::Stl => write_stl(&mut out, solid, &label),
+                Format::Obj => write_obj(&mut out, solid, &design.mirror, face.designed, &label),
+            })?;
+            observer.written(staged.path());
+            Ok((*format, staged))
+        };
+        let staged: Vec<(Format, Staged)> =
+            solids.iter().map(write).collect::<Result<_, FileError>>()?;
+        let note = format!("{} files", staged.len());
+        Ok::<_, Error>((staged, note))
+    })?;
+
+    let volume_tolerance = design.mirror.outline().area() * face.bound.chord_mm;
+    let mut evidence = Vec::new();
+    for (format, staged) in &staged {
+        let bytes = staged.read()?;
+        evidence.push(examine(&clock, profile, &design, *format, &bytes));
+    }
+
+    let picture = clock.stage(Stage::Picture, || {
+        let scene = evidence.iter().find_map(|e| e.scene.as_ref());
+        let png = picture(&design, scene).map_err(|e| Error::Picture(e.to_string()))?;
+        let note = format!("{} kB", png.len() / 1000);
+        Ok::<_, Error>((png, note))
+    })?;
+
+    let mesh = mesh_facts(profile, &design, &face, &solids[0].1);
+    let solid = SolidFacts::new(solids[0].1.check(), design.mirror.volume());
+    let report = assemble(
+        profile,
+        &design,
+        Some((mesh, solid)),
+        evidence,
+        volume_tolerance,
+    );
+    clock.stage(Stage::Report, || {
+        let text =
+            |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
+        let pages = [
+            folder.stage("preview.png", |out| out.write_all(&picture))?,
+            text(
+                "report.html",
+                &html(&report, &profile.summary, "preview.png"),
+            )?,
+            text("timings.json", &clock.json())?,
+            text("report.json", &report.json())?,
+        ];
+        // The report last: where it is new, everything it speaks of is.
+        for staged in staged.into_iter().map(|(_, staged)| staged).chain(pages) {
+            staged.publish()?;
+        }
+        Ok::<_, Error>(((), folder.path().display().to_string()))
+    })?;
+    Ok(report)
+}
+
+/// Reads an STL or OBJ of any making, checks it and traces it against what `profile` asks for.
+///
+/// # Errors
+/// [`Error`] when the file cannot be read as a mesh, or the profile cannot be designed.
+pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+    let clock = Clock::new(observer);
+    let name = path.display().to_string();
+    let format = match path
+        .extension()
+        .map(|e| e.to_string_lossy().to_lowercase())
+        .as_deref()
+    {
+        Some("stl") => Format::Stl,
+        Some("obj") => Format::Obj,
+        _ => return Err(Error::Format { path: name }),
+    };
+    let bytes = files::read(path)?;
+    let design = clock.stage(Stage::Design, || designed(profile))?;
+    let mut evidence = examine(&clock, profile, &design, format, &bytes);
+    if let Some(source) = evidence.unreadable.take() {
+        return Err(Error::Read { path: name, source });
+    }
+    evidence.rename(name);
+    // A file of unknown making has no proven bound; its sag is held to the profile's limit.
+    const USUAL_CHORD_UM: f64 = 10.0;
+    let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
+    let volume_tolerance = design.mirror.outline().area() * chord_mm;
+    Ok(assemble(
+        profile,
+        &design,
+        None,
+        vec![evidence],
+        volume_tolerance,
+    ))
+}
+
+fn designed(profile: &Profile) -> Result<(Design, String), Error> {
+    let design = design(profile).map_err(|source| Error::Design {
+        profile: profile.name.clone(),
+        source,
+    })?;
+    let facts = &design.facts;
+    let note = format!(
+        "{}, degree {}, {} unknowns",
+        facts.method, facts.degree, facts.unknowns
+    );
+    Ok((design, note))
+}
+
+fn meshed(profile: &Profile, design: &Design) -> Result<(Face, String), Error> {
+    let limits = Limits {
+        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
+        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+    };
+    let face = mesh(&design.mirror, &design.image.strip, limits).map_err(|source| Error::Mesh {
+        profile: profile.name.clone(),
+        source,
+    })?;
+    let note = format!("{} optical triangles", face.mesh.triangles.len());
+    Ok((face, note))
+}
+
+/// One checked solid for each format, with the digits that the format carries.
+fn closed(profile: &Profile, face: &Face) -> Result<(Vec<(Format, Solid)>, String), Error> {
+    let close = |&format: &Format| {
+        let precision = match format {
+            Format::Stl => Precision::Single,
+            Format::Obj => Precision::Double,
+        };
+        let solid = Solid::from_face(&face.mesh, precision).map_err(|source| Error::Solid {
+            profile: profile.name.clone(),
+            format,
+            source,
+        })?;
+        Ok((format, solid))
+    };
+    let solids: Vec<_> = profile
+        .formats
+        .iter()
+        .map(close)
+        .collect::<Result<_, Error>>()?;
+    let note = format!("{} triangles, closed", solids[0].1.mesh().triangles.len());
+    Ok((solids, note))
+}
+
+/// Tolerances asked and reached, for the files' headers.
+fn tolerances(profile: &Profile, design: &Design, face: &Face) -> String {
+    let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
+    format!(
+        "chord um {}:{:.3} facet px {}:{:.3}",
+        limit(profile.mesh.chord_um),
+        face.bound.chord_mm * 1e3,
+        limit(profile.mesh.facet_px),
+        face.bound.facet_mm / design.camera.pixel_mm,
+    )
+}
+
+fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {
+    let pixel = design.camera.pixel_mm;
+    let optical_triangles = face.mesh.triangles.len();
+    let over = |least: f64| optical_triangles as f64 / least;
+    MeshFacts {
+        optical_triangles,
+        triangles: solid.mesh().triangles.len(),
+        vertices: solid.mesh().vertices.len(),
+        chord_um: Limited {
+            limit: profile.mesh.chord_um,
+            bound: face.bound.chord_mm * 1e3,
+        },
+        facet_px: Limited {
+            limit: profile.mesh.facet_px,
+            bound: face.bound.facet_mm / pixel,
+        },
+        rounding_px: face.bound.rounding_mm / pixel,
+        over_optimum: OverOptimum {
+            chord: profile
+                .mesh
+                .chord_um
+                .map(|um| over(face.optimum.chord(um * 1e-3))),
+            facet: profile
+                .mesh
+                .facet_px
+                .map(|px| over(face.optimum.facet(px * pixel))),
+        },
+    }
+}
+
+fn assemble(
+    profile: &Profile,
+    design: &Design,
+    made: Option<(MeshFacts, SolidFacts)>,
+    evidence: Vec<Evidence>,
+    volume_tolerance: f64,
+) -> Report {
+    let (mesh, solid) = made.unzip();
+    let reasons = verdict::reasons(profile, &evidence, volume_tolerance);
+    let frame = evidence.iter().find_map(|e| e.frame.clone());
+    let (files, trace): (Vec<FileFacts>, Vec<_>) =
+        evidence.into_iter().map(|e| (e.file, e.trace)).unzip();
+    Report {
+        schema: SCHEMA,
+        profile: ProfileId {
+            name: profile.name.clone(),
+            sha256: profile.sha256.clone(),
+        },
+        design: design.facts.clone(),
+        mesh,
+        solid,
+        files,
+        trace: trace.into_iter().flatten().collect(),
+        frame,
+        verdict: verdict::of(&reasons),
+        reasons,
+    }
+}

@@ -1,0 +1,117 @@
+//! Progress: who watches a build, and how long its stages take.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// A stage of the pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Profile -> mirror.
+    Design,
+    /// Mirror -> optical face.
+    Mesh,
+    /// Face -> closed, checked body.
+    Solid,
+    /// Body -> files.
+    Write,
+    /// Files -> triangles, checked again.
+    Read,
+    /// Rays against those triangles.
+    Trace,
+    /// What the camera sees.
+    Picture,
+    /// Results -> report files.
+    Report,
+}
+
+impl Stage {
+    /// One word for it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Design => "design",
+            Self::Mesh => "mesh",
+            Self::Solid => "solid",
+            Self::Write => "write",
+            Self::Read => "read",
+            Self::Trace => "trace",
+            Self::Picture => "picture",
+            Self::Report => "report",
+        }
+    }
+}
+
+/// Watches a build. All calls come from one thread, in order.
+pub trait Observer: Sync {
+    /// A stage begins.
+    fn begin(&self, _stage: Stage) {}
+    /// A stage is done; `note` says in a few words what came of it.
+    fn end(&self, _stage: Stage, _took: Duration, _note: &str) {}
+    /// A file has been written and flushed under a temporary name, and is read back next.
+    fn written(&self, _path: &Path) {}
+}
+
+/// Watches nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}
+
+/// Times the stages for an observer.
+pub struct Clock<'a> {
+    observer: &'a dyn Observer,
+    start: Instant,
+    stages: Mutex<Vec<(&'static str, f64)>>,
+}
+
+impl<'a> Clock<'a> {
+    /// Starts now.
+    pub fn new(observer: &'a dyn Observer) -> Self {
+        Self {
+            observer,
+            start: Instant::now(),
+            stages: Mutex::default(),
+        }
+    }
+
+    /// Runs one stage; its value comes with the note for the observer.
+    pub fn stage<T, E>(
+        &self,
+        stage: Stage,
+        run: impl FnOnce() -> Result<(T, String), E>,
+    ) -> Result<T, E> {
+        self.observer.begin(stage);
+        let start = Instant::now();
+        let (value, note) = run()?;
+        let took = start.elapsed();
+        self.observer.end(stage, took, &note);
+        if let Ok(mut stages) = self.stages.lock() {
+            stages.push((stage.name(), took.as_secs_f64()));
+        }
+        Ok(value)
+    }
+
+    /// Runs a stage that cannot fail.
+    pub fn always<T>(&self, stage: Stage, run: impl FnOnce() -> (T, String)) -> T {
+        let Ok(value) = self.stage(stage, || Ok::<_, std::convert::Infallible>(run()));
+        value
+    }
+
+    /// `timings.json`: seconds per stage, in order, and in all so far.
+    pub fn json(&self) -> String {
+        let mut stages = serde_json::Map::new();
+        for (name, seconds) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
+            let before = stages
+                .get(name)
+                .and_then(serde_json::Value::as_f64)
+                .unwrap_or(0.0);
+            stages.insert(name.into(), (before + seconds).into());
+        }
+        let total = self.start.elapsed().as_secs_f64();
+        format!(
+            "{:#}\n",
+            serde_json::json!({ "seconds": stages, "total_s": total })
+        )
+    }
+}

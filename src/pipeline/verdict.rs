@@ -1,0 +1,112 @@
+//! The verdict: every reason why a part would not do, with figures.
+
+use super::examine::Evidence;
+use crate::profile::Profile;
+use crate::report::{TraceFacts, Verdict};
+
+/// Pass, unless there is a reason.
+pub fn of(reasons: &[String]) -> Verdict {
+    if reasons.is_empty() {
+        Verdict::Pass
+    } else {
+        Verdict::Fail
+    }
+}
+
+/// Why the files do not pass; `volume_tolerance` is in mm^3.
+pub fn reasons(profile: &Profile, evidence: &[Evidence], volume_tolerance: f64) -> Vec<String> {
+    let mut reasons = Vec::new();
+    for evidence in evidence {
+        let name = &evidence.file.name;
+        let mut blame = |reason: String| reasons.push(format!("{name}: {reason}"));
+        if let Some(error) = &evidence.unreadable {
+            blame(error.to_string());
+        }
+        if let Some(trace) = &evidence.trace {
+            shape(trace, volume_tolerance)
+                .into_iter()
+                .for_each(&mut blame);
+            rays(trace).into_iter().for_each(&mut blame);
+            limits(profile, trace).into_iter().for_each(&mut blame);
+        }
+        if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled) {
+            if frame.filled < least {
+                blame(format!(
+                    "{:.3} % of the frame see their part of the world within {} px, {:.3} % are \
+                     accepted (accept.frame_filled)",
+                    100.0 * frame.filled,
+                    frame.tolerance_px,
+                    100.0 * least
+                ));
+            }
+        }
+    }
+    reasons
+}
+
+fn shape(trace: &TraceFacts, volume_tolerance: f64) -> Vec<String> {
+    let solid = &trace.solid;
+    let mut reasons = solid.reasons.clone();
+    let off = solid.volume_mm3 - solid.volume_expected_mm3;
+    if !(off.abs() <= volume_tolerance) {
+        reasons.push(format!(
+            "volume {:.4} mm^3 where the design has {:.4}, off by {off:.4}, over the {:.4} that the \
+             chord error explains",
+            solid.volume_mm3, solid.volume_expected_mm3, volume_tolerance
+        ));
+    }
+    reasons
+}
+
+fn rays(trace: &TraceFacts) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if trace.rays == 0 {
+        reasons.push("no camera ray is aimed at the mirror".into());
+    }
+    for (count, what) in [
+        (trace.missed, "miss the part"),
+        (trace.shadowed, "are shadowed by the part itself"),
+        (trace.back_face, "meet the back of a facet"),
+    ] {
+        if count > 0 {
+            reasons.push(format!(
+                "{count} of {} rays aimed at the mirror {what}",
+                trace.rays
+            ));
+        }
+    }
+    reasons
+}
+
+fn limits(profile: &Profile, trace: &TraceFacts) -> Vec<String> {
+    let errors = &trace.errors;
+    let accept = &profile.accept;
+    let pixel = errors.pixel_error_px;
+    [
+        (
+            "facet error",
+            errors.facet_error_px.map(|e| e.max),
+            profile.mesh.facet_px,
+            "mesh.facet_px",
+        ),
+        (
+            "RMS pixel error",
+            pixel.map(|e| e.rms),
+            accept.pixel_error_rms_px,
+            "accept.pixel_error_rms_px",
+        ),
+        (
+            "largest pixel error",
+            pixel.map(|e| e.max),
+            accept.pixel_error_max_px,
+            "accept.pixel_error_max_px",
+        ),
+    ]
+    .into_iter()
+    .filter_map(|(what, found, limit, key)| {
+        let (found, limit) = (found?, limit?);
+        let over = !(found <= limit);
+        over.then(|| format!("{what} {found:.3} px, over the {limit} px of {key}"))
+    })
+    .collect()
+}

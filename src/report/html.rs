@@ -1,0 +1,176 @@
+//! `report.html`: the report as one page, with the picture beside it.
+
+use super::text::{figures, limited, solid_line};
+use super::{Report, Verdict};
+use std::fmt::Write;
+
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;\
+padding:0 1rem;color:#222}table{border-collapse:collapse;width:100%;margin:1rem 0}\
+th,td{text-align:left;vertical-align:top;padding:.3rem .6rem;border-bottom:1px solid #ddd}\
+th{font-weight:600;white-space:nowrap;width:11rem}img{max-width:100%;image-rendering:pixelated}\
+code{font-size:.85em;word-break:break-all}.pass{color:#15803d}.fail{color:#b91c1c}";
+
+/// A page that needs nothing but `picture` (a file name) beside it.
+#[must_use]
+pub fn html(report: &Report, summary: &str, picture: &str) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = page(&mut out, report, summary, picture);
+    out
+}
+
+fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std::fmt::Result {
+    let name = escaped(&report.profile.name);
+    let verdict = match report.verdict {
+        Verdict::Pass => "pass",
+        Verdict::Fail => "fail",
+    };
+    writeln!(
+        out,
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">"
+    )?;
+    writeln!(out, "<title>Morion: {name}</title>\n<style>{STYLE}</style>")?;
+    writeln!(
+        out,
+        "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>"
+    )?;
+    writeln!(out, "<p>{}</p>", escaped(summary))?;
+    if !report.reasons.is_empty() {
+        writeln!(out, "<ul>")?;
+        for reason in &report.reasons {
+            writeln!(out, "<li>{}</li>", escaped(reason))?;
+        }
+        writeln!(out, "</ul>")?;
+    }
+    let alt = "What the camera sees of a world marked every 15 degrees";
+    writeln!(out, "<p><img src=\"{picture}\" alt=\"{alt}\"></p>\n<table>")?;
+    for (head, value) in rows(report) {
+        writeln!(
+            out,
+            "<tr><th>{}</th><td>{}</td></tr>",
+            escaped(&head),
+            escaped(&value)
+        )?;
+    }
+    for file in &report.files {
+        writeln!(
+            out,
+            "<tr><th>{}</th><td>{} bytes<br><code>sha256 {}</code></td></tr>",
+            escaped(&file.name),
+            file.bytes,
+            file.sha256
+        )?;
+    }
+    writeln!(out, "</table>\n</html>")
+}
+
+fn rows(report: &Report) -> Vec<(String, String)> {
+    let mut rows: Vec<(String, String)> = Vec::new();
+    let mut row = |head: &str, value: String| rows.push((head.into(), value));
+    let design = &report.design;
+    row("profile sha256", report.profile.sha256.clone());
+    row(
+        "method",
+        format!(
+            "{}, degree {}, {} unknowns",
+            design.method, design.degree, design.unknowns
+        ),
+    );
+    row(
+        "gradient residual",
+        format!("{:.9e}", design.gradient_residual),
+    );
+    row(
+        "curl of the field",
+        format!("{:.4e} rms, {:.4e} max", design.curl.rms, design.curl.max),
+    );
+    row(
+        "design: ray error, mrad",
+        figures(Some(design.ray_error_mrad)),
+    );
+    row(
+        "design: pixel error, px",
+        figures(Some(design.pixel_error_px)),
+    );
+    if let Some(mesh) = &report.mesh {
+        let over = |o: Option<f64>| o.map_or("no limit".into(), |o| format!("{o:.2}"));
+        row(
+            "triangles",
+            format!(
+                "{} optical, {} in all",
+                mesh.optical_triangles, mesh.triangles
+            ),
+        );
+        row("chord", limited(&mesh.chord_um, "um"));
+        row("facet", limited(&mesh.facet_px, "px"));
+        let [chord, facet] = [mesh.over_optimum.chord, mesh.over_optimum.facet].map(over);
+        row(
+            "over the least possible",
+            format!("chord {chord}, facet {facet}"),
+        );
+    }
+    if let Some(solid) = &report.solid {
+        row("solid", solid_line(solid));
+    }
+    for trace in &report.trace {
+        let head = |what: &str| format!("{}: {what}", trace.file);
+        row(
+            &head("rays"),
+            format!(
+                "{} of {} hit, {} missed, {} shadowed, {} met a back face",
+                trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
+            ),
+        );
+        for (errors, note) in [
+            (Some(trace.errors), ""),
+            (trace.interpolated_normals, ", its normals"),
+        ] {
+            let Some(errors) = errors else { continue };
+            row(
+                &head(&format!("ray error{note}, mrad")),
+                figures(errors.ray_error_mrad),
+            );
+            row(
+                &head(&format!("pixel error{note}, px")),
+                figures(errors.pixel_error_px),
+            );
+            row(
+                &head(&format!("facet error{note}, px")),
+                figures(errors.facet_error_px),
+            );
+        }
+        row(&head("solid"), solid_line(&trace.solid));
+    }
+    if let Some(frame) = &report.frame {
+        let share = format!(
+            "{:.3} % of {} x {}",
+            100.0 * frame.filled,
+            frame.pixels[0],
+            frame.pixels[1]
+        );
+        row("frame filled", share);
+        row(
+            "gain over a disc",
+            format!("{:+.1} %", 100.0 * frame.gain_over_disc),
+        );
+    }
+    rows
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn text_from_outside_cannot_become_markup() {
+        assert_eq!(
+            super::escaped("<b a=\"1\">&"),
+            "&lt;b a=&quot;1&quot;&gt;&amp;"
+        );
+    }
+}

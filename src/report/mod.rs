@@ -1,0 +1,210 @@
+//! Results -> bytes: JSON, HTML and the terminal's summary. It computes nothing.
+
+mod html;
+mod text;
+
+pub use html::html;
+pub use text::text;
+
+use crate::design::Facts;
+use crate::num::stats::Summary;
+use crate::solid::Check;
+use crate::trace::Frame;
+use serde::{Serialize, Serializer};
+
+/// Version of the report's schema: keys may be added, never changed.
+pub const SCHEMA: u32 = 1;
+
+/// Everything that a build or a verification found out, in the shape of `report.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// What the design reached.
+    pub design: Facts,
+    /// What the mesh reached; absent when a file of unknown making is verified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshFacts>,
+    /// The solid that was made; absent when a file of unknown making is verified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solid: Option<SolidFacts>,
+    /// The files written or verified.
+    pub files: Vec<FileFacts>,
+    /// What the witness saw in each mesh file that could be read.
+    pub trace: Vec<TraceFacts>,
+    /// The frame as the first mesh file shows it; absent when none could be read.
+    pub frame: Option<Frame>,
+    /// Pass or fail.
+    pub verdict: Verdict,
+    /// Why it fails, each with figures; empty for a pass.
+    pub reasons: Vec<String>,
+}
+
+/// Name and fingerprint of a profile.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ProfileId {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its text, hexadecimal.
+    pub sha256: String,
+}
+
+/// Pass or fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The part does what the profile asks.
+    Pass,
+    /// It does not.
+    Fail,
+}
+
+/// A limit asked for and the bound proven.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Limited {
+    /// Asked for; none when the profile sets none.
+    pub limit: Option<f64>,
+    /// Proven over every facet.
+    pub bound: f64,
+}
+
+/// Numbers of triangles over the least possible, for the limits that are set.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OverOptimum {
+    /// Against the chord limit.
+    pub chord: Option<f64>,
+    /// Against the facet limit.
+    pub facet: Option<f64>,
+}
+
+/// What the mesh reached.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeshFacts {
+    /// Facets of the optical face.
+    pub optical_triangles: usize,
+    /// Facets of the solid.
+    pub triangles: usize,
+    /// Vertices of the solid.
+    pub vertices: usize,
+    /// Height between facet and mirror, um.
+    pub chord_um: Limited,
+    /// Image displacement by flat facets, pixels.
+    pub facet_px: Limited,
+    /// The part of it that rounding to single precision causes, pixels.
+    pub rounding_px: f64,
+    /// Triangles over the theoretical least.
+    pub over_optimum: OverOptimum,
+}
+
+/// The check of a solid.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SolidFacts {
+    /// Every edge has two facets.
+    pub closed: bool,
+    /// Neighbours agree on what is outside.
+    pub oriented: bool,
+    /// No edge or vertex joins more than one sheet.
+    pub manifold: bool,
+    /// Separate pieces.
+    pub components: usize,
+    /// Vertices - edges + facets.
+    pub euler: i64,
+    /// Enclosed volume, mm^3.
+    pub volume_mm3: f64,
+    /// Integral of the design, mm^3.
+    pub volume_expected_mm3: f64,
+    /// What is wrong, facet by facet.
+    pub reasons: Vec<String>,
+}
+
+impl SolidFacts {
+    /// The facts of `check`, beside the volume expected.
+    #[must_use]
+    pub fn new(check: &Check, volume_expected_mm3: f64) -> Self {
+        Self {
+            closed: check.closed,
+            oriented: check.oriented,
+            manifold: check.manifold,
+            components: check.components,
+            euler: check.euler,
+            volume_mm3: check.volume_mm3,
+            volume_expected_mm3,
+            reasons: check.reasons(),
+        }
+    }
+}
+
+/// A file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileFacts {
+    /// Name in the output folder.
+    pub name: String,
+    /// Its format's name.
+    pub format: &'static str,
+    /// Length.
+    pub bytes: u64,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+}
+
+/// What the witness saw in one file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TraceFacts {
+    /// Name in the output folder.
+    pub file: String,
+    /// Camera rays aimed at the mirror.
+    pub rays: usize,
+    /// Of these, reflected into the world.
+    pub hit: usize,
+    /// Meeting nothing.
+    pub missed: usize,
+    /// Reflected against the part itself.
+    pub shadowed: usize,
+    /// Meeting the back of a facet.
+    pub back_face: usize,
+    /// Against the projection and the designed mirror, by facet normals.
+    #[serde(flatten)]
+    pub errors: ErrorFacts,
+    /// The same by the file's interpolated normals, where it has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolated_normals: Option<ErrorFacts>,
+    /// The check of the file's mesh.
+    pub solid: SolidFacts,
+}
+
+/// Errors over the rays that hit; absent when none did.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ErrorFacts {
+    /// Angle between the direction seen and the projection's, mrad.
+    #[serde(serialize_with = "or_null")]
+    pub ray_error_mrad: Option<Summary>,
+    /// The same carried back to the image, pixels.
+    #[serde(serialize_with = "or_null")]
+    pub pixel_error_px: Option<Summary>,
+    /// Image displacement against the designed mirror, pixels.
+    #[serde(serialize_with = "or_null")]
+    pub facet_error_px: Option<Summary>,
+}
+
+/// A summary with its keys, all null when there is none: readers find the keys either way.
+fn or_null<S: Serializer>(summary: &Option<Summary>, serializer: S) -> Result<S::Ok, S::Error> {
+    let nothing = Summary {
+        rms: f64::NAN,
+        p95: f64::NAN,
+        max: f64::NAN,
+    };
+    summary.unwrap_or(nothing).serialize(serializer)
+}
+
+impl Report {
+    /// `report.json`.
+    #[must_use]
+    pub fn json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self)
+            .expect("a report has string keys and plain values only");
+        text.push('\n');
+        text
+    }
+}

@@ -1,0 +1,161 @@
+//! The terminal's summary of a report.
+
+use super::{ErrorFacts, Limited, Report, SolidFacts, Verdict};
+use crate::num::stats::Summary;
+use anstyle::{AnsiColor, Style};
+use std::fmt::Write;
+
+/// A readable summary: a line a stage, the reasons, and the verdict last. Styled for terminals;
+/// an `anstream` writer strips the styles elsewhere.
+#[must_use]
+pub fn text(report: &Report) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_text(&mut out, report);
+    out
+}
+
+fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
+    let bold = Style::new().bold();
+    let Report { design, .. } = report;
+    writeln!(
+        out,
+        "{bold}{}{bold:#}  ({})",
+        report.profile.name,
+        short(&report.profile.sha256)
+    )?;
+    writeln!(
+        out,
+        "  design   {} of degree {}, {} unknowns; ray error {} mrad, pixel error {} px",
+        design.method,
+        design.degree,
+        design.unknowns,
+        figures(Some(design.ray_error_mrad)),
+        figures(Some(design.pixel_error_px)),
+    )?;
+    if let Some(mesh) = &report.mesh {
+        writeln!(
+            out,
+            "  mesh     {} optical triangles ({} in all); chord {}, facet {}",
+            mesh.optical_triangles,
+            mesh.triangles,
+            limited(&mesh.chord_um, "um"),
+            limited(&mesh.facet_px, "px"),
+        )?;
+    }
+    if let Some(solid) = &report.solid {
+        writeln!(out, "  solid    {}", solid_line(solid))?;
+    }
+    for file in &report.files {
+        writeln!(
+            out,
+            "  file     {}  {:.1} MB",
+            file.name,
+            file.bytes as f64 / 1e6
+        )?;
+    }
+    for trace in &report.trace {
+        writeln!(
+            out,
+            "  witness  {}: {} of {} rays hit, {} missed, {} shadowed, {} met a back face",
+            trace.file, trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
+        )?;
+        writeln!(out, "           {}", errors_line(&trace.errors))?;
+        if let Some(errors) = &trace.interpolated_normals {
+            writeln!(
+                out,
+                "           with the file's normals: {}",
+                errors_line(errors)
+            )?;
+        }
+        if !trace.solid.reasons.is_empty() {
+            writeln!(out, "           {}", solid_line(&trace.solid))?;
+        }
+    }
+    if let Some(frame) = &report.frame {
+        let range = |range: &Option<[f64; 2]>| {
+            range.map_or("none".into(), |[lo, hi]| format!("{lo:.2} to {hi:.2} deg"))
+        };
+        writeln!(
+            out,
+            "  frame    {:.2} % of {} x {} filled; azimuth {}, elevation {}; {:+.1} % against a disc",
+            100.0 * frame.filled,
+            frame.pixels[0],
+            frame.pixels[1],
+            range(&frame.azimuth_deg),
+            range(&frame.elevation_deg),
+            100.0 * frame.gain_over_disc,
+        )?;
+    }
+    for reason in &report.reasons {
+        writeln!(out, "  - {reason}")?;
+    }
+    let (word, colour) = match report.verdict {
+        Verdict::Pass => ("pass", AnsiColor::Green),
+        Verdict::Fail => ("fail", AnsiColor::Red),
+    };
+    let style = Style::new().bold().fg_color(Some(colour.into()));
+    writeln!(out, "  verdict  {style}{word}{style:#}")
+}
+
+/// The first digits of a hash.
+pub(super) fn short(sha256: &str) -> &str {
+    &sha256[..sha256.len().min(8)]
+}
+
+/// RMS, P95 and maximum.
+pub(super) fn figures(summary: Option<Summary>) -> String {
+    summary.map_or("none".into(), |s| {
+        format!(
+            "{} rms, {} p95, {} max",
+            digits(s.rms),
+            digits(s.p95),
+            digits(s.max)
+        )
+    })
+}
+
+/// Three or four digits that matter.
+fn digits(x: f64) -> String {
+    if x != 0.0 && x.abs() < 1e-3 {
+        format!("{x:.2e}")
+    } else {
+        format!("{x:.3}")
+    }
+}
+
+pub(super) fn limited(value: &Limited, unit: &str) -> String {
+    match value.limit {
+        Some(limit) => format!("{} of {limit} {unit}", digits(value.bound)),
+        None => format!("{} {unit} (no limit)", digits(value.bound)),
+    }
+}
+
+fn errors_line(errors: &ErrorFacts) -> String {
+    format!(
+        "pixel error {} px; facet error {} px",
+        figures(errors.pixel_error_px),
+        figures(errors.facet_error_px)
+    )
+}
+
+pub(super) fn solid_line(solid: &SolidFacts) -> String {
+    let yes = |flag: bool, word: &str| {
+        if flag {
+            word.into()
+        } else {
+            format!("NOT {word}")
+        }
+    };
+    format!(
+        "{}, {}, {}; {} piece{}, Euler {}, {:.3} mm^3 ({:.3} expected)",
+        yes(solid.closed, "closed"),
+        yes(solid.oriented, "oriented"),
+        yes(solid.manifold, "manifold"),
+        solid.components,
+        if solid.components == 1 { "" } else { "s" },
+        solid.euler,
+        solid.volume_mm3,
+        solid.volume_expected_mm3,
+    )
+}
