@@ -135,23 +135,25 @@ pub fn design(profile: &Profile) -> Result<Design, DesignError> {
 /// The least sag over the panel, to sampling accuracy (exact where it lies on a corner).
 fn lowest(sheet: &Sheet, plan: &Plan) -> f64 {
     plan.panel
-        .grid(SAMPLES, SAMPLES)
-        .map(|(q, _)| sheet.at(q).sag)
+        .grid_rows(SAMPLES, SAMPLES)
+        .flat_map(|(y, row)| {
+            let line = sheet.row(y);
+            row.into_iter().map(move |(q, _)| line.at(q.x).sag)
+        })
         .fold(f64::INFINITY, f64::min)
 }
 
 /// Ray error (rad) and image displacement (mm) of the sheet against the projection.
 fn errors(sheet: &Sheet, plan: &Plan) -> Option<(Summary, Summary)> {
-    let (rays, shifts) = plan
-        .panel
-        .grid(SAMPLES, SAMPLES)
-        .map(|(q, weight)| {
-            let seen = reflect_vertical(sheet.at(q).slope);
-            let ray = angle(seen, plan.strip.wanted(q));
-            let shift = (plan.strip.locate(seen, q) - q).length();
-            ((ray, weight), (shift, weight))
-        })
-        .unzip();
+    let (mut rays, mut shifts) = (Vec::new(), Vec::new());
+    for (y, row) in plan.panel.grid_rows(SAMPLES, SAMPLES) {
+        let line = sheet.row(y);
+        for (q, weight) in row {
+            let seen = reflect_vertical(line.at(q.x).slope);
+            rays.push((angle(seen, plan.strip.wanted(q)), weight));
+            shifts.push(((plan.strip.locate(seen, q) - q).length(), weight));
+        }
+    }
     Some((Summary::weighted(rays)?, Summary::weighted(shifts)?))
 }
 

@@ -36,17 +36,26 @@ impl Rect {
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }
 
-    /// The (n + 1)(m + 1) points of an even grid with both rims, row by row in Y, each with its
-    /// trapezoidal weight (mm^2; the weights sum to the area).
-    pub fn grid(&self, n: usize, m: usize) -> impl Iterator<Item = (DVec2, f64)> {
+    /// The m + 1 rows of an even grid of (n + 1)(m + 1) points with both rims: each row's Y and its
+    /// points, each with its trapezoidal weight (mm^2; the weights sum to the area).
+    pub fn grid_rows(&self, n: usize, m: usize) -> impl Iterator<Item = (f64, Vec<(DVec2, f64)>)> {
         let (rect, cell) = (*self, self.area() / (n * m) as f64);
         let end = |k: usize, last: usize| if k == 0 || k == last { 0.5 } else { 1.0 };
-        (0..=m).flat_map(move |j| {
-            (0..=n).map(move |i| {
+        (0..=m).map(move |j| {
+            let point = |i: usize| {
                 let share = DVec2::new(i as f64 / n as f64, j as f64 / m as f64);
                 (rect.min + rect.size() * share, cell * end(i, n) * end(j, m))
-            })
+            };
+            (
+                rect.min.y + rect.size().y * (j as f64 / m as f64),
+                (0..=n).map(point).collect(),
+            )
         })
+    }
+
+    /// The points of [`Rect::grid_rows`], row after row.
+    pub fn grid(&self, n: usize, m: usize) -> impl Iterator<Item = (DVec2, f64)> {
+        self.grid_rows(n, m).flat_map(|(_, row)| row)
     }
 }
 

@@ -4,10 +4,10 @@ use super::files::sha256;
 use super::observer::{Clock, Stage};
 use crate::design::Design;
 use crate::export::{ReadError, Reread, read_obj, read_stl};
-use crate::geom::{DVec2, DVec3};
+use crate::geom::DVec3;
 use crate::optics::reflect;
 use crate::profile::{Format, Profile};
-use crate::render::{Canvas, Picture, Seen as Painted, TestWorld};
+use crate::render::{Canvas, EncodingError, Picture, Seen as Painted, TestWorld};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts};
 use crate::solid::check;
 use crate::trace::{Errors, Frame, Intent, Outcome, Scene, Seen, Witness, look};
@@ -22,8 +22,8 @@ pub struct Evidence {
     pub trace: Option<TraceFacts>,
     /// The frame.
     pub frame: Option<Frame>,
-    /// The mesh, ready for more rays.
-    pub scene: Option<Scene>,
+    /// The mesh, ready for more rays, and what became of those sent so far.
+    pub seen: Option<(Scene, Witness)>,
 }
 
 impl Evidence {
@@ -79,7 +79,7 @@ pub fn examine(
                 unreadable,
                 trace: None,
                 frame: None,
-                scene: None,
+                seen: None,
             };
         }
     };
@@ -108,7 +108,7 @@ pub fn examine(
         unreadable: None,
         trace: Some(trace),
         frame: Some(frame),
-        scene: Some(scene),
+        seen: Some((scene, witness)),
     }
 }
 
@@ -121,11 +121,7 @@ fn intents(design: &Design, scene: &Scene) -> impl Fn(usize) -> Vec<Intent> {
         ..
     } = design;
     let outline = mirror.outline();
-    // Camera rays start above everything in the file.
-    let top = scene
-        .mesh()
-        .bounds()
-        .map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element());
+    let top = above(scene);
     move |row| {
         let y = camera.image_point(0.0, row as f64 + 0.5).y;
         let line = mirror.row(y);
@@ -185,29 +181,45 @@ fn trace_facts(
     }
 }
 
-/// What the camera sees of the test world in the mesh that was read back, as PNG.
-pub fn picture(design: &Design, scene: Option<&Scene>) -> Result<Vec<u8>, impl std::fmt::Display> {
+/// What the camera sees of the test world in the mesh that was read back, as PNG. The witness's own
+/// rays are the pixel centres.
+pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u8>, EncodingError> {
     let Design { camera, image, .. } = design;
+    let [width, height] = camera.pixels;
     let canvas = Canvas {
-        width: camera.pixels[0],
-        height: camera.pixels[1],
-        samples_per_side: 2,
+        width,
+        height,
+        samples_per_side: 3,
         pixel_rad: camera.pixel_mm / image.strip.scale_mm,
     };
-    let top = scene
-        .and_then(|s| s.mesh().bounds())
-        .map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element());
-    let see = |x: f64, y: f64| {
-        let point: DVec2 = camera.image_point(x, y);
-        let Some(scene) = scene else {
-            return Painted::Missed;
-        };
-        match look(scene, &camera.ray(point, top)) {
-            (Outcome::Hit, _, direction) => Painted::World(direction),
-            (Outcome::Missed, ..) => Painted::Missed,
-            (Outcome::Shadowed(_), ..) => Painted::Shadowed,
-            (Outcome::BackFace, ..) => Painted::BackFace,
-        }
+    let painted = |outcome: Outcome, direction: DVec3| match outcome {
+        Outcome::Hit => Painted::World(direction),
+        Outcome::Missed => Painted::Missed,
+        Outcome::Shadowed(_) => Painted::Shadowed,
+        Outcome::BackFace => Painted::BackFace,
     };
-    Picture::paint(&canvas, &TestWorld::new(), see).to_png()
+    let world = TestWorld::new();
+    let Some((scene, witness)) = seen else {
+        let nothing = vec![Painted::Missed; width as usize * height as usize];
+        return Picture::paint(&canvas, &world, &nothing, |_, _| Painted::Missed).to_png();
+    };
+    let centres: Vec<Painted> = witness
+        .seen
+        .iter()
+        .map(|seen| painted(seen.outcome, seen.direction))
+        .collect();
+    let top = above(scene);
+    let see = |x: f64, y: f64| {
+        let (outcome, _, direction) = look(scene, &camera.ray(camera.image_point(x, y), top));
+        painted(outcome, direction)
+    };
+    Picture::paint(&canvas, &world, &centres, see).to_png()
+}
+
+/// A height above everything in the file, mm, for camera rays to start from.
+fn above(scene: &Scene) -> f64 {
+    scene
+        .mesh()
+        .bounds()
+        .map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }

@@ -117,8 +117,8 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
     }
 
     let picture = clock.stage(Stage::Picture, || {
-        let scene = evidence.iter().find_map(|e| e.scene.as_ref());
-        let png = picture(&design, scene).map_err(|e| Error::Picture(e.to_string()))?;
+        let seen = evidence.iter().find_map(|e| e.seen.as_ref());
+        let png = picture(&design, seen).map_err(|e| Error::Picture(e.to_string()))?;
         let note = format!("{} kB", png.len() / 1000);
         Ok::<_, Error>((png, note))
     })?;

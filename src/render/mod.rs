@@ -12,4 +12,5 @@ pub mod srgb;
 pub mod world;
 
 pub use picture::{Canvas, Picture, Seen};
+pub use png::EncodingError;
 pub use world::TestWorld;
