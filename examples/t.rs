@@ -5,21 +5,15 @@ use std::time::Instant;
 fn main() {
     let f: f64 = std::env::args().nth(1).map_or(1.0, |a| a.parse().unwrap());
     let c: Option<f64> = std::env::args().nth(2).map(|a| a.parse().unwrap());
-    for (law, deg, layout) in [
-        (Law::Cylindrical, 12, 1),
-        (Law::Mercator, 14, 1),
-        (Law::Cylindrical, 12, 0),
-    ] {
+    for (law, deg, layout) in
+        [(Law::Cylindrical, 12, 1), (Law::Mercator, 14, 1), (Law::Cylindrical, 12, 0)]
+    {
         let p = Profile {
             name: "t".into(),
             sha256: "".into(),
             summary: "".into(),
             camera: Camera::Orthographic { pixels: [640, 480] },
-            projection: Projection {
-                law,
-                azimuth_deg: [-180., 180.],
-                elevation_deg: [-30., 30.],
-            },
+            projection: Projection { law, azimuth_deg: [-180., 180.], elevation_deg: [-30., 30.] },
             layout: if layout == 1 {
                 Layout::Conquistador {
                     panel: PanelSource::Refit,
@@ -30,14 +24,8 @@ fn main() {
                 Layout::Strip { fill_frame: false }
             },
             method: Method::VectorField { degree: deg },
-            part: Part {
-                width_mm: 60.,
-                base_mm: 5.,
-            },
-            mesh: MeshLimits {
-                chord_um: None,
-                facet_px: None,
-            },
+            part: Part { width_mm: 60., base_mm: 5. },
+            mesh: MeshLimits { chord_um: None, facet_px: None },
             formats: vec![],
             accept: Accept::default(),
         };

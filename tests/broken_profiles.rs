@@ -31,11 +31,7 @@ fn fixtures() -> Vec<Fixture> {
                 _ => fs::read(folder().join(&file)).expect("a profile beside its expectation"),
             };
             let expected = fs::read_to_string(&path).expect("UTF-8");
-            Fixture {
-                file,
-                bytes,
-                expected: expected.trim_end().to_owned(),
-            }
+            Fixture { file, bytes, expected: expected.trim_end().to_owned() }
         })
         .collect();
     fixtures.sort_by(|a, b| a.file.cmp(&b.file));
@@ -99,10 +95,7 @@ fn the_library_complains_exactly_as_expected() {
             Err(complaints) => complaints.to_string(),
         };
         if found != fixture.expected {
-            wrong.push(format!(
-                "{}: expected\n{}\nfound\n{found}",
-                fixture.file, fixture.expected
-            ));
+            wrong.push(format!("{}: expected\n{}\nfound\n{found}", fixture.file, fixture.expected));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));

@@ -22,35 +22,19 @@ fn profile(law: Law, layout: Layout, elevation: f64, degree: usize) -> Profile {
         },
         layout,
         method: Method::VectorField { degree },
-        part: Part {
-            width_mm: 60.0,
-            base_mm: 5.0,
-        },
-        mesh: MeshLimits {
-            chord_um: None,
-            facet_px: Some(1.0),
-        },
+        part: Part { width_mm: 60.0, base_mm: 5.0 },
+        mesh: MeshLimits { chord_um: None, facet_px: Some(1.0) },
         formats: vec![Format::Stl],
         accept: Accept::default(),
     }
 }
 
 fn strip(law: Law, elevation: f64, degree: usize) -> Design {
-    design(&profile(
-        law,
-        Layout::Strip { fill_frame: false },
-        elevation,
-        degree,
-    ))
-    .unwrap()
+    design(&profile(law, Layout::Strip { fill_frame: false }, elevation, degree)).unwrap()
 }
 
 fn folded(law: Law, panel: PanelSource, degree: usize) -> Design {
-    let layout = Layout::Conquistador {
-        panel,
-        ridge: Ridge::Crest,
-        fill_frame: true,
-    };
+    let layout = Layout::Conquistador { panel, ridge: Ridge::Crest, fill_frame: true };
     design(&profile(law, layout, 30.0, degree)).unwrap()
 }
 
@@ -75,11 +59,7 @@ fn least_residual(reach: f64) -> f64 {
     let (nodes, weights) = gauss_legendre(60);
     let between = |lo: f64, hi: f64, f: &dyn Fn(f64) -> f64| -> f64 {
         let (mid, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-        nodes
-            .iter()
-            .zip(&weights)
-            .map(|(x, w)| w * half * f(mid + half * x))
-            .sum()
+        nodes.iter().zip(&weights).map(|(x, w)| w * half * f(mid + half * x)).sum()
     };
     let source = |t: f64| -(dd(t) + d(t));
     // Particular solution int_{-reach}^z sinh(z - t) source(t) dt vanishes with its slope at the
@@ -111,18 +91,9 @@ fn panoramic_residual_is_the_exact_optimum() {
 fn residual_falls_to_the_optimum_as_the_degree_grows() {
     let exact = least_residual(1.0 / 3.0f64.sqrt());
     let excess: Vec<f64> = [2, 4, 6, 8]
-        .map(|degree| {
-            strip(Law::Cylindrical, 30.0, degree)
-                .facts
-                .gradient_residual
-                / exact
-                - 1.0
-        })
+        .map(|degree| strip(Law::Cylindrical, 30.0, degree).facts.gradient_residual / exact - 1.0)
         .to_vec();
-    assert!(
-        excess.windows(2).all(|pair| pair[1] < 0.1 * pair[0]),
-        "{excess:?}"
-    );
+    assert!(excess.windows(2).all(|pair| pair[1] < 0.1 * pair[0]), "{excess:?}");
 }
 
 #[test]
@@ -144,19 +115,13 @@ fn mercator_strip_is_the_harmonic_mirror() {
 fn mercator_converges_spectrally() {
     let error = |degree| strip(Law::Mercator, 30.0, degree).facts.ray_error_mrad.max;
     let errors: Vec<f64> = [4, 8, 12, 16].map(error).to_vec();
-    assert!(
-        errors.windows(2).all(|pair| pair[1] < 0.02 * pair[0]),
-        "{errors:?}"
-    );
+    assert!(errors.windows(2).all(|pair| pair[1] < 0.02 * pair[0]), "{errors:?}");
 }
 
 #[test]
 fn the_papers_mirrors_have_their_known_worst_ray_errors() {
     let panoramic = strip(Law::Cylindrical, 30.0, 12).facts.ray_error_mrad.max;
-    let refit = folded(Law::Cylindrical, PanelSource::Refit, 12)
-        .facts
-        .ray_error_mrad
-        .max;
+    let refit = folded(Law::Cylindrical, PanelSource::Refit, 12).facts.ray_error_mrad.max;
     println!("{panoramic} {refit}");
     assert!((panoramic - 29.3).abs() < 0.2, "{panoramic}");
     assert!((refit - 22.0).abs() < 0.2, "{refit}");
@@ -192,12 +157,7 @@ fn fill_frame_gives_the_filled_elevation_range() {
         let elevation = morion::num::degrees(morion::num::asin(top.z));
         assert!((elevation - expected).abs() < 0.05, "{law:?} {elevation}");
     }
-    let strip = profile(
-        Law::Cylindrical,
-        Layout::Strip { fill_frame: true },
-        30.0,
-        8,
-    );
+    let strip = profile(Law::Cylindrical, Layout::Strip { fill_frame: true }, 30.0, 8);
     let outline = design(&strip).unwrap().mirror.outline();
     assert!((outline.size() - DVec2::new(60.0, 45.0)).length() < 1e-5);
 }
@@ -205,14 +165,8 @@ fn fill_frame_gives_the_filled_elevation_range() {
 #[test]
 fn crest_and_valley_are_ridges_of_the_right_sense() {
     for (ridge, sign) in [(Ridge::Crest, -1.0), (Ridge::Valley, 1.0)] {
-        let layout = Layout::Conquistador {
-            panel: PanelSource::Refit,
-            ridge,
-            fill_frame: true,
-        };
-        let mirror = design(&profile(Law::Cylindrical, layout, 30.0, 12))
-            .unwrap()
-            .mirror;
+        let layout = Layout::Conquistador { panel: PanelSource::Refit, ridge, fill_frame: true };
+        let mirror = design(&profile(Law::Cylindrical, layout, 30.0, 12)).unwrap().mirror;
         for x in [-20.0, -5.0, 0.0, 13.0, 29.0] {
             // Sag away from the ridge, on either side alike.
             let at = |y: f64| mirror.row(y).at(x);
@@ -226,12 +180,7 @@ fn crest_and_valley_are_ridges_of_the_right_sense() {
 #[test]
 fn a_strip_turned_by_half_a_turn_is_the_same_problem_with_the_other_sign() {
     let plain = strip(Law::Cylindrical, 30.0, 10);
-    let mut turned = profile(
-        Law::Cylindrical,
-        Layout::Strip { fill_frame: false },
-        30.0,
-        10,
-    );
+    let mut turned = profile(Law::Cylindrical, Layout::Strip { fill_frame: false }, 30.0, 10);
     turned.projection.azimuth_deg = [0.0, 360.0];
     let turned = design(&turned).unwrap();
     assert!(turned.mirror.even_x);

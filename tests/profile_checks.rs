@@ -27,11 +27,7 @@ export.formats = [\"stl\"]
 
 #[test]
 fn the_shipped_conquistador_is_the_papers() {
-    let text = shipped()
-        .iter()
-        .find(|s| s.name == "conquistador")
-        .expect("shipped")
-        .text;
+    let text = shipped().iter().find(|s| s.name == "conquistador").expect("shipped").text;
     let profile = Profile::parse("c", "c.toml", text.as_bytes()).expect("valid");
     assert_eq!(
         profile,
@@ -51,14 +47,8 @@ fn the_shipped_conquistador_is_the_papers() {
                 fill_frame: true,
             },
             method: Method::VectorField { degree: 12 },
-            part: Part {
-                width_mm: 60.0,
-                base_mm: 5.0,
-            },
-            mesh: MeshLimits {
-                chord_um: Some(2.0),
-                facet_px: Some(1.0),
-            },
+            part: Part { width_mm: 60.0, base_mm: 5.0 },
+            mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0) },
             formats: vec![Format::Stl, Format::Obj],
             accept: Accept {
                 pixel_error_rms_px: Some(2.0),
@@ -77,11 +67,7 @@ fn defaults_and_other_ways_to_write_toml() {
     assert_eq!(profile.mesh.facet_px, None);
     assert_eq!(
         profile.layout,
-        Layout::Conquistador {
-            panel: PanelSource::Refit,
-            ridge: Ridge::Crest,
-            fill_frame: false,
-        }
+        Layout::Conquistador { panel: PanelSource::Refit, ridge: Ridge::Crest, fill_frame: false }
     );
     let strip = with(&[("layout.conquistador", "layout.strip")]).expect("valid");
     assert_eq!(strip.layout, Layout::Strip { fill_frame: false });
@@ -132,11 +118,7 @@ fn limits_are_where_they_are_said_to_be() {
 #[test]
 fn the_hash_is_of_the_bytes() {
     let text = shipped()[0].text;
-    let hash = |text: &str| {
-        Profile::parse("p", "p.toml", text.as_bytes())
-            .expect("valid")
-            .sha256
-    };
+    let hash = |text: &str| Profile::parse("p", "p.toml", text.as_bytes()).expect("valid").sha256;
     assert_eq!(hash(text).len(), 64);
     assert_ne!(hash(text), hash(&format!("{text}\n")));
     assert_ne!(hash(text), hash(&text.replace('\n', "\r\n")));

@@ -26,16 +26,12 @@ pub fn run() -> ExitCode {
     arguments.color.write_global();
     if let Some(threads) = arguments.threads {
         // Fails only when a pool exists already, which cannot be before the first parallel work.
-        let _ = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.get())
-            .build_global();
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
     }
     match execute(&arguments) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            let style = anstyle::Style::new()
-                .bold()
-                .fg_color(Some(anstyle::AnsiColor::Red.into()));
+            let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Red.into()));
             let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
             ExitCode::from(UNABLE)
         }
@@ -77,7 +73,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         Command::Profiles { show: Some(name) } => {
             let Some(profile) = shipped().iter().find(|profile| profile.name == name) else {
                 return Err(
-                    format!("no profile {name} is shipped; `morion profiles` lists them").into(),
+                    format!("no profile {name} is shipped; `morion profiles` lists them").into()
                 );
             };
             print(profile.text)?;
@@ -92,20 +88,13 @@ fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
     for named in named {
         match load(named) {
             Ok(profile) if profiles.iter().any(|p| p.name == profile.name) => {
-                faults.push(format!(
-                    "{named}: another profile is called {} too",
-                    profile.name
-                ));
+                faults.push(format!("{named}: another profile is called {} too", profile.name));
             }
             Ok(profile) => profiles.push(profile),
             Err(fault) => faults.push(fault.to_string()),
         }
     }
-    if faults.is_empty() {
-        Ok(profiles)
-    } else {
-        Err(faults.join("\n").into())
-    }
+    if faults.is_empty() { Ok(profiles) } else { Err(faults.join("\n").into()) }
 }
 
 /// Prints a report and turns its verdict into an exit code.

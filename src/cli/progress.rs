@@ -35,11 +35,7 @@ impl Observer for Progress {
         if self.quiet {
             return;
         }
-        let line = format!(
-            "{:8} {:7.1} ms  {note}",
-            stage.name(),
-            took.as_secs_f64() * 1e3
-        );
+        let line = format!("{:8} {:7.1} ms  {note}", stage.name(), took.as_secs_f64() * 1e3);
         match &self.bar {
             Some(bar) => {
                 bar.disable_steady_tick();

@@ -33,10 +33,7 @@ impl Plan {
         };
         let Camera::Orthographic { pixels } = profile.camera;
         let width = profile.part.width_mm;
-        let camera = Orthographic {
-            pixels,
-            pixel_mm: width / f64::from(pixels[0]),
-        };
+        let camera = Orthographic { pixels, pixel_mm: width / f64::from(pixels[0]) };
         let frame_height = camera.pixel_mm * f64::from(pixels[1]);
         let azimuth = profile.projection.azimuth_deg;
         let span = radians(azimuth[1] - azimuth[0]);
@@ -48,37 +45,23 @@ impl Plan {
             Layout::Conquistador { fill_frame, .. } => (0.5 * span, 2.0, fill_frame),
         };
         let scale_mm = width / across;
-        let z = profile
-            .projection
-            .elevation_deg
-            .map(|e| law.image_of_elevation(radians(e)));
+        let z = profile.projection.elevation_deg.map(|e| law.image_of_elevation(radians(e)));
         let z_middle = 0.5 * (z[0] + z[1]);
-        let height = if fill_frame {
-            frame_height / panels
-        } else {
-            (z[1] - z[0]) * scale_mm
-        };
+        let height = if fill_frame { frame_height / panels } else { (z[1] - z[0]) * scale_mm };
 
         let (fold, below) = match profile.layout {
             Layout::Strip { .. } => (None, 0.5 * height),
-            Layout::Conquistador {
-                ridge: Ridge::Crest,
-                ..
-            } => (Some(Fold::Above), 0.0),
-            Layout::Conquistador {
-                ridge: Ridge::Valley,
-                ..
-            } => (Some(Fold::Below), height),
+            Layout::Conquistador { ridge: Ridge::Crest, .. } => (Some(Fold::Above), 0.0),
+            Layout::Conquistador { ridge: Ridge::Valley, .. } => (Some(Fold::Below), height),
         };
         let exact = Rect {
             min: DVec2::new(-0.5 * width, -below),
             max: DVec2::new(0.5 * width, height - below),
         };
         let widening = match profile.layout {
-            Layout::Conquistador {
-                panel: PanelSource::Section,
-                ..
-            } => DVec2::new(span / across, 1.0),
+            Layout::Conquistador { panel: PanelSource::Section, .. } => {
+                DVec2::new(span / across, 1.0)
+            }
             _ => DVec2::ONE,
         };
         let strip = Strip {
@@ -89,10 +72,7 @@ impl Plan {
         };
         Self {
             strip,
-            panel: Rect {
-                min: single(exact.min),
-                max: single(exact.max),
-            },
+            panel: Rect { min: single(exact.min), max: single(exact.max) },
             domain: Rect {
                 min: exact.centre() - 0.5 * widening * exact.size(),
                 max: exact.centre() + 0.5 * widening * exact.size(),

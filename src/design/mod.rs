@@ -99,9 +99,7 @@ pub fn design(profile: &Profile) -> Result<Design, DesignError> {
     sheet.lift_mm = profile.part.base_mm - lowest(&sheet, &plan);
     let (ray, pixel) = errors(&sheet, &plan)
         .filter(|(ray, pixel)| ray.rms.is_finite() && pixel.rms.is_finite())
-        .ok_or(DesignError::NotFinite {
-            what: "image error",
-        })?;
+        .ok_or(DesignError::NotFinite { what: "image error" })?;
     if !sheet.lift_mm.is_finite() {
         return Err(DesignError::NotFinite { what: "sag" });
     }
@@ -114,22 +112,10 @@ pub fn design(profile: &Profile) -> Result<Design, DesignError> {
         ray_error_mrad: ray.scaled(1e3),
         pixel_error_px: pixel.scaled(1.0 / plan.camera.pixel_mm),
     };
-    let mirror = Mirror {
-        sheet,
-        panel: plan.panel,
-        folded: plan.fold.is_some(),
-        even_x: plan.even_x,
-    };
-    let image = Image {
-        strip: plan.strip,
-        fold: plan.fold,
-    };
-    Ok(Design {
-        mirror,
-        image,
-        camera: plan.camera,
-        facts,
-    })
+    let mirror =
+        Mirror { sheet, panel: plan.panel, folded: plan.fold.is_some(), even_x: plan.even_x };
+    let image = Image { strip: plan.strip, fold: plan.fold };
+    Ok(Design { mirror, image, camera: plan.camera, facts })
 }
 
 /// The least sag over the panel, to sampling accuracy (exact where it lies on a corner).
@@ -165,8 +151,5 @@ fn curl(plan: &Plan) -> Spread {
         area += weight;
         max = max.max(curl.abs());
     }
-    Spread {
-        rms: f64::sqrt(square / area),
-        max,
-    }
+    Spread { rms: f64::sqrt(square / area), max }
 }

@@ -39,15 +39,10 @@ pub fn fit(plan: &Plan, degree: usize) -> Result<Fit, RankDeficient> {
     let rows = 2 * along_u.len() * along_v.len();
     let mut matrix = DMatrix::zeros(rows, terms.len());
     let mut wanted = DVector::zeros(rows);
-    for (k, (a, b)) in along_u
-        .iter()
-        .flat_map(|a| along_v.iter().map(move |b| (a, b)))
-        .enumerate()
+    for (k, (a, b)) in along_u.iter().flat_map(|a| along_v.iter().map(move |b| (a, b))).enumerate()
     {
         let weight = (a.weight * b.weight * half_paper.x * half_paper.y).sqrt();
-        let slope = plan
-            .strip
-            .slope(plan.domain.centre() + half * DVec2::new(a.node, b.node));
+        let slope = plan.strip.slope(plan.domain.centre() + half * DVec2::new(a.node, b.node));
         wanted[2 * k] = weight * slope.x;
         wanted[2 * k + 1] = weight * slope.y;
         for (column, &(i, j)) in terms.iter().enumerate() {
@@ -66,9 +61,7 @@ pub fn fit(plan: &Plan, degree: usize) -> Result<Fit, RankDeficient> {
         coefficients[i * (degree + 1) + j] = x / length;
     }
     Ok(Fit {
-        series: Series::from_fn(degree + 1, degree + 1, |i, j| {
-            coefficients[i * (degree + 1) + j]
-        }),
+        series: Series::from_fn(degree + 1, degree + 1, |i, j| coefficients[i * (degree + 1) + j]),
         unknowns: terms.len(),
         residual: solution.residual_squared,
     })
@@ -88,16 +81,7 @@ fn basis((nodes, weights): &(Vec<f64>, Vec<f64>), degree: usize, even: bool) -> 
     let times = if even { 2.0 } else { 1.0 };
     let make = |(&node, &weight): (&f64, &f64)| {
         let p = values(degree, node);
-        Node {
-            node,
-            weight: times * weight,
-            d: derivatives(&p),
-            p,
-        }
+        Node { node, weight: times * weight, d: derivatives(&p), p }
     };
-    nodes[half..]
-        .iter()
-        .zip(&weights[half..])
-        .map(make)
-        .collect()
+    nodes[half..].iter().zip(&weights[half..]).map(make).collect()
 }

@@ -22,14 +22,6 @@ pub struct Label {
 impl Label {
     /// `text` with everything but printable ASCII replaced: headers and comments end at a newline.
     fn plain(text: &str) -> String {
-        text.chars()
-            .map(|c| {
-                if c.is_ascii_graphic() || c == ' ' {
-                    c
-                } else {
-                    '?'
-                }
-            })
-            .collect()
+        text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
     }
 }

@@ -27,11 +27,7 @@ pub fn write_obj(
     let mesh = solid.mesh();
     let (optical, body) = mesh.triangles.split_at(solid.optical());
     let (plain, reflected) = optical.split_at(designed);
-    let count = optical
-        .iter()
-        .flatten()
-        .max()
-        .map_or(0, |&last| last as usize + 1);
+    let count = optical.iter().flatten().max().map_or(0, |&last| last as usize + 1);
     let normals = normals(mirror, &mesh.vertices[..count]);
     // Vertices on the ridge have a second normal, numbered after all the first ones.
     let ridge: Vec<u32> = (0..count as u32)
@@ -42,25 +38,13 @@ pub fn write_obj(
         Err(_) => v as usize,
     };
     let flipped = |&v: &u32| normals[v as usize] * DVec3::new(1.0, -1.0, 1.0) + DVec3::ZERO;
-    let all_normals: Vec<DVec3> = normals
-        .iter()
-        .copied()
-        .chain(ridge.iter().map(flipped))
-        .collect();
+    let all_normals: Vec<DVec3> =
+        normals.iter().copied().chain(ridge.iter().map(flipped)).collect();
 
-    writeln!(
-        out,
-        "# Morion: profile {}, sha256 {}",
-        Label::plain(&label.profile),
-        label.sha256
-    )?;
+    writeln!(out, "# Morion: profile {}, sha256 {}", Label::plain(&label.profile), label.sha256)?;
     writeln!(out, "# millimetres; {}", Label::plain(&label.tolerances))?;
-    lines(out, &mesh.vertices, |text, v| {
-        writeln!(text, "v {} {} {}", v.x, v.y, v.z)
-    })?;
-    lines(out, &all_normals, |text, n| {
-        writeln!(text, "vn {} {} {}", n.x, n.y, n.z)
-    })?;
+    lines(out, &mesh.vertices, |text, v| writeln!(text, "v {} {} {}", v.x, v.y, v.z))?;
+    lines(out, &all_normals, |text, n| writeln!(text, "vn {} {} {}", n.x, n.y, n.z))?;
     writeln!(out, "# optical face")?;
     lines(out, plain, |text, t| {
         let [a, b, c] = t.map(|v| v + 1);
@@ -83,9 +67,7 @@ fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
     let rows: Vec<&[DVec3]> = vertices.chunk_by(|a, b| a.y == b.y).collect();
     let evaluate = |row: &&[DVec3]| {
         let line = mirror.row(row[0].y);
-        row.iter()
-            .map(|v| line.at(v.x).normal() + DVec3::ZERO)
-            .collect::<Vec<_>>()
+        row.iter().map(|v| line.at(v.x).normal() + DVec3::ZERO).collect::<Vec<_>>()
     };
     rows.par_iter().map(evaluate).collect::<Vec<_>>().concat()
 }

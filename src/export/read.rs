@@ -1,6 +1,6 @@
 //! Reading meshes back, as a stranger would: nothing is taken from the writer but the file.
 
-use crate::geom::{DVec3, TriMesh};
+use crate::geom::{DVec3, TriMesh, Welder};
 use std::io::{self, Cursor};
 use thiserror::Error;
 
@@ -55,28 +55,18 @@ pub fn read_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
         let facets = u32::from_le_bytes([bytes[80], bytes[81], bytes[82], bytes[83]]);
         let expected = HEAD as u64 + FACET * u64::from(facets);
         if expected != bytes.len() as u64 {
-            return Err(ReadError::Length {
-                facets,
-                expected,
-                found: bytes.len() as u64,
-            });
+            return Err(ReadError::Length { facets, expected, found: bytes.len() as u64 });
         }
     }
     let mut cursor = Cursor::new(bytes);
     let facets = stl_io::create_stl_reader(&mut cursor).map_err(ReadError::Stl)?;
-    let mut corners = Vec::with_capacity(3 * bytes.len() / FACET as usize);
-    for facet in facets {
+    let mut welder = Welder::new(bytes.len() / FACET as usize);
+    for (index, facet) in facets.enumerate() {
         let facet = facet.map_err(ReadError::Stl)?;
-        corners.extend(
-            facet
-                .vertices
-                .map(|v| DVec3::from_array(v.0.map(f64::from))),
-        );
+        let corners = facet.vertices.map(|v| DVec3::from_array(v.0.map(f64::from)));
+        add_finite(&mut welder, index, corners)?;
     }
-    Ok(Reread {
-        mesh: welded(corners)?,
-        normals: None,
-    })
+    Ok(Reread { mesh: not_empty(welder)?, normals: None })
 }
 
 /// Reads OBJ, with normals where it has them.
@@ -93,29 +83,36 @@ pub fn read_obj(bytes: &[u8]) -> Result<Reread, ReadError> {
     let no_materials = |_: &std::path::Path| Ok(Default::default());
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials)
         .map_err(ReadError::Obj)?;
-    let (mut corners, mut normals) = (Vec::new(), Vec::new());
+    let at = |array: &[f64], k: u32| DVec3::from_slice(&array[3 * k as usize..]);
+    let facets: usize = models.iter().map(|model| model.mesh.indices.len() / 3).sum();
+    let (mut welder, mut normals) = (Welder::new(facets), Vec::new());
+    let mut index = 0;
     for tobj::Model { mesh, .. } in &models {
-        let at = |array: &[f64], k: u32| DVec3::from_slice(&array[3 * k as usize..]);
-        corners.extend(mesh.indices.iter().map(|&k| at(&mesh.positions, k)));
+        for corners in mesh.indices.chunks_exact(3) {
+            let corners = [corners[0], corners[1], corners[2]];
+            add_finite(&mut welder, index, corners.map(|k| at(&mesh.positions, k)))?;
+            index += 1;
+        }
         normals.extend(mesh.normal_indices.iter().map(|&k| at(&mesh.normals, k)));
     }
-    let has_normals = normals.len() == corners.len();
+    let has_normals = normals.len() == 3 * facets;
     let triples = |n: &[DVec3]| [n[0], n[1], n[2]].map(DVec3::normalize_or_zero);
     let normals = has_normals.then(|| normals.chunks_exact(3).map(triples).collect());
-    Ok(Reread {
-        mesh: welded(corners)?,
-        normals,
-    })
+    Ok(Reread { mesh: not_empty(welder)?, normals })
 }
 
-fn welded(corners: Vec<DVec3>) -> Result<TriMesh, ReadError> {
-    if corners.is_empty() {
-        return Err(ReadError::Empty);
+fn add_finite(welder: &mut Welder, facet: usize, corners: [DVec3; 3]) -> Result<(), ReadError> {
+    if corners.iter().all(|corner| corner.is_finite()) {
+        welder.add(corners);
+        Ok(())
+    } else {
+        Err(ReadError::NotFinite { facet })
     }
-    if let Some(bad) = corners.iter().position(|v| !v.is_finite()) {
-        return Err(ReadError::NotFinite { facet: bad / 3 });
-    }
-    Ok(TriMesh::weld(corners.into_iter()))
+}
+
+fn not_empty(welder: Welder) -> Result<TriMesh, ReadError> {
+    let mesh = welder.finish();
+    if mesh.triangles.is_empty() { Err(ReadError::Empty) } else { Ok(mesh) }
 }
 
 #[cfg(test)]
@@ -130,10 +127,7 @@ mod tests {
             DVec3::new(1.0, -1.0, 2.5),
             DVec3::new(0.0, 1.5, 3.0),
         ];
-        let face = TriMesh {
-            vertices,
-            triangles: vec![[0, 1, 2]],
-        };
+        let face = TriMesh { vertices, triangles: vec![[0, 1, 2]] };
         let solid = Solid::from_face(&face, Precision::Single).unwrap();
         let label = Label {
             profile: "solid\nof a long name ".repeat(9),
@@ -142,10 +136,7 @@ mod tests {
         };
         let mut bytes = Vec::new();
         write_stl(&mut bytes, &solid, &label).unwrap();
-        assert_eq!(
-            read_stl(&bytes).unwrap().mesh.triangles.len(),
-            solid.mesh().triangles.len()
-        );
+        assert_eq!(read_stl(&bytes).unwrap().mesh.triangles.len(), solid.mesh().triangles.len());
         bytes
     }
 
@@ -168,9 +159,7 @@ mod tests {
     #[test]
     fn a_truncated_file_says_how_much_is_missing() {
         let bytes = stl();
-        let Err(ReadError::Length {
-            expected, found, ..
-        }) = read_stl(&bytes[..bytes.len() - 7])
+        let Err(ReadError::Length { expected, found, .. }) = read_stl(&bytes[..bytes.len() - 7])
         else {
             panic!("not refused")
         };
@@ -190,15 +179,9 @@ mod tests {
     fn numbers_that_are_not_finite_are_refused() {
         let mut bytes = stl();
         bytes[84 + 50 + 12..84 + 50 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
-        assert!(matches!(
-            read_stl(&bytes),
-            Err(ReadError::NotFinite { facet: 1 })
-        ));
+        assert!(matches!(read_stl(&bytes), Err(ReadError::NotFinite { facet: 1 })));
         let obj = b"v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n";
-        assert!(matches!(
-            read_obj(obj),
-            Err(ReadError::NotFinite { facet: 0 })
-        ));
+        assert!(matches!(read_obj(obj), Err(ReadError::NotFinite { facet: 0 })));
     }
 
     #[test]
@@ -212,10 +195,7 @@ mod tests {
 
     #[test]
     fn an_obj_that_points_nowhere_is_an_error() {
-        assert!(matches!(
-            read_obj(b"v 0 0 0\nf 1 2 3\n"),
-            Err(ReadError::Obj(_))
-        ));
+        assert!(matches!(read_obj(b"v 0 0 0\nf 1 2 3\n"), Err(ReadError::Obj(_))));
         assert!(matches!(read_obj(b"# nothing\n"), Err(ReadError::Empty)));
     }
 }

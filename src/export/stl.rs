@@ -19,16 +19,9 @@ pub fn write_stl(out: &mut impl Write, solid: &Solid, label: &Label) -> io::Resu
     let facets = (0..mesh.triangles.len()).map(|t| {
         let normal = mesh.area_vector(t).normalize().as_vec3() + 0.0;
         let corners = mesh.corners(t).map(|v| Vertex::new(v.as_vec3().to_array()));
-        Triangle {
-            normal: Normal::new(normal.to_array()),
-            vertices: corners,
-        }
+        Triangle { normal: Normal::new(normal.to_array()), vertices: corners }
     });
-    let mut out = WithHeader {
-        out,
-        header: header(label),
-        written: 0,
-    };
+    let mut out = WithHeader { out, header: header(label), written: 0 };
     stl_io::write_stl(&mut out, facets)?;
     out.flush()
 }
@@ -54,8 +47,7 @@ impl<W: Write> Write for WithHeader<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = if self.written < HEADER {
             let count = bytes.len().min(HEADER - self.written);
-            self.out
-                .write(&self.header[self.written..self.written + count])?
+            self.out.write(&self.header[self.written..self.written + count])?
         } else {
             self.out.write(bytes)?
         };

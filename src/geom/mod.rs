@@ -8,7 +8,7 @@ mod trimesh;
 
 pub use glam::{DVec2, DVec3};
 pub use rect::Rect;
-pub use trimesh::{TriMesh, turn};
+pub use trimesh::{TriMesh, Welder, turn};
 
 /// A half-line from `origin` along the unit vector `direction`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -46,10 +46,7 @@ impl Rect {
                 let share = DVec2::new(i as f64 / n as f64, j as f64 / m as f64);
                 (rect.min + rect.size() * share, cell * end(i, n) * end(j, m))
             };
-            (
-                rect.min.y + rect.size().y * (j as f64 / m as f64),
-                (0..=n).map(point).collect(),
-            )
+            (rect.min.y + rect.size().y * (j as f64 / m as f64), (0..=n).map(point).collect())
         })
     }
 
@@ -65,10 +62,7 @@ mod tests {
 
     #[test]
     fn grid_weights_sum_to_the_area_and_reach_the_corners() {
-        let rect = Rect {
-            min: DVec2::new(-1.0, 2.0),
-            max: DVec2::new(3.0, 5.0),
-        };
+        let rect = Rect { min: DVec2::new(-1.0, 2.0), max: DVec2::new(3.0, 5.0) };
         let grid: Vec<_> = rect.grid(7, 4).collect();
         assert_eq!(grid.len(), 8 * 5);
         assert!((grid.iter().map(|g| g.1).sum::<f64>() - 12.0).abs() < 1e-12);

@@ -34,11 +34,7 @@ impl TriMesh {
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let first = *self.vertices.first()?;
-        Some(
-            self.vertices
-                .iter()
-                .fold((first, first), |(lo, hi), &v| (lo.min(v), hi.max(v))),
-        )
+        Some(self.vertices.iter().fold((first, first), |(lo, hi), &v| (lo.min(v), hi.max(v))))
     }
 
     /// The mesh with its mirror image across the plane where coordinate `axis` (0 = X, 1 = Y)
@@ -63,34 +59,71 @@ impl TriMesh {
         }
         self
     }
+}
 
-    /// Joins corners that have the same bits: how a file without shared vertices becomes a mesh.
-    /// Vertices are numbered in order of first appearance. Zeros of either sign are the same.
+/// Joins corners that have the same bits: how a file without shared vertices becomes a mesh.
+/// Vertices are numbered in order of first appearance. Zeros of either sign are the same.
+#[derive(Debug)]
+pub struct Welder {
+    mesh: TriMesh,
+    seen: FxHashMap<[u64; 3], u32>,
+    /// The last vertex met for each residue of the hash. Files list neighbours near each other, so
+    /// most corners are found here, without a jump into the large table.
+    recent: Vec<([u64; 3], u32)>,
+}
+
+impl Welder {
+    const RECENT: usize = 1 << 13;
+    /// No finite vertex has these bits.
+    const NOWHERE: [u64; 3] = [u64::MAX; 3];
+
+    /// A welder for about `facets` facets.
     #[must_use]
-    pub fn weld(corners: impl ExactSizeIterator<Item = DVec3>) -> Self {
-        let count = corners.len();
+    pub fn new(facets: usize) -> Self {
         // Closed triangle meshes have half as many vertices as facets.
-        let mut seen: FxHashMap<[u64; 3], u32> =
-            FxHashMap::with_capacity_and_hasher(count / 6 + 16, Default::default());
-        let mut mesh = Self {
-            vertices: Vec::with_capacity(count / 6 + 16),
-            triangles: Vec::with_capacity(count / 3),
-        };
-        let mut triangle = [0; 3];
-        for (k, corner) in corners.enumerate() {
-            let key = (corner + DVec3::ZERO).to_array().map(f64::to_bits);
-            triangle[k % 3] = match seen.entry(key) {
-                Entry::Occupied(known) => *known.get(),
-                Entry::Vacant(new) => {
-                    mesh.vertices.push(corner);
-                    *new.insert(mesh.vertices.len() as u32 - 1)
-                }
-            };
-            if k % 3 == 2 {
-                mesh.triangles.push(triangle);
-            }
+        let vertices = facets / 2 + 16;
+        Self {
+            mesh: TriMesh {
+                vertices: Vec::with_capacity(vertices),
+                triangles: Vec::with_capacity(facets),
+            },
+            seen: FxHashMap::with_capacity_and_hasher(vertices, Default::default()),
+            recent: vec![(Self::NOWHERE, 0); Self::RECENT],
         }
-        mesh
+    }
+
+    /// Adds a facet.
+    #[inline]
+    pub fn add(&mut self, corners: [DVec3; 3]) {
+        let triangle = corners.map(|corner| self.vertex(corner));
+        self.mesh.triangles.push(triangle);
+    }
+
+    #[inline]
+    fn vertex(&mut self, corner: DVec3) -> u32 {
+        let key = (corner + DVec3::ZERO).to_array().map(f64::to_bits);
+        // Fibonacci hashing of the mixed coordinates.
+        let mixed = key[0].rotate_left(21) ^ key[1].rotate_left(42) ^ key[2];
+        let slot = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 51) as usize;
+        let recent = &mut self.recent[slot];
+        if recent.0 == key {
+            return recent.1;
+        }
+        let index = match self.seen.entry(key) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                self.mesh.vertices.push(corner);
+                *new.insert(self.mesh.vertices.len() as u32 - 1)
+            }
+        };
+        *recent = (key, index);
+        index
+    }
+
+    /// The mesh of all facets added.
+    #[must_use]
+    pub fn finish(self) -> TriMesh {
+        self.mesh
     }
 }
 
@@ -124,20 +157,16 @@ mod tests {
     #[test]
     fn weld_undoes_the_unshared_list() {
         let mesh = triangle().with_reflection(1);
-        let soup: Vec<_> = (0..2).flat_map(|t| mesh.corners(t)).collect();
-        assert_eq!(TriMesh::weld(soup.into_iter()), mesh);
+        let mut welder = Welder::new(2);
+        (0..2).for_each(|t| welder.add(mesh.corners(t)));
+        assert_eq!(welder.finish(), mesh);
     }
 
     #[test]
     fn weld_takes_both_zeros_for_one_place() {
-        let soup = [
-            DVec3::ZERO,
-            DVec3::X,
-            DVec3::Y,
-            -DVec3::ZERO,
-            DVec3::Y,
-            -DVec3::X,
-        ];
-        assert_eq!(TriMesh::weld(soup.into_iter()).vertices.len(), 4);
+        let mut welder = Welder::new(2);
+        welder.add([DVec3::ZERO, DVec3::X, DVec3::Y]);
+        welder.add([-DVec3::ZERO, DVec3::Y, -DVec3::X]);
+        assert_eq!(welder.finish().vertices.len(), 4);
     }
 }

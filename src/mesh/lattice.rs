@@ -21,24 +21,15 @@ const MOST_FACETS: f64 = 4e7;
 pub fn propose(prover: &Prover, domain: Rect, limits: Limits) -> Result<Vec<DVec2>, MeshError> {
     let needs = Needs::new(prover, domain, limits);
     let (columns, rows) = needs.spacings();
-    let (across, along) = (
-        count(&columns, domain.size().x),
-        count(&rows, domain.size().y),
-    );
+    let (across, along) = (count(&columns, domain.size().x), count(&rows, domain.size().y));
     let facets = 2.0 * across * along;
     if !(facets <= MOST_FACETS) {
-        return Err(MeshError::TooMany {
-            facets,
-            most: MOST_FACETS,
-        });
+        return Err(MeshError::TooMany { facets, most: MOST_FACETS });
     }
     let even = steps(&columns, domain.min.x, domain.max.x, 0.0);
     let odd = steps(&columns, domain.min.x, domain.max.x, 0.5);
     let mut points = Vec::with_capacity((facets / 2.0) as usize + even.len());
-    for (k, &y) in steps(&rows, domain.min.y, domain.max.y, 0.0)
-        .iter()
-        .enumerate()
-    {
+    for (k, &y) in steps(&rows, domain.min.y, domain.max.y, 0.0).iter().enumerate() {
         let row = if k % 2 == 0 { &even } else { &odd };
         points.extend(row.iter().map(|&x| DVec2::new(x, y)));
     }
@@ -48,10 +39,7 @@ pub fn propose(prover: &Prover, domain: Rect, limits: Limits) -> Result<Vec<DVec
 /// Number of steps over `length` at the given spacings.
 fn count(spacing: &[f64], length: f64) -> f64 {
     let cell = length / (spacing.len() - 1) as f64;
-    spacing
-        .windows(2)
-        .map(|s| 0.5 * cell * (1.0 / s[0] + 1.0 / s[1]))
-        .sum()
+    spacing.windows(2).map(|s| 0.5 * cell * (1.0 / s[0] + 1.0 / s[1])).sum()
 }
 
 /// Places from `lo` to `hi`, both included, a whole number of local spacings apart; with a `phase`
@@ -93,10 +81,7 @@ impl Place {
     fn errors(&self, a: f64, b: f64) -> (f64, f64) {
         let corners = [DVec2::ZERO, DVec2::new(a, 0.0), DVec2::new(0.5 * a, b)];
         let Curvature { xx, xy, yy } = self.curvature;
-        let facet = DVec2::new(
-            0.5 * xx * a,
-            0.5 * (xy * a + yy * b) - xx * a * a / (8.0 * b),
-        );
+        let facet = DVec2::new(0.5 * xx * a, 0.5 * (xy * a + yy * b) - xx * a * a / (8.0 * b));
         let shift = |corner: &DVec2| {
             let slope = facet - self.curvature.times(*corner);
             (self.per_slope[0] * slope.x + self.per_slope[1] * slope.y).length()
@@ -106,10 +91,7 @@ impl Place {
             self.curvature.times(edge).dot(edge)
         };
         let worst = corners.iter().map(shift).fold(0.0, f64::max);
-        (
-            worst,
-            largest_deviation(along(0, 1), along(1, 2), along(2, 0)),
-        )
+        (worst, largest_deviation(along(0, 1), along(1, 2), along(2, 0)))
     }
 }
 
@@ -129,42 +111,24 @@ impl Needs {
             let shown = |p: DVec2| prover.strip.locate(reflect_vertical(p), q);
             let per_slope =
                 [DVec2::X, DVec2::Y].map(|d| (shown(slope + d * step) - shown(slope)) / step);
-            Place {
-                curvature: prover.sheet.curvature(q),
-                per_slope,
-            }
+            Place { curvature: prover.sheet.curvature(q), per_slope }
         };
         let places = domain.grid(PLACES, PLACES).map(|(q, _)| place(q)).collect();
-        Self {
-            places,
-            limits,
-            size: domain.size(),
-        }
+        Self { places, limits, size: domain.size() }
     }
 
     fn keeps(&self, place: &Place, a: f64, b: f64) -> bool {
         let (facet, chord) = place.errors(a, b);
-        self.limits
-            .facet_mm
-            .is_none_or(|limit| facet <= AIM * limit)
-            && self
-                .limits
-                .chord_mm
-                .is_none_or(|limit| chord <= AIM * limit)
+        self.limits.facet_mm.is_none_or(|limit| facet <= AIM * limit)
+            && self.limits.chord_mm.is_none_or(|limit| chord <= AIM * limit)
     }
 
     /// The largest spacing of equilateral triangles at a place, at most the domain's size.
     fn equilateral(&self, place: &Place) -> f64 {
         let (facet, chord) = place.errors(1.0, EQUILATERAL);
         let largest = self.size.max_element();
-        let by_facet = self
-            .limits
-            .facet_mm
-            .map_or(largest, |limit| AIM * limit / facet);
-        let by_chord = self
-            .limits
-            .chord_mm
-            .map_or(largest, |limit| (AIM * limit / chord).sqrt());
+        let by_facet = self.limits.facet_mm.map_or(largest, |limit| AIM * limit / facet);
+        let by_chord = self.limits.chord_mm.map_or(largest, |limit| (AIM * limit / chord).sqrt());
         by_facet.min(by_chord).min(largest)
     }
 
@@ -173,11 +137,8 @@ impl Needs {
     fn spacings(&self) -> (Vec<f64>, Vec<f64>) {
         let width = PLACES + 1;
         let equilateral: Vec<f64> = self.places.iter().map(|p| self.equilateral(p)).collect();
-        let narrowest = |i: usize| {
-            (0..width)
-                .map(|j| equilateral[j * width + i])
-                .fold(f64::INFINITY, f64::min)
-        };
+        let narrowest =
+            |i: usize| (0..width).map(|j| equilateral[j * width + i]).fold(f64::INFINITY, f64::min);
         let base: Vec<f64> = (0..width).map(narrowest).collect();
         let trial = |widening: f64| {
             let columns: Vec<f64> = base.iter().map(|a| a * widening).collect();
@@ -197,11 +158,7 @@ impl Needs {
     /// The widest row distance at row `j` that suits every place of the row.
     fn row_spacing(&self, j: usize, columns: &[f64]) -> f64 {
         let row = &self.places[j * columns.len()..(j + 1) * columns.len()];
-        let keeps = |b: f64| {
-            row.iter()
-                .zip(columns)
-                .all(|(place, &a)| self.keeps(place, a, b))
-        };
+        let keeps = |b: f64| row.iter().zip(columns).all(|(place, &a)| self.keeps(place, a, b));
         let narrowest = columns.iter().copied().fold(f64::INFINITY, f64::min);
         let (mut low, mut high) = (0.3 * narrowest, 8.0 * narrowest);
         for _ in 0..24 {
@@ -239,30 +196,14 @@ mod tests {
         let unit = [DVec2::X, DVec2::Y];
         let h = 0.1;
         // Equilateral triangle on z = k r^2 / 2: circumradius h/sqrt 3, chord k R^2 / 2.
-        let bowl = Curvature {
-            xx: 2.0,
-            xy: 0.0,
-            yy: 2.0,
-        };
-        let (facet, chord) = Place {
-            curvature: bowl,
-            per_slope: unit,
-        }
-        .errors(h, EQUILATERAL * h);
+        let bowl = Curvature { xx: 2.0, xy: 0.0, yy: 2.0 };
+        let (facet, chord) = Place { curvature: bowl, per_slope: unit }.errors(h, EQUILATERAL * h);
         assert!((facet - 2.0 * h / 3.0f64.sqrt()).abs() < 1e-15);
         assert!((chord - h * h / 3.0).abs() < 1e-15);
         // On the saddle one principal direction along X: the facet's point is half a circumradius
         // below the centre, farthest from the apex.
-        let saddle = Curvature {
-            xx: 2.0,
-            xy: 0.0,
-            yy: -2.0,
-        };
-        let (facet, _) = Place {
-            curvature: saddle,
-            per_slope: unit,
-        }
-        .errors(h, EQUILATERAL * h);
+        let saddle = Curvature { xx: 2.0, xy: 0.0, yy: -2.0 };
+        let (facet, _) = Place { curvature: saddle, per_slope: unit }.errors(h, EQUILATERAL * h);
         let radius = h / 3.0f64.sqrt();
         assert!(
             (facet / (2.0 * radius) - 1.75f64.sqrt()).abs() < 1e-12

@@ -97,34 +97,14 @@ pub fn mesh(mirror: &Mirror, strip: &Strip, limits: Limits) -> Result<Face, Mesh
     let domain = half_of(mirror);
     let points = lattice::propose(&prover, domain, limits)?;
     let (part, bound) = refine::triangulate(&prover, points, limits)?;
-    let panel = if mirror.even_x {
-        part.with_reflection(0)
-    } else {
-        part
-    };
+    let panel = if mirror.even_x { part.with_reflection(0) } else { part };
     let designed = panel.triangles.len();
-    let mesh = if mirror.folded {
-        panel.with_reflection(1)
-    } else {
-        panel
-    };
-    Ok(Face {
-        mesh,
-        designed,
-        bound,
-        optimum: Optimum::new(mirror),
-    })
+    let mesh = if mirror.folded { panel.with_reflection(1) } else { panel };
+    Ok(Face { mesh, designed, bound, optimum: Optimum::new(mirror) })
 }
 
 /// The part of the panel that is meshed: X >= 0 where the rest is its mirror image.
 fn half_of(mirror: &Mirror) -> Rect {
-    let min_x = if mirror.even_x {
-        0.0
-    } else {
-        mirror.panel.min.x
-    };
-    Rect {
-        min: DVec2::new(min_x, mirror.panel.min.y),
-        max: mirror.panel.max,
-    }
+    let min_x = if mirror.even_x { 0.0 } else { mirror.panel.min.x };
+    Rect { min: DVec2::new(min_x, mirror.panel.min.y), max: mirror.panel.max }
 }

@@ -26,10 +26,7 @@ impl Optimum {
         let mut total = [0.0; 2];
         for (u, wu) in nodes.iter().zip(&weights) {
             for (v, wv) in nodes.iter().zip(&weights) {
-                let det = mirror
-                    .sheet
-                    .curvature(centre + half * DVec2::new(*u, *v))
-                    .det();
+                let det = mirror.sheet.curvature(centre + half * DVec2::new(*u, *v)).det();
                 let [chord, facet] = if det > 0.0 { BOWL } else { SADDLE };
                 let area = wu * wv * half.x * half.y;
                 total[0] += area * chord * det.abs().sqrt();
@@ -37,10 +34,7 @@ impl Optimum {
             }
         }
         let panels = if mirror.folded { 2.0 } else { 1.0 };
-        Self {
-            curved: panels * total[0],
-            weighted_area: panels * total[1],
-        }
+        Self { curved: panels * total[0], weighted_area: panels * total[1] }
     }
 
     /// Least number of triangles for a chord error of `limit` mm.

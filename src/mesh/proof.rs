@@ -64,10 +64,7 @@ struct Cell {
 
 impl Union for Cell {
     fn union(self, other: Self) -> Self {
-        Self {
-            third: self.third.max(other.third),
-            content: self.content.max(other.content),
-        }
+        Self { third: self.third.max(other.third), content: self.content.max(other.content) }
     }
 }
 
@@ -86,11 +83,7 @@ impl<'a> Prover<'a> {
     #[must_use]
     pub fn new(mirror: &'a Mirror, strip: Strip) -> Self {
         let bounds = Cells::new(&mirror.sheet, mirror.panel);
-        Self {
-            sheet: &mirror.sheet,
-            strip,
-            cells: bounds.map(|cell| content_bounds(&strip, cell)),
-        }
+        Self { sheet: &mirror.sheet, strip, cells: bounds.map(|cell| content_bounds(&strip, cell)) }
     }
 
     /// The corner at (X, Y) of the mirror point `point`.
@@ -98,11 +91,7 @@ impl<'a> Prover<'a> {
     #[must_use]
     pub fn vertex(&self, q: DVec2, point: Point) -> Vertex {
         let content = self.strip.locate(reflect_vertical(point.slope), q);
-        Vertex {
-            at: q.extend(point.sag),
-            slope: point.slope,
-            content,
-        }
+        Vertex { at: q.extend(point.sag), slope: point.slope, content }
     }
 
     /// Bounds over the facet `t`, counter-clockwise seen from above; infinite for a facet that is
@@ -113,11 +102,7 @@ impl<'a> Prover<'a> {
         let double_area = turn(a, b, c);
         if !(double_area > 0.0) {
             let never = f64::INFINITY;
-            return Bound {
-                chord_mm: never,
-                facet_mm: never,
-                rounding_mm: never,
-            };
+            return Bound { chord_mm: never, facet_mm: never, rounding_mm: never };
         }
         let cell = self.cells.over(a.min(b).min(c), a.max(b).max(c));
         let [ab, bc, ca] = [b - a, c - b, a - c];
@@ -131,17 +116,10 @@ impl<'a> Prover<'a> {
         let exact = t.map(|v| v.at);
         let single = exact.map(|p| p.truncate().extend(f64::from(p.z as f32)));
         let shown = [exact, single].map(|corners| self.shown_by_facet(corners));
-        let off = |content: DVec2| {
-            t.iter()
-                .map(|v| (content - v.content).length())
-                .fold(0.0, f64::max)
-        };
+        let off =
+            |content: DVec2| t.iter().map(|v| (content - v.content).length()).fold(0.0, f64::max);
         let between = cell.content * diameter * diameter / 6.0;
-        let moved = exact
-            .iter()
-            .zip(single)
-            .map(|(e, s)| (e.z - s.z).abs())
-            .fold(0.0, f64::max);
+        let moved = exact.iter().zip(single).map(|(e, s)| (e.z - s.z).abs()).fold(0.0, f64::max);
         Bound {
             chord_mm: quadratic + cubic + moved,
             facet_mm: off(shown[0]).max(off(shown[1])) + between,
@@ -153,8 +131,7 @@ impl<'a> Prover<'a> {
     fn shown_by_facet(&self, corners: [DVec3; 3]) -> DVec2 {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let slope = -normal.truncate() / normal.z;
-        self.strip
-            .locate(reflect_vertical(slope), corners[0].truncate())
+        self.strip.locate(reflect_vertical(slope), corners[0].truncate())
     }
 }
 
@@ -162,11 +139,7 @@ impl<'a> Prover<'a> {
 pub(super) fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
     let edges = h01.abs().max(h12.abs()).max(h20.abs()) / 8.0;
     // The stationary point inside the triangle, if there is one.
-    let weights = [
-        h12 * (h01 + h20 - h12),
-        h20 * (h01 + h12 - h20),
-        h01 * (h12 + h20 - h01),
-    ];
+    let weights = [h12 * (h01 + h20 - h12), h20 * (h01 + h12 - h20), h01 * (h12 + h20 - h01)];
     let sum = weights[0] + weights[1] + weights[2];
     if weights.iter().all(|w| w * sum > 0.0) {
         edges.max((0.5 * h01 * h12 * h20 / sum).abs())
@@ -180,21 +153,13 @@ pub(super) fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
 fn content_bounds(strip: &Strip, cell: &CellBounds) -> Cell {
     if cell.slope_min <= 0.0 {
         let never = f64::INFINITY;
-        return Cell {
-            third: cell.third,
-            content: never,
-        };
+        return Cell { third: cell.third, content: never };
     }
     let turn = cell.curvature / cell.slope_min;
-    let [stretch, bend] = strip
-        .law
-        .stretch(-log(cell.slope_max), -log(cell.slope_min));
+    let [stretch, bend] = strip.law.stretch(-log(cell.slope_max), -log(cell.slope_min));
     let stretch = stretch.max(1.0);
     let second = stretch * (turn * turn + cell.third / cell.slope_min) + bend * turn * turn;
-    Cell {
-        third: cell.third,
-        content: strip.scale_mm * second,
-    }
+    Cell { third: cell.third, content: strip.scale_mm * second }
 }
 
 #[cfg(test)]
@@ -222,10 +187,7 @@ mod tests {
                 }
             }
             let found = largest_deviation(h01, h12, h20);
-            assert!(
-                found >= sampled - 1e-15 && found <= sampled * 1.001,
-                "{h01} {h12} {h20}"
-            );
+            assert!(found >= sampled - 1e-15 && found <= sampled * 1.001, "{h01} {h12} {h20}");
         }
     }
 }

@@ -69,11 +69,7 @@ impl Cells<CellBounds> {
                 third: norm(&third.each_ref().map(|entry| largest(entry[k]))),
             })
             .collect();
-        Self {
-            panel,
-            cell,
-            values,
-        }
+        Self { panel, cell, values }
     }
 }
 
@@ -156,10 +152,7 @@ mod tests {
     use super::*;
     use crate::num::legendre::Series;
 
-    const PANEL: Rect = Rect {
-        min: DVec2::new(-20.0, -14.0),
-        max: DVec2::new(31.0, 9.0),
-    };
+    const PANEL: Rect = Rect { min: DVec2::new(-20.0, -14.0), max: DVec2::new(31.0, 9.0) };
 
     /// A wavy sheet of mixed degrees.
     fn sheet() -> Sheet {
@@ -167,13 +160,7 @@ mod tests {
             (1.0 + ((3 * i + 5 * j) % 7) as f64 - 3.0) / (1 + i * i + j * j) as f64
         });
         let (centre, half) = (DVec2::new(1.0, -2.0), DVec2::new(30.0, 12.0));
-        Sheet {
-            series,
-            centre,
-            half,
-            scale_mm: 4.0,
-            lift_mm: 9.0,
-        }
+        Sheet { series, centre, half, scale_mm: 4.0, lift_mm: 9.0 }
     }
 
     #[test]
@@ -188,19 +175,11 @@ mod tests {
             assert!(held.slope_min <= slope && slope <= held.slope_max);
             assert!(curvature <= held.curvature);
             let along = |d: DVec2| {
-                let (a, b) = (
-                    sheet().curvature(q + d * step),
-                    sheet().curvature(q - d * step),
-                );
+                let (a, b) = (sheet().curvature(q + d * step), sheet().curvature(q - d * step));
                 let xx = (a.xx - b.xx) * d.x * d.x + 2.0 * (a.xy - b.xy) * d.x * d.y;
                 (xx + (a.yy - b.yy) * d.y * d.y) / (2.0 * step)
             };
-            for d in [
-                DVec2::X,
-                DVec2::Y,
-                DVec2::new(0.6, 0.8),
-                DVec2::new(0.6, -0.8),
-            ] {
+            for d in [DVec2::X, DVec2::Y, DVec2::new(0.6, 0.8), DVec2::new(0.6, -0.8)] {
                 assert!(along(d).abs() <= held.third * (1.0 + 1e-6));
                 tightest = tightest.max(along(d).abs() / held.third);
             }
@@ -210,10 +189,7 @@ mod tests {
 
     #[test]
     fn a_box_over_many_cells_takes_the_worst_of_them() {
-        let panel = Rect {
-            min: DVec2::new(-20.0, -14.0),
-            max: DVec2::new(31.0, 9.0),
-        };
+        let panel = Rect { min: DVec2::new(-20.0, -14.0), max: DVec2::new(31.0, 9.0) };
         let bounds = Cells::new(&sheet(), panel);
         let whole = bounds.over(panel.min, panel.max);
         for (q, _) in panel.grid(9, 9) {

@@ -33,10 +33,7 @@ impl Mirror {
             return self.panel;
         }
         let reach = self.panel.min.y.abs().max(self.panel.max.y.abs());
-        Rect {
-            min: DVec2::new(self.panel.min.x, -reach),
-            max: DVec2::new(self.panel.max.x, reach),
-        }
+        Rect { min: DVec2::new(self.panel.min.x, -reach), max: DVec2::new(self.panel.max.x, reach) }
     }
 
     /// Whether `q` is on the reflected panel (the ridge belongs to the designed one).

@@ -86,27 +86,15 @@ impl Sheet {
     #[must_use]
     pub fn curvature(&self, q: DVec2) -> Curvature {
         let u = (q - self.centre) / self.half;
-        let [xx, xy, yy] = self
-            .series
-            .row(u.y)
-            .jet(u.x)
-            .hessian
-            .map(|h| h * self.scale_mm);
+        let [xx, xy, yy] = self.series.row(u.y).jet(u.x).hessian.map(|h| h * self.scale_mm);
         let (a, b) = (self.half.x, self.half.y);
-        Curvature {
-            xx: xx / (a * a),
-            xy: xy / (a * b),
-            yy: yy / (b * b),
-        }
+        Curvature { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
     }
 
     /// Integral of the sag over a rectangle, mm^3.
     #[must_use]
     pub fn integral(&self, rect: Rect) -> f64 {
-        let (lo, hi) = (
-            (rect.min - self.centre) / self.half,
-            (rect.max - self.centre) / self.half,
-        );
+        let (lo, hi) = ((rect.min - self.centre) / self.half, (rect.max - self.centre) / self.half);
         let unit = self.series.integral([lo.x, hi.x], [lo.y, hi.y]);
         unit * self.half.x * self.half.y * self.scale_mm + self.lift_mm * rect.area()
     }
@@ -147,13 +135,7 @@ mod tests {
         let x2 = [9.0 + 16.0 / 3.0, 24.0, 32.0 / 3.0];
         let y = [-2.0, 5.0];
         let series = Series::from_fn(3, 2, |i, j| 0.01 * x2[i] * y[j]);
-        Sheet {
-            series,
-            centre,
-            half,
-            scale_mm: 2.0,
-            lift_mm: 7.0,
-        }
+        Sheet { series, centre, half, scale_mm: 2.0, lift_mm: 7.0 }
     }
 
     #[test]
@@ -170,10 +152,7 @@ mod tests {
 
     #[test]
     fn integral_matches_the_closed_form() {
-        let rect = Rect {
-            min: DVec2::new(0.0, -3.0),
-            max: DVec2::new(2.0, 1.0),
-        };
+        let rect = Rect { min: DVec2::new(0.0, -3.0), max: DVec2::new(2.0, 1.0) };
         let exact = 0.02 * (8.0 / 3.0) * (0.5 * (1.0 - 9.0)) + 7.0 * 8.0;
         assert!((sheet().integral(rect) - exact).abs() < 1e-12);
     }

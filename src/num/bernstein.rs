@@ -14,10 +14,7 @@ const ROUNDING: f64 = 1e-13;
 pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]> {
     let (rows, columns) = series.shape();
     let conversions = |edges: &[f64], count: usize| -> Vec<Vec<f64>> {
-        edges
-            .windows(2)
-            .map(|cell| conversion(count, cell[0], cell[1]))
-            .collect()
+        edges.windows(2).map(|cell| conversion(count, cell[0], cell[1])).collect()
     };
     let along_u = conversions(u_edges, rows);
     let mut found = Vec::with_capacity(along_u.len() * v_edges.len());
@@ -26,11 +23,7 @@ pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]
         let mut half = vec![0.0; rows * columns];
         for (i, row) in half.chunks_exact_mut(columns).enumerate() {
             for j in 0..columns {
-                add_scaled(
-                    row,
-                    &to_v[j * columns..(j + 1) * columns],
-                    series.coefficient(i, j),
-                );
+                add_scaled(row, &to_v[j * columns..(j + 1) * columns], series.coefficient(i, j));
             }
         }
         for to_u in &along_u {
@@ -70,16 +63,8 @@ fn conversion(count: usize, lo: f64, hi: f64) -> Vec<f64> {
         let degree = p.len() as f64;
         (0..=p.len())
             .map(|i| {
-                let left = if i < p.len() {
-                    (degree - i as f64) * alpha * p[i]
-                } else {
-                    0.0
-                };
-                let right = if i > 0 {
-                    i as f64 * beta * p[i - 1]
-                } else {
-                    0.0
-                };
+                let left = if i < p.len() { (degree - i as f64) * alpha * p[i] } else { 0.0 };
+                let right = if i > 0 { i as f64 * beta * p[i - 1] } else { 0.0 };
                 (left + right) / degree
             })
             .collect()
@@ -93,13 +78,7 @@ fn conversion(count: usize, lo: f64, hi: f64) -> Vec<f64> {
             times(&times(&legendre[k - 2], 1.0, 1.0), 1.0, 1.0)
         };
         let (n, m) = ((2 * k - 1) as f64, (k - 1) as f64);
-        legendre.push(
-            grown
-                .iter()
-                .zip(&older)
-                .map(|(g, o)| (n * g - m * o) / k as f64)
-                .collect(),
-        );
+        legendre.push(grown.iter().zip(&older).map(|(g, o)| (n * g - m * o) / k as f64).collect());
     }
     let mut table = Vec::with_capacity(count * count);
     for mut p in legendre {
@@ -121,9 +100,7 @@ mod tests {
             ((7 * i + 3 * j) % 11) as f64 / 5.0 - 1.0 + if i + j == 0 { 3.0 } else { 0.0 }
         });
         let edges = |n: u32| -> Vec<f64> {
-            (0..=n)
-                .map(|k| 2.0 * f64::from(k) / f64::from(n) - 1.0)
-                .collect()
+            (0..=n).map(|k| 2.0 * f64::from(k) / f64::from(n) - 1.0).collect()
         };
         let mut excess = Vec::new();
         for cells in [16, 64] {

@@ -37,11 +37,7 @@ pub fn solve(a: DMatrix<f64>, b: DVector<f64>) -> Result<Solution, RankDeficient
     let r = qr.unpack_r();
     let largest = (0..unknowns).map(|k| r[(k, k)].abs()).fold(0.0, f64::max);
     if let Some(column) = (0..unknowns).find(|&k| r[(k, k)].abs() <= 1e-13 * largest) {
-        return Err(RankDeficient {
-            column,
-            pivot: r[(column, column)],
-            largest,
-        });
+        return Err(RankDeficient { column, pivot: r[(column, column)], largest });
     }
     let mut x = vec![0.0; unknowns];
     for row in (0..unknowns).rev() {
@@ -49,10 +45,7 @@ pub fn solve(a: DMatrix<f64>, b: DVector<f64>) -> Result<Solution, RankDeficient
         x[row] = (projected[row] - known) / r[(row, row)];
     }
     let residual_squared = projected.iter().skip(unknowns).map(|t| t * t).sum();
-    Ok(Solution {
-        x,
-        residual_squared,
-    })
+    Ok(Solution { x, residual_squared })
 }
 
 #[cfg(test)]

@@ -56,14 +56,8 @@ impl Series {
     /// A series from a function giving c_ij for i < `rows`, j < `columns`.
     #[must_use]
     pub fn from_fn(rows: usize, columns: usize, mut c: impl FnMut(usize, usize) -> f64) -> Self {
-        let coefficients = (0..rows * columns)
-            .map(|k| c(k / columns, k % columns))
-            .collect();
-        Self {
-            rows,
-            columns,
-            coefficients,
-        }
+        let coefficients = (0..rows * columns).map(|k| c(k / columns, k % columns)).collect();
+        Self { rows, columns, coefficients }
     }
 
     /// Number of u-degrees and of v-degrees.
@@ -84,10 +78,7 @@ impl Series {
         // P_i' = sum of (2k+1) P_k over k < i with i - k odd.
         Self::from_fn(self.rows, self.columns, |k, j| {
             (2 * k + 1) as f64
-                * (k + 1..self.rows)
-                    .step_by(2)
-                    .map(|i| self.coefficient(i, j))
-                    .sum::<f64>()
+                * (k + 1..self.rows).step_by(2).map(|i| self.coefficient(i, j)).sum::<f64>()
         })
     }
 
@@ -96,10 +87,7 @@ impl Series {
     pub fn derivative_v(&self) -> Self {
         Self::from_fn(self.rows, self.columns, |i, k| {
             (2 * k + 1) as f64
-                * (k + 1..self.columns)
-                    .step_by(2)
-                    .map(|j| self.coefficient(i, j))
-                    .sum::<f64>()
+                * (k + 1..self.columns).step_by(2).map(|j| self.coefficient(i, j)).sum::<f64>()
         })
     }
 
@@ -184,11 +172,7 @@ impl Row {
             (d, d0) = (d0 + t.odd * p, d);
             (p, p0) = (t.grow * u * p - t.shrink * p0, p);
         }
-        Jet {
-            f,
-            gradient: [f_u, f_v],
-            hessian: [0.0; 3],
-        }
+        Jet { f, gradient: [f_u, f_v], hessian: [0.0; 3] }
     }
 
     /// Value, gradient and Hessian at `u`; value and gradient have the bits of [`Row::gradient`].
@@ -204,10 +188,7 @@ impl Row {
             (d, d0) = (d0 + t.odd * p, d);
             (p, p0) = (t.grow * u * p - t.shrink * p0, p);
         }
-        Jet {
-            hessian,
-            ..self.gradient(u)
-        }
+        Jet { hessian, ..self.gradient(u) }
     }
 }
 
@@ -252,10 +233,8 @@ mod tests {
 
     #[test]
     fn derivative_series_agree_with_the_jet() {
-        let (f_uv, f_vv) = (
-            cubic().derivative_u().derivative_v(),
-            cubic().derivative_v().derivative_v(),
-        );
+        let (f_uv, f_vv) =
+            (cubic().derivative_u().derivative_v(), cubic().derivative_v().derivative_v());
         for (u, v) in [(0.3, -0.7), (-0.9, 0.4)] {
             let jet = cubic().row(v).jet(u);
             assert!((f_uv.row(v).gradient(u).f - jet.hessian[1]).abs() < 1e-14);

@@ -59,11 +59,7 @@ mod tests {
     #[test]
     fn misses_the_first_degree_beyond() {
         let (nodes, weights) = gauss_legendre(3);
-        let sixth: f64 = nodes
-            .iter()
-            .zip(&weights)
-            .map(|(x, w)| w * x * x * x * x * x * x)
-            .sum();
+        let sixth: f64 = nodes.iter().zip(&weights).map(|(x, w)| w * x * x * x * x * x * x).sum();
         assert!((sixth - 2.0 / 7.0).abs() > 1e-3);
     }
 }

@@ -20,9 +20,7 @@ impl Summary {
         let last = samples.len().checked_sub(1)?;
         let rms = (samples.iter().map(|e| e * e).sum::<f64>() / samples.len() as f64).sqrt();
         let max = samples.iter().copied().fold(0.0, f64::max);
-        let rank = ((0.95 * samples.len() as f64).ceil() as usize)
-            .saturating_sub(1)
-            .min(last);
+        let rank = ((0.95 * samples.len() as f64).ceil() as usize).saturating_sub(1).min(last);
         let p95 = *samples.select_nth_unstable_by(rank, f64::total_cmp).1;
         Some(Self { rms, p95, max })
     }
@@ -51,11 +49,7 @@ impl Summary {
     /// The same summary in another unit: every figure times `factor`.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
-        Self {
-            rms: self.rms * factor,
-            p95: self.p95 * factor,
-            max: self.max * factor,
-        }
+        Self { rms: self.rms * factor, p95: self.p95 * factor, max: self.max * factor }
     }
 }
 

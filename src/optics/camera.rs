@@ -25,10 +25,7 @@ impl Orthographic {
     #[inline]
     #[must_use]
     pub fn ray(&self, q: DVec2, z: f64) -> Ray {
-        Ray {
-            origin: q.extend(z),
-            direction: DVec3::NEG_Z,
-        }
+        Ray { origin: q.extend(z), direction: DVec3::NEG_Z }
     }
 
     /// Image points of the pixel centres, row by row from the upper left.
@@ -48,10 +45,7 @@ mod tests {
 
     #[test]
     fn pixels_are_square_centred_and_run_right_and_down() {
-        let camera = Orthographic {
-            pixels: [4, 2],
-            pixel_mm: 0.5,
-        };
+        let camera = Orthographic { pixels: [4, 2], pixel_mm: 0.5 };
         let centres: Vec<_> = camera.pixel_centres().collect();
         assert_eq!(centres.len(), 8);
         assert_eq!(centres[0], DVec2::new(-0.75, 0.25));

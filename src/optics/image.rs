@@ -124,10 +124,7 @@ impl Image {
     #[must_use]
     pub fn locate(&self, direction: DVec3, near: DVec2) -> DVec2 {
         if self.reflects(near) {
-            flip(
-                self.strip
-                    .locate(direction * DVec3::new(1.0, -1.0, 1.0), flip(near)),
-            )
+            flip(self.strip.locate(direction * DVec3::new(1.0, -1.0, 1.0), flip(near)))
         } else {
             self.strip.locate(direction, near)
         }
@@ -146,25 +143,12 @@ mod tests {
     use crate::optics::reflect_vertical;
 
     fn conquistador(law: Law) -> Image {
-        let strip = Strip {
-            law,
-            scale_mm: 19.0,
-            azimuth: 0.0,
-            z: -0.589,
-        };
-        Image {
-            strip,
-            fold: Some(Fold::Above),
-        }
+        let strip = Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.589 };
+        Image { strip, fold: Some(Fold::Above) }
     }
 
     fn points() -> impl Iterator<Item = DVec2> {
-        (0..400).map(|k| {
-            DVec2::new(
-                f64::from(k % 20) * 3.1 - 29.0,
-                f64::from(k / 20) * 2.3 - 22.0,
-            )
-        })
+        (0..400).map(|k| DVec2::new(f64::from(k % 20) * 3.1 - 29.0, f64::from(k / 20) * 2.3 - 22.0))
     }
 
     #[test]
@@ -173,10 +157,7 @@ mod tests {
             let image = conquistador(law);
             for q in points() {
                 let near = q + DVec2::new(1.5, 0.0);
-                assert!(
-                    (image.locate(image.wanted(q), near) - q).length() < 1e-12,
-                    "{law:?} {q}"
-                );
+                assert!((image.locate(image.wanted(q), near) - q).length() < 1e-12, "{law:?} {q}");
             }
         }
     }
@@ -216,12 +197,7 @@ mod tests {
 
     #[test]
     fn azimuth_wraps_to_the_nearer_turn() {
-        let strip = Strip {
-            law: Law::Cylindrical,
-            scale_mm: 10.0,
-            azimuth: 0.0,
-            z: 0.0,
-        };
+        let strip = Strip { law: Law::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
         let edge = DVec2::new(10.0 * std::f64::consts::PI - 0.01, 1.0);
         let beyond = edge + DVec2::new(0.02, 0.0);
         assert!((strip.locate(strip.wanted(beyond), edge) - beyond).length() < 1e-12);

@@ -125,16 +125,9 @@ mod tests {
 
     #[test]
     fn law_forms_lose_no_digits() {
-        for (law, table) in [
-            (Law::Cylindrical, &CYLINDRICAL[..]),
-            (Law::Mercator, &MERCATOR[..]),
-        ] {
+        for (law, table) in [(Law::Cylindrical, &CYLINDRICAL[..]), (Law::Mercator, &MERCATOR[..])] {
             for &(z, slope, cos_e) in table {
-                assert!(
-                    close(law.slope(z), slope, 3.0),
-                    "{law:?} {z}: {}",
-                    law.slope(z)
-                );
+                assert!(close(law.slope(z), slope, 3.0), "{law:?} {z}: {}", law.slope(z));
                 assert!(close(law.elevation(z)[1], cos_e, 3.0), "{law:?} {z}");
             }
         }
@@ -146,10 +139,7 @@ mod tests {
             for z in [-5.0, -0.6, -1e-8, 0.0, 0.3, 2.0, 5.0] {
                 let [sin_e, cos_e] = law.elevation(z);
                 let back = law.image_of_tangent(sin_e / cos_e);
-                assert!(
-                    (back - z).abs() < 1e-14 * z.abs().max(1e-3),
-                    "{law:?} {z}: {back}"
-                );
+                assert!((back - z).abs() < 1e-14 * z.abs().max(1e-3), "{law:?} {z}: {back}");
             }
         }
     }
@@ -177,10 +167,7 @@ mod tests {
                 let m = -0.4 + 0.1 * f64::from(k);
                 let d = (image(m + h) - image(m - h)) / (2.0 * h);
                 let dd = (image(m + h) - 2.0 * image(m) + image(m - h)) / (h * h);
-                assert!(
-                    d.abs() <= first + 1e-6 && dd.abs() <= second + 1e-6,
-                    "{law:?} {m}"
-                );
+                assert!(d.abs() <= first + 1e-6 && dd.abs() <= second + 1e-6, "{law:?} {m}");
             }
         }
     }

@@ -64,23 +64,13 @@ pub fn examine(
         let ((reread, note), sha256) = rayon::join(read, || sha256(bytes));
         ((reread, sha256), note)
     });
-    let file = FileFacts {
-        name: name.clone(),
-        format: format.name(),
-        bytes: bytes.len() as u64,
-        sha256,
-    };
+    let file =
+        FileFacts { name: name.clone(), format: format.name(), bytes: bytes.len() as u64, sha256 };
     let (Reread { mesh, normals }, solid) = match reread {
         Ok(reread) => reread,
         Err(error) => {
             let unreadable = Some(error);
-            return Evidence {
-                file,
-                unreadable,
-                trace: None,
-                frame: None,
-                seen: None,
-            };
+            return Evidence { file, unreadable, trace: None, frame: None, seen: None };
         }
     };
     let (scene, witness) = clock.always(Stage::Trace, || {
@@ -88,19 +78,14 @@ pub fn examine(
         let rows = design.camera.pixels[1] as usize;
         let table = intents(design, &scene);
         let witness = Witness::trace(&scene, normals.as_deref(), &design.image, rows, table);
-        let note = format!(
-            "{name}: {} rays aimed at the mirror",
-            witness.aimed().count()
-        );
+        let note = format!("{name}: {} rays aimed at the mirror", witness.aimed().count());
         ((scene, witness), note)
     });
     let camera = &design.camera;
     // Without a limit of its own a profile counts a pixel as filled while its content lies within
     // a hundredth of the frame's width from where it should.
-    let tolerance_px = profile
-        .accept
-        .pixel_error_max_px
-        .unwrap_or(0.01 * f64::from(camera.pixels[0]));
+    let tolerance_px =
+        profile.accept.pixel_error_max_px.unwrap_or(0.01 * f64::from(camera.pixels[0]));
     let frame = Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px);
     let trace = trace_facts(name, &witness, camera.pixel_mm, normals.is_some(), solid);
     Evidence {
@@ -114,12 +99,7 @@ pub fn examine(
 
 /// The table of intended rays, a row of the sensor at a time.
 fn intents(design: &Design, scene: &Scene) -> impl Fn(usize) -> Vec<Intent> {
-    let Design {
-        mirror,
-        image,
-        camera,
-        ..
-    } = design;
+    let Design { mirror, image, camera, .. } = design;
     let outline = mirror.outline();
     let top = above(scene);
     move |row| {
@@ -130,20 +110,11 @@ fn intents(design: &Design, scene: &Scene) -> impl Fn(usize) -> Vec<Intent> {
             let ray = camera.ray(point, top);
             let aimed = outline.contains(point);
             let (wanted, designed) = if aimed {
-                (
-                    image.wanted(point),
-                    reflect(ray.direction, line.at(point.x).normal()),
-                )
+                (image.wanted(point), reflect(ray.direction, line.at(point.x).normal()))
             } else {
                 (DVec3::Z, DVec3::Z)
             };
-            Intent {
-                ray,
-                point,
-                aimed,
-                wanted,
-                designed,
-            }
+            Intent { ray, point, aimed, wanted, designed }
         };
         (0..camera.pixels[0]).map(intent).collect()
     }
@@ -158,9 +129,7 @@ fn trace_facts(
 ) -> TraceFacts {
     let facts = |errors: &dyn Fn(&Seen) -> Option<Errors>| {
         let summary = |pick: &dyn Fn(Errors) -> f64, unit: f64| {
-            witness
-                .summary(|seen| errors(seen).map(pick))
-                .map(|s| s.scaled(unit))
+            witness.summary(|seen| errors(seen).map(pick)).map(|s| s.scaled(unit))
         };
         ErrorFacts {
             ray_error_mrad: summary(&|e| e.ray, 1e3),
@@ -189,7 +158,7 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
     let canvas = Canvas {
         width,
         height,
-        samples_per_side: 3,
+        samples_per_side: 2,
         pixel_rad: camera.pixel_mm / image.strip.scale_mm,
     };
     let painted = |outcome: Outcome, direction: DVec3| match outcome {
@@ -203,11 +172,8 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
         let nothing = vec![Painted::Missed; width as usize * height as usize];
         return Picture::paint(&canvas, &world, &nothing, |_, _| Painted::Missed).to_png();
     };
-    let centres: Vec<Painted> = witness
-        .seen
-        .iter()
-        .map(|seen| painted(seen.outcome, seen.direction))
-        .collect();
+    let centres: Vec<Painted> =
+        witness.seen.iter().map(|seen| painted(seen.outcome, seen.direction)).collect();
     let top = above(scene);
     let see = |x: f64, y: f64| {
         let (outcome, _, direction) = look(scene, &camera.ray(camera.image_point(x, y), top));
@@ -218,8 +184,5 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
 
 /// A height above everything in the file, mm, for camera rays to start from.
 fn above(scene: &Scene) -> f64 {
-    scene
-        .mesh()
-        .bounds()
-        .map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
+    scene.mesh().bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }

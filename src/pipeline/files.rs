@@ -22,11 +22,7 @@ pub struct FileError {
 impl FileError {
     fn new(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
-        move |source| Self {
-            action,
-            path,
-            source,
-        }
+        move |source| Self { action, path, source }
     }
 }
 
@@ -47,12 +43,8 @@ impl Folder {
     /// Makes the folder and finds out, before any work is done, whether it can be written to.
     pub fn create(path: &Path) -> Result<Self, FileError> {
         std::fs::create_dir_all(path).map_err(FileError::new("create the folder", path))?;
-        let folder = Self {
-            path: path.to_owned(),
-        };
-        folder
-            .temporary()
-            .map_err(FileError::new("write into the folder", path))?;
+        let folder = Self { path: path.to_owned() };
+        folder.temporary().map_err(FileError::new("write into the folder", path))?;
         Ok(folder)
     }
 
@@ -62,10 +54,7 @@ impl Folder {
     }
 
     fn temporary(&self) -> io::Result<NamedTempFile> {
-        tempfile::Builder::new()
-            .prefix(".morion-")
-            .suffix(".tmp")
-            .tempfile_in(&self.path)
+        tempfile::Builder::new().prefix(".morion-").suffix(".tmp").tempfile_in(&self.path)
     }
 
     /// Writes a file under a temporary name, down to the disk: a full disk is an error here.
@@ -83,8 +72,7 @@ impl Folder {
             {
                 // Temporary files are private; results are as readable as any new file.
                 use std::os::unix::fs::PermissionsExt;
-                file.as_file()
-                    .set_permissions(std::fs::Permissions::from_mode(0o644))?;
+                file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
             }
             Ok(file.into_temp_path())
         };
@@ -107,9 +95,7 @@ impl Staged {
     /// Gives it its own name, replacing what was there.
     pub fn publish(self) -> Result<(), FileError> {
         let Self { temporary, target } = self;
-        temporary
-            .persist(&target)
-            .map_err(|e| FileError::new("write", &target)(e.error))
+        temporary.persist(&target).map_err(|e| FileError::new("write", &target)(e.error))
     }
 }
 
@@ -120,17 +106,10 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 
 /// SHA-256 in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What each file says about itself.
 pub fn label(profile: &crate::profile::Profile, tolerances: String) -> Label {
-    Label {
-        profile: profile.name.clone(),
-        sha256: profile.sha256.clone(),
-        tolerances,
-    }
+    Label { profile: profile.name.clone(), sha256: profile.sha256.clone(), tolerances }
 }

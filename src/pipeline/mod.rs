@@ -125,22 +125,13 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
 
     let mesh = mesh_facts(profile, &design, &face, &solids[0].1);
     let solid = SolidFacts::new(solids[0].1.check(), design.mirror.volume());
-    let report = assemble(
-        profile,
-        &design,
-        Some((mesh, solid)),
-        evidence,
-        volume_tolerance,
-    );
+    let report = assemble(profile, &design, Some((mesh, solid)), evidence, volume_tolerance);
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
         let pages = [
             folder.stage("preview.png", |out| out.write_all(&picture))?,
-            text(
-                "report.html",
-                &html(&report, &profile.summary, "preview.png"),
-            )?,
+            text("report.html", &html(&report, &profile.summary, "preview.png"))?,
             text("timings.json", &clock.json())?,
             text("report.json", &report.json())?,
         ];
@@ -160,11 +151,7 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
 pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
     let clock = Clock::new(observer);
     let name = path.display().to_string();
-    let format = match path
-        .extension()
-        .map(|e| e.to_string_lossy().to_lowercase())
-        .as_deref()
-    {
+    let format = match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
         Some("stl") => Format::Stl,
         Some("obj") => Format::Obj,
         _ => return Err(Error::Format { path: name }),
@@ -180,25 +167,14 @@ pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result
     const USUAL_CHORD_UM: f64 = 10.0;
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
     let volume_tolerance = design.mirror.outline().area() * chord_mm;
-    Ok(assemble(
-        profile,
-        &design,
-        None,
-        vec![evidence],
-        volume_tolerance,
-    ))
+    Ok(assemble(profile, &design, None, vec![evidence], volume_tolerance))
 }
 
 fn designed(profile: &Profile) -> Result<(Design, String), Error> {
-    let design = design(profile).map_err(|source| Error::Design {
-        profile: profile.name.clone(),
-        source,
-    })?;
+    let design = design(profile)
+        .map_err(|source| Error::Design { profile: profile.name.clone(), source })?;
     let facts = &design.facts;
-    let note = format!(
-        "{}, degree {}, {} unknowns",
-        facts.method, facts.degree, facts.unknowns
-    );
+    let note = format!("{}, degree {}, {} unknowns", facts.method, facts.degree, facts.unknowns);
     Ok((design, note))
 }
 
@@ -207,10 +183,8 @@ fn meshed(profile: &Profile, design: &Design) -> Result<(Face, String), Error> {
         chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
         facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
     };
-    let face = mesh(&design.mirror, &design.image.strip, limits).map_err(|source| Error::Mesh {
-        profile: profile.name.clone(),
-        source,
-    })?;
+    let face = mesh(&design.mirror, &design.image.strip, limits)
+        .map_err(|source| Error::Mesh { profile: profile.name.clone(), source })?;
     let note = format!("{} optical triangles", face.mesh.triangles.len());
     Ok((face, note))
 }
@@ -229,11 +203,7 @@ fn closed(profile: &Profile, face: &Face) -> Result<(Vec<(Format, Solid)>, Strin
         })?;
         Ok((format, solid))
     };
-    let solids: Vec<_> = profile
-        .formats
-        .iter()
-        .map(close)
-        .collect::<Result<_, Error>>()?;
+    let solids: Vec<_> = profile.formats.iter().map(close).collect::<Result<_, Error>>()?;
     let note = format!("{} triangles, closed", solids[0].1.mesh().triangles.len());
     Ok((solids, note))
 }
@@ -258,24 +228,12 @@ fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) ->
         optical_triangles,
         triangles: solid.mesh().triangles.len(),
         vertices: solid.mesh().vertices.len(),
-        chord_um: Limited {
-            limit: profile.mesh.chord_um,
-            bound: face.bound.chord_mm * 1e3,
-        },
-        facet_px: Limited {
-            limit: profile.mesh.facet_px,
-            bound: face.bound.facet_mm / pixel,
-        },
+        chord_um: Limited { limit: profile.mesh.chord_um, bound: face.bound.chord_mm * 1e3 },
+        facet_px: Limited { limit: profile.mesh.facet_px, bound: face.bound.facet_mm / pixel },
         rounding_px: face.bound.rounding_mm / pixel,
         over_optimum: OverOptimum {
-            chord: profile
-                .mesh
-                .chord_um
-                .map(|um| over(face.optimum.chord(um * 1e-3))),
-            facet: profile
-                .mesh
-                .facet_px
-                .map(|px| over(face.optimum.facet(px * pixel))),
+            chord: profile.mesh.chord_um.map(|um| over(face.optimum.chord(um * 1e-3))),
+            facet: profile.mesh.facet_px.map(|px| over(face.optimum.facet(px * pixel))),
         },
     }
 }
@@ -294,10 +252,7 @@ fn assemble(
         evidence.into_iter().map(|e| (e.file, e.trace)).unzip();
     Report {
         schema: SCHEMA,
-        profile: ProfileId {
-            name: profile.name.clone(),
-            sha256: profile.sha256.clone(),
-        },
+        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         design: design.facts.clone(),
         mesh,
         solid,

@@ -68,11 +68,7 @@ pub struct Clock<'a> {
 impl<'a> Clock<'a> {
     /// Starts now.
     pub fn new(observer: &'a dyn Observer) -> Self {
-        Self {
-            observer,
-            start: Instant::now(),
-            stages: Mutex::default(),
-        }
+        Self { observer, start: Instant::now(), stages: Mutex::default() }
     }
 
     /// Runs one stage; its value comes with the note for the observer.
@@ -102,16 +98,10 @@ impl<'a> Clock<'a> {
     pub fn json(&self) -> String {
         let mut stages = serde_json::Map::new();
         for (name, seconds) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
-            let before = stages
-                .get(name)
-                .and_then(serde_json::Value::as_f64)
-                .unwrap_or(0.0);
+            let before = stages.get(name).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
             stages.insert(name.into(), (before + seconds).into());
         }
         let total = self.start.elapsed().as_secs_f64();
-        format!(
-            "{:#}\n",
-            serde_json::json!({ "seconds": stages, "total_s": total })
-        )
+        format!("{:#}\n", serde_json::json!({ "seconds": stages, "total_s": total }))
     }
 }

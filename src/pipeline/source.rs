@@ -33,11 +33,7 @@ pub fn load(named: &str) -> Result<Profile, SourceError> {
     let known = shipped().iter().find(|profile| profile.name == named);
     // A folder called like a shipped profile (an output of it, say) does not hide it.
     if let (Some(profile), false) = (known, path.is_file()) {
-        return Ok(Profile::parse(
-            profile.name,
-            profile.name,
-            profile.text.as_bytes(),
-        )?);
+        return Ok(Profile::parse(profile.name, profile.name, profile.text.as_bytes())?);
     }
     if !path.exists() {
         let closest = shipped()
@@ -48,14 +44,9 @@ pub fn load(named: &str) -> Result<Profile, SourceError> {
             Some((likeness, name)) if likeness > 0.8 => format!("; did you mean {name}?"),
             _ => " (morion profiles lists those)".into(),
         };
-        return Err(SourceError::Unknown {
-            named: named.into(),
-            hint,
-        });
+        return Err(SourceError::Unknown { named: named.into(), hint });
     }
     let bytes = files::read(path)?;
-    let stem = path
-        .file_stem()
-        .map_or("mirror".into(), |stem| stem.to_string_lossy().into_owned());
+    let stem = path.file_stem().map_or("mirror".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Profile::parse(&stem, named, &bytes)?)
 }

@@ -6,11 +6,7 @@ use crate::report::{TraceFacts, Verdict};
 
 /// Pass, unless there is a reason.
 pub fn of(reasons: &[String]) -> Verdict {
-    if reasons.is_empty() {
-        Verdict::Pass
-    } else {
-        Verdict::Fail
-    }
+    if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
 /// Why the files do not pass; `volume_tolerance` is in mm^3.
@@ -23,9 +19,7 @@ pub fn reasons(profile: &Profile, evidence: &[Evidence], volume_tolerance: f64) 
             blame(error.to_string());
         }
         if let Some(trace) = &evidence.trace {
-            shape(trace, volume_tolerance)
-                .into_iter()
-                .for_each(&mut blame);
+            shape(trace, volume_tolerance).into_iter().for_each(&mut blame);
             rays(trace).into_iter().for_each(&mut blame);
             limits(profile, trace).into_iter().for_each(&mut blame);
         }
@@ -69,10 +63,7 @@ fn rays(trace: &TraceFacts) -> Vec<String> {
         (trace.back_face, "meet the back of a facet"),
     ] {
         if count > 0 {
-            reasons.push(format!(
-                "{count} of {} rays aimed at the mirror {what}",
-                trace.rays
-            ));
+            reasons.push(format!("{count} of {} rays aimed at the mirror {what}", trace.rays));
         }
     }
     reasons

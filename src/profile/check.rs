@@ -84,12 +84,9 @@ fn camera(reader: &mut Reader, root: &Section) -> Option<Camera> {
         form: "the size of the camera's frame in pixels, as in pixels = [640, 480]",
         limit: "the size of the camera's frame in pixels, as in pixels = [640, 480]",
     };
-    let (figures, _) = pair(reader, &section, &pixels, |f| {
-        f.fract() == 0.0 && (1.0..=MAX_PIXELS).contains(&f)
-    })?;
-    Some(Camera::Orthographic {
-        pixels: figures.map(|f| f as u32),
-    })
+    let (figures, _) =
+        pair(reader, &section, &pixels, |f| f.fract() == 0.0 && (1.0..=MAX_PIXELS).contains(&f))?;
+    Some(Camera::Orthographic { pixels: figures.map(|f| f as u32) })
 }
 
 /// A range of azimuths, its key and where it stands.
@@ -114,14 +111,11 @@ fn projection(reader: &mut Reader, root: &Section) -> (Option<Projection>, Optio
         "mercator" => Law::Mercator,
         _ => Law::Cylindrical,
     };
-    let projection = azimuth
-        .as_ref()
-        .zip(elevation)
-        .map(|(azimuth, elevation_deg)| Projection {
-            law,
-            azimuth_deg: azimuth.range,
-            elevation_deg,
-        });
+    let projection = azimuth.as_ref().zip(elevation).map(|(azimuth, elevation_deg)| Projection {
+        law,
+        azimuth_deg: azimuth.range,
+        elevation_deg,
+    });
     (projection, azimuth)
 }
 
@@ -187,10 +181,7 @@ fn layout(reader: &mut Reader, root: &Section) -> Option<Layout> {
             if name == "strip" {
                 return Layout::Strip { fill_frame };
             }
-            let panels = [
-                ("refit", PanelSource::Refit),
-                ("section", PanelSource::Section),
-            ];
+            let panels = [("refit", PanelSource::Refit), ("section", PanelSource::Section)];
             let hint = "refit solves for the half turn, section cuts the full turn's mirror";
             let panel = word(reader, &section, "panel", &panels, hint);
             let ridges = [("crest", Ridge::Crest), ("valley", Ridge::Valley)];
@@ -214,9 +205,7 @@ fn method(reader: &mut Reader, root: &Section) -> Option<Method> {
     let degree = number(reader, &section, "degree", Required, must, hint, |f| {
         f.fract() == 0.0 && (1.0..=MAX_DEGREE).contains(&f)
     })?;
-    Some(Method::VectorField {
-        degree: degree as usize,
-    })
+    Some(Method::VectorField { degree: degree as usize })
 }
 
 fn part(reader: &mut Reader, root: &Section) -> Option<Part> {
@@ -227,10 +216,7 @@ fn part(reader: &mut Reader, root: &Section) -> Option<Part> {
     let width = number(reader, &section, "width_mm", Required, must, hint, size);
     let hint = "millimetres of material under the mirror's lowest point, as in base_mm = 5";
     let base = number(reader, &section, "base_mm", Required, must, hint, size);
-    Some(Part {
-        width_mm: width?,
-        base_mm: base?,
-    })
+    Some(Part { width_mm: width?, base_mm: base? })
 }
 
 fn mesh(reader: &mut Reader, root: &Section) -> Option<MeshLimits> {
@@ -245,14 +231,12 @@ fn mesh(reader: &mut Reader, root: &Section) -> Option<MeshLimits> {
     }
     let must = "a number from 0.0001 to 1000000";
     let hint = "the height of a facet off the mirror in micrometres, as in chord_um = 2";
-    let chord_um = number(reader, &section, "chord_um", Optional, must, hint, |f| {
-        (1e-4..=1e6).contains(&f)
-    });
+    let chord_um =
+        number(reader, &section, "chord_um", Optional, must, hint, |f| (1e-4..=1e6).contains(&f));
     let must = "a number from 0.001 to 1000";
     let hint = "the pixel error that a flat facet may cause, as in facet_px = 1";
-    let facet_px = number(reader, &section, "facet_px", Optional, must, hint, |f| {
-        (1e-3..=1e3).contains(&f)
-    });
+    let facet_px =
+        number(reader, &section, "facet_px", Optional, must, hint, |f| (1e-3..=1e3).contains(&f));
     Some(MeshLimits { chord_um, facet_px })
 }
 
@@ -293,10 +277,7 @@ fn formats(reader: &mut Reader, root: &Section) -> Option<Vec<Format>> {
             None => {
                 let message = match name {
                     Some(_) => format!("{path} must name {quoted}, found {}", reader.quote(item)),
-                    None => format!(
-                        "{path} must name {quoted}, found {}",
-                        reader.quote_type(item)
-                    ),
+                    None => format!("{path} must name {quoted}, found {}", reader.quote_type(item)),
                 };
                 let meant = name.and_then(|name| schema::nearest(name, &names));
                 let meant = meant.map(|meant| format!("did you mean \"{meant}\"?"));
@@ -318,20 +299,10 @@ fn accept(reader: &mut Reader, root: &Section) -> Option<Accept> {
     let pixel_error_max_px = pixels("pixel_error_max_px");
     let must = "a number from 0 to 1";
     let hint = "a share of the frame, not a percentage: 0.999 is 99.9 %";
-    let frame_filled = number(
-        reader,
-        &section,
-        "frame_filled",
-        Optional,
-        must,
-        hint,
-        |f| (0.0..=1.0).contains(&f),
-    );
-    Some(Accept {
-        pixel_error_rms_px,
-        pixel_error_max_px,
-        frame_filled,
-    })
+    let frame_filled = number(reader, &section, "frame_filled", Optional, must, hint, |f| {
+        (0.0..=1.0).contains(&f)
+    });
+    Some(Accept { pixel_error_rms_px, pixel_error_max_px, frame_filled })
 }
 
 /// Whether the layout can show the projection.

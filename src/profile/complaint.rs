@@ -19,11 +19,7 @@ pub struct Complaint {
 
 impl fmt::Display for Complaint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}:{}:{}: {}",
-            self.file, self.line, self.column, self.message
-        )?;
+        write!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
         if let Some(hint) = &self.hint {
             write!(f, "\n  hint: {hint}")?;
         }
@@ -62,11 +58,7 @@ mod tests {
             message: "part.width_mm must be positive, found 0".into(),
             hint: Some("try 60".into()),
         };
-        let two = Complaint {
-            hint: None,
-            line: 9,
-            ..one.clone()
-        };
+        let two = Complaint { hint: None, line: 9, ..one.clone() };
         assert_eq!(
             Complaints(vec![one, two]).to_string(),
             "a.toml:3:7: part.width_mm must be positive, found 0\n  hint: try 60\n\n\

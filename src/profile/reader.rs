@@ -34,11 +34,7 @@ pub(super) struct Section<'t> {
 impl<'t> Section<'t> {
     /// The whole path of one of the table's keys.
     pub(super) fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        }
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
     pub(super) fn has(&self, key: &str) -> bool {
@@ -218,12 +214,7 @@ impl<'a> Reader<'a> {
             let message = format!("{holder} must hold only {known}, found {}", shown(word));
             self.complain(key.span().start, message, &hint);
         }
-        Section {
-            path,
-            at,
-            entries,
-            misspelt,
-        }
+        Section { path, at, entries, misspelt }
     }
 
     /// A table inside a table.
@@ -234,16 +225,9 @@ impl<'a> Reader<'a> {
         need: Need,
     ) -> Option<Section<'t>> {
         let path = parent.path_of(key);
-        let hint = format!(
-            "write [{path}] and below it {}",
-            list(schema::keys(&path), "and")
-        );
+        let hint = format!("write [{path}] and below it {}", list(schema::keys(&path), "and"));
         if need == Need::Required && !parent.has(key) {
-            self.missing(
-                parent,
-                format!("{path} must be a table, found nothing"),
-                &hint,
-            );
+            self.missing(parent, format!("{path} must be a table, found nothing"), &hint);
         }
         self.table(parent, key, &hint, "")
     }
@@ -265,11 +249,7 @@ impl<'a> Reader<'a> {
             found => {
                 let message = format!("{path} must be a table, found {}", self.quote_type(value));
                 let doubled = format!("write [{path}] with single brackets");
-                let form = if is_list_of_tables(found) {
-                    &doubled
-                } else {
-                    form
-                };
+                let form = if is_list_of_tables(found) { &doubled } else { form };
                 self.complain(at, message, form);
             }
         }
@@ -283,10 +263,8 @@ impl<'a> Reader<'a> {
         key: &str,
         hint: &str,
     ) -> Vec<(&'static str, Section<'t>)> {
-        let names: Vec<String> = schema::keys(key)
-            .iter()
-            .map(|name| format!("[{key}.{name}]"))
-            .collect();
+        let names: Vec<String> =
+            schema::keys(key).iter().map(|name| format!("[{key}.{name}]")).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let must = match names.as_slice() {
             [only] => format!("{key} must hold {only}"),
@@ -327,11 +305,7 @@ impl<'a> Reader<'a> {
         let value = section.entries.get(key);
         if value.is_none() && need == Need::Required && !section.has(key) {
             let path = section.path_of(key);
-            self.missing(
-                section,
-                format!("{path} must be {must}, found nothing"),
-                hint,
-            );
+            self.missing(section, format!("{path} must be {must}, found nothing"), hint);
         }
         value.filter(|value| !self.is_filler(value))
     }
@@ -345,9 +319,7 @@ impl<'a> Reader<'a> {
 }
 
 fn is_list_of_tables(value: &DeValue) -> bool {
-    value
-        .as_array()
-        .is_some_and(|list| list.iter().any(|v| v.get_ref().is_table()))
+    value.as_array().is_some_and(|list| list.iter().any(|v| v.get_ref().is_table()))
 }
 
 #[cfg(test)]

@@ -29,18 +29,12 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
     ("part", &["width_mm", "base_mm"]),
     ("mesh", &["chord_um", "facet_px"]),
     ("export", &["formats"]),
-    (
-        "accept",
-        &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"],
-    ),
+    ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),
 ];
 
 /// The keys of a table; none for a path that is no table.
 pub(super) fn keys(path: &str) -> &'static [&'static str] {
-    TABLES
-        .iter()
-        .find(|(table, _)| *table == path)
-        .map_or(&[], |(_, keys)| keys)
+    TABLES.iter().find(|(table, _)| *table == path).map_or(&[], |(_, keys)| keys)
 }
 
 /// The first table that has a key of this name.
@@ -54,9 +48,8 @@ pub(super) fn home(key: &str) -> Option<&'static str> {
 /// The word that `found` was probably meant to be.
 pub(super) fn nearest<'w>(found: &str, words: &[&'w str]) -> Option<&'w str> {
     let found = found.to_lowercase().replace('-', "_");
-    if let Some(word) = words
-        .iter()
-        .find(|w| found.len() >= 3 && (w.starts_with(&found) || found.starts_with(*w)))
+    if let Some(word) =
+        words.iter().find(|w| found.len() >= 3 && (w.starts_with(&found) || found.starts_with(*w)))
     {
         return Some(word);
     }
@@ -88,10 +81,7 @@ mod tests {
         assert_eq!(nearest("height_mm", part), None);
         assert_eq!(nearest("STL", &["obj", "stl"]), Some("stl"));
         assert_eq!(nearest("step", &["obj", "stl"]), None);
-        assert_eq!(
-            nearest("vector_field", keys("method")),
-            Some("vector-field")
-        );
+        assert_eq!(nearest("vector_field", keys("method")), Some("vector-field"));
         assert_eq!(nearest("", part), None);
     }
 

@@ -12,18 +12,9 @@ pub struct Shipped {
 /// The shipped profiles, the paper's two mirrors first.
 pub fn shipped() -> &'static [Shipped] {
     &[
-        Shipped {
-            name: "panoramic",
-            text: include_str!("../../profiles/panoramic.toml"),
-        },
-        Shipped {
-            name: "conquistador",
-            text: include_str!("../../profiles/conquistador.toml"),
-        },
-        Shipped {
-            name: "conformal",
-            text: include_str!("../../profiles/conformal.toml"),
-        },
+        Shipped { name: "panoramic", text: include_str!("../../profiles/panoramic.toml") },
+        Shipped { name: "conquistador", text: include_str!("../../profiles/conquistador.toml") },
+        Shipped { name: "conformal", text: include_str!("../../profiles/conformal.toml") },
     ]
 }
 

@@ -27,10 +27,7 @@ pub(super) fn text<'b>(file: &str, bytes: &'b [u8]) -> Result<&'b str, Complaint
     if bytes.len() > MAX_BYTES {
         return Err(one(
             (1, 1),
-            format!(
-                "the file must be at most {MAX_BYTES} bytes long, found {}",
-                bytes.len()
-            ),
+            format!("the file must be at most {MAX_BYTES} bytes long, found {}", bytes.len()),
             "a profile is a page of text; is this a mesh or a picture?",
         ));
     }
@@ -108,10 +105,7 @@ fn too_deep(text: &str) -> Option<Deep> {
 }
 
 fn until(bytes: &[u8], stops: &[u8]) -> usize {
-    bytes
-        .iter()
-        .position(|b| stops.contains(b))
-        .unwrap_or(bytes.len())
+    bytes.iter().position(|b| stops.contains(b)).unwrap_or(bytes.len())
 }
 
 /// The offset after the string that opens at `at`. An unclosed one ends with its line, or with the

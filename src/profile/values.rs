@@ -130,10 +130,6 @@ pub(super) fn word<T: Copy>(
         Some(_) => reader.quote(value),
         None => reader.quote_type(value),
     };
-    reader.complain(
-        value.span().start,
-        format!("{path} must be {must}, found {found}"),
-        &hint,
-    );
+    reader.complain(value.span().start, format!("{path} must be {must}, found {found}"), &hint);
     None
 }

@@ -50,27 +50,15 @@ pub(super) fn list(words: &[&str], and: &str) -> String {
 /// What to do about an error of syntax, or nothing.
 pub(super) fn syntax_hint(message: &str) -> &'static str {
     const HINTS: [(&str, &str); 7] = [
-        (
-            "must be quoted",
-            "words need quotes, as in ridge = \"crest\"",
-        ),
+        ("must be quoted", "words need quotes, as in ridge = \"crest\""),
         ("key with no value", "write key = value"),
         ("array elements", "is the list before this closed with ]?"),
-        (
-            "inline table element",
-            "is the table before this closed with }?",
-        ),
+        ("inline table element", "is the table before this closed with }?"),
         ("unclosed table", "close it with ]"),
-        (
-            "invalid multi-line",
-            "a text in triple quotes runs to the end of the file; close it",
-        ),
+        ("invalid multi-line", "a text in triple quotes runs to the end of the file; close it"),
         ("invalid basic string", "close the text with \""),
     ];
-    HINTS
-        .iter()
-        .find(|(sign, _)| message.contains(sign))
-        .map_or("", |(_, hint)| hint)
+    HINTS.iter().find(|(sign, _)| message.contains(sign)).map_or("", |(_, hint)| hint)
 }
 
 #[cfg(test)]
@@ -105,11 +93,7 @@ mod tests {
             ("a = 0xFFFFFFFFFFFFFFFFFFFFF", f64::INFINITY),
         ] {
             let tree = DeTable::parse(text).expect("TOML");
-            assert_eq!(
-                tree.get_ref().get("a").and_then(figure),
-                Some(number),
-                "{text}"
-            );
+            assert_eq!(tree.get_ref().get("a").and_then(figure), Some(number), "{text}");
         }
     }
 }

@@ -40,28 +40,16 @@ impl Label {
             };
             bitmap.inked(x, top + y)
         };
-        let ink: Vec<bool> = (0..rows * columns)
-            .map(|i| inked(i % columns, i / columns))
-            .collect();
+        let ink: Vec<bool> = (0..rows * columns).map(|i| inked(i % columns, i / columns)).collect();
         let paper: Vec<bool> = ink.iter().map(|&ink| !ink).collect();
         let to_ink = distances(&ink, columns, rows);
         let to_paper = distances(&paper, columns, rows);
         let distance = to_ink
             .iter()
             .zip(&to_paper)
-            .map(|(&outside, &inside)| {
-                if outside > 0.0 {
-                    0.5 - outside
-                } else {
-                    inside - 0.5
-                }
-            })
+            .map(|(&outside, &inside)| if outside > 0.0 { 0.5 - outside } else { inside - 0.5 })
             .collect();
-        Self {
-            columns,
-            rows,
-            distance,
-        }
+        Self { columns, rows, distance }
     }
 
     /// Width of the text in texels.
@@ -147,10 +135,7 @@ impl Bitmap {
     fn of(text: &str) -> Self {
         let cell = FONT.character_size;
         let columns = cell.width as usize * text.len().max(1);
-        let mut bitmap = Self {
-            columns,
-            ink: vec![false; columns * cell.height as usize],
-        };
+        let mut bitmap = Self { columns, ink: vec![false; columns * cell.height as usize] };
         let style = MonoTextStyle::new(FONT, BinaryColor::On);
         let Ok(_) =
             Text::with_baseline(text, Point::zero(), style, Baseline::Top).draw(&mut bitmap);
@@ -202,9 +187,7 @@ mod tests {
         };
         let inked = (0..steps * steps)
             .filter(|i| {
-                label
-                    .distance(at(&x, i % steps), at(&y, i / steps))
-                    .is_some_and(|d| d > 0.0)
+                label.distance(at(&x, i % steps), at(&y, i / steps)).is_some_and(|d| d > 0.0)
             })
             .count();
         inked as f32 / (steps * steps) as f32

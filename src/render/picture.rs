@@ -116,21 +116,13 @@ impl Picture {
         rows.for_each(|(y, row)| {
             for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
                 let edge = side > 1 && is_edge(x, y);
-                let light = if edge {
-                    fine(x, y)
-                } else {
-                    coarse[y * width + x]
-                };
+                let light = if edge { fine(x, y) } else { coarse[y * width + x] };
                 for (code, light) in pixel.iter_mut().zip(light) {
                     *code = encode(light);
                 }
             }
         });
-        Self {
-            width: canvas.width,
-            height: canvas.height,
-            rgb,
-        }
+        Self { width: canvas.width, height: canvas.height, rgb }
     }
 
     /// The picture as a PNG file.
@@ -170,29 +162,14 @@ mod tests {
     }
 
     fn painted(samples_per_side: u32) -> Picture {
-        let canvas = Canvas {
-            width: WIDTH,
-            height: 120,
-            samples_per_side,
-            pixel_rad: SCALE,
-        };
-        Picture::paint(
-            &canvas,
-            &TestWorld::new(),
-            &centres(&canvas, panorama),
-            panorama,
-        )
+        let canvas = Canvas { width: WIDTH, height: 120, samples_per_side, pixel_rad: SCALE };
+        Picture::paint(&canvas, &TestWorld::new(), &centres(&canvas, panorama), panorama)
     }
 
     /// What the pixel centres see.
     fn centres(canvas: &Canvas, see: impl Fn(f64, f64) -> Seen) -> Vec<Seen> {
         let pixels = 0..canvas.width * canvas.height;
-        let centre = |k| {
-            see(
-                f64::from(k % canvas.width) + 0.5,
-                f64::from(k / canvas.width) + 0.5,
-            )
-        };
+        let centre = |k| see(f64::from(k % canvas.width) + 0.5, f64::from(k / canvas.width) + 0.5);
         pixels.map(centre).collect()
     }
 
@@ -227,10 +204,7 @@ mod tests {
         let row: Vec<i32> = (57..63).map(|x| bright(&picture, x, 75)).collect();
         assert!((row[2] - row[3]).abs() <= 2, "{row:?}");
         assert!(row[1] - row[2] > 40 && row[4] - row[3] > 40, "{row:?}");
-        assert!(
-            (row[0] - row[1]).abs() <= 3 && (row[4] - row[5]).abs() <= 3,
-            "{row:?}"
-        );
+        assert!((row[0] - row[1]).abs() <= 3 && (row[4] - row[5]).abs() <= 3, "{row:?}");
     }
 
     #[test]
@@ -257,9 +231,7 @@ mod tests {
     fn png_gives_the_pixels_back() {
         let picture = painted(1);
         let bytes = picture.to_png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
-            .read_info()
-            .unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
         let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut rgb).unwrap();
         assert_eq!((info.width, info.height), (picture.width, picture.height));
@@ -270,12 +242,7 @@ mod tests {
 
     #[test]
     fn samples_are_averaged_in_linear_light() {
-        let canvas = Canvas {
-            width: 3,
-            height: 1,
-            samples_per_side: 2,
-            pixel_rad: 0.01,
-        };
+        let canvas = Canvas { width: 3, height: 1, samples_per_side: 2, pixel_rad: 0.01 };
         let see = |x: f64, _: f64| match x {
             ..1.0 => Seen::Missed,
             ..1.5 => Seen::BackFace,
@@ -291,18 +258,9 @@ mod tests {
 
     #[test]
     fn only_edges_are_sampled_again() {
-        let canvas = Canvas {
-            width: 8,
-            height: 4,
-            samples_per_side: 2,
-            pixel_rad: 0.01,
-        };
+        let canvas = Canvas { width: 8, height: 4, samples_per_side: 2, pixel_rad: 0.01 };
         let see = |x: f64, _: f64| {
-            if x < 4.3 {
-                Seen::Missed
-            } else {
-                Seen::BackFace
-            }
+            if x < 4.3 { Seen::Missed } else { Seen::BackFace }
         };
         let visited = std::sync::Mutex::new(Vec::new());
         let noting = |x: f64, y: f64| {
@@ -318,12 +276,7 @@ mod tests {
 
     #[test]
     fn an_empty_picture_is_an_error_not_a_panic() {
-        let canvas = Canvas {
-            width: 0,
-            height: 4,
-            samples_per_side: 0,
-            pixel_rad: 0.01,
-        };
+        let canvas = Canvas { width: 0, height: 4, samples_per_side: 0, pixel_rad: 0.01 };
         let picture = Picture::paint(&canvas, &TestWorld::new(), &[], panorama);
         assert!(picture.to_png().is_err());
     }

@@ -26,21 +26,13 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
             (floor.partition_point(|&least| least <= light) - 1) as u8
         })
         .collect();
-    Tables {
-        linear,
-        floor,
-        start,
-    }
+    Tables { linear, floor, start }
 });
 
 /// The light of a code in 0..=255, fractions too.
 fn decode_exact(code: f64) -> f64 {
     let c = code / 255.0;
-    if c <= 0.04045 {
-        c / 12.92
-    } else {
-        num::exp(2.4 * num::log((c + 0.055) / 1.055))
-    }
+    if c <= 0.04045 { c / 12.92 } else { num::exp(2.4 * num::log((c + 0.055) / 1.055)) }
 }
 
 /// The linear light, 0 to 1, of an 8-bit sRGB code.

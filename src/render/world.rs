@@ -65,12 +65,8 @@ impl TestWorld {
             .map(|k| if 2 * k > count { k - count } else { k })
             .map(|k| Label::new(&format!("{}", k * step)))
             .collect();
-        let elevation = (-LAST..=LAST)
-            .map(|k| Label::new(&format!("{:+}", k * step)))
-            .collect();
-        let level = (-LAST..=LAST)
-            .map(|k| num::cos(f64::from(k) * GRID))
-            .collect();
+        let elevation = (-LAST..=LAST).map(|k| Label::new(&format!("{:+}", k * step))).collect();
+        let level = (-LAST..=LAST).map(|k| num::cos(f64::from(k) * GRID)).collect();
         let texel = num::radians(DIGIT_DEG) / f64::from(azimuth[0].height());
         Self {
             sky: [
@@ -198,11 +194,7 @@ impl TestWorld {
         let label = self.elevation.get(index)?;
         let gap = num::radians(THIN_DEG / 2.0 + GAP_DEG);
         let beyond = place.elevation - f64::from(circle) * GRID;
-        let up = if sign > 0 {
-            beyond + gap + num::radians(DIGIT_DEG)
-        } else {
-            beyond - gap
-        };
+        let up = if sign > 0 { beyond + gap + num::radians(DIGIT_DEG) } else { beyond - gap };
         if circle == 0 || !in_sight(up) {
             return None;
         }
@@ -241,11 +233,7 @@ mod tests {
 
     fn direction(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
         let [a, e] = [azimuth_deg, elevation_deg].map(num::radians);
-        DVec3::new(
-            num::cos(e) * num::sin(a),
-            num::cos(e) * num::cos(a),
-            num::sin(e),
-        )
+        DVec3::new(num::cos(e) * num::sin(a), num::cos(e) * num::cos(a), num::sin(e))
     }
 
     fn seen(world: &TestWorld, azimuth_deg: f64, elevation_deg: f64) -> [f32; 3] {
@@ -354,10 +342,7 @@ mod tests {
             for footprint in [0.0, 1e-3, 0.5, 4.0, -1.0, f64::NAN] {
                 let colour = world.colour(direction, footprint);
                 let valid = |c: &f32| (0.0..=1.0).contains(c);
-                assert!(
-                    colour.iter().all(valid),
-                    "{direction} {footprint} {colour:?}"
-                );
+                assert!(colour.iter().all(valid), "{direction} {footprint} {colour:?}");
             }
         }
     }

@@ -25,15 +25,9 @@ fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std:
         Verdict::Pass => "pass",
         Verdict::Fail => "fail",
     };
-    writeln!(
-        out,
-        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">"
-    )?;
+    writeln!(out, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">")?;
     writeln!(out, "<title>Morion: {name}</title>\n<style>{STYLE}</style>")?;
-    writeln!(
-        out,
-        "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>"
-    )?;
+    writeln!(out, "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>")?;
     writeln!(out, "<p>{}</p>", escaped(summary))?;
     if !report.reasons.is_empty() {
         writeln!(out, "<ul>")?;
@@ -45,12 +39,7 @@ fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std:
     let alt = "What the camera sees of a world marked every 15 degrees";
     writeln!(out, "<p><img src=\"{picture}\" alt=\"{alt}\"></p>\n<table>")?;
     for (head, value) in rows(report) {
-        writeln!(
-            out,
-            "<tr><th>{}</th><td>{}</td></tr>",
-            escaped(&head),
-            escaped(&value)
-        )?;
+        writeln!(out, "<tr><th>{}</th><td>{}</td></tr>", escaped(&head), escaped(&value))?;
     }
     for file in &report.files {
         writeln!(
@@ -71,43 +60,19 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     row("profile sha256", report.profile.sha256.clone());
     row(
         "method",
-        format!(
-            "{}, degree {}, {} unknowns",
-            design.method, design.degree, design.unknowns
-        ),
+        format!("{}, degree {}, {} unknowns", design.method, design.degree, design.unknowns),
     );
-    row(
-        "gradient residual",
-        format!("{:.9e}", design.gradient_residual),
-    );
-    row(
-        "curl of the field",
-        format!("{:.4e} rms, {:.4e} max", design.curl.rms, design.curl.max),
-    );
-    row(
-        "design: ray error, mrad",
-        figures(Some(design.ray_error_mrad)),
-    );
-    row(
-        "design: pixel error, px",
-        figures(Some(design.pixel_error_px)),
-    );
+    row("gradient residual", format!("{:.9e}", design.gradient_residual));
+    row("curl of the field", format!("{:.4e} rms, {:.4e} max", design.curl.rms, design.curl.max));
+    row("design: ray error, mrad", figures(Some(design.ray_error_mrad)));
+    row("design: pixel error, px", figures(Some(design.pixel_error_px)));
     if let Some(mesh) = &report.mesh {
         let over = |o: Option<f64>| o.map_or("no limit".into(), |o| format!("{o:.2}"));
-        row(
-            "triangles",
-            format!(
-                "{} optical, {} in all",
-                mesh.optical_triangles, mesh.triangles
-            ),
-        );
+        row("triangles", format!("{} optical, {} in all", mesh.optical_triangles, mesh.triangles));
         row("chord", limited(&mesh.chord_um, "um"));
         row("facet", limited(&mesh.facet_px, "px"));
         let [chord, facet] = [mesh.over_optimum.chord, mesh.over_optimum.facet].map(over);
-        row(
-            "over the least possible",
-            format!("chord {chord}, facet {facet}"),
-        );
+        row("over the least possible", format!("chord {chord}, facet {facet}"));
     }
     if let Some(solid) = &report.solid {
         row("solid", solid_line(solid));
@@ -121,56 +86,33 @@ fn rows(report: &Report) -> Vec<(String, String)> {
                 trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
             ),
         );
-        for (errors, note) in [
-            (Some(trace.errors), ""),
-            (trace.interpolated_normals, ", its normals"),
-        ] {
+        for (errors, note) in
+            [(Some(trace.errors), ""), (trace.interpolated_normals, ", its normals")]
+        {
             let Some(errors) = errors else { continue };
-            row(
-                &head(&format!("ray error{note}, mrad")),
-                figures(errors.ray_error_mrad),
-            );
-            row(
-                &head(&format!("pixel error{note}, px")),
-                figures(errors.pixel_error_px),
-            );
-            row(
-                &head(&format!("facet error{note}, px")),
-                figures(errors.facet_error_px),
-            );
+            row(&head(&format!("ray error{note}, mrad")), figures(errors.ray_error_mrad));
+            row(&head(&format!("pixel error{note}, px")), figures(errors.pixel_error_px));
+            row(&head(&format!("facet error{note}, px")), figures(errors.facet_error_px));
         }
         row(&head("solid"), solid_line(&trace.solid));
     }
     if let Some(frame) = &report.frame {
-        let share = format!(
-            "{:.3} % of {} x {}",
-            100.0 * frame.filled,
-            frame.pixels[0],
-            frame.pixels[1]
-        );
+        let share =
+            format!("{:.3} % of {} x {}", 100.0 * frame.filled, frame.pixels[0], frame.pixels[1]);
         row("frame filled", share);
-        row(
-            "gain over a disc",
-            format!("{:+.1} %", 100.0 * frame.gain_over_disc),
-        );
+        row("gain over a disc", format!("{:+.1} %", 100.0 * frame.gain_over_disc));
     }
     rows
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
     fn text_from_outside_cannot_become_markup() {
-        assert_eq!(
-            super::escaped("<b a=\"1\">&"),
-            "&lt;b a=&quot;1&quot;&gt;&amp;"
-        );
+        assert_eq!(super::escaped("<b a=\"1\">&"), "&lt;b a=&quot;1&quot;&gt;&amp;");
     }
 }

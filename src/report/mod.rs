@@ -190,11 +190,7 @@ pub struct ErrorFacts {
 
 /// A summary with its keys, all null when there is none: readers find the keys either way.
 fn or_null<S: Serializer>(summary: &Option<Summary>, serializer: S) -> Result<S::Ok, S::Error> {
-    let nothing = Summary {
-        rms: f64::NAN,
-        p95: f64::NAN,
-        max: f64::NAN,
-    };
+    let nothing = Summary { rms: f64::NAN, p95: f64::NAN, max: f64::NAN };
     summary.unwrap_or(nothing).serialize(serializer)
 }
 

@@ -18,12 +18,7 @@ pub fn text(report: &Report) -> String {
 fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     let bold = Style::new().bold();
     let Report { design, .. } = report;
-    writeln!(
-        out,
-        "{bold}{}{bold:#}  ({})",
-        report.profile.name,
-        short(&report.profile.sha256)
-    )?;
+    writeln!(out, "{bold}{}{bold:#}  ({})", report.profile.name, short(&report.profile.sha256))?;
     writeln!(
         out,
         "  design   {} of degree {}, {} unknowns; ray error {} mrad, pixel error {} px",
@@ -47,12 +42,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(out, "  solid    {}", solid_line(solid))?;
     }
     for file in &report.files {
-        writeln!(
-            out,
-            "  file     {}  {:.1} MB",
-            file.name,
-            file.bytes as f64 / 1e6
-        )?;
+        writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
     }
     for trace in &report.trace {
         writeln!(
@@ -62,11 +52,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
         )?;
         writeln!(out, "           {}", errors_line(&trace.errors))?;
         if let Some(errors) = &trace.interpolated_normals {
-            writeln!(
-                out,
-                "           with the file's normals: {}",
-                errors_line(errors)
-            )?;
+            writeln!(out, "           with the file's normals: {}", errors_line(errors))?;
         }
         if !trace.solid.reasons.is_empty() {
             writeln!(out, "           {}", solid_line(&trace.solid))?;
@@ -106,22 +92,13 @@ pub(super) fn short(sha256: &str) -> &str {
 /// RMS, P95 and maximum.
 pub(super) fn figures(summary: Option<Summary>) -> String {
     summary.map_or("none".into(), |s| {
-        format!(
-            "{} rms, {} p95, {} max",
-            digits(s.rms),
-            digits(s.p95),
-            digits(s.max)
-        )
+        format!("{} rms, {} p95, {} max", digits(s.rms), digits(s.p95), digits(s.max))
     })
 }
 
 /// Three or four digits that matter.
 fn digits(x: f64) -> String {
-    if x != 0.0 && x.abs() < 1e-3 {
-        format!("{x:.2e}")
-    } else {
-        format!("{x:.3}")
-    }
+    if x != 0.0 && x.abs() < 1e-3 { format!("{x:.2e}") } else { format!("{x:.3}") }
 }
 
 pub(super) fn limited(value: &Limited, unit: &str) -> String {
@@ -141,11 +118,7 @@ fn errors_line(errors: &ErrorFacts) -> String {
 
 pub(super) fn solid_line(solid: &SolidFacts) -> String {
     let yes = |flag: bool, word: &str| {
-        if flag {
-            word.into()
-        } else {
-            format!("NOT {word}")
-        }
+        if flag { word.into() } else { format!("NOT {word}") }
     };
     format!(
         "{}, {}, {}; {} piece{}, Euler {}, {:.3} mm^3 ({:.3} expected)",

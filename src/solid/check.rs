@@ -59,41 +59,24 @@ impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = |v: DVec3| format!("({}, {}, {})", v.x, v.y, v.z);
         match *self {
-            Self::Open {
-                facet,
-                edge: [a, b],
-            } => write!(
-                f,
-                "open: only facet {facet} has the edge {}-{}",
-                place(a),
-                place(b)
-            ),
-            Self::Crowded {
-                facet,
-                edge: [a, b],
-                facets,
-            } => write!(
+            Self::Open { facet, edge: [a, b] } => {
+                write!(f, "open: only facet {facet} has the edge {}-{}", place(a), place(b))
+            }
+            Self::Crowded { facet, edge: [a, b], facets } => write!(
                 f,
                 "not manifold: facet {facet} and {} more share the edge {}-{}",
                 facets - 1,
                 place(a),
                 place(b)
             ),
-            Self::Turned {
-                facet,
-                edge: [a, b],
-            } => write!(
+            Self::Turned { facet, edge: [a, b] } => write!(
                 f,
                 "not oriented: facet {facet} and its neighbour run the same way along {}-{}",
                 place(a),
                 place(b)
             ),
             Self::Pinched { facet, at } => {
-                write!(
-                    f,
-                    "not manifold: facet {facet} touches another fan at vertex {}",
-                    place(at)
-                )
+                write!(f, "not manifold: facet {facet} touches another fan at vertex {}", place(at))
             }
             Self::Degenerate { facet, at } => {
                 write!(f, "degenerate: facet {facet} at {} has no area", place(at))
@@ -135,28 +118,17 @@ impl Check {
     pub fn reasons(&self) -> Vec<String> {
         let mut reasons: Vec<String> = self.defects.iter().map(ToString::to_string).collect();
         if self.defect_count > self.defects.len() {
-            reasons.push(format!(
-                "and {} more defects",
-                self.defect_count - self.defects.len()
-            ));
+            reasons.push(format!("and {} more defects", self.defect_count - self.defects.len()));
         }
         if self.components != 1 {
-            reasons.push(format!(
-                "{} separate pieces instead of one",
-                self.components
-            ));
+            reasons.push(format!("{} separate pieces instead of one", self.components));
         }
         if reasons.is_empty() && self.euler != 2 {
-            reasons.push(format!(
-                "Euler characteristic {} instead of 2: it has handles",
-                self.euler
-            ));
+            reasons
+                .push(format!("Euler characteristic {} instead of 2: it has handles", self.euler));
         }
         if !(self.volume_mm3 > 0.0) {
-            reasons.push(format!(
-                "volume {} mm^3: inside out or empty",
-                self.volume_mm3
-            ));
+            reasons.push(format!("volume {} mm^3: inside out or empty", self.volume_mm3));
         }
         reasons
     }
@@ -269,10 +241,7 @@ impl Fans {
     }
 
     fn all_single(&self) -> bool {
-        (0..self.start.len() - 1)
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .all(|v| self.single(v))
+        (0..self.start.len() - 1).into_par_iter().with_min_len(CHUNK).all(|v| self.single(v))
     }
 }
 
@@ -285,10 +254,7 @@ fn degenerate_facets(mesh: &TriMesh) -> Vec<Defect> {
         .into_par_iter()
         .with_min_len(CHUNK)
         .filter(is_empty)
-        .map(|facet| Defect::Degenerate {
-            facet,
-            at: mesh.corners(facet)[0],
-        })
+        .map(|facet| Defect::Degenerate { facet, at: mesh.corners(facet)[0] })
         .collect()
 }
 
@@ -320,17 +286,10 @@ fn edge_defects(mesh: &TriMesh) -> Vec<Defect> {
             1 => Some(Defect::Open { facet, edge }),
             2 if along == 1 => None,
             2 => Some(Defect::Turned { facet, edge }),
-            facets => Some(Defect::Crowded {
-                facet,
-                edge,
-                facets,
-            }),
+            facets => Some(Defect::Crowded { facet, edge, facets }),
         }
     };
-    sorted_edges(mesh)
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter_map(defect)
-        .collect()
+    sorted_edges(mesh).chunk_by(|a, b| a.0 == b.0).filter_map(defect).collect()
 }
 
 /// Vertices whose edges are all sound but whose facets form several fans.
@@ -348,10 +307,7 @@ fn pinches(mesh: &TriMesh, fans: &Fans) -> Vec<Defect> {
         .map(|v| {
             let here = |t: &[u32; 3]| t.contains(&(v as u32));
             let facet = mesh.triangles.iter().position(here).unwrap_or_default();
-            Defect::Pinched {
-                facet,
-                at: mesh.vertices[v],
-            }
+            Defect::Pinched { facet, at: mesh.vertices[v] }
         })
         .collect()
 }
@@ -368,20 +324,14 @@ fn components(mesh: &TriMesh) -> usize {
     }
     let mut used = vec![false; parent.len()];
     for &[a, b, c] in &mesh.triangles {
-        let (ra, rb, rc) = (
-            root(&mut parent, a),
-            root(&mut parent, b),
-            root(&mut parent, c),
-        );
+        let (ra, rb, rc) = (root(&mut parent, a), root(&mut parent, b), root(&mut parent, c));
         let least = ra.min(rb).min(rc);
         for (v, r) in [(a, ra), (b, rb), (c, rc)] {
             parent[r as usize] = least;
             used[v as usize] = true;
         }
     }
-    (0..parent.len())
-        .filter(|&v| used[v] && parent[v] == v as u32)
-        .count()
+    (0..parent.len()).filter(|&v| used[v] && parent[v] == v as u32).count()
 }
 
 /// Enclosed volume by the divergence theorem, summed in fixed chunks.
@@ -408,10 +358,7 @@ mod tests {
     use crate::solid::{Precision, Solid};
 
     fn cube() -> TriMesh {
-        Solid::from_face(&crate::solid::tests::face(), Precision::Double)
-            .unwrap()
-            .mesh()
-            .clone()
+        Solid::from_face(&crate::solid::tests::face(), Precision::Double).unwrap().mesh().clone()
     }
 
     #[test]
@@ -449,29 +396,21 @@ mod tests {
         let mut apart = cube();
         let count = apart.vertices.len() as u32;
         let other = cube();
-        apart
-            .vertices
-            .extend(other.vertices.iter().map(|&v| v + DVec3::splat(10.0)));
-        apart
-            .triangles
-            .extend(other.triangles.iter().map(|t| t.map(|v| v + count)));
+        apart.vertices.extend(other.vertices.iter().map(|&v| v + DVec3::splat(10.0)));
+        apart.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + count)));
         let found = check(&apart);
         assert_eq!((found.components, found.euler), (2, 4));
         assert!(found.closed && found.manifold && !found.is_solid());
 
         // The corner (1, 1, 2) of one is the corner (-1, -1, 0) of the other.
-        let touching = apart.triangles.iter().flat_map(|t| {
-            t.map(|v| {
+        let mut welder = crate::geom::Welder::new(apart.triangles.len());
+        for t in &apart.triangles {
+            welder.add(t.map(|v| {
                 let p = apart.vertices[v as usize];
-                if v < count {
-                    p
-                } else {
-                    p - DVec3::splat(10.0) + DVec3::new(2.0, 2.0, 2.0)
-                }
-            })
-        });
-        let corners: Vec<_> = touching.collect();
-        let found = check(&TriMesh::weld(corners.into_iter()));
+                if v < count { p } else { p - DVec3::splat(10.0) + DVec3::new(2.0, 2.0, 2.0) }
+            }));
+        }
+        let found = check(&welder.finish());
         assert!(found.closed && found.oriented && !found.manifold);
         assert!(matches!(found.defects[..], [Defect::Pinched { .. }]));
         assert_eq!(found.components, 1);
@@ -490,12 +429,7 @@ mod tests {
     fn an_empty_facet_and_a_nan_are_degenerate() {
         let mut mesh = cube();
         mesh.vertices[1] = mesh.vertices[0];
-        assert!(
-            check(&mesh)
-                .defects
-                .iter()
-                .any(|d| matches!(d, Defect::Degenerate { .. }))
-        );
+        assert!(check(&mesh).defects.iter().any(|d| matches!(d, Defect::Degenerate { .. })));
         let mut mesh = cube();
         mesh.vertices[1].x = f64::NAN;
         assert!(!check(&mesh).is_solid());
@@ -508,28 +442,16 @@ mod tests {
             let turn = |k: u32, of: u32| f64::from(k) * 2.0 * std::f64::consts::PI / f64::from(of);
             let (a, b) = (turn(i, n), turn(j, m));
             let far = 3.0 + crate::num::cos(b);
-            DVec3::new(
-                far * crate::num::cos(a),
-                far * crate::num::sin(a),
-                crate::num::sin(b),
-            )
+            DVec3::new(far * crate::num::cos(a), far * crate::num::sin(a), crate::num::sin(b))
         };
         let index = |i: u32, j: u32| (i % n) * m + j % m;
         let vertices = (0..n * m).map(|k| vertex(k / m, k % m)).collect();
         let quad = |k: u32| {
             let (i, j) = (k / m, k % m);
-            let (a, b, c, d) = (
-                index(i, j),
-                index(i + 1, j),
-                index(i + 1, j + 1),
-                index(i, j + 1),
-            );
+            let (a, b, c, d) = (index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
             [[a, b, c], [a, c, d]]
         };
-        let found = check(&TriMesh {
-            vertices,
-            triangles: (0..n * m).flat_map(quad).collect(),
-        });
+        let found = check(&TriMesh { vertices, triangles: (0..n * m).flat_map(quad).collect() });
         assert!(found.closed && found.oriented && found.manifold && found.volume_mm3 > 0.0);
         assert_eq!(found.euler, 0);
         assert!(found.reasons()[0].contains("handles"));

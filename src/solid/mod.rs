@@ -57,21 +57,14 @@ impl Solid {
     /// [`SolidError`] when the rim is no loop, the face touches the base or the result fails
     /// [`check`].
     pub fn from_face(face: &TriMesh, precision: Precision) -> Result<Self, SolidError> {
-        let lowest_mm = face
-            .vertices
-            .iter()
-            .map(|v| v.z)
-            .fold(f64::INFINITY, f64::min);
+        let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         if !(lowest_mm > 0.0) {
             return Err(SolidError::Base { lowest_mm });
         }
         let rim = rim(face)?;
         let mut mesh = face.clone();
         let foot = mesh.vertices.len() as u32;
-        mesh.vertices.extend(
-            rim.iter()
-                .map(|&v| face.vertices[v as usize].truncate().extend(0.0)),
-        );
+        mesh.vertices.extend(rim.iter().map(|&v| face.vertices[v as usize].truncate().extend(0.0)));
         let centre = mesh.vertices.len() as u32;
         mesh.vertices.push(DVec3::ZERO);
         let count = rim.len();
@@ -84,23 +77,16 @@ impl Solid {
         }
         for k in 0..count {
             let next = (k + 1) % count;
-            mesh.triangles
-                .push([centre, foot + next as u32, foot + k as u32]);
+            mesh.triangles.push([centre, foot + next as u32, foot + k as u32]);
         }
         if precision == Precision::Single {
-            mesh.vertices
-                .iter_mut()
-                .for_each(|v| *v = v.as_vec3().as_dvec3());
+            mesh.vertices.iter_mut().for_each(|v| *v = v.as_vec3().as_dvec3());
         }
         // Only +0.0: a file must not hold one place in two spellings.
         mesh.vertices.iter_mut().for_each(|v| *v += DVec3::ZERO);
         let check = check(&mesh);
         if check.is_solid() {
-            Ok(Self {
-                mesh,
-                check,
-                optical: face.triangles.len(),
-            })
+            Ok(Self { mesh, check, optical: face.triangles.len() })
         } else {
             Err(SolidError::Check(check))
         }
@@ -153,10 +139,7 @@ fn rim(face: &TriMesh) -> Result<Vec<u32>, SolidError> {
         }
         loop_.push(to);
     }
-    Err(broken(format!(
-        "{} of {length} rim edges follow each other",
-        loop_.len()
-    )))
+    Err(broken(format!("{} of {length} rim edges follow each other", loop_.len())))
 }
 
 #[cfg(test)]
@@ -167,10 +150,7 @@ mod tests {
     pub(super) fn face() -> TriMesh {
         let vertices = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|(x, y)| DVec3::new(x, y, 2.0));
-        TriMesh {
-            vertices: vertices.to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-        }
+        TriMesh { vertices: vertices.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
     }
 
     #[test]
@@ -178,10 +158,7 @@ mod tests {
         let solid = Solid::from_face(&face(), Precision::Double).unwrap();
         assert_eq!(solid.check().volume_mm3, 8.0);
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
-        assert_eq!(
-            (solid.mesh().triangles.len(), solid.optical()),
-            (2 + 8 + 4, 2)
-        );
+        assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
     }
 
     #[test]
@@ -199,25 +176,15 @@ mod tests {
         let ring: Vec<DVec3> = (0..8)
             .map(|k| {
                 let corner = face().vertices[k % 4];
-                if k < 4 {
-                    corner
-                } else {
-                    corner * DVec3::new(0.5, 0.5, 1.0)
-                }
+                if k < 4 { corner } else { corner * DVec3::new(0.5, 0.5, 1.0) }
             })
             .collect();
         let quad = |k: u32| {
             let n = (k + 1) % 4;
             [[k, n, 4 + n], [k, 4 + n, 4 + k]]
         };
-        let holed = TriMesh {
-            vertices: ring,
-            triangles: (0..4).flat_map(quad).collect(),
-        };
-        assert!(matches!(
-            Solid::from_face(&holed, Precision::Single),
-            Err(SolidError::Rim { .. })
-        ));
+        let holed = TriMesh { vertices: ring, triangles: (0..4).flat_map(quad).collect() };
+        assert!(matches!(Solid::from_face(&holed, Precision::Single), Err(SolidError::Rim { .. })));
     }
 
     #[test]
@@ -229,10 +196,6 @@ mod tests {
         let Err(SolidError::Check(check)) = Solid::from_face(&fine, Precision::Single) else {
             panic!("not refused")
         };
-        assert!(
-            check.reasons()[0].contains("facet 2 "),
-            "{:?}",
-            check.reasons()
-        );
+        assert!(check.reasons()[0].contains("facet 2 "), "{:?}", check.reasons());
     }
 }

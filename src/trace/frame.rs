@@ -69,27 +69,17 @@ mod tests {
             aimed: true,
             wanted: DVec3::Y,
             direction: DVec3::new(0.6, 0.8, 0.0),
-            errors: Errors {
-                ray: error,
-                image_mm: error,
-                facet_mm: error,
-            },
+            errors: Errors { ray: error, image_mm: error, facet_mm: error },
             smooth: None,
         }
     }
 
     #[test]
     fn a_filled_frame_gains_what_the_paper_says() {
-        let witness = Witness {
-            seen: vec![pixel(Outcome::Hit, 0.0); 640 * 480],
-        };
+        let witness = Witness { seen: vec![pixel(Outcome::Hit, 0.0); 640 * 480] };
         let frame = Frame::new(&witness, [640, 480], 0.1, 6.0);
         assert_eq!(frame.filled, 1.0);
-        assert!(
-            (frame.gain_over_disc - 0.698).abs() < 5e-4,
-            "{}",
-            frame.gain_over_disc
-        );
+        assert!((frame.gain_over_disc - 0.698).abs() < 5e-4, "{}", frame.gain_over_disc);
     }
 
     #[test]
@@ -100,10 +90,7 @@ mod tests {
             pixel(Outcome::Shadowed(3), 0.0),
             pixel(Outcome::BackFace, 0.0),
             pixel(Outcome::Hit, 0.7),
-            Seen {
-                aimed: false,
-                ..pixel(Outcome::Hit, 0.0)
-            },
+            Seen { aimed: false, ..pixel(Outcome::Hit, 0.0) },
             pixel(Outcome::Hit, f64::NAN),
         ]);
         let frame = Frame::new(&Witness { seen }, [4, 3], 0.1, 6.0);

@@ -59,9 +59,7 @@ impl Grid {
     /// A grid over `mesh`.
     pub fn new(mesh: &TriMesh) -> Self {
         let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
-        let extent = Some((hi - lo).max_element())
-            .filter(|&e| e > 0.0)
-            .unwrap_or(1.0);
+        let extent = Some((hi - lo).max_element()).filter(|&e| e > 0.0).unwrap_or(1.0);
         let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * extent));
         let wanted = (mesh.triangles.len() as f64 / CROWD).clamp(1.0, MOST_CELLS);
         let cell = (size.x * size.y / wanted).sqrt();
@@ -70,11 +68,7 @@ impl Grid {
         let count = [size.x, size.y].map(|s| ((s / cell).ceil() as usize + 1).max(1));
         let levels: [Lattice; LEVELS] = std::array::from_fn(|level| {
             let cells = STEP.pow(level as u32);
-            Lattice {
-                origin,
-                cell: cell * cells as f64,
-                count: count.map(|n| n.div_ceil(cells)),
-            }
+            Lattice { origin, cell: cell * cells as f64, count: count.map(|n| n.div_ceil(cells)) }
         });
 
         let (finest, coarsest) = (&levels[0], &levels[LEVELS - 1]);
@@ -88,9 +82,7 @@ impl Grid {
             })
             .collect();
         let choose = |small: bool| -> Vec<u32> {
-            (0..mesh.triangles.len() as u32)
-                .filter(|&t| is_small[t as usize] == small)
-                .collect()
+            (0..mesh.triangles.len() as u32).filter(|&t| is_small[t as usize] == small).collect()
         };
         let (small, large) = rayon::join(
             || finest.layer(mesh, &choose(true)),
@@ -98,19 +90,10 @@ impl Grid {
         );
         let mut ranges: [Vec<Range>; LEVELS] = Default::default();
         for level in 1..LEVELS {
-            let below = if level == 1 {
-                &small.ranges
-            } else {
-                &ranges[level - 1]
-            };
+            let below = if level == 1 { &small.ranges } else { &ranges[level - 1] };
             ranges[level] = levels[level].gather(&levels[level - 1], below);
         }
-        Self {
-            levels,
-            small,
-            large,
-            ranges,
-        }
+        Self { levels, small, large, ranges }
     }
 
     /// Visits, in the order of the ray, the facets that it may meet for parameters in `span`.
@@ -142,11 +125,7 @@ impl Grid {
         visit: &mut impl FnMut(&[u32]) -> f64,
     ) {
         let cell = self.levels[level].index(at);
-        let range = if level == 0 {
-            self.small.ranges[cell]
-        } else {
-            self.ranges[level][cell]
-        };
+        let range = if level == 0 { self.small.ranges[cell] } else { self.ranges[level][cell] };
         if enter > *end || !meets(ray, [enter, leave], range) {
             return;
         }
@@ -192,10 +171,7 @@ impl Lattice {
         let index =
             |p: DVec2| [0, 1].map(|axis| (p[axis].max(0.0) as usize).min(self.count[axis] - 1));
         let margin = DVec2::splat(MARGIN);
-        [
-            index(a.min(b).min(c) - margin),
-            index(a.max(b).max(c) + margin),
-        ]
+        [index(a.min(b).min(c) - margin), index(a.max(b).max(c) + margin)]
     }
 
     #[inline]
@@ -223,19 +199,12 @@ impl Lattice {
             let [first, last] = self.span(mesh.corners(t as usize));
             [first[1] as u32, last[1] as u32]
         };
-        let rows: Vec<[u32; 2]> = facets
-            .par_iter()
-            .with_min_len(1 << 14)
-            .map(rows_of)
-            .collect();
+        let rows: Vec<[u32; 2]> = facets.par_iter().with_min_len(1 << 14).map(rows_of).collect();
         let fill = |band: usize| -> Layer {
             let (low, high) = (band * height, ((band + 1) * height).min(self.count[1]));
             let cells = high.saturating_sub(low) * self.count[0];
-            let mut layer = Layer {
-                start: vec![0; cells + 1],
-                facets: vec![],
-                ranges: vec![NOTHING; cells],
-            };
+            let mut layer =
+                Layer { start: vec![0; cells + 1], facets: vec![], ranges: vec![NOTHING; cells] };
             let inside: Vec<u32> = facets
                 .iter()
                 .zip(&rows)
@@ -265,15 +234,10 @@ impl Lattice {
             layer
         };
         let bands: Vec<Layer> = (0..BANDS).into_par_iter().map(fill).collect();
-        let mut whole = Layer {
-            start: vec![0],
-            ..Layer::default()
-        };
+        let mut whole = Layer { start: vec![0], ..Layer::default() };
         for band in bands {
             let before = whole.facets.len() as u32;
-            whole
-                .start
-                .extend(band.start[1..].iter().map(|s| s + before));
+            whole.start.extend(band.start[1..].iter().map(|s| s + before));
             whole.facets.extend(band.facets);
             whole.ranges.extend(band.ranges);
         }
@@ -293,13 +257,9 @@ impl Lattice {
         let across = last[0] - first[0] + 1;
         let (low, high) = (first[1].max(rows.start), (last[1] + 1).min(rows.end));
         // For a few cells the box is cheaper than finding out which of them are touched.
-        let few = across * (last[1] - first[1] + 1) <= 6;
+        let few = across * (last[1] - first[1] + 1) <= 2;
         for j in low..high {
-            let [left, right] = if few {
-                [first[0], last[0]]
-            } else {
-                self.slice(corners, j)
-            };
+            let [left, right] = if few { [first[0], last[0]] } else { self.slice(corners, j) };
             for i in left..=right {
                 visit((j - rows.start) * self.count[0] + i);
             }
@@ -321,11 +281,7 @@ impl Lattice {
                 let share = (y.clamp(a.y.min(b.y), a.y.max(b.y)) - a.y) / (b.y - a.y);
                 a.x + (b.x - a.x) * share
             };
-            let (x0, x1) = if a.y == b.y {
-                (a.x, b.x)
-            } else {
-                (at(below), at(above))
-            };
+            let (x0, x1) = if a.y == b.y { (a.x, b.x) } else { (at(below), at(above)) };
             left = left.min(x0).min(x1);
             right = right.max(x0).max(x1);
         }
@@ -346,16 +302,10 @@ impl Lattice {
         debug_assert!(last[0] <= self.count[0] && last[1] <= self.count[1]);
         let [mut enter, mut leave] = span;
         let (mut step, mut next, mut delta) = ([0isize; 2], [f64::INFINITY; 2], [f64::INFINITY; 2]);
-        let (origin, direction) = (
-            ray.origin.truncate() - self.origin,
-            ray.direction.truncate(),
-        );
+        let (origin, direction) = (ray.origin.truncate() - self.origin, ray.direction.truncate());
         for axis in 0..2 {
             let (o, d) = (origin[axis], direction[axis]);
-            let (lo, hi) = (
-                self.cell * first[axis] as f64,
-                self.cell * last[axis] as f64,
-            );
+            let (lo, hi) = (self.cell * first[axis] as f64, self.cell * last[axis] as f64);
             if d == 0.0 {
                 if o < lo || o > hi {
                     return;

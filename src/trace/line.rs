@@ -40,12 +40,7 @@ impl Line {
         };
         let main = d[axes[2]];
         let shear = DVec2::new(d[axes[0]], d[axes[1]]) / main;
-        Self {
-            origin: ray.origin,
-            axes,
-            shear,
-            per_depth: 1.0 / main,
-        }
+        Self { origin: ray.origin, axes, shear, per_depth: 1.0 / main }
     }
 
     /// Shears a vertex.

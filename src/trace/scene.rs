@@ -75,8 +75,7 @@ impl Scene {
     #[inline]
     fn meet(&self, line: &Line, facet: u32) -> Option<Hit> {
         let [a, b, c] = self.mesh.corners(facet as usize).map(|v| line.project(v));
-        line.meet(a, b, c)
-            .map(|(t, weights)| Hit { t, facet, weights })
+        line.meet(a, b, c).map(|(t, weights)| Hit { t, facet, weights })
     }
 }
 
@@ -100,11 +99,7 @@ mod tests {
         let mut vertices: Vec<DVec3> = (0..side * side)
             .map(|k| {
                 let (x, y) = (f64::from(k % side), f64::from(k / side));
-                DVec3::new(
-                    x,
-                    y,
-                    2.0 + sin(0.7 * x) * cos(0.9 * y) + 0.3 * random(u64::from(k)),
-                )
+                DVec3::new(x, y, 2.0 + sin(0.7 * x) * cos(0.9 * y) + 0.3 * random(u64::from(k)))
             })
             .collect();
         let quad = |k: u32| {
@@ -118,17 +113,13 @@ mod tests {
             [(0.0, 0.0), (far, 0.0), (far, far), (0.0, far)].map(|(x, y)| DVec3::new(x, y, 0.0)),
         );
         triangles.extend([[foot, foot + 2, foot + 1], [foot, foot + 3, foot + 2]]);
-        TriMesh {
-            vertices,
-            triangles,
-        }
+        TriMesh { vertices, triangles }
     }
 
     fn brute_force(scene: &Scene, ray: &Ray) -> Option<Hit> {
         let hits =
             (0..scene.mesh.triangles.len() as u32).filter_map(|t| scene.meet(&Line::new(ray), t));
-        hits.filter(|h| h.t > 0.0)
-            .min_by(|a, b| a.t.total_cmp(&b.t).then(a.facet.cmp(&b.facet)))
+        hits.filter(|h| h.t > 0.0).min_by(|a, b| a.t.total_cmp(&b.t).then(a.facet.cmp(&b.facet)))
     }
 
     #[test]
@@ -146,20 +137,13 @@ mod tests {
                 3 => direction.z *= 1e-3,
                 _ => {}
             }
-            let ray = Ray {
-                origin,
-                direction: direction.normalize(),
-            };
+            let ray = Ray { origin, direction: direction.normalize() };
             let expected = brute_force(&scene, &ray);
             assert_eq!(scene.first(&ray), expected, "ray {k} {ray:?}");
             let clear = 1e-6;
             let blocked = (0..scene.mesh.triangles.len() as u32)
                 .any(|t| t != 7 && scene.meet(&Line::new(&ray), t).is_some_and(|h| h.t > clear));
-            assert_eq!(
-                scene.blocker(&ray, 7, clear).is_some(),
-                blocked,
-                "ray {k} {ray:?}"
-            );
+            assert_eq!(scene.blocker(&ray, 7, clear).is_some(), blocked, "ray {k} {ray:?}");
             hits += usize::from(expected.is_some());
         }
         assert!(hits > 4000, "{hits}");
@@ -180,19 +164,11 @@ mod tests {
                 DVec2::new(x + along, nudge(y, ulps)),
                 DVec2::new(x + along, nudge(y + along, ulps)),
             ][(k % 3) as usize];
-            let tilt = if k % 2 == 0 {
-                DVec3::ZERO
-            } else {
-                DVec3::new(r(3) - 0.5, r(4) - 0.5, 0.0)
-            };
+            let tilt =
+                if k % 2 == 0 { DVec3::ZERO } else { DVec3::new(r(3) - 0.5, r(4) - 0.5, 0.0) };
             let direction = (DVec3::NEG_Z + 0.3 * tilt).normalize();
-            let ray = Ray {
-                origin: foot.extend(9.0),
-                direction,
-            };
-            let hit = scene
-                .first(&ray)
-                .unwrap_or_else(|| panic!("ray {k} fell through: {ray:?}"));
+            let ray = Ray { origin: foot.extend(9.0), direction };
+            let hit = scene.first(&ray).unwrap_or_else(|| panic!("ray {k} fell through: {ray:?}"));
             assert!(hit.facet < 2 * 24 * 24, "ray {k} reached the base: {ray:?}");
         }
     }
@@ -212,10 +188,7 @@ mod tests {
 
     #[test]
     fn an_empty_mesh_meets_nothing() {
-        let ray = Ray {
-            origin: DVec3::Z,
-            direction: DVec3::NEG_Z,
-        };
+        let ray = Ray { origin: DVec3::Z, direction: DVec3::NEG_Z };
         assert_eq!(Scene::new(TriMesh::default()).first(&ray), None);
     }
 }

@@ -82,18 +82,9 @@ impl Witness {
         table: impl Fn(usize) -> Vec<Intent> + Sync,
     ) -> Self {
         let row = |k: usize| -> Vec<Seen> {
-            table(k)
-                .iter()
-                .map(|intent| follow(scene, normals, image, intent))
-                .collect()
+            table(k).iter().map(|intent| follow(scene, normals, image, intent)).collect()
         };
-        Self {
-            seen: (0..rows)
-                .into_par_iter()
-                .map(row)
-                .collect::<Vec<_>>()
-                .concat(),
-        }
+        Self { seen: (0..rows).into_par_iter().map(row).collect::<Vec<_>>().concat() }
     }
 
     /// The rays aimed at the mirror.
@@ -127,10 +118,7 @@ pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
         return (Outcome::BackFace, Some(hit), DVec3::ZERO);
     }
     let direction = reflect(ray.direction, normal);
-    let leaving = Ray {
-        origin: ray.at(hit.t),
-        direction,
-    };
+    let leaving = Ray { origin: ray.at(hit.t), direction };
     // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
     let clear = 1e-12 * (leaving.origin.abs().max_element() + hit.t);
     match scene.blocker(&leaving, hit.facet, clear) {
@@ -140,27 +128,11 @@ pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
 }
 
 fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: &Intent) -> Seen {
-    let Intent {
-        point,
-        aimed,
-        wanted,
-        ..
-    } = *intent;
+    let Intent { point, aimed, wanted, .. } = *intent;
     let (outcome, hit, direction) = look(scene, &intent.ray);
     let (Outcome::Hit, Some(hit), true) = (outcome, hit, aimed) else {
-        let nothing = Errors {
-            ray: f64::NAN,
-            image_mm: f64::NAN,
-            facet_mm: f64::NAN,
-        };
-        return Seen {
-            outcome,
-            aimed,
-            wanted,
-            direction,
-            errors: nothing,
-            smooth: None,
-        };
+        let nothing = Errors { ray: f64::NAN, image_mm: f64::NAN, facet_mm: f64::NAN };
+        return Seen { outcome, aimed, wanted, direction, errors: nothing, smooth: None };
     };
     let designed = image.locate(intent.designed, point);
     let errors = |direction: DVec3| {
@@ -173,17 +145,7 @@ fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: 
     };
     let smooth = normals.map(|normals| {
         let corners = normals[hit.facet as usize].iter().zip(hit.weights);
-        errors(reflect(
-            intent.ray.direction,
-            corners.map(|(n, w)| *n * w).sum(),
-        ))
+        errors(reflect(intent.ray.direction, corners.map(|(n, w)| *n * w).sum()))
     });
-    Seen {
-        outcome,
-        aimed,
-        wanted,
-        direction,
-        errors: errors(direction),
-        smooth,
-    }
+    Seen { outcome, aimed, wanted, direction, errors: errors(direction), smooth }
 }

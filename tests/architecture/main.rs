@@ -128,11 +128,8 @@ fn rust_files(folder: &Path, out: &mut Vec<PathBuf>) {
 
 /// Module path of a file below `src`: `a/b.rs` and `a/b/mod.rs` are both `["a", "b"]`.
 fn module_path(relative: &Path) -> Vec<String> {
-    let mut parts: Vec<String> = relative
-        .with_extension("")
-        .iter()
-        .map(|p| p.to_string_lossy().into_owned())
-        .collect();
+    let mut parts: Vec<String> =
+        relative.with_extension("").iter().map(|p| p.to_string_lossy().into_owned()).collect();
     if parts.last().is_some_and(|p| p == "mod") {
         parts.pop();
     }
@@ -149,11 +146,7 @@ fn sources_keep_the_direction_of_dependencies() {
         .map(|path| {
             let relative = path.strip_prefix(&src).expect("below src");
             let text = fs::read_to_string(path).expect("readable source");
-            (
-                format!("src/{}", relative.display()),
-                module_path(relative),
-                text,
-            )
+            (format!("src/{}", relative.display()), module_path(relative), text)
         })
         .collect();
     assert!(files.iter().any(|(_, m, _)| m == &["lib"]), "no src/lib.rs");
@@ -206,10 +199,7 @@ fn forbidden_edges_are_reported_with_their_line() {
     assert_eq!(complaints_in("num", "use crate::*;").len(), 1);
     assert_eq!(complaints_in("num", "use crate::stray::S;").len(), 1);
     assert_eq!(complaints_in("stray", "").len(), 1);
-    assert_eq!(
-        complaints_in("report", "use crate::{mesh, num, report};"),
-        [""; 0]
-    );
+    assert_eq!(complaints_in("report", "use crate::{mesh, num, report};"), [""; 0]);
     assert_eq!(complaints_in("report", "use crate::pipeline;").len(), 1);
 }
 
@@ -220,26 +210,17 @@ fn tests_may_look_wider_but_not_those_of_the_witness() {
     let found = complaints_in("trace", source);
     assert_eq!(found, ["f.rs:5: trace -> design: forbidden, even in tests"]);
     let after = format!("{source}use crate::solid;");
-    assert_eq!(
-        complaints_in("geom", &after),
-        ["f.rs:7: geom -> solid: forbidden"]
-    );
+    assert_eq!(complaints_in("geom", &after), ["f.rs:7: geom -> solid: forbidden"]);
     let one_use = "#[cfg(test)]\nuse crate::design;\nuse crate::mesh;";
     assert_eq!(complaints_in("geom", one_use).len(), 1);
-    assert_eq!(
-        test_files(&tokens("#[cfg(test)] mod sweep; mod plain;")),
-        ["sweep"]
-    );
+    assert_eq!(test_files(&tokens("#[cfg(test)] mod sweep; mod plain;")), ["sweep"]);
 }
 
 #[test]
 fn the_system_is_for_the_pipeline_and_the_command_line() {
-    for source in [
-        "use std::fs;",
-        "use std::{io, env};",
-        "fn f() { std::process::exit(1) }",
-        "use std::*;",
-    ] {
+    for source in
+        ["use std::fs;", "use std::{io, env};", "fn f() { std::process::exit(1) }", "use std::*;"]
+    {
         assert_eq!(complaints_in("export", source).len(), 1, "{source}");
         assert_eq!(complaints_in("pipeline", source), [""; 0]);
     }
@@ -255,12 +236,6 @@ fn long_files_and_stray_words_are_reported() {
     assert_eq!(found, ["f.rs: 501 lines, more than 500"]);
     assert_eq!(text_complaints("f.rs", &"\n".repeat(500)), [""; 0]);
     let found = text_complaints("f.rs", "ok\n// see Issue #12\n// this session\n");
-    assert_eq!(
-        found,
-        ["f.rs:2: speaks of `issue #`", "f.rs:3: speaks of `session`"]
-    );
-    assert_eq!(
-        text_complaints("f.rs", "obsession, tissue #1, issued"),
-        [""; 0]
-    );
+    assert_eq!(found, ["f.rs:2: speaks of `issue #`", "f.rs:3: speaks of `session`"]);
+    assert_eq!(text_complaints("f.rs", "obsession, tissue #1, issued"), [""; 0]);
 }

@@ -177,11 +177,7 @@ pub struct Named {
 }
 
 fn line_of(code: &str, at: usize) -> usize {
-    code.as_bytes()[..at]
-        .iter()
-        .filter(|b| **b == b'\n')
-        .count()
-        + 1
+    code.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1
 }
 
 /// Names that follow `::` at `i`: one, or each member of a group.
@@ -251,10 +247,7 @@ pub fn names_under(source: &str, roots: &[&str], depth: usize) -> Vec<Named> {
 fn comments_and_literals_are_blanked() {
     let source = r###"a /* b /* c */ d */ e // f
 "g \" h" 'i' '\'' b'j' '\u{e9}' 'é' &'k l r"m\" r#"n " o"# br##"p"# q"## s"###;
-    let words: Vec<String> = blank(source)
-        .split_whitespace()
-        .map(str::to_owned)
-        .collect();
+    let words: Vec<String> = blank(source).split_whitespace().map(str::to_owned).collect();
     assert_eq!(words, ["a", "e", "b", "&'k", "l", "b", "s"]);
     assert_eq!(blank(source).len(), source.len());
     assert_eq!(blank(source).find('\n'), source.find('\n'));
@@ -273,14 +266,8 @@ fn g() { \"crate::export\"; ::std::fs::read(p); my::std::env::x() }
         let names = names_under(source, roots, 0).into_iter();
         names.map(|n| (n.name, n.line)).collect()
     };
-    let expected = [
-        ("num", 2),
-        ("geom", 3),
-        ("optics", 3),
-        ("mirror", 3),
-        ("design", 4),
-        ("mesh", 4),
-    ];
+    let expected =
+        [("num", 2), ("geom", 3), ("optics", 3), ("mirror", 3), ("design", 4), ("mesh", 4)];
     assert_eq!(found(&["crate"]), expected.map(|(n, l)| (n.to_owned(), l)));
     assert_eq!(found(&["std"]), [("fs".to_owned(), 6)]);
 }
@@ -293,13 +280,7 @@ fn chains_of_super_are_followed_out_of_the_module() {
     };
     assert_eq!(found("use super::mesh::M;", 1), ["mesh"]);
     assert_eq!(found("use super::sibling::S;", 2), [""; 0]);
-    assert_eq!(
-        found("use super::super::{mesh, solid};", 2),
-        ["mesh", "solid"]
-    );
-    assert_eq!(
-        found("mod inner { use super::own; } use super::mesh;", 1),
-        ["mesh"]
-    );
+    assert_eq!(found("use super::super::{mesh, solid};", 2), ["mesh", "solid"]);
+    assert_eq!(found("mod inner { use super::own; } use super::mesh;", 1), ["mesh"]);
     assert_eq!(found("pub(super) fn f() {}", 1), [""; 0]);
 }
