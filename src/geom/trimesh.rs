@@ -1,8 +1,7 @@
 //! Triangle meshes: vertices and triangles, no promises.
 
 use super::{DVec2, DVec3};
-use rustc_hash::FxHashMap;
-use std::collections::hash_map::Entry;
+use hashbrown::hash_table::{Entry, HashTable};
 
 /// Vertices (mm) and the triples of vertex indices that are its facets, counter-clockwise seen
 /// from outside. Nothing is promised about closedness, orientation or shape.
@@ -66,16 +65,15 @@ impl TriMesh {
 #[derive(Debug)]
 pub struct Welder {
     mesh: TriMesh,
-    seen: FxHashMap<[u64; 3], u32>,
+    /// Indices of the vertices, hashed by their bits.
+    seen: HashTable<u32>,
     /// The last vertex met for each residue of the hash. Files list neighbours near each other, so
     /// most corners are found here, without a jump into the large table.
-    recent: Vec<([u64; 3], u32)>,
+    recent: Vec<u32>,
 }
 
 impl Welder {
-    const RECENT: usize = 1 << 13;
-    /// No finite vertex has these bits.
-    const NOWHERE: [u64; 3] = [u64::MAX; 3];
+    const RECENT_BITS: u32 = 13;
 
     /// A welder for about `facets` facets.
     #[must_use]
@@ -87,37 +85,38 @@ impl Welder {
                 vertices: Vec::with_capacity(vertices),
                 triangles: Vec::with_capacity(facets),
             },
-            seen: FxHashMap::with_capacity_and_hasher(vertices, Default::default()),
-            recent: vec![(Self::NOWHERE, 0); Self::RECENT],
+            seen: HashTable::with_capacity(vertices),
+            recent: vec![u32::MAX; 1 << Self::RECENT_BITS],
         }
     }
 
     /// Adds a facet.
     #[inline]
     pub fn add(&mut self, corners: [DVec3; 3]) {
-        let triangle = corners.map(|corner| self.vertex(corner));
+        let triangle = corners.map(|corner| self.vertex(corner + DVec3::ZERO));
         self.mesh.triangles.push(triangle);
     }
 
     #[inline]
     fn vertex(&mut self, corner: DVec3) -> u32 {
-        let key = (corner + DVec3::ZERO).to_array().map(f64::to_bits);
-        // Fibonacci hashing of the mixed coordinates.
-        let mixed = key[0].rotate_left(21) ^ key[1].rotate_left(42) ^ key[2];
-        let slot = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 51) as usize;
-        let recent = &mut self.recent[slot];
-        if recent.0 == key {
-            return recent.1;
+        let hash = hash(corner);
+        let vertices = &mut self.mesh.vertices;
+        let recent = &mut self.recent[(hash >> (64 - Self::RECENT_BITS)) as usize];
+        if vertices.get(*recent as usize) == Some(&corner) {
+            return *recent;
         }
-        let index = match self.seen.entry(key) {
+        let same = |&index: &u32| vertices[index as usize] == corner;
+        let hash_of = |&index: &u32| self::hash(vertices[index as usize]);
+        *recent = match self.seen.entry(hash, same, hash_of) {
             Entry::Occupied(known) => *known.get(),
             Entry::Vacant(new) => {
-                self.mesh.vertices.push(corner);
-                *new.insert(self.mesh.vertices.len() as u32 - 1)
+                let index = vertices.len() as u32;
+                new.insert(index);
+                vertices.push(corner);
+                index
             }
         };
-        *recent = (key, index);
-        index
+        *recent
     }
 
     /// The mesh of all facets added.
@@ -125,6 +124,18 @@ impl Welder {
     pub fn finish(self) -> TriMesh {
         self.mesh
     }
+}
+
+/// A hash of the coordinates' bits whose top and bottom bits are both well mixed (single-precision
+/// numbers leave the lower half of their doubles empty).
+#[inline]
+fn hash(v: DVec3) -> u64 {
+    let fold = |a: u64, b: u64| {
+        let wide = u128::from(a) * u128::from(b);
+        (wide >> 64) as u64 ^ wide as u64
+    };
+    let [x, y, z] = v.to_array().map(f64::to_bits);
+    fold(fold(x ^ 0x9e37_79b9_7f4a_7c15, y ^ 0xbf58_476d_1ce4_e5b9) ^ z, 0x94d0_49bb_1331_11eb)
 }
 
 /// Twice the signed area of the triangle's shadow on the (X, Y) plane.
