@@ -5,6 +5,7 @@
 
 mod frame;
 mod grid;
+mod lattice;
 mod line;
 mod scene;
 mod witness;

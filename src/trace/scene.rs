@@ -42,7 +42,7 @@ impl Scene {
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
         let line = Line::new(ray);
         let mut nearest: Option<Hit> = None;
-        self.grid.walk(ray, [0.0, f64::INFINITY], |facets| {
+        self.grid.walk(ray, |facets| {
             for &facet in facets {
                 if let Some(hit) = self.meet(&line, facet) {
                     let nearer = nearest.is_none_or(|n| (hit.t, facet) < (n.t, n.facet));
@@ -62,7 +62,7 @@ impl Scene {
     pub fn blocker(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
         let line = Line::new(ray);
         let mut found = None;
-        self.grid.walk(ray, [0.0, f64::INFINITY], |facets| {
+        self.grid.walk(ray, |facets| {
             let blocks = |&&facet: &&u32| {
                 facet != from && self.meet(&line, facet).is_some_and(|hit| hit.t > clear)
             };
