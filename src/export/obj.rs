@@ -67,7 +67,7 @@ fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
     let rows: Vec<&[DVec3]> = vertices.chunk_by(|a, b| a.y == b.y).collect();
     let evaluate = |row: &&[DVec3]| {
         let line = mirror.row(row[0].y);
-        row.iter().map(|v| line.at(v.x).normal() + DVec3::ZERO).collect::<Vec<_>>()
+        row.iter().map(|v| line.at(v.x).normal().normalize() + DVec3::ZERO).collect::<Vec<_>>()
     };
     rows.par_iter().map(evaluate).collect::<Vec<_>>().concat()
 }

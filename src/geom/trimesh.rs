@@ -42,6 +42,8 @@ impl TriMesh {
     #[must_use]
     pub fn with_reflection(mut self, axis: usize) -> Self {
         let mut image = Vec::with_capacity(self.vertices.len());
+        self.vertices.reserve_exact(self.vertices.len());
+        self.triangles.reserve_exact(self.triangles.len());
         for k in 0..self.vertices.len() {
             let mut v = self.vertices[k];
             if v[axis] == 0.0 {

@@ -13,22 +13,28 @@ const CHUNK: usize = 4096;
 
 /// The Delaunay triangulation of `points` (rows of equal Y), refined until every facet keeps
 /// `limits`, with the bound reached.
+///
+/// Inserting a point into a Delaunay triangulation only makes facets that have it as a corner, so
+/// each round proves just those; the facets that failed are gone, as their longest edge is.
 pub fn triangulate(
     prover: &Prover,
     points: Vec<DVec2>,
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
-    let mut vertices = on_rows(prover, &points);
-    let mut plane = delaunay(&points)?;
+    let (plane, mut vertices) = rayon::join(|| delaunay(&points), || on_rows(prover, &points));
+    let mut plane = plane?;
+    let (mut bound, mut proven) = (Bound::default(), 0);
     loop {
         let triangles: Vec<[u32; 3]> =
             plane.inner_faces().map(|f| f.vertices().map(|v| v.index() as u32)).collect();
-        let (bound, failed) = prove(prover, &vertices, &triangles, limits);
+        let is_new = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= proven);
+        let (worst, failed) = prove(prover, &vertices, &triangles, is_new, limits);
+        bound = bound.max(worst);
         if failed.is_empty() {
             let vertices = vertices.into_iter().map(|v| v.at).collect();
-            let triangles = in_rows(triangles);
-            return Ok((TriMesh { vertices, triangles }, bound));
+            return Ok((TriMesh { vertices, triangles: in_rows(triangles) }, bound));
         }
+        proven = vertices.len();
         for t in failed {
             let point = split_point(prover, triangles[t].map(|v| &vertices[v as usize]))?;
             let near = FixedVertexHandle::from_index(triangles[t][0] as usize);
@@ -82,28 +88,28 @@ fn insert(
     }
 }
 
-/// The worst bound, and the facets over the limits in ascending order.
+/// Of the facets that `is_new` picks: the worst bound of those that keep the limits, and the
+/// others in ascending order.
 fn prove(
     prover: &Prover,
     vertices: &[Vertex],
     triangles: &[[u32; 3]],
+    is_new: impl Fn(&[u32; 3]) -> bool + Sync,
     limits: Limits,
 ) -> (Bound, Vec<usize>) {
-    let chunks: Vec<(Bound, Vec<usize>)> = triangles
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(|(chunk, facets)| {
-            let (mut worst, mut failed) = (Bound::default(), Vec::new());
-            for (k, facet) in facets.iter().enumerate() {
-                let bound = prover.bound(facet.map(|v| &vertices[v as usize]));
+    let chunk = |(chunk, facets): (usize, &[[u32; 3]])| {
+        let (mut worst, mut failed) = (Bound::default(), Vec::new());
+        for (k, facet) in facets.iter().enumerate().filter(|(_, facet)| is_new(facet)) {
+            let bound = prover.bound(facet.map(|v| &vertices[v as usize]));
+            if limits.hold(&bound) {
                 worst = worst.max(bound);
-                if !limits.hold(&bound) {
-                    failed.push(chunk * CHUNK + k);
-                }
+            } else {
+                failed.push(chunk * CHUNK + k);
             }
-            (worst, failed)
-        })
-        .collect();
+        }
+        (worst, failed)
+    };
+    let chunks: Vec<_> = triangles.par_chunks(CHUNK).enumerate().map(chunk).collect();
     chunks.into_iter().fold((Bound::default(), Vec::new()), |(worst, mut all), (bound, failed)| {
         all.extend(failed);
         (worst.max(bound), all)

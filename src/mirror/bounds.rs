@@ -58,9 +58,15 @@ impl Cells<CellBounds> {
             (0..=CELLS).map(|k| lo + step * k as f64).collect()
         };
         let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
-        let first = derivative_ranges::<2>(sheet, &u, &v);
-        let second = derivative_ranges::<3>(sheet, &u, &v);
-        let third = derivative_ranges::<4>(sheet, &u, &v);
+        let (third, (second, first)) = rayon::join(
+            || derivative_ranges::<4>(sheet, &u, &v),
+            || {
+                rayon::join(
+                    || derivative_ranges::<3>(sheet, &u, &v),
+                    || derivative_ranges::<2>(sheet, &u, &v),
+                )
+            },
+        );
         let values = (0..CELLS * CELLS)
             .map(|k| CellBounds {
                 slope_min: norm(&first.each_ref().map(|entry| least(entry[k]))),
@@ -89,7 +95,7 @@ impl<T: Union> Cells<T> {
     #[must_use]
     pub fn over(&self, lo: DVec2, hi: DVec2) -> T {
         let index = |q: DVec2| {
-            let k = ((q - self.panel.min) / self.cell).floor();
+            let k = (q - self.panel.min) / self.cell;
             let clamp = |t: f64| (t.max(0.0) as usize).min(CELLS - 1);
             (clamp(k.x), clamp(k.y))
         };

@@ -81,9 +81,10 @@ impl MirrorRow {
 }
 
 impl Point {
-    /// Unit normal, towards the camera.
+    /// A normal towards the camera, not of unit length: (-Z_X, -Z_Y, 1).
+    #[inline]
     #[must_use]
     pub fn normal(&self) -> DVec3 {
-        (-self.slope).extend(1.0).normalize()
+        (-self.slope).extend(1.0)
     }
 }

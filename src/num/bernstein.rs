@@ -28,8 +28,9 @@ pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]
         }
         for to_u in &along_u {
             let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+            let mut line = vec![0.0; columns];
             for a in 0..rows {
-                let mut line = vec![0.0; columns];
+                line.fill(0.0);
                 for i in 0..rows {
                     add_scaled(
                         &mut line,
@@ -37,7 +38,7 @@ pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]
                         to_u[i * rows + a],
                     );
                 }
-                for c in line {
+                for &c in &line {
                     range = [range[0].min(c), range[1].max(c)];
                 }
             }

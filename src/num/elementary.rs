@@ -64,5 +64,5 @@ pub fn degrees(radians: f64) -> f64 {
 #[must_use]
 pub fn wrap_turn(angle: f64) -> f64 {
     const TURN: f64 = 2.0 * std::f64::consts::PI;
-    angle - TURN * (angle / TURN).round()
+    if angle.abs() <= std::f64::consts::PI { angle } else { angle - TURN * (angle / TURN).round() }
 }

@@ -6,7 +6,7 @@
 
 use super::Law;
 use crate::geom::{DVec2, DVec3};
-use crate::num::{atan2, cos, hypot, sin, wrap_turn};
+use crate::num::{atan2, cos, sin, wrap_turn};
 
 /// A straight panoramic strip: azimuth along X, elevation by a law along Y.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ impl Strip {
     pub fn locate(&self, direction: DVec3, near: DVec2) -> DVec2 {
         let DVec2 { x: azimuth, .. } = self.paper(near);
         let turn = wrap_turn(atan2(direction.x, direction.y) - azimuth);
-        let tan_e = direction.z / hypot(direction.x, direction.y);
+        let tan_e = direction.z / direction.truncate().length();
         let z = self.law.image_of_tangent(tan_e);
         DVec2::new(near.x + turn * self.scale_mm, (z - self.z) * self.scale_mm)
     }

@@ -10,7 +10,7 @@ use crate::profile::{Format, Profile};
 use crate::render::{Canvas, EncodingError, Picture, Seen as Painted, TestWorld};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts};
 use crate::solid::check;
-use crate::trace::{Errors, Frame, Intent, Outcome, Scene, Seen, Witness, look};
+use crate::trace::{Errors, Frame, Intent, Outcome, Scene, Seen, Witness, glance};
 
 /// What the bytes of one file showed.
 pub struct Evidence {
@@ -73,40 +73,41 @@ pub fn examine(
             return Evidence { file, unreadable, trace: None, frame: None, seen: None };
         }
     };
-    let (scene, witness) = clock.always(Stage::Trace, || {
-        let scene = Scene::new(mesh);
-        let rows = design.camera.pixels[1] as usize;
-        let table = intents(design, &scene);
-        let witness = Witness::trace(&scene, normals.as_deref(), &design.image, rows, table);
-        let note = format!("{name}: {} rays aimed at the mirror", witness.aimed().count());
-        ((scene, witness), note)
-    });
     let camera = &design.camera;
     // Without a limit of its own a profile counts a pixel as filled while its content lies within
     // a hundredth of the frame's width from where it should.
     let tolerance_px =
         profile.accept.pixel_error_max_px.unwrap_or(0.01 * f64::from(camera.pixels[0]));
-    let frame = Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px);
-    let trace = trace_facts(name, &witness, camera.pixel_mm, normals.is_some(), solid);
-    Evidence {
-        file,
-        unreadable: None,
-        trace: Some(trace),
-        frame: Some(frame),
-        seen: Some((scene, witness)),
-    }
+    clock.always(Stage::Trace, || {
+        let scene = Scene::new(mesh);
+        let table = intents(design, &scene);
+        let witness =
+            Witness::trace(&scene, normals.as_deref(), &design.image, camera.pixels, table);
+        let frame = Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px);
+        let has_normals = normals.is_some();
+        let trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
+        let note = format!("{name}: {} rays aimed at the mirror", trace.rays);
+        let evidence = Evidence {
+            file,
+            unreadable: None,
+            trace: Some(trace),
+            frame: Some(frame),
+            seen: Some((scene, witness)),
+        };
+        (evidence, note)
+    })
 }
 
 /// The table of intended rays, a row of the sensor at a time.
-fn intents(design: &Design, scene: &Scene) -> impl Fn(usize) -> Vec<Intent> {
+fn intents(design: &Design, scene: &Scene) -> impl Fn(u32) -> Vec<Intent> {
     let Design { mirror, image, camera, .. } = design;
     let outline = mirror.outline();
     let top = above(scene);
     move |row| {
-        let y = camera.image_point(0.0, row as f64 + 0.5).y;
+        let y = camera.image_point(0.0, f64::from(row) + 0.5).y;
         let line = mirror.row(y);
         let intent = |column: u32| {
-            let point = camera.image_point(f64::from(column) + 0.5, row as f64 + 0.5);
+            let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let ray = camera.ray(point, top);
             let aimed = outline.contains(point);
             let (wanted, designed) = if aimed {
@@ -127,15 +128,20 @@ fn trace_facts(
     has_normals: bool,
     solid: SolidFacts,
 ) -> TraceFacts {
-    let facts = |errors: &dyn Fn(&Seen) -> Option<Errors>| {
-        let summary = |pick: &dyn Fn(Errors) -> f64, unit: f64| {
+    let facts = |errors: fn(&Seen) -> Option<Errors>| {
+        let summary = |pick: fn(Errors) -> f64, unit: f64| {
             witness.summary(|seen| errors(seen).map(pick)).map(|s| s.scaled(unit))
         };
-        ErrorFacts {
-            ray_error_mrad: summary(&|e| e.ray, 1e3),
-            pixel_error_px: summary(&|e| e.image_mm, 1.0 / pixel_mm),
-            facet_error_px: summary(&|e| e.facet_mm, 1.0 / pixel_mm),
-        }
+        let (ray_error_mrad, (pixel_error_px, facet_error_px)) = rayon::join(
+            || summary(|e| e.ray, 1e3),
+            || {
+                rayon::join(
+                    || summary(|e| e.image_mm, 1.0 / pixel_mm),
+                    || summary(|e| e.facet_mm, 1.0 / pixel_mm),
+                )
+            },
+        );
+        ErrorFacts { ray_error_mrad, pixel_error_px, facet_error_px }
     };
     TraceFacts {
         file,
@@ -144,8 +150,8 @@ fn trace_facts(
         missed: witness.count(|o| o == Outcome::Missed),
         shadowed: witness.count(|o| matches!(o, Outcome::Shadowed(_))),
         back_face: witness.count(|o| o == Outcome::BackFace),
-        errors: facts(&|seen| Some(seen.errors)),
-        interpolated_normals: has_normals.then(|| facts(&|seen| seen.smooth)),
+        errors: facts(|seen| Some(seen.errors)),
+        interpolated_normals: has_normals.then(|| facts(|seen| seen.smooth)),
         solid,
     }
 }
@@ -175,8 +181,13 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
     let centres: Vec<Painted> =
         witness.seen.iter().map(|seen| painted(seen.outcome, seen.direction)).collect();
     let top = above(scene);
+    // Between the centres: whether a place lies in shadow is taken from its pixel's centre.
     let see = |x: f64, y: f64| {
-        let (outcome, _, direction) = look(scene, &camera.ray(camera.image_point(x, y), top));
+        let centre = &witness.seen[y as usize * width as usize + x as usize];
+        if let Outcome::Shadowed(_) = centre.outcome {
+            return Painted::Shadowed;
+        }
+        let (outcome, _, direction) = glance(scene, &camera.ray(camera.image_point(x, y), top));
         painted(outcome, direction)
     };
     Picture::paint(&canvas, &world, &centres, see).to_png()

@@ -137,10 +137,16 @@ impl Check {
 /// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet.
 #[must_use]
 pub fn check(mesh: &TriMesh) -> Check {
-    let fans = Fans::new(mesh);
-    let mut defects = degenerate_facets(mesh);
+    let ((fans, single), ((mut defects, volume_mm3), components)) = rayon::join(
+        || {
+            let fans = Fans::new(mesh);
+            let single = fans.all_single();
+            (fans, single)
+        },
+        || rayon::join(|| (degenerate_facets(mesh), volume(mesh)), || components(mesh)),
+    );
     let (mut closed, mut oriented, mut manifold) = (true, true, true);
-    if !fans.all_single() {
+    if !single {
         for defect in edge_defects(mesh).into_iter().chain(pinches(mesh, &fans)) {
             match defect {
                 Defect::Open { .. } => closed = false,
@@ -162,25 +168,22 @@ pub fn check(mesh: &TriMesh) -> Check {
         closed,
         oriented,
         manifold,
-        components: components(mesh),
+        components,
         euler: used as i64 - edges as i64 + mesh.triangles.len() as i64,
-        volume_mm3: volume(mesh),
+        volume_mm3,
         defects,
         defect_count,
     }
 }
 
 /// The directed edges without a partner, in the order of their facets.
-pub fn open_edges(mesh: &TriMesh) -> impl Iterator<Item = (u32, u32)> {
+pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
     let fans = Fans::new(mesh);
-    mesh.triangles.iter().flat_map(move |&[a, b, c]| {
-        let fans = &fans;
-        let open: Vec<_> = [(a, b), (b, c), (c, a)]
-            .into_iter()
-            .filter(|&(from, to)| !fans.has(to, from))
-            .collect();
-        open
-    })
+    let open = |&[a, b, c]: &[u32; 3]| {
+        let edges = [(a, b), (b, c), (c, a)].into_iter();
+        edges.filter(|&(from, to)| !fans.has(to, from)).collect::<Vec<_>>()
+    };
+    mesh.triangles.par_iter().with_min_len(CHUNK).flat_map_iter(open).collect()
 }
 
 /// For every vertex, the (next, last) corners of the facets around it.

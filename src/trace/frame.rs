@@ -2,6 +2,7 @@
 
 use super::{Outcome, Seen, Witness};
 use crate::num::{asin, atan2, degrees, wrap_turn};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// What the frame as a whole sees.
@@ -35,23 +36,23 @@ impl Frame {
         let [width, height] = pixels.map(f64::from);
         let radius = 0.5 * width.min(height);
         let disc = std::f64::consts::PI * radius * radius;
-        let range = |angle: &dyn Fn(&Seen) -> f64| {
-            let angles = filled.iter().map(|seen| angle(seen));
-            let widen = |range: Option<[f64; 2]>, a: f64| {
-                range.map_or(Some([a, a]), |[lo, hi]| Some([lo.min(a), hi.max(a)]))
-            };
-            angles.fold(None, widen).map(|range| range.map(degrees))
+        let range = |angle: fn(&Seen) -> f64| {
+            let widest = filled
+                .par_iter()
+                .map(|seen| [angle(seen); 2])
+                .reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+            widest.map(|range| range.map(degrees))
         };
         Self {
             pixels,
             filled: filled.len() as f64 / (width * height),
             tolerance_px,
-            azimuth_deg: range(&|seen| {
+            azimuth_deg: range(|seen| {
                 // Continued from the wanted azimuth, so that errors at the seam do not wrap.
                 let wanted = atan2(seen.wanted.x, seen.wanted.y);
                 wanted + wrap_turn(atan2(seen.direction.x, seen.direction.y) - wanted)
             }),
-            elevation_deg: range(&|seen| asin(seen.direction.z.clamp(-1.0, 1.0))),
+            elevation_deg: range(|seen| asin(seen.direction.z.clamp(-1.0, 1.0))),
             gain_over_disc: filled.len() as f64 / disc - 1.0,
         }
     }

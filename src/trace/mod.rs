@@ -12,4 +12,4 @@ mod witness;
 
 pub use frame::Frame;
 pub use scene::{Hit, Scene};
-pub use witness::{Errors, Intent, Outcome, Seen, Witness, look};
+pub use witness::{Errors, Intent, Outcome, Seen, Witness, glance, look};

@@ -62,6 +62,17 @@ pub struct Seen {
     pub smooth: Option<Errors>,
 }
 
+impl Seen {
+    const NOTHING: Self = Self {
+        outcome: Outcome::Missed,
+        aimed: false,
+        wanted: DVec3::ZERO,
+        direction: DVec3::ZERO,
+        errors: Errors { ray: f64::NAN, image_mm: f64::NAN, facet_mm: f64::NAN },
+        smooth: None,
+    };
+}
+
 /// What became of all rays, row by row.
 #[derive(Debug, Clone)]
 pub struct Witness {
@@ -70,21 +81,25 @@ pub struct Witness {
 }
 
 impl Witness {
-    /// Traces `rows` rows of rays against `scene`: nearest hit over the whole mesh, reflection by
-    /// the facet that is hit, shadow by the mesh itself. `table` gives the intended rays of a row,
-    /// `image` carries errors back to the image, `normals` are the file's own at each facet's
-    /// corners.
+    /// Traces `rows` rows of `columns` rays against `scene`: nearest hit over the whole mesh,
+    /// reflection by the facet that is hit, shadow by the mesh itself. `table` gives the intended
+    /// rays of a row, `image` carries errors back to the image, `normals` are the file's own at
+    /// each facet's corners.
     pub fn trace(
         scene: &Scene,
         normals: Option<&[[DVec3; 3]]>,
         image: &Image,
-        rows: usize,
-        table: impl Fn(usize) -> Vec<Intent> + Sync,
+        [columns, rows]: [u32; 2],
+        table: impl Fn(u32) -> Vec<Intent> + Sync,
     ) -> Self {
-        let row = |k: usize| -> Vec<Seen> {
-            table(k).iter().map(|intent| follow(scene, normals, image, intent)).collect()
-        };
-        Self { seen: (0..rows).into_par_iter().map(row).collect::<Vec<_>>().concat() }
+        let mut seen = vec![Seen::NOTHING; columns as usize * rows as usize];
+        let lines = seen.par_chunks_mut(columns as usize).enumerate();
+        lines.for_each(|(row, line)| {
+            for (seen, intent) in line.iter_mut().zip(table(row as u32)) {
+                *seen = follow(scene, normals, image, &intent);
+            }
+        });
+        Self { seen }
     }
 
     /// The rays aimed at the mirror.
@@ -106,24 +121,32 @@ impl Witness {
     }
 }
 
-/// Follows one camera ray: its outcome, the facet it hits first and the direction it leaves in (the
-/// zero vector when it is not reflected).
+/// Where one camera ray goes by its first reflection alone: its outcome but for shadow, the facet it
+/// hits and the direction it leaves in (the zero vector when it is not reflected).
 #[must_use]
-pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
+pub fn glance(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
     let Some(hit) = scene.first(ray) else {
         return (Outcome::Missed, None, DVec3::ZERO);
     };
     let normal = scene.mesh().area_vector(hit.facet as usize);
-    if normal.dot(ray.direction) >= 0.0 {
-        return (Outcome::BackFace, Some(hit), DVec3::ZERO);
+    if normal.dot(ray.direction) < 0.0 {
+        (Outcome::Hit, Some(hit), reflect(ray.direction, normal))
+    } else {
+        (Outcome::BackFace, Some(hit), DVec3::ZERO)
     }
-    let direction = reflect(ray.direction, normal);
-    let leaving = Ray { origin: ray.at(hit.t), direction };
+}
+
+/// Follows one camera ray to its end: [`glance`], and shadow.
+#[must_use]
+pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
+    let (outcome, hit, direction) = glance(scene, ray);
+    let (Outcome::Hit, Some(found)) = (outcome, hit) else { return (outcome, hit, direction) };
+    let leaving = Ray { origin: ray.at(found.t), direction };
     // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
-    let clear = 1e-12 * (leaving.origin.abs().max_element() + hit.t);
-    match scene.blocker(&leaving, hit.facet, clear) {
-        Some(facet) => (Outcome::Shadowed(facet), Some(hit), direction),
-        None => (Outcome::Hit, Some(hit), direction),
+    let clear = 1e-12 * (leaving.origin.abs().max_element() + found.t);
+    match scene.blocker(&leaving, found.facet, clear) {
+        Some(facet) => (Outcome::Shadowed(facet), hit, direction),
+        None => (outcome, hit, direction),
     }
 }
 
@@ -131,8 +154,7 @@ fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: 
     let Intent { point, aimed, wanted, .. } = *intent;
     let (outcome, hit, direction) = look(scene, &intent.ray);
     let (Outcome::Hit, Some(hit), true) = (outcome, hit, aimed) else {
-        let nothing = Errors { ray: f64::NAN, image_mm: f64::NAN, facet_mm: f64::NAN };
-        return Seen { outcome, aimed, wanted, direction, errors: nothing, smooth: None };
+        return Seen { outcome, aimed, wanted, direction, ..Seen::NOTHING };
     };
     let designed = image.locate(intent.designed, point);
     let errors = |direction: DVec3| {
