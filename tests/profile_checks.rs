@@ -52,7 +52,7 @@ fn the_shipped_conquistador_is_the_papers() {
             formats: vec![Format::Stl, Format::Obj],
             accept: Accept {
                 pixel_error_rms_px: Some(2.0),
-                pixel_error_max_px: Some(6.0),
+                pixel_error_max_px: Some(7.0),
                 frame_filled: Some(0.999),
             },
         }

@@ -91,6 +91,7 @@ mod tests {
 
     /// (z, exp(-asinh z), 1/sqrt(1 + z^2)) in 40-digit arithmetic (mpmath).
     #[rustfmt::skip]
+    #[expect(clippy::excessive_precision, reason = "as the other program printed them")]
     const CYLINDRICAL: [(f64, f64, f64); 14] = [
         (-1000000.0, 2000000.0000005, 9.999999999995e-7),
         (-30000.0, 60000.000016666666662, 0.00003333333331481481483),
@@ -110,6 +111,7 @@ mod tests {
 
     /// (z, exp(-z), 1/cosh z) in 40-digit arithmetic (mpmath).
     #[rustfmt::skip]
+    #[expect(clippy::excessive_precision, reason = "as the other program printed them")]
     const MERCATOR: [(f64, f64, f64); 10] = [
         (-700.0, 1.0142320547350045095e+304, 1.9719353087519541713e-304),
         (-20.5, 799902177.4755054067, 2.500305732773485254e-9),

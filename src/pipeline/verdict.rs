@@ -23,16 +23,16 @@ pub fn reasons(profile: &Profile, evidence: &[Evidence], volume_tolerance: f64) 
             rays(trace).into_iter().for_each(&mut blame);
             limits(profile, trace).into_iter().for_each(&mut blame);
         }
-        if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled) {
-            if frame.filled < least {
-                blame(format!(
-                    "{:.3} % of the frame see their part of the world within {} px, {:.3} % are \
+        if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
+            && !(frame.filled >= least)
+        {
+            blame(format!(
+                "{:.3} % of the frame see their part of the world within {} px, {:.3} % are \
                      accepted (accept.frame_filled)",
-                    100.0 * frame.filled,
-                    frame.tolerance_px,
-                    100.0 * least
-                ));
-            }
+                100.0 * frame.filled,
+                frame.tolerance_px,
+                100.0 * least
+            ));
         }
     }
     reasons
