@@ -1,7 +1,7 @@
 //! The meshing stage: `Mirror` + tolerances -> optical face with proven bounds.
 //!
 //! A lattice sized to the tolerances proposes points, spade triangulates them, every facet's error
-//! is bounded over its whole area ([`proof`]), and facets whose bound is over the limit are split
+//! is bounded over its whole area (`proof`), and facets whose bound is over the limit are split
 //! until none is left. A symmetric panel is meshed on one half, a folded mirror on one panel.
 
 mod lattice;

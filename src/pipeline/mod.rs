@@ -83,7 +83,7 @@ pub enum Error {
 /// Builds `profile` into `out`/NAME: every stage, every file, and the report that is returned.
 ///
 /// # Errors
-/// [`Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
+/// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
 /// folders.
 pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<Report, Error> {
     let clock = Clock::new(observer);
@@ -147,7 +147,7 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
 /// Reads an STL or OBJ of any making, checks it and traces it against what `profile` asks for.
 ///
 /// # Errors
-/// [`Error`] when the file cannot be read as a mesh, or the profile cannot be designed.
+/// [`enum@Error`] when the file cannot be read as a mesh, or the profile cannot be designed.
 pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
     let clock = Clock::new(observer);
     let name = path.display().to_string();
