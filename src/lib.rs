@@ -1,5 +1,61 @@
 //! Morion designs freeform catadioptric mirrors, meshes them, writes solids that a machine shop
-//! can cut, and proves the written file by tracing rays against it.
+//! can cut, reads the written file back and proves by ray tracing that it still does its job.
+//!
+//! # Words
+//!
+//! - **profile**: the TOML file that says what is wanted ([`profile`]).
+//! - **camera**: which ray each image point sends out; orthographic ([`optics::Orthographic`]).
+//! - **projection**: which world direction an image point must see ([`optics::Image`]).
+//! - **law**: how an image row maps to elevation ([`optics::Law`]).
+//! - **panel**: one smooth mirror sheet over one image region; a conquistador has two, the second
+//!   being the reflection of the first.
+//! - **mirror**: the designed panels ([`mirror::Mirror`]).
+//! - **optical face**: the facets that reflect ([`mesh::Face`]).
+//! - **solid**: optical face, skirt and base, closed ([`solid::Solid`]).
+//! - **ray error**: angle between the direction seen and the direction wanted.
+//! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
+//! - **facet error**: the part of it that flat facets cause.
+//! - **witness**: the ray trace of the file that was written ([`trace::Witness`]).
+//! - **crest / valley**: a ridge where two panels meet, standing out of / sunk into the part.
+//!
+//! # Frames and units
+//!
+//! The part frame has X to the right in the picture, Y up in it and Z towards the camera; lengths
+//! are millimetres and angles radians unless a name says otherwise. The paper (R. A. Hicks,
+//! *Differential Methods in Catadioptric Sensor Design with Applications to Panoramic Imaging*)
+//! calls these y, z and x. "The paper's units" have one unit per radian of azimuth.
+//!
+//! # Stages
+//!
+//! Data flows one way; each stage is a function from one value to the next.
+//!
+//! ```text
+//! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
+//!                                                   \__ render
+//! ```
+//!
+//! Which module may use which (everything may use [`num`] and [`geom`] but `profile`):
+//!
+//! ```text
+//!                    cli
+//!                     |
+//!                 pipeline
+//!     _______________/|\________________________
+//!    /      /     /      \       \       \      \
+//! design  mesh  solid  export  trace  render  report
+//!   | \    | \            |      |      | \
+//!   |  \   |  \           |      |      |  trace
+//!   |   mirror \        mirror   |      |
+//!   |           \_______________ | ____ |
+//! profile                     optics
+//! ```
+//!
+//! [`trace`], the witness, uses nothing of the design: it gets a table of intended rays.
+//!
+//! # What is not promised
+//!
+//! Bounds and checks are about the file's triangles and the designed surface. Nothing is said
+//! about what a machine makes of the file.
 
 pub mod cli;
 pub mod design;
@@ -15,3 +71,8 @@ pub mod render;
 pub mod report;
 pub mod solid;
 pub mod trace;
+
+/// The README's examples, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
