@@ -13,18 +13,24 @@ const PLACES: usize = 32;
 const AIM: f64 = 0.985;
 /// Row distance over column spacing of equilateral triangles.
 const EQUILATERAL: f64 = 0.866_025_403_784_438_6;
-/// Largest number of facets that is meshed: about 10 GB in all stages.
+/// Largest number of facets of the whole face: about 15 GB in all stages.
 const MOST_FACETS: f64 = 4e7;
 
 /// The lattice's points, row by row, single-precision numbers; the first and last of a row and
-/// the first and last row lie exactly on the rim of `domain`.
-pub fn propose(prover: &Prover, domain: Rect, limits: Limits) -> Result<Vec<DVec2>, MeshError> {
+/// the first and last row lie exactly on the rim of `domain`, of which the face holds `copies`.
+pub fn propose(
+    prover: &Prover,
+    domain: Rect,
+    copies: usize,
+    limits: Limits,
+) -> Result<Vec<DVec2>, MeshError> {
     let needs = Needs::new(prover, domain, limits);
     let (columns, rows) = needs.spacings();
     let (across, along) = (count(&columns, domain.size().x), count(&rows, domain.size().y));
     let facets = 2.0 * across * along;
-    if !(facets <= MOST_FACETS) {
-        return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+    let all = facets * copies as f64;
+    if !(all <= MOST_FACETS) {
+        return Err(MeshError::TooMany { facets: all, most: MOST_FACETS });
     }
     let even = steps(&columns, domain.min.x, domain.max.x, 0.0);
     let odd = steps(&columns, domain.min.x, domain.max.x, 0.5);

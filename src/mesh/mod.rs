@@ -95,7 +95,8 @@ pub enum MeshError {
 pub fn mesh(mirror: &Mirror, strip: &Strip, limits: Limits) -> Result<Face, MeshError> {
     let prover = Prover::new(mirror, *strip);
     let domain = half_of(mirror);
-    let points = lattice::propose(&prover, domain, limits)?;
+    let copies = [mirror.even_x, mirror.folded].iter().filter(|&&twice| twice).count();
+    let points = lattice::propose(&prover, domain, 1 << copies, limits)?;
     let (part, bound) = refine::triangulate(&prover, points, limits)?;
     let panel = if mirror.even_x { part.with_reflection(0) } else { part };
     let designed = panel.triangles.len();

@@ -19,7 +19,8 @@ impl Summary {
     pub fn of(mut samples: Vec<f64>) -> Option<Self> {
         let last = samples.len().checked_sub(1)?;
         let rms = (samples.iter().map(|e| e * e).sum::<f64>() / samples.len() as f64).sqrt();
-        let max = samples.iter().copied().fold(0.0, f64::max);
+        // In the total order a NaN is above every number: it must show.
+        let max = samples.iter().copied().max_by(f64::total_cmp)?;
         let rank = ((0.95 * samples.len() as f64).ceil() as usize).saturating_sub(1).min(last);
         let p95 = *samples.select_nth_unstable_by(rank, f64::total_cmp).1;
         Some(Self { rms, p95, max })
@@ -66,6 +67,14 @@ mod tests {
         let weighted = Summary::weighted(hundred.iter().map(|&e| (e, 2.0)).collect()).unwrap();
         assert!((weighted.rms - summary.rms).abs() < 1e-12);
         assert_eq!((weighted.p95, weighted.max), (95.0, 100.0));
+    }
+
+    #[test]
+    fn a_sample_that_is_no_number_shows_in_rms_and_max() {
+        let summary = Summary::of(vec![1.0, f64::NAN, 2.0]).unwrap();
+        assert!(summary.rms.is_nan() && summary.max.is_nan());
+        let summary = Summary::weighted(vec![(1.0, 1.0), (f64::NAN, 1.0)]).unwrap();
+        assert!(summary.rms.is_nan() && summary.max.is_nan());
     }
 
     #[test]

@@ -74,6 +74,9 @@ impl Folder {
                 use std::os::unix::fs::PermissionsExt;
                 file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
             }
+            // File systems may take the bytes now and find no room for them later; and a renamed file
+            // must not be empty after a power cut.
+            file.as_file().sync_all()?;
             Ok(file.into_temp_path())
         };
         let temporary = run().map_err(FileError::new("write", &target))?;

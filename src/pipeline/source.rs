@@ -14,6 +14,12 @@ pub enum SourceError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The name cannot be a folder's.
+    #[error("{named}: the file's name gives no name for the output folder; rename the file")]
+    Nameless {
+        /// As typed.
+        named: String,
+    },
     /// Neither a file nor a shipped profile.
     #[error("{named}: no such file, and no profile of that name is shipped{hint}")]
     Unknown {
@@ -47,6 +53,9 @@ pub fn load(named: &str) -> Result<Profile, SourceError> {
         return Err(SourceError::Unknown { named: named.into(), hint });
     }
     let bytes = files::read(path)?;
-    let stem = path.file_stem().map_or("mirror".into(), |stem| stem.to_string_lossy().into_owned());
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    if matches!(&*stem, "" | "." | "..") {
+        return Err(SourceError::Nameless { named: named.into() });
+    }
     Ok(Profile::parse(&stem, named, &bytes)?)
 }

@@ -13,6 +13,8 @@ use super::{
 };
 
 const MAX_PIXELS: f64 = 16384.0;
+/// Pixels of a frame: the ray trace keeps some 120 bytes for each.
+const MOST_PIXELS: f64 = 4e7;
 const MAX_DEGREE: f64 = 40.0;
 const FULL_TURN: [f64; 2] = [-180.0, 180.0];
 
@@ -84,8 +86,17 @@ fn camera(reader: &mut Reader, root: &Section) -> Option<Camera> {
         form: "the size of the camera's frame in pixels, as in pixels = [640, 480]",
         limit: "the size of the camera's frame in pixels, as in pixels = [640, 480]",
     };
-    let (figures, _) =
+    let (figures, at) =
         pair(reader, &section, &pixels, |f| f.fract() == 0.0 && (1.0..=MAX_PIXELS).contains(&f))?;
+    let [width, height] = figures;
+    if width * height > MOST_PIXELS {
+        let found = format!("{width} x {height}");
+        let message = format!(
+            "camera.orthographic.pixels must make a frame of at most 40 million pixels, found {found}"
+        );
+        reader.complain(at, message, "every pixel is traced; try half as many on each side");
+        return None;
+    }
     Some(Camera::Orthographic { pixels: figures.map(|f| f as u32) })
 }
 
