@@ -4,135 +4,14 @@
 //! facets, each giving a step from its next corner to its last, form exactly one cycle. Only when
 //! that fails are edges sorted to find out why.
 
-use crate::geom::{DVec3, TriMesh};
+use super::{Check, Defect};
+use crate::geom::TriMesh;
 use rayon::prelude::*;
-use std::fmt;
 
 /// Defects reported in full; more of them are only counted.
 const REPORTED: usize = 8;
 /// Vertices or facets handled at a time; fixed, so that sums do not depend on the thread count.
 const CHUNK: usize = 16_384;
-
-/// What is wrong at one place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Defect {
-    /// Only one facet has this edge.
-    Open {
-        /// That facet.
-        facet: usize,
-        /// The edge's ends.
-        edge: [DVec3; 2],
-    },
-    /// More than two facets have this edge.
-    Crowded {
-        /// One of them.
-        facet: usize,
-        /// The edge's ends.
-        edge: [DVec3; 2],
-        /// How many.
-        facets: usize,
-    },
-    /// Two facets run along this edge in the same direction.
-    Turned {
-        /// One of them.
-        facet: usize,
-        /// The edge's ends.
-        edge: [DVec3; 2],
-    },
-    /// The facets at this vertex form more than one fan.
-    Pinched {
-        /// A facet there.
-        facet: usize,
-        /// The vertex.
-        at: DVec3,
-    },
-    /// The facet has no area, or a coordinate that is not a number.
-    Degenerate {
-        /// The facet.
-        facet: usize,
-        /// One of its corners.
-        at: DVec3,
-    },
-}
-
-impl fmt::Display for Defect {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = |v: DVec3| format!("({}, {}, {})", v.x, v.y, v.z);
-        match *self {
-            Self::Open { facet, edge: [a, b] } => {
-                write!(f, "open: only facet {facet} has the edge {}-{}", place(a), place(b))
-            }
-            Self::Crowded { facet, edge: [a, b], facets } => write!(
-                f,
-                "not manifold: facet {facet} and {} more share the edge {}-{}",
-                facets - 1,
-                place(a),
-                place(b)
-            ),
-            Self::Turned { facet, edge: [a, b] } => write!(
-                f,
-                "not oriented: facet {facet} and its neighbour run the same way along {}-{}",
-                place(a),
-                place(b)
-            ),
-            Self::Pinched { facet, at } => {
-                write!(f, "not manifold: facet {facet} touches another fan at vertex {}", place(at))
-            }
-            Self::Degenerate { facet, at } => {
-                write!(f, "degenerate: facet {facet} at {} has no area", place(at))
-            }
-        }
-    }
-}
-
-/// The result of checking a mesh.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Check {
-    /// Every edge has a facet on both sides.
-    pub closed: bool,
-    /// Neighbours agree on what is outside.
-    pub oriented: bool,
-    /// No edge or vertex joins more than one sheet.
-    pub manifold: bool,
-    /// Pieces that hang together by vertices.
-    pub components: usize,
-    /// Vertices - edges + facets: 2 for a body without handles.
-    pub euler: i64,
-    /// Enclosed volume, mm^3; negative when inside out.
-    pub volume_mm3: f64,
-    /// The first few defects.
-    pub defects: Vec<Defect>,
-    /// How many defects there are.
-    pub defect_count: usize,
-}
-
-impl Check {
-    /// Whether the mesh is one solid body without handles.
-    #[must_use]
-    pub fn is_solid(&self) -> bool {
-        self.reasons().is_empty()
-    }
-
-    /// Every reason why it is not, readable.
-    #[must_use]
-    pub fn reasons(&self) -> Vec<String> {
-        let mut reasons: Vec<String> = self.defects.iter().map(ToString::to_string).collect();
-        if self.defect_count > self.defects.len() {
-            reasons.push(format!("and {} more defects", self.defect_count - self.defects.len()));
-        }
-        if self.components != 1 {
-            reasons.push(format!("{} separate pieces instead of one", self.components));
-        }
-        if reasons.is_empty() && self.euler != 2 {
-            reasons
-                .push(format!("Euler characteristic {} instead of 2: it has handles", self.euler));
-        }
-        if !(self.volume_mm3 > 0.0) {
-            reasons.push(format!("volume {} mm^3: inside out or empty", self.volume_mm3));
-        }
-        reasons
-    }
-}
 
 /// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet.
 #[must_use]
@@ -358,6 +237,7 @@ fn volume(mesh: &TriMesh) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::DVec3;
     use crate::solid::{Precision, Solid};
 
     fn cube() -> TriMesh {

@@ -1,8 +1,10 @@
 //! The solid stage: optical face -> closed body, and the check that a body is one.
 
 mod check;
+mod defect;
 
-pub use check::{Check, Defect, check};
+pub use check::check;
+pub use defect::{Check, Defect};
 
 use crate::geom::{DVec3, TriMesh};
 use thiserror::Error;
