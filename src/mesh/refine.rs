@@ -36,9 +36,14 @@ pub fn triangulate(
         }
         proven = vertices.len();
         for t in failed {
-            let point = split_point(prover, triangles[t].map(|v| &vertices[v as usize]))?;
+            let facet = triangles[t].map(|v| vertices[v as usize]);
             let near = FixedVertexHandle::from_index(triangles[t][0] as usize);
+            let Some(point) = split_point(&facet) else { return Err(floor(prover, &facet)) };
             let index = insert(&mut plane, point, near)?;
+            if index < proven {
+                // The place is taken: the facet stays, and must not pass for proven.
+                return Err(floor(prover, &facet));
+            }
             if index == vertices.len() {
                 vertices.push(prover.vertex(point, prover.sheet.at(point)));
             }
@@ -117,20 +122,30 @@ fn prove(
 }
 
 /// Where a facet that fails is split: the middle of its longest edge, on the grid of single
-/// precision (so that a point on the rim stays on it).
-fn split_point(prover: &Prover, facet: [&Vertex; 3]) -> Result<DVec2, MeshError> {
-    let corners = facet.map(|v| v.at.truncate());
-    let longest = (0..3)
-        .map(|k| (corners[k], corners[(k + 1) % 3]))
-        .max_by(|a, b| a.0.distance(a.1).total_cmp(&b.0.distance(b.1)))
-        .expect("a facet has edges");
-    let (size_mm, middle) = (longest.0.distance(longest.1), (longest.0 + longest.1) * 0.5);
-    let point = middle.as_vec2().as_dvec2();
-    // Below this many steps of single precision facets lose their shape to rounding.
+/// precision (so that a point on the rim stays on it). None when the facet is so small that it
+/// would lose its shape to rounding.
+fn split_point(facet: &[Vertex; 3]) -> Option<DVec2> {
     const STEPS: f64 = 64.0;
+    let [a, b] = longest_edge(facet);
+    let middle = (a + b) * 0.5;
     let step = middle.abs().max_element() * f64::from(f32::EPSILON);
-    if size_mm <= STEPS * step {
-        return Err(MeshError::Floor { at: point, size_mm, bound: prover.bound(facet) });
+    (a.distance(b) > STEPS * step).then(|| middle.as_vec2().as_dvec2())
+}
+
+fn longest_edge(facet: &[Vertex; 3]) -> [DVec2; 2] {
+    let corners = facet.map(|v| v.at.truncate());
+    let length = |[a, b]: &[DVec2; 2]| a.distance(*b);
+    let edges = [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|k| corners[k]));
+    let longer = |a: [DVec2; 2], b: [DVec2; 2]| if length(&b) > length(&a) { b } else { a };
+    longer(longer(edges[0], edges[1]), edges[2])
+}
+
+/// No facet as small as this one can do better.
+fn floor(prover: &Prover, facet: &[Vertex; 3]) -> MeshError {
+    let [a, b] = longest_edge(facet);
+    MeshError::Floor {
+        at: (a + b) * 0.5,
+        size_mm: a.distance(b),
+        bound: prover.bound(facet.each_ref()),
     }
-    Ok(point)
 }

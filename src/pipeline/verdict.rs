@@ -41,12 +41,12 @@ pub fn reasons(profile: &Profile, evidence: &[Evidence], volume_tolerance: f64) 
 fn shape(trace: &TraceFacts, volume_tolerance: f64) -> Vec<String> {
     let solid = &trace.solid;
     let mut reasons = solid.reasons.clone();
-    let off = solid.volume_mm3 - solid.volume_expected_mm3;
+    let off = solid.check.volume_mm3 - solid.volume_expected_mm3;
     if !(off.abs() <= volume_tolerance) {
         reasons.push(format!(
             "volume {:.4} mm^3 where the design has {:.4}, off by {off:.4}, over the {:.4} that the \
              chord error explains",
-            solid.volume_mm3, solid.volume_expected_mm3, volume_tolerance
+            solid.check.volume_mm3, solid.volume_expected_mm3, volume_tolerance
         ));
     }
     reasons

@@ -101,18 +101,9 @@ pub struct MeshFacts {
 /// The check of a solid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SolidFacts {
-    /// Every edge has two facets.
-    pub closed: bool,
-    /// Neighbours agree on what is outside.
-    pub oriented: bool,
-    /// No edge or vertex joins more than one sheet.
-    pub manifold: bool,
-    /// Separate pieces.
-    pub components: usize,
-    /// Vertices - edges + facets.
-    pub euler: i64,
-    /// Enclosed volume, mm^3.
-    pub volume_mm3: f64,
+    /// What was found.
+    #[serde(flatten)]
+    pub check: Check,
     /// Integral of the design, mm^3.
     pub volume_expected_mm3: f64,
     /// What is wrong, facet by facet.
@@ -123,16 +114,7 @@ impl SolidFacts {
     /// The facts of `check`, beside the volume expected.
     #[must_use]
     pub fn new(check: &Check, volume_expected_mm3: f64) -> Self {
-        Self {
-            closed: check.closed,
-            oriented: check.oriented,
-            manifold: check.manifold,
-            components: check.components,
-            euler: check.euler,
-            volume_mm3: check.volume_mm3,
-            volume_expected_mm3,
-            reasons: check.reasons(),
-        }
+        Self { check: check.clone(), volume_expected_mm3, reasons: check.reasons() }
     }
 }
 

@@ -117,18 +117,19 @@ fn errors_line(errors: &ErrorFacts) -> String {
 }
 
 pub(super) fn solid_line(solid: &SolidFacts) -> String {
+    let check = &solid.check;
     let yes = |flag: bool, word: &str| {
         if flag { word.into() } else { format!("NOT {word}") }
     };
     format!(
         "{}, {}, {}; {} piece{}, Euler {}, {:.3} mm^3 ({:.3} expected)",
-        yes(solid.closed, "closed"),
-        yes(solid.oriented, "oriented"),
-        yes(solid.manifold, "manifold"),
-        solid.components,
-        if solid.components == 1 { "" } else { "s" },
-        solid.euler,
-        solid.volume_mm3,
+        yes(check.closed, "closed"),
+        yes(check.oriented, "oriented"),
+        yes(check.manifold, "manifold"),
+        check.components,
+        if check.components == 1 { "" } else { "s" },
+        check.euler,
+        check.volume_mm3,
         solid.volume_expected_mm3,
     )
 }

@@ -1,6 +1,7 @@
 //! What a check can find, in words.
 
 use crate::geom::DVec3;
+use serde::Serialize;
 use std::fmt;
 
 /// What is wrong at one place.
@@ -76,7 +77,7 @@ impl fmt::Display for Defect {
 }
 
 /// The result of checking a mesh.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// Every edge has a facet on both sides.
     pub closed: bool,
@@ -91,8 +92,10 @@ pub struct Check {
     /// Enclosed volume, mm^3; negative when inside out.
     pub volume_mm3: f64,
     /// The first few defects.
+    #[serde(skip)]
     pub defects: Vec<Defect>,
     /// How many defects there are.
+    #[serde(skip)]
     pub defect_count: usize,
 }
 
