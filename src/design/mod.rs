@@ -3,7 +3,7 @@
 mod layout;
 mod vector_field;
 
-use crate::geom::angle;
+use crate::geom::{DVec2, Rect, angle};
 use crate::mirror::{Mirror, Sheet};
 use crate::num::least_squares::RankDeficient;
 use crate::num::stats::Summary;
@@ -118,15 +118,27 @@ pub fn design(profile: &Profile) -> Result<Design, DesignError> {
     Ok(Design { mirror, image, camera: plan.camera, facts })
 }
 
-/// The least sag over the panel, to sampling accuracy (exact where it lies on a corner).
+/// The least sag over the panel, to rounding (of a surface that sampling does not miss a dip of).
 fn lowest(sheet: &Sheet, plan: &Plan) -> f64 {
-    plan.panel
-        .grid_rows(SAMPLES, SAMPLES)
-        .flat_map(|(y, row)| {
-            let line = sheet.row(y);
-            row.into_iter().map(move |(q, _)| line.at(q.x).sag)
-        })
-        .fold(f64::INFINITY, f64::min)
+    let least = |area: Rect, samples: usize| -> (DVec2, f64) {
+        area.grid_rows(samples, samples)
+            .flat_map(|(y, row)| {
+                let line = sheet.row(y);
+                row.into_iter().map(move |(q, _)| (q, line.at(q.x).sag)).collect::<Vec<_>>()
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("a grid has points")
+    };
+    let panel = plan.panel;
+    let (mut at, mut sag) = least(panel, SAMPLES);
+    let mut reach = panel.size() / SAMPLES as f64;
+    // Each step looks closer around the least place so far, by a factor of four.
+    for _ in 0..12 {
+        let near = Rect { min: (at - reach).max(panel.min), max: (at + reach).min(panel.max) };
+        (at, sag) = least(near, 8);
+        reach /= 4.0;
+    }
+    sag
 }
 
 /// Ray error (rad) and image displacement (mm) of the sheet against the projection.

@@ -28,9 +28,24 @@ impl Ray {
     }
 }
 
-/// Angle between two unit vectors, radians: exact for small angles and near pi alike.
+/// Angle between two unit vectors, radians: to rounding for small angles and near pi alike.
 #[inline]
 #[must_use]
 pub fn angle(a: DVec3, b: DVec3) -> f64 {
-    2.0 * crate::num::asin((0.5 * (a - b).length()).min(1.0))
+    2.0 * crate::num::atan2((a - b).length(), (a + b).length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::{cos, sin};
+
+    #[test]
+    fn angle_keeps_its_digits_at_both_ends() {
+        let pi = std::f64::consts::PI;
+        for exact in [1e-12, 1e-6, 0.5, 2.0, pi - 1e-6, pi - 1e-8] {
+            let found = angle(DVec3::X, DVec3::new(cos(exact), sin(exact), 0.0));
+            assert!((found - exact).abs() < 1e-15, "{exact}: {found}");
+        }
+    }
 }

@@ -17,6 +17,9 @@ use crate::mirror::Mirror;
 use crate::optics::Strip;
 use thiserror::Error;
 
+/// Largest number of facets of the whole face: about 15 GB in all stages.
+const MOST_FACETS: f64 = 4e7;
+
 /// The errors that no facet may exceed; an absent one does not rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
@@ -76,6 +79,16 @@ pub enum MeshError {
         /// What could be proven there.
         bound: Bound,
     },
+    /// The slope may vanish: there the mirror looks along the axis, and no image point is near.
+    #[error(
+        "near X {:.4} mm, Y {:.4} mm the designed mirror may look straight along its axis, where \
+         facet_px has no meaning; raise the degree, narrow the elevation range, or give chord_um \
+         alone", at.x, at.y
+    )]
+    Pole {
+        /// Where.
+        at: DVec2,
+    },
     /// spade refused a point.
     #[error("the point ({x}, {y}) cannot be triangulated: {reason}")]
     Point {
@@ -95,9 +108,9 @@ pub enum MeshError {
 pub fn mesh(mirror: &Mirror, strip: &Strip, limits: Limits) -> Result<Face, MeshError> {
     let prover = Prover::new(mirror, *strip);
     let domain = half_of(mirror);
-    let copies = [mirror.even_x, mirror.folded].iter().filter(|&&twice| twice).count();
-    let points = lattice::propose(&prover, domain, 1 << copies, limits)?;
-    let (part, bound) = refine::triangulate(&prover, points, limits)?;
+    let copies = 1 << [mirror.even_x, mirror.folded].iter().filter(|&&twice| twice).count();
+    let points = lattice::propose(&prover, domain, copies, limits)?;
+    let (part, bound) = refine::triangulate(&prover, points, copies, limits)?;
     let panel = if mirror.even_x { part.with_reflection(0) } else { part };
     let designed = panel.triangles.len();
     let mesh = if mirror.folded { panel.with_reflection(1) } else { panel };

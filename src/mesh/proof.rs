@@ -46,9 +46,9 @@ impl Bound {
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self {
-            chord_mm: self.chord_mm.max(other.chord_mm),
-            facet_mm: self.facet_mm.max(other.facet_mm),
-            rounding_mm: self.rounding_mm.max(other.rounding_mm),
+            chord_mm: larger(self.chord_mm, other.chord_mm),
+            facet_mm: larger(self.facet_mm, other.facet_mm),
+            rounding_mm: larger(self.rounding_mm, other.rounding_mm),
         }
     }
 }
@@ -117,14 +117,22 @@ impl<'a> Prover<'a> {
         let single = exact.map(|p| p.truncate().extend(f64::from(p.z as f32)));
         let shown = [exact, single].map(|corners| self.shown_by_facet(corners));
         let off =
-            |content: DVec2| t.iter().map(|v| (content - v.content).length()).fold(0.0, f64::max);
+            |content: DVec2| t.iter().map(|v| (content - v.content).length()).fold(0.0, larger);
         let between = cell.content * diameter * diameter / 6.0;
-        let moved = exact.iter().zip(single).map(|(e, s)| (e.z - s.z).abs()).fold(0.0, f64::max);
+        let moved = exact.iter().zip(single).map(|(e, s)| (e.z - s.z).abs()).fold(0.0, larger);
         Bound {
             chord_mm: quadratic + cubic + moved,
             facet_mm: off(shown[0]).max(off(shown[1])) + between,
             rounding_mm: (shown[1] - shown[0]).length(),
         }
+    }
+
+    /// Whether the facet lies in a cell of the panel where the slope may vanish, so that nothing
+    /// can be said about its image however small it is.
+    #[must_use]
+    pub fn sees_the_pole(&self, t: &[Vertex; 3]) -> bool {
+        let [a, b, c] = t.map(|v| v.at.truncate());
+        self.cells.over(a.min(b).min(c), a.max(b).max(c)).content.is_infinite()
     }
 
     /// The image point whose wanted direction a flat facet shows.
@@ -133,6 +141,11 @@ impl<'a> Prover<'a> {
         let slope = -normal.truncate() / normal.z;
         self.strip.locate(reflect_vertical(slope), corners[0].truncate())
     }
+}
+
+/// The larger of two errors; one that is no number is larger than all.
+fn larger(a: f64, b: f64) -> f64 {
+    if b <= a { a } else { b }
 }
 
 /// Largest |1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle, exactly.

@@ -2,11 +2,12 @@
 //! facets that fail get a point on their longest edge until none fails.
 
 use super::proof::{Bound, Prover, Vertex};
-use super::{Limits, MeshError};
+use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
 use rayon::prelude::*;
 use spade::handles::FixedVertexHandle;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
+use std::collections::HashSet;
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
 const CHUNK: usize = 4096;
@@ -15,36 +16,48 @@ const CHUNK: usize = 4096;
 /// `limits`, with the bound reached.
 ///
 /// Inserting a point into a Delaunay triangulation only makes facets that have it as a corner, so
-/// each round proves just those; the facets that failed are gone, as their longest edge is.
+/// each round proves just those, and any that failed and are still there. The face holds `copies`
+/// of this mesh.
 pub fn triangulate(
     prover: &Prover,
     points: Vec<DVec2>,
+    copies: usize,
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
     let (plane, mut vertices) = rayon::join(|| delaunay(&points), || on_rows(prover, &points));
     let mut plane = plane?;
     let (mut bound, mut proven) = (Bound::default(), 0);
+    let mut failing = HashSet::new();
     loop {
         let triangles: Vec<[u32; 3]> =
             plane.inner_faces().map(|f| f.vertices().map(|v| v.index() as u32)).collect();
-        let is_new = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= proven);
+        let facets = (triangles.len() * copies) as f64;
+        if facets > MOST_FACETS {
+            return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+        }
+        let is_new = |t: &[u32; 3]| {
+            t.iter().any(|&v| v as usize >= proven) || failing.contains(&least_first(*t))
+        };
         let (worst, failed) = prove(prover, &vertices, &triangles, is_new, limits);
         bound = bound.max(worst);
         if failed.is_empty() {
             let vertices = vertices.into_iter().map(|v| v.at).collect();
             return Ok((TriMesh { vertices, triangles: in_rows(triangles) }, bound));
         }
+        if let Some(&t) = failed.iter().find(|&&t| failing.contains(&least_first(triangles[t]))) {
+            // Splitting it did not help, and will not.
+            return Err(floor(prover, &triangles[t].map(|v| vertices[v as usize])));
+        }
+        failing = failed.iter().map(|&t| least_first(triangles[t])).collect();
         proven = vertices.len();
         for t in failed {
             let facet = triangles[t].map(|v| vertices[v as usize]);
+            if limits.facet_mm.is_some() && prover.sees_the_pole(&facet) {
+                return Err(MeshError::Pole { at: facet[0].at.truncate() });
+            }
             let near = FixedVertexHandle::from_index(triangles[t][0] as usize);
             let Some(point) = split_point(&facet) else { return Err(floor(prover, &facet)) };
-            let index = insert(&mut plane, point, near)?;
-            if index < proven {
-                // The place is taken: the facet stays, and must not pass for proven.
-                return Err(floor(prover, &facet));
-            }
-            if index == vertices.len() {
+            if insert(&mut plane, point, near)? == vertices.len() {
                 vertices.push(prover.vertex(point, prover.sheet.at(point)));
             }
         }
@@ -53,14 +66,21 @@ pub fn triangulate(
 
 /// The facets in the order of their first vertices. spade's order jumps about the plane; every
 /// later stage, and every reader of the file, is faster when neighbours are stored near each other.
-fn in_rows(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    for [a, b, c] in &mut triangles {
-        while *a > *b || *a > *c {
-            (*a, *b, *c) = (*b, *c, *a);
-        }
-    }
+fn in_rows(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    let mut triangles: Vec<_> = triangles.into_iter().map(least_first).collect();
     triangles.par_sort_unstable();
     triangles
+}
+
+/// The same facet, beginning with its least vertex.
+fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
 }
 
 /// Evaluates the mirror at points that come in rows of equal Y.

@@ -5,7 +5,7 @@
 
 use super::legendre::Series;
 
-/// Rounding of the conversion and of an evaluation, as a share of the largest coefficient.
+/// Rounding of the conversion and of an evaluation, as a share of the sum of the terms' sizes.
 const ROUNDING: f64 = 1e-13;
 
 /// [least, largest] of `series` over each cell of the grid with the given edges (ascending, in
@@ -26,12 +26,16 @@ pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]
                 add_scaled(row, &to_v[j * columns..(j + 1) * columns], series.coefficient(i, j));
             }
         }
+        let size = |row: &[f64]| row.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+        let largest: Vec<f64> = half.chunks_exact(columns).map(size).collect();
         for to_u in &along_u {
             let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+            let mut terms = 0.0f64;
             let mut line = vec![0.0; columns];
             for a in 0..rows {
                 line.fill(0.0);
                 for i in 0..rows {
+                    terms = terms.max(to_u[i * rows + a].abs() * largest[i]);
                     add_scaled(
                         &mut line,
                         &half[i * columns..(i + 1) * columns],
@@ -42,7 +46,7 @@ pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]
                     range = [range[0].min(c), range[1].max(c)];
                 }
             }
-            let slack = ROUNDING * range[0].abs().max(range[1].abs());
+            let slack = ROUNDING * terms * rows as f64;
             found.push([range[0] - slack, range[1] + slack]);
         }
     }
@@ -57,7 +61,7 @@ fn add_scaled(to: &mut [f64], from: &[f64], factor: f64) {
 
 /// Bernstein coefficients on [lo, hi], all of degree `count` - 1, of P_0 ... P_{count-1}: entry
 /// [k * count + i] is the i-th coefficient of P_k. Every step is a convex combination but for the
-/// recurrence itself, so nothing is amplified.
+/// recurrence itself.
 fn conversion(count: usize, lo: f64, hi: f64) -> Vec<f64> {
     // Coefficients of p times (alpha (1 - t) + beta t), one degree higher.
     let times = |p: &[f64], alpha: f64, beta: f64| -> Vec<f64> {

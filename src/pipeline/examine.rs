@@ -2,13 +2,14 @@
 
 use super::files::sha256;
 use super::observer::{Clock, Stage};
+use super::shape::worst_vertex;
 use crate::design::Design;
 use crate::export::{ReadError, Reread, read_obj, read_stl};
 use crate::geom::DVec3;
 use crate::optics::reflect;
 use crate::profile::{Format, Profile};
 use crate::render::{Canvas, EncodingError, Picture, Seen as Painted, TestWorld};
-use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts};
+use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
 use crate::trace::{Errors, Frame, Intent, Outcome, Scene, Seen, Witness, glance};
 
@@ -16,6 +17,8 @@ use crate::trace::{Errors, Frame, Intent, Outcome, Scene, Seen, Witness, glance}
 pub struct Evidence {
     /// The file.
     pub file: FileFacts,
+    /// Whether the bytes are others than were written.
+    pub altered: bool,
     /// Why it could not be read, if so; then there is no more.
     pub unreadable: Option<ReadError>,
     /// The witness's figures.
@@ -52,10 +55,15 @@ pub fn examine(
         };
         let reread = reread.map(|reread| {
             let solid = SolidFacts::new(&check(&reread.mesh), design.mirror.volume());
-            (reread, solid)
+            let vertex = worst_vertex(&design.mirror, &reread.mesh.vertices);
+            let vertex = vertex.map(|(vertex, off)| {
+                let at = reread.mesh.vertices[vertex].to_array();
+                VertexFacts { at_mm: at, off_mm: off }
+            });
+            (reread, solid, vertex)
         });
         let note = match &reread {
-            Ok((reread, _)) => format!("{name}: {} triangles", reread.mesh.triangles.len()),
+            Ok((reread, ..)) => format!("{name}: {} triangles", reread.mesh.triangles.len()),
             Err(error) => format!("{name}: {error}"),
         };
         (reread, note)
@@ -66,11 +74,18 @@ pub fn examine(
     });
     let file =
         FileFacts { name: name.clone(), format: format.name(), bytes: bytes.len() as u64, sha256 };
-    let (Reread { mesh, normals }, solid) = match reread {
+    let (Reread { mesh, normals }, solid, vertex) = match reread {
         Ok(reread) => reread,
         Err(error) => {
             let unreadable = Some(error);
-            return Evidence { file, unreadable, trace: None, frame: None, seen: None };
+            return Evidence {
+                file,
+                altered: false,
+                unreadable,
+                trace: None,
+                frame: None,
+                seen: None,
+            };
         }
     };
     let camera = &design.camera;
@@ -85,10 +100,12 @@ pub fn examine(
             Witness::trace(&scene, normals.as_deref(), &design.image, camera.pixels, table);
         let frame = Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px);
         let has_normals = normals.is_some();
-        let trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
+        let mut trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
+        trace.worst_vertex = vertex;
         let note = format!("{name}: {} rays aimed at the mirror", trace.rays);
         let evidence = Evidence {
             file,
+            altered: false,
             unreadable: None,
             trace: Some(trace),
             frame: Some(frame),
@@ -152,6 +169,7 @@ fn trace_facts(
         back_face: witness.count(|o| o == Outcome::BackFace),
         errors: facts(|seen| Some(seen.errors)),
         interpolated_normals: has_normals.then(|| facts(|seen| seen.smooth)),
+        worst_vertex: None,
         solid,
     }
 }

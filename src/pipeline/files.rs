@@ -1,9 +1,9 @@
 //! Files: the only door to the disk. Nothing appears under its own name before it is whole.
 
-use crate::export::Label;
 use sha2::{Digest, Sha256};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use tempfile::{NamedTempFile, TempPath};
 use thiserror::Error;
 
@@ -26,6 +26,11 @@ impl FileError {
     }
 }
 
+const PREFIX: &str = ".morion-";
+const SUFFIX: &str = ".tmp";
+/// A temporary file older than this was left by a build that was killed.
+const ABANDONED: Duration = Duration::from_secs(3600);
+
 /// The folder that one build writes to.
 #[derive(Debug, Clone)]
 pub struct Folder {
@@ -37,6 +42,25 @@ pub struct Folder {
 pub struct Staged {
     temporary: TempPath,
     target: PathBuf,
+    sha256: String,
+}
+
+/// Passes bytes on and hashes them.
+struct Hashing<W> {
+    out: W,
+    hash: Sha256,
+}
+
+impl<W: Write> Write for Hashing<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.hash.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }
 
 impl Folder {
@@ -45,7 +69,33 @@ impl Folder {
         std::fs::create_dir_all(path).map_err(FileError::new("create the folder", path))?;
         let folder = Self { path: path.to_owned() };
         folder.temporary().map_err(FileError::new("write into the folder", path))?;
+        folder.sweep();
         Ok(folder)
+    }
+
+    /// Removes what killed builds left behind, as far as that is possible.
+    fn sweep(&self) {
+        let Ok(entries) = std::fs::read_dir(&self.path) else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let age =
+                entry.metadata().and_then(|m| m.modified()).ok().and_then(|t| t.elapsed().ok());
+            let abandoned = age.is_some_and(|age| age > ABANDONED);
+            if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && abandoned {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// Removes a file of an earlier build, if there is one.
+    pub fn remove(&self, name: &str) -> Result<(), FileError> {
+        let path = self.path.join(name);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(FileError::new("remove", &path)(error))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Where it is.
@@ -54,7 +104,15 @@ impl Folder {
     }
 
     fn temporary(&self) -> io::Result<NamedTempFile> {
-        tempfile::Builder::new().prefix(".morion-").suffix(".tmp").tempfile_in(&self.path)
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PREFIX).suffix(SUFFIX);
+        #[cfg(unix)]
+        {
+            // As any new file: the umask decides, not the privacy of temporary files.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        builder.tempfile_in(&self.path)
     }
 
     /// Writes a file under a temporary name, down to the disk: a full disk is an error here.
@@ -64,23 +122,19 @@ impl Folder {
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<Staged, FileError> {
         let target = self.path.join(name);
-        let run = || -> io::Result<TempPath> {
-            let mut out = BufWriter::with_capacity(1 << 20, self.temporary()?);
+        let run = || -> io::Result<(TempPath, String)> {
+            let hashing = Hashing { out: self.temporary()?, hash: Sha256::new() };
+            let mut out = BufWriter::with_capacity(1 << 20, hashing);
             write(&mut out)?;
-            let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-            #[cfg(unix)]
-            {
-                // Temporary files are private; results are as readable as any new file.
-                use std::os::unix::fs::PermissionsExt;
-                file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
-            }
-            // File systems may take the bytes now and find no room for them later; and a renamed file
-            // must not be empty after a power cut.
+            let Hashing { out: file, hash } =
+                out.into_inner().map_err(io::IntoInnerError::into_error)?;
+            // File systems may take the bytes now and find no room for them later; and a renamed
+            // file must not be empty after a power cut.
             file.as_file().sync_all()?;
-            Ok(file.into_temp_path())
+            Ok((file.into_temp_path(), hex(&hash.finalize())))
         };
-        let temporary = run().map_err(FileError::new("write", &target))?;
-        Ok(Staged { temporary, target })
+        let (temporary, sha256) = run().map_err(FileError::new("write", &target))?;
+        Ok(Staged { temporary, target, sha256 })
     }
 }
 
@@ -90,6 +144,11 @@ impl Staged {
         &self.temporary
     }
 
+    /// SHA-256 of what was written, hexadecimal.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+
     /// Its bytes, as they are on the disk now.
     pub fn read(&self) -> Result<Vec<u8>, FileError> {
         std::fs::read(&self.temporary).map_err(FileError::new("read back", &self.target))
@@ -97,7 +156,7 @@ impl Staged {
 
     /// Gives it its own name, replacing what was there.
     pub fn publish(self) -> Result<(), FileError> {
-        let Self { temporary, target } = self;
+        let Self { temporary, target, .. } = self;
         temporary.persist(&target).map_err(|e| FileError::new("write", &target)(e.error))
     }
 }
@@ -109,10 +168,9 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 
 /// SHA-256 in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hex(&Sha256::digest(bytes))
 }
 
-/// What each file says about itself.
-pub fn label(profile: &crate::profile::Profile, tolerances: String) -> Label {
-    Label { profile: profile.name.clone(), sha256: profile.sha256.clone(), tolerances }
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -7,6 +7,7 @@
 mod examine;
 mod files;
 mod observer;
+mod shape;
 mod source;
 mod verdict;
 
@@ -15,7 +16,7 @@ pub use observer::{Observer, Silent, Stage};
 pub use source::{SourceError, load};
 
 use crate::design::{Design, DesignError, design};
-use crate::export::{ReadError, write_obj, write_stl};
+use crate::export::{Label, write_obj, write_stl};
 use crate::mesh::{Face, Limits, MeshError, mesh};
 use crate::profile::{Format, Profile};
 use crate::report::{
@@ -70,14 +71,6 @@ pub enum Error {
         /// The file.
         path: String,
     },
-    /// A file to be verified cannot be read.
-    #[error("{path}: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// Why.
-        source: ReadError,
-    },
 }
 
 /// Builds `profile` into `out`/NAME: every stage, every file, and the report that is returned.
@@ -92,7 +85,11 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
     let design = clock.stage(Stage::Design, || designed(profile))?;
     let face = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
     let solids = clock.stage(Stage::Solid, || closed(profile, &face))?;
-    let label = files::label(profile, tolerances(profile, &design, &face));
+    let label = Label {
+        profile: profile.name.clone(),
+        sha256: profile.sha256.clone(),
+        tolerances: tolerances(profile, &design, &face),
+    };
 
     let staged = clock.stage(Stage::Write, || {
         let write = |(format, solid): &(Format, Solid)| {
@@ -109,11 +106,12 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
         Ok::<_, Error>((staged, note))
     })?;
 
-    let volume_tolerance = design.mirror.outline().area() * face.bound.chord_mm;
     let mut evidence = Vec::new();
     for (format, staged) in &staged {
         let bytes = staged.read()?;
-        evidence.push(examine(&clock, profile, &design, *format, &bytes));
+        let mut found = examine(&clock, profile, &design, *format, &bytes);
+        found.altered = found.file.sha256 != staged.sha256();
+        evidence.push(found);
     }
 
     let picture = clock.stage(Stage::Picture, || {
@@ -125,7 +123,7 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
 
     let mesh = mesh_facts(profile, &design, &face, &solids[0].1);
     let solid = SolidFacts::new(solids[0].1.check(), design.mirror.volume());
-    let report = assemble(profile, &design, Some((mesh, solid)), evidence, volume_tolerance);
+    let report = assemble(profile, &design, Some((mesh, solid)), evidence, face.bound.chord_mm);
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
@@ -135,6 +133,10 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
             text("timings.json", &clock.json())?,
             text("report.json", &report.json())?,
         ];
+        // The files of formats that are no longer asked for would be another profile's.
+        for format in Format::ALL.iter().filter(|format| !profile.formats.contains(format)) {
+            folder.remove(&format!("mirror.{format}"))?;
+        }
         // The report last: where it is new, everything it speaks of is.
         for staged in staged.into_iter().map(|(_, staged)| staged).chain(pages) {
             staged.publish()?;
@@ -147,7 +149,8 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
 /// Reads an STL or OBJ of any making, checks it and traces it against what `profile` asks for.
 ///
 /// # Errors
-/// [`enum@Error`] when the file cannot be read as a mesh, or the profile cannot be designed.
+/// [`enum@Error`] when the file cannot be opened or named, or the profile cannot be designed. (A file
+/// that opens but holds no sound mesh is a negative verdict.)
 pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
     let clock = Clock::new(observer);
     let name = path.display().to_string();
@@ -159,15 +162,11 @@ pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result
     let bytes = files::read(path)?;
     let design = clock.stage(Stage::Design, || designed(profile))?;
     let mut evidence = examine(&clock, profile, &design, format, &bytes);
-    if let Some(source) = evidence.unreadable.take() {
-        return Err(Error::Read { path: name, source });
-    }
     evidence.rename(name);
-    // A file of unknown making has no proven bound; its sag is held to the profile's limit.
+    // A file of unknown making has no proven bound; its shape is held to the profile's limit.
     const USUAL_CHORD_UM: f64 = 10.0;
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
-    let volume_tolerance = design.mirror.outline().area() * chord_mm;
-    Ok(assemble(profile, &design, None, vec![evidence], volume_tolerance))
+    Ok(assemble(profile, &design, None, vec![evidence], chord_mm))
 }
 
 fn designed(profile: &Profile) -> Result<(Design, String), Error> {
@@ -243,10 +242,10 @@ fn assemble(
     design: &Design,
     made: Option<(MeshFacts, SolidFacts)>,
     evidence: Vec<Evidence>,
-    volume_tolerance: f64,
+    chord_mm: f64,
 ) -> Report {
     let (mesh, solid) = made.unzip();
-    let reasons = verdict::reasons(profile, &evidence, volume_tolerance);
+    let reasons = verdict::reasons(profile, design, &evidence, chord_mm);
     let frame = evidence.iter().find_map(|e| e.frame.clone());
     let (files, trace): (Vec<FileFacts>, Vec<_>) =
         evidence.into_iter().map(|e| (e.file, e.trace)).unzip();

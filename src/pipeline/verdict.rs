@@ -1,6 +1,7 @@
 //! The verdict: every reason why a part would not do, with figures.
 
 use super::examine::Evidence;
+use crate::design::Design;
 use crate::profile::Profile;
 use crate::report::{TraceFacts, Verdict};
 
@@ -9,17 +10,26 @@ pub fn of(reasons: &[String]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
-/// Why the files do not pass; `volume_tolerance` is in mm^3.
-pub fn reasons(profile: &Profile, evidence: &[Evidence], volume_tolerance: f64) -> Vec<String> {
+/// Why the files do not pass. `chord_mm` is what the height of the surface may be off.
+pub fn reasons(
+    profile: &Profile,
+    design: &Design,
+    evidence: &[Evidence],
+    chord_mm: f64,
+) -> Vec<String> {
+    let volume_tolerance = design.mirror.outline().area() * chord_mm;
     let mut reasons = Vec::new();
     for evidence in evidence {
         let name = &evidence.file.name;
         let mut blame = |reason: String| reasons.push(format!("{name}: {reason}"));
+        if evidence.altered {
+            blame("the bytes on the disk are not those that were written".into());
+        }
         if let Some(error) = &evidence.unreadable {
             blame(error.to_string());
         }
         if let Some(trace) = &evidence.trace {
-            shape(trace, volume_tolerance).into_iter().for_each(&mut blame);
+            shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
             rays(trace).into_iter().for_each(&mut blame);
             limits(profile, trace).into_iter().for_each(&mut blame);
         }
@@ -38,7 +48,7 @@ pub fn reasons(profile: &Profile, evidence: &[Evidence], volume_tolerance: f64) 
     reasons
 }
 
-fn shape(trace: &TraceFacts, volume_tolerance: f64) -> Vec<String> {
+fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String> {
     let solid = &trace.solid;
     let mut reasons = solid.reasons.clone();
     let off = solid.check.volume_mm3 - solid.volume_expected_mm3;
@@ -47,6 +57,15 @@ fn shape(trace: &TraceFacts, volume_tolerance: f64) -> Vec<String> {
             "volume {:.4} mm^3 where the design has {:.4}, off by {off:.4}, over the {:.4} that the \
              chord error explains",
             solid.check.volume_mm3, solid.volume_expected_mm3, volume_tolerance
+        ));
+    }
+    if let Some(vertex) = trace.worst_vertex
+        && !(vertex.off_mm <= chord_mm)
+    {
+        let [x, y, z] = vertex.at_mm;
+        reasons.push(format!(
+            "the vertex ({x}, {y}, {z}) is {:.6} mm off the designed part, over {chord_mm:.6} mm",
+            vertex.off_mm
         ));
     }
     reasons
@@ -94,10 +113,12 @@ fn limits(profile: &Profile, trace: &TraceFacts) -> Vec<String> {
         ),
     ]
     .into_iter()
-    .filter_map(|(what, found, limit, key)| {
-        let (found, limit) = (found?, limit?);
-        let over = !(found <= limit);
-        over.then(|| format!("{what} {found:.3} px, over the {limit} px of {key}"))
+    .filter_map(|(what, found, limit, key)| match (found?, limit) {
+        (found, Some(limit)) if !(found <= limit) => {
+            Some(format!("{what} {found:.3} px, over the {limit} px of {key}"))
+        }
+        (found, None) if !found.is_finite() => Some(format!("{what} is not finite")),
+        _ => None,
     })
     .collect()
 }

@@ -152,6 +152,9 @@ pub enum Format {
 }
 
 impl Format {
+    /// All formats that can be written.
+    pub const ALL: [Self; 2] = [Self::Stl, Self::Obj];
+
     /// The format's name in a profile, which is also the file's extension.
     pub fn name(self) -> &'static str {
         match self {

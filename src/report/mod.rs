@@ -152,8 +152,19 @@ pub struct TraceFacts {
     /// The same by the file's interpolated normals, where it has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolated_normals: Option<ErrorFacts>,
+    /// The vertex farthest from the designed part's surface.
+    pub worst_vertex: Option<VertexFacts>,
     /// The check of the file's mesh.
     pub solid: SolidFacts,
+}
+
+/// A vertex and how far it is from where the part has its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct VertexFacts {
+    /// X, Y, Z, mm.
+    pub at_mm: [f64; 3],
+    /// Distance, mm: along Z from the mirror or the base, or across from the outline.
+    pub off_mm: f64,
 }
 
 /// Errors over the rays that hit; absent when none did.

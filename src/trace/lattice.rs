@@ -189,7 +189,11 @@ impl Lattice {
         mut visit: impl FnMut([usize; 2], [f64; 2]) -> bool,
     ) {
         for axis in 0..2 {
-            let (lo, hi) = (self.cell * first[axis] as f64, self.cell * last[axis] as f64);
+            // As wide as facets are taken to be: a ray a rounding error beside the border of the
+            // coarser cell that it comes from must not be lost.
+            let margin = MARGIN * self.cell;
+            let lo = self.cell * first[axis] as f64 - margin;
+            let hi = self.cell * last[axis] as f64 + margin;
             if course.step[axis] == 0 {
                 if course.origin[axis] < lo || course.origin[axis] > hi {
                     return;
