@@ -4,11 +4,12 @@ mod args;
 mod progress;
 
 use crate::pipeline::{build, load, verify};
-use crate::profile::{Profile, shipped};
+use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Report, Verdict, text};
 use args::{Arguments, Command, Format};
 use clap::Parser;
 use progress::Progress;
+use serde_json::json;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
@@ -45,18 +46,21 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     match &arguments.command {
         Command::Build { profiles, out } => {
             let profiles = load_all(profiles)?;
-            let mut code = PASSED;
+            let (mut code, mut failures) = (PASSED, Vec::new());
             for profile in &profiles {
-                let report = build(profile, out, &progress)?;
-                code = code.max(conclude(arguments, &report)?);
+                match build(profile, out, &progress) {
+                    Ok(report) => code = code.max(conclude(arguments, &report)?),
+                    Err(error) => failures.push(error.to_string()),
+                }
             }
-            Ok(code)
+            if failures.is_empty() { Ok(code) } else { Err(failures.join("\n").into()) }
         }
         Command::Check { profile } => {
             let profile = load(profile)?;
-            if !arguments.quiet {
-                print(&format!("{}: valid ({})\n", profile.name, profile.sha256))?;
-            }
+            print(&match arguments.format {
+                Format::Text => format!("{}: valid ({})\n", profile.name, profile.sha256),
+                Format::Json => line(&json!({ "name": profile.name, "sha256": profile.sha256 })),
+            })?;
             Ok(PASSED)
         }
         Command::Verify { file, profile } => {
@@ -64,9 +68,12 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             conclude(arguments, &report)
         }
         Command::Profiles { show: None } => {
-            for shipped in shipped() {
-                let summary = load(shipped.name)?.summary;
-                print(&format!("{:14} {summary}\n", shipped.name))?;
+            for Shipped { name, text } in shipped() {
+                let summary = Profile::parse(name, name, text.as_bytes())?.summary;
+                print(&match arguments.format {
+                    Format::Text => format!("{name:14} {summary}\n"),
+                    Format::Json => line(&json!({ "name": name, "summary": summary })),
+                })?;
             }
             Ok(PASSED)
         }
@@ -107,6 +114,11 @@ fn conclude(arguments: &Arguments, report: &Report) -> Result<u8, Failure> {
         Verdict::Pass => PASSED,
         Verdict::Fail => FAILED,
     })
+}
+
+/// A JSON value on a line of its own.
+fn line(value: &serde_json::Value) -> String {
+    format!("{value}\n")
 }
 
 /// Prints to stdout; a reader that has gone away is no error.

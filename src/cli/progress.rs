@@ -26,6 +26,7 @@ impl Progress {
 impl Observer for Progress {
     fn begin(&self, stage: Stage) {
         if let Some(bar) = &self.bar {
+            bar.reset();
             bar.set_message(stage.name());
             bar.enable_steady_tick(Duration::from_millis(80));
         }
@@ -40,9 +41,7 @@ impl Observer for Progress {
             Some(bar) => {
                 bar.disable_steady_tick();
                 bar.println(line);
-                if stage == Stage::Report {
-                    bar.finish_and_clear();
-                }
+                bar.finish_and_clear();
             }
             // Progress that cannot be shown is not worth failing for.
             None => drop(writeln!(std::io::stderr(), "{line}")),

@@ -73,6 +73,15 @@ impl Grid {
         Self { origin, levels, small, large, ranges }
     }
 
+    /// X of the borders between the columns of cells of every level.
+    #[cfg(test)]
+    pub fn borders(&self) -> Vec<f64> {
+        let columns = |lattice: &Lattice| {
+            (0..=lattice.count[0]).map(|k| lattice.border(k) + self.origin.x).collect::<Vec<_>>()
+        };
+        self.levels.iter().flat_map(columns).collect()
+    }
+
     /// Visits, in the order of the ray, the facets that it may meet ahead of its origin. `visit`
     /// gets the facets and returns the distance beyond which nothing matters any more.
     #[inline]

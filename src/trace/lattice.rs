@@ -54,6 +54,12 @@ impl Lattice {
         at[1] * self.count[0] + at[0]
     }
 
+    /// Where column or row `k` begins.
+    #[cfg(test)]
+    pub fn border(&self, k: usize) -> f64 {
+        self.cell * k as f64
+    }
+
     /// The cells that the box around a triangle touches.
     #[inline]
     pub fn span(&self, corners: [DVec3; 3]) -> Span {

@@ -174,6 +174,29 @@ mod tests {
     }
 
     #[test]
+    fn rays_one_ulp_beside_a_cell_border_are_not_lost() {
+        let nudge = |x: f64, ulps: i64| f64::from_bits((x.to_bits() as i64 + ulps) as u64);
+        let mut tried = 0;
+        for width in [0.77, 1.0, 1.371, 3.3, 9.1] {
+            let mut mesh = terrain(24);
+            mesh.vertices.iter_mut().for_each(|v| *v *= width);
+            let scene = Scene::new(mesh);
+            let inside = |x: &f64| (0.5 * width..23.5 * width).contains(x);
+            for border in scene.grid.borders().into_iter().filter(inside) {
+                for (ulps, other) in (-6..=6).flat_map(|u| [3.3, 20.1].map(|o| (u, o * width))) {
+                    let x = nudge(border, ulps);
+                    for direction in [DVec3::NEG_Z, DVec3::new(1e-17, -1e-17, -1.0)] {
+                        let ray = Ray { origin: DVec3::new(x, other, 9.0 * width), direction };
+                        assert!(scene.first(&ray).is_some(), "lost: {ray:?}");
+                        tried += 1;
+                    }
+                }
+            }
+        }
+        assert!(tried > 2000, "{tried}");
+    }
+
+    #[test]
     fn weights_give_the_point() {
         let scene = Scene::new(terrain(5));
         let ray = Ray {
