@@ -65,6 +65,10 @@ impl Folder {
     ) -> Result<Staged, FileError> {
         let target = self.path.join(name);
         let run = || -> io::Result<TempPath> {
+            // Renaming would find this out too, when other files have their names already.
+            if target.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
             let mut out = BufWriter::with_capacity(1 << 20, self.temporary()?);
             write(&mut out)?;
             let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
