@@ -166,7 +166,7 @@ fn a_folder_in_the_place_of_a_file_is_named_and_the_other_files_stay() {
         std::fs::create_dir_all(made.join(taken)).unwrap();
         std::fs::write(made.join("mirror.stl"), "an earlier one").unwrap();
         unable(home, &["build", "small.toml", "--quiet"], &["cannot write ", taken]);
-        assert_eq!(std::fs::read(made.join("mirror.stl")).unwrap(), b"an earlier one", "{taken}");
+        assert!(std::fs::read(made.join("mirror.stl")).unwrap() == b"an earlier one", "{taken}");
         assert_eq!(std::fs::read_dir(&made).unwrap().count(), 2, "{taken}");
     }
 }
