@@ -123,6 +123,10 @@ impl Folder {
     ) -> Result<Staged, FileError> {
         let target = self.path.join(name);
         let run = || -> io::Result<(TempPath, String)> {
+            // Renaming would find this out too, when other files have their names already.
+            if target.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
             let hashing = Hashing { out: self.temporary()?, hash: Sha256::new() };
             let mut out = BufWriter::with_capacity(1 << 20, hashing);
             write(&mut out)?;

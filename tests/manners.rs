@@ -1,0 +1,397 @@
+//! The program's manners: what goes to which stream, exit codes, and disks that refuse.
+
+mod common;
+
+use common::{SMALL, command, edited, files, folder, morion, save, small_but, told};
+use std::path::Path;
+use std::process::Stdio;
+
+const ESCAPE: char = '\x1b';
+const STAGES: [&str; 10] =
+    ["design", "mesh", "solid", "write", "read", "trace", "read", "trace", "picture", "report"];
+
+/// A profile that builds, with a verdict that must be negative.
+fn too_strict() -> String {
+    small_but("pixel_error_max_px = 5", "pixel_error_max_px = 0.01")
+}
+
+/// Runs the program in `folder` and expects it to be unable: exit 2, nothing on stdout, one
+/// message that holds all of `words`.
+#[track_caller]
+fn unable(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let (code, out, err) = told(&morion(folder, arguments));
+    assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
+    assert_eq!(err.matches("error: ").count(), 1, "{err}");
+    for word in words {
+        assert!(err.contains(word), "no {word:?} in {err}");
+    }
+}
+
+#[test]
+fn results_go_to_stdout_and_a_line_a_stage_to_stderr() {
+    let folder = folder();
+    save(folder.path(), SMALL);
+    let (code, out, err) = told(&morion(folder.path(), &["build", "small.toml"]));
+    assert_eq!(code, 0);
+    assert!(out.starts_with("small  (") && out.ends_with("  verdict  pass\n"), "{out}");
+    let stages: Vec<&str> = err.lines().map(|line| line.split(' ').next().unwrap()).collect();
+    assert_eq!(stages, STAGES, "{err}");
+    assert!(err.lines().all(|line| line.contains(" ms  ")), "{err}");
+    for text in [&out, &err] {
+        assert!(!text.contains([ESCAPE, '\r']), "{text}");
+    }
+}
+
+#[test]
+fn quiet_leaves_the_result_and_drops_the_progress() {
+    let folder = folder();
+    save(folder.path(), SMALL);
+    let loud = told(&morion(folder.path(), &["build", "small.toml"]));
+    let quiet = told(&morion(folder.path(), &["build", "small.toml", "--quiet"]));
+    assert_eq!((quiet.0, &quiet.1), (0, &loud.1));
+    assert_eq!(quiet.2, "");
+    let arguments = ["verify", "-q", "out/small/mirror.stl", "--profile", "small.toml"];
+    let (code, out, err) = told(&morion(folder.path(), &arguments));
+    assert_eq!((code, &*err), (0, ""));
+    assert!(out.ends_with("verdict  pass\n"));
+}
+
+#[test]
+fn json_on_stdout_is_the_report_file_byte_for_byte() {
+    let folder = folder();
+    for (text, expected) in [(SMALL, 0), (&too_strict(), 1)] {
+        save(folder.path(), text);
+        let arguments = ["build", "small.toml", "--format", "json", "--color", "always"];
+        let output = morion(folder.path(), &arguments);
+        assert_eq!(told(&output).0, expected);
+        let report = std::fs::read(folder.path().join("out/small/report.json")).unwrap();
+        assert!(output.stdout == report, "{}", told(&output).1);
+    }
+}
+
+#[test]
+fn a_negative_verdict_exits_with_1_and_its_figures() {
+    let folder = folder();
+    save(folder.path(), &too_strict());
+    let (code, out, _) = told(&morion(folder.path(), &["build", "small.toml"]));
+    assert_eq!(code, 1);
+    assert!(out.ends_with("  verdict  fail\n"), "{out}");
+    assert!(out.contains(" px, over the 0.01 px of accept.pixel_error_max_px"), "{out}");
+    let made = files(&folder.path().join("out/small"));
+    assert_eq!(made.len(), 6, "{:?}", made.keys());
+    // One bad part among good ones is enough, whatever the order.
+    std::fs::write(folder.path().join("good.toml"), SMALL).unwrap();
+    for order in [["good.toml", "small.toml"], ["small.toml", "good.toml"]] {
+        let arguments = ["build", order[0], order[1], "--quiet"];
+        let (code, out, _) = told(&morion(folder.path(), &arguments));
+        assert_eq!((code, out.matches("verdict  ").count()), (1, 2), "{out}");
+    }
+}
+
+#[test]
+fn a_name_that_is_no_profile_exits_with_2_and_a_suggestion() {
+    let folder = folder();
+    let out = folder.path();
+    unable(out, &["build", "conquistadro"], &["conquistadro", "did you mean conquistador?"]);
+    unable(out, &["check", "zebra"], &["zebra: no such file", "morion profiles"]);
+    unable(out, &["profiles", "--show", "zebra"], &["zebra", "morion profiles"]);
+    unable(out, &["build", "."], &["cannot read ."]);
+    assert!(files(out).is_empty());
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    let folder = folder();
+    for arguments in [
+        &[][..],
+        &["bild"],
+        &["build"],
+        &["build", "conquistador", "--threads", "0"],
+        &["build", "conquistador", "--format", "yaml"],
+        &["verify", "mirror.stl"],
+        &["check", "conquistador", "--nonsense"],
+    ] {
+        let (code, out, err) = told(&morion(folder.path(), arguments));
+        assert_eq!((code, &*out), (2, ""), "{arguments:?}");
+        assert!(err.contains("Usage: ") || err.contains("--help"), "{arguments:?}: {err}");
+        assert!(!err.contains(ESCAPE));
+    }
+    for arguments in [["--help"], ["--version"]] {
+        let (code, out, err) = told(&morion(folder.path(), &arguments));
+        assert_eq!((code, &*err), (0, ""), "{arguments:?}");
+        assert!(out.contains("morion"), "{out}");
+    }
+    assert!(files(folder.path()).is_empty());
+}
+
+#[test]
+fn faults_in_any_profile_stop_all_work() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    save(&home.join("other"), SMALL);
+    let twice = ["build", "small.toml", "other/small.toml"];
+    unable(home, &twice, &["other/small.toml: another profile is called small too"]);
+    std::fs::write(home.join("faulty.toml"), small_but("degree = 8", "degree = 80")).unwrap();
+    unable(home, &["build", "small.toml", "faulty.toml"], &["faulty.toml:16:10: ", "80"]);
+    assert!(!home.join("out").exists());
+}
+
+#[test]
+fn a_place_that_cannot_be_written_to_is_named_and_nothing_is_written() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    std::fs::write(home.join("file"), "mine").unwrap();
+    std::fs::create_dir(home.join("out")).unwrap();
+    std::fs::write(home.join("out/small"), "mine too").unwrap();
+    for (out, named) in
+        [("file", "file/small"), ("file/below", "file/below/small"), ("out", "out/small")]
+    {
+        let arguments = ["build", "small.toml", "--quiet", "--out", out];
+        unable(home, &arguments, &["cannot create the folder ", named]);
+    }
+    assert_eq!(std::fs::read(home.join("file")).unwrap(), b"mine");
+    assert_eq!(std::fs::read(home.join("out/small")).unwrap(), b"mine too");
+    assert_eq!(std::fs::read_dir(home).unwrap().count(), 3);
+}
+
+#[test]
+fn a_folder_in_the_place_of_a_file_is_named_and_the_other_files_stay() {
+    for taken in ["mirror.obj", "report.json", "timings.json"] {
+        let folder = folder();
+        let home = folder.path();
+        save(home, SMALL);
+        let made = home.join("out/small");
+        std::fs::create_dir_all(made.join(taken)).unwrap();
+        std::fs::write(made.join("mirror.stl"), "an earlier one").unwrap();
+        unable(home, &["build", "small.toml", "--quiet"], &["cannot write ", taken]);
+        assert!(std::fs::read(made.join("mirror.stl")).unwrap() == b"an earlier one", "{taken}");
+        assert_eq!(std::fs::read_dir(&made).unwrap().count(), 2, "{taken}");
+    }
+}
+
+#[test]
+fn colour_is_for_terminals_and_those_who_ask() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    let coloured = |arguments: &[&str], variables: &[(&str, &str)]| {
+        let mut command = command(home);
+        command.args(["verify", "out/small/mirror.stl", "--profile", "small.toml"]);
+        let (code, out, err) =
+            told(&command.args(arguments).envs(variables.iter().copied()).output().unwrap());
+        assert_eq!(code, 0, "{err}");
+        assert!(!err.contains(ESCAPE), "{err}");
+        out.contains(ESCAPE)
+    };
+    assert_eq!(told(&morion(home, &["build", "small.toml"])).0, 0);
+    let always = ["--color", "always"];
+    let never = ["--color", "never"];
+    assert!(!coloured(&[], &[]));
+    assert!(!coloured(&["--color", "auto"], &[("NO_COLOR", "1")]));
+    assert!(coloured(&always, &[]));
+    assert!(coloured(&always, &[("NO_COLOR", "1")]), "the flag beats the variable");
+    assert!(!coloured(&never, &[]));
+    assert!(!coloured(&never, &[("CLICOLOR_FORCE", "1")]), "the flag beats the variable");
+
+    let error = |when: &str| told(&morion(home, &["check", "zebra", "--color", when])).2;
+    assert!(error("always").contains(ESCAPE) && !error("never").contains(ESCAPE));
+    assert!(error("auto").starts_with("error: zebra: "));
+}
+
+#[test]
+fn shipped_profiles_can_be_listed_shown_and_checked() {
+    let folder = folder();
+    let (code, listed, err) = told(&morion(folder.path(), &["profiles"]));
+    assert_eq!((code, &*err), (0, ""));
+    let names: Vec<&str> = listed.lines().map(|line| line.split(' ').next().unwrap()).collect();
+    assert!(names.contains(&"conquistador") && names.contains(&"panoramic"), "{listed}");
+    for name in names {
+        let (code, text, err) = told(&morion(folder.path(), &["profiles", "--show", name]));
+        assert_eq!((code, &*err), (0, ""));
+        let file = format!("{name}.toml");
+        std::fs::write(folder.path().join(&file), text).unwrap();
+        let [shown, shipped] =
+            [&*file, name].map(|profile| told(&morion(folder.path(), &["check", profile])));
+        assert_eq!((shown.0, &*shown.2), (0, ""));
+        assert!(shown.1.starts_with(&format!("{name}: valid (")), "{}", shown.1);
+        assert_eq!(shown, shipped);
+    }
+}
+
+#[test]
+fn a_reader_that_has_gone_away_is_no_error() {
+    let folder = folder();
+    save(folder.path(), SMALL);
+    for arguments in [
+        &["profiles"][..],
+        &["profiles", "--show", "conquistador"],
+        &["check", "conquistador"],
+        &["--help"],
+        &["build", "small.toml", "--quiet"],
+        &["build", "small.toml", "--quiet", "--format", "json"],
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = command(folder.path());
+        let child = command.args(arguments).stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
+        let (code, _, err) = told(&child.wait_with_output().unwrap());
+        assert_eq!((code, &*err), (0, ""), "{arguments:?}");
+    }
+    // Nor is it one when nobody listens to the progress.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let mut command = command(folder.path());
+    let output = command.args(["build", "small.toml"]).stderr(writer).output().unwrap();
+    assert_eq!(told(&output).0, 0);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_cannot_be_printed_exit_with_2() {
+    let folder = folder();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut command = command(folder.path());
+    let child = command.arg("profiles").stdout(full).stderr(Stdio::piped()).spawn().unwrap();
+    let (code, _, err) = told(&child.wait_with_output().unwrap());
+    assert_eq!(code, 2);
+    assert!(err.starts_with("error: cannot write to standard output: "), "{err}");
+}
+
+#[cfg(unix)]
+mod interrupted {
+    use super::*;
+    use std::collections::BTreeMap;
+    use std::os::unix::fs::MetadataExt;
+    use std::time::{Duration, Instant};
+
+    type Files = BTreeMap<String, Vec<u8>>;
+
+    /// Another profile of the same name; every lasting file of it is different.
+    fn other() -> String {
+        edited(SMALL, &[("degree = 8", "degree = 6"), ("facet_px = 3", "facet_px = 2.9")])
+    }
+
+    /// Two complete builds, the old one in `out`, the new one in `new`.
+    fn old_and_new(home: &Path) -> (Files, Files) {
+        save(home, SMALL);
+        save(&home.join("other"), &other());
+        let build = |profile: &str, out: &str| {
+            let arguments = ["build", profile, "--out", out, "--quiet"];
+            let (code, _, err) = told(&morion(home, &arguments));
+            assert_eq!(code, 0, "{err}");
+            files(&home.join(out).join("small"))
+        };
+        let (old, new) = (build("small.toml", "out"), build("other/small.toml", "new"));
+        assert!(old.keys().eq(new.keys()) && old.iter().all(|(name, bytes)| new[name] != *bytes));
+        (old, new)
+    }
+
+    fn put_back(folder: &Path, files: &Files) {
+        std::fs::remove_dir_all(folder).unwrap();
+        std::fs::create_dir(folder).unwrap();
+        files.iter().for_each(|(name, bytes)| std::fs::write(folder.join(name), bytes).unwrap());
+    }
+
+    fn is_temporary(name: &str) -> bool {
+        name.starts_with(".morion-") && name.ends_with(".tmp")
+    }
+
+    /// Every file is the whole old or the whole new one; the report is new only if all are.
+    /// Returns how many are new.
+    #[track_caller]
+    fn all_whole(folder: &Path, old: &Files, new: &Files) -> usize {
+        let mut found = files(folder);
+        found.retain(|name, _| !is_temporary(name));
+        assert!(found.keys().eq(old.keys()), "{:?}", found.keys());
+        let timings = String::from_utf8(found["timings.json"].clone()).unwrap();
+        assert!(timings.starts_with('{') && timings.ends_with("}\n"), "{timings}");
+        let renewed = |name: &str| {
+            let (found, old) = (&found[name], &old[name]);
+            // Timings are never the same twice.
+            assert!(found == old || *found == new[name] || name == "timings.json", "half {name}");
+            found != old
+        };
+        let count = found.keys().filter(|name| renewed(name)).count();
+        assert!(!renewed("report.json") || count == found.len(), "report before its files");
+        count
+    }
+
+    #[test]
+    fn a_full_disk_leaves_the_earlier_files_as_they_were() {
+        let folder = folder();
+        let home = folder.path();
+        let (old, new) = old_and_new(home);
+        let made = home.join("out/small");
+        let before = files(&made);
+        common::assert_same(&before, &old, "before");
+        // Largest file in blocks of 512 bytes: less than the STL, and less than the OBJ alone.
+        let between = (new["mirror.stl"].len() + new["mirror.obj"].len()) / 2 / 512;
+        for (blocks, refused) in [(64, "mirror.stl"), (between, "mirror.obj")] {
+            let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+            let run = |out: &str| {
+                let mut shell = std::process::Command::new("sh");
+                shell.current_dir(home).args(["-c", &script, env!("CARGO_BIN_EXE_morion")]);
+                let arguments = ["build", "other/small.toml", "--quiet", "--out", out];
+                told(&shell.args(arguments).output().unwrap())
+            };
+            let (code, out, err) = run("out");
+            assert_eq!((code, &*out), (2, ""), "{err}");
+            assert!(err.starts_with("error: cannot write ") && err.contains(refused), "{err}");
+            common::assert_same(&files(&made), &old, "a full disk");
+            let empty = format!("fresh{blocks}");
+            assert_eq!(run(&empty).0, 2);
+            assert!(files(&home.join(&empty).join("small")).is_empty());
+        }
+    }
+
+    #[test]
+    fn a_build_killed_at_any_moment_leaves_whole_files() {
+        let folder = folder();
+        let home = folder.path();
+        let (old, new) = old_and_new(home);
+        let made = home.join("out/small");
+        let start = || {
+            let mut command = command(home);
+            command.args(["build", "other/small.toml", "--quiet"]).stdout(Stdio::null());
+            command.spawn().unwrap()
+        };
+        let begun = Instant::now();
+        assert!(start().wait().unwrap().success());
+        let whole_run = begun.elapsed();
+
+        const MOMENTS: u32 = 25;
+        let mut counts = Vec::new();
+        for moment in 0..MOMENTS {
+            put_back(&made, &old);
+            let mut child = start();
+            std::thread::sleep(whole_run * moment / (MOMENTS - 2));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            counts.push(all_whole(&made, &old, &new));
+        }
+        // And as soon as each of the files has got its name.
+        for name in old.keys() {
+            put_back(&made, &old);
+            let inode = || std::fs::metadata(made.join(name)).unwrap().ino();
+            let (before, mut child, deadline) =
+                (inode(), start(), Instant::now() + Duration::from_secs(60));
+            while inode() == before {
+                assert!(Instant::now() < deadline, "{name} never changes");
+            }
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let count = all_whole(&made, &old, &new);
+            assert!(count > 0, "{name}");
+            counts.push(count);
+        }
+        assert!(counts.contains(&0) && counts.contains(&old.len()), "{counts:?}");
+
+        // What is left over does not disturb the next build.
+        put_back(&made, &old);
+        std::fs::write(made.join(".morion-stale.tmp"), "half a fi").unwrap();
+        assert!(start().wait().unwrap().success());
+        assert_eq!(all_whole(&made, &old, &new), old.len());
+    }
+}
