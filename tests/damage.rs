@@ -309,22 +309,60 @@ fn an_obj_cut_off_anywhere_never_passes() {
     // The last byte is a line feed, which no one misses; all before it matter.
     let ends = (2..30).map(|cut| length - cut);
     let spread = (0..12).map(|k| k * length / 12);
-    let mut outcomes = [0; 2];
     for keep in spread.chain(ends) {
         std::fs::write(&path, &whole[..keep]).unwrap();
-        match verify(&small(OBJ), &path, &Silent) {
-            Err(error) => {
-                assert!(error.to_string().contains("cut.obj: "), "{error}");
-                outcomes[0] += 1;
-            }
-            Ok(report) => {
-                assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");
-                reason(&report, &["cut.obj: ", ": "]);
-                outcomes[1] += 1;
-            }
-        }
+        let report = verify(&small(OBJ), &path, &Silent).unwrap();
+        assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");
+        reason(&report, &["cut.obj: ", ": "]);
     }
-    assert!(outcomes[0] > 0 && outcomes[1] > 0, "{outcomes:?}");
+}
+
+/// The STL with every corner at `from` moved to `to`.
+fn moved(mut bytes: Vec<u8>, from: DVec3, to: DVec3) -> Vec<u8> {
+    let there: Vec<usize> = (0..count(&bytes)).filter_map(|t| corner_at(&bytes, t, from)).collect();
+    assert!(!there.is_empty());
+    for at in there {
+        bytes[at..at + 12].copy_from_slice(&stl_bytes(to));
+    }
+    bytes
+}
+
+#[test]
+fn a_moved_vertex_fails_where_no_ray_goes_and_no_facet_limit_is_set() {
+    let bytes = whole(STL);
+    let read = read_stl(&bytes).unwrap();
+    let base = *read.mesh.vertices.iter().find(|v| v.z == 0.0 && v.x > 1.0).unwrap();
+    let (_, inner) = inner(&read);
+    let by_chord = small_but("formats = [\"stl\", \"obj\"]", STL);
+    let by_chord = profile(&by_chord.replace("facet_px = 3", ""));
+    assert_eq!(by_chord.mesh.facet_px, None);
+    let folder = folder();
+    let path = folder.path().join("moved.stl");
+    for (from, to) in [
+        (base, base - 0.05 * DVec3::Z),
+        (base, base + 0.05 * DVec3::X.copysign(base)),
+        (inner, inner + 0.05 * DVec3::Z),
+    ] {
+        std::fs::write(&path, moved(bytes.clone(), from, to)).unwrap();
+        let report = verify(&by_chord, &path, &Silent).unwrap();
+        assert!(report.trace[0].solid.check.is_solid());
+        let single = to.as_vec3().as_dvec3();
+        reason(&report, &["the vertex ", &place(single), " mm off the designed part"]);
+    }
+    std::fs::write(&path, &bytes).unwrap();
+    assert_eq!(verify(&by_chord, &path, &Silent).unwrap().verdict, Verdict::Pass);
+}
+
+#[test]
+fn a_changed_byte_that_no_one_reads_is_noticed() {
+    let report = damaged(STL, |mut bytes| {
+        bytes[70] ^= 1;
+        bytes
+    });
+    assert_eq!(
+        report.reasons,
+        ["mirror.stl: the bytes on the disk are not those that were written"]
+    );
 }
 
 #[test]
@@ -348,8 +386,11 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
     let (t, _) = inner(&read_stl(&stl).unwrap());
     std::fs::write(home.join("hole.stl"), without_facet(stl.clone(), t)).unwrap();
     std::fs::write(home.join("lifted.STL"), lifted(stl.clone(), usize::MAX)).unwrap();
+    std::fs::write(home.join("short.stl"), &stl[..stl.len() - 9]).unwrap();
+    let promised = format!("which take {} bytes, but it has {}", stl.len(), stl.len() - 9);
     for (file, why) in [
         ("hole.stl", "- hole.stl: open: only facet "),
+        ("short.stl", &*promised),
         ("lifted.STL", " px, over the 3 px of mesh.facet_px"),
     ] {
         let (code, out, err) = verify(file);
@@ -357,11 +398,8 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
         assert!(out.contains(why) && out.ends_with("verdict  fail\n"), "{out}");
     }
 
-    std::fs::write(home.join("short.stl"), &stl[..stl.len() - 9]).unwrap();
     std::fs::write(home.join("mirror.step"), &stl).unwrap();
-    let promised = format!("which take {} bytes, but it has {}", stl.len(), stl.len() - 9);
     for (file, why) in [
-        ("short.stl", &*promised),
         ("mirror.step", "the name must end in .stl or .obj"),
         ("nowhere.stl", "cannot read nowhere.stl"),
     ] {

@@ -395,3 +395,41 @@ mod interrupted {
         assert_eq!(all_whole(&made, &old, &new), old.len());
     }
 }
+
+#[test]
+fn files_of_formats_no_longer_asked_for_do_not_stay_beside_a_new_report() {
+    let folder = folder();
+    let home = folder.path();
+    for (formats, stays, goes) in
+        [("[\"stl\"]", "mirror.stl", "mirror.obj"), ("[\"obj\"]", "mirror.obj", "mirror.stl")]
+    {
+        save(home, &small_but("[\"stl\", \"obj\"]", formats));
+        assert_eq!(told(&morion(home, &["build", "small.toml", "--quiet"])).0, 0);
+        let made = files(&home.join("out/small"));
+        assert!(made.contains_key(stays) && !made.contains_key(goes), "{:?}", made.keys());
+    }
+}
+
+#[test]
+fn a_file_called_like_a_shipped_profile_does_not_spoil_the_list() {
+    let folder = folder();
+    std::fs::write(folder.path().join("panoramic"), "not a profile").unwrap();
+    let (code, out, err) = told(&morion(folder.path(), &["profiles"]));
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("panoramic") && out.contains("conformal"), "{out}");
+}
+
+#[test]
+fn checks_and_lists_answer_in_json_when_asked() {
+    let folder = folder();
+    for arguments in [&["check", "conformal"][..], &["profiles"]] {
+        let all = [arguments, &["--format", "json", "--quiet"]].concat();
+        let (code, out, _) = told(&morion(folder.path(), &all));
+        assert_eq!(code, 0);
+        for line in out.lines() {
+            let value: serde_json::Value = serde_json::from_str(line).unwrap();
+            assert!(value["name"].is_string(), "{line}");
+        }
+        assert!(out.contains("\"conformal\""), "{out}");
+    }
+}
