@@ -1,0 +1,48 @@
+//! Profiles and faces that several test files make.
+
+use morion::design::{Design, design};
+use morion::mesh::{Face, Limits, MeshError, mesh};
+use morion::pipeline::load;
+use morion::profile::Profile;
+
+/// A small full-turn panorama, with the edits of one case: each names a text and what replaces it.
+pub fn profile(edits: &[(&str, &str)]) -> Profile {
+    let mut text = "\
+camera.orthographic.pixels = [640, 480]
+projection.cylindrical = { azimuth_deg = [-180, 180], elevation_deg = [-30, 30] }
+layout.strip = {}
+method.vector-field.degree = 12
+part = { width_mm = 60, base_mm = 5 }
+mesh = { facet_px = 4 }
+export.formats = [\"stl\"]
+"
+    .to_owned();
+    for (old, new) in edits {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
+    Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
+}
+
+/// A shipped profile.
+pub fn shipped(name: &str) -> Profile {
+    load(name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The profile's design, which must succeed.
+pub fn designed(profile: &Profile) -> Design {
+    design(profile).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The profile's limits on the mirror of `design`.
+pub fn limits(profile: &Profile, design: &Design) -> Limits {
+    Limits {
+        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
+        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+    }
+}
+
+/// The face that keeps the profile's limits, if there is one.
+pub fn meshed(profile: &Profile, design: &Design) -> Result<Face, MeshError> {
+    mesh(&design.mirror, &design.image.strip, limits(profile, design))
+}
