@@ -2,9 +2,9 @@
 //! that follows the tolerances. Proposals need not be right, only near: the proof decides.
 
 use super::proof::{Prover, largest_deviation};
-use super::{Limits, MOST_FACETS, MeshError};
+use super::{Bound, Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, Rect};
-use crate::mirror::Curvature;
+use crate::mirror::{Curvature, Point};
 use crate::optics::reflect_vertical;
 
 /// Places per side where the tolerances are turned into spacings.
@@ -23,6 +23,10 @@ pub fn propose(
     limits: Limits,
 ) -> Result<Vec<DVec2>, MeshError> {
     let needs = Needs::new(prover, domain, limits);
+    if let Some(place) = needs.places.iter().find(|place| !needs.outlasts_rounding(place)) {
+        let bound = Bound { chord_mm: place.rounding, ..Bound::default() };
+        return Err(MeshError::Floor { at: place.at, size_mm: 0.0, bound });
+    }
     let (columns, rows) = needs.spacings();
     let (across, along) = (count(&columns, domain.size().x), count(&rows, domain.size().y));
     let facets = 2.0 * across * along;
@@ -71,10 +75,19 @@ fn steps(spacing: &[f64], lo: f64, hi: f64, phase: f64) -> Vec<f64> {
     places
 }
 
+/// Half the distance between the single-precision numbers around `x`.
+fn half_step(x: f64) -> f64 {
+    let single = x.abs() as f32;
+    0.5 * (f64::from(single.next_up()) - f64::from(single))
+}
+
 /// What the tolerances ask for at one place of the panel.
 #[derive(Debug, Clone, Copy)]
 struct Place {
+    at: DVec2,
     curvature: Curvature,
+    /// How far single precision moves a vertex at worst, mm.
+    rounding: f64,
     /// Image displacement (mm) per change of slope along X and Y.
     per_slope: [DVec2; 2],
 }
@@ -109,22 +122,28 @@ struct Needs {
 impl Needs {
     fn new(prover: &Prover, domain: Rect, limits: Limits) -> Self {
         let place = |q: DVec2| {
-            let slope = prover.sheet.at(q).slope;
+            let Point { sag, slope } = prover.sheet.at(q);
             // Sizing needs three digits: a forward difference gives six.
             let step = 1e-6 * slope.length().max(1e-6);
             let shown = |p: DVec2| prover.strip.locate(reflect_vertical(p), q);
             let per_slope =
                 [DVec2::X, DVec2::Y].map(|d| (shown(slope + d * step) - shown(slope)) / step);
-            Place { curvature: prover.sheet.curvature(q), per_slope }
+            let curvature = prover.sheet.curvature(q);
+            Place { at: q, curvature, rounding: half_step(sag), per_slope }
         };
         let places = domain.grid(PLACES, PLACES).map(|(q, _)| place(q)).collect();
         Self { places, limits, size: domain.size() }
     }
 
+    /// Whether rounding leaves anything of the chord limit.
+    fn outlasts_rounding(&self, place: &Place) -> bool {
+        self.limits.chord_mm.is_none_or(|limit| place.rounding < AIM * limit)
+    }
+
     fn keeps(&self, place: &Place, a: f64, b: f64) -> bool {
         let (facet, chord) = place.errors(a, b);
         self.limits.facet_mm.is_none_or(|limit| facet <= AIM * limit)
-            && self.limits.chord_mm.is_none_or(|limit| chord <= AIM * limit)
+            && self.limits.chord_mm.is_none_or(|limit| chord <= AIM * limit - place.rounding)
     }
 
     /// The largest spacing of equilateral triangles at a place, at most the domain's size.
@@ -132,7 +151,10 @@ impl Needs {
         let (facet, chord) = place.errors(1.0, EQUILATERAL);
         let largest = self.size.max_element();
         let by_facet = self.limits.facet_mm.map_or(largest, |limit| AIM * limit / facet);
-        let by_chord = self.limits.chord_mm.map_or(largest, |limit| (AIM * limit / chord).sqrt());
+        let by_chord = self
+            .limits
+            .chord_mm
+            .map_or(largest, |limit| ((AIM * limit - place.rounding) / chord).sqrt());
         by_facet.min(by_chord).min(largest)
     }
 
@@ -197,17 +219,20 @@ mod tests {
 
     #[test]
     fn errors_of_a_bowl_and_a_saddle_are_the_closed_forms() {
-        let unit = [DVec2::X, DVec2::Y];
+        let place = |curvature: Curvature| {
+            let per_slope = [DVec2::X, DVec2::Y];
+            Place { at: DVec2::ZERO, curvature, rounding: 0.0, per_slope }
+        };
         let h = 0.1;
         // Equilateral triangle on z = k r^2 / 2: circumradius h/sqrt 3, chord k R^2 / 2.
         let bowl = Curvature { xx: 2.0, xy: 0.0, yy: 2.0 };
-        let (facet, chord) = Place { curvature: bowl, per_slope: unit }.errors(h, EQUILATERAL * h);
+        let (facet, chord) = place(bowl).errors(h, EQUILATERAL * h);
         assert!((facet - 2.0 * h / 3.0f64.sqrt()).abs() < 1e-15);
         assert!((chord - h * h / 3.0).abs() < 1e-15);
         // On the saddle the facet's own point is half a circumradius from the centre towards the
         // apex, farthest from the corners of the base.
         let saddle = Curvature { xx: 2.0, xy: 0.0, yy: -2.0 };
-        let (facet, _) = Place { curvature: saddle, per_slope: unit }.errors(h, EQUILATERAL * h);
+        let (facet, _) = place(saddle).errors(h, EQUILATERAL * h);
         let radius = h / 3.0f64.sqrt();
         assert!((facet / (2.0 * radius) - 1.75f64.sqrt()).abs() < 1e-12);
     }

@@ -65,7 +65,8 @@ pub enum MeshError {
         /// Most that are made.
         most: f64,
     },
-    /// Facets as small as single precision allows still miss a limit.
+    /// Facets miss a limit that splitting them does not bring nearer, or that single precision is too
+    /// coarse for.
     #[error(
         "at X {:.4} mm, Y {:.4} mm a facet of {size_mm:.1e} mm still has a bound of {:.3e} mm \
          (chord) and {:.3e} mm (image); loosen chord_um or facet_px, or keep the elevation range \

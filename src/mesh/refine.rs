@@ -12,6 +12,11 @@ use std::collections::HashSet;
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
 const CHUNK: usize = 4096;
 
+/// Most points for every proposed one, and some for small proposals: past these, splitting does not
+/// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
+const MOST_GROWTH: usize = 2;
+const FEW: usize = 100_000;
+
 /// The Delaunay triangulation of `points` (rows of equal Y), refined until every facet keeps
 /// `limits`, with the bound reached.
 ///
@@ -28,6 +33,7 @@ pub fn triangulate(
     let mut plane = plane?;
     let (mut bound, mut proven) = (Bound::default(), 0);
     let mut failing = HashSet::new();
+    let most = MOST_GROWTH * points.len() + FEW;
     loop {
         let triangles: Vec<[u32; 3]> =
             plane.inner_faces().map(|f| f.vertices().map(|v| v.index() as u32)).collect();
@@ -44,8 +50,10 @@ pub fn triangulate(
             let vertices = vertices.into_iter().map(|v| v.at).collect();
             return Ok((TriMesh { vertices, triangles: in_rows(triangles) }, bound));
         }
-        if let Some(&t) = failed.iter().find(|&&t| failing.contains(&least_first(triangles[t]))) {
-            // Splitting it did not help, and will not.
+        let stays = failed.iter().find(|&&t| failing.contains(&least_first(triangles[t])));
+        let grown = failed.first().filter(|_| vertices.len() > most);
+        if let Some(&t) = stays.or(grown) {
+            // Splitting does not help, and will not.
             return Err(floor(prover, &triangles[t].map(|v| vertices[v as usize])));
         }
         failing = failed.iter().map(|&t| least_first(triangles[t])).collect();
