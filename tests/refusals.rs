@@ -29,7 +29,6 @@ fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {
             assert!(!limits.hold(bound), "{what}: {bound:?} keeps {limits:?}");
         }
         Err(MeshError::Pole { at }) => assert!(at.is_finite(), "{what}: {at}"),
-        Err(MeshError::Pole { at }) => assert!(at.is_finite(), "{what}: {at}"),
         Err(error) => panic!("{what}: {error}"),
     }
 }
