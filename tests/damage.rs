@@ -408,3 +408,16 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
         assert!(err.starts_with("error: ") && err.contains(file) && err.contains(why), "{err}");
     }
 }
+
+#[test]
+fn errors_that_are_not_finite_fail_without_any_limit_on_them() {
+    // Of degree 1 the sheet is a plane, which shows the zenith: infinitely far from any strip.
+    let text = SMALL[..SMALL.find("[accept]").unwrap()]
+        .replace("[layout.conquistador]\npanel = \"refit\"\nridge = \"crest\"", "[layout.strip]")
+        .replace("fill_frame = true", "")
+        .replace("degree = 8", "degree = 1")
+        .replace("facet_px = 3", "")
+        .replace("formats = [\"stl\", \"obj\"]", STL);
+    let report = build(&profile(&text), folder().path(), &Silent).unwrap();
+    reason(&report, &["largest pixel error is not finite"]);
+}

@@ -37,7 +37,7 @@ fn distance(mirror: &Mirror, v: DVec3, sag: f64) -> f64 {
     let beside = (outline.min - q).max(q - outline.max);
     let from_rim = beside.max_element();
     if from_rim > 0.0 {
-        return beside.max(DVec2::ZERO).length().max(0.0);
+        return beside.max(DVec2::ZERO).length();
     }
     let on_skirt = if v.z >= 0.0 && v.z <= sag { -from_rim } else { f64::INFINITY };
     (v.z - sag).abs().min(v.z.abs()).min(on_skirt)
