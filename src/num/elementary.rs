@@ -19,8 +19,12 @@ unary! {
     atan,
     /// Exponential.
     exp,
+    /// exp(x) - 1 without cancellation.
+    expm1,
     /// Natural logarithm.
     log,
+    /// log(1 + x) without cancellation.
+    log1p,
     /// Hyperbolic sine.
     sinh,
     /// Hyperbolic cosine.

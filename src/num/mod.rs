@@ -5,10 +5,60 @@
 //! everywhere. `sqrt`, `abs` and rounding are exact in IEEE 754 and may be called directly.
 
 pub mod bernstein;
+pub mod condition;
+mod dual;
 mod elementary;
+pub mod interval;
+pub mod jet;
 pub mod least_squares;
 pub mod legendre;
+pub mod monotone;
 pub mod quadrature;
+mod scalar;
+pub mod special;
+pub mod spline;
 pub mod stats;
+pub mod streaming_qr;
 
+pub use dual::Dual;
 pub use elementary::*;
+pub use interval::Interval;
+pub use jet::Jet2;
+pub use monotone::{Inverse, MonotoneCubic};
+pub use scalar::{Base, Curve, Scalar};
+pub use spline::CubicSpline;
+
+/// Arguments to test with, the same every time.
+#[cfg(test)]
+pub(crate) mod sample {
+    /// A series of pseudo-random numbers.
+    pub struct Draws(u64);
+
+    impl Draws {
+        /// The series numbered `seed`.
+        pub fn new(seed: u64) -> Self {
+            Self(seed.wrapping_mul(1_000_003))
+        }
+
+        /// Uniform in [0, 1).
+        pub fn unit(&mut self) -> f64 {
+            self.0 += 1;
+            let mut z = self.0.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        /// A number in the range.
+        pub fn inside(&mut self, [lo, hi]: [f64; 2]) -> f64 {
+            (lo + (hi - lo) * self.unit()).clamp(lo, hi)
+        }
+
+        /// A part of the range, often a small one.
+        pub fn range(&mut self, domain: [f64; 2]) -> [f64; 2] {
+            let a = self.inside(domain);
+            let size = crate::num::exp(-30.0 * self.unit()) * (domain[1] - domain[0]);
+            [a, (a + size).min(domain[1])]
+        }
+    }
+}

@@ -33,6 +33,33 @@ pub fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
     (nodes, weights)
 }
 
+/// Nodes (ascending, both ends among them) and weights of the Clenshaw-Curtis rule with `n` + 1
+/// points on [-1, 1].
+///
+/// Exact for polynomials up to degree n, and for smooth functions nearly as good as Gauss' rule.
+/// All weights are positive; nodes are exactly symmetric about 0.
+///
+/// # Panics
+/// When `n` is odd or zero.
+#[must_use]
+pub fn clenshaw_curtis(n: usize) -> (Vec<f64>, Vec<f64>) {
+    assert!(n > 0 && n.is_multiple_of(2), "an even number of steps");
+    let (mut nodes, mut weights) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+    let turn = |k: usize| cos(std::f64::consts::PI * (k % (2 * n)) as f64 / n as f64);
+    for k in 0..=n / 2 {
+        let mut sum = 1.0;
+        for j in 1..=n / 2 {
+            let share = if 2 * j == n { 1.0 } else { 2.0 };
+            sum -= share * turn(2 * j * k) / (4 * j * j - 1) as f64;
+        }
+        let weight = if k == 0 { sum } else { 2.0 * sum } / n as f64;
+        let node = if 2 * k == n { 0.0 } else { turn(k) };
+        (nodes[k], nodes[n - k]) = (-node, node);
+        (weights[k], weights[n - k]) = (weight, weight);
+    }
+    (nodes, weights)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,5 +88,23 @@ mod tests {
         let (nodes, weights) = gauss_legendre(3);
         let sixth: f64 = nodes.iter().zip(&weights).map(|(x, w)| w * x * x * x * x * x * x).sum();
         assert!((sixth - 2.0 / 7.0).abs() > 1e-3);
+    }
+
+    #[test]
+    fn clenshaw_curtis_is_exact_for_polynomials_and_has_both_ends() {
+        for n in [2usize, 4, 10, 40, 200] {
+            let (nodes, weights) = clenshaw_curtis(n);
+            assert_eq!((nodes[0], nodes[n]), (-1.0, 1.0));
+            assert!(nodes.is_sorted() && weights.iter().all(|w| *w > 0.0));
+            for degree in 0..=n.min(30) {
+                let sum: f64 = nodes
+                    .iter()
+                    .zip(&weights)
+                    .map(|(x, w)| w * (0..degree).fold(1.0, |p, _| p * x))
+                    .sum();
+                let exact = if degree % 2 == 0 { 2.0 / (degree + 1) as f64 } else { 0.0 };
+                assert!((sum - exact).abs() < 1e-14, "{n} {degree}");
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Summaries of error samples, summed in a fixed order.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// RMS, 95th percentile and maximum of an error, in the error's own unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -52,6 +52,15 @@ impl Summary {
     pub fn scaled(self, factor: f64) -> Self {
         Self { rms: self.rms * factor, p95: self.p95 * factor, max: self.max * factor }
     }
+}
+
+/// A summary with its keys, all null when there is none: readers find the keys either way.
+///
+/// # Errors
+/// Whatever the serializer returns.
+pub fn or_null<S: Serializer>(summary: &Option<Summary>, serializer: S) -> Result<S::Ok, S::Error> {
+    let nothing = Summary { rms: f64::NAN, p95: f64::NAN, max: f64::NAN };
+    summary.unwrap_or(nothing).serialize(serializer)
 }
 
 #[cfg(test)]

@@ -1,0 +1,499 @@
+//! Rigorous ranges: whatever the arguments in their intervals, the true result is in the result's.
+//!
+//! Sums, products, quotients and roots are correctly rounded, so a step outward of each end makes
+//! up for it; `libm`'s functions are good to under two units in the last place, and their ends
+//! move by more than that. What is not defined somewhere on its argument is the whole line.
+
+use super::scalar::{Base, Curve, Scalar};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// All numbers from `lo` to `hi`; an infinite end stands for no bound. Never NaN, and `lo` <= `hi`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Least.
+    pub lo: f64,
+    /// Largest.
+    pub hi: f64,
+}
+
+/// Ends' step for one `libm` call, in units in the last place, and for a few operations.
+const CALL: f64 = 2.0;
+const CALLS: f64 = 8.0;
+
+/// A little less than the square of pi/2, where `tan_over_root` has its pole.
+const POLE: f64 = 2.467_401_100_272_339;
+
+/// Strictly below `x` by `ulps` at least; 0 stays, for functions that are 0 exactly there alone.
+#[inline]
+fn below(x: f64, ulps: f64) -> f64 {
+    if x == 0.0 {
+        x
+    } else if x.is_infinite() {
+        x.next_down()
+    } else {
+        (x - ulps * f64::EPSILON * x.abs()).next_down()
+    }
+}
+
+#[inline]
+fn above(x: f64, ulps: f64) -> f64 {
+    -below(-x, ulps)
+}
+
+impl Interval {
+    /// All numbers: the answer where there is none.
+    pub const WHOLE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
+
+    /// `lo` to `hi`; the whole line if they are out of order or not numbers.
+    #[inline]
+    #[must_use]
+    pub fn new(lo: f64, hi: f64) -> Self {
+        if lo <= hi { Self { lo, hi } } else { Self::WHOLE }
+    }
+
+    /// `x` alone.
+    #[inline]
+    #[must_use]
+    pub fn point(x: f64) -> Self {
+        Self::new(x, x)
+    }
+
+    /// `x` give or take `slack` (and a rounding).
+    #[must_use]
+    pub fn around(x: f64, slack: f64) -> Self {
+        Self::new((x - slack).next_down(), (x + slack).next_up())
+    }
+
+    /// `lo` to `hi` with ends moved outward by `ulps`.
+    fn outward(lo: f64, hi: f64, ulps: f64) -> Self {
+        Self::new(below(lo, ulps), above(hi, ulps))
+    }
+
+    /// Is `x` inside?
+    #[inline]
+    #[must_use]
+    pub fn contains(self, x: f64) -> bool {
+        self.lo <= x && x <= self.hi
+    }
+
+    /// Largest |x|.
+    #[must_use]
+    pub fn magnitude(self) -> f64 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    /// Least |x|.
+    #[must_use]
+    pub fn mignitude(self) -> f64 {
+        self.lo.max(-self.hi).max(0.0)
+    }
+
+    /// Length, rounded up.
+    #[must_use]
+    pub fn width(self) -> f64 {
+        if self.lo == self.hi { 0.0 } else { (self.hi - self.lo).next_up() }
+    }
+
+    /// The least interval that holds both.
+    #[inline]
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    /// Is it bounded?
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    /// From the results at the ends, `first` and `second` in their order; no bound where either
+    /// is missing or overflowed.
+    fn spanned(first: f64, second: f64, ulps: f64) -> Self {
+        if first.is_finite() && second.is_finite() {
+            Self::outward(first, second, ulps)
+        } else {
+            Self::WHOLE
+        }
+    }
+
+    /// From the four products (or quotients) of ends. A zero end holds, whatever underflowed, if
+    /// the factors' signs say so.
+    #[inline]
+    fn from_products(p: [f64; 4], not_negative: bool, not_positive: bool) -> Self {
+        if p.iter().any(|p| p.is_nan()) {
+            return Self::WHOLE;
+        }
+        let lo = p[0].min(p[1]).min(p[2].min(p[3]));
+        let hi = p[0].max(p[1]).max(p[2].max(p[3]));
+        Self {
+            lo: if lo == 0.0 && not_negative { 0.0 } else { lo.next_down() },
+            hi: if hi == 0.0 && not_positive { 0.0 } else { hi.next_up() },
+        }
+    }
+
+    fn signs(self, other: Self) -> (bool, bool) {
+        let (a, b) = (self, other);
+        (
+            (a.lo >= 0.0 && b.lo >= 0.0) || (a.hi <= 0.0 && b.hi <= 0.0),
+            (a.lo >= 0.0 && b.hi <= 0.0) || (a.hi <= 0.0 && b.lo >= 0.0),
+        )
+    }
+
+    /// Could offset + k * period be inside, for a whole k? Says yes when rounding hides it.
+    fn meets(self, offset: f64, period: f64) -> bool {
+        let [lo, hi] = [self.lo, self.hi].map(|x| (x - offset) / period);
+        let slack = 4.0 * f64::EPSILON * (1.0 + lo.abs().max(hi.abs()));
+        // Infinite ends make NaNs here, and those must mean yes.
+        !((lo - slack).ceil() > hi + slack)
+    }
+
+    /// Sine or cosine, from its values at the ends and the place of a maximum.
+    fn wave(self, first: f64, second: f64, top: f64) -> Self {
+        let ends = Self::outward(first.min(second), first.max(second), CALL);
+        Self {
+            lo: if self.meets(top + PI, 2.0 * PI) { -1.0 } else { ends.lo.max(-1.0) },
+            hi: if self.meets(top, 2.0 * PI) { 1.0 } else { ends.hi.min(1.0) },
+        }
+    }
+}
+
+impl Neg for Interval {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+}
+
+impl Add for Interval {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        // A sum that comes out 0 is exact.
+        let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
+        Self::new(
+            if lo == 0.0 { lo } else { lo.next_down() },
+            if hi == 0.0 { hi } else { hi.next_up() },
+        )
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        // Zeros stay zeros: derivatives are full of them.
+        if (a == Self::ZERO && b.is_finite()) || (b == Self::ZERO && a.is_finite()) {
+            return Self::ZERO;
+        }
+        let (not_negative, not_positive) = a.signs(b);
+        let products = [a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi];
+        Self::from_products(products, not_negative, not_positive)
+    }
+}
+
+impl Div for Interval {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        if b.contains(0.0) {
+            return Self::WHOLE;
+        }
+        if a == Self::ZERO {
+            return Self::ZERO;
+        }
+        let (not_negative, not_positive) = a.signs(b);
+        let quotients = [a.lo / b.lo, a.lo / b.hi, a.hi / b.lo, a.hi / b.hi];
+        Self::from_products(quotients, not_negative, not_positive)
+    }
+}
+
+macro_rules! with_plain {
+    ($($of:ident $name:ident),*) => {
+        $(impl $of<f64> for Interval {
+            type Output = Self;
+            #[inline]
+            fn $name(self, other: f64) -> Self {
+                self.$name(Self::point(other))
+            }
+        })*
+    };
+}
+with_plain!(Add add, Sub sub, Mul mul, Div div);
+
+impl Scalar for Interval {
+    fn constant(x: f64) -> Self {
+        Self::point(x)
+    }
+    fn centre(self) -> f64 {
+        let (lo, hi) = (self.lo.max(f64::MIN), self.hi.min(f64::MAX));
+        (0.5 * lo + 0.5 * hi).clamp(lo.min(hi), hi.max(lo)).clamp(f64::MIN, f64::MAX)
+    }
+    #[inline]
+    fn square(self) -> Self {
+        let (least, most) = (self.mignitude(), self.magnitude());
+        if most == 0.0 {
+            return Self::ZERO;
+        }
+        Self { lo: below(least * least, 0.0).max(0.0), hi: (most * most).next_up() }
+    }
+    fn sqrt(self) -> Self {
+        // (An end below 0 is NaN, which is the whole line.)
+        Self::outward(f64::sqrt(self.lo), f64::sqrt(self.hi), 0.0)
+    }
+    fn exp(self) -> Self {
+        let found = Self::outward(Scalar::exp(self.lo), Scalar::exp(self.hi), CALL);
+        Self { lo: found.lo.clamp(0.0, f64::MAX), hi: found.hi.max(f64::MIN_POSITIVE) }
+    }
+    fn log(self) -> Self {
+        if self.lo > 0.0 {
+            Self::outward(Scalar::log(self.lo), Scalar::log(self.hi), CALL)
+        } else {
+            Self::WHOLE
+        }
+    }
+    fn sin(self) -> Self {
+        self.wave(Scalar::sin(self.lo), Scalar::sin(self.hi), FRAC_PI_2)
+    }
+    fn cos(self) -> Self {
+        self.wave(Scalar::cos(self.lo), Scalar::cos(self.hi), 0.0)
+    }
+    fn tan(self) -> Self {
+        if self.meets(FRAC_PI_2, PI) {
+            Self::WHOLE
+        } else {
+            Self::outward(Scalar::tan(self.lo), Scalar::tan(self.hi), CALL)
+        }
+    }
+    fn atan(self) -> Self {
+        Self::outward(Scalar::atan(self.lo), Scalar::atan(self.hi), CALL)
+    }
+    fn atan2(self, x: Self) -> Self {
+        if x.lo <= 0.0 && self.contains(0.0) {
+            return Self::WHOLE;
+        }
+        if self == Self::ZERO {
+            return Self::ZERO;
+        }
+        // Along each side the angle is monotone.
+        let corner = |y: f64, x: f64| {
+            let angle = Scalar::atan2(y, x);
+            Self { lo: below(angle, CALLS).next_down(), hi: above(angle, CALLS).next_up() }
+        };
+        let side = |y: f64| corner(y, x.lo).hull(corner(y, x.hi));
+        side(self.lo).hull(side(self.hi))
+    }
+    fn fade(self) -> Self {
+        Self::spanned(self.hi.fade(), self.lo.fade(), CALLS)
+    }
+    fn log_over(self) -> Self {
+        Self::spanned(self.hi.log_over(), self.lo.log_over(), CALLS)
+    }
+    fn tan_over_root(self) -> Self {
+        if !(self.hi < POLE) {
+            return Self::WHOLE;
+        }
+        // Near the pole the root's rounding grows, and must be followed.
+        let end = |x: f64| {
+            if x < 0.5 {
+                Self::spanned(x.tan_over_root(), x.tan_over_root(), CALLS)
+            } else {
+                let root = Self::point(x).sqrt();
+                root.tan() / root
+            }
+        };
+        let (first, last) = (end(self.lo), end(self.hi));
+        if first.is_finite() && last.is_finite() { first.hull(last) } else { Self::WHOLE }
+    }
+    fn atan_over_root(self) -> Self {
+        Self::spanned(self.hi.atan_over_root(), self.lo.atan_over_root(), CALLS)
+    }
+    fn through(self, curve: &impl Curve) -> Self {
+        self.curve(curve)[0]
+    }
+}
+
+impl Base for Interval {
+    fn curve(self, curve: &impl Curve) -> [Self; 3] {
+        curve.over([self.lo, self.hi]).map(|[lo, hi]| Self::new(lo.next_down(), hi.next_up()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::sample::Draws;
+    use crate::num::special::{AtanOverRoot, Fade, LogOver, TanOverRoot};
+
+    type Unary = (&'static str, fn(Interval) -> Interval, fn(f64) -> f64, [f64; 2]);
+
+    macro_rules! unary {
+        ($($name:ident in $lo:expr, $hi:expr;)*) => {
+            [$((stringify!($name), Interval::$name, <f64 as Scalar>::$name, [$lo, $hi])),*]
+        };
+    }
+
+    /// Every function, with a range of arguments it is defined on.
+    const UNARY: [Unary; 12] = unary! {
+        square in -3.0, 3.0;
+        sqrt in 0.0, 9.0;
+        exp in -30.0, 30.0;
+        log in 1e-6, 50.0;
+        sin in -20.0, 20.0;
+        cos in -20.0, 20.0;
+        tan in -1.57, 1.57;
+        atan in -9.0, 9.0;
+        fade in -20.0, 20.0;
+        log_over in -0.9999, 20.0;
+        tan_over_root in -0.45, 2.4673;
+        atan_over_root in -0.2, 20.0;
+    };
+
+    #[test]
+    fn functions_hold_their_values_and_little_more() {
+        for (name, over, at, domain) in UNARY {
+            for mut r in (0..4000).map(Draws::new) {
+                let [lo, hi] = r.range(domain);
+                let found = over(Interval::new(lo, hi));
+                let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+                for k in 0..=32 {
+                    let x = lo + (hi - lo) * (f64::from(k) / 32.0).min(1.0);
+                    let y = at(x.clamp(lo, hi));
+                    assert!(found.contains(y), "{name} {lo} {hi}: {y} not in {found:?}");
+                    (least, most) = (least.min(y), most.max(y));
+                }
+                // A narrow range is curved too little for the samples to miss much of it.
+                if hi - lo < 1e-6 * (1.0 + lo.abs()) && name != "tan_over_root" {
+                    let excess = found.width() - (most - least);
+                    let bent = 1e-12 * (1.0 + found.magnitude());
+                    let steep = if name == "tan" { 1e-5 * found.magnitude() } else { 0.0 };
+                    assert!(excess < bent + steep + 1e-9 * (hi - lo), "{name} {lo} {hi}: {excess}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn arithmetic_holds_its_values() {
+        for mut r in (0..20_000).map(Draws::new) {
+            let (a, b) = (r.range([-4.0, 4.0]), r.range([-4.0, 4.0]));
+            let [x, y] = [a, b].map(|[lo, hi]| Interval::new(lo, hi));
+            for _ in 0..8 {
+                let (p, q) = (r.inside(a), r.inside(b));
+                assert!((x + y).contains(p + q));
+                assert!((x - y).contains(p - q));
+                assert!((x * y).contains(p * q));
+                assert!((x / y).contains(p / q));
+                assert!((x * q).contains(p * q) && (x / q).contains(p / q));
+                assert!((x + q).contains(p + q) && (x - q).contains(p - q));
+                assert!((-x).contains(-p) && x.hull(y).contains(p) && x.hull(y).contains(q));
+                assert!(x.atan2(y).contains(Scalar::atan2(p, q)), "{x:?} {y:?}");
+                assert!(x.mignitude() <= p.abs() && p.abs() <= x.magnitude());
+                assert!(x.contains(x.centre()) && x.width() >= p - a[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn results_go_past_the_true_value_by_ulps_only() {
+        let third = Interval::point(1.0) / 3.0;
+        assert!(third.lo < third.hi && third.width() <= 2.0 * f64::EPSILON * third.hi);
+        // 3 * third - 1 is a rounding, not 0.
+        assert!((third * 3.0 - 1.0).contains(0.0));
+        let turn = Interval::new(-0.5, 0.25).atan2(Interval::new(1.0, 2.0));
+        let exact = [-Scalar::atan(0.5), Scalar::atan(0.25)];
+        assert!((turn.lo - exact[0]).abs() < 1e-14 && (turn.hi - exact[1]).abs() < 1e-14);
+        assert_eq!(Interval::new(1.0, 2.0).sin().hi, 1.0);
+        assert_eq!(Interval::new(3.0, 3.5).cos().lo, -1.0);
+        assert_eq!(Interval::new(-1.0, 2.0).square().lo, 0.0);
+        assert_eq!(Interval::point(0.0) * Interval::new(-3.0, 4.0), Interval::point(0.0));
+        assert_eq!(Interval::new(0.0, 1e300).sin(), Interval::new(-1.0, 1.0));
+        assert!((Interval::new(0.0, 1000.0).exp().lo - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_undefined_is_the_whole_line() {
+        let crossing = Interval::new(-1.0, 1.0);
+        let one = Interval::point(1.0);
+        for found in [
+            Interval::new(f64::NAN, 1.0),
+            Interval::new(1.0, -1.0),
+            one / crossing,
+            crossing / Interval::point(0.0),
+            crossing.sqrt(),
+            crossing.log(),
+            Interval::new(0.0, 1.0).log(),
+            Interval::new(1.5, 1.6).tan(),
+            crossing.atan2(crossing),
+            crossing.atan2(Interval::new(-2.0, -1.0)),
+            Interval::new(-2.0, 1.0).log_over(),
+            Interval::new(-1.0, 1.0).log_over(),
+            Interval::new(2.0, 2.5).tan_over_root(),
+            Interval::new(-2.0, 1.0).tan_over_root(),
+            Interval::new(-2.0, 1.0).atan_over_root(),
+            Interval::point(0.0) * Interval::WHOLE,
+            Interval::WHOLE - Interval::WHOLE,
+            Interval::WHOLE.tan(),
+            Interval::WHOLE.curve(&LogOver)[2],
+            Interval::new(2.0, 2.5).curve(&TanOverRoot)[0],
+            Interval::new(2.0, 2.5).curve(&TanOverRoot)[1],
+        ] {
+            assert_eq!(found, Interval::WHOLE);
+        }
+        assert_eq!(Interval::WHOLE.centre(), 0.0);
+        assert!(!Interval::WHOLE.is_finite() && crossing.is_finite());
+    }
+
+    #[test]
+    fn infinite_and_extreme_ends_lose_nothing() {
+        const MAX: f64 = f64::MAX;
+        const INF: f64 = f64::INFINITY;
+        const ENDS: [f64; 15] = [
+            -INF, -MAX, -1e200, -800.0, -1.0, -1e-200, -5e-324, 0.0, 5e-324, 1e-200, 1.0, 800.0,
+            1e200, MAX, INF,
+        ];
+        let pairs = || (0..ENDS.len()).flat_map(|i| (i..ENDS.len()).map(move |j| (i, j)));
+        let finite = |i: usize, j: usize| ENDS[i..=j].iter().filter(|x| x.is_finite());
+        for (i, j) in pairs() {
+            let x = Interval::new(ENDS[i], ENDS[j]);
+            assert!(x.centre().is_finite());
+            for (name, over, at, _) in UNARY {
+                let found = over(x);
+                assert!(found.lo <= found.hi);
+                for p in finite(i, j).map(|&p| at(p)).filter(|p| !p.is_nan()) {
+                    assert!(found.contains(p), "{name} {x:?}: {p} not in {found:?}");
+                }
+            }
+            for parts in
+                [x.curve(&Fade), x.curve(&LogOver), x.curve(&TanOverRoot), x.curve(&AtanOverRoot)]
+            {
+                assert!(parts.iter().all(|part| part.lo <= part.hi));
+            }
+            for (k, l) in pairs() {
+                let y = Interval::new(ENDS[k], ENDS[l]);
+                let found = [x + y, x - y, x * y, x / y, x.atan2(y)];
+                for &p in finite(i, j) {
+                    for &q in finite(k, l) {
+                        let exact = [p + q, p - q, p * q, p / q, Scalar::atan2(p, q)];
+                        for (found, exact) in found.iter().zip(exact) {
+                            assert!(exact.is_nan() || found.contains(exact), "{x:?} {y:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

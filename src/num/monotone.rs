@@ -1,0 +1,264 @@
+//! The curve through rising or falling points that rises or falls with them, and its inverse.
+
+use super::interval::Interval;
+use super::scalar::{Curve, Scalar};
+use super::spline::{Pieces, chords, cubic, fit_to_use, hulls};
+
+/// A knot's slope is at most this many times either chord's. Up to 3 the piece is monotone; with
+/// less, its least slope is above 0.
+const STEEPEST: f64 = 2.5;
+
+/// A once differentiable piecewise cubic through points that rise, or fall, and so does it: slopes
+/// by the parabola through each knot and its neighbours, limited as Fritsch and Carlson showed.
+/// Its second derivative jumps at knots. Outside the knots it is linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MonotoneCubic {
+    pieces: Pieces,
+    /// Values at the knots, times `sense`, so that they rise.
+    levels: Vec<f64>,
+    /// 1 if rising, -1 if falling.
+    sense: f64,
+}
+
+impl MonotoneCubic {
+    /// The curve through `values`, strictly rising or strictly falling, at the strictly rising
+    /// `knots`; None if they are not that, or fewer than two, or not finite.
+    #[must_use]
+    pub fn new(knots: &[f64], values: &[f64]) -> Option<Self> {
+        if !fit_to_use(knots, values) {
+            return None;
+        }
+        let sense = if values[0] < values[1] { 1.0 } else { -1.0 };
+        let levels: Vec<f64> = values.iter().map(|y| sense * y).collect();
+        let (h, chords) = chords(knots, values);
+        // (Chords of values this close may round to 0, and no slope serves those.)
+        if levels.windows(2).any(|y| y[0] >= y[1]) || chords.contains(&0.0) {
+            return None;
+        }
+        let n = h.len();
+        let slopes: Vec<f64> = (0..=n)
+            .map(|k| match k {
+                0 => end_slope(&h, &chords, 0, 1),
+                k if k == n => end_slope(&h, &chords, n - 1, n.wrapping_sub(2)),
+                k => {
+                    let (p, q) = (chords[k - 1], chords[k]);
+                    let slope = (p * h[k] + q * h[k - 1]) / (h[k - 1] + h[k]);
+                    sense * slope.abs().min(STEEPEST * p.abs().min(q.abs()))
+                }
+            })
+            .collect();
+        let mut borders = vec![f64::NEG_INFINITY];
+        borders.extend(knots);
+        borders.push(f64::INFINITY);
+        let mut anchors = vec![knots[0]];
+        anchors.extend(knots);
+        let mut terms = vec![[values[0], slopes[0], 0.0, 0.0]];
+        terms.extend((0..n).map(|k| {
+            let [m, s, t] = [chords[k], slopes[k], slopes[k + 1]];
+            [values[k], s, (3.0 * m - 2.0 * s - t) / h[k], (s + t - 2.0 * m) / (h[k] * h[k])]
+        }));
+        terms.push([values[n], slopes[n], 0.0, 0.0]);
+        Some(Self { pieces: Pieces { borders, anchors, terms }, levels, sense })
+    }
+
+    /// f at `x`.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        self.pieces.evaluate(x)[0]
+    }
+
+    /// The inverse function.
+    #[must_use]
+    pub fn inverse(&self) -> Inverse<'_> {
+        Inverse(self)
+    }
+}
+
+/// The slope at an end by the parabola through the nearest three points, kept above an eighth of
+/// the end chord's, for an inverse that has a slope too.
+fn end_slope(h: &[f64], chords: &[f64], end: usize, next: usize) -> f64 {
+    let m = chords[end];
+    if h.len() == 1 {
+        return m;
+    }
+    let ratio = 1.0 + (1.0 - chords[next] / m) * (h[end] / (h[end] + h[next]));
+    m * ratio.clamp(0.125, STEEPEST)
+}
+
+impl Curve for MonotoneCubic {
+    fn at(&self, x: f64) -> [f64; 3] {
+        let [f, d, dd, _] = self.pieces.evaluate(x);
+        [f, d, dd]
+    }
+
+    fn over(&self, range: [f64; 2]) -> [[f64; 2]; 3] {
+        hulls(self.pieces.parts(range))
+    }
+}
+
+/// The inverse x(y) of a [`MonotoneCubic`].
+#[derive(Debug, Clone, Copy)]
+pub struct Inverse<'a>(&'a MonotoneCubic);
+
+impl Inverse<'_> {
+    /// x with f(x) = `y`, but for the last bits.
+    #[must_use]
+    pub fn value(&self, y: f64) -> f64 {
+        let Self(MonotoneCubic { pieces, levels, sense }) = self;
+        let k = levels.partition_point(|&level| level <= sense * y);
+        let (terms, anchor) = (pieces.terms[k], pieces.anchors[k]);
+        let rest = y - terms[0];
+        if k == 0 || k == levels.len() {
+            return anchor + rest / terms[1];
+        }
+        // Newton in t = x - anchor for t (b + t (c + t d)) = rest, within the bracket it narrows.
+        let shape = [-rest, terms[1], terms[2], terms[3]];
+        let (mut lo, mut hi) = (0.0, pieces.borders[k + 1] - anchor);
+        let mut t = hi * (sense * rest / (levels[k] - levels[k - 1]));
+        for _ in 0..80 {
+            let [f, d, ..] = cubic(shape, t);
+            if sense * f > 0.0 {
+                hi = t
+            } else {
+                lo = t
+            }
+            let next = t - f / d;
+            let next = if lo <= next && next <= hi { next } else { 0.5 * (lo + hi) };
+            let step = (next - t).abs();
+            t = next;
+            if step <= f64::EPSILON * t.abs() {
+                break;
+            }
+        }
+        anchor + t
+    }
+
+    /// x(`y`) moved by more than its error, down or up as `side` is -1 or 1.
+    fn bound(&self, y: f64, side: f64) -> f64 {
+        let Self(MonotoneCubic { pieces, sense, .. }) = self;
+        let x = self.value(y);
+        let mut step = 4.0 * f64::EPSILON * x.abs() + f64::MIN_POSITIVE;
+        while step.is_finite() {
+            // Past x(y), f is surely past y.
+            let end = x + side * step;
+            let past = |f: &[Interval; 3]| {
+                if side * sense > 0.0 { f[0].lo > y } else { f[0].hi < y }
+            };
+            if pieces.parts([end, end]).all(|f| past(&f)) {
+                return end;
+            }
+            step *= 2.0;
+        }
+        side * f64::INFINITY
+    }
+}
+
+impl Curve for Inverse<'_> {
+    fn at(&self, y: f64) -> [f64; 3] {
+        let x = self.value(y);
+        let [_, d, dd, _] = self.0.pieces.evaluate(x);
+        [x, 1.0 / d, -dd / (d * d * d)]
+    }
+
+    fn over(&self, [lo, hi]: [f64; 2]) -> [[f64; 2]; 3] {
+        let [first, last] = if self.0.sense > 0.0 { [lo, hi] } else { [hi, lo] };
+        let xs = Interval::new(self.bound(first, -1.0), self.bound(last, 1.0));
+        let parts = self.0.pieces.parts([xs.lo, xs.hi]).map(|[_, d, dd]| {
+            let slope = Interval::constant(1.0) / d;
+            [xs, slope, -dd * slope * slope.square()]
+        });
+        hulls(parts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::exp;
+    use crate::num::sample::Draws;
+    use crate::num::spline::tests::{error, holds, knots};
+
+    #[test]
+    fn monotone_curves_are_and_their_inverses_undo_them() {
+        for mut r in (0..100).map(Draws::new) {
+            let knots = knots(10, &mut r);
+            let sense = if r.unit() < 0.5 { 1.0 } else { -1.0 };
+            let mut values = vec![r.inside([-1.0, 1.0])];
+            for k in 0..9 {
+                values.push(values[k] + sense * exp(r.inside([-4.0, 0.0])));
+            }
+            let curve = MonotoneCubic::new(&knots, &values).unwrap();
+            let inverse = curve.inverse();
+            for (x, y) in knots.iter().zip(&values) {
+                assert!((curve.value(*x) - y).abs() < 1e-14);
+                assert!((inverse.value(*y) - x).abs() < 1e-14);
+            }
+            let ends = [-1.4, knots[9] + 0.4];
+            for _ in 0..100 {
+                let x = r.inside(ends);
+                let [y, d, dd] = curve.at(x);
+                assert!(sense * d > 0.0, "{x}");
+                let found = inverse.at(y);
+                // What a rounding of y does to x.
+                let blur = f64::EPSILON * (4.0 + 16.0 / d.abs());
+                assert!((found[0] - x).abs() < blur, "{x}: {:e}", found[0] - x);
+                assert!((found[1] * d - 1.0).abs() < 1e-10 * (1.0 + dd.abs() / d.abs()));
+                assert!((found[2] * d * d * d + dd).abs() < 1e-8 * (1.0 + dd.abs() / d.abs()));
+            }
+            holds(&curve, ends, &mut r);
+            let mut levels = ends.map(|x| curve.value(x));
+            levels.sort_by(f64::total_cmp);
+            holds(&inverse, levels, &mut r);
+        }
+    }
+
+    #[test]
+    fn inverses_are_good_to_the_last_bits() {
+        let knots: Vec<f64> = (0..=20).map(|k| f64::from(k) / 10.0).collect();
+        let values: Vec<f64> = knots.iter().map(|&x| 2.0 - exp(0.4 * x)).collect();
+        let curve = MonotoneCubic::new(&knots, &values).unwrap();
+        let mut r = Draws::new(7);
+        for _ in 0..2000 {
+            let x = r.inside([-0.1, 2.1]);
+            let y = curve.value(x);
+            assert!((curve.inverse().value(y) - x).abs() < 2e-15);
+            // Bounds of a point are as good.
+            let [x0, slope, _] = curve.inverse().over([y, y]);
+            assert!(x0[0] <= x && x <= x0[1] && x0[1] - x0[0] < 1e-13);
+            assert!(slope[1] < 0.0);
+        }
+    }
+
+    #[test]
+    fn monotone_curves_converge_at_third_order() {
+        let [coarse, fine] = [20, 40].map(|n| error(n, MonotoneCubic::new));
+        assert!((7.0..30.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+    }
+
+    #[test]
+    fn steps_stay_monotone_with_a_slope_everywhere() {
+        let knots = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let curve = MonotoneCubic::new(&knots, &[0.0, 1e-3, 5.0, 5.001, 10.0, 10.1]).unwrap();
+        for k in 0..=5000 {
+            let x = f64::from(k) / 1000.0;
+            assert!(curve.at(x)[1] > 1e-4, "{x}");
+            assert!((curve.inverse().value(curve.value(x)) - x).abs() < 1e-10, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_line_stays_one() {
+        let curve = MonotoneCubic::new(&[0.0, 1.0, 3.0, 4.0], &[4.0, 2.0, -2.0, -4.0]).unwrap();
+        assert_eq!(curve.at(2.5), [-1.0, -2.0, 0.0]);
+        assert_eq!(curve.inverse().at(8.0), [-2.0, -0.5, 0.0]);
+        let two = MonotoneCubic::new(&[0.0, 1.0], &[4.0, 2.0]).unwrap();
+        assert_eq!(two.at(0.5), [3.0, -2.0, 0.0]);
+    }
+
+    #[test]
+    fn points_out_of_order_are_refused() {
+        assert!(MonotoneCubic::new(&[0.0, 1.0, 2.0], &[1.0, 2.0, 2.0]).is_none());
+        assert!(MonotoneCubic::new(&[0.0, 1.0, 2.0], &[1.0, 0.0, 3.0]).is_none());
+        assert!(MonotoneCubic::new(&[0.0, 1.0, 1.0], &[1.0, 2.0, 3.0]).is_none());
+    }
+}

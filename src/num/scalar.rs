@@ -1,0 +1,174 @@
+//! One formula, many kinds of number: plain, with exact derivatives, or with rigorous bounds.
+
+use super::elementary as f;
+use super::special::{AtanOverRoot, TanOverRoot};
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// What the optics' formulas ask of a number. `f64` gives values, `Jet2` over `f64` values with
+/// first and second derivatives, `Jet2` over `Interval` bounds of them all over a box.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// A number that depends on nothing.
+    fn constant(x: f64) -> Self;
+    /// A plain number near this one, to choose between forms of a formula by. (All forms hold
+    /// everywhere; they differ in rounding.)
+    fn centre(self) -> f64;
+    /// x^2.
+    #[must_use]
+    fn square(self) -> Self;
+    /// Square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Exponential.
+    #[must_use]
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    #[must_use]
+    fn log(self) -> Self;
+    /// Sine.
+    #[must_use]
+    fn sin(self) -> Self;
+    /// Cosine.
+    #[must_use]
+    fn cos(self) -> Self;
+    /// Tangent.
+    #[must_use]
+    fn tan(self) -> Self;
+    /// Arc tangent.
+    #[must_use]
+    fn atan(self) -> Self;
+    /// Angle of the point (x, self) from the positive x axis. Not defined on the negative x axis,
+    /// where it jumps.
+    #[must_use]
+    fn atan2(self, x: Self) -> Self;
+    /// (1 - exp(-x)) / x, 1 at x = 0.
+    #[must_use]
+    fn fade(self) -> Self;
+    /// log(1 + x) / x, 1 at x = 0.
+    #[must_use]
+    fn log_over(self) -> Self;
+    /// tan(sqrt x) / sqrt x, 1 at x = 0, for 0 <= x < (pi/2)^2 (and a rounding error below 0).
+    #[must_use]
+    fn tan_over_root(self) -> Self;
+    /// atan(sqrt x) / sqrt x, 1 at x = 0, for x >= 0 (and a rounding error below 0).
+    #[must_use]
+    fn atan_over_root(self) -> Self;
+    /// The value of a smooth function at this number.
+    #[must_use]
+    fn through(self, curve: &impl Curve) -> Self;
+}
+
+/// A number that can carry derivatives: one for which a curve's slope and bend are known too.
+pub trait Base: Scalar {
+    /// (f, f', f'') of a smooth function at this number.
+    #[must_use]
+    fn curve(self, curve: &impl Curve) -> [Self; 3];
+}
+
+/// A function of one variable with its first two derivatives.
+pub trait Curve {
+    /// (f, f', f'') at `x`.
+    fn at(&self, x: f64) -> [f64; 3];
+    /// Ranges that hold f, f' and f'' over lo..=hi.
+    fn over(&self, range: [f64; 2]) -> [[f64; 2]; 3];
+}
+
+impl Scalar for f64 {
+    #[inline]
+    fn constant(x: f64) -> Self {
+        x
+    }
+    #[inline]
+    fn centre(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn square(self) -> Self {
+        self * self
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        f::exp(self)
+    }
+    #[inline]
+    fn log(self) -> Self {
+        f::log(self)
+    }
+    #[inline]
+    fn sin(self) -> Self {
+        f::sin(self)
+    }
+    #[inline]
+    fn cos(self) -> Self {
+        f::cos(self)
+    }
+    #[inline]
+    fn tan(self) -> Self {
+        f::tan(self)
+    }
+    #[inline]
+    fn atan(self) -> Self {
+        f::atan(self)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        f::atan2(self, x)
+    }
+    #[inline]
+    fn fade(self) -> Self {
+        if self == 0.0 { 1.0 } else { -f::expm1(-self) / self }
+    }
+    #[inline]
+    fn log_over(self) -> Self {
+        if self == 0.0 { 1.0 } else { f::log1p(self) / self }
+    }
+    #[inline]
+    fn tan_over_root(self) -> Self {
+        if self.abs() < 1e-8 {
+            1.0 + self / 3.0
+        } else if self < 0.0 {
+            TanOverRoot.at(self)[0]
+        } else {
+            let root = f64::sqrt(self);
+            f::tan(root) / root
+        }
+    }
+    #[inline]
+    fn atan_over_root(self) -> Self {
+        if self.abs() < 1e-8 {
+            1.0 - self / 3.0
+        } else if self < 0.0 {
+            AtanOverRoot.at(self)[0]
+        } else {
+            let root = f64::sqrt(self);
+            f::atan(root) / root
+        }
+    }
+    #[inline]
+    fn through(self, curve: &impl Curve) -> Self {
+        curve.at(self)[0]
+    }
+}
+
+impl Base for f64 {
+    #[inline]
+    fn curve(self, curve: &impl Curve) -> [Self; 3] {
+        curve.at(self)
+    }
+}
