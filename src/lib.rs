@@ -4,9 +4,11 @@
 //! # Words
 //!
 //! - **profile**: the TOML file that says what is wanted ([`profile`]).
-//! - **camera**: which ray each image point sends out; orthographic ([`optics::Orthographic`]).
-//! - **projection**: which world direction an image point must see ([`optics::Image`]).
-//! - **law**: how an image row maps to elevation ([`optics::Law`]).
+//! - **camera**: which ray each image point sends out; orthographic or pinhole ([`optics::Camera`]).
+//! - **projection**: which world direction, or point of a target surface, an image point must see
+//!   ([`optics::Projection`]; with the target, [`optics::View`]).
+//! - **law**: how an image row or radius maps to elevation ([`optics::Law`], [`optics::RadialLaw`]).
+//! - **chart**: image coordinates and a height along the camera's rays ([`geom::Chart`]).
 //! - **panel**: one smooth mirror sheet over one image region; a conquistador has two, the second
 //!   being the reflection of the first.
 //! - **mirror**: the designed panels ([`mirror::Mirror`]).

@@ -6,14 +6,13 @@
 mod support;
 
 use morion::design::Design;
-use morion::geom::{DVec2, DVec3, TriMesh, turn};
+use morion::geom::{DVec2, DVec3, Outline, Rect, TriMesh, turn};
 use morion::mesh::{Bound, Face, Limits, Prover};
-use morion::optics::reflect_vertical;
 use morion::profile::{MeshLimits, Profile};
 use morion::solid::{Precision, Solid};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
-use support::{designed, limits, meshed, profile, shipped};
+use support::{designed, limits, meshed, profile, sag, shipped};
 
 /// What rounding in the samples themselves may add, mm: an ulp of the sag and of the image.
 const ULP: f64 = 1e-12;
@@ -45,14 +44,20 @@ fn weights(n: u32) -> Vec<[f64; 3]> {
 fn sampled(design: &Design, corners: [DVec3; 3], places: &[[f64; 3]]) -> Sampled {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
-    let flat = reflect_vertical(-normal.truncate() / normal.z);
-    let strip = &design.image.strip;
+    let flat = -normal.truncate() / normal.z;
+    let (mirror, view) = (&design.mirror, design.view.as_ref().unwrap());
     let at = |w: &[f64; 3]| {
         let point = a * w[0] + b * w[1] + c * w[2];
-        let q = point.truncate();
-        let mirror = design.mirror.sheet.at(q);
-        let shown = strip.locate(flat, q) - strip.locate(reflect_vertical(mirror.slope), q);
-        Sampled { chord: (point.z - mirror.sag).abs(), facet: shown.length() }
+        // On one camera ray.
+        let (q, _) = mirror.chart.coordinates(point);
+        let smooth = mirror.surface.at(q);
+        let place = mirror.place(q, &smooth);
+        let shown = |at: DVec3, slope: DVec2| {
+            let content = view.content(&design.camera.chart, at.to_array(), slope.to_array(), q);
+            DVec2::from_array(content)
+        };
+        let facet = (shown(point, flat) - shown(place, mirror.slope(q, &smooth))).length();
+        Sampled { chord: (point - place).length(), facet }
     };
     // A NaN is no error that `max` would pass on.
     let checked = |s: Sampled| {
@@ -69,14 +74,17 @@ fn rounded(corner: DVec3) -> DVec3 {
 /// Samples every facet of the designed panel coarsely and an even choice of them densely, as
 /// designed and as single precision leaves it; each must keep its own bound.
 fn largest_errors(design: &Design, face: &Face) -> Sampled {
-    let prover = Prover::new(&design.mirror, design.image.strip);
+    let prover = Prover::new(&design.mirror, &design.camera.chart, design.view.as_ref());
     let (coarse, dense) = (weights(2), weights(9));
     let stride = face.designed.div_ceil(DENSE);
     let facet = |t: usize| {
         let corners = face.mesh.corners(t);
         let vertex = |v: DVec3| {
-            let q = v.truncate();
-            prover.vertex(q, design.mirror.sheet.at(q))
+            let (q, _) = design.mirror.chart.coordinates(v);
+            // Under parallel rays meshed at single-precision image points.
+            let single = design.mirror.chart.vergence == 0.0;
+            let q = if single { q.as_vec2().as_dvec2() } else { q };
+            prover.vertex(q, design.mirror.surface.at(q))
         };
         let [a, b, c] = corners.map(vertex);
         let bound = prover.bound([&a, &b, &c]);
@@ -132,8 +140,11 @@ fn hold(profile: &Profile) -> Sampled {
 /// The face's outline, facets and symmetry, to the last bit.
 fn hold_shape(design: &Design, face: &Face) {
     let mesh = &face.mesh;
-    for v in &mesh.vertices {
-        let q = v.truncate();
+    for &v in &mesh.vertices {
+        let (q, _) = design.mirror.chart.coordinates(v);
+        if design.mirror.chart.vergence != 0.0 {
+            continue;
+        }
         assert_eq!(q.as_vec2().as_dvec2(), q, "X and Y are no single-precision numbers");
     }
     let mut shadow = 0.0;
@@ -143,11 +154,16 @@ fn hold_shape(design: &Design, face: &Face) {
         assert!(area > 0.0, "facet {t} is empty or inverted: {a} {b} {c}");
         shadow += 0.5 * area;
     }
-    let outline = design.mirror.outline();
-    assert!((shadow / outline.area() - 1.0).abs() < 1e-9, "{shadow} of {}", outline.area());
-    hold_rim(design, mesh);
-    if design.mirror.even_x {
-        assert!(is_symmetric(mesh, DVec3::new(-1.0, 1.0, 1.0)), "not symmetric in X");
+    match design.mirror.whole() {
+        Outline::Rect(rect) if design.mirror.chart.vergence == 0.0 => {
+            assert!((shadow / rect.area() - 1.0).abs() < 1e-9, "{shadow} of {}", rect.area());
+            hold_rim(rect, mesh);
+        }
+        Outline::Rect(_) => {}
+        Outline::Ring { inner, outer } => hold_round_rims(design, mesh, [inner, outer], shadow),
+    }
+    for (even, axis) in design.mirror.even.into_iter().zip([DVec3::X, DVec3::Y]) {
+        assert!(!even || is_symmetric(mesh, 1.0 - 2.0 * axis), "not symmetric along {axis}");
     }
     if design.mirror.folded {
         assert_eq!(2 * face.designed, mesh.triangles.len());
@@ -159,15 +175,42 @@ fn hold_shape(design: &Design, face: &Face) {
     }
 }
 
-/// Every edge with one facet lies on one side of the outline, and the corners are vertices.
-fn hold_rim(design: &Design, mesh: &TriMesh) {
+/// How many facets each edge has.
+fn edges(mesh: &TriMesh) -> HashMap<(u32, u32), u32> {
     let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
     for &[a, b, c] in &mesh.triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
             *edges.entry((from.min(to), from.max(to))).or_default() += 1;
         }
     }
-    let outline = design.mirror.outline();
+    edges
+}
+
+/// Every edge with one facet runs along one of the round rims, cutting little of it.
+fn hold_round_rims(design: &Design, mesh: &TriMesh, radii: [f64; 2], shadow: f64) {
+    let rims = radii.map(|r| {
+        let q = DVec2::new(r, 0.0);
+        design.mirror.place(q, &design.mirror.surface.at(q)).x
+    });
+    let mut counts = [0; 2];
+    for ((a, b), _) in edges(mesh).into_iter().filter(|&(_, count)| count == 1) {
+        let [a, b] = [a, b].map(|v| mesh.vertices[v as usize].truncate());
+        let rim = usize::from(rims[0] == 0.0 || (a.length() - rims[1]).abs() < 1e-4 * rims[1]);
+        for end in [a, b] {
+            assert!((end.length() / rims[rim] - 1.0).abs() < 2e-7, "{end} off the rim {rims:?}");
+        }
+        let cut = 1.0 - (0.5 * (a + b)).length() / rims[rim];
+        assert!(cut < 1.01 * Outline::EDGE, "a chord of the rim cuts {cut}");
+        counts[rim] += 1;
+    }
+    assert!(counts[1] > 100 && (counts[0] > 50) == (rims[0] > 0.0), "{counts:?}");
+    let area = std::f64::consts::PI * (rims[1] - rims[0]) * (rims[1] + rims[0]);
+    assert!((shadow / area - 1.0).abs() < 2.0 * Outline::EDGE, "{shadow} of {area}");
+}
+
+/// Every edge with one facet lies on one side of the outline, and the corners are vertices.
+fn hold_rim(outline: Rect, mesh: &TriMesh) {
+    let edges = edges(mesh);
     let sides = |v: u32| {
         let q = mesh.vertices[v as usize];
         [q.x == outline.min.x, q.x == outline.max.x, q.y == outline.min.y, q.y == outline.max.y]
@@ -212,6 +255,49 @@ fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64
 }
 
 const SHIPPED: [&str; 3] = ["panoramic", "conquistador", "conformal"];
+
+/// A few of the round ones, for both cameras, discs and rings.
+const ROUND: [&str; 5] = ["parabolic", "hyperbolic", "conical", "plane", "cylinder"];
+
+#[test]
+fn round_mirrors_keep_their_bounds_and_have_round_rims() {
+    for name in ROUND {
+        println!("{name}");
+        let share = hold(&shipped(name));
+        assert!(share.facet >= 0.7, "{name}: samples reach {share:?} of the bounds");
+    }
+}
+
+#[test]
+fn chord_limits_of_round_mirrors_are_kept_and_not_idle() {
+    for name in ROUND {
+        println!("{name}");
+        let share = hold(&with_limits(shipped(name), Some(5.0), None));
+        assert!(share.chord >= 0.5, "{name}: samples reach {share:?}");
+    }
+}
+
+const PINHOLE: &[(&str, &str)] = &[(
+    "camera.orthographic.pixels = [640, 480]",
+    "camera.pinhole = { pixels = [640, 480], focal_px = 1600, distance_mm = 150 }",
+)];
+const NEAR: (&str, &str) = ("[-30, 30] }", "[-30, 30], target_radius_mm = 400 }");
+
+#[test]
+fn pinholes_and_near_targets_keep_their_bounds() {
+    let crest = ("layout.strip = {}", "layout.conquistador = {}");
+    for (what, edits) in [
+        ("pinhole", vec![PINHOLE[0]]),
+        ("near", vec![NEAR]),
+        ("both", vec![PINHOLE[0], NEAR]),
+        ("both, folded", vec![PINHOLE[0], NEAR, crest]),
+    ] {
+        println!("{what}");
+        let share = hold(&profile(&edits));
+        assert!(share.facet >= 0.6, "{what}: samples reach {share:?} of the bounds");
+        hold(&with_limits(profile(&edits), Some(10.0), None));
+    }
+}
 
 #[test]
 fn shipped_profiles_keep_their_bounds_and_the_facet_bound_is_not_idle() {
@@ -303,8 +389,10 @@ fn every_layout_and_range_keeps_a_chord_limit() {
 #[test]
 fn samples_see_a_facet_that_is_off() {
     let design = designed(&shipped("panoramic"));
-    let corner =
-        |x: f64, y: f64| DVec2::new(x, y).extend(design.mirror.sheet.at(DVec2::new(x, y)).sag);
+    let corner = |x: f64, y: f64| {
+        let q = DVec2::new(x, y);
+        q.extend(sag(&design, q))
+    };
     let corners = [corner(1.0, 1.0), corner(1.2, 1.0), corner(1.1, 1.2)];
     let before = sampled(&design, corners, &weights(9));
     let tilted = [corners[0] + DVec3::Z * 0.01, corners[1], corners[2]];

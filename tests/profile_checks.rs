@@ -1,8 +1,8 @@
 //! Profiles that are valid, profiles at the edge of it, and text that is no profile at all.
 
 use morion::profile::{
-    Accept, Camera, Format, Law, Layout, MeshLimits, Method, PanelSource, Part, Profile,
-    Projection, Ridge, shipped,
+    Accept, Camera, Format, Layout, MeshLimits, Method, MethodKind, PanelSource, Part, Profile,
+    Projection, Ridge, Shape, StripLaw, StripProjection, Target, shipped,
 };
 use proptest::prelude::*;
 
@@ -36,17 +36,22 @@ fn the_shipped_conquistador_is_the_papers() {
             sha256: profile.sha256.clone(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: Camera::Orthographic { pixels: [640, 480] },
-            projection: Projection {
-                law: Law::Cylindrical,
+            projection: Some(Projection::Strip(StripProjection {
+                law: StripLaw::Cylindrical,
                 azimuth_deg: [-180.0, 180.0],
                 elevation_deg: [-30.0, 30.0],
-            },
+                target: Target::Infinity,
+            })),
             layout: Layout::Conquistador {
                 panel: PanelSource::Refit,
                 ridge: Ridge::Crest,
                 fill_frame: true,
             },
-            method: Method::VectorField { degree: 12 },
+            shape: Shape::Designed(Method {
+                kind: MethodKind::VectorField,
+                degree: 12,
+                minimax: false,
+            }),
             part: Part { width_mm: 60.0, base_mm: 5.0 },
             mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0) },
             formats: vec![Format::Stl, Format::Obj],
@@ -57,6 +62,13 @@ fn the_shipped_conquistador_is_the_papers() {
             },
         }
     );
+}
+
+fn strip_of(profile: &Profile) -> &StripProjection {
+    match &profile.projection {
+        Some(Projection::Strip(strip)) => strip,
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]
@@ -82,7 +94,7 @@ fn defaults_and_other_ways_to_write_toml() {
         }
     );
     let mercator = with(&[("cylindrical", "mercator"), ("[640", "[0x2_80")]).expect("valid");
-    assert_eq!(mercator.projection.law, Law::Mercator);
+    assert_eq!(strip_of(&mercator).law, StripLaw::Mercator);
     assert_eq!(mercator.camera, Camera::Orthographic { pixels: [640, 480] });
 }
 
@@ -207,6 +219,15 @@ fn soup() -> impl Strategy<Value = String> {
         "chord_um",
         "layout",
         "strip",
+        "projection",
+        "table",
+        "elevation_deg",
+        "mirror",
+        "polynomial",
+        "radius_mm",
+        "terms",
+        "[[0,1]]",
+        "[[0,1,2]]",
         "summary",
         "1",
         "-1",
@@ -243,6 +264,33 @@ fn check_complaints(text: &[u8]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// A ring under a pinhole, a strip by a table and a given mirror.
+const OTHERS: [&str; 3] = [
+    "[camera.pinhole]\npixels = [640, 480]\nhfov_deg = 40\ndistance_mm = 200\n\
+     [projection.cylinder]\ninner_polar_deg = 20\nouter_polar_deg = 120\n\
+     target_radius_mm = 500\n[layout.annulus]\ninner_width_mm = 20\n\
+     [method.distribution]\ndegree = 12\nminimax = true\n[part]\nwidth_mm = 60\n\
+     base_mm = 5\n[mesh]\nfacet_px = 1\n[export]\nformats = [\"obj\"]\n",
+    "[camera.orthographic]\npixels = [640, 480]\n[projection.table]\n\
+     azimuth_deg = [-90, 90]\nelevation_deg = [[0, 40], [100, 20], [200, 5]]\n\
+     target_plane_mm = 500\n[layout.strip]\nfill_frame = false\n\
+     [method.fixed-surface]\ndegree = 12\n[part]\nwidth_mm = 60\n\
+     base_mm = 5\n[mesh]\nfacet_px = 1\n[export]\nformats = [\"obj\"]\n",
+    "[camera.pinhole]\npixels = [640, 480]\nfocal_px = 800\ndistance_mm = 200\n\
+     [mirror.polynomial]\nradius_mm = -80\nconic = -0.5\n\
+     terms = [[2, 0, 1e-3], [0, 4, 1e-6]]\n[part]\nwidth_mm = 60\nheight_mm = 40\n\
+     base_mm = 5\n[mesh]\nchord_um = 2\n[export]\nformats = [\"obj\"]\n",
+];
+
+#[test]
+fn the_texts_to_damage_are_whole() {
+    for text in OTHERS {
+        if let Err(complaints) = Profile::parse("o", "o.toml", text.as_bytes()) {
+            panic!("{complaints}");
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn no_text_is_too_strange(text in soup()) {
@@ -257,12 +305,13 @@ proptest! {
     /// A valid profile with a piece cut out or something strange put in.
     #[test]
     fn no_damage_is_too_strange(
-        which in 0..3_usize,
+        which in 0..6_usize,
         at in 0..1500_usize,
         cut in 0..40_usize,
         put in soup(),
     ) {
-        let mut text = shipped()[which].text.as_bytes().to_vec();
+        let whole = shipped().get(which).map_or_else(|| OTHERS[which - 3], |s| s.text);
+        let mut text = whole.as_bytes().to_vec();
         let at = at.min(text.len());
         let end = (at + cut).min(text.len());
         text.splice(at..end, put.bytes());

@@ -97,7 +97,7 @@ fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
                     [("cylindrical", law), ("degree = 12", degree), ("[-30, 30]", elevation)];
                 let what = format!("{law}, {degree}, {elevation}");
                 let profile = with_limits(profile(&edits), None, Some(20.0));
-                let Ok(design) = design(&profile) else {
+                let Ok(design) = design(&profile, None) else {
                     refused += 1;
                     continue;
                 };
@@ -122,12 +122,12 @@ fn results_are_the_same_at_every_size() {
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
         sound(width, &profile, &Ok(face.clone()));
-        let scale = design.image.strip.scale_mm;
+        let scale = design.view.as_ref().unwrap().projection.scale_mm();
         [
             face.mesh.triangles.len() as f64,
             face.bound.facet_mm / scale,
             face.bound.chord_mm / scale,
-            face.optimum.facet(0.01 * scale),
+            face.optimum.facet(0.01 * scale).unwrap(),
             design.mirror.volume() / (scale * scale * scale),
         ]
     };
@@ -162,10 +162,32 @@ fn frames_of_any_shape_are_sound() {
             for (chord_um, facet_px) in [(None, Some(40.0)), (Some(20.0), None)] {
                 let profile = with_limits(profile(&edits), chord_um, facet_px);
                 let what = format!("{pixels}, {layout}");
-                let Ok(design) = design(&profile) else { continue };
+                let Ok(design) = design(&profile, None) else { continue };
                 let face = meshed(&profile, &design);
                 sound(&what, &profile, &face);
             }
         }
+    }
+}
+
+#[test]
+fn a_frame_too_high_for_the_law_is_refused() {
+    let fill = ("layout.strip = {}", "layout.strip = { fill_frame = true }");
+    let high = ("[640, 480]", "[90, 120]");
+    for (law, refused) in [
+        ("equirectangular", true),
+        ("equal-area", true),
+        ("mercator", false),
+        ("cylindrical", false),
+    ] {
+        let profile = profile(&[("cylindrical", law), fill, high]);
+        let error = design(&profile, None).err().map(|error| error.to_string());
+        assert_eq!(
+            error.as_ref().is_some_and(|error| error.contains("leave fill_frame out")),
+            refused,
+            "{law}: {error:?}"
+        );
+        // What it asks for helps.
+        assert!(design(&support::profile(&[("cylindrical", law), high]), None).is_ok(), "{law}");
     }
 }

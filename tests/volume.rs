@@ -3,10 +3,10 @@
 mod support;
 
 use morion::design::Design;
-use morion::geom::{DVec3, TriMesh, turn};
+use morion::geom::{DVec2, DVec3, TriMesh, turn};
 use morion::profile::{MeshLimits, Profile};
 use morion::solid::{Precision, Solid};
-use support::{designed, meshed, profile, shipped};
+use support::{designed, meshed, panel, profile, sag, shipped};
 
 /// The integral of the sag over all panels by Boole's rule, which the design does not know.
 fn quadrature(design: &Design) -> f64 {
@@ -17,11 +17,12 @@ fn quadrature(design: &Design) -> f64 {
         (_, 2) => 12.0,
         _ => 32.0,
     };
-    let panel = design.mirror.panel;
+    let panel = panel(design);
     let cell = panel.size() / STEPS as f64;
     let line = |j: usize| {
-        let row = design.mirror.sheet.row(panel.min.y + cell.y * j as f64);
-        (0..=STEPS).map(|i| weight(i) * row.at(panel.min.x + cell.x * i as f64).sag).sum::<f64>()
+        let y = panel.min.y + cell.y * j as f64;
+        let at = |i: usize| sag(design, DVec2::new(panel.min.x + cell.x * i as f64, y));
+        (0..=STEPS).map(|i| weight(i) * at(i)).sum::<f64>()
     };
     let sum: f64 = (0..=STEPS).map(|j| weight(j) * line(j)).sum();
     let rule = 2.0 / 45.0;
@@ -59,14 +60,14 @@ fn the_solids_volume_is_the_designs_within_the_chord_bound() {
         profile.mesh.facet_px = Some(4.0);
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
-        let slack = design.mirror.outline().area() * face.bound.chord_mm;
+        let slack = design.mirror.whole().area() * face.bound.chord_mm;
         for precision in [Precision::Single, Precision::Double] {
             let solid = Solid::from_face(&face.mesh, precision).unwrap();
             let off = solid.check().volume_mm3 - design.mirror.volume();
             println!("{what} {precision:?}: off by {:.4} of the slack", off.abs() / slack);
             assert!(off.abs() <= slack, "{what}, {precision:?}: off by {off}, allowed {slack}");
             // A thin slack: the check can tell a part that is a hundredth of a millimetre too high.
-            assert!(slack < 0.01 * design.mirror.outline().area() || what == "60 degrees");
+            assert!(slack < 0.01 * design.mirror.whole().area() || what == "60 degrees");
         }
     }
 }
@@ -81,7 +82,7 @@ fn gap(design: &Design, mesh: &TriMesh) -> f64 {
         let at = |weights: [f64; 3]| {
             let sum: f64 = weights.iter().sum();
             let point: DVec3 = corners.iter().zip(weights).map(|(v, w)| *v * (w / sum)).sum();
-            (point.z - design.mirror.sheet.at(point.truncate()).sag).abs()
+            (point.z - sag(design, point.truncate())).abs()
         };
         let [a, b, c] = corners.map(DVec3::truncate);
         0.5 * turn(a, b, c) * PLACES.map(at).iter().sum::<f64>() / PLACES.len() as f64
@@ -103,7 +104,7 @@ fn the_volume_error_falls_with_the_square_of_the_facets_size() {
                 (solid.check().volume_mm3 - design.mirror.volume(), gap(&design, &face));
             println!("{law}, {chord_um} um: off by {off}, gap {gap}");
             assert!(off.abs() < 1.1 * gap, "{law}: off by {off}, gap {gap}");
-            let area = design.mirror.panel.area() / face.triangles.len() as f64;
+            let area = design.mirror.outline.area() / face.triangles.len() as f64;
             [gap, area]
         });
         let (gap, area) = (coarse[0] / fine[0], coarse[1] / fine[1]);

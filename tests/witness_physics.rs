@@ -41,22 +41,25 @@ fn rays(design: &Design) -> Vec<(DVec2, Ray)> {
 /// The witness over the whole sensor, its table made from the design here.
 fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> Witness {
     let camera = design.camera;
-    let outline = design.mirror.outline();
+    let outline = design.mirror.whole();
+    let view = design.view.as_ref().unwrap();
     let row = |row: u32| {
         let intent = |column: u32| {
             let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            let normal = design.mirror.row(point.y).at(point.x).normal();
+            let mirror = design.mirror.row(point.y).at(point.x);
+            let normal = design.mirror.normal(point, &mirror);
+            let at = design.mirror.place(point, &mirror);
             Intent {
                 ray: camera.ray(point, 1e3),
                 point,
                 aimed: outline.contains(point),
-                wanted: design.image.wanted(point),
-                designed: reflect(DVec3::NEG_Z, normal),
+                wanted: view.wanted(point, at),
+                designed: view.locate(at, reflect(DVec3::NEG_Z, normal), point),
             }
         };
         (0..camera.pixels[0]).map(intent).collect()
     };
-    Witness::trace(scene, normals, &design.image, camera.pixels, row)
+    Witness::trace(scene, normals, Some(view), camera.pixels, row)
 }
 
 /// Summary of one error over what `profile`'s own mesh shows.
@@ -76,7 +79,7 @@ fn every_pixel_obeys_the_law_of_reflection() {
         for (q, ray) in rays(&design) {
             let (outcome, hit, leaving) = look(&scene, &ray);
             if outcome != Outcome::Hit {
-                assert!(!design.mirror.outline().contains(q), "{q} is not seen: {outcome:?}");
+                assert!(!design.mirror.whole().contains(q), "{q} is not seen: {outcome:?}");
                 continue;
             }
             hits += 1;
@@ -129,7 +132,7 @@ fn the_witness_agrees_with_a_tracer_over_all_facets() {
         let design = designed(&profile);
         let solid = solid(&profile, &design);
         let mesh = solid.mesh();
-        assert!((1000..20_000).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
+        assert!((500..20_000).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
         let scene = Scene::new(mesh.clone());
         for (q, ray) in rays(&design).into_iter().step_by(11) {
             let (outcome, hit, leaving) = look(&scene, &ray);
@@ -174,7 +177,8 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
         for precision in [Precision::Single, Precision::Double] {
             let solid = Solid::from_face(&face.mesh, precision).unwrap();
             let scene = Scene::new(solid.mesh().clone());
-            let found = witness(&design, &scene, None).summary(|s| Some(s.errors.facet_mm));
+            let found =
+                witness(&design, &scene, None).summary(|s| Some(s.errors.unwrap().facet_mm));
             let share = found.unwrap().max / face.bound.facet_mm;
             println!("{edits:?} {precision:?}: {share:.3} of the bound");
             assert!(share <= 1.0 && share > 0.8, "{edits:?}: {share} of the bound");
@@ -184,7 +188,7 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
 
 fn built(profile: &Profile) -> Report {
     let folder = tempfile::tempdir().unwrap();
-    build(profile, folder.path(), &Silent).unwrap_or_else(|error| panic!("{error}"))
+    build(&profile.clone().into(), folder.path(), &Silent).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -203,6 +207,27 @@ fn a_valley_shadows_itself_and_a_crest_does_not() {
     assert_eq!((trace.shadowed, trace.missed, trace.back_face), (0, 0, 0));
     assert_eq!((trace.hit, trace.rays), (160 * 120, 160 * 120));
     assert_eq!((report.verdict, &report.reasons[..]), (Verdict::Pass, &[][..]));
+}
+
+#[test]
+fn rims_that_rounding_moves_outwards_stay_on_their_panel() {
+    // Under a pinhole the rim's single-precision vertices lie on either side of the outline.
+    let pinhole = (
+        "camera.orthographic.pixels = [640, 480]",
+        "camera.pinhole = { pixels = [96, 72], hfov_deg = 60, distance_mm = 72 }",
+    );
+    let crest = ("layout.strip = {}", "layout.conquistador = { fill_frame = false }");
+    let low = ("[-30, 30]", "[1, 60]");
+    let profile = profile(&[pinhole, crest, low]);
+    let report = built(&profile);
+    assert_eq!((report.verdict, &report.reasons[..]), (Verdict::Pass, &[][..]));
+    // The panels continue beyond their outer rims.
+    let mirror = designed(&profile).mirror;
+    let rim = mirror.whole().bounds().max.y;
+    for y in [rim, -rim] {
+        let (on, off) = (mirror.row(y).at(3.0), mirror.row(y * (1.0 + 1e-12)).at(3.0));
+        assert!((on.f - off.f).abs() < 1e-9 && (on.slope - off.slope).length() < 1e-9, "{y}");
+    }
 }
 
 #[test]
@@ -235,7 +260,7 @@ fn per_size(profile: &Profile, facet_px: [f64; 2], error: impl Fn(&Seen) -> f64)
         let profile = with_facets(profile, px);
         let design = designed(&profile);
         let solid = solid(&profile, &design);
-        let size = (design.mirror.outline().area() / solid.optical() as f64).sqrt();
+        let size = (design.mirror.whole().area() / solid.optical() as f64).sqrt();
         let scene = Scene::new(solid.mesh().clone());
         let rms = witness(&design, &scene, None).summary(|seen| Some(error(seen))).unwrap().rms;
         println!("{px} px: size {size:.4} mm, error {rms:.5}");
@@ -246,29 +271,33 @@ fn per_size(profile: &Profile, facet_px: [f64; 2], error: impl Fn(&Seen) -> f64)
 #[test]
 fn facet_error_falls_at_first_order_with_the_facets_size() {
     for edits in [&[][..], &[CREST], &[CREST, MERCATOR]] {
-        let per_size = per_size(&profile(edits), [4.0, 2.0], |seen| seen.errors.facet_mm);
+        let per_size = per_size(&profile(edits), [4.0, 2.0], |seen| seen.errors.unwrap().facet_mm);
         assert!((per_size[0] / per_size[1] - 1.0).abs() < 0.1, "{edits:?}: {per_size:?}");
     }
 }
 
 #[test]
 fn the_conformal_mirrors_ray_error_vanishes_with_the_facets() {
-    let per_size = per_size(&shipped("conformal"), [4.0, 2.0], |seen| seen.errors.ray);
+    let per_size = per_size(&shipped("conformal"), [4.0, 2.0], |seen| seen.errors.unwrap().ray);
     assert!((per_size[0] / per_size[1] - 1.0).abs() < 0.1, "{per_size:?}");
     // The paper's law has no exact mirror: there the design's own error stays.
     let paper = shipped("conquistador");
-    let stays = [8.0, 2.0].map(|px| summary(&with_facets(&paper, px), |seen| seen.errors.ray).rms);
-    assert!(stays[1] > 0.9 * designed(&paper).facts.ray_error_mrad.rms * 1e-3, "{stays:?}");
+    let stays =
+        [8.0, 2.0].map(|px| summary(&with_facets(&paper, px), |seen| seen.errors.unwrap().ray).rms);
+    assert!(
+        stays[1] > 0.9 * designed(&paper).facts.ray_error_mrad.unwrap().rms * 1e-3,
+        "{stays:?}"
+    );
 }
 
 #[test]
 fn a_files_normals_show_the_design() {
     for name in ["panoramic", "conquistador"] {
-        let mut profile = with_facets(&shipped(name), 4.0);
+        let mut profile = with_facets(&shipped(name), 2.0);
         profile.formats = vec![Format::Obj];
         let report = built(&profile);
         let smooth = report.trace[0].interpolated_normals.unwrap().pixel_error_px.unwrap();
-        let ratio = smooth.rms / report.design.pixel_error_px.rms;
+        let ratio = smooth.rms / report.design.pixel_error_px.unwrap().rms;
         println!("{name}: {ratio}");
         assert!((ratio - 1.0).abs() < 0.01, "{name}: {smooth:?}");
     }

@@ -50,6 +50,15 @@ pub enum Command {
         #[arg(long)]
         profile: String,
     },
+    /// Run time against error: the shipped mirrors designed in every way, into DIR/bench/
+    Bench {
+        /// Few degrees, one run of each
+        #[arg(long)]
+        quick: bool,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
     /// List the shipped profiles
     Profiles {
         /// Print this one, to start from

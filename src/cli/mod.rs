@@ -3,7 +3,7 @@
 mod args;
 mod progress;
 
-use crate::pipeline::{build, load, verify};
+use crate::pipeline::{Source, bench, build, load, verify};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Report, Verdict, text};
 use args::{Arguments, Command, Format};
@@ -45,10 +45,10 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     let progress = Progress::new(arguments.quiet);
     match &arguments.command {
         Command::Build { profiles, out } => {
-            let profiles = load_all(profiles)?;
+            let sources = load_all(profiles)?;
             let (mut code, mut failures) = (PASSED, Vec::new());
-            for profile in &profiles {
-                match build(profile, out, &progress) {
+            for source in &sources {
+                match build(source, out, &progress) {
                     Ok(report) => code = code.max(conclude(arguments, &report)?),
                     Err(error) => failures.push(error.to_string()),
                 }
@@ -56,7 +56,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             if failures.is_empty() { Ok(code) } else { Err(failures.join("\n").into()) }
         }
         Command::Check { profile } => {
-            let profile = load(profile)?;
+            let profile = load(profile)?.profile;
             print(&match arguments.format {
                 Format::Text => format!("{}: valid ({})\n", profile.name, profile.sha256),
                 Format::Json => line(&json!({ "name": profile.name, "sha256": profile.sha256 })),
@@ -67,11 +67,19 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let report = verify(&load(profile)?, file, &progress)?;
             conclude(arguments, &report)
         }
+        Command::Bench { quick, out } => {
+            let bench = bench(out, *quick)?;
+            print(&match arguments.format {
+                Format::Text => bench.text(),
+                Format::Json => bench.json(),
+            })?;
+            Ok(PASSED)
+        }
         Command::Profiles { show: None } => {
             for Shipped { name, text } in shipped() {
                 let summary = Profile::parse(name, name, text.as_bytes())?.summary;
                 print(&match arguments.format {
-                    Format::Text => format!("{name:14} {summary}\n"),
+                    Format::Text => format!("{name:21} {summary}\n"),
                     Format::Json => line(&json!({ "name": name, "summary": summary })),
                 })?;
             }
@@ -90,18 +98,20 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 /// All profiles, or all their faults; two of one name would overwrite each other.
-fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
-    let (mut profiles, mut faults) = (Vec::<Profile>::new(), Vec::new());
+fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
+    let (mut sources, mut faults) = (Vec::<Source>::new(), Vec::new());
     for named in named {
         match load(named) {
-            Ok(profile) if profiles.iter().any(|p| p.name == profile.name) => {
+            Ok(Source { profile, .. })
+                if sources.iter().any(|s| s.profile.name == profile.name) =>
+            {
                 faults.push(format!("{named}: another profile is called {} too", profile.name));
             }
-            Ok(profile) => profiles.push(profile),
+            Ok(source) => sources.push(source),
             Err(fault) => faults.push(fault.to_string()),
         }
     }
-    if faults.is_empty() { Ok(profiles) } else { Err(faults.join("\n").into()) }
+    if faults.is_empty() { Ok(sources) } else { Err(faults.join("\n").into()) }
 }
 
 /// Prints a report and turns its verdict into an exit code.

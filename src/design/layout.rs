@@ -1,59 +1,159 @@
-//! Layouts: where the image strip, the panel and the domain of the fit lie in the part.
+//! Layouts: where the image, the panel and the domain of the fit lie in the part.
 
-use crate::geom::{DVec2, Rect};
+use super::DesignError;
+use super::strip::{self, Panel};
+use crate::geom::{Chart, DVec2, Outline, Rect};
+use crate::mirror::Mirror;
+use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
-use crate::optics::{Fold, Law, Orthographic, Strip};
-use crate::profile::{self, Camera, Layout, PanelSource, Profile, Ridge};
+use crate::optics::{Camera, Fold, Projection, Rims, Target, View};
+use crate::profile::{self, Layout, PanelSource, Profile, RadialLaw, RadialProjection, Ridge};
 
-/// The geometry that a profile fixes before anything is solved.
+/// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Image of the designed panel.
-    pub strip: Strip,
-    /// The panel to be made, mm; corners rounded to single precision, so that the rim of every
-    /// file is exactly straight.
-    pub panel: Rect,
-    /// Where the sheet is fitted, mm: the panel, or for `section` the panorama it is cut from.
-    pub domain: Rect,
-    /// Which side of Y = 0 the panel lies on, for folded mirrors.
-    pub fold: Option<Fold>,
-    /// Whether problem and panel are symmetric in X.
-    pub even_x: bool,
     /// The camera.
-    pub camera: Orthographic,
+    pub camera: Camera,
+    /// What the designed panel must show.
+    pub view: View,
+    /// The panel to be made, mm; for parallel rays a rectangle's corners are single-precision
+    /// numbers, so that the rim of every file is exactly straight.
+    pub outline: Outline,
+    /// Where the surface is fitted, mm: the panel, or for `section` the panorama it is cut from.
+    pub domain: Outline,
+    /// Whether problem and panel are symmetric in x and in y.
+    pub even: [bool; 2],
+}
+
+/// What the geometry of a round mirror takes from the answer: found by repetition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ties {
+    /// Image radius of the inner rim, mm.
+    pub inner_mm: f64,
+    /// Z of the target's origin, mm.
+    pub origin_mm: f64,
+}
+
+impl Ties {
+    /// The first guess.
+    #[must_use]
+    pub fn new(profile: &Profile) -> Self {
+        let inner_mm = match profile.layout {
+            Layout::Annulus { inner_width_mm } => 0.5 * inner_width_mm,
+            _ => 0.0,
+        };
+        Self { inner_mm, origin_mm: 0.0 }
+    }
+
+    /// What they are for the mirror that was found: the inner rim has its radius in space, and the
+    /// area-mean of the height sits at the target's origin (DESIGN 3.1).
+    #[must_use]
+    pub fn after(&self, profile: &Profile, plan: &Plan, mirror: &Mirror) -> Self {
+        let Outline::Ring { inner, outer } = plan.domain else { return *self };
+        let wanted = Self::new(profile).inner_mm;
+        let rim = mirror.place(DVec2::new(inner, 0.0), &mirror.surface.at(DVec2::new(inner, 0.0)));
+        let inner_mm = if wanted == 0.0 { 0.0 } else { wanted * inner / rim.x };
+        let far =
+            |projection: &profile::Projection| projection.target() == profile::Target::Infinity;
+        if profile.projection.as_ref().is_none_or(far) {
+            return Self { inner_mm, ..*self };
+        }
+        let (nodes, weights) = gauss_legendre(64);
+        let (middle, half) = (0.5 * (inner + outer), 0.5 * (outer - inner));
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (u, w) in nodes.iter().zip(&weights) {
+            let r = middle + half * u;
+            sum += w * r * mirror.surface.at(DVec2::new(r, 0.0)).f;
+            area += w * r;
+        }
+        Self { inner_mm, origin_mm: plan.camera.chart.point(DVec2::ZERO, sum / area).z }
+    }
+
+    /// Both, mm.
+    #[must_use]
+    pub fn to_array(self) -> [f64; 2] {
+        [self.inner_mm, self.origin_mm]
+    }
+
+    /// The larger change, mm.
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> f64 {
+        (self.inner_mm - other.inner_mm).abs().max((self.origin_mm - other.origin_mm).abs())
+    }
+}
+
+/// The camera that `profile` asks for, its reference plane at Z = 0.
+#[must_use]
+pub fn camera(profile: &Profile) -> Camera {
+    let chart = |vergence| Chart { vergence, plane_mm: 0.0 };
+    match profile.camera {
+        profile::Camera::Orthographic { pixels } => {
+            let pixel_mm = profile.part.width_mm / f64::from(pixels[0]);
+            Camera { pixels, pixel_mm, chart: chart(0.0) }
+        }
+        profile::Camera::Pinhole { pixels, focal_px, distance_mm } => {
+            let pixel_mm = distance_mm / focal_px;
+            Camera { pixels, pixel_mm, chart: chart(1.0 / distance_mm) }
+        }
+    }
 }
 
 impl Plan {
-    /// Lays out `profile`.
-    #[must_use]
-    pub fn new(profile: &Profile) -> Self {
-        let law = match profile.projection.law {
-            profile::Law::Cylindrical => Law::Cylindrical,
-            profile::Law::Mercator => Law::Mercator,
-        };
-        let Camera::Orthographic { pixels } = profile.camera;
+    /// Lays out `profile`, if it has a projection.
+    ///
+    /// # Errors
+    /// [`DesignError`] when a law that is to be found cannot be.
+    pub fn new(profile: &Profile, ties: &Ties) -> Result<Option<Self>, DesignError> {
+        let camera = camera(profile);
+        match &profile.projection {
+            None => Ok(None),
+            Some(profile::Projection::Strip(wanted)) => {
+                Self::strip(profile, wanted, camera).map(Some)
+            }
+            Some(profile::Projection::Radial(wanted)) => {
+                Ok(Some(Self::round(profile, wanted, camera, ties)))
+            }
+        }
+    }
+
+    fn strip(
+        profile: &Profile,
+        wanted: &profile::StripProjection,
+        camera: Camera,
+    ) -> Result<Self, DesignError> {
         let width = profile.part.width_mm;
-        let camera = Orthographic { pixels, pixel_mm: width / f64::from(pixels[0]) };
-        let frame_height = camera.pixel_mm * f64::from(pixels[1]);
-        let azimuth = profile.projection.azimuth_deg;
-        let span = radians(azimuth[1] - azimuth[0]);
-        let middle_deg = 0.5 * (azimuth[0] + azimuth[1]);
+        let frame_height = camera.pixel_mm * f64::from(camera.pixels[1]);
+        let [first, last] = wanted.azimuth_deg;
+        let (span, middle_deg) = (radians(last - first), 0.5 * (first + last));
 
         // Azimuth across the part's width, and how many panels share the frame's height.
         let (across, panels, fill_frame) = match profile.layout {
-            Layout::Strip { fill_frame } => (span, 1.0, fill_frame),
             Layout::Conquistador { fill_frame, .. } => (0.5 * span, 2.0, fill_frame),
+            Layout::Strip { fill_frame } => (span, 1.0, fill_frame),
+            _ => (span, 1.0, false),
         };
         let scale_mm = width / across;
-        let z = profile.projection.elevation_deg.map(|e| law.image_of_elevation(radians(e)));
+        let target = target(wanted.target);
+        // The line Y = 0 is the ridge, or the middle of the rows.
+        let (fold, below) = match profile.layout {
+            Layout::Conquistador { ridge: Ridge::Crest, .. } => (Some(Fold::Above), 0.0),
+            Layout::Conquistador { ridge: Ridge::Valley, .. } => (Some(Fold::Below), 1.0),
+            _ => (None, 0.5),
+        };
+        let azimuth = radians(middle_deg);
+        let panel = Panel { camera: &camera, target, scale_mm, azimuth, across, below };
+        let (law, z) = strip::law(wanted, &panel)?;
         let z_middle = 0.5 * (z[0] + z[1]);
         let height = if fill_frame { frame_height / panels } else { (z[1] - z[0]) * scale_mm };
+        let beyond = z_middle.abs() + 0.5 * height / scale_mm;
+        if let Some(most) = law.reach()
+            && fill_frame
+            && beyond >= most
+        {
+            return Err(DesignError::Overfilled { beyond, most });
+        }
 
-        let (fold, below) = match profile.layout {
-            Layout::Strip { .. } => (None, 0.5 * height),
-            Layout::Conquistador { ridge: Ridge::Crest, .. } => (Some(Fold::Above), 0.0),
-            Layout::Conquistador { ridge: Ridge::Valley, .. } => (Some(Fold::Below), height),
-        };
+        let below = below * height;
         let exact = Rect {
             min: DVec2::new(-0.5 * width, -below),
             max: DVec2::new(0.5 * width, height - below),
@@ -64,27 +164,70 @@ impl Plan {
             }
             _ => DVec2::ONE,
         };
-        let strip = Strip {
+        let projection = Projection::Strip(crate::optics::Strip {
             law,
             scale_mm,
-            azimuth: radians(middle_deg),
+            azimuth,
             z: z_middle - (0.5 * height - below) / scale_mm,
-        };
-        Self {
-            strip,
-            panel: Rect { min: single(exact.min), max: single(exact.max) },
-            domain: Rect {
+        });
+        Ok(Self {
+            camera,
+            view: View { projection, target, origin_mm: 0.0, fold },
+            outline: Outline::Rect(if camera.chart.vergence == 0.0 {
+                Rect { min: single(exact.min), max: single(exact.max) }
+            } else {
+                exact
+            }),
+            domain: Outline::Rect(Rect {
                 min: exact.centre() - 0.5 * widening * exact.size(),
                 max: exact.centre() + 0.5 * widening * exact.size(),
-            },
-            fold,
+            }),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
-            even_x: middle_deg % 180.0 == 0.0,
+            even: [middle_deg % 180.0 == 0.0, false],
+        })
+    }
+
+    fn round(profile: &Profile, wanted: &RadialProjection, camera: Camera, ties: &Ties) -> Self {
+        let radius = [ties.inner_mm, 0.5 * profile.part.width_mm];
+        let psi = [wanted.inner_polar_deg.unwrap_or(0.0), wanted.outer_polar_deg].map(radians);
+        let rims = Rims { radius, psi, vergence: camera.chart.vergence };
+        let law = match wanted.law {
+            RadialLaw::Parabolic => rims.parabolic(),
+            RadialLaw::Hyperbolic => rims.hyperbolic(),
+            RadialLaw::Conical => rims.conical(),
+            RadialLaw::Equiangular => rims.equiangular(),
+            RadialLaw::TangentProportional => rims.tangent_proportional(),
+            RadialLaw::AreaProportional => rims.area_proportional(),
+            RadialLaw::Plane => rims.plane(),
+            RadialLaw::EquiAreal => rims.equi_areal(),
+            RadialLaw::Cylinder => rims.cylinder(),
+        };
+        let projection = Projection::Radial { law, radius };
+        let outline = Outline::Ring { inner: radius[0], outer: radius[1] };
+        Self {
             camera,
+            view: View {
+                projection,
+                target: target(wanted.target),
+                origin_mm: ties.origin_mm,
+                fold: None,
+            },
+            outline,
+            domain: outline,
+            even: [true; 2],
         }
     }
 }
 
-fn single(p: DVec2) -> DVec2 {
+fn target(target: profile::Target) -> Target {
+    match target {
+        profile::Target::Infinity => Target::Infinity,
+        profile::Target::Cylinder { radius_mm } => Target::Cylinder { radius_mm },
+        profile::Target::Plane { height_mm } => Target::Plane { height_mm },
+    }
+}
+
+/// The nearest single-precision numbers.
+pub fn single(p: DVec2) -> DVec2 {
     p.as_vec2().as_dvec2()
 }

@@ -1,167 +1,233 @@
 //! The design stage: `Profile` -> `Mirror`, with what the design can and cannot do.
 
+mod barrier;
+mod basis;
+mod best;
+mod broyden;
+mod conic;
+mod facing;
+mod facts;
+mod given;
 mod layout;
-mod vector_field;
+mod lowest;
+mod minimax;
+mod mixing;
+mod residual;
+mod solve;
+mod strip;
+mod surface;
+#[cfg(test)]
+mod trial;
 
-use crate::geom::{DVec2, Rect, angle};
-use crate::mirror::{Mirror, Sheet};
-use crate::num::least_squares::RankDeficient;
-use crate::num::stats::Summary;
-use crate::optics::{Image, Orthographic, reflect_vertical};
-use crate::profile::{Method, Profile};
-use layout::Plan;
-use serde::Serialize;
+pub use best::SearchError;
+pub use facts::{Facts, Spread};
+pub use solve::SolveError;
+
+use crate::geom::Outline;
+use crate::mirror::Mirror;
+use crate::optics::{Camera, Target, View};
+use crate::profile::{Method, Profile, SagGrid, Shape};
+use broyden::Broyden;
+use layout::{Plan, Ties};
 use thiserror::Error;
 
-/// Samples per side of the panel for the reported errors; the rim is sampled too, where the worst
-/// error usually is.
-const SAMPLES: usize = 200;
-
-/// A designed mirror with the picture it is meant to give and the camera that takes it.
+/// A mirror, designed or given, with the picture it is meant to give and the camera that takes it.
 #[derive(Debug, Clone)]
 pub struct Design {
     /// The surface.
     pub mirror: Mirror,
-    /// The projection it approximates.
-    pub image: Image,
+    /// What the picture should show; a given mirror may be meant for nothing in particular.
+    pub view: Option<View>,
     /// The camera.
-    pub camera: Orthographic,
+    pub camera: Camera,
     /// Figures of merit.
     pub facts: Facts,
-}
-
-/// Root mean square and maximum over the panel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Area-weighted root mean square.
-    pub rms: f64,
-    /// Largest magnitude.
-    pub max: f64,
-}
-
-/// What the design reached, before any mesh.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Facts {
-    /// Name of the method, as in the profile.
-    pub method: &'static str,
-    /// Polynomial degree in each of y and z.
-    pub degree: usize,
-    /// Number of coefficients solved for.
-    pub unknowns: usize,
-    /// Integral of |grad F - s|^2 over the domain of the fit, in the paper's units (paper,
-    /// equation for A in section 4).
-    pub gradient_residual: f64,
-    /// Curl of the slope field over the panel, paper's units (1/rad).
-    pub curl: Spread,
-    /// Angle between the direction seen and the direction wanted, mrad.
-    pub ray_error_mrad: Summary,
-    /// The same carried back to the image, pixels.
-    pub pixel_error_px: Summary,
 }
 
 /// Why no mirror could be designed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DesignError {
-    /// The fit has no unique answer.
-    #[error("the fit of degree {degree} is not determined: {source}; lower the degree")]
+    /// The fit has no unique answer, or was not found.
+    #[error("the fit of degree {degree} has no answer: {source}; {remedy}")]
     Fit {
         /// Degree asked for.
         degree: usize,
         /// The solver's account.
-        source: RankDeficient,
+        source: SolveError,
+        /// What may help.
+        remedy: &'static str,
+    },
+    /// The law of least curl was not found.
+    #[error(
+        "the law of least curl was not found: {0}; move the camera or the target further from the \
+         mirror, bring the elevations further from +-90 degrees, or choose another law"
+    )]
+    Law(SearchError),
+    /// Rows or elevations of a table differ by no more than rounding.
+    #[error("the rows and elevations of the table are too close to each other; leave some out")]
+    Table,
+    /// The place of the mirror in its target surface was not found.
+    #[error(
+        "the place of the mirror before its target did not settle in {rounds} rounds (the last \
+         moved it by {last_step_mm:e} mm); move the target further away"
+    )]
+    Unsettled {
+        /// Rounds of solving and placing.
+        rounds: usize,
+        /// Last change, mm.
+        last_step_mm: f64,
+    },
+    /// What is wanted lies behind the mirror: it would have to turn its back to the camera.
+    #[error(
+        "the mirror turns its back to the camera {from_axis_mm:.3} mm from the axis: there what it \
+         should show lies behind it, seen from the camera; show less far down, or move the camera \
+         away"
+    )]
+    Back {
+        /// Where, mm.
+        from_axis_mm: f64,
+    },
+    /// Filling the frame asks for elevations that there are not.
+    #[error(
+        "filling the frame takes the law beyond +-90 degrees of elevation, to {beyond:.3} of its \
+         image coordinate where {most:.3} is the pole; leave fill_frame out, widen azimuth_deg, or \
+         take a frame that is less high for its width"
+    )]
+    Overfilled {
+        /// Image coordinate at the rim, paper's units.
+        beyond: f64,
+        /// That of the pole.
+        most: f64,
     },
     /// The numbers leave the range of double precision.
     #[error(
-        "the mirror's {what} is not finite; bring the elevation range further from +-90 degrees"
+        "the mirror's {what} is not finite; bring the elevations further from +-90 degrees, or \
+         the target further from the mirror"
     )]
     NotFinite {
         /// Which quantity.
         what: &'static str,
     },
+    /// A given conic is not the polynomial of any degree that is tried.
+    #[error(
+        "the conic is too steep at the outline's farthest point, {reach_mm:.4} mm from the axis, to \
+         be represented; take a larger radius_mm, a conic closer to -1 or a smaller part (with \
+         degree {degree} it is missed by {error:.1e} of its height)"
+    )]
+    Steep {
+        /// Distance from the axis, mm.
+        reach_mm: f64,
+        /// The highest degree that is tried.
+        degree: usize,
+        /// What it misses, as a share of the conic's height.
+        error: f64,
+    },
+    /// A grid of heights does not cover the mirror.
+    #[error(
+        "the grid of heights must cover the mirror, X from {} to {} and Y from {} to {} mm; it has \
+         X from {} to {} and Y from {} to {} mm",
+        outline[0][0], outline[0][1], outline[1][0], outline[1][1],
+        grid[0][0], grid[0][1], grid[1][0], grid[1][1]
+    )]
+    BeyondGrid {
+        /// Least and largest X and Y of the mirror.
+        outline: [[f64; 2]; 2],
+        /// Least and largest X and Y of the grid.
+        grid: [[f64; 2]; 2],
+    },
+    /// The grid of heights that the profile names was not handed over.
+    #[error("the heights of {file} are needed for this mirror")]
+    NoGrid {
+        /// The file, as in the profile.
+        file: String,
+    },
 }
 
-/// Designs the mirror that `profile` asks for.
+/// Rounds of solving and placing before giving up.
+const MOST_ROUNDS: usize = 100;
+
+/// Designs the mirror that `profile` asks for, or makes the one that it gives; `sag` is the content
+/// of the file that a [`Shape::Grid`] names.
 ///
 /// # Errors
-/// [`DesignError`] when the fit is not determined or its numbers overflow.
-pub fn design(profile: &Profile) -> Result<Design, DesignError> {
-    let plan = Plan::new(profile);
-    let Method::VectorField { degree } = profile.method;
-    let fit =
-        vector_field::fit(&plan, degree).map_err(|source| DesignError::Fit { degree, source })?;
-    let mut sheet = Sheet {
-        series: fit.series,
-        centre: plan.domain.centre(),
-        half: 0.5 * plan.domain.size(),
-        scale_mm: plan.strip.scale_mm,
-        lift_mm: 0.0,
-    };
-    sheet.lift_mm = profile.part.base_mm - lowest(&sheet, &plan);
-    let (ray, pixel) = errors(&sheet, &plan)
-        .filter(|(ray, pixel)| ray.rms.is_finite() && pixel.rms.is_finite())
-        .ok_or(DesignError::NotFinite { what: "image error" })?;
-    if !sheet.lift_mm.is_finite() {
-        return Err(DesignError::NotFinite { what: "sag" });
-    }
-    let facts = Facts {
-        method: "vector-field",
-        degree,
-        unknowns: fit.unknowns,
-        gradient_residual: fit.residual,
-        curl: curl(&plan),
-        ray_error_mrad: ray.scaled(1e3),
-        pixel_error_px: pixel.scaled(1.0 / plan.camera.pixel_mm),
-    };
-    let mirror =
-        Mirror { sheet, panel: plan.panel, folded: plan.fold.is_some(), even_x: plan.even_x };
-    let image = Image { strip: plan.strip, fold: plan.fold };
-    Ok(Design { mirror, image, camera: plan.camera, facts })
-}
-
-/// The least sag over the panel, to rounding (of a surface that sampling does not miss a dip of).
-fn lowest(sheet: &Sheet, plan: &Plan) -> f64 {
-    let least = |area: Rect, samples: usize| -> (DVec2, f64) {
-        area.grid_rows(samples, samples)
-            .flat_map(|(y, row)| {
-                let line = sheet.row(y);
-                row.into_iter().map(move |(q, _)| (q, line.at(q.x).sag)).collect::<Vec<_>>()
-            })
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .expect("a grid has points")
-    };
-    let panel = plan.panel;
-    let (mut at, mut sag) = least(panel, SAMPLES);
-    let mut reach = panel.size() / SAMPLES as f64;
-    // Each step looks closer around the least place so far, by a factor of four.
-    for _ in 0..12 {
-        let near = Rect { min: (at - reach).max(panel.min), max: (at + reach).min(panel.max) };
-        (at, sag) = least(near, 8);
-        reach /= 4.0;
-    }
-    sag
-}
-
-/// Ray error (rad) and image displacement (mm) of the sheet against the projection.
-fn errors(sheet: &Sheet, plan: &Plan) -> Option<(Summary, Summary)> {
-    let (mut rays, mut shifts) = (Vec::new(), Vec::new());
-    for (y, row) in plan.panel.grid_rows(SAMPLES, SAMPLES) {
-        let line = sheet.row(y);
-        for (q, weight) in row {
-            let seen = reflect_vertical(line.at(q.x).slope);
-            rays.push((angle(seen, plan.strip.wanted(q)), weight));
-            shifts.push(((plan.strip.locate(seen, q) - q).length(), weight));
+/// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
+/// represented or does not cover its outline.
+pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
+    match &profile.shape {
+        Shape::Designed(method) => {
+            let (plan, mirror, facts) = settled(profile, method)?;
+            finished(profile, plan.camera, Some(plan.view), mirror, facts)
+        }
+        Shape::Polynomial(polynomial) => given::polynomial(profile, polynomial),
+        Shape::Grid { file } => {
+            let sag = sag.ok_or_else(|| DesignError::NoGrid { file: file.clone() })?;
+            given::grid(profile, sag)
         }
     }
-    Some((Summary::weighted(rays)?, Summary::weighted(shifts)?))
 }
 
-fn curl(plan: &Plan) -> Spread {
-    let (mut square, mut area, mut max) = (0.0, 0.0, 0.0f64);
-    for (q, weight) in plan.panel.grid(SAMPLES, SAMPLES) {
-        let curl = plan.strip.curl(q);
-        square += weight * curl * curl;
-        area += weight;
-        max = max.max(curl.abs());
+/// Solves until the geometry that depends on the answer does not change any more. Repeating alone
+/// runs away before near targets; Broyden's method learns from the last round how the answer
+/// follows the geometry.
+fn settled(profile: &Profile, method: &Method) -> Result<(Plan, Mirror, Facts), DesignError> {
+    let mut ties = guess(profile, method)?;
+    let mut last_step_mm = f64::NAN;
+    let mut learnt = Broyden::new(0.05 * profile.part.width_mm);
+    for round in 1..=MOST_ROUNDS {
+        let plan = Plan::new(profile, &ties)?.expect("a designed mirror has a projection");
+        let (mirror, facts) = surface::solved(&plan, method)?;
+        let found = ties.after(profile, &plan, &mirror);
+        last_step_mm = found.distance(&ties);
+        if last_step_mm <= 1e-13 * profile.part.width_mm {
+            return Ok((plan, mirror, facts));
+        }
+        if !last_step_mm.is_finite() {
+            return Err(DesignError::Unsettled { rounds: round, last_step_mm });
+        }
+        let [inner_mm, origin_mm] = learnt.next(ties.to_array(), found.to_array());
+        ties = Ties { inner_mm, origin_mm };
     }
-    Spread { rms: f64::sqrt(square / area), max }
+    Err(DesignError::Unsettled { rounds: MOST_ROUNDS, last_step_mm })
+}
+
+/// The geometry of the mirror for a target at infinity, which is near that for any other.
+fn guess(profile: &Profile, method: &Method) -> Result<Ties, DesignError> {
+    let ties = Ties::new(profile);
+    let Some(mut plan) = Plan::new(profile, &ties)? else { return Ok(ties) };
+    let ring = matches!(plan.domain, Outline::Ring { .. });
+    if !ring || plan.view.target == Target::Infinity {
+        return Ok(ties);
+    }
+    plan.view.target = Target::Infinity;
+    let (mirror, _) = surface::solved(&plan, method)?;
+    Ok(ties.after(profile, &plan, &mirror))
+}
+
+/// Puts the part on its base and measures the design.
+fn finished(
+    profile: &Profile,
+    mut camera: Camera,
+    mut view: Option<View>,
+    mut mirror: Mirror,
+    facts: Facts,
+) -> Result<Design, DesignError> {
+    let lift = profile.part.base_mm - lowest::lowest(&mirror);
+    if !lift.is_finite() {
+        return Err(DesignError::NotFinite { what: "sag" });
+    }
+    if let Some(at) = facing::back(&mirror, &camera) {
+        return Err(DesignError::Back { from_axis_mm: at.length() });
+    }
+    mirror.chart.plane_mm += lift;
+    camera.chart.plane_mm += lift;
+    let facts = match &mut view {
+        None => facts,
+        Some(view) => {
+            view.origin_mm += lift;
+            facts
+                .against(&mirror, &camera, view)
+                .ok_or(DesignError::NotFinite { what: "image error" })?
+        }
+    };
+    Ok(Design { mirror, view, camera, facts })
 }

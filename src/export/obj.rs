@@ -1,7 +1,7 @@
 //! Wavefront OBJ: every digit of the coordinates, and the designed mirror's own normals.
 
 use super::Label;
-use crate::geom::DVec3;
+use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
 use crate::solid::Solid;
 use rayon::prelude::*;
@@ -64,12 +64,14 @@ pub fn write_obj(
 
 /// The mirror's unit normals at `vertices`.
 fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
-    let rows: Vec<&[DVec3]> = vertices.chunk_by(|a, b| a.y == b.y).collect();
-    let evaluate = |row: &&[DVec3]| {
-        let line = mirror.row(row[0].y);
-        row.iter().map(|v| line.at(v.x).normal().normalize() + DVec3::ZERO).collect::<Vec<_>>()
+    let places: Vec<DVec2> = vertices.iter().map(|&v| mirror.chart.coordinates(v).0).collect();
+    let lines: Vec<&[DVec2]> = places.chunk_by(|a, b| a.y == b.y).collect();
+    let evaluate = |line: &&[DVec2]| {
+        let points = mirror.along(line);
+        let unit = |(&q, point)| mirror.normal(q, &point).normalize() + DVec3::ZERO;
+        line.iter().zip(points).map(unit).collect::<Vec<_>>()
     };
-    rows.par_iter().map(evaluate).collect::<Vec<_>>().concat()
+    lines.par_iter().map(evaluate).collect::<Vec<_>>().concat()
 }
 
 /// One line of text an item, formatted in parallel, written in order.

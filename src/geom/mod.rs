@@ -3,10 +3,14 @@
 //! Vectors are `glam`'s double-precision ones. Everything is in the part frame (millimetres;
 //! X = y, Y = z, Z = x of the paper) unless a name says otherwise.
 
+mod chart;
+mod outline;
 mod rect;
 mod trimesh;
 
+pub use chart::Chart;
 pub use glam::{DVec2, DVec3};
+pub use outline::Outline;
 pub use rect::Rect;
 pub use trimesh::{TriMesh, Welder, turn};
 

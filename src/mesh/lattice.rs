@@ -2,26 +2,40 @@
 //! that follows the tolerances. Proposals need not be right, only near: the proof decides.
 
 use super::proof::{Prover, largest_deviation};
+use super::rim::Arc;
 use super::{Bound, Limits, MOST_FACETS, MeshError};
-use crate::geom::{DVec2, Rect};
-use crate::mirror::{Curvature, Point};
-use crate::optics::reflect_vertical;
+use crate::geom::{DVec2, Outline, Rect};
+use crate::mirror::Curvature;
+use crate::num::{Dual, cos, exp, sin};
 
-/// Places per side where the tolerances are turned into spacings.
+/// Places per side where the tolerances are turned into spacings, and along a round rim.
 const PLACES: usize = 32;
 /// Share of a limit that the lattice aims at; the rest is for the proof's remainder terms.
 const AIM: f64 = 0.985;
 /// Row distance over column spacing of equilateral triangles.
 const EQUILATERAL: f64 = 0.866_025_403_784_438_6;
+/// Distance of the lattice from round rims, in spacings: near enough for facets within the
+/// limits, and so far that neighbours on the rim are joined by an edge.
+const CLEARANCE: f64 = 0.6;
+
+/// Points to triangulate.
+#[derive(Debug)]
+pub struct Proposal {
+    /// The points: the lattice in rows, then each rim's.
+    pub points: Vec<DVec2>,
+    /// Round rims and their numbers of points.
+    pub rims: Vec<(Arc, usize)>,
+}
 
 /// The lattice's points, row by row, single-precision numbers; the first and last of a row and
-/// the first and last row lie exactly on the rim of `domain`, of which the face holds `copies`.
+/// the first and last row lie exactly on the rim of `domain`, of which the face holds `copies`. A
+/// round outline has points on its rims instead.
 pub fn propose(
     prover: &Prover,
     domain: Rect,
     copies: usize,
     limits: Limits,
-) -> Result<Vec<DVec2>, MeshError> {
+) -> Result<Proposal, MeshError> {
     let needs = Needs::new(prover, domain, limits);
     if let Some(place) = needs.places.iter().find(|place| !needs.outlasts_rounding(place)) {
         let bound = Bound { chord_mm: place.rounding, ..Bound::default() };
@@ -29,19 +43,82 @@ pub fn propose(
     }
     let (columns, rows) = needs.spacings();
     let (across, along) = (count(&columns, domain.size().x), count(&rows, domain.size().y));
-    let facets = 2.0 * across * along;
+    let outline = &prover.mirror().outline;
+    let share = outline.area() / outline.bounds().area();
+    let facets = 2.0 * across * along * share;
     let all = facets * copies as f64;
     if !(all <= MOST_FACETS) {
         return Err(MeshError::TooMany { facets: all, most: MOST_FACETS });
     }
+    let spacing = Spacing { domain, columns: &columns, rows: &rows };
     let even = steps(&columns, domain.min.x, domain.max.x, 0.0);
     let odd = steps(&columns, domain.min.x, domain.max.x, 0.5);
     let mut points = Vec::with_capacity((facets / 2.0) as usize + even.len());
     for (k, &y) in steps(&rows, domain.min.y, domain.max.y, 0.0).iter().enumerate() {
         let row = if k % 2 == 0 { &even } else { &odd };
-        points.extend(row.iter().map(|&x| DVec2::new(x, y)));
+        let row = row.iter().map(|&x| DVec2::new(x, y));
+        points.extend(row.filter(|&q| spacing.is_clear(outline, q)));
     }
-    Ok(points)
+    let mut rims = Vec::new();
+    for arc in Arc::all(prover.mirror()) {
+        let before = points.len();
+        points.extend(spacing.along(&arc));
+        rims.push((arc, points.len() - before));
+    }
+    Ok(Proposal { points, rims })
+}
+
+/// The lattice's spacings at any place.
+struct Spacing<'a> {
+    domain: Rect,
+    columns: &'a [f64],
+    rows: &'a [f64],
+}
+
+impl Spacing<'_> {
+    /// Distance of neighbours at `q` in the direction `way`.
+    fn at(&self, q: DVec2, way: DVec2) -> f64 {
+        let share = ((q - self.domain.min) / self.domain.size()).clamp(DVec2::ZERO, DVec2::ONE);
+        let interpolate = |spacing: &[f64], share: f64| {
+            let place = share * (spacing.len() - 1) as f64;
+            let k = (place as usize).min(spacing.len() - 2);
+            spacing[k] + (spacing[k + 1] - spacing[k]) * (place - k as f64)
+        };
+        let column = interpolate(self.columns, share.x);
+        let row = interpolate(self.rows, share.y) / EQUILATERAL;
+        1.0 / (way / DVec2::new(column, row)).length()
+    }
+
+    /// Whether the lattice point `q` is inside the outline and not too near a round rim.
+    fn is_clear(&self, outline: &Outline, q: DVec2) -> bool {
+        let Outline::Ring { inner, outer } = *outline else { return true };
+        let r = q.length();
+        if inner == 0.0 && r < 0.5 * outer {
+            return true;
+        }
+        if r < inner || r > outer {
+            return false;
+        }
+        let clear = CLEARANCE * self.at(q, q / r);
+        r <= outer - clear && (inner == 0.0 || r >= inner + clear)
+    }
+
+    /// Points on a rim.
+    fn along(&self, arc: &Arc) -> Vec<DVec2> {
+        let [from, to] = arc.ends;
+        let spacing = |k: usize| {
+            let angle = from + (to - from) * k as f64 / (4 * PLACES) as f64;
+            let (s, c) = (sin(angle), cos(angle));
+            let here = self.at(DVec2::new(c, s) * arc.radius, DVec2::new(-s, c));
+            (here / arc.radius).min(Arc::widest())
+        };
+        let spacings: Vec<f64> = (0..=4 * PLACES).map(spacing).collect();
+        let mut angles = steps(&spacings, from, to, 0.0);
+        if arc.closed {
+            angles.pop();
+        }
+        angles.into_iter().map(|angle| arc.at(angle)).collect()
+    }
 }
 
 /// Number of steps over `length` at the given spacings.
@@ -85,10 +162,13 @@ fn half_step(x: f64) -> f64 {
 #[derive(Debug, Clone, Copy)]
 struct Place {
     at: DVec2,
+    /// Second derivatives of h, 1/mm.
     curvature: Curvature,
+    /// mm along the ray per mm of h.
+    stretch: f64,
     /// How far single precision moves a vertex at worst, mm.
     rounding: f64,
-    /// Image displacement (mm) per change of slope along X and Y.
+    /// Image displacement (mm) per change of h's gradient along x and y.
     per_slope: [DVec2; 2],
 }
 
@@ -108,7 +188,54 @@ impl Place {
             self.curvature.times(edge).dot(edge)
         };
         let worst = corners.iter().map(shift).fold(0.0, f64::max);
-        (worst, largest_deviation(along(0, 1), along(1, 2), along(2, 0)))
+        let deviation = largest_deviation(along(0, 1), along(1, 2), along(2, 0));
+        (worst, deviation * self.stretch)
+    }
+}
+
+/// The point of the outline that is nearest to `q`; not the very centre of a disc, where laws may
+/// have no derivative.
+fn into(outline: &Outline, q: DVec2) -> DVec2 {
+    let Outline::Ring { inner, outer } = *outline else { return q };
+    let r = q.length();
+    let clamped = r.clamp(inner.max(1e-3 * outer), outer);
+    if r > 0.0 { q * (clamped / r) } else { DVec2::X * clamped }
+}
+
+/// What the tolerances depend on at `q`.
+fn place(prover: &Prover, q: DVec2) -> Place {
+    let mirror = prover.mirror();
+    let chart = &mirror.chart;
+    let k = chart.vergence;
+    let point = mirror.surface.at(q);
+    let at = mirror.place(q, &point);
+    let grow = exp(k * point.f);
+    let gradient = point.slope * grow;
+    let Curvature { xx, xy, yy } = mirror.surface.curvature(q);
+    let s = point.slope;
+    let curvature = Curvature {
+        xx: grow * (xx + k * s.x * s.x),
+        xy: grow * (xy + k * s.x * s.y),
+        yy: grow * (yy + k * s.y * s.y),
+    };
+    let per_slope = prover.view().map_or([DVec2::ZERO; 2], |view| {
+        let fixed = |x: f64| Dual::<2> { value: x, slope: [0.0; 2] };
+        let slope = [Dual::variable(gradient.x, 0), Dual::variable(gradient.y, 1)];
+        let slope = chart.slope(q.to_array().map(fixed), slope.map(|s| s / grow));
+        let image = prover.camera().coordinates(at).0;
+        let [x, y] = view.content(prover.camera(), at.to_array().map(fixed), slope, image);
+        [0, 1].map(|k| DVec2::new(x.slope[k], y.slope[k]))
+    });
+    let p = mirror.slope(q, &point);
+    let half = at.to_array().map(half_step);
+    let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(half[0], half[1])) };
+    let ray = (1.0 + k * k * q.length_squared()).sqrt();
+    Place {
+        at: q,
+        curvature,
+        stretch: ray / (grow * grow),
+        rounding: (half[2] + across) * ray / (1.0 + k * q.dot(p)),
+        per_slope,
     }
 }
 
@@ -121,16 +248,7 @@ struct Needs {
 
 impl Needs {
     fn new(prover: &Prover, domain: Rect, limits: Limits) -> Self {
-        let place = |q: DVec2| {
-            let Point { sag, slope } = prover.sheet.at(q);
-            // Sizing needs three digits: a forward difference gives six.
-            let step = 1e-6 * slope.length().max(1e-6);
-            let shown = |p: DVec2| prover.strip.locate(reflect_vertical(p), q);
-            let per_slope =
-                [DVec2::X, DVec2::Y].map(|d| (shown(slope + d * step) - shown(slope)) / step);
-            let curvature = prover.sheet.curvature(q);
-            Place { at: q, curvature, rounding: half_step(sag), per_slope }
-        };
+        let place = |q: DVec2| place(prover, into(&prover.mirror().outline, q));
         let places = domain.grid(PLACES, PLACES).map(|(q, _)| place(q)).collect();
         Self { places, limits, size: domain.size() }
     }
@@ -221,7 +339,7 @@ mod tests {
     fn errors_of_a_bowl_and_a_saddle_are_the_closed_forms() {
         let place = |curvature: Curvature| {
             let per_slope = [DVec2::X, DVec2::Y];
-            Place { at: DVec2::ZERO, curvature, rounding: 0.0, per_slope }
+            Place { at: DVec2::ZERO, curvature, stretch: 1.0, rounding: 0.0, per_slope }
         };
         let h = 0.1;
         // Equilateral triangle on z = k r^2 / 2: circumradius h/sqrt 3, chord k R^2 / 2.

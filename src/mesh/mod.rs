@@ -2,19 +2,25 @@
 //!
 //! A lattice sized to the tolerances proposes points, spade triangulates them, every facet's error
 //! is bounded over its whole area (`proof`), and facets whose bound is over the limit are split
-//! until none is left. A symmetric panel is meshed on one half, a folded mirror on one panel.
+//! until none is left. All of that happens in the mirror's chart, where facets are flat too
+//! (`geom::Chart`). A symmetric panel is meshed on one half or quarter, a folded mirror on one
+//! panel: displacements of the image are the same in all of them.
 
 mod lattice;
 mod optimum;
 mod proof;
 mod refine;
+mod region;
+mod rim;
+#[cfg(test)]
+mod tests;
 
 pub use optimum::Optimum;
 pub use proof::{Bound, Prover, Vertex};
 
-use crate::geom::{DVec2, Rect, TriMesh};
+use crate::geom::{Chart, DVec2, Rect, TriMesh};
 use crate::mirror::Mirror;
-use crate::optics::Strip;
+use crate::optics::View;
 use thiserror::Error;
 
 /// Largest number of facets of the whole face: about 15 GB in all stages.
@@ -23,7 +29,7 @@ const MOST_FACETS: f64 = 4e7;
 /// The errors that no facet may exceed; an absent one does not rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Height between facet and mirror, mm.
+    /// Distance between facet and mirror along the rays of the mirror's chart, mm.
     pub chord_mm: Option<f64>,
     /// Displacement of the image that flat facets cause, mm on the mirror.
     pub facet_mm: Option<f64>,
@@ -41,7 +47,8 @@ impl Limits {
 /// The meshed mirror: all panels, without skirt and base.
 #[derive(Debug, Clone)]
 pub struct Face {
-    /// Facets in the part frame. X and Y are single-precision numbers; Z is the sag there.
+    /// Facets in the part frame. In the chart of parallel rays X and Y are single-precision
+    /// numbers.
     pub mesh: TriMesh,
     /// The first this many facets belong to the designed panel, the rest to its reflection.
     pub designed: usize,
@@ -102,24 +109,48 @@ pub enum MeshError {
     },
 }
 
-/// Meshes `mirror` so that every facet keeps `limits`; `strip` is the designed panel's image.
+/// Meshes `mirror` so that every facet keeps `limits` as the camera of chart `camera` sees it, whose
+/// image must show `view`. The camera's chart is the mirror's, or the mirror's is that of parallel
+/// rays (a given mirror under a pinhole). Without a view `facet_mm` of the face's bound is 0.
 ///
 /// # Errors
 /// [`MeshError`] when no such mesh exists in single precision or in memory.
-pub fn mesh(mirror: &Mirror, strip: &Strip, limits: Limits) -> Result<Face, MeshError> {
-    let prover = Prover::new(mirror, *strip);
-    let domain = half_of(mirror);
-    let copies = 1 << [mirror.even_x, mirror.folded].iter().filter(|&&twice| twice).count();
-    let points = lattice::propose(&prover, domain, copies, limits)?;
-    let (part, bound) = refine::triangulate(&prover, points, copies, limits)?;
-    let panel = if mirror.even_x { part.with_reflection(0) } else { part };
-    let designed = panel.triangles.len();
-    let mesh = if mirror.folded { panel.with_reflection(1) } else { panel };
-    Ok(Face { mesh, designed, bound, optimum: Optimum::new(mirror) })
+///
+/// # Panics
+/// When `limits` ask for a facet error without a view.
+pub fn mesh(
+    mirror: &Mirror,
+    camera: &Chart,
+    view: Option<&View>,
+    limits: Limits,
+) -> Result<Face, MeshError> {
+    assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
+    let domain = domain(mirror);
+    let prover = Prover::over(domain, mirror, camera, view);
+    let twice = [mirror.even[0], mirror.even[1], mirror.folded];
+    let copies = 1 << twice.iter().filter(|&&twice| twice).count();
+    let proposal = lattice::propose(&prover, domain, copies, limits)?;
+    let (mut mesh, bound) = refine::triangulate(&prover, proposal, copies, limits)?;
+    for axis in [0, 1] {
+        if mirror.even[axis] {
+            mesh = mesh.with_reflection(axis);
+        }
+    }
+    let designed = mesh.triangles.len();
+    if mirror.folded {
+        mesh = mesh.with_reflection(1);
+    }
+    Ok(Face { mesh, designed, bound, optimum: Optimum::new(mirror, camera, view) })
 }
 
-/// The part of the panel that is meshed: X >= 0 where the rest is its mirror image.
-fn half_of(mirror: &Mirror) -> Rect {
-    let min_x = if mirror.even_x { 0.0 } else { mirror.panel.min.x };
-    Rect { min: DVec2::new(min_x, mirror.panel.min.y), max: mirror.panel.max }
+/// The bounds of the part of the panel that is meshed: where x >= 0 or y >= 0 if the rest is its
+/// mirror image.
+fn domain(mirror: &Mirror) -> Rect {
+    let Rect { mut min, max } = mirror.outline.bounds();
+    for axis in [0, 1] {
+        if mirror.even[axis] {
+            min[axis] = 0.0;
+        }
+    }
+    Rect { min, max }
 }

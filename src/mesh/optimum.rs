@@ -1,8 +1,11 @@
 //! How few triangles can do: the lower bounds that a mesh's size is compared with.
 
-use crate::geom::DVec2;
-use crate::mirror::Mirror;
+use crate::geom::{Chart, DVec2, Outline};
+use crate::mirror::{Curvature, Mirror, Point};
 use crate::num::quadrature::gauss_legendre;
+use crate::num::{Dual, Scalar, cos, exp, sin};
+use crate::optics::View;
+use std::f64::consts::PI;
 
 /// Integrals over the mirror from which the least numbers of triangles follow, for vertices on
 /// the surface and tolerances that go to zero.
@@ -11,42 +14,110 @@ pub struct Optimum {
     /// Integral of c sqrt |det H| dA, mm: c = 0.3849 on bowls (equilateral triangles), 0.2236 on
     /// saddles.
     curved: f64,
-    /// Integral of dA / A, mm^2: A = 1.299 on bowls, 1 on saddles.
+    /// Integral of |det D(c - c_T)| dA / A, mm^2: A = 1.299 on bowls, 1 on saddles. Under parallel
+    /// rays and far targets c_T, what the tangent plane shows, is constant, and where the mirror is
+    /// right c is the image point itself: the determinant is 1.
     weighted_area: f64,
+    /// What the two integrals are where the mirror bends alike in both directions.
+    even: [f64; 2],
 }
 
+/// Share of those below which a mirror counts as bent in one direction alone. Long facets then do
+/// with numbers that grow more slowly than these bounds say.
+const FLAT: f64 = 1e-3;
+
 impl Optimum {
-    /// Integrates over all panels of `mirror`.
+    /// Integrates over all panels of `mirror`, in which the camera of chart `camera` is meant to see
+    /// `view`.
     #[must_use]
-    pub fn new(mirror: &Mirror) -> Self {
+    pub fn new(mirror: &Mirror, camera: &Chart, view: Option<&View>) -> Self {
         const BOWL: [f64; 2] = [0.3849, 1.0 / 1.299];
         const SADDLE: [f64; 2] = [0.2236, 1.0];
-        let (nodes, weights) = gauss_legendre(24);
-        let (centre, half) = (mirror.panel.centre(), 0.5 * mirror.panel.size());
-        let mut total = [0.0; 2];
-        for (u, wu) in nodes.iter().zip(&weights) {
-            for (v, wv) in nodes.iter().zip(&weights) {
-                let det = mirror.sheet.curvature(centre + half * DVec2::new(*u, *v)).det();
-                let [chord, facet] = if det > 0.0 { BOWL } else { SADDLE };
-                let area = wu * wv * half.x * half.y;
-                total[0] += area * chord * det.abs().sqrt();
-                total[1] += area * facet;
-            }
+        let k = mirror.chart.vergence;
+        let (mut total, mut even) = ([0.0; 2], [0.0; 2]);
+        for (q, area) in nodes(&mirror.outline) {
+            let (point, c) = (mirror.surface.at(q), mirror.surface.curvature(q));
+            let (s, grow) = (point.slope, exp(k * point.f));
+            // Of h's Hessian, in mm along the ray.
+            let hessian = Curvature {
+                xx: c.xx + k * s.x * s.x,
+                xy: c.xy + k * s.x * s.y,
+                yy: c.yy + k * s.y * s.y,
+            };
+            let stretch = (1.0 + k * k * q.length_squared()).sqrt() / grow;
+            let det = hessian.det();
+            let [chord, facet] = if det > 0.0 { BOWL } else { SADDLE };
+            total[0] += area * chord * det.abs().sqrt() * stretch;
+            even[0] += area * chord * hessian.norm() * stretch;
+            let sight = view.map(|view| spread(mirror, camera, view, q, &point, &c));
+            total[1] += area * facet * sight.unwrap_or(1.0);
+            even[1] += area * facet;
         }
         let panels = if mirror.folded { 2.0 } else { 1.0 };
-        Self { curved: panels * total[0], weighted_area: panels * total[1] }
+        let [curved, weighted_area] = total.map(|sum| panels * sum);
+        Self { curved, weighted_area, even: even.map(|sum| panels * sum) }
     }
 
-    /// Least number of triangles for a chord error of `limit` mm.
+    /// Least number of triangles for a chord error of `limit` mm; none for a mirror that bends in
+    /// one direction alone.
     #[must_use]
-    pub fn chord(&self, limit: f64) -> f64 {
-        self.curved / limit
+    pub fn chord(&self, limit: f64) -> Option<f64> {
+        (self.curved > FLAT * self.even[0]).then(|| self.curved / limit)
     }
 
-    /// Least number of triangles for a facet error of `limit` mm on the mirror: each triangle
-    /// sees one point of the image, and serves the circle around it.
+    /// Least number of triangles for a facet error of `limit` mm on the mirror: where what a facet
+    /// shows leaves what the mirror shows by `limit`, the facet ends. None for a mirror that bends
+    /// in one direction alone.
     #[must_use]
-    pub fn facet(&self, limit: f64) -> f64 {
-        self.weighted_area / (limit * limit)
+    pub fn facet(&self, limit: f64) -> Option<f64> {
+        (self.weighted_area > FLAT * self.even[1]).then(|| self.weighted_area / (limit * limit))
+    }
+}
+
+/// |det D(c - c_T)| over chart point `q`: c is what the mirror shows, c_T its tangent plane.
+fn spread(
+    mirror: &Mirror,
+    camera: &Chart,
+    view: &View,
+    q: DVec2,
+    point: &Point,
+    c: &Curvature,
+) -> f64 {
+    let near = camera.coordinates(mirror.place(q, point)).0;
+    let s = point.slope;
+    let variable = |value, slope| Dual::<2> { value, slope };
+    let place = [variable(q.x, [1.0, 0.0]), variable(q.y, [0.0, 1.0])];
+    let slope = [variable(s.x, [c.xx, c.xy]), variable(s.y, [c.xy, c.yy])];
+    let at = mirror.chart.place(place, variable(point.f, s.to_array()));
+    let curved = mirror.chart.slope(place, slope);
+    let flat = curved.map(|p| Dual::constant(p.value));
+    let [shown, plane] = [curved, flat].map(|p| view.content(camera, at, p, near));
+    let [[xx, xy], [yx, yy]] = [0, 1].map(|k| (shown[k] - plane[k]).slope);
+    (xx * yy - xy * yx).abs()
+}
+
+/// Gauss nodes of an outline and their weights, mm^2.
+fn nodes(outline: &Outline) -> Vec<(DVec2, f64)> {
+    const NODES: usize = 24;
+    let (nodes, weights) = gauss_legendre(NODES);
+    let pairs = (0..NODES * NODES).map(|k| (k % NODES, k / NODES));
+    match *outline {
+        Outline::Rect(rect) => {
+            let (centre, half) = (rect.centre(), 0.5 * rect.size());
+            let node = |(i, j): (usize, usize)| {
+                let q = centre + half * DVec2::new(nodes[i], nodes[j]);
+                (q, weights[i] * weights[j] * half.x * half.y)
+            };
+            pairs.map(node).collect()
+        }
+        Outline::Ring { inner, outer } => {
+            let (middle, half) = (0.5 * (inner + outer), 0.5 * (outer - inner));
+            let node = |(i, j): (usize, usize)| {
+                let (r, wedge) = (middle + half * nodes[i], 2.0 * PI / NODES as f64);
+                let angle = wedge * j as f64;
+                (DVec2::new(cos(angle), sin(angle)) * r, weights[i] * half * r * wedge)
+            };
+            pairs.map(node).collect()
+        }
     }
 }

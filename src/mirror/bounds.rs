@@ -1,25 +1,28 @@
-//! Bounds of a sheet's slope, curvature and third derivatives over cells of its panel.
+//! Bounds of a surface's height and its first three derivatives over cells of its outline.
 //!
-//! Each partial derivative is a polynomial, bounded over a cell by its Bernstein coefficients.
+//! Each partial derivative of a tensor series, or of a spline's patch, is a polynomial, bounded over
+//! a cell by its Bernstein coefficients.
 
-use super::Sheet;
+use super::{Sheet, Surface};
 use crate::geom::{DVec2, Rect};
-use crate::num::bernstein;
+use crate::num::{Interval, bernstein};
+use rayon::prelude::*;
 
 /// Cells per side: fine enough that the bounds are within a few per cent of the local values.
 const CELLS: usize = 32;
 
-/// What holds at every point of a region.
+/// What holds at every point of a region: ranges of f, (f_x, f_y), (f_xx, f_xy, f_yy) and
+/// (f_xxx, f_xxy, f_xyy, f_yyy), in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellBounds {
-    /// Least |slope|.
-    pub slope_min: f64,
-    /// Largest |slope|.
-    pub slope_max: f64,
-    /// Largest Hessian norm, 1/mm.
-    pub curvature: f64,
-    /// Largest norm of the third derivative, 1/mm^2.
-    pub third: f64,
+pub struct Bounds {
+    /// f.
+    pub f: Interval,
+    /// First derivatives.
+    pub slope: [Interval; 2],
+    /// Second derivatives.
+    pub hessian: [Interval; 3],
+    /// Third derivatives.
+    pub third: [Interval; 4],
 }
 
 /// A bound that holds for two regions together.
@@ -29,89 +32,157 @@ pub trait Union: Copy {
     fn union(self, other: Self) -> Self;
 }
 
-impl Union for CellBounds {
+impl Union for Bounds {
     fn union(self, other: Self) -> Self {
+        fn both<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
+            std::array::from_fn(|k| a[k].hull(b[k]))
+        }
         Self {
-            slope_min: self.slope_min.min(other.slope_min),
-            slope_max: self.slope_max.max(other.slope_max),
-            curvature: self.curvature.max(other.curvature),
-            third: self.third.max(other.third),
+            f: self.f.hull(other.f),
+            slope: both(self.slope, other.slope),
+            hessian: both(self.hessian, other.hessian),
+            third: both(self.third, other.third),
         }
     }
 }
 
-/// One bound for each cell of a panel.
+/// One bound for each cell of a rectangle.
 #[derive(Debug, Clone)]
 pub struct Cells<T> {
-    panel: Rect,
+    rect: Rect,
+    /// Cells per side.
+    count: usize,
     cell: DVec2,
     values: Vec<T>,
 }
 
-impl Cells<CellBounds> {
-    /// Bounds of `sheet` over `panel`, which lies inside the sheet's own rectangle.
+impl Cells<Bounds> {
+    /// Bounds of `surface` over `rect`, as far as the surface reaches.
     #[must_use]
-    pub fn new(sheet: &Sheet, panel: Rect) -> Self {
-        let cell = panel.size() / CELLS as f64;
-        let (lo, step) = ((panel.min - sheet.centre) / sheet.half, cell / sheet.half);
-        let edges = |lo: f64, step: f64| -> Vec<f64> {
-            (0..=CELLS).map(|k| lo + step * k as f64).collect()
+    pub fn new(surface: &Surface, rect: Rect) -> Self {
+        let cell = rect.size() / CELLS as f64;
+        let mut cells = Self { rect, count: CELLS, cell, values: Vec::new() };
+        cells.values = match surface {
+            Surface::Tensor(sheet) => tensor(sheet, &cells),
+            Surface::Round(round) => cells.each(|a, b| round.bounds(a, b)),
+            Surface::Sum(round, sheet) => {
+                let rest = tensor(sheet, &cells);
+                let round = cells.each(|a, b| round.bounds(a, b));
+                round.iter().zip(&rest).map(|(a, b)| a.plus(b)).collect()
+            }
+            Surface::Patches(patches) => cells.each(|a, b| patches.bounds(a, b)),
         };
-        let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
-        let (third, (second, first)) = rayon::join(
-            || derivative_ranges::<4>(sheet, &u, &v),
-            || {
-                rayon::join(
-                    || derivative_ranges::<3>(sheet, &u, &v),
-                    || derivative_ranges::<2>(sheet, &u, &v),
-                )
-            },
-        );
-        let values = (0..CELLS * CELLS)
-            .map(|k| CellBounds {
-                slope_min: norm(&first.each_ref().map(|entry| least(entry[k]))),
-                slope_max: norm(&first.each_ref().map(|entry| largest(entry[k]))),
-                curvature: norm(&second.each_ref().map(|entry| largest(entry[k]))),
-                third: norm(&third.each_ref().map(|entry| largest(entry[k]))),
-            })
-            .collect();
-        Self { panel, cell, values }
+        cells
+    }
+
+    /// A bound for each cell's corners.
+    fn each(&self, bounds: impl Fn(DVec2, DVec2) -> Bounds + Sync) -> Vec<Bounds> {
+        let cell = |k| {
+            let [lo, hi] = self.corners(k);
+            bounds(lo, hi)
+        };
+        (0..CELLS * CELLS).into_par_iter().map(cell).collect()
+    }
+}
+
+impl Bounds {
+    /// What holds of the sum of two functions.
+    fn plus(&self, other: &Self) -> Self {
+        fn sums<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
+            std::array::from_fn(|k| a[k] + b[k])
+        }
+        Self {
+            f: self.f + other.f,
+            slope: sums(self.slope, other.slope),
+            hessian: sums(self.hessian, other.hessian),
+            third: sums(self.third, other.third),
+        }
+    }
+}
+
+impl<T> Cells<T> {
+    /// Opposite corners of a cell.
+    fn corners(&self, k: usize) -> [DVec2; 2] {
+        let (i, j) = (k % self.count, k / self.count);
+        let lo = self.rect.min + self.cell * DVec2::new(i as f64, j as f64);
+        [lo, lo + self.cell]
+    }
+
+    /// Bounds of `parts` by `parts` parts of each cell, derived from the part's corners and the
+    /// cell's bound.
+    #[must_use]
+    pub fn map<U: Send + Sync>(
+        &self,
+        parts: usize,
+        derive: impl Fn([DVec2; 2], &T) -> U + Sync,
+    ) -> Cells<U>
+    where
+        T: Sync,
+    {
+        let count = parts * self.count;
+        let mut cells =
+            Cells { rect: self.rect, count, cell: self.cell / parts as f64, values: Vec::new() };
+        let value = |k: usize| {
+            let (i, j) = (k % count / parts, k / count / parts);
+            derive(cells.corners(k), &self.values[j * self.count + i])
+        };
+        cells.values = (0..count * count).into_par_iter().map(value).collect();
+        cells
     }
 }
 
 impl<T: Union> Cells<T> {
-    /// A bound derived from each cell's bound.
-    #[must_use]
-    pub fn map<U: Union>(&self, derive: impl FnMut(&T) -> U) -> Cells<U> {
-        Cells {
-            panel: self.panel,
-            cell: self.cell,
-            values: self.values.iter().map(derive).collect(),
-        }
-    }
-
     /// Bounds over the cells that the box `lo`..`hi` touches.
     #[inline]
     #[must_use]
     pub fn over(&self, lo: DVec2, hi: DVec2) -> T {
         let index = |q: DVec2| {
-            let k = (q - self.panel.min) / self.cell;
-            let clamp = |t: f64| (t.max(0.0) as usize).min(CELLS - 1);
+            let k = (q - self.rect.min) / self.cell;
+            let clamp = |t: f64| (t.max(0.0) as usize).min(self.count - 1);
             (clamp(k.x), clamp(k.y))
         };
         let ((i0, j0), (i1, j1)) = (index(lo), index(hi));
-        let mut bound = self.values[j0 * CELLS + i0];
+        let mut bound = self.values[j0 * self.count + i0];
         for j in j0..=j1 {
             for i in i0..=i1 {
-                bound = bound.union(self.values[j * CELLS + i]);
+                bound = bound.union(self.values[j * self.count + i]);
             }
         }
         bound
     }
 }
 
-/// Ranges over every cell of the `N - 1`-th derivatives of the sag in part units, X-most first.
-fn derivative_ranges<const N: usize>(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Vec<[f64; 2]>; N] {
+fn tensor(sheet: &Sheet, cells: &Cells<Bounds>) -> Vec<Bounds> {
+    let (lo, step) = ((cells.rect.min - sheet.centre) / sheet.half, cells.cell / sheet.half);
+    let edges =
+        |lo: f64, step: f64| -> Vec<f64> { (0..=CELLS).map(|k| lo + step * k as f64).collect() };
+    let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
+    let ((third, second), (first, none)) = rayon::join(
+        || {
+            rayon::join(
+                || derivative_ranges::<4>(sheet, &u, &v),
+                || derivative_ranges::<3>(sheet, &u, &v),
+            )
+        },
+        || {
+            rayon::join(
+                || derivative_ranges::<2>(sheet, &u, &v),
+                || derivative_ranges::<1>(sheet, &u, &v),
+            )
+        },
+    );
+    (0..CELLS * CELLS)
+        .map(|k| Bounds {
+            f: none[0][k],
+            slope: first.each_ref().map(|entry| entry[k]),
+            hessian: second.each_ref().map(|entry| entry[k]),
+            third: third.each_ref().map(|entry| entry[k]),
+        })
+        .collect()
+}
+
+/// Ranges over every cell of the `N - 1`-th derivatives of the height, x-most first.
+fn derivative_ranges<const N: usize>(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Vec<Interval>; N] {
     std::array::from_fn(|by_y| {
         let mut series = sheet.series.clone();
         let mut unit = sheet.scale_mm;
@@ -124,33 +195,9 @@ fn derivative_ranges<const N: usize>(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Ve
                 unit /= sheet.half.x;
             }
         }
-        let mut ranges = bernstein::ranges(&series, u, v);
-        ranges.iter_mut().flatten().for_each(|end| *end *= unit);
-        ranges
+        let ranges = bernstein::ranges(&series, u, v);
+        ranges.into_iter().map(|[lo, hi]| Interval::new(lo, hi) * unit).collect()
     })
-}
-
-/// Least |x| over a range.
-fn least([lo, hi]: [f64; 2]) -> f64 {
-    lo.max(-hi).max(0.0)
-}
-
-/// Largest |x| over a range.
-fn largest([lo, hi]: [f64; 2]) -> f64 {
-    lo.abs().max(hi.abs())
-}
-
-/// Frobenius norm of the symmetric tensor with the given distinct entries: an upper bound of the
-/// operator norm. The k-th entry occurs binomial(n, k) times.
-fn norm(entries: &[f64]) -> f64 {
-    let order = entries.len() - 1;
-    let mut times = 1.0;
-    let mut sum = 0.0;
-    for (k, entry) in entries.iter().enumerate() {
-        sum += times * entry * entry;
-        times *= (order - k) as f64 / (k + 1) as f64;
-    }
-    sum.sqrt()
 }
 
 #[cfg(test)]
@@ -166,42 +213,44 @@ mod tests {
             (1.0 + ((3 * i + 5 * j) % 7) as f64 - 3.0) / (1 + i * i + j * j) as f64
         });
         let (centre, half) = (DVec2::new(1.0, -2.0), DVec2::new(30.0, 12.0));
-        Sheet { series, centre, half, scale_mm: 4.0, lift_mm: 9.0 }
+        Sheet { series, centre, half, scale_mm: 4.0 }
     }
 
     #[test]
     fn bounds_hold_at_every_sample_and_are_not_idle() {
-        let bounds = Cells::new(&sheet(), PANEL);
+        let bounds = Cells::new(&Surface::Tensor(sheet()), PANEL);
         let step = 1e-3;
-        let mut tightest: f64 = 0.0;
+        let (mut found, mut allowed) = (0.0f64, 0.0f64);
         for (q, _) in PANEL.grid(37, 29) {
             let held = bounds.over(q, q);
-            let slope = sheet().at(q).slope.length();
-            let curvature = sheet().curvature(q).norm();
-            assert!(held.slope_min <= slope && slope <= held.slope_max);
-            assert!(curvature <= held.curvature);
-            let along = |d: DVec2| {
-                let (a, b) = (sheet().curvature(q + d * step), sheet().curvature(q - d * step));
-                let xx = (a.xx - b.xx) * d.x * d.x + 2.0 * (a.xy - b.xy) * d.x * d.y;
-                (xx + (a.yy - b.yy) * d.y * d.y) / (2.0 * step)
+            let (point, c) = (sheet().at(q), sheet().curvature(q));
+            assert!(held.f.contains(point.f));
+            assert!(held.slope[0].contains(point.slope.x) && held.slope[1].contains(point.slope.y));
+            for (range, x) in held.hessian.iter().zip([c.xx, c.xy, c.yy]) {
+                assert!(range.contains(x));
+            }
+            let d = |e: DVec2| {
+                let (a, b) = (sheet().curvature(q + e * step), sheet().curvature(q - e * step));
+                [a.xx - b.xx, a.xy - b.xy, a.yy - b.yy].map(|x| x / (2.0 * step))
             };
-            for d in [DVec2::X, DVec2::Y, DVec2::new(0.6, 0.8), DVec2::new(0.6, -0.8)] {
-                assert!(along(d).abs() <= held.third * (1.0 + 1e-6));
-                tightest = tightest.max(along(d).abs() / held.third);
+            let (dx, dy) = (d(DVec2::X), d(DVec2::Y));
+            for (range, x) in held.third.iter().zip([dx[0], dx[1], dx[2], dy[2]]) {
+                let slack = 1e-6 * (1.0 + x.abs());
+                assert!(range.lo - slack <= x && x <= range.hi + slack, "{range:?} {x}");
+                found = found.max(x.abs());
+                allowed = allowed.max(range.magnitude());
             }
         }
-        assert!(tightest > 0.8, "{tightest}");
+        assert!(found > 0.8 * allowed, "{found} of {allowed}");
     }
 
     #[test]
     fn a_box_over_many_cells_takes_the_worst_of_them() {
-        let panel = Rect { min: DVec2::new(-20.0, -14.0), max: DVec2::new(31.0, 9.0) };
-        let bounds = Cells::new(&sheet(), panel);
-        let whole = bounds.over(panel.min, panel.max);
-        for (q, _) in panel.grid(9, 9) {
+        let bounds = Cells::new(&Surface::Tensor(sheet()), PANEL);
+        let whole = bounds.over(PANEL.min, PANEL.max);
+        for (q, _) in PANEL.grid(9, 9) {
             let here = bounds.over(q, q);
-            assert!(here.curvature <= whole.curvature && here.third <= whole.third);
-            assert!(here.slope_max <= whole.slope_max && here.slope_min >= whole.slope_min);
+            assert_eq!(whole.union(here), whole);
         }
     }
 }

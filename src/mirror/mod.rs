@@ -1,90 +1,220 @@
-//! Mirrors that can be evaluated: sag, slope, curvature, and bounds of them.
+//! Mirrors that can be evaluated: height, slope, curvature, and bounds of them.
 //!
-//! A mirror is one designed [`Sheet`] over a rectangle of the part, and, when it is folded, the
-//! sheet's reflection in the ridge line Y = 0. Sag is Z in the part frame, mm.
+//! A mirror is one [`Surface`] over an outline of a chart's image coordinates, and, when it is
+//! folded, the surface's reflection in the plane Y = 0. The chart is that of the camera the mirror
+//! was designed for; a mirror given as sag over X and Y has the chart of parallel rays.
 
 mod bounds;
+mod patches;
+mod round;
 mod sheet;
+mod volume;
 
-pub use bounds::{CellBounds, Cells, Union};
+pub use bounds::{Bounds, Cells, Union};
+pub use patches::{Knots, LEAST_KNOTS, Patches, PatchesRow};
+pub use round::Round;
 pub use sheet::{Curvature, Point, Sheet, SheetRow};
 
-use crate::geom::{DVec2, DVec3, Rect};
+use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
 
-/// A designed mirror in the part frame.
+/// The height f over a chart's image coordinates.
+#[derive(Debug, Clone)]
+pub enum Surface {
+    /// A tensor series over a rectangle.
+    Tensor(Sheet),
+    /// A series along the radius.
+    Round(Round),
+    /// The sum of both.
+    Sum(Round, Sheet),
+    /// A spline through sag on a grid.
+    Patches(Patches),
+}
+
+impl Surface {
+    /// The surface on the line of constant `y`.
+    #[must_use]
+    pub fn row(&self, y: f64) -> SurfaceRow<'_> {
+        match self {
+            Self::Tensor(sheet) => SurfaceRow::Tensor(sheet.row(y)),
+            Self::Round(round) => SurfaceRow::Round(round, y),
+            Self::Sum(round, sheet) => SurfaceRow::Sum(round, y, sheet.row(y)),
+            Self::Patches(patches) => SurfaceRow::Patches(patches.row(y)),
+        }
+    }
+
+    /// Height and slope at one point.
+    #[must_use]
+    pub fn at(&self, q: DVec2) -> Point {
+        self.row(q.y).at(q.x)
+    }
+
+    /// Second derivatives at one point, 1/mm.
+    #[must_use]
+    pub fn curvature(&self, q: DVec2) -> Curvature {
+        match self {
+            Self::Tensor(sheet) => sheet.curvature(q),
+            Self::Round(round) => round.curvature(q),
+            Self::Sum(round, sheet) => {
+                let (a, b) = (round.curvature(q), sheet.curvature(q));
+                Curvature { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
+            }
+            Self::Patches(patches) => patches.curvature(q),
+        }
+    }
+}
+
+/// A surface on one line of constant y.
+#[derive(Debug, Clone)]
+pub enum SurfaceRow<'a> {
+    /// Of a tensor series.
+    Tensor(SheetRow),
+    /// Of a round surface.
+    Round(&'a Round, f64),
+    /// Of a sum.
+    Sum(&'a Round, f64, SheetRow),
+    /// Of a spline.
+    Patches(PatchesRow<'a>),
+}
+
+impl SurfaceRow<'_> {
+    /// Height and slope at `x`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: f64) -> Point {
+        match self {
+            Self::Tensor(row) => row.at(x),
+            Self::Round(round, y) => round.at(DVec2::new(x, *y)),
+            Self::Sum(round, y, row) => {
+                let (a, b) = (round.at(DVec2::new(x, *y)), row.at(x));
+                Point { f: a.f + b.f, slope: a.slope + b.slope }
+            }
+            Self::Patches(row) => row.at(x),
+        }
+    }
+}
+
+/// A designed or given mirror in the part frame.
 #[derive(Debug, Clone)]
 pub struct Mirror {
     /// The designed panel's surface.
-    pub sheet: Sheet,
-    /// The designed panel's rectangle, mm; corners are single-precision numbers.
-    pub panel: Rect,
+    pub surface: Surface,
+    /// What its coordinates mean.
+    pub chart: Chart,
+    /// The designed panel's outline, mm of the chart. A rectangle's corners are single-precision
+    /// numbers where the chart is that of parallel rays.
+    pub outline: Outline,
     /// Whether the panel's reflection in the plane Y = 0, along which it then has an edge, is part
     /// of the mirror.
     pub folded: bool,
-    /// Whether the sheet is even in X and the panel symmetric, to the last bit.
-    pub even_x: bool,
+    /// Whether the surface is even in x and in y and the outline symmetric, to the last bit.
+    pub even: [bool; 2],
 }
 
 impl Mirror {
     /// The outline of all panels.
     #[must_use]
-    pub fn outline(&self) -> Rect {
-        if !self.folded {
-            return self.panel;
+    pub fn whole(&self) -> Outline {
+        match self.outline {
+            Outline::Rect(panel) if self.folded => {
+                let reach = panel.min.y.abs().max(panel.max.y.abs());
+                Outline::Rect(Rect {
+                    min: DVec2::new(panel.min.x, -reach),
+                    max: DVec2::new(panel.max.x, reach),
+                })
+            }
+            outline => outline,
         }
-        let reach = self.panel.min.y.abs().max(self.panel.max.y.abs());
-        Rect { min: DVec2::new(self.panel.min.x, -reach), max: DVec2::new(self.panel.max.x, reach) }
     }
 
-    /// Whether `q` is on the reflected panel (the ridge belongs to the designed one).
+    /// Whether `q` is on the reflected panel's side (the ridge belongs to the designed one). Places
+    /// that rounding has put beyond the outline stay with their panel.
     #[inline]
     #[must_use]
     pub fn reflects(&self, q: DVec2) -> bool {
-        self.folded && !(self.panel.min.y <= q.y && q.y <= self.panel.max.y)
+        let Outline::Rect(panel) = self.outline else { return false };
+        self.folded && q.y * panel.centre().y < 0.0
     }
 
-    /// Sag and slope on the line of constant `y`, for many values of X. The line through the
+    /// Height and slope on the line of constant `y`, for many values of x. The line through the
     /// ridge takes the designed panel's slope.
     #[must_use]
-    pub fn row(&self, y: f64) -> MirrorRow {
-        let reflected = self.reflects(DVec2::new(self.panel.min.x, y));
-        let sheet = self.sheet.row(if reflected { -y } else { y });
-        MirrorRow { sheet, reflected }
+    pub fn row(&self, y: f64) -> MirrorRow<'_> {
+        let reflected = self.reflects(DVec2::new(0.0, y));
+        MirrorRow { row: self.surface.row(if reflected { -y } else { y }), reflected }
     }
 
-    /// Volume between the mirror and the base plane Z = 0, mm^3: the integral of the sag.
+    /// Height and slope over each of `places`, best listed in lines of equal y.
     #[must_use]
-    pub fn volume(&self) -> f64 {
-        let panel = self.sheet.integral(self.panel);
-        if self.folded { 2.0 * panel } else { panel }
+    pub fn along(&self, places: &[DVec2]) -> Vec<Point> {
+        let line = |line: &[DVec2]| {
+            let row = self.row(line[0].y);
+            line.iter().map(|q| row.at(q.x)).collect::<Vec<_>>()
+        };
+        places.chunk_by(|a, b| a.y == b.y).flat_map(line).collect()
+    }
+
+    /// Where the mirror's point over `q` is.
+    #[inline]
+    #[must_use]
+    pub fn place(&self, q: DVec2, point: &Point) -> DVec3 {
+        self.chart.point(q, point.f)
+    }
+
+    /// The slope (Z_X, Z_Y) of the mirror's point over `q`.
+    #[inline]
+    #[must_use]
+    pub fn slope(&self, q: DVec2, point: &Point) -> DVec2 {
+        DVec2::from_array(self.chart.slope(q.to_array(), point.slope.to_array()))
+    }
+
+    /// A normal towards the camera, not of unit length: (-Z_X, -Z_Y, 1).
+    #[inline]
+    #[must_use]
+    pub fn normal(&self, q: DVec2, point: &Point) -> DVec3 {
+        (-self.slope(q, point)).extend(1.0)
+    }
+
+    /// The chart's coordinates of the mirror's point that a camera sees at its image point `q`:
+    /// `q` itself for the camera the mirror was designed for; by Newton's method along the ray for
+    /// another, and none where that does not converge.
+    #[must_use]
+    pub fn under(&self, camera: &Chart, q: DVec2) -> Option<DVec2> {
+        if *camera == self.chart {
+            return Some(q);
+        }
+        let size = self.outline.bounds().size().max_element();
+        let mut height = 0.0;
+        for _ in 0..32 {
+            let (at, f) = self.chart.coordinates(camera.point(q, height));
+            let point = self.row(at.y).at(at.x);
+            // Along the ray the image point drifts by the view's tangent for each mm of height.
+            let drift = q * camera.vergence - at * self.chart.vergence;
+            let step = (point.f - f) / (1.0 + point.slope.dot(drift));
+            height += step;
+            if step.abs() <= 1e-13 * size {
+                return Some(at);
+            }
+        }
+        None
     }
 }
 
-/// A mirror on one line of constant Y.
+/// A mirror on one line of constant y.
 #[derive(Debug, Clone)]
-pub struct MirrorRow {
-    sheet: SheetRow,
+pub struct MirrorRow<'a> {
+    row: SurfaceRow<'a>,
     reflected: bool,
 }
 
-impl MirrorRow {
-    /// Sag and slope at `x`.
+impl MirrorRow<'_> {
+    /// Height and slope at `x`.
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64) -> Point {
-        let mut point = self.sheet.at(x);
+        let mut point = self.row.at(x);
         if self.reflected {
             point.slope.y = -point.slope.y;
         }
         point
-    }
-}
-
-impl Point {
-    /// A normal towards the camera, not of unit length: (-Z_X, -Z_Y, 1).
-    #[inline]
-    #[must_use]
-    pub fn normal(&self) -> DVec3 {
-        (-self.slope).extend(1.0)
     }
 }

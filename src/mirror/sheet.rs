@@ -1,25 +1,25 @@
 //! One smooth sheet: a tensor Legendre series placed in the part frame.
 
-use crate::geom::{DVec2, Rect};
+use crate::geom::DVec2;
 use crate::num::legendre::{Row, Series};
 
-/// Sag (mm) and slope (Z_X, Z_Y) of a surface at a point.
+/// Height (mm) and slope of a surface at a point of its chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Z, mm.
-    pub sag: f64,
-    /// (Z_X, Z_Y), dimensionless.
+    /// f, mm.
+    pub f: f64,
+    /// (f_x, f_y), dimensionless.
     pub slope: DVec2,
 }
 
-/// Second derivatives of the sag, 1/mm.
+/// Second derivatives of the height, 1/mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvature {
-    /// Z_XX.
+    /// f_xx.
     pub xx: f64,
-    /// Z_XY.
+    /// f_xy.
     pub xy: f64,
-    /// Z_YY.
+    /// f_yy.
     pub yy: f64,
 }
 
@@ -46,8 +46,8 @@ impl Curvature {
     }
 }
 
-/// The surface Z = s F(u, v) + lift, where (u, v) runs over [-1, 1]^2 as (X, Y) runs over a
-/// rectangle, F is the paper's f in the paper's units and s the scale in mm per unit.
+/// The surface f = s F(u, v), where (u, v) runs over [-1, 1]^2 as q runs over a rectangle, F is the
+/// paper's f in the paper's units and s the scale in mm per unit.
 #[derive(Debug, Clone)]
 pub struct Sheet {
     /// F.
@@ -58,8 +58,6 @@ pub struct Sheet {
     pub half: DVec2,
     /// s, mm per unit of F.
     pub scale_mm: f64,
-    /// Z of F = 0, mm.
-    pub lift_mm: f64,
 }
 
 impl Sheet {
@@ -71,12 +69,11 @@ impl Sheet {
             centre: self.centre.x,
             per_mm: 1.0 / self.half.x,
             scale: self.scale_mm,
-            lift: self.lift_mm,
             slope: self.scale_mm / self.half,
         }
     }
 
-    /// Sag and slope at one point.
+    /// Height and slope at one point.
     #[must_use]
     pub fn at(&self, q: DVec2) -> Point {
         self.row(q.y).at(q.x)
@@ -90,14 +87,6 @@ impl Sheet {
         let (a, b) = (self.half.x, self.half.y);
         Curvature { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
     }
-
-    /// Integral of the sag over a rectangle, mm^3.
-    #[must_use]
-    pub fn integral(&self, rect: Rect) -> f64 {
-        let (lo, hi) = ((rect.min - self.centre) / self.half, (rect.max - self.centre) / self.half);
-        let unit = self.series.integral([lo.x, hi.x], [lo.y, hi.y]);
-        unit * self.half.x * self.half.y * self.scale_mm + self.lift_mm * rect.area()
-    }
 }
 
 /// A sheet on one line of constant Y.
@@ -107,20 +96,16 @@ pub struct SheetRow {
     centre: f64,
     per_mm: f64,
     scale: f64,
-    lift: f64,
     slope: DVec2,
 }
 
 impl SheetRow {
-    /// Sag and slope at `x`.
+    /// Height and slope at `x`.
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64) -> Point {
         let jet = self.row.gradient((x - self.centre) * self.per_mm);
-        Point {
-            sag: self.scale * jet.f + self.lift,
-            slope: DVec2::from_array(jet.gradient) * self.slope,
-        }
+        Point { f: self.scale * jet.f, slope: DVec2::from_array(jet.gradient) * self.slope }
     }
 }
 
@@ -128,32 +113,25 @@ impl SheetRow {
 mod tests {
     use super::*;
 
-    /// Z = 0.02 X^2 Y + 7 on a rectangle off the origin, as a Legendre series.
+    /// f = 0.02 x^2 y on a rectangle off the origin, as a Legendre series.
     fn sheet() -> Sheet {
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
         // X = 3 + 4u, Y = -2 + 5v; u^2 = (2 P2 + 1)/3.
         let x2 = [9.0 + 16.0 / 3.0, 24.0, 32.0 / 3.0];
         let y = [-2.0, 5.0];
         let series = Series::from_fn(3, 2, |i, j| 0.01 * x2[i] * y[j]);
-        Sheet { series, centre, half, scale_mm: 2.0, lift_mm: 7.0 }
+        Sheet { series, centre, half, scale_mm: 2.0 }
     }
 
     #[test]
-    fn derivatives_are_in_the_part_frame() {
+    fn derivatives_are_per_millimetre() {
         let q = DVec2::new(1.5, -4.0);
         let point = sheet().at(q);
-        assert!((point.sag - (0.02 * 2.25 * -4.0 + 7.0)).abs() < 1e-13);
+        assert!((point.f - 0.02 * 2.25 * -4.0).abs() < 1e-13);
         assert!((point.slope - DVec2::new(0.04 * 1.5 * -4.0, 0.02 * 2.25)).length() < 1e-14);
         let c = sheet().curvature(q);
         assert!((c.xx + 0.16).abs() < 1e-14 && (c.xy - 0.06).abs() < 1e-14 && c.yy.abs() < 1e-14);
         assert!((c.det() + 0.0036).abs() < 1e-14);
         assert!((c.norm() - 0.18).abs() < 1e-13);
-    }
-
-    #[test]
-    fn integral_matches_the_closed_form() {
-        let rect = Rect { min: DVec2::new(0.0, -3.0), max: DVec2::new(2.0, 1.0) };
-        let exact = 0.02 * (8.0 / 3.0) * (0.5 * (1.0 - 9.0)) + 7.0 * 8.0;
-        assert!((sheet().integral(rect) - exact).abs() < 1e-12);
     }
 }

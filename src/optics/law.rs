@@ -1,89 +1,83 @@
-//! Laws: how an image row maps to elevation.
+//! Laws of a strip: how an image row maps to elevation.
 //!
-//! Every law is read against one coordinate, the *isometric latitude* m with tan e = sinh m
-//! (Mercator's own image coordinate): the slope a vertical camera ray needs is exp(-m) long, and
-//! `z(m)` says where the law puts it in the image. Image coordinates are in the paper's units
-//! (one per radian of azimuth).
+//! Every law is read as E(z) = exp(-m), the length of the stereographic coordinate of what row z
+//! sees (m: isometric latitude, tan e = sinh m), and back. Image coordinates are in the paper's
+//! units (one per radian of azimuth).
 
-use crate::num::{asinh, cosh, exp, hypot, sinh, tan, tanh};
+use super::Ladder;
+use crate::num::{Scalar, radians, tan};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::sync::Arc;
 
-/// The law of the rows of a cylindrical panorama.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The law of the rows of a panorama.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Law {
     /// tan e = z: the paper's projection onto a cylinder.
     Cylindrical,
     /// tan e = sinh z: conformal.
     Mercator,
+    /// e = z.
+    Equirectangular,
+    /// sin e = z: equal solid angle per pixel.
+    EqualArea,
+    /// Through given points.
+    Ladder(Arc<Ladder>),
 }
 
 impl Law {
-    /// (sin e, cos e) of the elevation that image coordinate `z` must see.
+    /// E = exp(-m) = cos e / (1 + sin e) at image coordinate `z`, to a few ulps. (For the paper's
+    /// law 1 / (z + sqrt(1 + z^2)); its other form, sqrt(1 + z^2) - z, loses every digit for large
+    /// z.)
     #[inline]
-    #[must_use]
-    pub fn elevation(self, z: f64) -> [f64; 2] {
+    pub fn shrink<S: Scalar>(&self, z: S) -> S {
         match self {
-            Self::Cylindrical => {
-                let far = hypot(1.0, z);
-                [z / far, 1.0 / far]
+            Self::Cylindrical if z.centre() > 0.0 => {
+                S::constant(1.0) / (z + (z.square() + 1.0).sqrt())
             }
-            Self::Mercator => [tanh(z), 1.0 / cosh(z)],
+            Self::Cylindrical => (z.square() + 1.0).sqrt() - z,
+            Self::Mercator => (-z).exp(),
+            Self::Equirectangular => (-z * 0.5 + FRAC_PI_4).tan(),
+            Self::EqualArea => ((-z + 1.0) / (z + 1.0)).sqrt(),
+            Self::Ladder(ladder) => ladder.shrink(z),
         }
     }
 
-    /// Image coordinate of the direction with the given `tan e`.
+    /// The image coordinate whose E is `shrink`.
     #[inline]
-    #[must_use]
-    pub fn image_of_tangent(self, tan_e: f64) -> f64 {
+    pub fn coordinate<S: Scalar>(&self, shrink: S) -> S {
         match self {
-            Self::Cylindrical => tan_e,
-            Self::Mercator => asinh(tan_e),
+            Self::Cylindrical => (S::constant(1.0) / shrink - shrink) * 0.5,
+            Self::Mercator => -shrink.log(),
+            Self::Equirectangular => shrink.atan() * -2.0 + FRAC_PI_2,
+            Self::EqualArea => {
+                let w = shrink.square();
+                (-w + 1.0) / (w + 1.0)
+            }
+            Self::Ladder(ladder) => ladder.coordinate(shrink),
         }
     }
 
-    /// Image coordinate of elevation `e` (radians, inside +-pi/2).
+    /// The image coordinate of the pole, for laws that reach it.
     #[must_use]
-    pub fn image_of_elevation(self, e: f64) -> f64 {
-        self.image_of_tangent(tan(e))
-    }
-
-    /// Length E = exp(-m) = cos e / (1 + sin e) of the slope at image coordinate `z`, to a few
-    /// ulps for every z. (The paper's 1/(z + sqrt(1 + z^2)); its other form, sqrt(1 + z^2) - z,
-    /// loses every digit for large z.)
-    #[inline]
-    #[must_use]
-    pub fn slope(self, z: f64) -> f64 {
+    pub fn reach(&self) -> Option<f64> {
         match self {
-            Self::Cylindrical if z > 0.0 => 1.0 / (z + hypot(1.0, z)),
-            Self::Cylindrical => hypot(1.0, z) - z,
-            Self::Mercator => exp(-z),
+            Self::Equirectangular => Some(FRAC_PI_2),
+            Self::EqualArea => Some(1.0),
+            _ => None,
         }
     }
 
-    /// dE/dz.
-    #[inline]
+    /// Image coordinate of an elevation in degrees, inside +-90.
     #[must_use]
-    pub fn slope_derivative(self, z: f64) -> f64 {
-        match self {
-            Self::Cylindrical => -self.slope(z) / hypot(1.0, z),
-            Self::Mercator => -self.slope(z),
-        }
-    }
-
-    /// (sup |dz/dm|, sup |d^2 z/dm^2|) over the isometric latitudes `lo`..=`hi`.
-    #[inline]
-    #[must_use]
-    pub fn stretch(self, lo: f64, hi: f64) -> [f64; 2] {
-        let far = lo.abs().max(hi.abs());
-        match self {
-            Self::Cylindrical => [cosh(far), sinh(far)],
-            Self::Mercator => [1.0, 0.0],
-        }
+    pub fn image_of_degrees(&self, elevation: f64) -> f64 {
+        self.coordinate(tan(radians(0.5 * (90.0 - elevation))))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::{asinh, sin};
 
     fn close(found: f64, exact: f64, ulps: f64) -> bool {
         (found - exact).abs() <= ulps * f64::EPSILON * exact.abs()
@@ -128,48 +122,39 @@ mod tests {
     #[test]
     fn law_forms_lose_no_digits() {
         for (law, table) in [(Law::Cylindrical, &CYLINDRICAL[..]), (Law::Mercator, &MERCATOR[..])] {
-            for &(z, slope, cos_e) in table {
-                assert!(close(law.slope(z), slope, 3.0), "{law:?} {z}: {}", law.slope(z));
-                assert!(close(law.elevation(z)[1], cos_e, 3.0), "{law:?} {z}");
+            for &(z, shrink, cos_e) in table {
+                let found = law.shrink(z);
+                assert!(close(found, shrink, 3.0), "{law:?} {z}: {found}");
+                if (1e-150..1e150).contains(&found) {
+                    assert!(close(2.0 / (found + 1.0 / found), cos_e, 4.0), "{law:?} {z}");
+                }
+            }
+        }
+    }
+
+    const LAWS: [Law; 4] = [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea];
+
+    #[test]
+    fn every_law_puts_an_elevation_where_its_definition_says() {
+        for degrees in [-89.9, -60.0, -30.0, -1e-6, 0.0, 12.5, 45.0, 89.9] {
+            let e = radians(degrees);
+            let exact = [tan(e), asinh(tan(e)), e, sin(e)];
+            for (law, exact) in LAWS.into_iter().zip(exact) {
+                let z = law.image_of_degrees(degrees);
+                assert!(
+                    (z - exact).abs() < 1e-12 * exact.abs().max(1e-3),
+                    "{law:?} {degrees}: {z}"
+                );
             }
         }
     }
 
     #[test]
-    fn image_inverts_elevation() {
-        for law in [Law::Cylindrical, Law::Mercator] {
-            for z in [-5.0, -0.6, -1e-8, 0.0, 0.3, 2.0, 5.0] {
-                let [sin_e, cos_e] = law.elevation(z);
-                let back = law.image_of_tangent(sin_e / cos_e);
-                assert!((back - z).abs() < 1e-14 * z.abs().max(1e-3), "{law:?} {z}: {back}");
-            }
-        }
-    }
-
-    #[test]
-    fn slope_is_the_half_angle_tangent_and_has_its_derivative() {
-        for law in [Law::Cylindrical, Law::Mercator] {
-            for z in [-3.0, -0.5, 0.0, 0.7, 4.0] {
-                let [sin_e, cos_e] = law.elevation(z);
-                assert!(close(law.slope(z) * (1.0 + sin_e), cos_e, 64.0));
-                let h = 1e-6;
-                let central = (law.slope(z + h) - law.slope(z - h)) / (2.0 * h);
-                assert!((central - law.slope_derivative(z)).abs() < 1e-8 * law.slope(z));
-            }
-        }
-    }
-
-    #[test]
-    fn stretch_bounds_the_law_against_isometric_latitude() {
-        let h = 1e-4;
-        for law in [Law::Cylindrical, Law::Mercator] {
-            let image = |m: f64| law.image_of_tangent(sinh(m));
-            let [first, second] = law.stretch(-0.4, 1.1);
-            for k in 0..=15 {
-                let m = -0.4 + 0.1 * f64::from(k);
-                let d = (image(m + h) - image(m - h)) / (2.0 * h);
-                let dd = (image(m + h) - 2.0 * image(m) + image(m - h)) / (h * h);
-                assert!(d.abs() <= first + 1e-6 && dd.abs() <= second + 1e-6, "{law:?} {m}");
+    fn image_inverts_shrink() {
+        for law in LAWS {
+            for z in [-0.95, -0.6, -1e-8, 0.0, 0.3, 0.99] {
+                let back = law.coordinate(law.shrink(z));
+                assert!((back - z).abs() < 1e-14, "{law:?} {z}: {back}");
             }
         }
     }

@@ -5,7 +5,8 @@ use super::observer::{Clock, Stage};
 use super::shape::worst_vertex;
 use crate::design::Design;
 use crate::export::{ReadError, Reread, read_obj, read_stl};
-use crate::geom::DVec3;
+use crate::geom::{DVec2, DVec3, Outline};
+use crate::mirror::Point;
 use crate::optics::reflect;
 use crate::profile::{Format, Profile};
 use crate::render::{Canvas, EncodingError, Picture, Seen as Painted, TestWorld};
@@ -97,8 +98,11 @@ pub fn examine(
         let scene = Scene::new(mesh);
         let table = intents(design, &scene);
         let witness =
-            Witness::trace(&scene, normals.as_deref(), &design.image, camera.pixels, table);
-        let frame = Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px);
+            Witness::trace(&scene, normals.as_deref(), design.view.as_ref(), camera.pixels, table);
+        let frame = design
+            .view
+            .is_some()
+            .then(|| Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px));
         let has_normals = normals.is_some();
         let mut trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
         trace.worst_vertex = vertex;
@@ -108,7 +112,7 @@ pub fn examine(
             altered: false,
             unreadable: None,
             trace: Some(trace),
-            frame: Some(frame),
+            frame,
             seen: Some((scene, witness)),
         };
         (evidence, note)
@@ -117,24 +121,31 @@ pub fn examine(
 
 /// The table of intended rays, a row of the sensor at a time.
 fn intents(design: &Design, scene: &Scene) -> impl Fn(u32) -> Vec<Intent> {
-    let Design { mirror, image, camera, .. } = design;
-    let outline = mirror.outline();
+    let Design { mirror, view, camera, .. } = design;
+    let outline = mirror.whole();
     let top = above(scene);
     move |row| {
-        let y = camera.image_point(0.0, f64::from(row) + 0.5).y;
-        let line = mirror.row(y);
-        let intent = |column: u32| {
-            let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let image_point =
+            |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let points: Vec<DVec2> = (0..camera.pixels[0]).map(image_point).collect();
+        let places: Vec<DVec2> = points
+            .iter()
+            .map(|&q| mirror.under(&camera.chart, q).unwrap_or(DVec2::INFINITY))
+            .collect();
+        let designed = mirror.along(&places);
+        let intent = |((point, place), designed): ((DVec2, DVec2), Point)| {
             let ray = camera.ray(point, top);
-            let aimed = outline.contains(point);
-            let (wanted, designed) = if aimed {
-                (image.wanted(point), reflect(ray.direction, line.at(point.x).normal()))
-            } else {
-                (DVec3::Z, DVec3::Z)
-            };
-            Intent { ray, point, aimed, wanted, designed }
+            let aimed = outline.aims(place);
+            let mut intent = Intent { ray, point, aimed, wanted: DVec3::Z, designed: DVec2::ZERO };
+            if let (true, Some(view)) = (aimed, view) {
+                let at = mirror.place(place, &designed);
+                intent.wanted = view.wanted(point, at);
+                let direction = reflect(ray.direction, mirror.normal(place, &designed));
+                intent.designed = view.locate(at, direction, point);
+            }
+            intent
         };
-        (0..camera.pixels[0]).map(intent).collect()
+        points.into_iter().zip(places).zip(designed).map(intent).collect()
     }
 }
 
@@ -167,7 +178,7 @@ fn trace_facts(
         missed: witness.count(|o| o == Outcome::Missed),
         shadowed: witness.count(|o| matches!(o, Outcome::Shadowed(_))),
         back_face: witness.count(|o| o == Outcome::BackFace),
-        errors: facts(|seen| Some(seen.errors)),
+        errors: facts(|seen| seen.errors),
         interpolated_normals: has_normals.then(|| facts(|seen| seen.smooth)),
         worst_vertex: None,
         solid,
@@ -177,16 +188,22 @@ fn trace_facts(
 /// What the camera sees of the test world in the mesh that was read back, as PNG. The witness's own
 /// rays are the pixel centres.
 pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u8>, EncodingError> {
-    let Design { camera, image, .. } = design;
+    let Design { camera, view, .. } = design;
     let [width, height] = camera.pixels;
-    let canvas = Canvas {
-        width,
-        height,
-        samples_per_side: 2,
-        pixel_rad: camera.pixel_mm / image.strip.scale_mm,
+    // Without a projection: as if the width showed half a turn.
+    let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
+    let scale = view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
+    let canvas = Canvas { width, height, samples_per_side: 2, pixel_rad: camera.pixel_mm * scale };
+    // The land inside a ring is not polished.
+    let land = |at: DVec3| match design.mirror.outline {
+        Outline::Ring { inner, .. } => design.mirror.chart.coordinates(at).0.length() < inner,
+        Outline::Rect(_) => false,
     };
-    let painted = |outcome: Outcome, direction: DVec3| match outcome {
-        Outcome::Hit => Painted::World(direction),
+    let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
+        Outcome::Hit if land(at) => Painted::Missed,
+        Outcome::Hit => {
+            Painted::World(view.as_ref().map_or(direction, |view| view.shown(at, direction)))
+        }
         Outcome::Missed => Painted::Missed,
         Outcome::Shadowed(_) => Painted::Shadowed,
         Outcome::BackFace => Painted::BackFace,
@@ -197,7 +214,7 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
         return Picture::paint(&canvas, &world, &nothing, |_, _| Painted::Missed).to_png();
     };
     let centres: Vec<Painted> =
-        witness.seen.iter().map(|seen| painted(seen.outcome, seen.direction)).collect();
+        witness.seen.iter().map(|seen| painted(seen.outcome, seen.at, seen.direction)).collect();
     let top = above(scene);
     // Between the centres: whether a place lies in shadow is taken from its pixel's centre.
     let see = |x: f64, y: f64| {
@@ -205,8 +222,9 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
         if let Outcome::Shadowed(_) = centre.outcome {
             return Painted::Shadowed;
         }
-        let (outcome, _, direction) = glance(scene, &camera.ray(camera.image_point(x, y), top));
-        painted(outcome, direction)
+        let ray = camera.ray(camera.image_point(x, y), top);
+        let (outcome, hit, direction) = glance(scene, &ray);
+        painted(outcome, hit.map_or(DVec3::ZERO, |hit| ray.at(hit.t)), direction)
     };
     Picture::paint(&canvas, &world, &centres, see).to_png()
 }

@@ -4,6 +4,7 @@
 //! was written is read, checked and traced like a stranger's file, and only then published under
 //! its own name, with the report beside it.
 
+mod bench;
 mod examine;
 mod files;
 mod observer;
@@ -11,9 +12,10 @@ mod shape;
 mod source;
 mod verdict;
 
+pub use bench::bench;
 pub use files::FileError;
 pub use observer::{Observer, Silent, Stage};
-pub use source::{SourceError, load};
+pub use source::{Source, SourceError, load};
 
 use crate::design::{Design, DesignError, design};
 use crate::export::{Label, write_obj, write_stl};
@@ -65,6 +67,9 @@ pub enum Error {
     /// The picture cannot be encoded.
     #[error("cannot encode the picture: {0}")]
     Picture(String),
+    /// The benchmark cannot run or be drawn.
+    #[error("cannot benchmark: {0}")]
+    Bench(String),
     /// A file to be verified is of no known format.
     #[error("{path}: the name must end in .stl or .obj")]
     Format {
@@ -73,16 +78,17 @@ pub enum Error {
     },
 }
 
-/// Builds `profile` into `out`/NAME: every stage, every file, and the report that is returned.
+/// Builds the profile of `source` into `out`/NAME: every stage, every file, and the report that is returned.
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
 /// folders.
-pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+    let profile = &source.profile;
     let clock = Clock::new(observer);
     let folder = Folder::create(&out.join(&profile.name))?;
 
-    let design = clock.stage(Stage::Design, || designed(profile))?;
+    let design = clock.stage(Stage::Design, || designed(source))?;
     let face = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
     let solids = clock.stage(Stage::Solid, || closed(profile, &face))?;
     let label = Label {
@@ -146,12 +152,14 @@ pub fn build(profile: &Profile, out: &Path, observer: &dyn Observer) -> Result<R
     Ok(report)
 }
 
-/// Reads an STL or OBJ of any making, checks it and traces it against what `profile` asks for.
+/// Reads an STL or OBJ of any making, checks it and traces it against what the profile of `source`
+/// asks for.
 ///
 /// # Errors
 /// [`enum@Error`] when the file cannot be opened or named, or the profile cannot be designed. (A file
 /// that opens but holds no sound mesh is a negative verdict.)
-pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+pub fn verify(source: &Source, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+    let profile = &source.profile;
     let clock = Clock::new(observer);
     let name = path.display().to_string();
     let format = match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
@@ -160,7 +168,7 @@ pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result
         _ => return Err(Error::Format { path: name }),
     };
     let bytes = files::read(path)?;
-    let design = clock.stage(Stage::Design, || designed(profile))?;
+    let design = clock.stage(Stage::Design, || designed(source))?;
     let mut evidence = examine(&clock, profile, &design, format, &bytes);
     evidence.rename(name);
     // A file of unknown making has no proven bound; its shape is held to the profile's limit.
@@ -169,11 +177,10 @@ pub fn verify(profile: &Profile, path: &Path, observer: &dyn Observer) -> Result
     Ok(assemble(profile, &design, None, vec![evidence], chord_mm))
 }
 
-fn designed(profile: &Profile) -> Result<(Design, String), Error> {
-    let design = design(profile)
-        .map_err(|source| Error::Design { profile: profile.name.clone(), source })?;
-    let facts = &design.facts;
-    let note = format!("{}, degree {}, {} unknowns", facts.method, facts.degree, facts.unknowns);
+fn designed(from: &Source) -> Result<(Design, String), Error> {
+    let design = design(&from.profile, from.sag.as_ref())
+        .map_err(|source| Error::Design { profile: from.profile.name.clone(), source })?;
+    let note = design.facts.method.to_owned();
     Ok((design, note))
 }
 
@@ -182,7 +189,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<(Face, String), Error> {
         chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
         facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
     };
-    let face = mesh(&design.mirror, &design.image.strip, limits)
+    let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
         .map_err(|source| Error::Mesh { profile: profile.name.clone(), source })?;
     let note = format!("{} optical triangles", face.mesh.triangles.len());
     Ok((face, note))
@@ -222,7 +229,7 @@ fn tolerances(profile: &Profile, design: &Design, face: &Face) -> String {
 fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {
     let pixel = design.camera.pixel_mm;
     let optical_triangles = face.mesh.triangles.len();
-    let over = |least: f64| optical_triangles as f64 / least;
+    let over = |least: Option<f64>| least.map(|least| optical_triangles as f64 / least);
     MeshFacts {
         optical_triangles,
         triangles: solid.mesh().triangles.len(),
@@ -231,8 +238,8 @@ fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) ->
         facet_px: Limited { limit: profile.mesh.facet_px, bound: face.bound.facet_mm / pixel },
         rounding_px: face.bound.rounding_mm / pixel,
         over_optimum: OverOptimum {
-            chord: profile.mesh.chord_um.map(|um| over(face.optimum.chord(um * 1e-3))),
-            facet: profile.mesh.facet_px.map(|px| over(face.optimum.facet(px * pixel))),
+            chord: profile.mesh.chord_um.and_then(|um| over(face.optimum.chord(um * 1e-3))),
+            facet: profile.mesh.facet_px.and_then(|px| over(face.optimum.facet(px * pixel))),
         },
     }
 }

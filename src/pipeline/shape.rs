@@ -1,8 +1,8 @@
-//! Is every vertex of a file where the part has one: on the designed mirror, on the base, or on the
-//! skirt between them?
+//! Is every vertex of a file where the part has one: on the designed mirror, on the base, on the
+//! skirt between them, or on the land inside a ring?
 
-use crate::geom::{DVec2, DVec3};
-use crate::mirror::Mirror;
+use crate::geom::{DVec2, DVec3, Outline};
+use crate::mirror::{Mirror, MirrorRow};
 use rayon::prelude::*;
 
 /// Vertices that a thread handles at a time; fixed, so that results do not depend on the threads.
@@ -16,29 +16,60 @@ pub fn worst_vertex(mirror: &Mirror, vertices: &[DVec3]) -> Option<(usize, f64)>
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk, vertices)| {
-            let mut row = (f64::NAN, mirror.row(0.0));
+            let land = land(mirror);
+            let mut row = (0.0, mirror.row(0.0));
             let mut worst = (chunk * CHUNK, 0.0);
             for (k, &v) in vertices.iter().enumerate() {
+                let q = mirror.chart.coordinates(v).0;
                 // Meshes list rows of equal Y together, and a row is costly to begin.
-                if row.0 != v.y {
-                    row = (v.y, mirror.row(v.y));
+                if row.0 != q.y {
+                    row = (q.y, mirror.row(q.y));
                 }
-                let sag = row.1.at(v.x).sag;
-                worst = farther(worst, (chunk * CHUNK + k, distance(mirror, v, sag)));
+                let off = distance(mirror, &row.1, q, v, land);
+                worst = farther(worst, (chunk * CHUNK + k, off));
             }
             worst
         })
         .reduce_with(farther)
 }
 
-fn distance(mirror: &Mirror, v: DVec3, sag: f64) -> f64 {
-    let outline = mirror.outline();
-    let q = v.truncate();
-    let beside = (outline.min - q).max(q - outline.max);
-    let from_rim = beside.max_element();
-    if from_rim > 0.0 {
-        return beside.max(DVec2::ZERO).length();
+/// Radius and height of the land inside a ring.
+fn land(mirror: &Mirror) -> Option<(f64, f64)> {
+    let Outline::Ring { inner, .. } = mirror.outline else { return None };
+    let rim = rim(mirror, DVec2::X, inner);
+    (inner > 0.0).then_some((rim.x, rim.z))
+}
+
+/// The mirror's point in direction `way` at `reach` mm of the chart from the axis.
+fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
+    let q = way * reach;
+    mirror.place(q, &mirror.row(q.y).at(q.x))
+}
+
+fn distance(mirror: &Mirror, row: &MirrorRow, q: DVec2, v: DVec3, land: Option<(f64, f64)>) -> f64 {
+    let outline = mirror.whole();
+    let on_mirror = (mirror.place(q, &row.at(q.x)) - v).length();
+    // How far inside the outline, along X or Y or the radius, in the chart.
+    let inside = match outline {
+        Outline::Rect(rect) => (q - rect.min).min(rect.max - q).min_element(),
+        Outline::Ring { outer, .. } => outer - q.length(),
+    };
+    if let (true, Some((radius, z))) = (inside >= 0.0, land)
+        && v.truncate().length() <= radius
+    {
+        return on_mirror.min((v.z - z).abs()).min(v.z.abs());
     }
-    let on_skirt = if v.z >= 0.0 && v.z <= sag { -from_rim } else { f64::INFINITY };
-    (v.z - sag).abs().min(v.z.abs()).min(on_skirt)
+    // Most vertices are on the mirror, and there nothing else is asked.
+    if inside >= 0.0 && on_mirror <= 1e-9 * outline.bounds().size().max_element() {
+        return on_mirror;
+    }
+    let across = v.truncate();
+    let reach = outline.reach(across);
+    let edge = rim(mirror, across.normalize_or_zero(), reach);
+    let beside = across.length() - edge.truncate().length();
+    if beside > 0.0 {
+        return if inside >= 0.0 { on_mirror.min(beside) } else { beside };
+    }
+    let on_skirt = if v.z >= 0.0 && v.z <= edge.z { -beside } else { f64::INFINITY };
+    on_mirror.min(v.z.abs()).min(on_skirt)
 }

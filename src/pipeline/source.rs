@@ -1,9 +1,26 @@
-//! Where profiles come from: a file, or one of the shipped ones by its bare name.
+//! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights
+//! that a profile names.
 
 use super::files::{self, FileError};
-use crate::profile::{Complaints, Profile, shipped};
+use crate::profile::{Complaints, GridError, Profile, SagGrid, Shape, shipped};
 use std::path::Path;
 use thiserror::Error;
+
+/// A profile, and what is in the file that it names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// The profile.
+    pub profile: Profile,
+    /// The heights of a mirror that is given as a grid.
+    pub sag: Option<SagGrid>,
+}
+
+impl From<Profile> for Source {
+    /// Of a profile that names no file.
+    fn from(profile: Profile) -> Self {
+        Self { profile, sag: None }
+    }
+}
 
 /// Why there is no profile.
 #[derive(Debug, Error)]
@@ -14,6 +31,14 @@ pub enum SourceError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The file of heights has a fault.
+    #[error("{path}: {source}")]
+    Grid {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        source: GridError,
+    },
     /// The name cannot be a folder's.
     #[error("{named}: the file's name gives no name for the output folder; rename the file")]
     Nameless {
@@ -30,16 +55,18 @@ pub enum SourceError {
     },
 }
 
-/// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile.
+/// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile;
+/// and the heights that it names, from its own folder.
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.
-pub fn load(named: &str) -> Result<Profile, SourceError> {
+pub fn load(named: &str) -> Result<Source, SourceError> {
     let path = Path::new(named);
     let known = shipped().iter().find(|profile| profile.name == named);
     // A folder called like a shipped profile (an output of it, say) does not hide it.
     if let (Some(profile), false) = (known, path.is_file()) {
-        return Ok(Profile::parse(profile.name, profile.name, profile.text.as_bytes())?);
+        let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes())?;
+        return with_heights(profile, Path::new(""));
     }
     if !path.exists() {
         let closest = shipped()
@@ -57,5 +84,58 @@ pub fn load(named: &str) -> Result<Profile, SourceError> {
     if matches!(&*stem, "" | "." | "..") {
         return Err(SourceError::Nameless { named: named.into() });
     }
-    Ok(Profile::parse(&stem, named, &bytes)?)
+    let profile = Profile::parse(&stem, named, &bytes)?;
+    with_heights(profile, path.parent().unwrap_or(Path::new("")))
+}
+
+/// `profile` with the heights that it names, relative to its folder.
+fn with_heights(profile: Profile, folder: &Path) -> Result<Source, SourceError> {
+    let Shape::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };
+    let path = folder.join(file);
+    let sag = SagGrid::parse(&files::read(&path)?)
+        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })?;
+    Ok(Source { profile, sag: Some(sag) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    const GIVEN: &str = "camera.orthographic.pixels = [640, 480]
+part = { width_mm = 3, height_mm = 3, base_mm = 5 }
+mirror.grid.file = \"data/sag.csv\"
+mesh.chord_um = 2
+export.formats = [\"stl\"]
+";
+
+    #[test]
+    fn heights_are_found_beside_the_profile_and_their_faults_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("given.toml");
+        fs::write(&path, GIVEN).unwrap();
+        let named = path.to_str().unwrap();
+        let missing = load(named).unwrap_err().to_string();
+        assert!(missing.contains("cannot read") && missing.contains("sag.csv"), "{missing}");
+
+        fs::create_dir(folder.path().join("data")).unwrap();
+        let mut lines: Vec<String> =
+            (0..16).map(|k| format!("{},{},0.5", k % 4 - 2, k / 4 - 2)).collect();
+        let write = |lines: &[String]| {
+            fs::write(folder.path().join("data/sag.csv"), lines.join("\n")).unwrap();
+        };
+        write(&lines);
+        let source = load(named).unwrap();
+        assert_eq!(source.sag.unwrap().z_mm, [0.5; 16]);
+
+        lines[6] = "0,-1,low".into();
+        write(&lines);
+        let fault = load(named).unwrap_err().to_string();
+        assert!(
+            fault.ends_with(
+                "sag.csv: line 7: Z must be a finite number of millimetres, found \"low\""
+            ),
+            "{fault}"
+        );
+    }
 }

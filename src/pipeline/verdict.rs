@@ -2,6 +2,7 @@
 
 use super::examine::Evidence;
 use crate::design::Design;
+use crate::geom::Outline;
 use crate::profile::Profile;
 use crate::report::{TraceFacts, Verdict};
 
@@ -17,7 +18,7 @@ pub fn reasons(
     evidence: &[Evidence],
     chord_mm: f64,
 ) -> Vec<String> {
-    let volume_tolerance = design.mirror.outline().area() * chord_mm;
+    let volume_tolerance = volume_tolerance(design, chord_mm);
     let mut reasons = Vec::new();
     for evidence in evidence {
         let name = &evidence.file.name;
@@ -46,6 +47,21 @@ pub fn reasons(
         }
     }
     reasons
+}
+
+/// What the chord error, and the chords of a round rim, may take off the volume, mm^3.
+fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
+    let outline = design.mirror.whole();
+    let faces = outline.area() * chord_mm;
+    match outline {
+        Outline::Rect(_) => faces,
+        // Chords that cut EDGE of the radius take 4/3 of that share of the disc.
+        Outline::Ring { outer, .. } => {
+            let disc = std::f64::consts::PI * outer * outer;
+            let top = design.mirror.volume() / disc;
+            faces + 4.0 / 3.0 * Outline::EDGE * disc * (top + chord_mm)
+        }
+    }
 }
 
 fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String> {

@@ -1,14 +1,17 @@
 //! What is wanted of a mirror: the TOML profile, read and checked.
 //!
 //! A [`Profile`] that exists is a valid one: every number is finite and within its limits, and
-//! the layout fits the projection. [`Profile::parse`] either returns one or returns all the
+//! camera, projection, layout and part fit each other. [`Profile::parse`] either returns one or returns all the
 //! [`Complaints`] at once, each with its place in the file.
 
 mod check;
 mod complaint;
 mod lines;
+mod projection;
 mod reader;
+mod sag;
 mod schema;
+mod shape;
 mod shipped;
 mod source;
 mod values;
@@ -17,9 +20,12 @@ mod words;
 use std::fmt;
 
 pub use complaint::{Complaint, Complaints};
+pub use projection::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
+pub use sag::{GridError, SagAxis, SagGrid};
+pub use shape::{Conic, Method, MethodKind, Polynomial, Shape, Term};
 pub use shipped::{Shipped, shipped};
 
-/// A checked profile: camera, projection, layout, method, part, mesh, files and limits.
+/// A checked profile: camera, projection, layout, shape, part, mesh, files and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// The name that output goes under, usually the file's name without `.toml`.
@@ -30,12 +36,14 @@ pub struct Profile {
     pub summary: String,
     /// The camera that looks into the mirror.
     pub camera: Camera,
-    /// Which part of the world the picture must show, and how it is laid out.
-    pub projection: Projection,
-    /// How the mirror's panels tile the image.
+    /// Which part of the world the picture must show, and how it is laid out. A designed mirror
+    /// always has one; without one a given mirror has no pixel error to limit.
+    pub projection: Option<Projection>,
+    /// The mirror's outline. It fits the projection: a strip or a conquistador with a strip's law,
+    /// a disc or an annulus with a radial law; without a projection any but those two.
     pub layout: Layout,
-    /// How the mirror's shape is computed.
-    pub method: Method,
+    /// Where the mirror's shape comes from.
+    pub shape: Shape,
     /// The size of the solid.
     pub part: Part,
     /// How closely facets must follow the mirror.
@@ -54,29 +62,28 @@ pub enum Camera {
         /// Width and height of the frame in pixels, each 1 to 16384.
         pixels: [u32; 2],
     },
+    /// A camera whose rays all pass through one point on the optical axis.
+    Pinhole {
+        /// Width and height of the frame in pixels, each 1 to 16384.
+        pixels: [u32; 2],
+        /// Focal length in pixels, positive; a profile may give the angle of view instead.
+        focal_px: f64,
+        /// From the pinhole to the mirror along the axis, in millimetres: to its mean height, for a
+        /// disc or an annulus to its outer rim.
+        distance_mm: f64,
+    },
 }
 
-/// Which direction of the world an image point must see.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Projection {
-    /// How an image row maps to elevation.
-    pub law: Law,
-    /// First and last azimuth in degrees: increasing, within ±360, at most 360 apart.
-    pub azimuth_deg: [f64; 2],
-    /// Lowest and highest elevation in degrees: increasing, strictly inside ±90.
-    pub elevation_deg: [f64; 2],
+impl Camera {
+    /// Width and height of the frame in pixels.
+    pub fn pixels(&self) -> [u32; 2] {
+        match *self {
+            Camera::Orthographic { pixels } | Camera::Pinhole { pixels, .. } => pixels,
+        }
+    }
 }
 
-/// How an image row maps to elevation; `z` is the row's height in units of the strip's scale.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Law {
-    /// `tan(elevation) = z`, the picture on a cylinder about the axis. No mirror is exact.
-    Cylindrical,
-    /// `tan(elevation) = sinh(z)`, the conformal picture. An exact mirror exists.
-    Mercator,
-}
-
-/// How the mirror's panels tile the image.
+/// The mirror's outline, and how its panels tile the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layout {
     /// One panel, the whole panorama in one strip.
@@ -84,7 +91,7 @@ pub enum Layout {
         /// Change the elevation range so that the mirror fills the camera's frame exactly.
         fill_frame: bool,
     },
-    /// Two panels that share a ridge, each with half of a full turn.
+    /// Two panels that share a ridge, each with half of a full turn. Never of a given mirror.
     Conquistador {
         /// Where the panel's shape comes from.
         panel: PanelSource,
@@ -92,6 +99,18 @@ pub enum Layout {
         ridge: Ridge,
         /// Change the elevation range so that the mirror fills the camera's frame exactly.
         fill_frame: bool,
+    },
+    /// Round, about the axis; the part's width is its diameter.
+    Disc,
+    /// A disc with a flat land in the middle.
+    Annulus {
+        /// Diameter of the land in millimetres, less than 0.99 of the part's width.
+        inner_width_mm: f64,
+    },
+    /// A rectangle about the axis: a given mirror without a projection.
+    Rectangle {
+        /// Height of the mirror across the part's width, in millimetres.
+        height_mm: f64,
     },
 }
 
@@ -113,20 +132,10 @@ pub enum Ridge {
     Valley,
 }
 
-/// How the mirror's shape is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Least squares between the mirror's gradient and the wanted slope field.
-    VectorField {
-        /// Degree of the polynomial in each image coordinate, 1 to 40.
-        degree: usize,
-    },
-}
-
 /// The size of the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Width of the mirror across the picture, in millimetres.
+    /// Width of the mirror across the picture, in millimetres; of a round one its diameter.
     pub width_mm: f64,
     /// Material under the mirror's lowest point, in millimetres.
     pub base_mm: f64,

@@ -14,6 +14,8 @@ use super::words::{list, shown, syntax_hint};
 pub(super) type Value<'t> = Spanned<DeValue<'t>>;
 
 const MAX_SYNTAX_COMPLAINTS: usize = 20;
+/// Alternatives that a complaint lists as whole tables.
+const MAX_BRACKETED: usize = 4;
 
 /// Whether a table may do without a key.
 #[derive(Clone, Copy, PartialEq)]
@@ -151,6 +153,11 @@ impl<'a> Reader<'a> {
         String::from_utf8(bytes).ok()
     }
 
+    /// Whether parts of the file could not be read.
+    pub(super) fn is_torn(&self) -> bool {
+        self.torn
+    }
+
     pub(super) fn is_clean(&self) -> bool {
         self.complaints.is_empty()
     }
@@ -198,20 +205,21 @@ impl<'a> Reader<'a> {
             if known.contains(&word) || garbled {
                 continue;
             }
-            let hint = match (schema::nearest(word, known), schema::home(word)) {
-                (Some(meant), _) => {
+            let hint = match (schema::home(word), schema::nearest(word, known)) {
+                (Some(home), _) => format!("{word} belongs in [{home}]"),
+                (None, Some(meant)) => {
                     misspelt.push(meant);
                     format!("did you mean {meant}?")
                 }
-                (None, Some(home)) => format!("{word} belongs in [{home}]"),
                 (None, None) => hint.to_owned(),
             };
             let holder = match path.as_str() {
                 "" => "the profile",
                 path => path,
             };
+            let only = if known.is_empty() { "" } else { "only " };
             let known = list(known, "and");
-            let message = format!("{holder} must hold only {known}, found {}", shown(word));
+            let message = format!("{holder} must hold {only}{known}, found {}", shown(word));
             self.complain(key.span().start, message, &hint);
         }
         Section { path, at, entries, misspelt }
@@ -225,11 +233,14 @@ impl<'a> Reader<'a> {
         need: Need,
     ) -> Option<Section<'t>> {
         let path = parent.path_of(key);
-        let hint = format!("write [{path}] and below it {}", list(schema::keys(&path), "and"));
+        let hint = match schema::usual_keys(&path).as_slice() {
+            [] => format!("write [{path}]"),
+            keys => format!("write [{path}] and below it {}", list(keys, "and")),
+        };
         if need == Need::Required && !parent.has(key) {
             self.missing(parent, format!("{path} must be a table, found nothing"), &hint);
         }
-        self.table(parent, key, &hint, "")
+        self.table(parent, key, &hint, schema::note(&path))
     }
 
     /// A table inside a table, with one hint if it is something else and one for unknown keys.
@@ -263,22 +274,28 @@ impl<'a> Reader<'a> {
         key: &str,
         hint: &str,
     ) -> Vec<(&'static str, Section<'t>)> {
-        let names: Vec<String> =
-            schema::keys(key).iter().map(|name| format!("[{key}.{name}]")).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let must = match names.as_slice() {
-            [only] => format!("{key} must hold {only}"),
-            names => format!("{key} must hold exactly one of {}", list(names, "and")),
+        let names = schema::keys(key);
+        let tables: Vec<String> = names.iter().map(|name| format!("[{key}.{name}]")).collect();
+        let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+        // A long list is easier to read without brackets.
+        let (must, form) = match tables.as_slice() {
+            [first, .., _] if tables.len() > MAX_BRACKETED => (
+                format!("{key} must hold exactly one of {}", list(names, "and")),
+                format!("write {first} or another table of [{key}]"),
+            ),
+            tables => (
+                format!("{key} must hold exactly one of {}", list(tables, "and")),
+                format!("write {}", list(tables, "or")),
+            ),
         };
         if !root.has(key) {
             self.missing(root, format!("{must}, found nothing"), hint);
             return Vec::new();
         }
-        let form = format!("write {}", list(&names, "or"));
         let Some(parent) = self.table(root, key, &form, hint) else {
             return Vec::new();
         };
-        let mut found: Vec<_> = schema::keys(key)
+        let mut found: Vec<_> = names
             .iter()
             .filter_map(|name| Some((*name, self.section(&parent, name, Need::Optional)?)))
             .collect();

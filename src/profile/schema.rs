@@ -1,5 +1,15 @@
 //! Which tables a profile may have, and which keys each of them.
 
+const STRIP: &[&str] = &["azimuth_deg", "elevation_deg", "target_radius_mm", "target_plane_mm"];
+const ONE_PARAMETER: &[&str] = &["outer_polar_deg", "target_radius_mm", "target_plane_mm"];
+const TWO_PARAMETERS: &[&str] =
+    &["inner_polar_deg", "outer_polar_deg", "target_radius_mm", "target_plane_mm"];
+const METHOD: &[&str] = &["degree", "minimax"];
+
+/// Keys that most profiles do without.
+const RARE: &[&str] =
+    &["hfov_deg", "target_radius_mm", "target_plane_mm", "inner_polar_deg", "minimax", "height_mm"];
+
 /// Every table by its path, and its keys. The profile itself is the empty path.
 pub(super) const TABLES: &[(&str, &[&str])] = &[
     (
@@ -10,23 +20,64 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
             "projection",
             "layout",
             "method",
+            "mirror",
             "part",
             "mesh",
             "export",
             "accept",
         ],
     ),
-    ("camera", &["orthographic"]),
+    ("camera", &["orthographic", "pinhole"]),
     ("camera.orthographic", &["pixels"]),
-    ("projection", &["cylindrical", "mercator"]),
-    ("projection.cylindrical", &["azimuth_deg", "elevation_deg"]),
-    ("projection.mercator", &["azimuth_deg", "elevation_deg"]),
-    ("layout", &["strip", "conquistador"]),
+    ("camera.pinhole", &["pixels", "focal_px", "hfov_deg", "distance_mm"]),
+    (
+        "projection",
+        &[
+            "cylindrical",
+            "mercator",
+            "equirectangular",
+            "equal-area",
+            "best",
+            "table",
+            "parabolic",
+            "hyperbolic",
+            "conical",
+            "equiangular",
+            "tangent-proportional",
+            "area-proportional",
+            "plane",
+            "equi-areal",
+            "cylinder",
+        ],
+    ),
+    ("projection.cylindrical", STRIP),
+    ("projection.mercator", STRIP),
+    ("projection.equirectangular", STRIP),
+    ("projection.equal-area", STRIP),
+    ("projection.best", STRIP),
+    ("projection.table", STRIP),
+    ("projection.parabolic", ONE_PARAMETER),
+    ("projection.hyperbolic", ONE_PARAMETER),
+    ("projection.conical", ONE_PARAMETER),
+    ("projection.equiangular", TWO_PARAMETERS),
+    ("projection.tangent-proportional", TWO_PARAMETERS),
+    ("projection.area-proportional", TWO_PARAMETERS),
+    ("projection.plane", ONE_PARAMETER),
+    ("projection.equi-areal", TWO_PARAMETERS),
+    ("projection.cylinder", TWO_PARAMETERS),
+    ("layout", &["strip", "conquistador", "disc", "annulus"]),
     ("layout.strip", &["fill_frame"]),
     ("layout.conquistador", &["panel", "ridge", "fill_frame"]),
-    ("method", &["vector-field"]),
-    ("method.vector-field", &["degree"]),
-    ("part", &["width_mm", "base_mm"]),
+    ("layout.disc", &[]),
+    ("layout.annulus", &["inner_width_mm"]),
+    ("method", &["vector-field", "fixed-surface", "distribution"]),
+    ("method.vector-field", METHOD),
+    ("method.fixed-surface", METHOD),
+    ("method.distribution", METHOD),
+    ("mirror", &["polynomial", "grid"]),
+    ("mirror.polynomial", &["radius_mm", "conic", "terms"]),
+    ("mirror.grid", &["file"]),
+    ("part", &["width_mm", "base_mm", "height_mm"]),
     ("mesh", &["chord_um", "facet_px"]),
     ("export", &["formats"]),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),
@@ -35,6 +86,16 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
 /// The keys of a table; none for a path that is no table.
 pub(super) fn keys(path: &str) -> &'static [&'static str] {
     TABLES.iter().find(|(table, _)| *table == path).map_or(&[], |(_, keys)| keys)
+}
+
+/// The keys of a table that most profiles use.
+pub(super) fn usual_keys(path: &str) -> Vec<&'static str> {
+    keys(path).iter().copied().filter(|key| !RARE.contains(key)).collect()
+}
+
+/// What to know of a table when a key is unknown in it; empty if nothing.
+pub(super) fn note(path: &str) -> &'static str {
+    if path == "layout.disc" { "the disc's diameter is part.width_mm" } else { "" }
 }
 
 /// The first table that has a key of this name.
@@ -48,17 +109,13 @@ pub(super) fn home(key: &str) -> Option<&'static str> {
 /// The word that `found` was probably meant to be.
 pub(super) fn nearest<'w>(found: &str, words: &[&'w str]) -> Option<&'w str> {
     let found = found.to_lowercase().replace('-', "_");
-    if let Some(word) =
-        words.iter().find(|w| found.len() >= 3 && (w.starts_with(&found) || found.starts_with(*w)))
-    {
-        return Some(word);
-    }
-    words
+    let slip = words
         .iter()
         .map(|w| (strsim::osa_distance(&found, &w.replace('-', "_")), *w))
         .filter(|(distance, w)| *distance <= (w.len() / 3).max(1))
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, w)| w)
+        .min_by_key(|(distance, _)| *distance);
+    let start = |w: &&&str| found.len() >= 3 && (w.starts_with(&found) || found.starts_with(**w));
+    slip.map(|(_, w)| w).or_else(|| words.iter().find(start).copied())
 }
 
 #[cfg(test)]
@@ -74,11 +131,22 @@ mod tests {
     }
 
     #[test]
+    fn usual_keys_leave_the_rare_ones_out() {
+        assert_eq!(usual_keys("part"), ["width_mm", "base_mm"]);
+        assert_eq!(usual_keys("camera.pinhole"), ["pixels", "focal_px", "distance_mm"]);
+        for rare in RARE {
+            assert!(home(rare).is_some(), "{rare}");
+        }
+    }
+
+    #[test]
     fn near_words_are_found_and_far_ones_are_not() {
         let part = keys("part");
         assert_eq!(nearest("widht_mm", part), Some("width_mm"));
         assert_eq!(nearest("width", part), Some("width_mm"));
-        assert_eq!(nearest("height_mm", part), None);
+        assert_eq!(nearest("colour", part), None);
+        assert_eq!(nearest("cylinderical", keys("projection")), Some("cylindrical"));
+        assert_eq!(nearest("equi", keys("projection")), Some("equirectangular"));
         assert_eq!(nearest("STL", &["obj", "stl"]), Some("stl"));
         assert_eq!(nearest("step", &["obj", "stl"]), None);
         assert_eq!(nearest("vector_field", keys("method")), Some("vector-field"));
@@ -88,6 +156,7 @@ mod tests {
     #[test]
     fn keys_know_their_table() {
         assert_eq!(home("degree"), Some("method.vector-field"));
+        assert_eq!(home("height_mm"), Some("part"));
         assert_eq!(home("colour"), None);
     }
 }

@@ -11,10 +11,27 @@ pub struct Shipped {
 
 /// The shipped profiles, the paper's two mirrors first.
 pub fn shipped() -> &'static [Shipped] {
-    &[
-        Shipped { name: "panoramic", text: include_str!("../../profiles/panoramic.toml") },
-        Shipped { name: "conquistador", text: include_str!("../../profiles/conquistador.toml") },
-        Shipped { name: "conformal", text: include_str!("../../profiles/conformal.toml") },
+    macro_rules! shipped {
+        ($($name:literal),* $(,)?) => {
+            &[$(Shipped {
+                name: $name,
+                text: include_str!(concat!("../../profiles/", $name, ".toml")),
+            }),*]
+        };
+    }
+    shipped![
+        "panoramic",
+        "conquistador",
+        "conformal",
+        "parabolic",
+        "hyperbolic",
+        "conical",
+        "equiangular",
+        "tangent-proportional",
+        "area-proportional",
+        "plane",
+        "equi-areal",
+        "cylinder",
     ]
 }
 

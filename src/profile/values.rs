@@ -9,6 +9,13 @@ use super::words::{figure, list};
 
 const FINITE: &str = "every figure of a profile must be finite";
 
+/// A value and the byte offset where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed<T> {
+    pub(super) value: T,
+    pub(super) at: usize,
+}
+
 /// A number that `allowed` lets pass.
 pub(super) fn number(
     reader: &mut Reader,
@@ -18,10 +25,11 @@ pub(super) fn number(
     must: &str,
     hint: &str,
     allowed: impl Fn(f64) -> bool,
-) -> Option<f64> {
+) -> Option<Placed<f64>> {
     let value = reader.value(section, key, need, must, hint)?;
     let path = section.path_of(key);
-    within(reader, &path, value, must, hint, allowed)
+    let figure = within(reader, &path, value, must, hint, allowed)?;
+    Some(Placed { value: figure, at: value.span().start })
 }
 
 /// What a list of two numbers is for.
@@ -35,13 +43,13 @@ pub(super) struct Pair<'h> {
     pub(super) limit: &'h str,
 }
 
-/// Two numbers in a list, each of which `allowed` lets pass, and where the list stands.
+/// Two numbers in a list, each of which `allowed` lets pass.
 pub(super) fn pair(
     reader: &mut Reader,
     section: &Section,
     pair: &Pair,
     allowed: impl Fn(f64) -> bool,
-) -> Option<([f64; 2], usize)> {
+) -> Option<Placed<[f64; 2]>> {
     let path = section.path_of(pair.key);
     let must = format!("{}, each {}", pair.parts, pair.each);
     let value = reader.value(section, pair.key, Required, &must, pair.form)?;
@@ -52,12 +60,7 @@ pub(super) fn pair(
         return None;
     };
     if items.len() != 2 {
-        let count = match items.len() {
-            0 => "an empty list".to_owned(),
-            1 => "a list of one".to_owned(),
-            n => format!("a list of {n}"),
-        };
-        let message = format!("{path} must be {must}, found {count}");
+        let message = format!("{path} must be {must}, found {}", counted(items.len()));
         reader.complain(at, message, pair.form);
         return None;
     }
@@ -65,11 +68,72 @@ pub(super) fn pair(
     for (figure, item) in figures.iter_mut().zip(items) {
         *figure = within(reader, &path, item, pair.each, pair.limit, &allowed);
     }
-    Some(([figures[0]?, figures[1]?], at))
+    Some(Placed { value: [figures[0]?, figures[1]?], at })
+}
+
+/// What a list of lists is for.
+pub(super) struct Rows<'h> {
+    pub(super) key: &'h str,
+    pub(super) need: Need,
+    /// What one entry looks like, as in `[row, degrees]`.
+    pub(super) entry: &'h str,
+    /// Fewest and most entries.
+    pub(super) count: [usize; 2],
+    pub(super) hint: &'h str,
+}
+
+/// The entries of a list of lists of `N`, each with its place; what they hold is not checked.
+pub(super) fn rows<'t, const N: usize>(
+    reader: &mut Reader,
+    section: &Section<'t>,
+    rows: &Rows,
+) -> Option<Placed<Vec<Placed<[&'t Value<'t>; N]>>>> {
+    let path = section.path_of(rows.key);
+    let [least, most] = rows.count;
+    let must = format!("a list of {least} to {most} entries {}", rows.entry);
+    let value = reader.value(section, rows.key, rows.need, &must, rows.hint)?;
+    let at = value.span().start;
+    let found = match value.get_ref() {
+        DeValue::Array(items) if (least..=most).contains(&items.len()) => {
+            let mut entries = Vec::with_capacity(items.len());
+            for item in items {
+                let at = item.span().start;
+                let entry = item.get_ref().as_array().map(|list| list.iter().collect::<Vec<_>>());
+                match entry.map(<[&Value; N]>::try_from) {
+                    Some(Ok(value)) => entries.push(Placed { value, at }),
+                    wrong => {
+                        // The others are hardly any better.
+                        let entry = rows.entry;
+                        let found = match wrong {
+                            Some(Err(list)) => counted(list.len()),
+                            _ => reader.quote_type(item),
+                        };
+                        let message = format!("{path} must hold entries {entry}, found {found}");
+                        reader.complain(at, message, rows.hint);
+                        return None;
+                    }
+                }
+            }
+            return Some(Placed { value: entries, at });
+        }
+        DeValue::Array(items) => counted(items.len()),
+        _ => reader.quote_type(value),
+    };
+    reader.complain(at, format!("{path} must be {must}, found {found}"), rows.hint);
+    None
+}
+
+/// A list by its length, in words.
+fn counted(length: usize) -> String {
+    match length {
+        0 => "an empty list".to_owned(),
+        1 => "a list of one".to_owned(),
+        n => format!("a list of {n}"),
+    }
 }
 
 /// The number that a value is, if it is one and `allowed` lets it pass; else a complaint.
-fn within(
+pub(super) fn within(
     reader: &mut Reader,
     path: &str,
     value: &Value,
@@ -91,12 +155,12 @@ fn within(
 }
 
 /// True or false; may be absent.
-pub(super) fn flag(reader: &mut Reader, section: &Section, key: &str) -> Option<bool> {
+pub(super) fn flag(reader: &mut Reader, section: &Section, key: &str) -> Option<Placed<bool>> {
     let must = "true or false";
     let hint = "without quotes, in lower case";
     let value = reader.value(section, key, Optional, must, hint)?;
     if let DeValue::Boolean(flag) = value.get_ref() {
-        return Some(*flag);
+        return Some(Placed { value: *flag, at: value.span().start });
     }
     let path = section.path_of(key);
     let message = format!("{path} must be {must}, found {}", reader.quote_type(value));

@@ -1,7 +1,8 @@
 //! `report.html`: the report as one page, with the picture beside it.
 
-use super::text::{figures, limited, solid_line};
+use super::text::{figures, limited, method_line, solid_line};
 use super::{Report, Verdict};
+use crate::design::Spread;
 use std::fmt::Write;
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;\
@@ -58,16 +59,16 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     let mut row = |head: &str, value: String| rows.push((head.into(), value));
     let design = &report.design;
     row("profile sha256", report.profile.sha256.clone());
-    row(
-        "method",
-        format!("{}, degree {}, {} unknowns", design.method, design.degree, design.unknowns),
-    );
-    row("gradient residual", format!("{:.9e}", design.gradient_residual));
-    row("curl of the field", format!("{:.4e} rms, {:.4e} max", design.curl.rms, design.curl.max));
-    row("design: ray error, mrad", figures(Some(design.ray_error_mrad)));
-    row("design: pixel error, px", figures(Some(design.pixel_error_px)));
+    row("method", method_line(design));
+    let number = |x: Option<f64>| x.map_or("none".into(), |x| format!("{x:.9e}"));
+    row("condition of the fit", number(design.condition));
+    row("gradient residual", number(design.gradient_residual));
+    let curl = |c: Spread| format!("{:.4e} rms, {:.4e} max", c.rms, c.max);
+    row("curl of the field", design.curl.map_or("none".into(), curl));
+    row("design: ray error, mrad", figures(design.ray_error_mrad));
+    row("design: pixel error, px", figures(design.pixel_error_px));
     if let Some(mesh) = &report.mesh {
-        let over = |o: Option<f64>| o.map_or("no limit".into(), |o| format!("{o:.2}"));
+        let over = |o: Option<f64>| o.map_or("none".into(), |o| format!("{o:.2}"));
         row("triangles", format!("{} optical, {} in all", mesh.optical_triangles, mesh.triangles));
         row("chord", limited(&mesh.chord_um, "um"));
         row("facet", limited(&mesh.facet_px, "px"));

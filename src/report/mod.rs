@@ -1,16 +1,18 @@
 //! Results -> bytes: JSON, HTML and the terminal's summary. It computes nothing.
 
+mod bench;
 mod html;
 mod text;
 
+pub use bench::{Bench, DesignRun};
 pub use html::html;
 pub use text::text;
 
 use crate::design::Facts;
-use crate::num::stats::Summary;
+use crate::num::stats::{Summary, or_null};
 use crate::solid::Check;
 use crate::trace::Frame;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 /// Version of the report's schema: keys may be added, never changed.
 pub const SCHEMA: u32 = 1;
@@ -70,7 +72,8 @@ pub struct Limited {
     pub bound: f64,
 }
 
-/// Numbers of triangles over the least possible, for the limits that are set.
+/// Numbers of triangles over the least possible, for the limits that are set; none where the mirror
+/// bends in one direction alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OverOptimum {
     /// Against the chord limit.
@@ -179,12 +182,6 @@ pub struct ErrorFacts {
     /// Image displacement against the designed mirror, pixels.
     #[serde(serialize_with = "or_null")]
     pub facet_error_px: Option<Summary>,
-}
-
-/// A summary with its keys, all null when there is none: readers find the keys either way.
-fn or_null<S: Serializer>(summary: &Option<Summary>, serializer: S) -> Result<S::Ok, S::Error> {
-    let nothing = Summary { rms: f64::NAN, p95: f64::NAN, max: f64::NAN };
-    summary.unwrap_or(nothing).serialize(serializer)
 }
 
 impl Report {

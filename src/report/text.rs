@@ -1,6 +1,7 @@
 //! The terminal's summary of a report.
 
 use super::{ErrorFacts, Limited, Report, SolidFacts, Verdict};
+use crate::design::Facts;
 use crate::num::stats::Summary;
 use anstyle::{AnsiColor, Style};
 use std::fmt::Write;
@@ -21,12 +22,10 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(out, "{bold}{}{bold:#}  ({})", report.profile.name, short(&report.profile.sha256))?;
     writeln!(
         out,
-        "  design   {} of degree {}, {} unknowns; ray error {} mrad, pixel error {} px",
-        design.method,
-        design.degree,
-        design.unknowns,
-        figures(Some(design.ray_error_mrad)),
-        figures(Some(design.pixel_error_px)),
+        "  design   {}; ray error {} mrad, pixel error {} px",
+        method_line(design),
+        figures(design.ray_error_mrad),
+        figures(design.pixel_error_px),
     )?;
     if let Some(mesh) = &report.mesh {
         writeln!(
@@ -50,7 +49,9 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             "  witness  {}: {} of {} rays hit, {} missed, {} shadowed, {} met a back face",
             trace.file, trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
         )?;
-        writeln!(out, "           {}", errors_line(&trace.errors))?;
+        if report.frame.is_some() {
+            writeln!(out, "           {}", errors_line(&trace.errors))?;
+        }
         if let Some(errors) = &trace.interpolated_normals {
             writeln!(out, "           with the file's normals: {}", errors_line(errors))?;
         }
@@ -87,6 +88,16 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
 /// The first digits of a hash.
 pub(super) fn short(sha256: &str) -> &str {
     &sha256[..sha256.len().min(8)]
+}
+
+/// How the mirror was found.
+pub(super) fn method_line(design: &Facts) -> String {
+    let Facts { method, degree, unknowns, .. } = design;
+    if design.unknowns == 0 {
+        return (*method).into();
+    }
+    let goal = if design.minimax { ", minimax" } else { "" };
+    format!("{method}{goal} of degree {degree}, {unknowns} unknowns")
 }
 
 /// RMS, P95 and maximum.

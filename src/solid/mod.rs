@@ -30,8 +30,8 @@ pub enum Precision {
 /// Why a solid could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolidError {
-    /// The rim of the face is not one closed loop.
-    #[error("the rim of the optical face is not a single closed loop: {reason}")]
+    /// The rim of the face is not one closed loop, or one around another.
+    #[error("the rim of the optical face is not one closed loop, or one around another: {reason}")]
     Rim {
         /// What was found instead.
         reason: String,
@@ -50,37 +50,40 @@ pub enum SolidError {
 }
 
 impl Solid {
-    /// Closes `face` (facets counter-clockwise from above, over a convex outline around the
-    /// origin) by a vertical skirt down to the base plane Z = 0 and the base. Every rim vertex has
-    /// its own base vertex, so nothing meets in the middle of an edge. Facets come in the order
-    /// face, skirt, base. The check sees the coordinates as `precision` leaves them.
+    /// Closes `face` (facets counter-clockwise from above, over an outline that is star-shaped
+    /// about the axis and may have one hole around it) by a vertical skirt down to the base plane
+    /// Z = 0 and the base; a hole by a land, a fan of facets to a vertex on the axis at the mean
+    /// height of its rim. Every rim vertex has its own base vertex, so nothing meets in the middle
+    /// of an edge. Facets come in the order face, land, skirt, base. The check sees the coordinates
+    /// as `precision` leaves them.
     ///
     /// # Errors
-    /// [`SolidError`] when the rim is no loop, the face touches the base or the result fails
-    /// [`check`].
+    /// [`SolidError`] when the rim is not of one loop or two, the face touches the base or the
+    /// result fails [`check`].
     pub fn from_face(face: &TriMesh, precision: Precision) -> Result<Self, SolidError> {
         let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         if !(lowest_mm > 0.0) {
             return Err(SolidError::Base { lowest_mm });
         }
-        let rim = rim(face)?;
+        let Rims { outer, hole } = rims(face)?;
         let mut mesh = face.clone();
+        if let Some(hole) = hole {
+            let centre = mesh.vertices.len() as u32;
+            let height: f64 = hole.iter().map(|&v| face.vertices[v as usize].z).sum();
+            mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
+            mesh.triangles.extend(sides(&hole).map(|[v, next]| [next, v, centre]));
+        }
         let foot = mesh.vertices.len() as u32;
-        mesh.vertices.extend(rim.iter().map(|&v| face.vertices[v as usize].truncate().extend(0.0)));
+        let feet = outer.iter().map(|&v| face.vertices[v as usize].truncate().extend(0.0));
+        mesh.vertices.extend(feet);
         let centre = mesh.vertices.len() as u32;
         mesh.vertices.push(DVec3::ZERO);
-        let count = rim.len();
-        for k in 0..count {
-            let next = (k + 1) % count;
-            let (top, top_next) = (rim[k], rim[next]);
-            let (low, low_next) = (foot + k as u32, foot + next as u32);
+        let feet: Vec<u32> = (foot..centre).collect();
+        for ([top, top_next], [low, low_next]) in sides(&outer).zip(sides(&feet)) {
             mesh.triangles.push([top_next, top, low]);
             mesh.triangles.push([top_next, low, low_next]);
         }
-        for k in 0..count {
-            let next = (k + 1) % count;
-            mesh.triangles.push([centre, foot + next as u32, foot + k as u32]);
-        }
+        mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
         if precision == Precision::Single {
             mesh.vertices.iter_mut().for_each(|v| *v = v.as_vec3().as_dvec3());
         }
@@ -106,42 +109,77 @@ impl Solid {
         &self.check
     }
 
-    /// The first this many facets are the optical face; the rest are skirt and base.
+    /// The first this many facets are the optical face; the rest are land, skirt and
+    /// base.
     #[must_use]
     pub fn optical(&self) -> usize {
         self.optical
     }
 }
 
-/// The rim's vertices in order, the face on the left.
-fn rim(face: &TriMesh) -> Result<Vec<u32>, SolidError> {
+/// The sides of a closed loop.
+fn sides(vertices: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+    let next = vertices.iter().cycle().skip(1);
+    vertices.iter().zip(next).map(|(&v, &next)| [v, next])
+}
+
+/// The rim's loops: vertices in order, the face on the left.
+struct Rims {
+    outer: Vec<u32>,
+    hole: Option<Vec<u32>>,
+}
+
+fn rims(face: &TriMesh) -> Result<Rims, SolidError> {
+    let mut loops = loops(face)?;
+    let area = |vertices: &Vec<u32>| -> f64 {
+        let at = |v: u32| face.vertices[v as usize].truncate();
+        sides(vertices).map(|[v, next]| 0.5 * at(v).perp_dot(at(next))).sum()
+    };
+    loops.sort_by(|a, b| area(b).abs().total_cmp(&area(a).abs()));
+    let mut loops = loops.into_iter();
+    let (outer, hole, more) = (loops.next(), loops.next(), loops.count());
+    let broken = |reason: String| Err(SolidError::Rim { reason });
+    match outer {
+        None => broken("it has no rim".into()),
+        Some(_) if more > 0 => broken(format!("it has {} loops", more + 2)),
+        Some(outer) if !(area(&outer) > 0.0) || hole.as_ref().is_some_and(|h| area(h) >= 0.0) => {
+            broken("its loops do not run around the face".into())
+        }
+        Some(outer) => Ok(Rims { outer, hole }),
+    }
+}
+
+/// The closed loops of edges that have a facet on one side only, in the order of their least
+/// vertices.
+fn loops(face: &TriMesh) -> Result<Vec<Vec<u32>>, SolidError> {
     let broken = |reason: String| SolidError::Rim { reason };
     const NONE: u32 = u32::MAX;
     let mut next = vec![NONE; face.vertices.len()];
-    let (mut start, mut length) = (NONE, 0);
     for (from, to) in check::open_edges(face) {
         let known = std::mem::replace(&mut next[from as usize], to);
         if known != NONE {
             return Err(broken(format!("vertex {from} begins two rim edges")));
         }
-        start = start.min(from);
-        length += 1;
     }
-    if start == NONE {
-        return Err(broken("it has no rim".into()));
-    }
-    let mut loop_ = vec![start];
-    while loop_.len() <= length {
-        let to = next[loop_[loop_.len() - 1] as usize];
-        if to == start && loop_.len() == length {
-            return Ok(loop_);
+    let mut loops = Vec::new();
+    for start in 0..next.len() as u32 {
+        let mut at = start;
+        let mut vertices = Vec::new();
+        while next[at as usize] != NONE {
+            vertices.push(at);
+            at = std::mem::replace(&mut next[at as usize], NONE);
         }
-        if to == start || to == NONE {
-            break;
+        if at != start {
+            return Err(broken(format!(
+                "{} edges lead to vertex {at} and no further",
+                vertices.len()
+            )));
         }
-        loop_.push(to);
+        if !vertices.is_empty() {
+            loops.push(vertices);
+        }
     }
-    Err(broken(format!("{} of {length} rim edges follow each other", loop_.len())))
+    Ok(loops)
 }
 
 #[cfg(test)]
@@ -173,20 +211,50 @@ mod tests {
         );
     }
 
-    #[test]
-    fn a_face_with_a_hole_is_refused() {
+    /// The face between the square and a smaller one, half as large at `inner` of height 2.5.
+    fn holed(inner: DVec3) -> TriMesh {
         let ring: Vec<DVec3> = (0..8)
             .map(|k| {
                 let corner = face().vertices[k % 4];
-                if k < 4 { corner } else { corner * DVec3::new(0.5, 0.5, 1.0) }
+                if k < 4 { corner } else { corner * DVec3::new(0.5, 0.5, 1.25) + inner }
             })
             .collect();
         let quad = |k: u32| {
             let n = (k + 1) % 4;
             [[k, n, 4 + n], [k, 4 + n, 4 + k]]
         };
-        let holed = TriMesh { vertices: ring, triangles: (0..4).flat_map(quad).collect() };
-        assert!(matches!(Solid::from_face(&holed, Precision::Single), Err(SolidError::Rim { .. })));
+        TriMesh { vertices: ring, triangles: (0..4).flat_map(quad).collect() }
+    }
+
+    #[test]
+    fn a_hole_gets_a_land() {
+        for precision in [Precision::Single, Precision::Double] {
+            let solid = Solid::from_face(&holed(DVec3::ZERO), precision).unwrap();
+            // A box of height 2 and the frustum of a pyramid of height 1/2.
+            let exact = 8.0 + 0.5 / 3.0 * (4.0 + 1.0 + 2.0);
+            assert!((solid.check().volume_mm3 - exact).abs() < 1e-12);
+            assert_eq!((solid.check().euler, solid.check().components), (2, 1));
+            assert_eq!((solid.mesh().triangles.len(), solid.optical()), (8 + 4 + 8 + 4, 8));
+            for t in 8..12 {
+                assert!(solid.mesh().area_vector(t).normalize().z == 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn two_holes_and_open_rims_are_refused() {
+        let mut face = holed(DVec3::ZERO);
+        face.triangles.remove(0);
+        let refused = |face: &TriMesh| {
+            matches!(Solid::from_face(face, Precision::Single), Err(SolidError::Rim { .. }))
+        };
+        assert!(refused(&face));
+        // Apart, two faces have two outer rims.
+        let mut two = holed(DVec3::ZERO);
+        let (count, other) = (two.vertices.len() as u32, holed(DVec3::ZERO));
+        two.vertices.extend(other.vertices.iter().map(|&v| v + DVec3::X * 10.0));
+        two.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + count)));
+        assert!(refused(&two) && refused(&TriMesh::default()));
     }
 
     #[test]

@@ -30,7 +30,7 @@ impl Frame {
         let fills = |seen: &&Seen| {
             seen.aimed
                 && seen.outcome == Outcome::Hit
-                && seen.errors.image_mm <= tolerance_px * pixel_mm
+                && seen.errors.is_some_and(|e| e.image_mm <= tolerance_px * pixel_mm)
         };
         let filled: Vec<&Seen> = witness.seen.iter().filter(fills).collect();
         let [width, height] = pixels.map(f64::from);
@@ -70,7 +70,8 @@ mod tests {
             aimed: true,
             wanted: DVec3::Y,
             direction: DVec3::new(0.6, 0.8, 0.0),
-            errors: Errors { ray: error, image_mm: error, facet_mm: error },
+            at: DVec3::ZERO,
+            errors: Some(Errors { ray: error, image_mm: error, facet_mm: error }),
             smooth: None,
         }
     }

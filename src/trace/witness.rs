@@ -3,7 +3,7 @@
 use super::{Hit, Scene};
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
-use crate::optics::{Image, reflect};
+use crate::optics::{View, reflect};
 use rayon::prelude::*;
 
 /// What a camera ray is meant to do: an entry of the table handed to the witness.
@@ -15,10 +15,10 @@ pub struct Intent {
     pub point: DVec2,
     /// Whether the mirror is meant to be there.
     pub aimed: bool,
-    /// The direction that the projection wants it to see.
+    /// The unit direction that the projection wants it to see.
     pub wanted: DVec3,
-    /// The direction that the smooth, designed mirror shows.
-    pub designed: DVec3,
+    /// The image point where that belongs which the smooth, designed mirror shows.
+    pub designed: DVec2,
 }
 
 /// How a ray ends.
@@ -54,10 +54,12 @@ pub struct Seen {
     pub aimed: bool,
     /// The direction wanted.
     pub wanted: DVec3,
-    /// The direction seen, for rays that hit.
+    /// The direction in which the ray leaves, for rays that hit.
     pub direction: DVec3,
-    /// Errors by the facet's own normal, for rays that hit.
-    pub errors: Errors,
+    /// Where it leaves from, for rays that hit, mm.
+    pub at: DVec3,
+    /// Errors by the facet's own normal, for aimed rays that hit, where something is wanted.
+    pub errors: Option<Errors>,
     /// Errors by the file's interpolated normals, where it has any.
     pub smooth: Option<Errors>,
 }
@@ -68,7 +70,8 @@ impl Seen {
         aimed: false,
         wanted: DVec3::ZERO,
         direction: DVec3::ZERO,
-        errors: Errors { ray: f64::NAN, image_mm: f64::NAN, facet_mm: f64::NAN },
+        at: DVec3::ZERO,
+        errors: None,
         smooth: None,
     };
 }
@@ -83,12 +86,12 @@ pub struct Witness {
 impl Witness {
     /// Traces `rows` rows of `columns` rays against `scene`: nearest hit over the whole mesh,
     /// reflection by the facet that is hit, shadow by the mesh itself. `table` gives the intended
-    /// rays of a row, `image` carries errors back to the image, `normals` are the file's own at
-    /// each facet's corners.
+    /// rays of a row, `view` carries errors back to the image (without it there are outcomes only),
+    /// `normals` are the file's own at each facet's corners.
     pub fn trace(
         scene: &Scene,
         normals: Option<&[[DVec3; 3]]>,
-        image: &Image,
+        view: Option<&View>,
         [columns, rows]: [u32; 2],
         table: impl Fn(u32) -> Vec<Intent> + Sync,
     ) -> Self {
@@ -96,7 +99,7 @@ impl Witness {
         let lines = seen.par_chunks_mut(columns as usize).enumerate();
         lines.for_each(|(row, line)| {
             for (seen, intent) in line.iter_mut().zip(table(row as u32)) {
-                *seen = follow(scene, normals, image, &intent);
+                *seen = follow(scene, normals, view, &intent);
             }
         });
         Self { seen }
@@ -150,24 +153,30 @@ pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
     }
 }
 
-fn follow(scene: &Scene, normals: Option<&[[DVec3; 3]]>, image: &Image, intent: &Intent) -> Seen {
+fn follow(
+    scene: &Scene,
+    normals: Option<&[[DVec3; 3]]>,
+    view: Option<&View>,
+    intent: &Intent,
+) -> Seen {
     let Intent { point, aimed, wanted, .. } = *intent;
     let (outcome, hit, direction) = look(scene, &intent.ray);
-    let (Outcome::Hit, Some(hit), true) = (outcome, hit, aimed) else {
-        return Seen { outcome, aimed, wanted, direction, ..Seen::NOTHING };
+    let at = hit.map_or(DVec3::ZERO, |hit| intent.ray.at(hit.t));
+    let seen = Seen { outcome, aimed, wanted, direction, at, ..Seen::NOTHING };
+    let (Outcome::Hit, Some(hit), true, Some(view)) = (outcome, hit, aimed, view) else {
+        return seen;
     };
-    let designed = image.locate(intent.designed, point);
     let errors = |direction: DVec3| {
-        let content = image.locate(direction, point);
+        let content = view.locate(at, direction, point);
         Errors {
             ray: angle(direction, wanted),
             image_mm: (content - point).length(),
-            facet_mm: (content - designed).length(),
+            facet_mm: view.projection.apart(content, intent.designed),
         }
     };
     let smooth = normals.map(|normals| {
         let corners = normals[hit.facet as usize].iter().zip(hit.weights);
         errors(reflect(intent.ray.direction, corners.map(|(n, w)| *n * w).sum()))
     });
-    Seen { outcome, aimed, wanted, direction, errors: errors(direction), smooth }
+    Seen { errors: Some(errors(direction)), smooth, ..seen }
 }

@@ -1,6 +1,10 @@
 //! Profiles and faces that several test files make.
 
+// Every test binary takes the part that it needs.
+#![allow(dead_code)]
+
 use morion::design::{Design, design};
+use morion::geom::{DVec2, Outline, Rect};
 use morion::mesh::{Face, Limits, MeshError, mesh};
 use morion::pipeline::load;
 use morion::profile::Profile;
@@ -26,12 +30,25 @@ export.formats = [\"stl\"]
 
 /// A shipped profile.
 pub fn shipped(name: &str) -> Profile {
-    load(name).unwrap_or_else(|error| panic!("{error}"))
+    load(name).unwrap_or_else(|error| panic!("{error}")).profile
+}
+
+/// The rectangle of a panel.
+pub fn panel(design: &Design) -> Rect {
+    match design.mirror.outline {
+        Outline::Rect(rect) => rect,
+        ring => panic!("{ring:?} is no rectangle"),
+    }
+}
+
+/// Z of the designed panel over (X, Y), for an orthographic camera.
+pub fn sag(design: &Design, q: DVec2) -> f64 {
+    design.mirror.place(q, &design.mirror.surface.at(q)).z
 }
 
 /// The profile's design, which must succeed.
 pub fn designed(profile: &Profile) -> Design {
-    design(profile).unwrap_or_else(|error| panic!("{error}"))
+    design(profile, None).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The profile's limits on the mirror of `design`.
@@ -44,5 +61,5 @@ pub fn limits(profile: &Profile, design: &Design) -> Limits {
 
 /// The face that keeps the profile's limits, if there is one.
 pub fn meshed(profile: &Profile, design: &Design) -> Result<Face, MeshError> {
-    mesh(&design.mirror, &design.image.strip, limits(profile, design))
+    mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits(profile, design))
 }

@@ -1,0 +1,379 @@
+//! The mirror whose worst residual is smallest, with a proof of how close to the best it is.
+//!
+//! Minimises t subject to |r| < t at every place by a logarithmic barrier: Newton's method on
+//! k t - sum of log(t^2 - |r|^2) for growing k. Where the barrier is least its weights
+//! w = 1 / (t^2 - |r|^2) are Lawson's: the least squares they define cannot be improved on, so no
+//! mirror has a worst residual below the root of their weighted mean (of the problem linearised
+//! at the answer; of the problem itself where that is linear). Begins with the coarse places and
+//! takes in those of the others that come near the limit.
+
+use super::barrier::{Cholesky, Panels, Root, root};
+use super::basis::{Basis, Local};
+use super::solve::{Residual, Sample, SolveError, linearised, scale};
+use crate::num::log;
+use crate::num::streaming_qr::{StreamingQr, dot};
+
+/// Relative distance from the optimum to stop at.
+const GAP: f64 = 3e-3;
+/// Relative distance of the proof from the answer that is put up with.
+const PROOF: f64 = 0.01;
+/// Growth of k from stage to stage.
+const GROWTH: f64 = 10.0;
+/// A place joins when its residual is within this part of the limit.
+const NEAR: f64 = 0.01;
+/// Newton's decrement (of the barrier, whose scale is 1 per place) that ends a stage.
+const CENTRED: f64 = 0.5;
+/// Stages that change nothing before the search is given up.
+const STILL: usize = 3;
+/// Newton steps of a stage before it is left.
+const MOST: usize = 40;
+/// Stages before giving up.
+const STAGES: usize = 20;
+
+/// A mirror with the smallest worst residual.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Minimax {
+    /// Coefficients of the basis' functions, mm.
+    pub coefficients: Vec<f64>,
+    /// Largest |r| over the basis' places.
+    pub worst: f64,
+    /// No coefficients have a smaller worst |r| (see the module's account of nonlinear problems).
+    pub bound: f64,
+    /// Newton steps taken.
+    pub steps: usize,
+}
+
+/// The coefficients with the smallest largest |r| over the basis' places, to 0.5 %, searched from
+/// `start` (the least-squares fit, say).
+///
+/// # Errors
+/// [`SolveError`] when the residual is not finite at the start, does not determine the unknowns,
+/// or the search stalls.
+pub fn minimax<const N: usize>(
+    basis: &Basis,
+    residual: &impl Residual<N>,
+    start: &[f64],
+) -> Result<Minimax, SolveError> {
+    let locals = basis.locals(start);
+    let samples = Sample::all(basis, residual, &locals);
+    let worst = largest(&samples);
+    if !worst.is_finite() {
+        return Err(SolveError::NotConverged { steps: 0, last_step_mm: f64::NAN });
+    }
+    let rounding = 1e-12 * scale(&samples, &locals);
+    if worst <= rounding {
+        return Ok(Minimax { coefficients: start.to_vec(), worst, bound: 0.0, steps: 0 });
+    }
+    let active: Vec<usize> = (0..basis.len()).filter(|&k| basis.coarse(k)).collect();
+    let even: Vec<_> = active.iter().map(|&k| (k, 1.0, samples[k])).collect();
+    let metric = linearised(basis, &even);
+    metric.solve()?;
+    let mut search = Search {
+        basis,
+        residual,
+        metric,
+        coefficients: start.to_vec(),
+        panels: Panels::new(basis.unknowns()),
+        active: Vec::new(),
+        locals: Vec::new(),
+        samples: Vec::new(),
+        limit: 1.1 * worst,
+        steps: 0,
+        last_step_mm: f64::NAN,
+    };
+    search.join(&active, &locals, &samples);
+    let mut pressure =
+        search.samples.iter().map(|s| 2.0 * search.limit / search.slack(s)).sum::<f64>();
+    let mut still = 0;
+    for _ in 0..STAGES {
+        search.centre(pressure);
+        still = if search.last_step_mm > 0.0 { 0 } else { still + 1 };
+        if still == STILL {
+            break;
+        }
+        let count = search.active.len() as f64;
+        let gap = count / (pressure * search.limit);
+        let locals = basis.locals(&search.coefficients);
+        let samples = Sample::all(basis, residual, &locals);
+        let worst = largest(&samples);
+        let seen = largest(&search.samples);
+        let met = gap <= GAP && worst <= seen * (1.0 + 0.5 * GAP);
+        if met || worst <= rounding {
+            let bound = search.bound();
+            // Short of the barrier's least, where its weights prove nothing, it is searched on.
+            if bound >= (1.0 - PROOF) * worst || worst <= rounding {
+                let (coefficients, steps) = (search.coefficients, search.steps);
+                return Ok(Minimax { coefficients, worst, bound, steps });
+            }
+        }
+        let mut inside = vec![false; basis.len()];
+        search.active.iter().for_each(|&k| inside[k] = true);
+        let near = (1.0 - NEAR) * search.limit;
+        let joining: Vec<usize> = (0..basis.len())
+            .filter(|&k| !inside[k] && !(samples[k].square() <= near * near))
+            .collect();
+        search.join(&joining, &locals, &samples);
+        let needed = largest(&search.samples) * (1.0 + 0.3 * gap);
+        search.limit = search.limit.max(needed);
+        if gap > GAP {
+            let enough = 1.1 * search.active.len() as f64 / (GAP * search.limit);
+            pressure = (pressure * GROWTH).min(enough);
+        }
+    }
+    Err(SolveError::NotConverged { steps: search.steps, last_step_mm: search.last_step_mm })
+}
+
+fn largest<const N: usize>(samples: &[Sample<N>]) -> f64 {
+    // A NaN must not lose against a number.
+    let square = samples.iter().map(Sample::square).fold(
+        0.0,
+        |most: f64, s| {
+            if s <= most { most } else { s }
+        },
+    );
+    f64::sqrt(square)
+}
+
+struct Search<'a, R, const N: usize> {
+    basis: &'a Basis,
+    residual: &'a R,
+    /// Coordinates of the search: the coefficients times this triangle.
+    metric: StreamingQr,
+    coefficients: Vec<f64>,
+    panels: Panels,
+    active: Vec<usize>,
+    locals: Vec<Local>,
+    samples: Vec<Sample<N>>,
+    /// t.
+    limit: f64,
+    steps: usize,
+    last_step_mm: f64,
+}
+
+/// Newton's step with its model of the slacks along it: s0 + a s1 + a^2 s2.
+struct Step {
+    change: Vec<f64>,
+    locals: Vec<Local>,
+    limit: f64,
+    decrement: f64,
+    slacks: Vec<[f64; 3]>,
+}
+
+impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
+    fn slack(&self, s: &Sample<N>) -> f64 {
+        self.limit * self.limit - s.square()
+    }
+
+    /// Takes places in.
+    fn join(&mut self, places: &[usize], locals: &[Local], samples: &[Sample<N>]) {
+        // All local values from the same sum, also those of the places already in.
+        self.active.extend(places);
+        self.locals = self.active.iter().map(|&k| locals[k]).collect();
+        self.samples = self.active.iter().map(|&k| samples[k]).collect();
+        for &k in places {
+            let mut rows: [Vec<f64>; 3] =
+                std::array::from_fn(|c| self.basis.row(k).map(|b| b[c]).collect());
+            for row in &mut rows {
+                self.metric.forward(row);
+            }
+            self.panels.push([&rows[0], &rows[1], &rows[2]]);
+        }
+    }
+
+    /// Newton's method to the least of the barrier at this pressure k.
+    fn centre(&mut self, pressure: f64) {
+        for _ in 0..MOST {
+            let step = self.newton(pressure);
+            let moved = self.advance(&step, pressure);
+            self.steps += 1;
+            if !moved || !(step.decrement >= CENTRED) {
+                return;
+            }
+        }
+    }
+
+    fn newton(&self, pressure: f64) -> Step {
+        let t = self.limit;
+        let count = self.samples.len();
+        let (mut roots, mut slopes, mut mixed): (Vec<Root>, Vec<Local>, Vec<Local>) =
+            (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut slope_t, mut curve_t) = (pressure, 0.0);
+        for s in &self.samples {
+            let per = 1.0 / self.slack(s);
+            let back: Local =
+                std::array::from_fn(|c| (0..N).map(|k| s.by[k][c] * s.r[k]).sum::<f64>());
+            let bend = |a: usize, b: usize| {
+                let plain: f64 = (0..N).map(|k| s.by[k][a] * s.by[k][b]).sum();
+                2.0 * per * plain + 4.0 * per * per * back[a] * back[b]
+            };
+            roots.push(root(std::array::from_fn(|a| std::array::from_fn(|b| bend(a, b)))));
+            slopes.push(back.map(|b| 2.0 * per * b));
+            mixed.push(back.map(|b| -4.0 * t * per * per * b));
+            slope_t -= 2.0 * t * per;
+            curve_t += 4.0 * t * t * per * per - 2.0 * per;
+        }
+        let factor = Cholesky::new(self.panels.curvature(&roots));
+        let (slope, border) = (self.panels.gather(&slopes), self.panels.gather(&mixed));
+        let (mut y, mut z) = (slope.clone(), border.clone());
+        factor.solve(&mut y);
+        factor.solve(&mut z);
+        let schur = (curve_t - dot(&border, &z)).max(1e-14 * curve_t);
+        let limit = (dot(&border, &y) - slope_t) / schur;
+        let change: Vec<f64> = y.iter().zip(&z).map(|(y, z)| -y - z * limit).collect();
+        let decrement = -(dot(&slope, &change) + slope_t * limit);
+        let locals = self.panels.apply(&change);
+        let slacks = self
+            .samples
+            .iter()
+            .zip(&locals)
+            .map(|(s, d)| {
+                let (mut first, mut second) = (2.0 * t * limit, limit * limit);
+                for (after, r) in s.after(d).iter().zip(s.r) {
+                    first -= 2.0 * r * (after - r);
+                    second -= (after - r) * (after - r);
+                }
+                [self.slack(s), first, second]
+            })
+            .collect();
+        Step { change, locals, limit, decrement, slacks }
+    }
+
+    /// Goes along the step as far as the barrier falls, first by the model, then in truth.
+    fn advance(&mut self, step: &Step, pressure: f64) -> bool {
+        let mut share = step.share(pressure);
+        for _ in 0..30 {
+            let limit = self.limit + share * step.limit;
+            let locals: Vec<Local> = self
+                .locals
+                .iter()
+                .zip(&step.locals)
+                .map(|(l, d)| std::array::from_fn(|c| l[c] + share * d[c]))
+                .collect();
+            let samples: Vec<Sample<N>> = self
+                .active
+                .iter()
+                .zip(&locals)
+                .map(|(&k, &l)| Sample::new(self.residual, self.basis.at(k), l))
+                .collect();
+            let mut rise = pressure * share * step.limit;
+            for (s, before) in samples.iter().zip(&step.slacks) {
+                let slack = limit * limit - s.square();
+                rise -= if slack > 0.0 { log(slack / before[0]) } else { f64::NEG_INFINITY };
+            }
+            if limit > 0.0 && rise <= 0.0 {
+                let mut change = step.change.clone();
+                self.metric.back(&mut change);
+                self.coefficients.iter_mut().zip(&change).for_each(|(c, d)| *c += share * d);
+                self.last_step_mm =
+                    step.locals.iter().fold(0.0, |most: f64, d| most.max(share * d[0].abs()));
+                (self.limit, self.locals, self.samples) = (limit, locals, samples);
+                return true;
+            }
+            share *= 0.5;
+        }
+        false
+    }
+
+    /// The lower bound that the barrier's weights prove.
+    fn bound(&self) -> f64 {
+        let weights: Vec<f64> = self.samples.iter().map(|s| 1.0 / self.slack(s)).collect();
+        let total: f64 = weights.iter().sum();
+        let weighted: Vec<_> = self
+            .active
+            .iter()
+            .zip(&weights)
+            .zip(&self.samples)
+            .map(|((&k, w), s)| (k, w / total, *s))
+            .collect();
+        f64::sqrt(linearised(self.basis, &weighted).residual_squared())
+    }
+}
+
+impl Step {
+    /// The share of the step at which the model of the barrier is least.
+    fn share(&self, pressure: f64) -> f64 {
+        let slope = |a: f64| -> Option<f64> {
+            let mut sum = pressure * self.limit;
+            for &[s0, s1, s2] in &self.slacks {
+                let slack = s0 + a * (s1 + a * s2);
+                if !(slack > 0.0) {
+                    return None;
+                }
+                sum -= (s1 + 2.0 * a * s2) / slack;
+            }
+            Some(sum)
+        };
+        let falls = |a: f64| slope(a).is_some_and(|s| s <= 0.0);
+        if self.decrement < 0.1 && falls(1.0) {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        while high < 8.0 && falls(high) {
+            (low, high) = (high, 2.0 * high);
+        }
+        // Between a place where the barrier still falls and one where it rises or ends.
+        for _ in 0..40 {
+            if high - low <= 0.02 * high && low > 0.0 {
+                break;
+            }
+            let middle = 0.5 * (low + high);
+            if falls(middle) { low = middle } else { high = middle }
+        }
+        low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::basis::Places;
+    use super::super::solve::{Options, solve};
+    use super::*;
+    use crate::geom::DVec2;
+    use crate::num::Scalar;
+
+    /// F' = (r - 2)^power.
+    struct Power(i32);
+    impl Residual<1> for Power {
+        fn at<S: Scalar>(&self, q: DVec2, _: S, [x, _]: [S; 2]) -> [S; 1] {
+            [x - (0..self.0).fold(1.0, |p, _| p * (q.x - 2.0))]
+        }
+    }
+
+    fn fitted(power: i32, degree: usize) -> Minimax {
+        let basis = |places| Basis::radial([1.0, 3.0], degree, places);
+        let fit = solve(&basis(Places::Quadrature), &Power(power), &Options::default()).unwrap();
+        minimax(&basis(Places::Extrema), &Power(power), &fit.coefficients).unwrap()
+    }
+
+    #[test]
+    fn finds_what_chebyshev_found() {
+        // The best approximation of t^n by lower degrees is off by 2^(1-n).
+        for n in 2..9 {
+            let best = f64::sqrt(f64::from(1u32 << (2 * n - 2))).recip();
+            let found = fitted(n, n as usize);
+            assert!(found.bound <= best, "{n}: {found:?}");
+            assert!(found.worst <= 1.003 * best && found.bound >= 0.99 * best, "{n}: {found:?}");
+            assert!(found.worst <= 1.0035 * found.bound, "{n}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn an_exact_answer_is_left_alone() {
+        let found = fitted(3, 6);
+        assert!(found.steps == 0 && found.worst < 1e-14);
+    }
+
+    struct Broken;
+    impl Residual<1> for Broken {
+        fn at<S: Scalar>(&self, _: DVec2, _: S, [x, _]: [S; 2]) -> [S; 1] {
+            [(x - 1.0).sqrt()]
+        }
+    }
+
+    #[test]
+    fn a_residual_that_is_no_number_fails() {
+        let basis = Basis::radial([0.0, 3.0], 4, Places::Extrema);
+        let error = minimax(&basis, &Broken, &[0.0; 4]).unwrap_err();
+        assert!(matches!(error, SolveError::NotConverged { steps: 0, .. }));
+    }
+}

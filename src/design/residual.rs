@@ -1,0 +1,89 @@
+//! What the three methods make small, point by point (paper, sections 3.1 to 3.3).
+
+use super::solve::Residual;
+use crate::geom::{Chart, DVec2};
+use crate::num::Scalar;
+use crate::optics::{View, stereo};
+
+/// The mirror's chart slope less the slope field (paper, equation for A in section 4).
+pub struct VectorField<'a> {
+    /// The camera.
+    pub chart: &'a Chart,
+    /// What is wanted.
+    pub view: &'a View,
+}
+
+impl Residual<2> for VectorField<'_> {
+    fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
+        let q = q.to_array().map(S::constant);
+        let s = self.view.field(self.chart, q, f);
+        [slope[0] - s[0], slope[1] - s[1]]
+    }
+}
+
+/// The ray error as a vector: the chord between the directions seen and wanted is the distance of
+/// their stereographic coordinates, measured on the sphere. Under a vertical ray to a far target
+/// the coordinates are the slopes (DESIGN 3.1): this is the vector field's residual, weighted by
+/// what a slope error does to the ray.
+pub struct RayError<'a> {
+    /// The camera.
+    pub chart: &'a Chart,
+    /// What is wanted.
+    pub view: &'a View,
+}
+
+impl Residual<2> for RayError<'_> {
+    fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
+        let q = q.to_array().map(S::constant);
+        let camera = stereo::towards_camera(q.map(|x| x * self.chart.vergence));
+        let seen = stereo::reflect(camera, self.chart.slope(q, slope));
+        let wanted = self.view.aim(q, self.chart.place(q, f));
+        let sizes = (stereo::square(seen) + 1.0) * (stereo::square(wanted) + 1.0);
+        let half = sizes.sqrt() * 0.5;
+        [(seen[0] - wanted[0]) / half, (seen[1] - wanted[1]) / half]
+    }
+}
+
+/// The image displacement of what the mirror shows, mm.
+pub struct FixedSurface<'a> {
+    /// The camera.
+    pub chart: &'a Chart,
+    /// What is wanted.
+    pub view: &'a View,
+}
+
+impl Residual<2> for FixedSurface<'_> {
+    fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
+        let near = q;
+        let q = q.to_array().map(S::constant);
+        let at = self.chart.place(q, f);
+        let content = self.view.content(self.chart, at, self.chart.slope(q, slope), near);
+        [content[0] - q[0], content[1] - q[1]]
+    }
+}
+
+/// The sine of the angle between the mirror's normal and W, as a vector.
+pub struct Distribution<'a> {
+    /// The camera.
+    pub chart: &'a Chart,
+    /// What is wanted.
+    pub view: &'a View,
+}
+
+impl Residual<3> for Distribution<'_> {
+    fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 3] {
+        let q = q.to_array().map(S::constant);
+        let n = normal(self.chart, q, slope);
+        let w = normal(self.chart, q, self.view.field(self.chart, q, f));
+        let square = |v: [S; 3]| v[0].square() + v[1].square() + v[2].square();
+        let size = (square(n) * square(w)).sqrt();
+        let minor = |i: usize, j: usize| (n[i] * w[j] - n[j] * w[i]) / size;
+        [minor(1, 2), minor(2, 0), minor(0, 1)]
+    }
+}
+
+/// A normal in space of a surface of the given chart slope.
+fn normal<S: Scalar>(chart: &Chart, q: [S; 2], slope: [S; 2]) -> [S; 3] {
+    let lean = (slope[0] * q[0] + slope[1] * q[1]) * -chart.vergence + 1.0;
+    [-slope[0], -slope[1], lean]
+}

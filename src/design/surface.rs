@@ -1,0 +1,129 @@
+//! From the solver's coefficients to a mirror.
+
+use super::DesignError;
+use super::basis::{Basis, Local, Places};
+use super::facts::{Facts, in_paper_units};
+use super::layout::Plan;
+use super::minimax::minimax;
+use super::residual::{Distribution, FixedSurface, RayError, VectorField};
+use super::solve::{Fit, Options, Residual, SolveError, solve};
+use crate::geom::Outline;
+use crate::mirror::{Mirror, Round, Sheet, Surface};
+use crate::num::legendre::Series;
+use crate::optics::Target;
+use crate::profile::{Method, MethodKind};
+
+/// Solves the problem that `plan` states.
+pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), DesignError> {
+    let degree = method.degree;
+    let (fit, residual) = fit(plan, method).map_err(|(stage, source)| {
+        let remedy = match (stage, &source) {
+            (_, SolveError::Undetermined(_)) => "lower the degree",
+            (Stage::Field, _) if plan.view.target == Target::Infinity => {
+                "bring what is to be seen further from the axis below the mirror, or move the \
+                 camera away"
+            }
+            (Stage::Field, _) => "move the target further from the mirror",
+            (Stage::Method, _) => "take the vector-field method, or less extreme directions",
+            (Stage::Minimax, _) => "leave minimax out, or lower the degree",
+        };
+        DesignError::Fit { degree, source, remedy }
+    })?;
+    let mut facts = Facts::solved(method.kind.name(), method.minimax, degree, &fit);
+    facts.gradient_residual = Some(in_paper_units(residual, plan));
+    let mirror = Mirror {
+        surface: surface(plan, &fit, degree),
+        chart: plan.camera.chart,
+        outline: plan.outline,
+        folded: plan.view.fold.is_some(),
+        even: plan.even,
+    };
+    Ok((mirror, facts))
+}
+
+fn basis(plan: &Plan, degree: usize, places: Places) -> Basis {
+    match plan.domain {
+        Outline::Rect(area) => Basis::rectangle(area, plan.even[0], degree, places),
+        Outline::Ring { inner, outer } => Basis::radial([inner, outer], degree, places),
+    }
+}
+
+/// What the solver was at when it failed.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    /// The vector field, from which all methods start.
+    Field,
+    /// Another method's least squares.
+    Method,
+    /// The smallest worst error.
+    Minimax,
+}
+
+/// The fit, and the integral of |grad F - s|^2 that it leaves, mm^2.
+fn fit(plan: &Plan, method: &Method) -> Result<(Fit, f64), (Stage, SolveError)> {
+    let at = |stage| move |error| (stage, error);
+    let (chart, view) = (&plan.camera.chart, &plan.view);
+    let nodes = basis(plan, method.degree, Places::Quadrature);
+    let field = VectorField { chart, view };
+    let first = solve(&nodes, &field, &Options::default()).map_err(at(Stage::Field))?;
+    let from = |fit: &Fit| fit.coefficients.clone();
+    let start = from(&first);
+    let options = Options { start: Some(&start), ..Options::default() };
+    let fixed = FixedSurface { chart, view };
+    let distribution = Distribution { chart, view };
+    let mut fit = match method.kind {
+        MethodKind::VectorField => first.clone(),
+        MethodKind::FixedSurface => solve(&nodes, &fixed, &options).map_err(at(Stage::Method))?,
+        MethodKind::Distribution => {
+            solve(&nodes, &distribution, &options).map_err(at(Stage::Method))?
+        }
+    };
+    if method.minimax {
+        let places = basis(plan, method.degree, Places::Extrema);
+        let start = from(&fit);
+        let found = match method.kind {
+            MethodKind::VectorField => minimax(&places, &RayError { chart, view }, &start),
+            MethodKind::FixedSurface => minimax(&places, &fixed, &start),
+            MethodKind::Distribution => minimax(&places, &distribution, &start),
+        }
+        .map_err(at(Stage::Minimax))?;
+        fit.coefficients = found.coefficients;
+        fit.steps += found.steps;
+    }
+    fit.condition = first.condition;
+    let residual = integral(&nodes, &field, &fit.coefficients);
+    Ok((fit, residual))
+}
+
+/// The integral of |r|^2 over the domain, mm^2.
+fn integral(nodes: &Basis, residual: &impl Residual<2>, coefficients: &[f64]) -> f64 {
+    let square = |(k, [f, x, y]): (usize, Local)| {
+        let r = residual.at(nodes.at(k), f, [x, y]);
+        nodes.weight(k) * (r[0] * r[0] + r[1] * r[1])
+    };
+    nodes.locals(coefficients).into_iter().enumerate().map(square).sum()
+}
+
+fn surface(plan: &Plan, fit: &Fit, degree: usize) -> Surface {
+    let scale_mm = plan.view.projection.scale_mm();
+    let side = degree + 1;
+    match plan.domain {
+        Outline::Rect(area) => {
+            let mut grid = vec![0.0; side * side];
+            let basis = basis(plan, degree, Places::Quadrature);
+            for (&(i, j), c) in basis.terms().iter().zip(&fit.coefficients) {
+                grid[i * side + j] = c / scale_mm;
+            }
+            let series = Series::from_fn(side, side, |i, j| grid[i * side + j]);
+            let (centre, half) = (area.centre(), 0.5 * area.size());
+            Surface::Tensor(Sheet { series, centre, half, scale_mm })
+        }
+        Outline::Ring { inner, outer } => {
+            // The functions are P_k - 1: zero at the outer rim.
+            let sum: f64 = fit.coefficients.iter().sum();
+            let coefficient = |k: usize| if k == 0 { -sum } else { fit.coefficients[k - 1] };
+            let series = Series::from_fn(side, 1, |k, _| coefficient(k) / scale_mm);
+            Surface::Round(Round::new(series, [inner, outer], scale_mm))
+        }
+    }
+}

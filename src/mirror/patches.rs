@@ -1,0 +1,470 @@
+//! Sag on a regular grid: the bicubic spline through it, twice differentiable.
+
+use super::{Bounds, Curvature, Point, Union};
+use crate::geom::DVec2;
+use crate::num::Interval;
+use rayon::prelude::*;
+
+/// Evenly spaced places along one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knots {
+    /// The first, mm.
+    pub first: f64,
+    /// From one to the next, mm.
+    pub step: f64,
+    /// How many.
+    pub count: usize,
+}
+
+/// f and its derivatives f_s, f_t, f_st at a node, per step of the grid: a patch between four nodes
+/// is the Hermite bicubic of theirs.
+type Node = [f64; 4];
+
+/// The tensor product of cubic splines through heights on a regular grid, "not a knot" at the ends
+/// (the two pieces at each end are one cubic). Outside the grid the end patches go on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patches {
+    x: Knots,
+    y: Knots,
+    nodes: Vec<Node>,
+}
+
+/// The least number of knots along an axis.
+pub const LEAST_KNOTS: usize = 4;
+
+/// Bounds look at whole such shares of a patch.
+const SHARES: f64 = 32.0;
+
+/// Rounding of a patch's Bernstein coefficients, as a share of the largest height.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
+impl Knots {
+    /// The interval that `x` is in (the end ones reach to infinity), and where in it.
+    #[inline]
+    fn find(&self, x: f64) -> (usize, f64) {
+        let steps = (x - self.first) / self.step;
+        // Saturates, and takes what is not a number to the first.
+        let k = (steps.max(0.0) as usize).min(self.count - 2);
+        (k, steps - k as f64)
+    }
+
+    /// The last one, mm.
+    #[must_use]
+    pub fn last(&self) -> f64 {
+        self.at(self.count - 1)
+    }
+
+    fn at(&self, k: usize) -> f64 {
+        self.first + self.step * k as f64
+    }
+
+    /// `lo`, the knots between, `hi`.
+    #[must_use]
+    pub fn breaks(&self, lo: f64, hi: f64) -> Vec<f64> {
+        let (from, _) = self.find(lo);
+        let (to, _) = self.find(hi);
+        let inner = (from..=to + 1).map(|k| self.at(k)).filter(|&x| lo < x && x < hi);
+        std::iter::once(lo).chain(inner).chain([hi]).collect()
+    }
+
+    /// The intervals that `lo`..=`hi` touches, each with the share of it, a little widened.
+    fn touched(&self, lo: f64, hi: f64) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let ((first, from), (last, to)) = (self.find(lo), self.find(hi));
+        (first..=last).map(move |k| {
+            let from = if k == first { (from * SHARES).floor() / SHARES } else { 0.0 };
+            let to = if k == last { (to * SHARES).ceil() / SHARES } else { 1.0 };
+            (k, [from, if to > from { to } else { from + 1.0 / SHARES }])
+        })
+    }
+}
+
+/// Multipliers of the tridiagonal elimination for slopes at `count` even knots: rows
+/// (1 2), (1 4 1) ..., (2 1).
+fn multipliers(count: usize) -> Vec<f64> {
+    let mut c = vec![2.0];
+    for k in 1..count - 1 {
+        c.push(1.0 / (4.0 - c[k - 1]));
+    }
+    c
+}
+
+/// Right sides of the first, an inner and the last row; `f` are three heights in a row.
+fn first_side(f: [f64; 3]) -> f64 {
+    2.5 * (f[1] - f[0]) + 0.5 * (f[2] - f[1])
+}
+fn inner_side(f: [f64; 3]) -> f64 {
+    3.0 * ((f[2] - f[1]) + (f[1] - f[0]))
+}
+fn last_side(f: [f64; 3]) -> f64 {
+    2.5 * (f[2] - f[1]) + 0.5 * (f[1] - f[0])
+}
+
+/// Slopes per step, put into entry `to`, of the spline through entries `from` of `lines` that
+/// follow each other, for every place on the lines at once.
+fn slopes(nodes: &mut [Node], line: usize, from: usize, to: usize) {
+    let count = nodes.len() / line;
+    let c = multipliers(count);
+    for k in 0..count {
+        for i in 0..line {
+            let f = |k: usize| nodes[k * line + i][from];
+            let before = if k == 0 { 0.0 } else { nodes[(k - 1) * line + i][to] };
+            nodes[k * line + i][to] = if k == 0 {
+                first_side([f(0), f(1), f(2)])
+            } else if k < count - 1 {
+                (inner_side([f(k - 1), f(k), f(k + 1)]) - before) * c[k]
+            } else {
+                let side = last_side([f(k - 2), f(k - 1), f(k)]);
+                (side - 2.0 * before) / (1.0 - 2.0 * c[k - 1])
+            };
+        }
+    }
+    for k in (0..count - 1).rev() {
+        for i in 0..line {
+            nodes[k * line + i][to] -= c[k] * nodes[(k + 1) * line + i][to];
+        }
+    }
+}
+
+/// Hermite's cubics on [0, 1] in the order f(0), f'(0), f(1), f'(1), or a derivative of them.
+#[inline]
+fn hermite(t: f64) -> [f64; 4] {
+    let r = 1.0 - t;
+    [r * r * (1.0 + 2.0 * t), t * r * r, t * t * (3.0 - 2.0 * t), -t * t * r]
+}
+#[inline]
+fn hermite_slope(t: f64) -> [f64; 4] {
+    let rise = 6.0 * t * (1.0 - t);
+    [-rise, (1.0 - t) * (1.0 - 3.0 * t), rise, t * (3.0 * t - 2.0)]
+}
+#[inline]
+fn hermite_bend(t: f64) -> [f64; 4] {
+    let rise = 6.0 - 12.0 * t;
+    [-rise, 6.0 * t - 4.0, rise, 6.0 * t - 2.0]
+}
+
+/// Four coefficients along s of what weights along t make of two nodes above each other.
+#[inline]
+fn fold([a, b]: [&Node; 2], w: &[f64; 4]) -> [f64; 2] {
+    [
+        a[0] * w[0] + a[2] * w[1] + b[0] * w[2] + b[2] * w[3],
+        a[1] * w[0] + a[3] * w[1] + b[1] * w[2] + b[3] * w[3],
+    ]
+}
+
+#[inline]
+fn sum(left: [f64; 2], right: [f64; 2], w: &[f64; 4]) -> f64 {
+    left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3]
+}
+
+impl Patches {
+    /// The spline through `values`, row after row along X; none for fewer than
+    /// [`LEAST_KNOTS`] knots along an axis, steps that are not positive, a wrong number of values
+    /// or values that are not finite.
+    #[must_use]
+    pub fn new(x: Knots, y: Knots, values: &[f64]) -> Option<Self> {
+        let sound = |k: &Knots| {
+            k.count >= LEAST_KNOTS && k.step > 0.0 && k.first.is_finite() && k.last().is_finite()
+        };
+        let fits = x.count.checked_mul(y.count) == Some(values.len());
+        if !(sound(&x) && sound(&y) && fits && values.iter().all(|f| f.is_finite())) {
+            return None;
+        }
+        let mut nodes: Vec<Node> = values.iter().map(|&f| [f, 0.0, 0.0, 0.0]).collect();
+        nodes.par_chunks_mut(x.count).for_each(|row| slopes(row, 1, 0, 1));
+        slopes(&mut nodes, x.count, 0, 2);
+        slopes(&mut nodes, x.count, 1, 3);
+        Some(Self { x, y, nodes })
+    }
+
+    /// The knots along X and along Y.
+    #[must_use]
+    pub fn knots(&self) -> [Knots; 2] {
+        [self.x, self.y]
+    }
+
+    /// The spline on the line of constant `y`.
+    #[must_use]
+    pub fn row(&self, y: f64) -> PatchesRow<'_> {
+        let (j, t) = self.y.find(y);
+        let row = |j: usize| &self.nodes[j * self.x.count..(j + 1) * self.x.count];
+        PatchesRow {
+            x: self.x,
+            per_step: DVec2::new(1.0 / self.x.step, 1.0 / self.y.step),
+            rows: [row(j), row(j + 1)],
+            value: hermite(t),
+            slope: hermite_slope(t),
+        }
+    }
+
+    /// Height and slope at one point.
+    #[must_use]
+    pub fn at(&self, q: DVec2) -> Point {
+        self.row(q.y).at(q.x)
+    }
+
+    /// Second derivatives at one point, 1/mm.
+    #[must_use]
+    pub fn curvature(&self, q: DVec2) -> Curvature {
+        let ((i, s), (j, t)) = (self.x.find(q.x), self.y.find(q.y));
+        let column =
+            |i: usize| [&self.nodes[j * self.x.count + i], &self.nodes[(j + 1) * self.x.count + i]];
+        let second = |along: [f64; 4], across: [f64; 4]| {
+            sum(fold(column(i), &across), fold(column(i + 1), &across), &along)
+        };
+        let (dx, dy) = (self.x.step, self.y.step);
+        Curvature {
+            xx: second(hermite_bend(s), hermite(t)) / (dx * dx),
+            xy: second(hermite_slope(s), hermite_slope(t)) / (dx * dy),
+            yy: second(hermite(s), hermite_bend(t)) / (dy * dy),
+        }
+    }
+
+    /// Bounds over a box: those of the patches that it touches, each only a little wider than its
+    /// share of the box.
+    #[must_use]
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+        let across = |(j, t): (usize, [f64; 2])| {
+            self.x.touched(lo.x, hi.x).map(move |(i, s)| self.patch(i, j, s, t))
+        };
+        let all = self.y.touched(lo.y, hi.y).flat_map(across);
+        all.reduce(Union::union).expect("a box touches a patch")
+    }
+
+    /// Bounds over the shares `s` and `t` of the patch from node (`i`, `j`).
+    fn patch(&self, i: usize, j: usize, s: [f64; 2], t: [f64; 2]) -> Bounds {
+        let node = |i: usize, j: usize| &self.nodes[j * self.x.count + i];
+        let corners = [[node(i, j), node(i + 1, j)], [node(i, j + 1), node(i + 1, j + 1)]];
+        // net[b][a]: Bernstein coefficient a along s, b along t.
+        let (left, right) = ([0.0, 1.0 / 3.0], [0.0, -1.0 / 3.0]);
+        let mut net = [[0.0; 4]; 4];
+        for (b, line) in net.iter_mut().enumerate() {
+            for (a, c) in line.iter_mut().enumerate() {
+                let n = corners[b / 2][a / 2];
+                let p = if a < 2 { left[a] } else { right[3 - a] };
+                let q = if b < 2 { left[b] } else { right[3 - b] };
+                *c = n[0] + p * n[1] + q * n[2] + p * q * n[3];
+            }
+        }
+        let size = net.iter().flatten().fold(0.0f64, |most, c| most.max(c.abs()));
+        if s != [0.0, 1.0] {
+            net = net.map(|line| restrict(line, s));
+        }
+        if t != [0.0, 1.0] {
+            net = transpose(transpose(net).map(|line| restrict(line, t)));
+        }
+        let (w, h) = (self.x.step * (s[1] - s[0]), self.y.step * (t[1] - t[0]));
+        let along = differences(&net);
+        let up = along.map(|net| differences(&transpose(net)));
+        // The derivative of order p along x and q along y: entries q of 4 - p lines, each of 4 - q.
+        let range = |p: usize, q: usize| {
+            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+            for c in up[p][q][..4 - p].iter().flat_map(|line| &line[..4 - q]) {
+                (lo, hi) = (lo.min(*c), hi.max(*c));
+            }
+            const FALLING: [f64; 4] = [1.0, 3.0, 6.0, 6.0];
+            let power = |x: f64, n: usize| (0..n).fold(1.0, |power, _| power * x);
+            let slack = ROUNDING * size * power(2.0, p + q);
+            Interval::new(lo - slack, hi + slack)
+                * (FALLING[p] * FALLING[q] / (power(w, p) * power(h, q)))
+        };
+        Bounds {
+            f: range(0, 0),
+            slope: [range(1, 0), range(0, 1)],
+            hessian: [range(2, 0), range(1, 1), range(0, 2)],
+            third: [range(3, 0), range(2, 1), range(1, 2), range(0, 3)],
+        }
+    }
+}
+
+/// Bernstein coefficients of a cubic on the part `from`..`to` of [0, 1] (its polar form).
+fn restrict(c: [f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
+    let polar = |ends: [f64; 3]| {
+        let mut c = c;
+        for (round, t) in ends.into_iter().enumerate() {
+            for k in 0..3 - round {
+                c[k] += t * (c[k + 1] - c[k]);
+            }
+        }
+        c[0]
+    };
+    [[from; 3], [from, from, to], [from, to, to], [to; 3]].map(polar)
+}
+
+fn transpose(m: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
+}
+
+/// The differences of order 0 to 3 along each line; order n fills the first 4 - n entries.
+fn differences(net: &[[f64; 4]; 4]) -> [[[f64; 4]; 4]; 4] {
+    let mut orders = [*net; 4];
+    for n in 1..4 {
+        orders[n] = orders[n - 1].map(|c| [c[1] - c[0], c[2] - c[1], c[3] - c[2], 0.0]);
+    }
+    orders
+}
+
+/// Patches on one line of constant y.
+#[derive(Debug, Clone)]
+pub struct PatchesRow<'a> {
+    x: Knots,
+    per_step: DVec2,
+    rows: [&'a [Node]; 2],
+    value: [f64; 4],
+    slope: [f64; 4],
+}
+
+impl PatchesRow<'_> {
+    /// Height and slope at `x`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: f64) -> Point {
+        let (i, s) = self.x.find(x);
+        let column = |i: usize| self.rows.map(|row| &row[i]);
+        let (left, right) = (column(i), column(i + 1));
+        let (l, r) = (fold(left, &self.value), fold(right, &self.value));
+        let along = hermite(s);
+        let slope = DVec2::new(
+            sum(l, r, &hermite_slope(s)),
+            sum(fold(left, &self.slope), fold(right, &self.slope), &along),
+        );
+        Point { f: sum(l, r, &along), slope: slope * self.per_step }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::sample::Draws;
+    use crate::num::{cos, sin};
+
+    fn grid(x: Knots, y: Knots, f: impl Fn(DVec2) -> f64) -> Patches {
+        let node = |k: usize| f(DVec2::new(x.at(k % x.count), y.at(k / x.count)));
+        let values: Vec<f64> = (0..x.count * y.count).map(node).collect();
+        Patches::new(x, y, &values).unwrap()
+    }
+
+    fn knots(first: f64, last: f64, count: usize) -> Knots {
+        Knots { first, step: (last - first) / (count - 1) as f64, count }
+    }
+
+    fn rough(seed: u64) -> Patches {
+        let mut r = Draws::new(seed);
+        let values: Vec<f64> = (0..63).map(|_| r.inside([-1.0, 1.0])).collect();
+        Patches::new(knots(-3.0, 2.0, 9), knots(1.0, 4.0, 7), &values).unwrap()
+    }
+
+    #[test]
+    fn bicubics_are_given_back() {
+        let f = |q: DVec2| {
+            let (x, y) = (q.x, q.y);
+            (1.0 + x * (0.5 - x * (0.3 + 0.2 * x))) * (0.7 - y * (0.2 + y * (0.4 - 0.1 * y)))
+        };
+        let mut r = Draws::new(5);
+        for (nx, ny) in [(4, 4), (5, 9), (40, 7)] {
+            let patches = grid(knots(-1.0, 2.0, nx), knots(-2.0, 1.0, ny), f);
+            for _ in 0..200 {
+                let q = DVec2::new(r.inside([-1.2, 2.2]), r.inside([-2.2, 1.2]));
+                let Point { f: found, slope } = patches.at(q);
+                assert!((found - f(q)).abs() < 1e-13, "{nx} {q}: {found} {}", f(q));
+                let (x, y) = (q.x, q.y);
+                let (g, h) =
+                    (1.0 + x * (0.5 - x * (0.3 + 0.2 * x)), 0.7 - y * (0.2 + y * (0.4 - 0.1 * y)));
+                let (g1, h1) = (0.5 - x * (0.6 + 0.6 * x), -0.2 - y * (0.8 - 0.3 * y));
+                let (g2, h2) = (-0.6 - 1.2 * x, -0.8 + 0.6 * y);
+                assert!((slope - DVec2::new(g1 * h, g * h1)).length() < 1e-12);
+                let c = patches.curvature(q);
+                let off = (c.xx - g2 * h).abs() + (c.xy - g1 * h1).abs() + (c.yy - g * h2).abs();
+                assert!(off < 1e-10, "{off}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_hessian_goes_through_the_knots() {
+        let patches = rough(1);
+        let [x, y] = patches.knots();
+        let mut r = Draws::new(2);
+        for k in 1..x.count - 1 {
+            let e = 1e-9;
+            let (a, b) = (x.at(k), r.inside([y.first, y.last()]));
+            let (c, d) = (r.inside([x.first, x.last()]), y.at(k.min(y.count - 2)));
+            for (before, after) in [
+                (DVec2::new(a - e, b), DVec2::new(a + e, b)),
+                (DVec2::new(c, d - e), DVec2::new(c, d + e)),
+            ] {
+                let (l, r) = (patches.curvature(before), patches.curvature(after));
+                let jump = (l.xx - r.xx).abs() + (l.xy - r.xy).abs() + (l.yy - r.yy).abs();
+                assert!(jump < 1e-6, "{jump}");
+            }
+        }
+    }
+
+    #[test]
+    fn sag_converges_at_fourth_order() {
+        let f = |q: DVec2| sin(1.3 * q.x + 0.2) * cos(0.9 * q.y);
+        let error = |n: usize| {
+            let patches = grid(knots(-1.0, 2.0, n + 1), knots(-1.0, 1.0, n + 1), f);
+            let at = |k: usize| {
+                DVec2::new(
+                    -1.0 + 3.0 * (k % 101) as f64 / 100.0,
+                    -1.0 + 2.0 * (k / 101) as f64 / 100.0,
+                )
+            };
+            (0..101 * 101).map(|k| (patches.at(at(k)).f - f(at(k))).abs()).fold(0.0, f64::max)
+        };
+        let ratio = error(20) / error(40);
+        assert!((11.0..30.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn bounds_hold_and_are_tight() {
+        for seed in 0..20 {
+            let patches = rough(seed);
+            let mut r = Draws::new(100 + seed);
+            for _ in 0..20 {
+                let ([x0, x1], [y0, y1]) = (r.range([-3.1, 2.1]), r.range([0.9, 4.1]));
+                let (lo, hi) = (DVec2::new(x0, y0), DVec2::new(x1, y1));
+                let bounds = patches.bounds(lo, hi);
+                for _ in 0..50 {
+                    let q = DVec2::new(r.inside([x0, x1]), r.inside([y0, y1]));
+                    let (p, c) = (patches.at(q), patches.curvature(q));
+                    assert!(bounds.f.contains(p.f), "{:?} {}", bounds.f, p.f);
+                    assert!(
+                        bounds.slope[0].contains(p.slope.x) && bounds.slope[1].contains(p.slope.y)
+                    );
+                    for (range, x) in bounds.hessian.iter().zip([c.xx, c.xy, c.yy]) {
+                        assert!(range.contains(x), "{range:?} {x}");
+                    }
+                    // The third derivatives are constant along their own axis on a patch.
+                    let e = DVec2::new(1e-4, 0.0);
+                    let inside = |q: DVec2| lo.cmple(q).all() && q.cmple(hi).all();
+                    let same = |q: DVec2| patches.x.find(q.x).0;
+                    if inside(q - e) && inside(q + e) && same(q - e) == same(q + e) {
+                        let (a, b) = (patches.curvature(q + e), patches.curvature(q - e));
+                        for (range, d) in
+                            bounds.third.iter().zip([a.xx - b.xx, a.xy - b.xy, a.yy - b.yy])
+                        {
+                            let d = d / 2e-4;
+                            assert!(range.lo - 1e-6 <= d && d <= range.hi + 1e-6, "{range:?} {d}");
+                        }
+                    }
+                }
+            }
+            // A point's bounds are no wider than a share of the patch makes them.
+            let q = DVec2::new(-0.3, 2.2);
+            let width = patches.bounds(q, q).slope[0].width();
+            let c = patches.curvature(q);
+            assert!(width < 0.1 * (c.norm() + 1.0), "{width}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_grid_is_refused() {
+        let k = knots(0.0, 1.0, 4);
+        assert!(Patches::new(k, k, &[0.0; 16]).is_some());
+        assert!(Patches::new(k, k, &[0.0; 15]).is_none());
+        assert!(Patches::new(k, k, &[f64::NAN; 16]).is_none());
+        assert!(Patches::new(knots(0.0, 1.0, 3), k, &[0.0; 12]).is_none());
+        assert!(Patches::new(knots(1.0, 0.0, 4), k, &[0.0; 16]).is_none());
+    }
+}

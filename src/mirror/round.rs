@@ -1,0 +1,207 @@
+//! Axisymmetric surfaces: one Legendre series along the radius.
+
+use super::{Bounds, Curvature, Point};
+use crate::geom::{DVec2, Outline};
+use crate::num::legendre::{Jet, Row, Series};
+use crate::num::{Interval, Scalar, bernstein};
+
+/// The surface f(r) = s G(u), u over [-1, 1]: of r^2 for discs, where the surface is smooth at the
+/// centre, of r for rings.
+#[derive(Debug, Clone)]
+pub struct Round {
+    /// G, a series in u alone (one column).
+    series: Series,
+    /// The same, ready for values of u.
+    row: Row,
+    /// Inner and outer radius, mm; the inner one is 0 for a disc.
+    pub radius: [f64; 2],
+    /// s, mm per unit of G.
+    pub scale_mm: f64,
+}
+
+/// f and what its derivatives are made of, with D = (1/r) d/dr: f_i = D f q_i,
+/// f_ij = D f d_ij + D^2 f q_i q_j, f_ijk = D^2 f (q_i d_jk + ...) + D^3 f q_i q_j q_k.
+#[derive(Debug, Clone, Copy)]
+struct Steps {
+    f: f64,
+    d: f64,
+    dd: f64,
+}
+
+impl Round {
+    /// The surface of G = `series`.
+    ///
+    /// # Panics
+    /// When the series depends on its second variable.
+    #[must_use]
+    pub fn new(series: Series, radius: [f64; 2], scale_mm: f64) -> Self {
+        assert_eq!(series.shape().1, 1, "a series in u alone");
+        Self { row: series.row(0.0), series, radius, scale_mm }
+    }
+
+    /// u at radius `r`.
+    #[inline]
+    fn unit(&self, r2: f64) -> f64 {
+        let [inner, outer] = self.radius;
+        if inner == 0.0 {
+            2.0 * r2 / (outer * outer) - 1.0
+        } else {
+            (2.0 * r2.sqrt() - inner - outer) / (outer - inner)
+        }
+    }
+
+    fn steps(&self, r2: f64, jet: &Jet) -> Steps {
+        let [inner, outer] = self.radius;
+        let [g, g1, g2] = [jet.f, jet.gradient[0], jet.hessian[0]].map(|g| g * self.scale_mm);
+        if inner == 0.0 {
+            // D = 2 d/d(r^2).
+            let rate = 4.0 / (outer * outer);
+            Steps { f: g, d: g1 * rate, dd: g2 * rate * rate }
+        } else {
+            let rate = 2.0 / (outer - inner);
+            let d = g1 * rate / r2.sqrt();
+            Steps { f: g, d, dd: (g2 * rate * rate - d) / r2 }
+        }
+    }
+
+    /// Height and slope at one point.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, q: DVec2) -> Point {
+        let r2 = q.length_squared();
+        let Steps { f, d, .. } = self.steps(r2, &self.row.gradient(self.unit(r2)));
+        Point { f, slope: q * d }
+    }
+
+    /// Second derivatives at one point, 1/mm.
+    #[must_use]
+    pub fn curvature(&self, q: DVec2) -> Curvature {
+        let r2 = q.length_squared();
+        let Steps { d, dd, .. } = self.steps(r2, &self.row.jet(self.unit(r2)));
+        Curvature { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y }
+    }
+
+    /// Bounds over the points of a box whose distance from the axis lies within the surface's
+    /// radii.
+    #[must_use]
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+        let q = [Interval::new(lo.x, hi.x), Interval::new(lo.y, hi.y)];
+        let r2 = q[0].square() + q[1].square();
+        let [inner, outer] = self.radius;
+        // Chords of the inner rim run a little inside it.
+        let least = inner * (1.0 - 2.0 * Outline::EDGE);
+        let r2 = Interval::new(
+            r2.lo.clamp(least * least, outer * outer),
+            r2.hi.clamp(inner * inner, outer * outer * (1.0 + 1e-12)),
+        );
+        let edges = [self.unit(r2.lo), self.unit(r2.hi)];
+        let mut series = self.series.clone();
+        let mut ranges = [Interval::point(0.0); 4];
+        for range in &mut ranges {
+            let [lo, hi] = bernstein::ranges(&series, &edges, &[-1.0, 1.0])[0];
+            *range = Interval::new(lo, hi) * self.scale_mm;
+            series = series.derivative_u();
+        }
+        let [g, g1, g2, g3] = ranges;
+        let [d, dd, ddd] = if inner == 0.0 {
+            let rate = 4.0 / (outer * outer);
+            [g1 * rate, g2 * (rate * rate), g3 * (rate * rate * rate)]
+        } else {
+            let rate = 2.0 / (outer - inner);
+            let r = r2.sqrt();
+            let d = g1 * rate / r;
+            let dd = (g2 * (rate * rate) - d) / r2;
+            // D^3 f = (f''' / r - 3 D^2 f) / r^2.
+            [d, dd, (g3 * (rate * rate * rate) / r - dd * 3.0) / r2]
+        };
+        let [x, y] = q;
+        let [xx, yy] = q.map(Interval::square);
+        Bounds {
+            f: g,
+            slope: [d * x, d * y],
+            hessian: [d + dd * xx, dd * x * y, d + dd * yy],
+            third: [
+                x * (dd * 3.0 + ddd * xx),
+                y * (dd + ddd * xx),
+                x * (dd + ddd * yy),
+                y * (dd * 3.0 + ddd * yy),
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (f, f', f'') of a radius.
+    type Exact = fn(f64) -> [f64; 3];
+
+    /// f = 0.01 r^4 - 0.3 r^2 on a disc of radius 5, f = r^2 / 4 - r on a ring of 1..5.
+    fn surfaces() -> [(Round, Exact); 2] {
+        // r^2 = 12.5 (u + 1); u^2 = (2 P2 + 1) / 3.
+        let disc =
+            [1.5625 * (4.0 / 3.0) - 0.3 * 12.5, 1.5625 * 2.0 - 0.3 * 12.5, 1.5625 * (2.0 / 3.0)];
+        // r = 3 + 2 u.
+        let ring = [(9.0 + 4.0 / 3.0) / 4.0 - 3.0, 3.0 - 2.0, (8.0 / 3.0) / 4.0];
+        [
+            (Round::new(Series::from_fn(3, 1, |i, _| disc[i] / 2.0), [0.0, 5.0], 2.0), |r| {
+                let r2 = r * r;
+                [0.01 * r2 * r2 - 0.3 * r2, 0.04 * r2 * r - 0.6 * r, 0.12 * r2 - 0.6]
+            }),
+            (Round::new(Series::from_fn(3, 1, |i, _| ring[i]), [1.0, 5.0], 1.0), |r| {
+                [0.25 * r * r - r, 0.5 * r - 1.0, 0.5]
+            }),
+        ]
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_profile() {
+        for (surface, exact) in surfaces() {
+            for r in [1.0, 2.5, 5.0] {
+                let n = DVec2::new(0.6, -0.8);
+                let (q, [f, f1, f2]) = (n * r, exact(r));
+                let point = surface.at(q);
+                assert!((point.f - f).abs() < 1e-13 && (point.slope - n * f1).length() < 1e-13);
+                let c = surface.curvature(q);
+                let across = DVec2::new(0.8, 0.6);
+                assert!((c.times(n) - n * f2).length() < 1e-13);
+                assert!((c.times(across) - across * f1 / r).length() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_hold_at_every_sample() {
+        for (surface, _) in surfaces() {
+            for k in 0..64 {
+                let lo = DVec2::new(f64::from(k % 8) - 4.0, f64::from(k / 8) - 4.0) * 0.8;
+                let hi = lo + 0.8;
+                let bounds = surface.bounds(lo, hi);
+                for j in 0..81 {
+                    let q = lo + DVec2::new(f64::from(j % 9), f64::from(j / 9)) * 0.1;
+                    let r = q.length();
+                    if r < surface.radius[0] || r > surface.radius[1] {
+                        continue;
+                    }
+                    let (point, c) = (surface.at(q), surface.curvature(q));
+                    assert!(bounds.f.contains(point.f));
+                    assert!(bounds.slope[0].contains(point.slope.x));
+                    assert!(bounds.slope[1].contains(point.slope.y));
+                    for (range, x) in bounds.hessian.iter().zip([c.xx, c.xy, c.yy]) {
+                        assert!(range.contains(x), "{range:?} {x}");
+                    }
+                    let h = 1e-5;
+                    let d = |e: DVec2| {
+                        let (a, b) = (surface.curvature(q + e * h), surface.curvature(q - e * h));
+                        [a.xx - b.xx, a.xy - b.xy, a.yy - b.yy].map(|x| x / (2.0 * h))
+                    };
+                    let (dx, dy) = (d(DVec2::X), d(DVec2::Y));
+                    for (range, x) in bounds.third.iter().zip([dx[0], dx[1], dx[2], dy[2]]) {
+                        assert!(range.lo - 1e-8 <= x && x <= range.hi + 1e-8, "{range:?} {x}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The slope field of a camera and a target, whatever the projection.
+
+use super::{Target, stereo};
+use crate::geom::Chart;
+use crate::num::Scalar;
+
+/// What turns a wanted direction into the chart slope of a mirror that shows it.
+#[derive(Debug, Clone, Copy)]
+pub struct Field<'a> {
+    /// The camera.
+    pub chart: &'a Chart,
+    /// Where the world is.
+    pub target: Target,
+    /// Z of the target's origin, mm.
+    pub origin_mm: f64,
+}
+
+impl Field<'_> {
+    /// The field s (DESIGN 3.1) at height `f` mm over image point `q` where direction `wanted` from
+    /// the target's origin is to be seen. For targets at infinity it does not depend on f.
+    #[inline]
+    pub fn towards<S: Scalar>(&self, q: [S; 2], f: S, wanted: [S; 2]) -> [S; 2] {
+        let seen = match self.target {
+            Target::Infinity => wanted,
+            target => {
+                let [x, y, z] = self.chart.place(q, f);
+                target.aim([x, y, z - self.origin_mm], wanted)
+            }
+        };
+        let camera = stereo::towards_camera(q.map(|x| x * self.chart.vergence));
+        self.chart.chart_slope(q, stereo::slope_between(camera, seen))
+    }
+
+    /// W . curl W / |W|^2, 1/mm, at height `f` over image point `q` where the field is `s` and its
+    /// derivatives along X, Y and the height are `along`.
+    ///
+    /// In chart coordinates W is the form df - s . dq; its exterior product with its own derivative
+    /// is the integrand, and the chart's map gives the volume and the length of W.
+    #[inline]
+    pub fn curl<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2], along: [[S; 2]; 3]) -> S {
+        let k = self.chart.vergence;
+        let [x, y, h] = along;
+        let twist = y[0] - x[1] + s[1] * h[0] - s[0] * h[1];
+        let lean = (s[0] * q[0] + s[1] * q[1]) * -k + 1.0;
+        let size = s[0].square() + s[1].square() + lean.square();
+        twist / ((f * -k).exp() * size)
+    }
+}

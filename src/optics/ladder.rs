@@ -1,0 +1,119 @@
+//! Laws given by numbers: elevations at some rows, and a smooth monotone curve through them.
+
+use crate::num::{MonotoneCubic, Scalar};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// What a ladder's rungs measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rungs {
+    Elevation,
+    Latitude,
+}
+
+/// A law through given points: elevation, or isometric latitude, as a monotone cubic of the image
+/// coordinate z (paper's units). Beyond its ends it goes on linearly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ladder {
+    curve: MonotoneCubic,
+    rungs: Rungs,
+}
+
+impl Ladder {
+    /// The law that shows elevation `elevations[k]` (radians, inside +-pi/2) at `z[k]`, elevation
+    /// interpolated; None unless both rise strictly and there are two or more.
+    #[must_use]
+    pub fn of_elevations(z: &[f64], elevations: &[f64]) -> Option<Self> {
+        Self::rising(z, elevations, Rungs::Elevation)
+    }
+
+    /// The law that shows isometric latitude m, tan(elevation) = sinh m, of `latitudes[k]` at
+    /// `z[k]`, m interpolated; None unless both rise strictly and there are two or more.
+    #[must_use]
+    pub fn of_latitudes(z: &[f64], latitudes: &[f64]) -> Option<Self> {
+        Self::rising(z, latitudes, Rungs::Latitude)
+    }
+
+    fn rising(z: &[f64], values: &[f64], rungs: Rungs) -> Option<Self> {
+        let curve = MonotoneCubic::new(z, values)?;
+        (values.first() < values.last()).then_some(Self { curve, rungs })
+    }
+
+    /// exp(-m) at image coordinate `z`.
+    #[inline]
+    pub fn shrink<S: Scalar>(&self, z: S) -> S {
+        let value = z.through(&self.curve);
+        match self.rungs {
+            Rungs::Elevation => (value * -0.5 + FRAC_PI_4).tan(),
+            Rungs::Latitude => (-value).exp(),
+        }
+    }
+
+    /// The image coordinate whose exp(-m) is `shrink`.
+    #[inline]
+    pub fn coordinate<S: Scalar>(&self, shrink: S) -> S {
+        let value = match self.rungs {
+            Rungs::Elevation => shrink.atan() * -2.0 + FRAC_PI_2,
+            Rungs::Latitude => -shrink.log(),
+        };
+        value.through(&self.curve.inverse())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::sample::Draws;
+    use crate::num::{Interval, Jet2, asinh, radians, tan};
+
+    const DEGREES: [f64; 5] = [-41.0, -10.0, 3.0, 4.0, 62.0];
+    const Z: [f64; 5] = [-1.0, -0.2, 0.1, 0.3, 1.4];
+
+    fn ladders() -> [Ladder; 2] {
+        let e = DEGREES.map(radians);
+        let m = e.map(|e| asinh(tan(e)));
+        [Ladder::of_elevations(&Z, &e).unwrap(), Ladder::of_latitudes(&Z, &m).unwrap()]
+    }
+
+    #[test]
+    fn rungs_are_met_and_the_way_back_is_found() {
+        for ladder in ladders() {
+            for (z, degrees) in Z.into_iter().zip(DEGREES) {
+                let exact = tan(radians(0.5 * (90.0 - degrees)));
+                assert!((ladder.shrink(z) / exact - 1.0).abs() < 1e-14);
+            }
+            for k in -120..=150 {
+                let z = f64::from(k) / 100.0;
+                assert!((ladder.coordinate(ladder.shrink(z)) - z).abs() < 1e-13, "{z}");
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_hold_values_and_derivatives_both_ways() {
+        for (ladder, mut r) in ladders().iter().zip((0..).map(Draws::new)) {
+            let parts = |j: Jet2<f64>| [j.value, j.gradient[0], j.hessian[0]];
+            for _ in 0..500 {
+                let range = r.range([-1.2, 1.5]);
+                let over = Jet2::variable_x(Interval::new(range[0], range[1]));
+                let shrink = ladder.shrink(over);
+                let back = ladder.coordinate(Jet2::variable_x(shrink.value));
+                for _ in 0..4 {
+                    let found = ladder.shrink(Jet2::variable_x(r.inside(range)));
+                    let undone = ladder.coordinate(Jet2::variable_x(found.value));
+                    for (over, at) in [(shrink, parts(found)), (back, parts(undone))] {
+                        assert!(over.value.contains(at[0]), "{at:?} {over:?}");
+                        assert!(over.gradient[0].contains(at[1]), "{at:?} {over:?}");
+                        assert!(over.hessian[0].contains(at[2]), "{at:?} {over:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_rise_is_no_ladder() {
+        assert!(Ladder::of_elevations(&[0.0, 1.0], &[0.1, 0.0]).is_none());
+        assert!(Ladder::of_latitudes(&[0.0, 0.0], &[0.0, 0.1]).is_none());
+        assert!(Ladder::of_latitudes(&[0.0], &[0.1]).is_none());
+    }
+}

@@ -1,0 +1,48 @@
+//! Straight panoramic strips: azimuth along X, elevation by a law along Y.
+
+use super::Law;
+use crate::geom::DVec2;
+use crate::num::{Scalar, cos, sin, wrap_turn};
+
+/// A strip of the world unrolled in the image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strip {
+    /// How rows map to elevation.
+    pub law: Law,
+    /// Scale s, mm per radian of azimuth.
+    pub scale_mm: f64,
+    /// Azimuth at X = 0, radians.
+    pub azimuth: f64,
+    /// The law's coordinate z (paper's units) at Y = 0.
+    pub z: f64,
+}
+
+impl Strip {
+    /// What image point `q` must see, as a stereographic coordinate.
+    #[inline]
+    pub fn wanted<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        let azimuth = q[0] / self.scale_mm + self.azimuth;
+        let shrink = self.law.shrink(q[1] / self.scale_mm + self.z);
+        [shrink * azimuth.sin(), shrink * azimuth.cos()]
+    }
+
+    /// The image point that must see `sigma`: the one nearest to `near` in azimuth, which repeats
+    /// every turn. Not finite for the two directions along the axis.
+    #[inline]
+    pub fn locate<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
+        let azimuth = near.x / self.scale_mm + self.azimuth;
+        // Turned so that the arc tangent's jump lies opposite to what is near.
+        let (s, c) = (sin(azimuth), cos(azimuth));
+        let turn = (sigma[0] * c - sigma[1] * s).atan2(sigma[0] * s + sigma[1] * c);
+        let length = (sigma[0].square() + sigma[1].square()).sqrt();
+        let z = self.law.coordinate(length);
+        [turn * self.scale_mm + near.x, (z - self.z) * self.scale_mm]
+    }
+
+    /// (azimuth, law coordinate) of an image point; azimuth in radians within half a turn.
+    #[must_use]
+    pub fn paper(&self, q: DVec2) -> DVec2 {
+        let p = DVec2::new(self.azimuth, self.z) + q / self.scale_mm;
+        DVec2::new(wrap_turn(p.x), p.y)
+    }
+}

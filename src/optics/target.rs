@@ -1,0 +1,144 @@
+//! Target surfaces: where the world that the picture shows is.
+
+use super::stereo;
+use crate::num::Scalar;
+
+/// The surface S that is imaged. The projection gives directions from the target's origin, a point
+/// on the axis; a ray that leaves the mirror elsewhere meets the surface where another direction
+/// from the origin does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// So far away that only directions count.
+    Infinity,
+    /// The cylinder of this radius about the axis, mm.
+    Cylinder {
+        /// Radius, mm.
+        radius_mm: f64,
+    },
+    /// The plane perpendicular to the axis at this height over the origin, mm; negative below it.
+    Plane {
+        /// Height, mm.
+        height_mm: f64,
+    },
+}
+
+impl Target {
+    /// The direction from the origin to where a ray that leaves `from` (mm, relative to the origin)
+    /// in direction `sigma` meets the target. Not finite where it never does, and for points beyond
+    /// the target.
+    #[inline]
+    pub fn seen<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
+        match *self {
+            Self::Infinity => sigma,
+            Self::Cylinder { radius_mm } => {
+                let u = stereo::vector(sigma);
+                let p = [from[0] / radius_mm, from[1] / radius_mm];
+                // The positive root of |p + t u| = 1, as 1 / t: that stays finite for a ray along
+                // the axis. A point outside is no number.
+                let across = stereo::square(sigma);
+                let along = p[0] * u[0] + p[1] * u[1];
+                let inside = -stereo::square(p) + 1.0;
+                let root = (along.square() + across * inside).sqrt();
+                let per = if along.centre() >= 0.0 {
+                    (along + root) / inside
+                } else {
+                    across / (root - along)
+                };
+                let from = [p[0], p[1], from[2] / radius_mm];
+                stereo::sigma([0, 1, 2].map(|k| from[k] * per + u[k]))
+            }
+            Self::Plane { height_mm } => {
+                let u = stereo::unit(sigma);
+                let inside = -from[2] / height_mm + 1.0;
+                let t = inside / u[2] * height_mm.signum();
+                if !(inside.centre() > 0.0 && t.centre() > 0.0) {
+                    return [S::constant(f64::NAN); 2];
+                }
+                stereo::sigma([0, 1, 2].map(|k| u[k] * t + from[k] / height_mm.abs()))
+            }
+        }
+    }
+
+    /// The direction from `from` (mm, relative to the origin) to where direction `sigma` from the
+    /// origin meets the target: undoes [`Target::seen`].
+    #[inline]
+    pub fn aim<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
+        match *self {
+            Self::Infinity => sigma,
+            Self::Cylinder { radius_mm } => {
+                let u = stereo::vector(sigma);
+                let across = stereo::square(sigma).sqrt();
+                stereo::sigma([0, 1, 2].map(|k| u[k] - from[k] / radius_mm * across))
+            }
+            Self::Plane { height_mm } => {
+                let u = stereo::unit(sigma);
+                let inside = -from[2] / height_mm + 1.0;
+                let t = S::constant(height_mm.signum()) / u[2];
+                if !(inside.centre() > 0.0 && t.centre() > 0.0) {
+                    return [S::constant(f64::NAN); 2];
+                }
+                stereo::sigma([0, 1, 2].map(|k| u[k] * t - from[k] / height_mm.abs()))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{DVec2, DVec3};
+
+    #[test]
+    fn aim_and_seen_undo_each_other_and_meet_the_surface() {
+        let from = DVec3::new(11.0, -7.0, 4.0);
+        for (target, sigmas) in [
+            (Target::Infinity, vec![[0.3, 0.2], [2.0, -1.0]]),
+            (Target::Cylinder { radius_mm: 20.0 }, vec![[0.3, 0.2], [2.0, -1.0], [-0.9, 0.1]]),
+            (Target::Cylinder { radius_mm: 1e12 }, vec![[0.3, 0.2], [-2.0, -1.0]]),
+            (Target::Plane { height_mm: 90.0 }, vec![[0.3, 0.2], [0.0, 0.0], [-0.9, 0.1]]),
+            (Target::Plane { height_mm: -50.0 }, vec![[1.3, 0.2], [5.0, -3.0]]),
+        ] {
+            for sigma in sigmas {
+                let sent = target.aim(from.to_array(), sigma);
+                let back = DVec2::from_array(target.seen(from.to_array(), sent));
+                assert!((back - DVec2::from_array(sigma)).length() < 1e-14, "{target:?} {back}");
+                // Both lines meet in one point of the surface.
+                let (a, b) = (stereo::direction(sigma), stereo::direction(sent));
+                let reach = match target {
+                    Target::Infinity => continue,
+                    Target::Cylinder { radius_mm } => radius_mm / a.truncate().length(),
+                    Target::Plane { height_mm } => height_mm / a.z,
+                };
+                let off = (a * reach - from).normalize() - b;
+                assert!(reach > 0.0 && off.length() < 1e-14, "{target:?}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_up_the_axis_of_a_cylinder_stays_there() {
+        let cylinder = Target::Cylinder { radius_mm: 50.0 };
+        assert_eq!(cylinder.seen([0.0, 0.0, -3.0], [0.0; 2]), [0.0; 2]);
+        assert_eq!(cylinder.aim([0.0, 0.0, -3.0], [0.0; 2]), [0.0; 2]);
+    }
+
+    #[test]
+    fn a_ray_that_never_meets_the_plane_sees_nothing() {
+        let plane = Target::Plane { height_mm: 50.0 };
+        assert!(plane.seen([0.0; 3], [2.0, 0.0])[0].is_nan());
+        assert!(plane.aim([0.0; 3], [2.0, 0.0])[0].is_nan());
+    }
+
+    #[test]
+    fn a_point_beyond_the_plane_does_not_see_its_back() {
+        for sign in [1.0, -1.0] {
+            let plane = Target::Plane { height_mm: 50.0 * sign };
+            let beyond = [3.0, 0.0, 60.0 * sign];
+            // Back towards the plane: upwards for the plane below.
+            let sigma = if sign > 0.0 { [2.0, 0.0] } else { [0.5, 0.0] };
+            assert!(plane.seen(beyond, sigma)[0].is_nan());
+            let sigma = if sign > 0.0 { [0.5, 0.0] } else { [2.0, 0.0] };
+            assert!(plane.aim(beyond, sigma)[0].is_nan());
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! Views: what every point of the image must see, and where in the image what is seen belongs.
+//!
+//! Image points are (X, Y) mm on the camera's reference plane; directions are stereographic
+//! coordinates ([`stereo`]) of the part frame (X to the right of the picture, Y up in it, Z along
+//! the axis towards the camera).
+
+use super::field::Field;
+use super::{RadialLaw, Strip, Target, stereo};
+use crate::geom::{Chart, DVec2, DVec3};
+use crate::num::{Dual, Scalar};
+use std::f64::consts::TAU;
+
+/// G: which direction of the world, from the target's origin, an image point of the designed panel
+/// must see.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Projection {
+    /// A straight panorama.
+    Strip(Strip),
+    /// An axisymmetric law over image radii.
+    Radial {
+        /// The law.
+        law: RadialLaw,
+        /// Inner and outer image radius, mm.
+        radius: [f64; 2],
+    },
+}
+
+impl Projection {
+    /// What image point `q` must see.
+    #[inline]
+    pub fn wanted<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        match self {
+            Self::Strip(strip) => strip.wanted(q),
+            Self::Radial { law, .. } => law.wanted(q),
+        }
+    }
+
+    /// The image point, nearest to `near` where there are several, that must see `sigma`.
+    #[inline]
+    pub fn locate<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
+        match self {
+            Self::Strip(strip) => strip.locate(sigma, near),
+            Self::Radial { law, .. } => law.locate(sigma),
+        }
+    }
+
+    /// The length in mm that is 1 in the paper's units: one radian of azimuth of a strip, the rim's
+    /// radius of a round image.
+    #[must_use]
+    pub fn scale_mm(&self) -> f64 {
+        match self {
+            Self::Strip(strip) => strip.scale_mm,
+            Self::Radial { radius: [_, outer], .. } => *outer,
+        }
+    }
+
+    /// About how many radians of the world a millimetre of the image shows.
+    #[must_use]
+    pub fn radians_per_mm(&self) -> f64 {
+        match self {
+            Self::Strip(strip) => 1.0 / strip.scale_mm,
+            Self::Radial { law, radius: [inner, outer] } => {
+                (law.polar(*outer) - law.polar(*inner)) / (outer - inner)
+            }
+        }
+    }
+
+    /// How far apart two image points are by what they must see: azimuth repeats every turn.
+    #[inline]
+    #[must_use]
+    pub fn apart(&self, a: DVec2, b: DVec2) -> f64 {
+        let mut way = a - b;
+        if let Self::Strip(strip) = self {
+            let turn = TAU * strip.scale_mm;
+            if way.x.abs() > 0.5 * turn {
+                way.x -= turn * (way.x / turn).round();
+            }
+        }
+        way.length()
+    }
+}
+
+/// On which side of the line Y = 0 the designed panel of a folded mirror lies; the other panel is
+/// its reflection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fold {
+    /// The designed panel has Y >= 0.
+    Above,
+    /// The designed panel has Y <= 0.
+    Below,
+}
+
+impl Fold {
+    /// Whether `q` lies on the reflected panel. The ridge itself belongs to the designed panel.
+    #[inline]
+    #[must_use]
+    pub fn reflects(self, q: DVec2) -> bool {
+        match self {
+            Self::Above => q.y < 0.0,
+            Self::Below => q.y > 0.0,
+        }
+    }
+}
+
+/// Everything that the picture is meant to show: a projection of a target surface, on one panel or
+/// on a panel and its reflection in the plane Y = 0 (a mirror reflected in a plane sees the
+/// reflected world).
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// The designed panel's projection.
+    pub projection: Projection,
+    /// Where the world is.
+    pub target: Target,
+    /// Z of the target's origin, mm.
+    pub origin_mm: f64,
+    /// Where the image is folded, if it is.
+    pub fold: Option<Fold>,
+}
+
+impl View {
+    /// The slope (Z_X, Z_Y) of a mirror through `at` that shows image point `q` of the designed
+    /// panel what it must see, for the camera of `chart` (paper, section 3.2: the normal is along
+    /// W).
+    #[inline]
+    pub fn slope<S: Scalar>(&self, chart: &Chart, q: [S; 2], at: [S; 3]) -> [S; 2] {
+        stereo::slope_between(stereo::towards_camera(chart.view(at)), self.aim(q, at))
+    }
+
+    /// The direction that image point `q` of the designed panel must see from the mirror point
+    /// `at`, as a stereographic coordinate.
+    #[inline]
+    pub fn aim<S: Scalar>(&self, q: [S; 2], at: [S; 3]) -> [S; 2] {
+        self.target.aim(self.relative(at), self.projection.wanted(q))
+    }
+
+    /// The field s(q, f) that the chart slope of an exact mirror equals (DESIGN 3.1). For targets
+    /// at infinity it does not depend on f.
+    #[inline]
+    pub fn field<S: Scalar>(&self, chart: &Chart, q: [S; 2], f: S) -> [S; 2] {
+        self.under(chart).towards(q, f, self.projection.wanted(q))
+    }
+
+    /// The image point of the designed panel where that belongs which the camera of `chart` sees in
+    /// a mirror through `at` of slope `p`; `near` chooses among several.
+    #[inline]
+    pub fn content<S: Scalar>(&self, chart: &Chart, at: [S; 3], p: [S; 2], near: DVec2) -> [S; 2] {
+        let seen = stereo::reflect(stereo::towards_camera(chart.view(at)), p);
+        self.projection.locate(self.target.seen(self.relative(at), seen), near)
+    }
+
+    /// W . curl W / |W|^2 at height `f` over image point `q`, 1/mm: zero everywhere exactly when an
+    /// exact mirror exists (paper, section 3.2), and the same for every length of W.
+    #[must_use]
+    pub fn curl(&self, chart: &Chart, q: DVec2, f: f64) -> f64 {
+        let [x, y, h] = [q.x, q.y, f];
+        let [x, y, h] = [Dual::variable(x, 0), Dual::variable(y, 1), Dual::variable(h, 2)];
+        let s: [Dual<3>; 2] = self.field(chart, [x, y], h);
+        let along = std::array::from_fn(|k| s.map(|s| s.slope[k]));
+        self.under(chart).curl(q.to_array(), f, s.map(|s| s.value), along)
+    }
+
+    /// The slope field's camera and target.
+    fn under<'a>(&self, chart: &'a Chart) -> Field<'a> {
+        Field { chart, target: self.target, origin_mm: self.origin_mm }
+    }
+
+    /// `at` relative to the target's origin.
+    fn relative<S: Scalar>(&self, at: [S; 3]) -> [S; 3] {
+        [at[0], at[1], at[2] - self.origin_mm]
+    }
+
+    /// Whether image point `q` belongs to a reflected panel.
+    #[inline]
+    #[must_use]
+    pub fn reflects(&self, q: DVec2) -> bool {
+        self.fold.is_some_and(|fold| fold.reflects(q))
+    }
+
+    /// The unit direction that image point `q`, on any panel, must see from the mirror point `at`.
+    #[must_use]
+    pub fn wanted(&self, q: DVec2, at: DVec3) -> DVec3 {
+        let flip = self.flip(q);
+        let (q, at) = (q * flip.truncate(), at * flip);
+        let from = self.relative(at.to_array());
+        flip * stereo::direction(self.target.aim(from, self.projection.wanted(q.to_array())))
+    }
+
+    /// The direction from the target's origin of what a ray that leaves `at` in the unit direction
+    /// `direction` shows; the direction itself for targets at infinity.
+    #[must_use]
+    pub fn shown(&self, at: DVec3, direction: DVec3) -> DVec3 {
+        match self.target {
+            Target::Infinity => direction,
+            target => {
+                let from = self.relative(at.to_array());
+                stereo::direction(target.seen(from, stereo::sigma(direction.to_array())))
+            }
+        }
+    }
+
+    /// The image point, on the panel of `near` or beyond its rim, where that belongs which a ray
+    /// that leaves `at` in the unit direction `direction` shows.
+    #[must_use]
+    pub fn locate(&self, at: DVec3, direction: DVec3, near: DVec2) -> DVec2 {
+        let flip = self.flip(near);
+        let from = self.relative((at * flip).to_array());
+        let seen = self.target.seen(from, stereo::sigma((direction * flip).to_array()));
+        let place = self.projection.locate(seen, near * flip.truncate());
+        DVec2::from_array(place) * flip.truncate()
+    }
+
+    /// What carries the panel of `q` to the designed one.
+    fn flip(&self, q: DVec2) -> DVec3 {
+        if self.reflects(q) { DVec3::new(1.0, -1.0, 1.0) } else { DVec3::ONE }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::{atan2, radians, wrap_turn};
+    use crate::optics::{Law, Rims, reflect};
+
+    fn strip(law: Law) -> Projection {
+        Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.589 })
+    }
+
+    fn ring() -> Projection {
+        let rims = Rims { radius: [6.0, 31.0], psi: [50.0, 120.0].map(radians), vergence: 0.004 };
+        Projection::Radial { law: rims.equiangular(), radius: rims.radius }
+    }
+
+    fn views() -> Vec<View> {
+        let targets = [Target::Infinity, Target::Cylinder { radius_mm: 70.0 }];
+        let mut views = Vec::new();
+        for target in targets {
+            for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
+                let fold = Some(Fold::Above);
+                views.push(View { projection: strip(law), target, origin_mm: 8.0, fold });
+            }
+            views.push(View { projection: ring(), target, origin_mm: 8.0, fold: None });
+        }
+        let target = Target::Plane { height_mm: -300.0 };
+        let rims = Rims { radius: [6.0, 31.0], psi: [110.0, 140.0].map(radians), vergence: 0.0 };
+        let projection = Projection::Radial { law: rims.cylinder(), radius: rims.radius };
+        views.push(View { projection, target, origin_mm: 8.0, fold: None });
+        views
+    }
+
+    fn charts() -> [Chart; 2] {
+        [0.0, 0.004].map(|vergence| Chart { vergence, plane_mm: 10.0 })
+    }
+
+    fn points() -> impl Iterator<Item = DVec2> {
+        (0..100).map(|k| DVec2::new(f64::from(k % 10) * 4.1 - 20.0, f64::from(k / 10) * 1.1 + 6.5))
+    }
+
+    #[test]
+    fn a_mirror_along_the_field_shows_what_is_wanted() {
+        for view in views() {
+            for chart in charts() {
+                for q in points() {
+                    let f = 0.03 * q.x;
+                    let at = chart.point(q, f);
+                    let s = view.field(&chart, q.to_array(), f);
+                    let p = chart.slope(q.to_array(), s);
+                    let direct = view.slope(&chart, q.to_array(), at.to_array());
+                    assert!((p[0] - direct[0]).abs() + (p[1] - direct[1]).abs() < 1e-12);
+                    // By vectors.
+                    let normal = DVec3::new(-p[0], -p[1], 1.0);
+                    let seen = reflect(chart.ray(q, 99.0).direction, normal);
+                    assert!((seen - view.wanted(q, at)).length() < 1e-13, "{view:?} {q}");
+                    let content = view.content(&chart, at.to_array(), p, q + DVec2::new(1.5, 0.0));
+                    assert!((DVec2::from_array(content) - q).length() < 1e-11, "{view:?} {q}");
+                    assert!((view.locate(at, seen, q) - q).length() < 1e-11, "{view:?} {q}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curl_is_that_of_w_itself() {
+        for view in views() {
+            for chart in charts() {
+                let w = |r: DVec3| {
+                    let (q, _) = chart.coordinates(r);
+                    view.wanted(q, r) - chart.ray(q, 99.0).direction
+                };
+                for q in points().step_by(7) {
+                    let f = 0.03 * q.x;
+                    let r = chart.point(q, f);
+                    let h = 1e-4;
+                    let d = |e: DVec3| (w(r + e * h) - w(r - e * h)) / (2.0 * h);
+                    let (dx, dy, dz) = (d(DVec3::X), d(DVec3::Y), d(DVec3::Z));
+                    let curl = DVec3::new(dy.z - dz.y, dz.x - dx.z, dx.y - dy.x);
+                    let exact = w(r).dot(curl) / w(r).length_squared();
+                    let found = view.curl(&chart, q, f);
+                    assert!((found - exact).abs() < 1e-8, "{view:?} {q}: {found} {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curl_vanishes_where_a_mirror_exists() {
+        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let exact = |projection, target| View { projection, target, origin_mm: 3.0, fold: None };
+        let cylinder = Target::Cylinder { radius_mm: 70.0 };
+        for q in points() {
+            let mercator = exact(strip(Law::Mercator), Target::Infinity);
+            assert!(mercator.curl(&chart, q, 0.0).abs() < 1e-16);
+            for target in [Target::Infinity, cylinder] {
+                for chart in charts() {
+                    assert!(exact(ring(), target).curl(&chart, q, 1.0).abs() < 1e-16);
+                }
+            }
+        }
+        let q = DVec2::new(12.0, 9.0);
+        assert!(exact(strip(Law::Cylindrical), cylinder).curl(&chart, q, 0.0).abs() > 1e-5);
+    }
+
+    #[test]
+    fn the_folded_half_sees_the_other_half_turn_upside_down() {
+        let view = &views()[0];
+        let (above, below) = (DVec2::new(-7.0, 20.0), DVec2::new(-7.0, -20.0));
+        let angle = |d: DVec3| atan2(d.x, d.y);
+        let [up, down] = [above, below].map(|q| view.wanted(q, DVec3::ZERO));
+        assert!((wrap_turn(angle(up) + angle(down) - radians(180.0))).abs() < 1e-12);
+        assert_eq!(up.z, down.z);
+    }
+
+    #[test]
+    fn image_points_a_turn_apart_see_the_same() {
+        let (turn, way) = (19.0 * TAU, DVec2::new(0.3, -0.4));
+        for x in [-2.0, -1.0, 0.0, 1.0] {
+            let far = DVec2::new(x * turn, 2.0) + way;
+            assert!((strip(Law::Mercator).apart(far, DVec2::new(0.0, 2.0)) - 0.5).abs() < 1e-13);
+        }
+        assert_eq!(ring().apart(DVec2::new(turn, 0.0), DVec2::ZERO), turn);
+        assert!(strip(Law::Mercator).apart(DVec2::NAN, DVec2::ZERO).is_nan());
+    }
+
+    #[test]
+    fn azimuth_wraps_to_the_nearer_turn() {
+        let strip = Strip { law: Law::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
+        let edge = DVec2::new(10.0 * std::f64::consts::PI - 0.01, 1.0);
+        let beyond = edge + DVec2::new(0.02, 0.0);
+        let back = DVec2::from_array(strip.locate(strip.wanted(beyond.to_array()), edge));
+        assert!((back - beyond).length() < 1e-12);
+    }
+}

@@ -1,0 +1,257 @@
+//! What goes with what: camera, projection, layout and part.
+
+use super::super::reader::Reader;
+use super::super::words::list;
+use super::super::{Camera, RadialLaw, schema};
+use super::projection::{INNER_POLAR, Keys};
+use super::{Parts, layout, projection};
+
+const FULL_TURN: [f64; 2] = [-180.0, 180.0];
+/// An annulus' land is narrower than this share of the part.
+const MOST_LAND: f64 = 0.99;
+
+pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+    if let Some(projection) = &parts.projection {
+        camera_suits(reader, parts, projection);
+        not_best(reader, parts, projection);
+    }
+    if let (Some(projection), Some(layout)) = (&parts.projection, &parts.layout) {
+        if layout_suits(reader, parts, projection, layout) {
+            polar_angles(reader, projection, layout);
+        }
+        fill_frame(reader, projection, layout);
+    }
+    if let Some(layout) = &parts.layout {
+        bare_layout(reader, parts, layout);
+        land(reader, parts, layout);
+        wide_enough(reader, parts, layout);
+    }
+    height(reader, parts);
+}
+
+/// Some laws are made for one kind of camera.
+fn camera_suits(reader: &mut Reader, parts: &Parts, projection: &projection::Found) {
+    let Some(camera) = &parts.camera else { return };
+    let (needed, hint) = match projection.name {
+        "parabolic" => (
+            "orthographic",
+            "a paraboloid gathers parallel rays; for a pinhole use [projection.hyperbolic]",
+        ),
+        "hyperbolic" => (
+            "pinhole",
+            "a hyperboloid has a pinhole at its focus; for parallel rays use \
+             [projection.parabolic]",
+        ),
+        "conical" => ("pinhole", "under parallel rays a cone sees one polar angle only"),
+        _ => return,
+    };
+    if camera.name != needed {
+        let message = format!(
+            "camera must be [camera.{needed}] with [{}], found [camera.{}]",
+            projection.section.path, camera.name
+        );
+        reader.complain(camera.at, message, hint);
+    }
+}
+
+/// The law `best` comes of a design.
+fn not_best(reader: &mut Reader, parts: &Parts, projection: &projection::Found) {
+    let Some(shape) = &parts.shape else { return };
+    if projection.name == "best" && shape.path.starts_with("mirror") {
+        let message = format!(
+            "projection must be a law of known height with [{}], found [projection.best]",
+            shape.path
+        );
+        let hint = "the best law is an outcome of a design; [projection.table] can hold it";
+        reader.complain(projection.section.at, message, hint);
+    }
+}
+
+/// Whether the layout can show the projection.
+fn layout_suits(
+    reader: &mut Reader,
+    parts: &Parts,
+    projection: &projection::Found,
+    layout: &layout::Found,
+) -> bool {
+    let path = &projection.section.path;
+    let given = parts.shape.as_ref().filter(|shape| shape.path.starts_with("mirror"));
+    let (needed, hint) = match &projection.keys {
+        Keys::Radial { law, .. } if law.needs_annulus() => {
+            (&["annulus"][..], "the mirror of this law is not smooth at the centre".to_owned())
+        }
+        Keys::Radial { .. } => {
+            (&["disc", "annulus"][..], format!("laws for a strip are {}", laws(false)))
+        }
+        Keys::Strip { .. } if given.is_some() => (
+            &["strip"][..],
+            "a conquistador is folded out of a designed panel; laws for a disc are radial"
+                .to_owned(),
+        ),
+        Keys::Strip { .. } => (
+            &["strip", "conquistador"][..],
+            format!("laws for a disc or an annulus are {}", laws(true)),
+        ),
+    };
+    if !needed.contains(&layout.name) {
+        let tables: Vec<String> = needed.iter().map(|name| format!("[layout.{name}]")).collect();
+        let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+        let with = match given {
+            Some(given) if !projection.is_radial() => format!("[{path}] and [{}]", given.path),
+            _ => format!("[{path}]"),
+        };
+        let must = list(&tables, "or");
+        let message = format!("layout must be {must} with {with}, found [layout.{}]", layout.name);
+        reader.complain(layout.at, message, &hint);
+        return false;
+    }
+    if let (Keys::Strip { azimuth: Some(azimuth), .. }, "conquistador") =
+        (&projection.keys, layout.name)
+        && azimuth.value != FULL_TURN
+    {
+        let path = projection.section.path_of("azimuth_deg");
+        let [first, last] = azimuth.value;
+        let message = format!(
+            "{path} must be [-180, 180] with [layout.conquistador], found [{first}, {last}]"
+        );
+        let hint = "a conquistador folds a full turn into two panels; for part of a turn use \
+                    [layout.strip]";
+        reader.complain(azimuth.at, message, hint);
+    }
+    true
+}
+
+/// The names of the radial laws or of the others.
+fn laws(radial: bool) -> String {
+    let is_radial =
+        |law: &&str| schema::keys(&format!("projection.{law}")).contains(&"outer_polar_deg");
+    let laws: Vec<&str> =
+        schema::keys("projection").iter().copied().filter(|law| is_radial(law) == radial).collect();
+    list(&laws, "and")
+}
+
+/// An annulus lets laws of two parameters choose the polar angle at its inner rim.
+fn polar_angles(reader: &mut Reader, projection: &projection::Found, layout: &layout::Found) {
+    let Keys::Radial { law, inner, outer } = &projection.keys else { return };
+    let path = projection.section.path_of("inner_polar_deg");
+    if layout.name == "disc" {
+        if let Some(inner) = inner
+            && inner.value != 0.0
+        {
+            let message =
+                format!("{path} must be 0 or left out with [layout.disc], found {}", inner.value);
+            let hint = "a disc looks back along the axis at its centre; [layout.annulus] has an \
+                        inner rim";
+            reader.complain(inner.at, message, hint);
+        }
+    } else if law.has_two_parameters() && !projection.section.has("inner_polar_deg") {
+        let must = match law {
+            RadialLaw::Cylinder => "strictly between 0 and 180",
+            _ => "0 or more and less than 180",
+        };
+        let message = format!("{path} must be {must} with [layout.annulus], found nothing");
+        reader.missing(&projection.section, message, INNER_POLAR);
+    }
+    if let (Some(inner), Some(outer)) = (inner, outer)
+        && inner.value >= outer.value
+    {
+        let message = format!(
+            "{path} must be less than outer_polar_deg = {}, found {}",
+            outer.value, inner.value
+        );
+        let hint = "polar angles grow from the inner rim to the outer one";
+        reader.complain(inner.at, message, hint);
+    }
+}
+
+/// The frame can be filled only where the law leaves the height free.
+fn fill_frame(reader: &mut Reader, projection: &projection::Found, layout: &layout::Found) {
+    let Some(at) = layout.fills else { return };
+    let hint = match projection.name {
+        "table" => "the table fixes the height of the picture",
+        "best" => "the height of the picture is an outcome of the law",
+        _ => return,
+    };
+    let message = format!(
+        "layout.{}.fill_frame must be false with [{}], found true",
+        layout.name, projection.section.path
+    );
+    reader.complain(at, message, hint);
+}
+
+/// Without a projection there is nothing to tile.
+fn bare_layout(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
+    if parts.bare && !layout.is_round() {
+        let message = format!(
+            "layout must be [layout.disc], [layout.annulus] or left out without a projection, \
+             found [layout.{}]",
+            layout.name
+        );
+        let hint = "without a layout the given mirror is a rectangle, part.width_mm by \
+                    part.height_mm";
+        reader.complain(layout.at, message, hint);
+    }
+}
+
+fn land(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
+    let (Some(inner), Some(width)) = (layout.inner, parts.part.width) else { return };
+    if inner.value >= MOST_LAND * width.value {
+        let message = format!(
+            "layout.annulus.inner_width_mm must be less than {MOST_LAND} of part.width_mm = {}, \
+             found {}",
+            width.value, inner.value
+        );
+        let hint = "both are diameters; the mirror is the ring between them";
+        reader.complain(inner.at, message, hint);
+    }
+}
+
+/// A pinhole's frame has its own width at the mirror.
+fn wide_enough(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
+    let camera = parts.camera.as_ref().and_then(|camera| camera.camera);
+    let Some(Camera::Pinhole { pixels, focal_px, distance_mm }) = camera else { return };
+    let (Some(width), Some(_)) = (parts.part.width, layout.fills) else { return };
+    let frame = f64::from(pixels[0]) * distance_mm / focal_px;
+    if width.value >= frame * (1.0 - 1e-9) {
+        return;
+    }
+    // Rounded up, so that the number written down is enough.
+    let enough = (frame * 1e3).ceil() / 1e3;
+    let message = format!(
+        "part.width_mm must be at least {enough} with fill_frame = true, found {}",
+        width.value
+    );
+    let hint = if super::is_size(enough) {
+        format!("the frame is that wide at distance_mm = {distance_mm}; write width_mm = {enough}")
+    } else {
+        "no part is that wide; bring the camera closer".to_owned()
+    };
+    reader.complain(width.at, message, &hint);
+}
+
+/// Only a rectangle has a height of its own.
+fn height(reader: &mut Reader, parts: &Parts) {
+    if parts.rectangle {
+        if let Some(at) = parts.part.lacks_height {
+            let message = format!("part.height_mm must be {}, found nothing", super::SIZE);
+            let hint = "a given mirror without a layout is a rectangle, as in height_mm = 40; \
+                        [layout.disc] makes it round";
+            reader.complain(at, message, hint);
+        }
+        return;
+    }
+    let (Some(height), Some(layout)) = (parts.part.height, &parts.layout) else { return };
+    if parts.bare && !layout.is_round() {
+        return;
+    }
+    let message = format!(
+        "part.height_mm must be left out with [layout.{}], found {}",
+        layout.name, height.value
+    );
+    let hint = if layout.is_round() {
+        "width_mm is the diameter"
+    } else {
+        "the height comes of the projection"
+    };
+    reader.complain(height.at, message, hint);
+}

@@ -1,0 +1,71 @@
+//! The mirror's outline.
+
+use super::super::reader::Need::Required;
+use super::super::reader::{Reader, Section};
+use super::super::values::{Placed, flag, number, word};
+use super::super::{Layout, PanelSource, Ridge};
+use super::{SIZE, is_size, only};
+
+/// A layout, and where its table and keys stand.
+pub(super) struct Found {
+    pub(super) name: &'static str,
+    pub(super) at: usize,
+    pub(super) layout: Option<Layout>,
+    /// Where `fill_frame = true` stands.
+    pub(super) fills: Option<usize>,
+    /// Diameter of an annulus' land.
+    pub(super) inner: Option<Placed<f64>>,
+}
+
+impl Found {
+    pub(super) fn is_round(&self) -> bool {
+        matches!(self.name, "disc" | "annulus")
+    }
+}
+
+pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
+    let hint = "a strip is one panel, a conquistador folds a full turn into two; discs and \
+                annuli are for laws about the axis";
+    let read = reader
+        .alternatives(root, "layout", hint)
+        .into_iter()
+        .map(|(name, section)| one(reader, name, &section))
+        .collect();
+    only(read)
+}
+
+fn one(reader: &mut Reader, name: &'static str, section: &Section) -> Found {
+    let mut found = Found { name, at: section.at, layout: None, fills: None, inner: None };
+    match name {
+        "disc" => found.layout = Some(Layout::Disc),
+        "annulus" => {
+            let hint = "the diameter of the flat land in the middle, as in inner_width_mm = 10";
+            found.inner = number(reader, section, "inner_width_mm", Required, SIZE, hint, is_size);
+            found.layout = found.inner.map(|inner| Layout::Annulus { inner_width_mm: inner.value });
+        }
+        _ => {
+            let fills = flag(reader, section, "fill_frame").filter(|fills| fills.value);
+            found.fills = fills.map(|fills| fills.at);
+            let fill_frame = fills.is_some();
+            found.layout = Some(match name {
+                "strip" => Layout::Strip { fill_frame },
+                _ => conquistador(reader, section, fill_frame),
+            });
+        }
+    }
+    found
+}
+
+fn conquistador(reader: &mut Reader, section: &Section, fill_frame: bool) -> Layout {
+    let panels = [("refit", PanelSource::Refit), ("section", PanelSource::Section)];
+    let hint = "refit solves for the half turn, section cuts the full turn's mirror";
+    let panel = word(reader, section, "panel", &panels, hint);
+    let ridges = [("crest", Ridge::Crest), ("valley", Ridge::Valley)];
+    let hint = "a crest stands out of the part and can be cut; a valley is sunk into it";
+    let ridge = word(reader, section, "ridge", &ridges, hint);
+    Layout::Conquistador {
+        panel: panel.unwrap_or(PanelSource::Refit),
+        ridge: ridge.unwrap_or(Ridge::Crest),
+        fill_frame,
+    }
+}

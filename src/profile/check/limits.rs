@@ -1,0 +1,146 @@
+//! The part, its mesh, the files and the limits of a pass.
+
+use toml::de::DeValue;
+
+use super::super::reader::Need::{Optional, Required};
+use super::super::reader::{Reader, Section};
+use super::super::values::{Placed, number};
+use super::super::words::list;
+use super::super::{Accept, Format, MeshLimits, schema};
+use super::{SIZE, is_size};
+
+/// The part's figures, each with its place.
+#[derive(Default)]
+pub(super) struct Part {
+    pub(super) width: Option<Placed<f64>>,
+    pub(super) base: Option<Placed<f64>>,
+    pub(super) height: Option<Placed<f64>>,
+    /// Where the part stands that has no height.
+    pub(super) lacks_height: Option<usize>,
+}
+
+pub(super) fn part(reader: &mut Reader, root: &Section) -> Part {
+    let Some(section) = reader.section(root, "part", Required) else {
+        return Part::default();
+    };
+    let hint = "the mirror's width in millimetres, as in width_mm = 60";
+    let width = number(reader, &section, "width_mm", Required, SIZE, hint, is_size);
+    let hint = "millimetres of material under the mirror's lowest point, as in base_mm = 5";
+    let base = number(reader, &section, "base_mm", Required, SIZE, hint, is_size);
+    let hint = "the height of a rectangular given mirror in millimetres, as in height_mm = 40";
+    let height = number(reader, &section, "height_mm", Optional, SIZE, hint, is_size);
+    let lacks_height = (!section.has("height_mm")).then_some(section.at);
+    Part { width, base, height, lacks_height }
+}
+
+/// The mesh's limits; without a projection there is nothing to measure pixels by.
+pub(super) fn mesh(reader: &mut Reader, root: &Section, bare: bool) -> Option<MeshLimits> {
+    let section = reader.section(root, "mesh", Required)?;
+    if !bare && !section.has("chord_um") && !section.has("facet_px") {
+        reader.missing(
+            &section,
+            "mesh must hold chord_um, facet_px or both, found neither".to_owned(),
+            "chord_um = 2 keeps facets within 2 micrometres of the mirror; facet_px = 1 keeps \
+             the picture within a pixel",
+        );
+    }
+    let need = if bare { Required } else { Optional };
+    let must = "a number from 0.0001 to 1000000";
+    let hint = "the height of a facet off the mirror in micrometres, as in chord_um = 2";
+    let chord =
+        number(reader, &section, "chord_um", need, must, hint, |f| (1e-4..=1e6).contains(&f));
+    let must = "a number from 0.001 to 1000";
+    let hint = "the pixel error that a flat facet may cause, as in facet_px = 1";
+    let facet =
+        number(reader, &section, "facet_px", Optional, must, hint, |f| (1e-3..=1e3).contains(&f));
+    if bare {
+        needs_projection(reader, "mesh.facet_px", facet, "chord_um alone sets the facets");
+    }
+    Some(MeshLimits { chord_um: chord.map(|f| f.value), facet_px: facet.map(|f| f.value) })
+}
+
+pub(super) fn formats(reader: &mut Reader, root: &Section) -> Option<Vec<Format>> {
+    let section = reader.section(root, "export", Required)?;
+    let path = section.path_of("formats");
+    let known = Format::ALL;
+    let names = known.map(Format::name);
+    let quoted = names.map(|name| format!("\"{name}\""));
+    let quoted = list(&quoted.each_ref().map(String::as_str), "or");
+    let must = format!("a list of one or more of {quoted}");
+    let hint = "as in formats = [\"stl\", \"obj\"]";
+    let value = reader.value(&section, "formats", Required, &must, hint)?;
+    let items = match value.get_ref() {
+        DeValue::Array(items) if !items.is_empty() => items,
+        DeValue::Array(_) => {
+            let message = format!("{path} must be {must}, found an empty list");
+            reader.complain(value.span().start, message, hint);
+            return None;
+        }
+        _ => {
+            let message = format!("{path} must be {must}, found {}", reader.quote_type(value));
+            reader.complain(value.span().start, message, hint);
+            return None;
+        }
+    };
+    let mut formats = Vec::new();
+    for item in items {
+        let at = item.span().start;
+        let name = item.get_ref().as_str();
+        match known.iter().find(|format| Some(format.name()) == name) {
+            Some(format) if formats.contains(format) => {
+                let message =
+                    format!("{path} must name each format once, found \"{format}\" again");
+                reader.complain(at, message, "remove the second one");
+            }
+            Some(format) => formats.push(*format),
+            None => {
+                let message = match name {
+                    Some(_) => format!("{path} must name {quoted}, found {}", reader.quote(item)),
+                    None => format!("{path} must name {quoted}, found {}", reader.quote_type(item)),
+                };
+                let meant = name.and_then(|name| schema::nearest(name, &names));
+                let meant = meant.map(|meant| format!("did you mean \"{meant}\"?"));
+                reader.complain(at, message, meant.as_deref().unwrap_or(hint));
+            }
+        }
+    }
+    Some(formats)
+}
+
+/// The limits of a pass; without a projection there are none.
+pub(super) fn accept(reader: &mut Reader, root: &Section, bare: bool) -> Option<Accept> {
+    let Some(section) = reader.section(root, "accept", Optional) else {
+        return Some(Accept::default());
+    };
+    let must = "a number, 0 or more";
+    let hint = "an error limit in pixels, as in 2.5";
+    let mut pixels = |key| number(reader, &section, key, Optional, must, hint, |f| f >= 0.0);
+    let rms = pixels("pixel_error_rms_px");
+    let max = pixels("pixel_error_max_px");
+    let must = "a number from 0 to 1";
+    let hint = "a share of the frame, not a percentage: 0.999 is 99.9 %";
+    let filled = number(reader, &section, "frame_filled", Optional, must, hint, |f| {
+        (0.0..=1.0).contains(&f)
+    });
+    if bare {
+        let keys = ["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"];
+        for (key, limit) in keys.into_iter().zip([rms, max, filled]) {
+            let path = section.path_of(key);
+            needs_projection(reader, &path, limit, "without one a pixel has nothing to see");
+        }
+    }
+    Some(Accept {
+        pixel_error_rms_px: rms.map(|f| f.value),
+        pixel_error_max_px: max.map(|f| f.value),
+        frame_filled: filled.map(|f| f.value),
+    })
+}
+
+fn needs_projection(reader: &mut Reader, path: &str, limit: Option<Placed<f64>>, why: &str) {
+    if let Some(limit) = limit {
+        let message =
+            format!("{path} must be left out without a projection, found {}", limit.value);
+        let hint = format!("errors in pixels are measured against a projection; {why}");
+        reader.complain(limit.at, message, &hint);
+    }
+}

@@ -1,0 +1,129 @@
+//! The rules of a profile: which values each key may take, and what goes with what.
+
+mod camera;
+mod fits;
+mod layout;
+mod limits;
+mod mirror;
+mod projection;
+mod reach;
+mod target;
+
+use sha2::{Digest, Sha256};
+use toml::de::{DeTable, DeValue};
+
+use super::reader::Need::Optional;
+use super::reader::{Reader, Section};
+use super::{Layout, Part, Profile};
+
+const SIZE: &str = "a number from 0.001 to 1000000";
+const LARGE: &str = "from 0.001 to 1e12";
+const SIGNED: &str = "a number from 0.001 to 1e12 or from -1e12 to -0.001";
+
+fn is_size(f: f64) -> bool {
+    (1e-3..=1e6).contains(&f)
+}
+
+fn is_large(f: f64) -> bool {
+    (1e-3..=1e12).contains(&f)
+}
+
+fn is_signed(f: f64) -> bool {
+    is_large(f.abs())
+}
+
+/// What was read of the parts that must fit each other. An absent one is missing or wrong, and
+/// has its complaint.
+struct Parts<'t> {
+    camera: Option<camera::Found>,
+    projection: Option<projection::Found<'t>>,
+    layout: Option<layout::Found>,
+    shape: Option<mirror::Found>,
+    part: limits::Part,
+    /// The mirror is given and there is no projection.
+    bare: bool,
+    /// Neither is there a layout.
+    rectangle: bool,
+}
+
+/// Reads the whole tree; `None` if there is anything to complain of.
+pub(super) fn profile(
+    reader: &mut Reader,
+    tree: &DeTable,
+    name: &str,
+    bytes: &[u8],
+) -> Option<Profile> {
+    if tree.is_empty() && reader.is_clean() {
+        let message = "the file must hold a profile, found nothing in it".to_owned();
+        let hint = "`morion profiles --show conquistador` prints one to start from";
+        reader.complain(0, message, hint);
+        return None;
+    }
+    let root = reader.root(tree);
+    let given = root.has("mirror") && !root.has("method") && !reader.is_torn();
+    let bare = given && !root.has("projection");
+    let rectangle = bare && !root.has("layout");
+    let summary = summary(reader, &root);
+    let parts = Parts {
+        camera: camera::read(reader, &root),
+        projection: if bare { None } else { projection::read(reader, &root) },
+        layout: if rectangle { None } else { layout::read(reader, &root) },
+        shape: mirror::read(reader, &root),
+        part: limits::part(reader, &root),
+        bare,
+        rectangle,
+    };
+    let mesh = limits::mesh(reader, &root, bare);
+    let formats = limits::formats(reader, &root);
+    let accept = limits::accept(reader, &root, bare);
+    fits::check(reader, &parts);
+    target::check(reader, &parts);
+    reach::check(reader, &parts);
+    if !reader.is_clean() {
+        return None;
+    }
+    let Parts { camera, projection, layout, shape, part, .. } = parts;
+    let layout = match part.height {
+        Some(height) if rectangle => Layout::Rectangle { height_mm: height.value },
+        _ => layout?.layout?,
+    };
+    Some(Profile {
+        name: name.to_owned(),
+        sha256: hex(&Sha256::digest(bytes)),
+        summary: summary.unwrap_or_default(),
+        camera: camera?.camera?,
+        projection: match projection {
+            Some(found) => Some(found.finish(layout == Layout::Disc)?),
+            None => None,
+        },
+        layout,
+        shape: shape?.shape?,
+        part: Part { width_mm: part.width?.value, base_mm: part.base?.value },
+        mesh: mesh?,
+        formats: formats?,
+        accept: accept?,
+    })
+}
+
+fn summary(reader: &mut Reader, root: &Section) -> Option<String> {
+    let hint = "what the mirror is for, in quotes";
+    let value = reader.value(root, "summary", Optional, "text", hint)?;
+    match value.get_ref() {
+        DeValue::String(text) => Some(text.to_string()),
+        _ => {
+            let found = reader.quote_type(value);
+            let message = format!("summary must be text, found {found}");
+            reader.complain(value.span().start, message, hint);
+            None
+        }
+    }
+}
+
+fn only<T>(mut several: Vec<T>) -> Option<T> {
+    let last = several.pop();
+    last.filter(|_| several.is_empty())
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

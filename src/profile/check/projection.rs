@@ -1,0 +1,272 @@
+//! The projection's own keys; what it needs of camera, layout and part is in `fits` and `reach`.
+
+use super::super::reader::Need::{Optional, Required};
+use super::super::reader::{Reader, Section};
+use super::super::values::{Pair, Placed, Rows, number, pair, rows, within};
+use super::super::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
+use super::{LARGE, SIGNED, is_large, is_signed, only};
+
+/// A projection's figures, each with its place.
+pub(super) struct Found<'t> {
+    pub(super) name: &'static str,
+    pub(super) section: Section<'t>,
+    pub(super) keys: Keys,
+    pub(super) radius: Option<Placed<f64>>,
+    pub(super) plane: Option<Placed<f64>>,
+}
+
+/// The keys that differ between strip laws and radial laws.
+pub(super) enum Keys {
+    Strip {
+        law: Option<StripLaw>,
+        azimuth: Option<Placed<[f64; 2]>>,
+        /// Lowest and highest.
+        elevation: Option<Placed<[f64; 2]>>,
+    },
+    Radial {
+        law: RadialLaw,
+        inner: Option<Placed<f64>>,
+        outer: Option<Placed<f64>>,
+    },
+}
+
+enum Law {
+    Strip(StripLaw),
+    Radial(RadialLaw),
+}
+
+fn law(name: &str) -> Law {
+    match name {
+        "mercator" => Law::Strip(StripLaw::Mercator),
+        "equirectangular" => Law::Strip(StripLaw::Equirectangular),
+        "equal-area" => Law::Strip(StripLaw::EqualArea),
+        "best" => Law::Strip(StripLaw::Best),
+        "table" => Law::Strip(StripLaw::Table(Vec::new())),
+        "parabolic" => Law::Radial(RadialLaw::Parabolic),
+        "hyperbolic" => Law::Radial(RadialLaw::Hyperbolic),
+        "conical" => Law::Radial(RadialLaw::Conical),
+        "equiangular" => Law::Radial(RadialLaw::Equiangular),
+        "tangent-proportional" => Law::Radial(RadialLaw::TangentProportional),
+        "area-proportional" => Law::Radial(RadialLaw::AreaProportional),
+        "plane" => Law::Radial(RadialLaw::Plane),
+        "equi-areal" => Law::Radial(RadialLaw::EquiAreal),
+        "cylinder" => Law::Radial(RadialLaw::Cylinder),
+        _ => Law::Strip(StripLaw::Cylindrical),
+    }
+}
+
+pub(super) fn read<'t>(reader: &mut Reader, root: &Section<'t>) -> Option<Found<'t>> {
+    let hint = "[projection.cylindrical] is the paper's law; with [projection.mercator] an exact \
+                mirror exists";
+    let read = reader
+        .alternatives(root, "projection", hint)
+        .into_iter()
+        .map(|(name, section)| one(reader, name, section))
+        .collect();
+    only(read)
+}
+
+fn one<'t>(reader: &mut Reader, name: &'static str, section: Section<'t>) -> Found<'t> {
+    let keys = match law(name) {
+        Law::Strip(StripLaw::Table(_)) => {
+            let azimuth = azimuth(reader, &section);
+            let table = table(reader, &section);
+            let elevation = table.as_ref().map(|table| {
+                let ends = [table.value.last(), table.value.first()];
+                Placed { value: ends.map(|end| end.map_or(0.0, |end| end[1])), at: table.at }
+            });
+            let law = table.map(|table| StripLaw::Table(table.value));
+            Keys::Strip { law, azimuth, elevation }
+        }
+        Law::Strip(law) => {
+            let azimuth = azimuth(reader, &section);
+            let elevation = elevation(reader, &section, name);
+            Keys::Strip { law: Some(law), azimuth, elevation }
+        }
+        Law::Radial(law) => {
+            let inner = inner_polar(reader, &section, law);
+            let outer = outer_polar(reader, &section, law);
+            Keys::Radial { law, inner, outer }
+        }
+    };
+    let must = &format!("a number {LARGE}");
+    let hint = "the radius of the cylinder that the picture shows, in millimetres";
+    let radius = number(reader, &section, "target_radius_mm", Optional, must, hint, is_large);
+    let hint = "the height of the plane that the picture shows, in millimetres; above 0 it is \
+                on the camera's side";
+    let plane = number(reader, &section, "target_plane_mm", Optional, SIGNED, hint, is_signed);
+    if let (Some(radius), Some(plane)) = (radius, plane) {
+        let path = &section.path;
+        let message = format!("{path} must hold at most one target, found both of them");
+        let hint = "target_radius_mm is a cylinder, target_plane_mm a plane; remove one of them";
+        reader.complain(radius.at.max(plane.at), message, hint);
+    }
+    Found { name, section, keys, radius, plane }
+}
+
+fn azimuth(reader: &mut Reader, section: &Section) -> Option<Placed<[f64; 2]>> {
+    let form = "a full turn is azimuth_deg = [-180, 180]";
+    let azimuth = Pair {
+        key: "azimuth_deg",
+        parts: "[first, last]",
+        each: "from -360 to 360",
+        form,
+        limit: form,
+    };
+    let range = pair(reader, section, &azimuth, |f| (-360.0..=360.0).contains(&f))?;
+    let path = section.path_of("azimuth_deg");
+    rising(reader, &path, &range)?;
+    let span = range.value[1] - range.value[0];
+    if span > 360.0 {
+        let message = format!("{path} must span at most 360 degrees, found {span}");
+        let hint = "a panorama shows each direction once; a full turn is [-180, 180]";
+        reader.complain(range.at, message, hint);
+        return None;
+    }
+    Some(range)
+}
+
+fn elevation(reader: &mut Reader, section: &Section, name: &str) -> Option<Placed<[f64; 2]>> {
+    let limit = match name {
+        "cylindrical" | "mercator" => {
+            format!("the {name} law reaches the pole only at infinity; use 89 or less, -89 or more")
+        }
+        _ => POLE.to_owned(),
+    };
+    let elevation = Pair {
+        key: "elevation_deg",
+        parts: "[lowest, highest]",
+        each: "strictly between -90 and 90",
+        form: "degrees above the horizon, as in elevation_deg = [-30, 30]",
+        limit: &limit,
+    };
+    let range = pair(reader, section, &elevation, below_the_pole)?;
+    rising(reader, &section.path_of("elevation_deg"), &range)?;
+    Some(range)
+}
+
+const POLE: &str = "at the pole all azimuths are one direction; use 89 or less, -89 or more";
+
+fn below_the_pole(degrees: f64) -> bool {
+    -90.0 < degrees && degrees < 90.0
+}
+
+fn rising(reader: &mut Reader, path: &str, range: &Placed<[f64; 2]>) -> Option<()> {
+    let [low, high] = range.value;
+    if low < high {
+        return Some(());
+    }
+    let message = format!("{path} must rise from first to last, found [{low}, {high}]");
+    let hint = if low > high {
+        format!("swap them: [{high}, {low}]")
+    } else {
+        "the two ends are the same, so the picture would be empty".to_owned()
+    };
+    reader.complain(range.at, message, &hint);
+    None
+}
+
+/// Rows of the picture and their elevations.
+fn table(reader: &mut Reader, section: &Section) -> Option<Placed<Vec<[f64; 2]>>> {
+    let list = Rows {
+        key: "elevation_deg",
+        need: Required,
+        entry: "[row, degrees]",
+        count: [2, 1000],
+        hint: "rows run down the picture, as in elevation_deg = [[0, 30], [240, 0], [480, -30]]",
+    };
+    let path = section.path_of(list.key);
+    let entries = rows::<2>(reader, section, &list)?;
+    let mut table: Vec<[f64; 2]> = Vec::with_capacity(entries.value.len());
+    for entry in entries.value {
+        let [row, degrees] = entry.value;
+        let rows = format!("the rows in {path}");
+        let must = "from -1000000 to 1000000";
+        let row = within(reader, &rows, row, must, list.hint, |f| f.abs() <= 1e6);
+        let elevations = format!("the degrees in {path}");
+        let must = "strictly between -90 and 90";
+        let degrees = within(reader, &elevations, degrees, must, POLE, below_the_pole);
+        let (row, degrees) = (row?, degrees?);
+        if let Some([above, higher]) = table.last() {
+            let wrong = if row <= *above {
+                Some(format!("rows that rise from entry to entry, found {row} after {above}"))
+            } else if degrees >= *higher {
+                Some(format!("degrees that fall down the rows, found {degrees} after {higher}"))
+            } else {
+                None
+            };
+            if let Some(wrong) = wrong {
+                reader.complain(entry.at, format!("{path} must have {wrong}"), list.hint);
+                return None;
+            }
+        }
+        table.push([row, degrees]);
+    }
+    Some(Placed { value: table, at: entries.at })
+}
+
+fn inner_polar(reader: &mut Reader, section: &Section, law: RadialLaw) -> Option<Placed<f64>> {
+    if !law.has_two_parameters() {
+        return None;
+    }
+    let hint = INNER_POLAR;
+    let need = Optional;
+    if law == RadialLaw::Cylinder {
+        let must = "strictly between 0 and 180";
+        let inside = |f| 0.0 < f && f < 180.0;
+        return number(reader, section, "inner_polar_deg", need, must, hint, inside);
+    }
+    let must = "0 or more and less than 180";
+    number(reader, section, "inner_polar_deg", need, must, hint, |f| (0.0..180.0).contains(&f))
+}
+
+/// What the polar angle at the inner rim is.
+pub(super) const INNER_POLAR: &str =
+    "the angle between the axis towards the camera and what the inner rim shows";
+
+fn outer_polar(reader: &mut Reader, section: &Section, law: RadialLaw) -> Option<Placed<f64>> {
+    let (must, most, hint) = match law {
+        RadialLaw::Plane => (
+            "strictly between 0 and 90",
+            90.0,
+            "the plane is on the camera's side, and at 90 degrees it is infinitely far out",
+        ),
+        _ => (
+            "strictly between 0 and 180",
+            180.0,
+            "the angle between the axis towards the camera and what the outer rim shows; 90 is \
+             the horizon",
+        ),
+    };
+    let inside = |f| 0.0 < f && f < most;
+    number(reader, section, "outer_polar_deg", Required, must, hint, inside)
+}
+
+impl Found<'_> {
+    pub(super) fn is_radial(&self) -> bool {
+        matches!(self.keys, Keys::Radial { .. })
+    }
+
+    /// The projection, if every figure of it is there; a disc has no inner rim.
+    pub(super) fn finish(self, disc: bool) -> Option<Projection> {
+        let target = match (self.radius, self.plane) {
+            (Some(radius), _) => Target::Cylinder { radius_mm: radius.value },
+            (None, Some(plane)) => Target::Plane { height_mm: plane.value },
+            (None, None) => Target::Infinity,
+        };
+        Some(match self.keys {
+            Keys::Strip { law, azimuth, elevation } => Projection::Strip(StripProjection {
+                law: law?,
+                azimuth_deg: azimuth?.value,
+                elevation_deg: elevation?.value,
+                target,
+            }),
+            Keys::Radial { law, inner, outer } => Projection::Radial(RadialProjection {
+                law,
+                inner_polar_deg: inner.filter(|_| !disc).map(|inner| inner.value),
+                outer_polar_deg: outer?.value,
+                target,
+            }),
+        })
+    }
+}

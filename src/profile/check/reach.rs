@@ -1,0 +1,109 @@
+//! Whether a given conic reaches the mirror's outline.
+
+use super::super::reader::Reader;
+use super::super::{Camera, StripLaw};
+use super::Parts;
+use super::projection::Keys;
+
+/// A conic ends where its slope is upright, `|R| / sqrt(1 + k)` from the axis.
+pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+    let Some(shape) = &parts.shape else { return };
+    let (Some(conic), Some(reach)) = (shape.conic, outline(parts)) else { return };
+    let (radius, k) = (conic.value.radius_mm, conic.value.conic);
+    if (1.0 + k) * (reach / radius) * (reach / radius) < 1.0 {
+        return;
+    }
+    let end = radius.abs() / f64::sqrt(1.0 + k);
+    let message = format!(
+        "{}.radius_mm must make a conic that reaches the outline, {reach:.3} mm from the axis, \
+         found {radius}, with which it ends at {end:.3} mm",
+        shape.path
+    );
+    let hint = "take a larger radius, a conic closer to -1 or a smaller part";
+    reader.complain(conic.at, message, hint);
+}
+
+/// How far the outline's farthest point is from the axis, in millimetres.
+fn outline(parts: &Parts) -> Option<f64> {
+    let width = parts.part.width?.value;
+    let height = if parts.rectangle {
+        parts.part.height?.value
+    } else if parts.layout.as_ref()?.is_round() {
+        0.0
+    } else {
+        strip_height(parts, width)?
+    };
+    Some(0.5 * f64::sqrt(width * width + height * height))
+}
+
+/// The height in millimetres of a strip that the frame or the law makes.
+fn strip_height(parts: &Parts, width: f64) -> Option<f64> {
+    let camera = parts.camera.as_ref()?.camera?;
+    let pixels = camera.pixels().map(f64::from);
+    let pixel_mm = match camera {
+        Camera::Orthographic { .. } => width / pixels[0],
+        Camera::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
+    };
+    if parts.layout.as_ref()?.fills.is_some() {
+        return Some(pixels[1] * pixel_mm);
+    }
+    let Keys::Strip { law, azimuth, elevation } = &parts.projection.as_ref()?.keys else {
+        return None;
+    };
+    let azimuth = azimuth.as_ref()?.value;
+    let [low, high] = elevation.as_ref()?.value.map(f64::to_radians);
+    let z = |law: fn(f64) -> f64| law(high) - law(low);
+    let height = match law.as_ref()? {
+        StripLaw::Cylindrical => z(libm::tan),
+        StripLaw::Mercator => z(|e| libm::asinh(libm::tan(e))),
+        StripLaw::Equirectangular => high - low,
+        StripLaw::EqualArea => z(libm::sin),
+        StripLaw::Best => return None,
+        StripLaw::Table(rows) => return Some((rows.last()?[0] - rows.first()?[0]) * pixel_mm),
+    };
+    Some(height * width / (azimuth[1] - azimuth[0]).to_radians())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::Profile;
+
+    /// The complaint about a dome of this radius, if there is one.
+    fn found(radius: f64, rest: &str) -> Option<String> {
+        let text = format!(
+            "camera.orthographic.pixels = [640, 480]\nmirror.polynomial.radius_mm = {radius}\n\
+             mesh.chord_um = 2\nexport.formats = [\"stl\"]\n{rest}"
+        );
+        let complaints = Profile::parse("p", "p.toml", text.as_bytes()).err()?;
+        Some(complaints.0.iter().map(|c| c.message.clone()).collect())
+    }
+
+    /// Each outline is just inside a dome a little larger and just outside one a little smaller.
+    #[test]
+    fn a_dome_covers_the_outline_or_is_refused() {
+        let strip = |law: &str, fill: bool| {
+            format!(
+                "part = {{ width_mm = 60, base_mm = 5 }}\nlayout.strip.fill_frame = {fill}\n\
+                 projection.{law} = {{ azimuth_deg = [-90, 90], elevation_deg = [-30, 30] }}"
+            )
+        };
+        let diagonal = |height: f64| 0.5 * f64::sqrt(3600.0 + height * height);
+        let scale = 60.0 / std::f64::consts::PI;
+        let rows = "[[0, 30], [160, 0], [320, -9]]";
+        let table = strip("table", false).replace("[-30, 30]", rows);
+        for (reach, rest) in [
+            (50.0, "part = { width_mm = 80, height_mm = 60, base_mm = 5 }".to_owned()),
+            (40.0, "part = { width_mm = 80, base_mm = 5 }\nlayout.disc = {}".to_owned()),
+            (diagonal(45.0), strip("cylindrical", true)),
+            (diagonal(scale * 2.0 / f64::sqrt(3.0)), strip("cylindrical", false)),
+            (diagonal(scale * libm::log(3.0)), strip("mercator", false)),
+            (diagonal(20.0), strip("equirectangular", false)),
+            (diagonal(scale), strip("equal-area", false)),
+            (diagonal(30.0), table),
+        ] {
+            assert_eq!(found(-1.0001 * reach, &rest), None, "{rest}");
+            let refused = found(-0.9999 * reach, &rest).expect("too small a dome");
+            assert!(refused.contains(&format!("{reach:.3} mm from the axis")), "{refused}");
+        }
+    }
+}

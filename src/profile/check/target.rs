@@ -1,0 +1,142 @@
+//! Whether the directions that the picture shows meet the target.
+
+use super::super::RadialLaw;
+use super::super::reader::Reader;
+use super::super::values::Placed;
+use super::projection::{Found, Keys};
+use super::{Parts, layout};
+
+pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+    let Some(projection) = &parts.projection else { return };
+    if let Some(radius) = projection.radius {
+        cylinder(reader, parts, projection, radius);
+    }
+    let Some(plane) = projection.plane else { return };
+    match &projection.keys {
+        Keys::Strip { elevation, .. } => {
+            if let Some(elevation) = elevation {
+                elevations_meet(reader, projection, plane, elevation);
+            }
+        }
+        Keys::Radial { law, inner, outer } => {
+            if let Some(outer) = outer {
+                let ends = (inner.as_ref(), outer);
+                polar_angles_meet(reader, parts, projection, plane, *law, ends);
+            }
+        }
+    }
+}
+
+fn cylinder(reader: &mut Reader, parts: &Parts, projection: &Found, radius: Placed<f64>) {
+    let path = projection.section.path_of("target_radius_mm");
+    if let Some(width) = parts.part.width
+        && radius.value <= 0.5 * width.value
+    {
+        let message = format!(
+            "{path} must be more than half of part.width_mm = {}, found {}",
+            width.value, radius.value
+        );
+        reader.complain(radius.at, message, "the mirror stands inside the cylinder");
+    }
+    let Keys::Radial { law, inner, .. } = &projection.keys else { return };
+    let on = |name| parts.layout.as_ref().is_some_and(|layout| layout.name == name);
+    let hint = "what lies along the axis never meets a cylinder about it";
+    if on("disc") && !law.needs_annulus() {
+        let message = format!("{path} must be left out with [layout.disc], found {}", radius.value);
+        reader.complain(radius.at, message, &format!("{hint}; [layout.annulus] leaves it out"));
+    }
+    if let Some(inner) = inner
+        && on("annulus")
+        && inner.value == 0.0
+    {
+        let path = projection.section.path_of("inner_polar_deg");
+        let message =
+            format!("{path} must be more than 0 with target_radius_mm = {}, found 0", radius.value);
+        reader.complain(inner.at, message, hint);
+    }
+}
+
+const CAMERA_SIDE: &str = "this plane is on the camera's side";
+const FAR_SIDE: &str = "this plane is behind the mirror, seen from the camera";
+
+fn elevations_meet(
+    reader: &mut Reader,
+    projection: &Found,
+    plane: Placed<f64>,
+    elevation: &Placed<[f64; 2]>,
+) {
+    let [low, high] = elevation.value;
+    let (meets, side, why) = match plane.value > 0.0 {
+        true => (low > 0.0, "above", CAMERA_SIDE),
+        false => (high < 0.0, "below", FAR_SIDE),
+    };
+    if !meets {
+        let path = projection.section.path_of("elevation_deg");
+        let message = format!(
+            "{path} must stay {side} 0 with target_plane_mm = {}, found {low} to {high}",
+            plane.value
+        );
+        let hint = format!("{why}; target_radius_mm is a cylinder, which every elevation meets");
+        reader.complain(elevation.at, message, &hint);
+    }
+}
+
+fn polar_angles_meet(
+    reader: &mut Reader,
+    parts: &Parts,
+    projection: &Found,
+    plane: Placed<f64>,
+    law: RadialLaw,
+    (inner, outer): (Option<&Placed<f64>>, &Placed<f64>),
+) {
+    let path = |key| projection.section.path_of(key);
+    let height = plane.value;
+    if height > 0.0 {
+        if outer.value >= 90.0 {
+            let key = path("outer_polar_deg");
+            let found = outer.value;
+            let message = format!(
+                "{key} must be less than 90 with target_plane_mm = {height}, found {found}"
+            );
+            reader.complain(outer.at, message, CAMERA_SIDE);
+        }
+        return;
+    }
+    if law == RadialLaw::Plane {
+        let key = path("target_plane_mm");
+        let message = format!("{key} must be more than 0, found {height}");
+        let hint = "this law shows a plane on the camera's side";
+        return reader.complain(plane.at, message, hint);
+    }
+    // A disc that this law cannot have is complained of already.
+    if parts.layout.as_ref().is_some_and(|layout| layout.name == "disc") && !law.needs_annulus() {
+        let key = path("target_plane_mm");
+        let message = format!("{key} must be more than 0 with [layout.disc], found {height}");
+        let hint = "a disc looks back along the axis at its centre; use [layout.annulus] for a \
+                    plane behind the mirror";
+        return reader.complain(plane.at, message, hint);
+    }
+    let (key, end) = match inner {
+        Some(inner) => ("inner_polar_deg", inner),
+        None => ("outer_polar_deg", outer),
+    };
+    let must = format!("{} must be more than 90 with target_plane_mm = {height}", path(key));
+    if end.value <= 90.0 {
+        reader.complain(end.at, format!("{must}, found {}", end.value), FAR_SIDE);
+    } else if law == RadialLaw::Parabolic
+        && let Some(least) = parabolic_inner(parts, outer.value)
+        && least <= 90.0
+    {
+        let must = format!("{must} at the inner rim too");
+        let message = format!("{must}, found {}, which makes it {least:.3} there", outer.value);
+        reader.complain(outer.at, message, FAR_SIDE);
+    }
+}
+
+/// The polar angle at the inner rim of a paraboloid, in degrees.
+fn parabolic_inner(parts: &Parts, outer_deg: f64) -> Option<f64> {
+    let inner = parts.layout.as_ref().and_then(|layout: &layout::Found| layout.inner)?;
+    let share = inner.value / parts.part.width?.value;
+    let half = libm::tan((0.5 * outer_deg).to_radians());
+    Some(2.0 * libm::atan(share * half).to_degrees())
+}
