@@ -277,6 +277,7 @@ impl Search<'_> {
     }
 }
 
+/// The sum of the products of as many terms as both have.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

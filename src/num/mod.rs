@@ -13,10 +13,10 @@ pub mod jet;
 pub mod least_squares;
 pub mod legendre;
 pub mod monotone;
+mod pieces;
 pub mod quadrature;
 mod scalar;
 pub mod special;
-pub mod spline;
 pub mod stats;
 pub mod streaming_qr;
 
@@ -26,7 +26,6 @@ pub use interval::Interval;
 pub use jet::Jet2;
 pub use monotone::{Inverse, MonotoneCubic};
 pub use scalar::{Base, Curve, Scalar};
-pub use spline::CubicSpline;
 
 /// Arguments to test with, the same every time.
 #[cfg(test)]

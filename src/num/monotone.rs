@@ -1,8 +1,8 @@
 //! The curve through rising or falling points that rises or falls with them, and its inverse.
 
 use super::interval::Interval;
+use super::pieces::{Pieces, chords, cubic, fit_to_use, hulls};
 use super::scalar::{Curve, Scalar};
-use super::spline::{Pieces, chords, cubic, fit_to_use, hulls};
 
 /// A knot's slope is at most this many times either chord's. Up to 3 the piece is monotone; with
 /// less, its least slope is above 0.
@@ -175,8 +175,8 @@ impl Curve for Inverse<'_> {
 mod tests {
     use super::*;
     use crate::num::exp;
+    use crate::num::pieces::tests::{error, holds, knots};
     use crate::num::sample::Draws;
-    use crate::num::spline::tests::{error, holds, knots};
 
     #[test]
     fn monotone_curves_are_and_their_inverses_undo_them() {

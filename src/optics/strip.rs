@@ -2,7 +2,7 @@
 
 use super::Law;
 use crate::geom::DVec2;
-use crate::num::{Scalar, cos, sin, wrap_turn};
+use crate::num::{Scalar, cos, sin};
 
 /// A strip of the world unrolled in the image.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,12 +37,5 @@ impl Strip {
         let length = (sigma[0].square() + sigma[1].square()).sqrt();
         let z = self.law.coordinate(length);
         [turn * self.scale_mm + near.x, (z - self.z) * self.scale_mm]
-    }
-
-    /// (azimuth, law coordinate) of an image point; azimuth in radians within half a turn.
-    #[must_use]
-    pub fn paper(&self, q: DVec2) -> DVec2 {
-        let p = DVec2::new(self.azimuth, self.z) + q / self.scale_mm;
-        DVec2::new(wrap_turn(p.x), p.y)
     }
 }

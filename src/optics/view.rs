@@ -118,14 +118,6 @@ pub struct View {
 }
 
 impl View {
-    /// The slope (Z_X, Z_Y) of a mirror through `at` that shows image point `q` of the designed
-    /// panel what it must see, for the camera of `chart` (paper, section 3.2: the normal is along
-    /// W).
-    #[inline]
-    pub fn slope<S: Scalar>(&self, chart: &Chart, q: [S; 2], at: [S; 3]) -> [S; 2] {
-        stereo::slope_between(stereo::towards_camera(chart.view(at)), self.aim(q, at))
-    }
-
     /// The direction that image point `q` of the designed panel must see from the mirror point
     /// `at`, as a stereographic coordinate.
     #[inline]
@@ -264,8 +256,6 @@ mod tests {
                     let at = chart.point(q, f);
                     let s = view.field(&chart, q.to_array(), f);
                     let p = chart.slope(q.to_array(), s);
-                    let direct = view.slope(&chart, q.to_array(), at.to_array());
-                    assert!((p[0] - direct[0]).abs() + (p[1] - direct[1]).abs() < 1e-12);
                     // By vectors.
                     let normal = DVec3::new(-p[0], -p[1], 1.0);
                     let seen = reflect(chart.ray(q, 99.0).direction, normal);

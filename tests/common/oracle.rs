@@ -104,6 +104,14 @@ pub fn parse(text: &str) -> Profile {
         .unwrap_or_else(|complaints| panic!("{complaints}\n{text}"))
 }
 
+/// The shipped round mirrors.
+pub fn round() -> impl Iterator<Item = &'static str> {
+    let names = morion::profile::shipped().iter().map(|profile| profile.name);
+    names.filter(|name| {
+        matches!(parse(&shipped(name)).projection, Some(morion::profile::Projection::Radial(_)))
+    })
+}
+
 /// A shipped profile's text.
 pub fn shipped(name: &str) -> String {
     let path = format!("{}/profiles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
