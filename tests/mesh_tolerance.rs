@@ -6,10 +6,10 @@
 mod support;
 
 use morion::design::Design;
-use morion::geom::{DVec2, DVec3, Outline, Rect, TriMesh, turn};
+use morion::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
 use morion::mesh::{Bound, Face, Limits, Prover};
 use morion::profile::{MeshLimits, Profile};
-use morion::solid::{Precision, Solid};
+use morion::solid::Solid;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use support::{designed, limits, meshed, profile, sag, shipped};
@@ -74,7 +74,8 @@ fn rounded(corner: DVec3) -> DVec3 {
 /// Samples every facet of the designed panel coarsely and an even choice of them densely, as
 /// designed and as single precision leaves it; each must keep its own bound.
 fn largest_errors(design: &Design, face: &Face) -> Sampled {
-    let prover = Prover::new(&design.mirror, &design.camera.chart, design.view.as_ref());
+    let prover =
+        Prover::new(&design.mirror, &design.camera.chart, design.view.as_ref(), Precision::Single);
     let (coarse, dense) = (weights(2), weights(9));
     let stride = face.designed.div_ceil(DENSE);
     let facet = |t: usize| {

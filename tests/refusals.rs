@@ -3,9 +3,10 @@
 mod support;
 
 use morion::design::design;
+use morion::geom::Precision;
 use morion::mesh::{Face, MeshError};
 use morion::profile::{MeshLimits, Profile};
-use morion::solid::{Precision, Solid};
+use morion::solid::Solid;
 use support::{designed, limits, meshed, profile, shipped};
 
 fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64>) -> Profile {

@@ -3,9 +3,9 @@
 mod support;
 
 use morion::design::Design;
-use morion::geom::{DVec2, DVec3, TriMesh, turn};
+use morion::geom::{DVec2, DVec3, Precision, TriMesh, turn};
 use morion::profile::{MeshLimits, Profile};
-use morion::solid::{Precision, Solid};
+use morion::solid::Solid;
 use support::{designed, meshed, panel, profile, sag, shipped};
 
 /// The integral of the sag over all panels by Boole's rule, which the design does not know.

@@ -119,7 +119,8 @@ fn not_empty(welder: Welder) -> Result<TriMesh, ReadError> {
 mod tests {
     use super::*;
     use crate::export::{Label, write_stl};
-    use crate::solid::{Precision, Solid};
+    use crate::geom::Precision;
+    use crate::solid::Solid;
 
     fn stl() -> Vec<u8> {
         let vertices = vec![

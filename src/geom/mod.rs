@@ -14,6 +14,15 @@ pub use outline::Outline;
 pub use rect::Rect;
 pub use trimesh::{TriMesh, Welder, turn};
 
+/// How many digits the coordinates of a file carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 24 bits: every coordinate is rounded to `f32`.
+    Single,
+    /// 53 bits: coordinates as designed.
+    Double,
+}
+
 /// A half-line from `origin` along the unit vector `direction`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {

@@ -6,6 +6,7 @@
 //! (`geom::Chart`). A symmetric panel is meshed on one half or quarter, a folded mirror on one
 //! panel: displacements of the image are the same in all of them.
 
+mod deviation;
 mod lattice;
 mod optimum;
 mod proof;
@@ -14,11 +15,13 @@ mod region;
 mod rim;
 #[cfg(test)]
 mod tests;
+mod tight;
+mod tighten;
 
 pub use optimum::Optimum;
 pub use proof::{Bound, Prover, Vertex};
 
-use crate::geom::{Chart, DVec2, Rect, TriMesh};
+use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::View;
 use thiserror::Error;
@@ -33,6 +36,8 @@ pub struct Limits {
     pub chord_mm: Option<f64>,
     /// Displacement of the image that flat facets cause, mm on the mirror.
     pub facet_mm: Option<f64>,
+    /// Digits of the file for which they must hold.
+    pub precision: Precision,
 }
 
 impl Limits {
@@ -126,7 +131,7 @@ pub fn mesh(
 ) -> Result<Face, MeshError> {
     assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
     let domain = domain(mirror);
-    let prover = Prover::over(domain, mirror, camera, view);
+    let prover = Prover::over(domain, mirror, camera, view, limits.precision);
     let twice = [mirror.even[0], mirror.even[1], mirror.folded];
     let copies = 1 << twice.iter().filter(|&&twice| twice).count();
     let proposal = lattice::propose(&prover, domain, copies, limits)?;

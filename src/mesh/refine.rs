@@ -57,6 +57,7 @@ pub fn triangulate(
         let (worst, failed) = prove(prover, &vertices, &triangles, is_new, limits);
         bound = bound.max(worst);
         if failed.is_empty() {
+            let bound = prover.tighten(&vertices, &triangles, &limits, bound);
             let vertices = vertices.into_iter().map(|v| v.at).collect();
             return Ok((TriMesh { vertices, triangles: in_rows(triangles) }, bound));
         }
@@ -181,7 +182,11 @@ fn prove(
     let chunk = |(chunk, facets): (usize, &[[u32; 3]])| {
         let (mut worst, mut failed) = (Bound::default(), Vec::new());
         for (k, facet) in facets.iter().enumerate().filter(|(_, facet)| is_new(facet)) {
-            let bound = prover.bound(facet.map(|v| &vertices[v as usize]));
+            let corners = facet.map(|v| &vertices[v as usize]);
+            let mut bound = prover.bound(corners);
+            if !limits.hold(&bound) {
+                bound = prover.settle(corners, &limits);
+            }
             if limits.hold(&bound) {
                 worst = worst.max(bound);
             } else {

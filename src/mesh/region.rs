@@ -15,21 +15,22 @@ type Jet = Jet2<Interval>;
 /// edges and may leave it by a little.
 const MARGIN: f64 = 1.0;
 /// Second derivatives, in units of one over the mirror's size, from which on a box is taken apart:
-/// so much costs facets of a pixel in a thousand some per cent.
+/// so much costs facets of a pixel in a thousand some per cent. (Once: what is still loose then is
+/// looked at facet by facet.)
 const LOOSE: f64 = 100.0;
 /// How often it is, and into how many parts per side.
-const LEVELS: usize = 2;
+const LEVELS: usize = 1;
 const PARTS: usize = 4;
 
 /// Bounds that hold all over a region.
 #[derive(Debug, Clone, Copy)]
 pub struct Region {
-    /// |h'''|, 1/mm^2.
-    pub third: f64,
+    /// Third derivatives of h (xxx, xxy, xyy, yyy), 1/mm^2.
+    pub third: [Interval; 4],
     /// mm along the camera's ray per mm of h.
     pub stretch: f64,
-    /// |c''| + |c_T''|, 1/mm.
-    pub second: f64,
+    /// |c''| + |c_T''| (xx, xy, yy), 1/mm.
+    pub second: [f64; 3],
     /// |c'|.
     pub first: f64,
     /// How far apart in the chart the mirror and a facet are met by one ray of a camera that is
@@ -44,9 +45,9 @@ pub struct Region {
 impl Region {
     /// Holds where there is no mirror.
     pub const NOTHING: Self = Self {
-        third: 0.0,
+        third: [Interval { lo: f64::INFINITY, hi: f64::NEG_INFINITY }; 4],
         stretch: 0.0,
-        second: 0.0,
+        second: [0.0; 3],
         first: 0.0,
         drift: 0.0,
         gradient: [DVec2::NEG_INFINITY, DVec2::INFINITY],
@@ -58,9 +59,9 @@ impl Union for Region {
     fn union(self, other: Self) -> Self {
         let ([lo, hi], [other_lo, other_hi]) = (self.gradient, other.gradient);
         Self {
-            third: self.third.max(other.third),
+            third: std::array::from_fn(|k| self.third[k].hull(other.third[k])),
             stretch: self.stretch.max(other.stretch),
-            second: self.second.max(other.second),
+            second: std::array::from_fn(|k| self.second[k].max(other.second[k])),
             first: self.first.max(other.first),
             drift: self.drift.max(other.drift),
             gradient: [lo.max(other_lo), hi.min(other_hi)],
@@ -77,9 +78,11 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// |c''| + |c_T''|.
-    pub fn second(&self) -> f64 {
-        bend(&self.mirror) + bend(&self.facet)
+    /// |c''| + |c_T''| (xx, xy, yy).
+    pub fn second(&self) -> [f64; 3] {
+        let of =
+            |jets: &[Jet; 2], k: usize| size(jets.iter().map(|jet| jet.hessian[k].magnitude()));
+        std::array::from_fn(|k| of(&self.mirror, k) + of(&self.facet, k))
     }
 
     /// |c'|.
@@ -95,14 +98,6 @@ impl Contents {
     fn is_bounded(&self) -> bool {
         self.mirror.iter().all(|jet| jet.value.is_finite())
     }
-}
-
-fn bend(content: &[Jet; 2]) -> f64 {
-    let parts = |jet: &Jet| {
-        let [xx, xy, yy] = jet.hessian.map(Interval::magnitude);
-        [xx, xy, xy, yy]
-    };
-    size(content.iter().flat_map(parts))
 }
 
 fn size(parts: impl Iterator<Item = f64>) -> f64 {
@@ -194,9 +189,11 @@ impl Sight<'_> {
         let (plane, gradient) = self.planes([lo, hi], bounds);
         let contents = self.contents(view, [lo, hi], bounds, plane);
         let second = contents.second();
-        let size = self.mirror.outline.bounds().size().max_element();
+        let [xx, xy, yy] = second;
+        let steepest = size([xx, xy, xy, yy].into_iter());
+        let across = self.mirror.outline.bounds().size().max_element();
         // Elsewhere boxes are many, and facets in loose ones are looked at one by one.
-        let is_loose = !contents.is_bounded() || (plane.is_none() && !(second * size < LOOSE));
+        let is_loose = !contents.is_bounded() || (plane.is_none() && !(steepest * across < LOOSE));
         if levels > 0 && is_loose {
             let step = (hi - lo) / PARTS as f64;
             for k in 0..PARTS * PARTS {
@@ -233,10 +230,11 @@ impl Sight<'_> {
     /// Bounds over a part of a region where `bounds` hold: by Taylor's theorem about its middle.
     pub fn narrow(&self, bounds: &Bounds, [lo, hi]: [DVec2; 2]) -> Bounds {
         let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-        if let Surface::Round(round) = &self.mirror.surface
-            && !self.mirror.outline.contains(middle)
-        {
-            return round.bounds(lo, hi);
+        if !self.is_sound([lo, hi]) {
+            return match &self.mirror.surface {
+                Surface::Round(round) => round.bounds(lo, hi),
+                _ => *bounds,
+            };
         }
         let point = self.mirror.surface.at(middle);
         let c = self.mirror.surface.curvature(middle);
@@ -257,6 +255,18 @@ impl Sight<'_> {
         let slope = [near(point.slope.x, xx, xy, known_x), near(point.slope.y, xy, yy, known_y)];
         let f = near(point.f, slope[0], slope[1], bounds.f);
         Bounds { f, slope, hessian: [xx, xy, yy], third: bounds.third }
+    }
+
+    /// Whether the ways from a box's middle to its points on the mirror stay where a round surface's
+    /// bounds hold: between its radii.
+    fn is_sound(&self, [lo, hi]: [DVec2; 2]) -> bool {
+        let (Surface::Round(round) | Surface::Sum(round, _)) = &self.mirror.surface else {
+            return true;
+        };
+        let [inner, outer] = round.radius;
+        let nearest = DVec2::ZERO.clamp(lo, hi).length();
+        let middle = (0.5 * (lo + hi)).length();
+        middle <= outer && nearest >= inner * (1.0 - Outline::EDGE)
     }
 
     /// The contents over a box where `bounds` hold; without a plane those of a facet do not vary.
@@ -309,17 +319,22 @@ pub fn beyond(outline: &Outline, [lo, hi]: [DVec2; 2]) -> bool {
     nearest > outer * (1.0 + 1e-6) || farthest < inner * (1.0 - 2.0 * Outline::EDGE)
 }
 
-/// Bound of the third derivative of h = (exp(k f) - 1) / k:
+/// The third derivatives of h = (exp(k f) - 1) / k:
 /// exp(k f) (f_ijk + k (f_ij f_k + f_ik f_j + f_jk f_i) + k^2 f_i f_j f_k).
-fn third(bounds: &Bounds, k: f64) -> f64 {
+fn third(bounds: &Bounds, k: f64) -> [Interval; 4] {
+    if k == 0.0 {
+        return bounds.third;
+    }
     let ([x, y], [xx, xy, yy], [xxx, xxy, xyy, yyy]) = (bounds.slope, bounds.hessian, bounds.third);
+    let grow = Interval::new(exp(k * bounds.f.lo), exp(k * bounds.f.hi));
     let part = |of: Interval, pairs: [(Interval, Interval); 3], cube: Interval| {
         let sum = pairs[0].0 * pairs[0].1 + pairs[1].0 * pairs[1].1 + pairs[2].0 * pairs[2].1;
-        (of + sum * k + cube * (k * k)).magnitude()
+        (of + sum * k + cube * (k * k)) * grow
     };
-    let xxx = part(xxx, [(xx, x); 3], x.square() * x);
-    let xxy = part(xxy, [(xx, y), (xy, x), (xy, x)], x.square() * y);
-    let xyy = part(xyy, [(yy, x), (xy, y), (xy, y)], y.square() * x);
-    let yyy = part(yyy, [(yy, y); 3], y.square() * y);
-    exp(k * bounds.f.hi) * size([xxx, xxy, xxy, xxy, xyy, xyy, xyy, yyy].into_iter())
+    [
+        part(xxx, [(xx, x); 3], x.square() * x),
+        part(xxy, [(xx, y), (xy, x), (xy, x)], x.square() * y),
+        part(xyy, [(yy, x), (xy, y), (xy, y)], y.square() * x),
+        part(yyy, [(yy, y); 3], y.square() * y),
+    ]
 }

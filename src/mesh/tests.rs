@@ -1,7 +1,7 @@
 //! Whole meshes of every kind of mirror, sampled against their proven bounds by independent code.
 
 use super::{Bound, Face, Limits, Prover, Vertex, mesh};
-use crate::geom::{Chart, DVec2, DVec3, Outline, Rect, turn};
+use crate::geom::{Chart, DVec2, DVec3, Outline, Precision, Rect, turn};
 use crate::mirror::{Mirror, Round, Sheet, Surface};
 use crate::num::legendre::{Series, values};
 use crate::num::quadrature::gauss_legendre;
@@ -76,7 +76,7 @@ struct Case {
 
 impl Case {
     fn mesh(&self, chord_mm: Option<f64>, facet_mm: Option<f64>) -> Face {
-        let limits = Limits { chord_mm, facet_mm };
+        let limits = Limits { chord_mm, facet_mm, precision: Precision::Single };
         let face = mesh(&self.mirror, &self.camera, Some(&self.view), limits);
         let face = face.unwrap_or_else(|error| panic!("{error}"));
         assert!(limits.hold(&face.bound), "{:?}", face.bound);
@@ -116,7 +116,7 @@ impl Case {
     /// Holds every facet to its own bound, at `n` steps per edge; the share of the face's bounds
     /// that samples reach.
     fn hold(&self, face: &Face, n: usize) -> [f64; 2] {
-        let prover = Prover::new(&self.mirror, &self.camera, Some(&self.view));
+        let prover = Prover::new(&self.mirror, &self.camera, Some(&self.view), Precision::Single);
         let mut largest = [0.0f64; 2];
         for t in 0..face.designed {
             let exact = face.mesh.corners(t);

@@ -143,6 +143,9 @@ impl<T: Union> Cells<T> {
         };
         let ((i0, j0), (i1, j1)) = (index(lo), index(hi));
         let mut bound = self.values[j0 * self.count + i0];
+        if (i0, j0) == (i1, j1) {
+            return bound;
+        }
         for j in j0..=j1 {
             for i in i0..=i1 {
                 bound = bound.union(self.values[j * self.count + i]);

@@ -19,12 +19,13 @@ pub use source::{Source, SourceError, load};
 
 use crate::design::{Design, DesignError, design};
 use crate::export::{Label, write_obj, write_stl};
+use crate::geom::Precision;
 use crate::mesh::{Face, Limits, MeshError, mesh};
 use crate::profile::{Format, Profile};
 use crate::report::{
     FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, html,
 };
-use crate::solid::{Precision, Solid, SolidError};
+use crate::solid::{Solid, SolidError};
 use examine::{Evidence, examine, picture};
 use files::{Folder, Staged};
 use observer::Clock;
@@ -188,6 +189,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<(Face, String), Error> {
     let limits = Limits {
         chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
         facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        precision: Precision::Single,
     };
     let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
         .map_err(|source| Error::Mesh { profile: profile.name.clone(), source })?;

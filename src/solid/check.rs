@@ -238,7 +238,8 @@ fn volume(mesh: &TriMesh) -> f64 {
 mod tests {
     use super::*;
     use crate::geom::DVec3;
-    use crate::solid::{Precision, Solid};
+    use crate::geom::Precision;
+    use crate::solid::Solid;
 
     fn cube() -> TriMesh {
         Solid::from_face(&crate::solid::tests::face(), Precision::Double).unwrap().mesh().clone()

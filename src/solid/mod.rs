@@ -6,7 +6,7 @@ mod defect;
 pub use check::check;
 pub use defect::{Check, Defect};
 
-use crate::geom::{DVec3, TriMesh};
+use crate::geom::{DVec3, Precision, TriMesh};
 use thiserror::Error;
 
 /// A closed, oriented 2-manifold of one piece with positive volume, whose facets all have an area.
@@ -16,15 +16,6 @@ pub struct Solid {
     mesh: TriMesh,
     check: Check,
     optical: usize,
-}
-
-/// How many digits a solid's coordinates carry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Precision {
-    /// 24 bits: every coordinate is rounded to `f32`.
-    Single,
-    /// 53 bits: coordinates as designed.
-    Double,
 }
 
 /// Why a solid could not be made.

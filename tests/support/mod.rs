@@ -4,7 +4,7 @@
 #![allow(dead_code)]
 
 use morion::design::{Design, design};
-use morion::geom::{DVec2, Outline, Rect};
+use morion::geom::{DVec2, Outline, Precision, Rect};
 use morion::mesh::{Face, Limits, MeshError, mesh};
 use morion::pipeline::load;
 use morion::profile::Profile;
@@ -56,6 +56,7 @@ pub fn limits(profile: &Profile, design: &Design) -> Limits {
     Limits {
         chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
         facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        precision: Precision::Single,
     }
 }
 

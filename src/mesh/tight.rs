@@ -1,0 +1,370 @@
+//! Tight bounds: a facet taken apart, for the proof alone, until what is proven of its parts is
+//! near what they are seen to do.
+//!
+//! The errors are known at the corners of a part, and what its interior may add shrinks by 8
+//! (chord) or 4 (facet error) with each halving of its edges. The part that may be worst is halved
+//! first.
+
+use super::Limits;
+use super::deviation::{Triangle, largest_quadratic};
+use super::proof::{Bound, Facets, Prover, Vertex, gradient, larger, size_of};
+use super::region::Sight;
+use crate::geom::{DVec2, DVec3};
+use crate::num::exp;
+use crate::optics::View;
+
+/// Largest share by which a bound should be over an error that is reached.
+pub(super) const LOOSE: f64 = 0.04;
+/// Most times that a part of one facet is taken apart.
+const MOST_SPLITS: usize = 400;
+/// The same while there is no bound at all.
+const MOST_UNBOUND: usize = 40;
+/// Errors that are nothing, as a share of the mirror's size.
+pub(super) const NOTHING: f64 = 1e-12;
+/// What of a facet's error its parts may add before their second derivatives are looked at closely.
+const SMALL: f64 = 0.01;
+
+/// Which error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Chord,
+    Facet,
+}
+
+impl Kind {
+    pub fn of(self, bound: &Bound) -> f64 {
+        match self {
+            Self::Chord => bound.chord_mm,
+            Self::Facet => bound.facet_mm,
+        }
+    }
+
+    pub fn set(self, bound: &mut Bound, to: f64) {
+        match self {
+            Self::Chord => bound.chord_mm = to,
+            Self::Facet => bound.facet_mm = to,
+        }
+    }
+
+    pub fn limit(self, limits: &Limits) -> Option<f64> {
+        match self {
+            Self::Chord => limits.chord_mm,
+            Self::Facet => limits.facet_mm,
+        }
+    }
+
+    pub fn of_both(self, both: [f64; 2]) -> f64 {
+        both[self as usize]
+    }
+}
+
+/// A place on a facet.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// Barycentric coordinates.
+    weights: [f64; 3],
+    /// In the chart, mm.
+    q: DVec2,
+    /// The mirror's h, mm, and its gradient.
+    h: f64,
+    gradient: DVec2,
+    /// How far the mirror's h is over that of the exact facet and of the rounded one, mm.
+    over: [f64; 2],
+    /// The facet error there, mm; a camera that is not the chart's sees the mirror aside.
+    seen: f64,
+    /// The same for the mirror at the very place.
+    shown: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    corners: [Place; 3],
+    /// Its error is not larger.
+    bound: f64,
+}
+
+/// One error of a facet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    /// It is nowhere larger,
+    pub bound: f64,
+    /// and somewhere at least so large.
+    pub reached: f64,
+}
+
+impl Prover<'_> {
+    /// Bounds over a facet whose quick ones are over `limits`, for which it is taken apart until
+    /// they are proven to hold or seen to be broken.
+    #[must_use]
+    pub fn settle(&self, t: [&Vertex; 3], limits: &Limits) -> Bound {
+        let mut bound = self.bound(t);
+        if bound == Bound::NEVER {
+            return bound;
+        }
+        for kind in [Kind::Chord, Kind::Facet] {
+            let Some(limit) = kind.limit(limits) else { continue };
+            let quick = kind.of(&bound);
+            if !(quick <= limit) {
+                let found = self
+                    .search(t, kind, quick, |found| found.bound <= limit || found.reached > limit);
+                kind.set(&mut bound, found.bound);
+            }
+        }
+        bound
+    }
+
+    /// Bounds that are near errors which the facet has, as far as it can be taken apart for that.
+    #[must_use]
+    pub fn bound_tightly(&self, t: [&Vertex; 3]) -> Bound {
+        let mut bound = self.bound(t);
+        if bound == Bound::NEVER {
+            return bound;
+        }
+        for kind in [Kind::Chord, Kind::Facet] {
+            let found = self.search(t, kind, kind.of(&bound), |found| self.is_near(found));
+            kind.set(&mut bound, found.bound);
+        }
+        bound
+    }
+
+    /// Whether a bound is as near as it need be.
+    pub(super) fn is_near(&self, found: &Found) -> bool {
+        let least = NOTHING * self.mirror().outline.bounds().size().max_element();
+        found.bound <= ((1.0 + LOOSE) * found.reached).max(least)
+    }
+
+    /// Whether anything can be said of the image in a facet.
+    pub(super) fn is_bounded(&self, t: [&Vertex; 3]) -> bool {
+        let quick = self.bound(t);
+        quick != Bound::NEVER
+            && self.search(t, Kind::Facet, quick.facet_mm, |f| f.bound < f64::INFINITY).bound
+                < f64::INFINITY
+    }
+
+    /// One error of the facet `t`, of which `quick` is a bound, looked at until `enough` is known.
+    pub(super) fn search(
+        &self,
+        t: [&Vertex; 3],
+        kind: Kind,
+        quick: f64,
+        enough: impl Fn(&Found) -> bool,
+    ) -> Found {
+        let work = Work::new(self, t, kind);
+        let quick = if quick.is_nan() { f64::INFINITY } else { quick };
+        let mut reached = 0.0f64;
+        let mut parts: Vec<Part> = Vec::new();
+        let weights = |i: usize| std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
+        let corners = [0, 1, 2].map(|i| work.corner(weights(i), t[i]));
+        parts.push(work.part(corners, quick, &mut reached));
+        for split in 0..MOST_SPLITS {
+            // Parts that cannot be worse than what is reached are not kept.
+            let worst =
+                (0..parts.len()).reduce(|a, b| if parts[b].bound > parts[a].bound { b } else { a });
+            let Some(k) = worst else { break };
+            let Part { corners: [a, b, c], bound } = parts[k];
+            let found = Found { bound: larger(bound, reached), reached };
+            if enough(&found) || (split >= MOST_UNBOUND && !(bound < f64::INFINITY)) {
+                return found;
+            }
+            parts.swap_remove(k);
+            let [ab, bc, ca] = [work.between(&a, &b), work.between(&b, &c), work.between(&c, &a)];
+            for corners in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+                let part = work.part(corners, bound, &mut reached);
+                if !(part.bound <= reached) {
+                    parts.push(part);
+                }
+            }
+        }
+        let bound = parts.iter().map(|part| part.bound).fold(reached, larger);
+        Found { bound, reached }
+    }
+}
+
+/// All that stays the same while one facet is looked at.
+struct Work<'a> {
+    prover: &'a Prover<'a>,
+    kind: Kind,
+    view: Option<&'a View>,
+    corners: [DVec2; 3],
+    facets: Facets,
+    /// h of the facets' planes on the rays of the exact corners, mm.
+    h: [[f64; 3]; 2],
+    /// The gradient of the exact facet's h.
+    gradient: DVec2,
+    /// How far rounding moves the corners in the chart, mm.
+    shift: f64,
+}
+
+impl<'a> Work<'a> {
+    fn new(prover: &'a Prover<'a>, t: [&Vertex; 3], kind: Kind) -> Self {
+        let facets = Facets::new(t, prover.precision);
+        let exact = t.map(|v| v.h);
+        let rounded = facets
+            .single
+            .as_ref()
+            .map_or(exact, |facet| std::array::from_fn(|i| prover.height(facet, i, t[i].q)));
+        Self {
+            prover,
+            kind,
+            view: prover.sight.view.filter(|_| kind == Kind::Facet),
+            corners: t.map(|v| v.q),
+            h: [exact, rounded],
+            gradient: gradient(t),
+            shift: prover.shift(t, &facets),
+            facets,
+        }
+    }
+
+    fn vergence(&self) -> f64 {
+        self.prover.sight.mirror.chart.vergence
+    }
+
+    /// A corner of the facet.
+    fn corner(&self, weights: [f64; 3], v: &Vertex) -> Place {
+        self.place(weights, v.q, [v.h, v.gradient.x, v.gradient.y], v.content)
+    }
+
+    /// Half-way between two places.
+    fn between(&self, a: &Place, b: &Place) -> Place {
+        let weights = std::array::from_fn(|i| 0.5 * (a.weights[i] + b.weights[i]));
+        self.at(weights)
+    }
+
+    fn at(&self, weights: [f64; 3]) -> Place {
+        let [a, b, c] = self.corners;
+        let q = a * weights[0] + b * weights[1] + c * weights[2];
+        let mirror = self.prover.sight.mirror;
+        let point = mirror.surface.at(q);
+        if self.view.is_some() {
+            let v = self.prover.vertex(q, point);
+            return self.place(weights, q, [v.h, v.gradient.x, v.gradient.y], v.content);
+        }
+        let (chart, k) = (&mirror.chart, self.vergence());
+        let slope = if k == 0.0 { point.slope } else { point.slope * exp(k * point.f) };
+        self.place(weights, q, [chart.flat(point.f), slope.x, slope.y], DVec2::ZERO)
+    }
+
+    fn place(&self, weights: [f64; 3], q: DVec2, [h, x, y]: [f64; 3], content: DVec2) -> Place {
+        let flat = self.h.map(|of| of[0] * weights[0] + of[1] * weights[1] + of[2] * weights[2]);
+        let (mut shown, mut seen) = (0.0, 0.0f64);
+        if let Some(view) = self.view {
+            let camera = &self.prover.sight.camera;
+            let is_same = *camera == self.prover.sight.mirror.chart;
+            let facets = [Some(&self.facets.exact), self.facets.single.as_ref()];
+            for (facet, h) in facets.into_iter().zip(flat) {
+                let Some(facet) = facet else { continue };
+                let at = self.lifted(q, h);
+                let near = if is_same { q } else { camera.coordinates(at).0 };
+                let found = self.prover.content(view, at, facet.slope, near);
+                shown = larger(shown, view.projection.apart(found, content));
+                if !is_same && let Some(aside) = self.aside(view, near) {
+                    seen = seen.max(view.projection.apart(found, aside));
+                }
+            }
+            if is_same {
+                seen = shown;
+            }
+        }
+        let over = flat.map(|flat| h - flat);
+        Place { weights, q, h, gradient: DVec2::new(x, y), over, seen, shown }
+    }
+
+    /// What the mirror shows at the image point `near` of another camera than the chart's.
+    fn aside(&self, view: &View, near: DVec2) -> Option<DVec2> {
+        let Sight { mirror, camera, .. } = &self.prover.sight;
+        let q = mirror.under(camera, near)?;
+        let point = mirror.surface.at(q);
+        Some(self.prover.content(view, mirror.place(q, &point), mirror.slope(q, &point), near))
+    }
+
+    /// The point over `q` of height `h`.
+    fn lifted(&self, q: DVec2, h: f64) -> DVec3 {
+        let grow = 1.0 + self.vergence() * h;
+        (q / grow).extend(h / grow + self.prover.sight.mirror.chart.plane_mm)
+    }
+
+    /// The part with the given corners, of which `known` is a bound; what it reaches goes to
+    /// `reached`.
+    fn part(&self, corners: [Place; 3], known: f64, reached: &mut f64) -> Part {
+        let triangle = Triangle::new(corners.map(|c| c.q));
+        let found = match self.kind {
+            Kind::Chord => self.chord(&corners, &triangle, reached),
+            Kind::Facet => self.facet(&corners, &triangle, reached),
+        };
+        let bound = if found < known { found } else { known };
+        Part { corners, bound }
+    }
+
+    /// Bound of the chord in h, and where it may be.
+    fn rise(&self, corners: &[Place; 3], triangle: &Triangle, rest: f64) -> (f64, [f64; 3]) {
+        let curves = triangle.curves(corners.map(|c| c.gradient));
+        let [exact, rounded] =
+            [0, 1].map(|k| largest_quadratic(corners.map(|c| c.over[k]), curves));
+        let (found, at) = if rounded.0 > exact.0 { rounded } else { exact };
+        (found + rest, at)
+    }
+
+    fn chord(&self, corners: &[Place; 3], triangle: &Triangle, reached: &mut f64) -> f64 {
+        let k = self.vergence();
+        let [lo, hi] = triangle.reach;
+        let third = self.prover.cells.over(lo, hi).third;
+        let (mut rise, at) = self.rise(corners, triangle, triangle.twist(third));
+        if self.shift > 0.0 {
+            // The rounded facet reaches a little beyond the exact one.
+            let steep = corners.iter().map(|c| (c.gradient - self.gradient).length());
+            let bend = size_of(third) * triangle.diameter * triangle.diameter / 6.0;
+            rise += self.shift * (steep.fold(0.0, larger) + bend);
+        }
+        let mut consider = |place: &Place| {
+            let farthest = place.over.map(f64::abs).into_iter().fold(0.0, f64::max);
+            *reached = reached.max(farthest * self.stretch(place));
+        };
+        corners.iter().for_each(&mut consider);
+        let inside = |k: usize| -> f64 { (0..3).map(|i| corners[i].weights[k] * at[i]).sum() };
+        consider(&self.at([inside(0), inside(1), inside(2)]));
+        if k == 0.0 {
+            return rise;
+        }
+        let far = lo.abs().max(hi.abs()).length_squared();
+        let lowest = |c: &Place| 1.0 + k * (c.h - c.over[0].max(c.over[1]));
+        let low = corners.iter().map(lowest).fold(f64::INFINITY, f64::min);
+        let lower = low - k * rise;
+        let ray = (1.0 + k * k * far).sqrt();
+        if lower > 0.0 { rise * ray / (low * lower) } else { f64::INFINITY }
+    }
+
+    /// mm along the ray per mm of h at a place, at least.
+    fn stretch(&self, place: &Place) -> f64 {
+        let k = self.vergence();
+        if k == 0.0 {
+            return 1.0;
+        }
+        let flat = place.h - place.over[0].min(place.over[1]);
+        (1.0 + k * k * place.q.length_squared()).sqrt() / ((1.0 + k * flat) * (1.0 + k * place.h))
+    }
+
+    fn facet(&self, corners: &[Place; 3], triangle: &Triangle, reached: &mut f64) -> f64 {
+        let [lo, hi] = triangle.reach;
+        let region = self.prover.cells.over(lo, hi);
+        let chord = if region.drift == 0.0 {
+            0.0
+        } else {
+            self.rise(corners, triangle, triangle.twist(region.third)).0
+        };
+        let aside = self.prover.aside(&region, chord) + self.shift;
+        let largest = corners.iter().map(|c| c.shown).fold(0.0, larger);
+        *reached = corners.iter().map(|c| c.seen).fold(*reached, f64::max);
+        let quick = triangle.bend(region.second);
+        let [least, most] = region.gradient;
+        let holds = self.gradient.cmpge(least).all() && self.gradient.cmple(most).all();
+        if holds && aside == 0.0 && quick <= SMALL * largest {
+            return largest + quick;
+        }
+        let flat = corners.map(|c| c.h - c.over[0]);
+        let contents = self.prover.closely(triangle, flat, &self.facets, aside);
+        let beside = if aside == 0.0 { 0.0 } else { contents.first() * aside };
+        let close = largest + triangle.bend(contents.second()) + beside;
+        let bound = if self.prover.plain { close } else { close.min(contents.apart()) };
+        if holds && aside == 0.0 { bound.min(largest + quick) } else { bound }
+    }
+}

@@ -1,0 +1,127 @@
+//! The bound of a whole mesh, near the largest errors that its facets have.
+
+use super::Limits;
+use super::proof::{Bound, Prover, Vertex};
+use super::tight::{Found, Kind, LOOSE, NOTHING};
+use rayon::prelude::*;
+
+/// Facets a thread looks at at a time; fixed, so that results do not depend on the thread count.
+const CHUNK: usize = 4096;
+/// One facet in so many tells whether bounds are loose.
+const SAMPLE: usize = 8;
+/// Facets that are taken apart before what they reach decides about the others.
+const BATCH: usize = 64;
+
+/// What quick bounds say of some facets: of each error the largest bound, and what is reached.
+#[derive(Debug, Clone, Copy, Default)]
+struct Quick {
+    bound: Bound,
+    reached: [f64; 2],
+}
+
+impl Quick {
+    fn max(self, other: Self) -> Self {
+        let reached = [0, 1].map(|k| self.reached[k].max(other.reached[k]));
+        Self { bound: self.bound.max(other.bound), reached }
+    }
+}
+
+impl Prover<'_> {
+    /// Bounds over all `facets` (numbers of `vertices`), each of which keeps `limits` and, as is
+    /// known already, `known`: within some per cent of errors that are reached, as far as facets
+    /// can be taken apart for it.
+    #[must_use]
+    pub fn tighten(
+        &self,
+        vertices: &[Vertex],
+        facets: &[[u32; 3]],
+        limits: &Limits,
+        known: Bound,
+    ) -> Bound {
+        let mesh = Mesh { prover: self, vertices, facets };
+        if facets.len() > SAMPLE * CHUNK {
+            // Fine meshes: what is known is near what some of them reach.
+            let some = |k: usize| mesh.quick(&facets[SAMPLE * k..][..1]);
+            let some = (0..facets.len() / SAMPLE).into_par_iter().with_min_len(CHUNK).map(some);
+            let reached = some.reduce(Quick::default, Quick::max).reached;
+            let near = |kind: Kind| {
+                let (bound, reached) = (kind.of(&known), kind.of_both(reached));
+                self.is_near(&Found { bound, reached })
+            };
+            if near(Kind::Chord) && near(Kind::Facet) {
+                return known;
+            }
+        }
+        let chunks: Vec<Quick> = facets.par_chunks(CHUNK).map(|chunk| mesh.quick(chunk)).collect();
+        let all = chunks.iter().copied().fold(Quick::default(), Quick::max);
+        let mut bound = all.bound;
+        for kind in [Kind::Chord, Kind::Facet] {
+            let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
+            kind.set(&mut bound, mesh.largest(kind, &chunks, kind.of_both(all.reached), ceiling));
+        }
+        bound
+    }
+}
+
+struct Mesh<'a> {
+    prover: &'a Prover<'a>,
+    vertices: &'a [Vertex],
+    facets: &'a [[u32; 3]],
+}
+
+impl<'a> Mesh<'a> {
+    fn corners(&self, facet: &[u32; 3]) -> [&'a Vertex; 3] {
+        facet.map(|v| &self.vertices[v as usize])
+    }
+
+    fn quick(&self, facets: &[[u32; 3]]) -> Quick {
+        let one = |facet| {
+            let (bound, reached) = self.prover.estimate(self.corners(facet));
+            Quick { bound, reached }
+        };
+        facets.iter().map(one).fold(Quick::default(), Quick::max)
+    }
+
+    /// A bound of one error, of which `reached` is reached: the facets whose quick bounds are well
+    /// over that are taken apart, the largest first.
+    fn largest(&self, kind: Kind, chunks: &[Quick], mut reached: f64, ceiling: f64) -> f64 {
+        let least = NOTHING * self.prover.mirror().outline.bounds().size().max_element();
+        let enough = |reached: f64| ((1.0 + LOOSE) * reached).max(least).min(ceiling);
+        let is_loose = |bound: f64| !(bound <= enough(reached));
+        let mut rest = 0.0f64;
+        let mut loose: Vec<(f64, usize)> = Vec::new();
+        for (chunk, quick) in chunks.iter().enumerate() {
+            if !is_loose(kind.of(&quick.bound)) {
+                rest = rest.max(kind.of(&quick.bound));
+                continue;
+            }
+            let from = chunk * CHUNK;
+            for t in from..(from + CHUNK).min(self.facets.len()) {
+                let bound = kind.of(&self.prover.bound(self.corners(&self.facets[t])));
+                if is_loose(bound) {
+                    loose.push((if bound.is_nan() { f64::INFINITY } else { bound }, t));
+                } else {
+                    rest = rest.max(bound);
+                }
+            }
+        }
+        loose.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for batch in loose.chunks(BATCH) {
+            let goal = enough(reached).max(rest);
+            if batch[0].0 <= goal {
+                return rest.max(batch[0].0);
+            }
+            let look = |&(quick, t): &(f64, usize)| {
+                let near = |found: &Found| {
+                    found.bound <= goal || (self.prover.is_near(found) && found.bound <= ceiling)
+                };
+                self.prover.search(self.corners(&self.facets[t]), kind, quick, near)
+            };
+            let found: Vec<Found> = batch.par_iter().map(look).collect();
+            for one in found {
+                (rest, reached) = (rest.max(one.bound), reached.max(one.reached));
+            }
+        }
+        rest
+    }
+}
