@@ -16,6 +16,7 @@ use morion::trace::{Intent, Outcome, Scene, Seen, Witness, look};
 use support::{designed, meshed, profile, shipped};
 
 const SMALL: (&str, &str) = ("640, 480", "96, 72");
+const FINER: (&str, &str) = ("facet_px = 4", "facet_px = 3");
 const MERCATOR: (&str, &str) = ("cylindrical", "mercator");
 const CREST: (&str, &str) = ("layout.strip = {}", "layout.conquistador = { fill_frame = true }");
 const VALLEY: (&str, &str) =
@@ -127,12 +128,12 @@ fn met(mesh: &TriMesh, ray: &Ray) -> Vec<(f64, u32)> {
 #[test]
 fn the_witness_agrees_with_a_tracer_over_all_facets() {
     let mut compared = [0; 3];
-    for edits in [&[SMALL][..], &[SMALL, CREST], &[SMALL, VALLEY]] {
+    for edits in [&[SMALL, FINER][..], &[SMALL, FINER, CREST], &[SMALL, FINER, VALLEY]] {
         let profile = profile(edits);
         let design = designed(&profile);
         let solid = solid(&profile, &design);
         let mesh = solid.mesh();
-        assert!((200..20_000).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
+        assert!((500..20_000).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
         let scene = Scene::new(mesh.clone());
         for (q, ray) in rays(&design).into_iter().step_by(11) {
             let (outcome, hit, leaving) = look(&scene, &ray);
