@@ -6,7 +6,7 @@ mod support;
 
 use morion::geom::Precision;
 use morion::mesh::{Face, Limits, mesh};
-use morion::profile::MeshLimits;
+use morion::profile::{MeshLimits, Shipped};
 use random::errors::Seen;
 use random::{Case, Kind, QUICK, SLOW, case, each};
 use support::{designed, limits, meshed, shipped};
@@ -34,24 +34,9 @@ fn hold(what: &str, seen: Seen, face: &Face, limits: &Limits, n: u32, climb: boo
     over
 }
 
-const SHIPPED: [&str; 12] = [
-    "area-proportional",
-    "conformal",
-    "conical",
-    "conquistador",
-    "cylinder",
-    "equi-areal",
-    "equiangular",
-    "hyperbolic",
-    "panoramic",
-    "parabolic",
-    "plane",
-    "tangent-proportional",
-];
-
 #[test]
 fn bounds_of_shipped_profiles_are_true_and_tight() {
-    for name in SHIPPED {
+    for Shipped { name, .. } in morion::profile::shipped() {
         for (times_chord, times_facet) in [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)] {
             let mut profile = shipped(name);
             let MeshLimits { chord_um, facet_px } = profile.mesh;

@@ -1,7 +1,8 @@
 //! Point proposals: a triangular lattice in rows along X, stretched along each axis by a spacing
 //! that follows the tolerances. Proposals need not be right, only near: the proof decides.
 
-use super::proof::{Prover, largest_deviation};
+use super::deviation::largest_deviation;
+use super::proof::Prover;
 use super::rim::Arc;
 use super::{Bound, Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, Outline, Rect};

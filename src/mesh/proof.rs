@@ -22,14 +22,12 @@
 //! These bounds are quick, and near the truth where facets are small against the mirror; `tight`
 //! takes a facet apart where they are not.
 
-use super::deviation::Triangle;
+use super::deviation::{Triangle, largest_deviation};
 use super::region::{Contents, Plane, Region, Sight, beyond, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
 use crate::mirror::{Bounds, Cells, Mirror, Point};
 use crate::num::{Interval, exp};
 use crate::optics::View;
-
-pub(super) use super::deviation::largest_deviation;
 
 /// A corner of a facet with what the mirror does there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,8 +85,8 @@ pub struct Prover<'a> {
 impl<'a> Prover<'a> {
     /// A prover for the designed panel of `mirror`, as the camera with chart `camera` sees it;
     /// what its image must show is `view`'s. The camera's chart is the mirror's, or the mirror's
-    /// is that of parallel rays. Without a view there are no bounds of the image.
-    /// In `precision` the corners will be written.
+    /// is that of parallel rays. Without a view there are no bounds of the image. Bounds hold for
+    /// files that carry `precision`.
     #[must_use]
     pub fn new(
         mirror: &'a Mirror,
