@@ -181,6 +181,17 @@ fn whole(formats: &str) -> Vec<u8> {
 }
 
 #[test]
+fn with_a_number_of_triangles_the_witness_is_held_to_what_was_proven() {
+    let text = small_but("chord_um = 20\nfacet_px = 3", "max_triangles = 5000");
+    let text = text.replace("formats = [\"stl\", \"obj\"]", STL);
+    let (source, out) = (profile(&text).into(), folder());
+    let lift = Vandal(|bytes| lifted(bytes, usize::MAX));
+    let report = build(&source, out.path(), &lift).unwrap();
+    reason(&report, &["mirror.stl: facet error ", " px of the mesh's bound"]);
+    assert_eq!(build(&source, out.path(), &Silent).unwrap().verdict, Verdict::Pass);
+}
+
+#[test]
 fn a_vertex_lifted_in_all_its_facets_exceeds_the_facet_limit() {
     exceeds_the_facet_limit(&damaged(STL, |bytes| lifted(bytes, usize::MAX)));
 }

@@ -40,7 +40,9 @@ fn the_thread_count_leaves_no_trace(text: &str, code: i32) {
 
 #[test]
 fn a_strip_is_the_same_on_any_number_of_threads() {
-    the_thread_count_leaves_no_trace(&small_strip(), 0);
+    // With coarser facets the panorama's ends shadow each other.
+    let fine = edited(&small_strip(), &[("facet_px = 3", "facet_px = 1")]);
+    the_thread_count_leaves_no_trace(&fine, 0);
 }
 
 #[test]

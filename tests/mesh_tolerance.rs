@@ -251,7 +251,7 @@ fn is_symmetric(mesh: &TriMesh, flip: DVec3) -> bool {
 }
 
 fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64>) -> Profile {
-    profile.mesh = MeshLimits { chord_um, facet_px };
+    profile.mesh = MeshLimits { chord_um, facet_px, ..MeshLimits::default() };
     profile
 }
 

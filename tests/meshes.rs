@@ -19,9 +19,13 @@ fn outcome(case: &Case) -> Outcome {
     let face = match case.mesh() {
         Ok(face) => face,
         Err(MeshError::TooMany { .. }) => return Outcome::Refused("too many facets"),
-        Err(MeshError::Floor { .. }) => return Outcome::Refused("limits under what digits allow"),
+        Err(MeshError::Floor { .. } | MeshError::Single { .. }) => {
+            return Outcome::Refused("limits under what digits allow");
+        }
         Err(MeshError::Pole { .. }) => return Outcome::Refused("a look along the axis"),
-        Err(MeshError::Point { .. }) => return Outcome::Refused("a point that was not accepted"),
+        Err(error @ (MeshError::Point { .. } | MeshError::Few { .. })) => {
+            return Outcome::Wrong(error.to_string());
+        }
     };
     if !case.limits.hold(&face.bound) {
         return Outcome::Wrong(format!("{:?} over {:?}", face.bound, case.limits));

@@ -53,7 +53,7 @@ fn the_shipped_conquistador_is_the_papers() {
                 minimax: false,
             }),
             part: Part { width_mm: 60.0, base_mm: 5.0 },
-            mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0) },
+            mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0), max_triangles: None },
             formats: vec![Format::Stl, Format::Obj],
             accept: Accept {
                 pixel_error_rms_px: Some(2.0),
@@ -114,6 +114,8 @@ fn limits_are_where_they_are_said_to_be() {
         ("chord_um = 2", "chord_um = 1e-4", "chord_um = 0.99e-4"),
         ("chord_um = 2", "facet_px = 1e-3", "facet_px = 0"),
         ("chord_um = 2", "facet_px = 1000", "facet_px = 1000.1"),
+        ("chord_um = 2", "max_triangles = 100", "max_triangles = 99"),
+        ("chord_um = 2", "max_triangles = 4e7", "max_triangles = 40_000_001"),
         (
             "\"stl\"]",
             "\"stl\"]\naccept = { frame_filled = 1, pixel_error_rms_px = 0 }",

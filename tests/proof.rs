@@ -39,10 +39,11 @@ fn bounds_of_shipped_profiles_are_true_and_tight() {
     for Shipped { name, .. } in morion::profile::shipped() {
         for (times_chord, times_facet) in [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)] {
             let mut profile = shipped(name);
-            let MeshLimits { chord_um, facet_px } = profile.mesh;
+            let MeshLimits { chord_um, facet_px, .. } = profile.mesh;
             profile.mesh = MeshLimits {
                 chord_um: chord_um.map(|um| um * times_chord),
                 facet_px: facet_px.map(|px| px * times_facet),
+                ..MeshLimits::default()
             };
             let design = designed(&profile);
             for precision in [Precision::Single, Precision::Double] {

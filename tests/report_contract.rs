@@ -161,6 +161,7 @@ fn the_report_has_every_key_with_its_type() {
             ("frame.gain_over_disc", Number),
             ("verdict", Text),
             ("reasons", Texts),
+            ("warnings", Texts),
         ],
     );
     holds(&report, &SOLID);

@@ -95,7 +95,7 @@ fn the_volume_error_falls_with_the_square_of_the_facets_size() {
     for law in ["cylindrical", "mercator"] {
         let profile = profile(&[("cylindrical", law)]);
         let [coarse, fine] = [4.0, 1.0].map(|chord_um| {
-            let mesh = MeshLimits { chord_um: Some(chord_um), facet_px: None };
+            let mesh = MeshLimits { chord_um: Some(chord_um), ..MeshLimits::default() };
             let profile = Profile { mesh, ..profile.clone() };
             let design = designed(&profile);
             let face = meshed(&profile, &design).unwrap().mesh;

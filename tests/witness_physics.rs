@@ -73,7 +73,8 @@ fn summary(profile: &Profile, error: impl Fn(&Seen) -> f64) -> Summary {
 #[test]
 fn every_pixel_obeys_the_law_of_reflection() {
     for edits in [&[SMALL][..], &[SMALL, CREST], &[SMALL, CREST, MERCATOR]] {
-        let profile = profile(edits);
+        // Coarse facets of a crest may shadow each other.
+        let profile = profile(&[edits, &[FINER]].concat());
         let design = designed(&profile);
         let scene = Scene::new(solid(&profile, &design).mesh().clone());
         let mut hits = 0;
@@ -250,7 +251,7 @@ fn a_valley_shadows_rays_that_cross_it_below_the_horizon() {
 }
 
 fn with_facets(profile: &Profile, facet_px: f64) -> Profile {
-    let mesh = MeshLimits { chord_um: None, facet_px: Some(facet_px) };
+    let mesh = MeshLimits { facet_px: Some(facet_px), ..MeshLimits::default() };
     Profile { mesh, ..profile.clone() }
 }
 
@@ -294,7 +295,7 @@ fn the_conformal_mirrors_ray_error_vanishes_with_the_facets() {
 #[test]
 fn a_files_normals_show_the_design() {
     for name in ["panoramic", "conquistador"] {
-        let mut profile = with_facets(&shipped(name), 2.0);
+        let mut profile = with_facets(&shipped(name), 1.4);
         profile.formats = vec![Format::Obj];
         let report = built(&profile);
         let smooth = report.trace[0].interpolated_normals.unwrap().pixel_error_px.unwrap();

@@ -15,7 +15,7 @@ pub struct Arguments {
     /// How results are printed
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     pub format: Format,
-    /// No progress on stderr
+    /// No progress on stderr; warnings and errors stay
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Number of threads [default: one per core]; results do not depend on it
@@ -36,6 +36,9 @@ pub enum Command {
         /// Folder for results
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
+        /// Foresee the numbers of triangles and the sizes of the files, and write nothing
+        #[arg(long)]
+        dry_run: bool,
     },
     /// Validate a profile, and nothing else
     Check {

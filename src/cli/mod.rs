@@ -3,9 +3,9 @@
 mod args;
 mod progress;
 
-use crate::pipeline::{Source, bench, build, load, verify};
+use crate::pipeline::{Source, bench, build, foresee, load, verify};
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Report, Verdict, text};
+use crate::report::{Prospect, Report, Verdict, text};
 use args::{Arguments, Command, Format};
 use clap::Parser;
 use progress::Progress;
@@ -44,12 +44,17 @@ type Failure = Box<dyn std::error::Error>;
 fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     let progress = Progress::new(arguments.quiet);
     match &arguments.command {
-        Command::Build { profiles, out } => {
+        Command::Build { profiles, out, dry_run } => {
             let sources = load_all(profiles)?;
             let (mut code, mut failures) = (PASSED, Vec::new());
             for source in &sources {
-                match build(source, out, &progress) {
-                    Ok(report) => code = code.max(conclude(arguments, &report)?),
+                let done = if *dry_run {
+                    foresee(source, &progress).map(|prospect| announce(arguments, &prospect))
+                } else {
+                    build(source, out, &progress).map(|report| conclude(arguments, &report))
+                };
+                match done {
+                    Ok(concluded) => code = code.max(concluded?),
                     Err(error) => failures.push(error.to_string()),
                 }
             }
@@ -114,8 +119,25 @@ fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
     if faults.is_empty() { Ok(sources) } else { Err(faults.join("\n").into()) }
 }
 
+/// Prints what a build would make, the warnings to stderr.
+fn announce(arguments: &Arguments, prospect: &Prospect) -> Result<u8, Failure> {
+    prospect.warnings.iter().for_each(|warning| warn(warning));
+    print(&match arguments.format {
+        Format::Json => prospect.json(),
+        Format::Text => prospect.text(),
+    })?;
+    Ok(PASSED)
+}
+
+/// Says on stderr what is no error; a message that nobody can read is not worth failing for.
+fn warn(warning: &str) {
+    let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Yellow.into()));
+    let _ = writeln!(anstream::stderr(), "{style}warning{style:#}: {warning}");
+}
+
 /// Prints a report and turns its verdict into an exit code.
 fn conclude(arguments: &Arguments, report: &Report) -> Result<u8, Failure> {
+    report.warnings.iter().for_each(|warning| warn(warning));
     match arguments.format {
         Format::Json => print(&report.json())?,
         Format::Text => print(&text(report))?,

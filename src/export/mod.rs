@@ -1,12 +1,25 @@
-//! Files: solid -> STL and OBJ bytes, and the bytes of any such file -> triangles.
+//! Files: solid -> STL and OBJ bytes, and how many; the bytes of any such file -> triangles.
 
 mod obj;
 mod read;
 mod stl;
 
-pub use obj::write_obj;
+pub use obj::{obj_bytes, write_obj};
 pub use read::{ReadError, Reread, read_obj, read_stl};
-pub use stl::write_stl;
+pub use stl::{stl_bytes, write_stl};
+
+/// How large a solid is, or will be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Facets of the optical face.
+    pub optical: usize,
+    /// The other facets.
+    pub more: usize,
+    /// Vertices of the optical face.
+    pub face_vertices: usize,
+    /// The other vertices.
+    pub more_vertices: usize,
+}
 
 /// What every file says about itself.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: every digit of the coordinates, and the designed mirror's own normals.
 
-use super::Label;
-use crate::geom::{DVec2, DVec3};
+use super::{Label, Size};
+use crate::geom::{DVec2, DVec3, Precision};
 use crate::mirror::Mirror;
 use crate::solid::Solid;
 use rayon::prelude::*;
@@ -41,25 +41,98 @@ pub fn write_obj(
     let all_normals: Vec<DVec3> =
         normals.iter().copied().chain(ridge.iter().map(flipped)).collect();
 
-    writeln!(out, "# Morion: profile {}, sha256 {}", Label::plain(&label.profile), label.sha256)?;
-    writeln!(out, "# millimetres; {}", Label::plain(&label.tolerances))?;
-    lines(out, &mesh.vertices, |text, v| writeln!(text, "v {} {} {}", v.x, v.y, v.z))?;
-    lines(out, &all_normals, |text, n| writeln!(text, "vn {} {} {}", n.x, n.y, n.z))?;
-    writeln!(out, "# optical face")?;
-    lines(out, plain, |text, t| {
-        let [a, b, c] = t.map(|v| v + 1);
-        writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}")
-    })?;
-    lines(out, reflected, |text, t| {
-        let [(a, p), (b, q), (c, r)] = t.map(|v| (v + 1, second(v) + 1));
-        writeln!(text, "f {a}//{p} {b}//{q} {c}//{r}")
-    })?;
-    writeln!(out, "# skirt and base")?;
-    lines(out, body, |text, t| {
-        let [a, b, c] = t.map(|v| v + 1);
-        writeln!(text, "f {a} {b} {c}")
-    })?;
+    header(out, label)?;
+    lines(out, &mesh.vertices, vertex)?;
+    lines(out, &all_normals, normal)?;
+    writeln!(out, "{OPTICAL}")?;
+    lines(out, plain, |text, t| smooth(text, &t.map(|v| (v + 1, v as usize + 1))))?;
+    lines(out, reflected, |text, t| smooth(text, &t.map(|v| (v + 1, second(v) + 1))))?;
+    writeln!(out, "{BODY}")?;
+    lines(out, body, bare)?;
     out.flush()
+}
+
+const OPTICAL: &str = "# optical face";
+const BODY: &str = "# skirt and base";
+
+fn header(out: &mut impl Write, label: &Label) -> io::Result<()> {
+    writeln!(out, "# Morion: profile {}, sha256 {}", Label::plain(&label.profile), label.sha256)?;
+    writeln!(out, "# millimetres; {}", Label::plain(&label.tolerances))
+}
+
+fn vertex(text: &mut Vec<u8>, v: &DVec3) -> io::Result<()> {
+    writeln!(text, "v {} {} {}", v.x, v.y, v.z)
+}
+
+fn normal(text: &mut Vec<u8>, n: &DVec3) -> io::Result<()> {
+    writeln!(text, "vn {} {} {}", n.x, n.y, n.z)
+}
+
+/// A facet by the numbers of its vertices and normals.
+fn smooth(text: &mut Vec<u8>, facet: &[(u32, usize); 3]) -> io::Result<()> {
+    let [(a, p), (b, q), (c, r)] = facet;
+    writeln!(text, "f {a}//{p} {b}//{q} {c}//{r}")
+}
+
+/// A facet without normals.
+fn bare(text: &mut Vec<u8>, facet: &[u32; 3]) -> io::Result<()> {
+    let [a, b, c] = facet.map(|v| v + 1);
+    writeln!(text, "f {a} {b} {c}")
+}
+
+/// Foresees the length of what [`write_obj`] writes of a solid of this size: from the lines of
+/// vertices and facets like its own.
+#[must_use]
+pub fn obj_bytes(size: &Size, mirror: &Mirror, precision: Precision, label: &Label) -> u64 {
+    let places = sample(mirror, precision);
+    let points = mirror.along(&places);
+    let on_mirror: Vec<DVec3> =
+        places.iter().zip(&points).map(|(&q, point)| mirror.place(q, point)).collect();
+    let feet: Vec<DVec3> = on_mirror.iter().map(|v| v.truncate().extend(0.0)).collect();
+    let numbers = |count: usize| -> Vec<u32> {
+        (0..SAMPLES).map(|k| ((k as f64 + 0.5) / SAMPLES as f64 * count as f64) as u32).collect()
+    };
+    let vertices = size.face_vertices + size.more_vertices;
+    let smooth_facets: Vec<_> =
+        numbers(size.face_vertices).iter().map(|&v| [(v + 1, v as usize + 1); 3]).collect();
+    let bare_facets: Vec<_> = numbers(vertices).iter().map(|&v| [v; 3]).collect();
+    let mut head = Vec::new();
+    // Writing to memory cannot fail.
+    let _ = header(&mut head, label);
+    let head = head.len() + OPTICAL.len() + BODY.len() + 2;
+    let text = size.face_vertices as f64
+        * (mean(&on_mirror, vertex) + mean(&normals(mirror, &on_mirror), normal))
+        + size.more_vertices as f64 * mean(&feet, vertex)
+        + size.optical as f64 * mean(&smooth_facets, smooth)
+        + size.more as f64 * mean(&bare_facets, bare);
+    head as u64 + text as u64
+}
+
+/// Places for typical lines along each axis, and in all for numbers.
+const SIDE: usize = 32;
+const SAMPLES: usize = SIDE * SIDE;
+
+/// Places all over the mirror, with digits like those of a mesh's vertices.
+fn sample(mirror: &Mirror, precision: Precision) -> Vec<DVec2> {
+    let outline = mirror.whole();
+    let bounds = outline.bounds();
+    // No round share of the sides: coordinates of few digits are rare.
+    let share = |k: usize| (k as f64 + std::f64::consts::FRAC_1_SQRT_2) / (SIDE + 1) as f64;
+    let single = precision == Precision::Single && mirror.chart.vergence == 0.0;
+    let place = |k: usize| {
+        let q = bounds.min + bounds.size() * DVec2::new(share(k % SIDE), share(k / SIDE));
+        if single { q.as_vec2().as_dvec2() } else { q }
+    };
+    (0..SAMPLES).map(place).filter(|&q| outline.contains(q)).collect()
+}
+
+/// The mean length of the items' lines.
+fn mean<T>(items: &[T], line: impl Fn(&mut Vec<u8>, &T) -> io::Result<()>) -> f64 {
+    let mut text = Vec::new();
+    for item in items {
+        let _ = line(&mut text, item);
+    }
+    text.len() as f64 / items.len().max(1) as f64
 }
 
 /// The mirror's unit normals at `vertices`.

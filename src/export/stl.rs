@@ -8,6 +8,15 @@ use stl_io::{Normal, Triangle, Vertex};
 /// Length of the free text that begins a binary STL.
 const HEADER: usize = 80;
 
+/// Bytes of a triangle: its normal, its corners, and an attribute that nothing uses.
+const TRIANGLE: u64 = 50;
+
+/// The length of what [`write_stl`] writes of so many triangles.
+#[must_use]
+pub fn stl_bytes(triangles: usize) -> u64 {
+    HEADER as u64 + 4 + TRIANGLE * triangles as u64
+}
+
 /// Writes `solid`, whose coordinates should be single-precision numbers, as binary STL with facet
 /// normals. The header names the program, the profile, the unit and the tolerances, as far as they
 /// fit, and never begins with "solid", by which readers know the text form.

@@ -6,24 +6,37 @@
 //! (`geom::Chart`). A symmetric panel is meshed on one half or quarter, a folded mirror on one
 //! panel: displacements of the image are the same in all of them.
 
+mod budget;
+mod cell;
 mod deviation;
-mod lattice;
+mod draft;
+mod ground;
+mod needs;
+mod net;
 mod optimum;
+mod pack;
+mod plane;
 mod proof;
 mod refine;
 mod region;
 mod rim;
+mod subdivide;
 #[cfg(test)]
 mod tests;
 mod tight;
 mod tighten;
 
+pub use budget::{Budget, Closing, Plan};
 pub use optimum::Optimum;
 pub use proof::{Bound, Prover, Vertex};
 
 use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::View;
+use draft::{Draft, rounding};
+use needs::Needs;
+use refine::refine;
+use subdivide::subdivide;
 use thiserror::Error;
 
 /// Largest number of facets of the whole face: about 15 GB in all stages.
@@ -92,6 +105,30 @@ pub enum MeshError {
         /// What could be proven there.
         bound: Bound,
     },
+    /// Rounding to single precision alone keeps facets from a limit.
+    #[error(
+        "single precision carries no better than {} at X {:.4} mm, Y {:.4} mm; loosen the limit",
+        carried(*chord_mm, *facet_mm), at.x, at.y
+    )]
+    Single {
+        /// Where.
+        at: DVec2,
+        /// The chord that it carries there, mm, if that limit cannot be kept.
+        chord_mm: Option<f64>,
+        /// The facet error that it carries there, mm, if that limit cannot be kept.
+        facet_mm: Option<f64>,
+    },
+    /// No mesh of so few triangles.
+    #[error(
+        "max_triangles = {most} is too few: the coarsest mesh of this mirror comes to {least} \
+         triangles; raise max_triangles to that"
+    )]
+    Few {
+        /// The number allowed.
+        most: usize,
+        /// The fewest that were reached.
+        least: usize,
+    },
     /// The slope may vanish: there the mirror looks along the axis, and no image point is near.
     #[error(
         "near X {:.4} mm, Y {:.4} mm the designed mirror may look straight along its axis, where \
@@ -114,6 +151,13 @@ pub enum MeshError {
     },
 }
 
+/// Errors that are not kept, as words.
+fn carried(chord_mm: Option<f64>, facet_mm: Option<f64>) -> String {
+    let chord = chord_mm.map(|mm| format!("{mm:.3e} mm (chord)"));
+    let facet = facet_mm.map(|mm| format!("{mm:.3e} mm (image)"));
+    chord.into_iter().chain(facet).collect::<Vec<_>>().join(" and ")
+}
+
 /// Meshes `mirror` so that every facet keeps `limits` as the camera of chart `camera` sees it, whose
 /// image must show `view`. The camera's chart is the mirror's, or the mirror's is that of parallel
 /// rays (a given mirror under a pinhole). Without a view `facet_mm` of the face's bound is 0.
@@ -132,10 +176,11 @@ pub fn mesh(
     assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
     let domain = domain(mirror);
     let prover = Prover::over(domain, mirror, camera, view, limits.precision);
-    let twice = [mirror.even[0], mirror.even[1], mirror.folded];
-    let copies = 1 << twice.iter().filter(|&&twice| twice).count();
-    let proposal = lattice::propose(&prover, domain, copies, limits)?;
-    let (mut mesh, bound) = refine::triangulate(&prover, proposal, copies, limits)?;
+    let copies = copies(mirror);
+    let needs = Needs::new(&prover, domain, limits);
+    let draft = Draft::new(&prover, &needs, domain, copies, limits)?;
+    let fine = subdivide(&draft, rounding(&prover, limits));
+    let (mut mesh, bound) = refine(&prover, &draft, fine, copies, limits)?;
     for axis in [0, 1] {
         if mirror.even[axis] {
             mesh = mesh.with_reflection(axis);
@@ -146,6 +191,47 @@ pub fn mesh(
         mesh = mesh.with_reflection(1);
     }
     Ok(Face { mesh, designed, bound, optimum: Optimum::new(mirror, camera, view) })
+}
+
+/// How large a mesh will be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forecast {
+    /// Facets of the optical face.
+    pub facets: f64,
+    /// Edges around it (and around its hole, if there is one).
+    pub rim: f64,
+}
+
+/// Foresees the size of what [`mesh`] makes of the same arguments, without making it.
+///
+/// # Errors
+/// [`MeshError`] as far as it can be foreseen.
+///
+/// # Panics
+/// When `limits` ask for a facet error without a view.
+pub fn forecast(
+    mirror: &Mirror,
+    camera: &Chart,
+    view: Option<&View>,
+    limits: Limits,
+) -> Result<Forecast, MeshError> {
+    assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
+    let domain = domain(mirror);
+    let prover = Prover::over(domain, mirror, camera, view, limits.precision);
+    let copies = copies(mirror);
+    let needs = Needs::new(&prover, domain, limits);
+    let draft = Draft::new(&prover, &needs, domain, copies, limits)?;
+    // Sides on which the part meets its reflection are inside the face.
+    let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
+    let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
+    let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
+    Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
+}
+
+/// How many times the face holds what is meshed.
+fn copies(mirror: &Mirror) -> usize {
+    let twice = [mirror.even[0], mirror.even[1], mirror.folded];
+    1 << twice.iter().filter(|&&twice| twice).count()
 }
 
 /// The bounds of the part of the panel that is meshed: where x >= 0 or y >= 0 if the rest is its

@@ -22,12 +22,15 @@
 //! These bounds are quick, and near the truth where facets are small against the mirror; `tight`
 //! takes a facet apart where they are not.
 
-use super::deviation::{Triangle, largest_deviation};
-use super::region::{Contents, Plane, Region, Sight, beyond, sides};
+use super::deviation::Triangle;
+use super::ground::{Ground, Local};
+use super::region::{Contents, Plane, Region, Sight, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
-use crate::mirror::{Bounds, Cells, Mirror, Point};
+use crate::mirror::{Mirror, Point};
 use crate::num::{Interval, exp};
 use crate::optics::View;
+
+pub(super) use super::deviation::largest_deviation;
 
 /// A corner of a facet with what the mirror does there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,15 +81,14 @@ pub struct Prover<'a> {
     pub(super) sight: Sight<'a>,
     pub(super) plain: bool,
     pub(super) precision: Precision,
-    bounds: Cells<Bounds>,
-    pub(super) cells: Cells<Region>,
+    pub(super) ground: Ground,
 }
 
 impl<'a> Prover<'a> {
     /// A prover for the designed panel of `mirror`, as the camera with chart `camera` sees it;
     /// what its image must show is `view`'s. The camera's chart is the mirror's, or the mirror's
-    /// is that of parallel rays. Without a view there are no bounds of the image. Bounds hold for
-    /// files that carry `precision`.
+    /// is that of parallel rays. Without a view there are no bounds of the image.
+    /// In `precision` the corners will be written.
     #[must_use]
     pub fn new(
         mirror: &'a Mirror,
@@ -106,18 +108,8 @@ impl<'a> Prover<'a> {
         precision: Precision,
     ) -> Self {
         let sight = Sight { mirror, camera: *camera, view };
-        let bounds = Cells::new(&mirror.surface, part);
-        let parts = sight.parts();
-        let cells = bounds.map(parts, |part, bounds| {
-            if beyond(&mirror.outline, part) {
-                Region::NOTHING
-            } else if parts == 1 {
-                sight.region(part, bounds)
-            } else {
-                sight.region(part, &sight.narrow(bounds, part))
-            }
-        });
-        Self { sight, plain: sight.is_plain(), precision, bounds, cells }
+        let ground = Ground::new(&sight, part);
+        Self { sight, plain: sight.is_plain(), precision, ground }
     }
 
     /// The mirror.
@@ -168,16 +160,17 @@ impl<'a> Prover<'a> {
         if !(turn(corners[0], corners[1], corners[2]) > 0.0) {
             return (Bound::NEVER, [0.0; 2]);
         }
-        let triangle = Triangle::new(corners);
-        let region = self.cells.over(triangle.reach[0], triangle.reach[1]);
-        let [ab, bc, ca] = triangle.curves(t.map(|v| v.gradient));
+        let local = self.ground.local(corners);
+        let triangle = &local.triangle;
+        let region = self.ground.region(&local, triangle.diameter);
+        let [ab, bc, ca] = triangle.curves(t.map(|v| local.turn.rotate(v.gradient)));
         let quadratic = largest_deviation(ab, bc, ca);
         let rest = triangle.twist(region.third);
         let chord = (quadratic + rest) * region.stretch;
         let surely = (quadratic - rest) * self.least_stretch(t, quadratic + rest);
 
         let facets = Facets::new(t, self.precision);
-        let chord_mm = chord + self.moved(t, (&triangle, &region), &facets);
+        let chord_mm = chord + self.moved(t, (triangle, &region), &facets);
         let Some(view) = self.sight.view else {
             return (Bound { chord_mm, ..Bound::default() }, [surely, 0.0]);
         };
@@ -203,7 +196,7 @@ impl<'a> Prover<'a> {
                 largest = larger(largest, farthest(shown, own));
                 rounding = farthest(shown, exact);
             }
-            (largest, rounding, self.in_image(t, &triangle, &facets, &region, [largest, chord_mm]))
+            (largest, rounding, self.in_image(t, &local, &facets, &region, [largest, chord_mm]))
         };
         (Bound { chord_mm, facet_mm, rounding_mm }, [surely, largest])
     }
@@ -223,18 +216,14 @@ impl<'a> Prover<'a> {
     fn in_image(
         &self,
         t: [&Vertex; 3],
-        triangle: &Triangle,
+        local: &Local,
         facets: &Facets,
         region: &Region,
         [corners, chord]: [f64; 2],
     ) -> f64 {
         let aside = self.aside(region, chord) + self.shift(t, facets);
-        let bound =
-            |first: f64, second: [f64; 3]| corners + triangle.bend(second) + times(first, aside);
-        let gradient = gradient(t);
-        let [least, most] = region.gradient;
-        let quick = if gradient.cmpge(least).all() && gradient.cmple(most).all() {
-            bound(region.first, region.second)
+        let quick = if local.is_known(region, gradient(t)) {
+            corners + local.triangle.bend(region.second) + times(region.first, aside)
         } else {
             f64::INFINITY
         };
@@ -243,8 +232,9 @@ impl<'a> Prover<'a> {
             quick
         } else {
             let h = t.map(|v| v.h);
-            let contents = self.closely(triangle, h, facets, aside);
-            quick.min(bound(contents.first(), contents.second())).min(contents.apart())
+            let (contents, bend) = self.closely(t.map(|v| v.q), h, facets, aside);
+            let close = corners + bend + times(contents.first(), aside);
+            quick.min(close).min(contents.apart())
         }
     }
 
@@ -255,33 +245,34 @@ impl<'a> Prover<'a> {
     }
 
     /// Contents over the box of (a part of) one facet with heights `h` at its corners, and as far
-    /// around it as `aside`.
+    /// around it as `aside`; and what linear interpolation of them leaves out.
     pub(super) fn closely(
         &self,
-        triangle: &Triangle,
+        corners: [DVec2; 3],
         h: [f64; 3],
         facets: &Facets,
         aside: f64,
-    ) -> Contents {
+    ) -> (Contents, f64) {
         let view = self.sight.view.expect("an image to prove something of");
+        let Local { turn, triangle, .. } = self.ground.local(corners);
         let [lo, hi] = triangle.reach;
         let part = [lo - aside, hi + aside];
-        let bounds = self.sight.narrow(&self.bounds.over(part[0], part[1]), part);
-        if self.plain {
-            return self.sight.contents(view, part, &bounds, None);
-        }
-        let k = self.sight.mirror.chart.vergence;
-        let most = h.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let least = h.into_iter().fold(f64::INFINITY, f64::min);
-        let grow = 1.0 + k * most;
-        let single = facets.single.as_ref().unwrap_or(&facets.exact);
-        let slack = 4.0 * single.moved * grow * grow;
-        let h = Interval::new(least - slack, most + slack);
-        let [exact, single] =
-            [&facets.exact, single].map(|facet| facet.slope.to_array().map(Interval::point));
-        let slope = [exact[0].hull(single[0]), exact[1].hull(single[1])];
-        let plane = Plane::of_slope(k, sides(part), h, slope);
-        self.sight.contents(view, part, &bounds, Some(plane))
+        let bounds = self.sight.narrow(&self.ground.bounds(part), part);
+        let plane = (!self.plain).then(|| {
+            let k = self.sight.mirror.chart.vergence;
+            let most = h.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let least = h.into_iter().fold(f64::INFINITY, f64::min);
+            let grow = 1.0 + k * most;
+            let single = facets.single.as_ref().unwrap_or(&facets.exact);
+            let slack = 4.0 * single.moved * grow * grow;
+            let h = Interval::new(least - slack, most + slack);
+            let [exact, single] = [&facets.exact, single]
+                .map(|facet| turn.rotate(facet.slope).to_array().map(Interval::point));
+            let slope = [exact[0].hull(single[0]), exact[1].hull(single[1])];
+            Plane::of_slope(k, sides(part), h, slope)
+        });
+        let contents = self.sight.contents(view, part, &bounds, plane);
+        (contents, triangle.bend(contents.second()))
     }
 
     /// What corner `i` of a facet shows.
@@ -354,8 +345,8 @@ impl<'a> Prover<'a> {
     /// that the image does not have.
     #[must_use]
     pub fn sees_the_pole(&self, t: &[Vertex; 3]) -> bool {
-        let [lo, hi] = Triangle::new(t.each_ref().map(|v| v.q)).reach;
-        self.cells.over(lo, hi).pole && !self.is_bounded(t.each_ref())
+        let local = self.ground.local(t.each_ref().map(|v| v.q));
+        self.ground.region(&local, local.triangle.diameter).pole && !self.is_bounded(t.each_ref())
     }
 }
 

@@ -1,205 +1,240 @@
-//! Triangulation and repair: spade joins the points, the proof is asked of every facet, and the
-//! facets that fail get a point on their longest edge until none fails.
+//! Proof and repair: every facet is asked for its bounds; around those that fail corners are moved
+//! and edges flipped, and, where that does not do, split, until none fails.
 
-use super::lattice::Proposal;
+use super::draft::{Draft, rounding};
+use super::net::Net;
 use super::proof::{Bound, Prover, Vertex};
-use super::rim::Rims;
+use super::subdivide::Fine;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
+use glam::DMat2;
 use rayon::prelude::*;
-use spade::handles::FixedVertexHandle;
-use spade::{DelaunayTriangulation, Point2, Triangulation};
-use std::collections::HashSet;
-
-type Plane = DelaunayTriangulation<Point2<f64>>;
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
-const CHUNK: usize = 4096;
-
-/// Most points for every proposed one, and some for small proposals: past these, splitting does not
+const CHUNK: usize = 1024;
+/// Most facets for every one proposed, and some for small proposals: past these, splitting does not
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
-const MOST_GROWTH: usize = 2;
-const FEW: usize = 100_000;
+const MOST_GROWTH: usize = 3;
+const FEW: usize = 200_000;
+/// Rounds in which facets are split as the model would have it, and their corners moved, though
+/// that may break their neighbours.
+const EAGER: usize = 6;
+/// Excess of the model, over which a corner of a failed facet is moved.
+const UNEASY: f64 = 0.81;
 
-/// The Delaunay triangulation of a proposal, refined until every facet keeps `limits`, with the
-/// bound reached.
-///
-/// Inserting a point into a Delaunay triangulation only makes facets that have it as a corner, so
-/// each round proves just those, and any that failed and are still there. The face holds `copies`
-/// of this mesh.
-pub fn triangulate(
+/// `fine` refined until every facet keeps `limits`, and the bound reached. The face holds `copies`
+/// of it.
+pub fn refine(
     prover: &Prover,
-    proposal: Proposal,
+    draft: &Draft,
+    fine: Fine,
     copies: usize,
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
-    let points = proposal.points;
-    let (plane, mut vertices) = rayon::join(|| delaunay(&points), || on_rows(prover, &points));
-    let mut plane = plane?;
-    let mut rims = Rims::new(&proposal.rims, &points);
-    let (mut bound, mut proven) = (Bound::default(), 0);
-    let mut failing = HashSet::new();
-    let most = MOST_GROWTH * points.len() + FEW;
-    loop {
-        close_hole(prover, &mut plane, &mut vertices, &mut rims)?;
-        let triangles: Vec<[u32; 3]> = plane
-            .inner_faces()
-            .map(|f| f.vertices().map(|v| v.index() as u32))
-            .filter(|facet| rims.keeps(facet, |v| vertices[v as usize].q))
-            .collect();
-        let facets = (triangles.len() * copies) as f64;
-        if facets > MOST_FACETS {
-            return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+    let evaluate = |&q: &DVec2| prover.vertex(q, prover.mirror().surface.at(q));
+    let mut vertices: Vec<Vertex> =
+        fine.points.par_iter().with_min_len(CHUNK).map(evaluate).collect();
+    let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
+    let proof = Proof { prover, limits };
+    let (mut bound, mut failed) = proof.of(&all, &vertices, &fine.triangles);
+    let mut triangles = fine.triangles;
+    if !failed.is_empty() {
+        let most = MOST_GROWTH * triangles.len() + FEW;
+        let net = Net::new(draft.cells.needs, 1.0, fine.points, triangles);
+        let mut repair = Repair { proof: &proof, draft, net, vertices, changed: Vec::new() };
+        let mut round = 0;
+        while !failed.is_empty() {
+            let facets = (repair.net.triangles.len() * copies) as f64;
+            if facets > MOST_FACETS {
+                return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+            }
+            if repair.net.triangles.len() > most {
+                return Err(repair.floor(failed[0]));
+            }
+            repair.round(&failed, round)?;
+            let mut changed = std::mem::take(&mut repair.changed);
+            changed.extend(&failed);
+            changed.sort_unstable();
+            changed.dedup();
+            let worst;
+            (worst, failed) = proof.of(&changed, &repair.vertices, &repair.net.triangles);
+            bound = bound.max(worst);
+            round += 1;
         }
-        let is_new = |t: &[u32; 3]| {
-            t.iter().any(|&v| v as usize >= proven) || failing.contains(&least_first(*t))
+        (vertices, triangles) = (repair.vertices, repair.net.triangles);
+    }
+    let bound = prover.tighten(&vertices, &triangles, &limits, bound);
+    let vertices = vertices.into_iter().map(|v| v.at).collect();
+    Ok((TriMesh { vertices, triangles }, bound))
+}
+
+struct Proof<'a> {
+    prover: &'a Prover<'a>,
+    limits: Limits,
+}
+
+impl Proof<'_> {
+    /// Of the given facets the worst bound of those that keep the limits, and the others.
+    fn of(&self, facets: &[u32], vertices: &[Vertex], triangles: &[[u32; 3]]) -> (Bound, Vec<u32>) {
+        let chunk = |facets: &[u32]| {
+            let (mut worst, mut failed) = (Bound::default(), Vec::new());
+            for &t in facets {
+                let facet = triangles[t as usize].map(|v| &vertices[v as usize]);
+                let mut bound = self.prover.bound(facet);
+                if !self.limits.hold(&bound) {
+                    bound = self.prover.settle(facet, bound, &self.limits);
+                }
+                if self.limits.hold(&bound) {
+                    worst = worst.max(bound);
+                } else {
+                    failed.push(t);
+                }
+            }
+            (worst, failed)
         };
-        let (worst, failed) = prove(prover, &vertices, &triangles, is_new, limits);
-        bound = bound.max(worst);
-        if failed.is_empty() {
-            let bound = prover.tighten(&vertices, &triangles, &limits, bound);
-            let vertices = vertices.into_iter().map(|v| v.at).collect();
-            return Ok((TriMesh { vertices, triangles: in_rows(triangles) }, bound));
-        }
-        let stays = failed.iter().find(|&&t| failing.contains(&least_first(triangles[t])));
-        let grown = failed.first().filter(|_| vertices.len() > most);
-        if let Some(&t) = stays.or(grown) {
-            // Splitting does not help, and will not.
-            return Err(floor(prover, &triangles[t].map(|v| vertices[v as usize])));
-        }
-        failing = failed.iter().map(|&t| least_first(triangles[t])).collect();
-        proven = vertices.len();
-        for t in failed {
-            let corners = triangles[t];
-            let facet = corners.map(|v| vertices[v as usize]);
-            if limits.facet_mm.is_some() && prover.sees_the_pole(&facet) {
+        let chunks: Vec<_> = facets.par_chunks(CHUNK).map(chunk).collect();
+        chunks.into_iter().fold(
+            (Bound::default(), Vec::new()),
+            |(worst, mut all), (bound, failed)| {
+                all.extend(failed);
+                (worst.max(bound), all)
+            },
+        )
+    }
+}
+
+struct Repair<'a> {
+    proof: &'a Proof<'a>,
+    draft: &'a Draft<'a>,
+    net: Net<'a>,
+    vertices: Vec<Vertex>,
+    /// Facets that are no longer what was proven.
+    changed: Vec<u32>,
+}
+
+impl Repair<'_> {
+    fn round(&mut self, failed: &[u32], round: usize) -> Result<(), MeshError> {
+        let old = self.net.points.len() as u32;
+        let mut near: Vec<u32> = Vec::new();
+        for &t in failed {
+            let corners = self.net.triangles[t as usize];
+            let facet = corners.map(|v| self.vertices[v as usize]);
+            if self.proof.limits.facet_mm.is_some() && self.proof.prover.sees_the_pole(&facet) {
                 return Err(MeshError::Pole { at: facet[0].q });
             }
-            let [i, j] = longest_edge(&facet);
-            let (a, b) = (facet[i].q, facet[j].q);
-            let rim = rims.joining(corners[i], corners[j]);
-            let point = match rim {
-                Some(rim) => splits(a, b).then(|| rims.arc(rim).between(a, b)),
-                None => middle(prover, a, b),
-            };
-            let Some(point) = point else { return Err(floor(prover, &facet)) };
-            let near = FixedVertexHandle::from_index(corners[0] as usize);
-            if insert(&mut plane, point, near)? == vertices.len() {
-                vertices.push(prover.vertex(point, prover.mirror().surface.at(point)));
-                rims.push(point, rim);
+            near.extend(corners);
+            // What is new in this round has not been proven to fail.
+            if corners.iter().any(|&v| v >= old) {
+                continue;
             }
-        }
-        rims.settle();
-    }
-}
-
-/// Joins the neighbours on the rim of a hole by edges: where the triangulation does without one,
-/// a point half-way between the two brings it back.
-fn close_hole(
-    prover: &Prover,
-    plane: &mut Plane,
-    vertices: &mut Vec<Vertex>,
-    rims: &mut Rims,
-) -> Result<(), MeshError> {
-    loop {
-        let handle = |v: u32| FixedVertexHandle::from_index(v as usize);
-        let is_lost =
-            |&[a, b]: &[u32; 2]| plane.get_edge_from_neighbors(handle(a), handle(b)).is_none();
-        let lost: Vec<[u32; 2]> = rims.hole().filter(is_lost).collect();
-        if lost.is_empty() {
-            return Ok(());
-        }
-        for [a, b] in lost {
-            let (p, q) = (vertices[a as usize], vertices[b as usize]);
-            if !splits(p.q, q.q) {
-                return Err(floor(prover, &[p, q, q]));
-            }
-            let rim = rims.joining(a, b);
-            let point = rims.arc(rim.expect("neighbours")).between(p.q, q.q);
-            if insert(plane, point, handle(a))? == vertices.len() {
-                vertices.push(prover.vertex(point, prover.mirror().surface.at(point)));
-                rims.push(point, rim);
-            }
-        }
-        rims.settle();
-    }
-}
-
-/// The facets in the order of their first vertices. spade's order jumps about the plane; every
-/// later stage, and every reader of the file, is faster when neighbours are stored near each other.
-fn in_rows(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    let mut triangles: Vec<_> = triangles.into_iter().map(least_first).collect();
-    triangles.par_sort_unstable();
-    triangles
-}
-
-/// The same facet, beginning with its least vertex.
-fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
-}
-
-/// Evaluates the mirror at points that come in rows of equal Y.
-fn on_rows(prover: &Prover, points: &[DVec2]) -> Vec<Vertex> {
-    let rows: Vec<&[DVec2]> = points.chunk_by(|a, b| a.y == b.y).collect();
-    let evaluate = |row: &&[DVec2]| {
-        let surface = prover.mirror().surface.row(row[0].y);
-        row.iter().map(|&q| prover.vertex(q, surface.at(q.x))).collect::<Vec<_>>()
-    };
-    rows.par_iter().map(evaluate).collect::<Vec<_>>().concat()
-}
-
-fn delaunay(points: &[DVec2]) -> Result<Plane, MeshError> {
-    let points = points.iter().map(|p| Point2::new(p.x, p.y)).collect();
-    DelaunayTriangulation::bulk_load_stable(points).map_err(|reason| MeshError::Point {
-        x: f64::NAN,
-        y: f64::NAN,
-        reason: reason.to_string(),
-    })
-}
-
-fn insert(plane: &mut Plane, p: DVec2, near: FixedVertexHandle) -> Result<usize, MeshError> {
-    match plane.insert_with_hint(Point2::new(p.x, p.y), near) {
-        Ok(vertex) => Ok(vertex.index()),
-        Err(reason) => Err(MeshError::Point { x: p.x, y: p.y, reason: reason.to_string() }),
-    }
-}
-
-/// Of the facets that `is_new` picks: the worst bound of those that keep the limits, and the
-/// others in ascending order.
-fn prove(
-    prover: &Prover,
-    vertices: &[Vertex],
-    triangles: &[[u32; 3]],
-    is_new: impl Fn(&[u32; 3]) -> bool + Sync,
-    limits: Limits,
-) -> (Bound, Vec<usize>) {
-    let chunk = |(chunk, facets): (usize, &[[u32; 3]])| {
-        let (mut worst, mut failed) = (Bound::default(), Vec::new());
-        for (k, facet) in facets.iter().enumerate().filter(|(_, facet)| is_new(facet)) {
-            let corners = facet.map(|v| &vertices[v as usize]);
-            let mut bound = prover.bound(corners);
-            if !limits.hold(&bound) {
-                bound = prover.settle(corners, &limits);
-            }
-            if limits.hold(&bound) {
-                worst = worst.max(bound);
+            let split = self.net.points.len();
+            if round < EAGER {
+                self.split(self.net.best_split(t), t)?;
             } else {
-                failed.push(chunk * CHUNK + k);
+                let [a, b, c] = facet.map(|v| v.q);
+                let metric = self.draft.cells.at((a + b + c) / 3.0).inverse();
+                self.bisect(t, t, &metric)?;
+            }
+            near.extend(split as u32..self.net.points.len() as u32);
+        }
+        if round < EAGER {
+            near.sort_unstable();
+            near.dedup();
+            self.settle(&near);
+        }
+        Ok(())
+    }
+
+    /// Moves corners and flips the edges around them.
+    fn settle(&mut self, corners: &[u32]) {
+        let mut edges = Vec::new();
+        for &v in corners {
+            let cells = &self.draft.cells;
+            let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
+            if self.net.shift(v, UNEASY, fine) {
+                let q = self.round_off(self.net.points[v as usize]);
+                self.net.points[v as usize] = q;
+                self.vertices[v as usize] = self.vertex(q);
+                self.changed.extend(self.net.around(v));
+            }
+            for t in self.net.around(v) {
+                let [a, b, c] = self.net.triangles[t as usize];
+                edges.extend([sorted(a, b), sorted(b, c), sorted(c, a)]);
             }
         }
-        (worst, failed)
-    };
-    let chunks: Vec<_> = triangles.par_chunks(CHUNK).enumerate().map(chunk).collect();
-    chunks.into_iter().fold((Bound::default(), Vec::new()), |(worst, mut all), (bound, failed)| {
-        all.extend(failed);
-        (worst.max(bound), all)
-    })
+        edges.sort_unstable();
+        edges.dedup();
+        let changed = &mut self.changed;
+        self.net.flip_all(edges, |t| changed.push(t));
+    }
+
+    /// Splits the longest edge of facet `t`, for the sake of facet `of`, by Rivara's rule: an edge
+    /// is only split when it is the longest of both its facets, so that shapes stay what they were.
+    /// Lengths are counted in one metric, lest the rule goes on for ever.
+    fn bisect(&mut self, t: u32, of: u32, metric: &DMat2) -> Result<(), MeshError> {
+        let edge = self.longest(t, metric);
+        loop {
+            let beyond = self.net.beside(edge).into_iter().flatten().find(|&u| u != t);
+            match beyond {
+                Some(u) if self.longest(u, metric) != edge => self.bisect(u, of, metric)?,
+                _ => return self.split(edge, of),
+            }
+        }
+    }
+
+    /// Splits an edge in the middle.
+    fn split(&mut self, edge: [u32; 2], of: u32) -> Result<(), MeshError> {
+        let [p, q] = edge.map(|v| self.net.points[v as usize]);
+        if !splits(p, q) {
+            return Err(self.floor(of));
+        }
+        let is_rim = self.net.beside(edge)[1].is_none();
+        let arc = if is_rim { self.draft.rim.arc_through(p, q) } else { None };
+        let middle = (p + q) * 0.5;
+        let middle = self.round_off(arc.map_or(middle, |arc| arc.onto(middle)));
+        let v = self.net.split(edge, middle);
+        self.vertices.push(self.vertex(middle));
+        self.changed.extend(self.net.around(v));
+        Ok(())
+    }
+
+    /// The longest edge of a facet; no two edges are equally long.
+    fn longest(&self, t: u32, metric: &DMat2) -> [u32; 2] {
+        let [a, b, c] = self.net.triangles[t as usize];
+        let length = |edge: [u32; 2]| {
+            let [p, q] = edge.map(|v| self.net.points[v as usize]);
+            ((*metric * (q - p)).length_squared(), edge)
+        };
+        let longer = |x: (f64, [u32; 2]), y: (f64, [u32; 2])| {
+            if y.0.total_cmp(&x.0).then(y.1.cmp(&x.1)).is_gt() { y } else { x }
+        };
+        let edges = [sorted(a, b), sorted(b, c), sorted(c, a)].map(length);
+        edges.into_iter().reduce(longer).expect("three edges").1
+    }
+
+    fn vertex(&self, q: DVec2) -> Vertex {
+        let prover = self.proof.prover;
+        prover.vertex(q, prover.mirror().surface.at(q))
+    }
+
+    fn round_off(&self, q: DVec2) -> DVec2 {
+        rounding(self.proof.prover, self.proof.limits)(q)
+    }
+
+    /// No facet as small as this one can do better.
+    fn floor(&self, t: u32) -> MeshError {
+        let facet = self.net.triangles[t as usize].map(|v| &self.vertices[v as usize]);
+        let [a, b, c] = facet.map(|v| v.q);
+        MeshError::Floor {
+            at: (a + b + c) / 3.0,
+            size_mm: a.distance(b).max(b.distance(c)).max(c.distance(a)),
+            bound: self.proof.prover.bound(facet),
+        }
+    }
+}
+
+fn sorted(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// Whether an edge is so long that its halves would keep their shape under rounding.
@@ -207,29 +242,4 @@ fn splits(a: DVec2, b: DVec2) -> bool {
     const STEPS: f64 = 64.0;
     let step = ((a + b) * 0.5).abs().max_element() * f64::from(f32::EPSILON);
     a.distance(b) > STEPS * step
-}
-
-/// The middle of an edge; under parallel rays on the grid of single precision (so that a point on
-/// a straight rim stays on it).
-fn middle(prover: &Prover, a: DVec2, b: DVec2) -> Option<DVec2> {
-    let middle = (a + b) * 0.5;
-    let parallel = prover.mirror().chart.vergence == 0.0;
-    splits(a, b).then(|| if parallel { middle.as_vec2().as_dvec2() } else { middle })
-}
-
-/// Which two corners are farthest apart.
-fn longest_edge(facet: &[Vertex; 3]) -> [usize; 2] {
-    let length = |[i, j]: [usize; 2]| facet[i].q.distance(facet[j].q);
-    let longer = |a: [usize; 2], b: [usize; 2]| if length(b) > length(a) { b } else { a };
-    longer(longer([0, 1], [1, 2]), [2, 0])
-}
-
-/// No facet as small as this one can do better.
-fn floor(prover: &Prover, facet: &[Vertex; 3]) -> MeshError {
-    let [a, b] = longest_edge(facet).map(|k| facet[k].q);
-    MeshError::Floor {
-        at: (a + b) * 0.5,
-        size_mm: a.distance(b),
-        bound: prover.bound(facet.each_ref()),
-    }
 }

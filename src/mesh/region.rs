@@ -13,7 +13,7 @@ type Jet = Jet2<Interval>;
 
 /// Share of a range's width by which it is widened for the facets' gradients, which are means over
 /// edges and may leave it by a little.
-const MARGIN: f64 = 1.0;
+const MARGIN: f64 = 0.25;
 /// Second derivatives, in units of one over the mirror's size, from which on a box is taken apart:
 /// so much costs facets of a pixel in a thousand some per cent. (Once: what is still loose then is
 /// looked at facet by facet.)
@@ -53,6 +53,32 @@ impl Region {
         gradient: [DVec2::NEG_INFINITY, DVec2::INFINITY],
         pole: false,
     };
+}
+
+impl Region {
+    /// What holds of a round mirror where this holds on the X axis, turned about by any angle with
+    /// a cosine of at least `cos` and a sine of at most `sin` in size.
+    #[must_use]
+    pub fn turned(&self, [cos, sin]: [f64; 2]) -> Self {
+        let (c, s) = (Interval::new(cos, 1.0), Interval::new(-sin, sin));
+        let (cc, ss) = (c.square(), s.square());
+        // On the axis the other two vanish, as h is even in y.
+        let [a, _, b, _] = self.third;
+        let rest = a - b * 2.0;
+        let third = [
+            c * (cc * a + ss * b * 3.0),
+            s * (cc * rest + ss * b),
+            c * (ss * rest + cc * b),
+            s * (ss * a + cc * b * 3.0),
+        ];
+        let [xx, xy, yy] = self.second;
+        let second = [
+            xx + sin * (2.0 * xy + sin * yy),
+            xy + sin * (xx + yy),
+            yy + sin * (2.0 * xy + sin * xx),
+        ];
+        Self { third, second, ..*self }
+    }
 }
 
 impl Union for Region {
@@ -158,8 +184,9 @@ impl Sight<'_> {
         if self.is_plain() { 1 } else { 4 }
     }
 
-    /// Everything about the box `lo`..`hi`, over which `bounds` hold.
-    pub fn region(&self, [lo, hi]: [DVec2; 2], bounds: &Bounds) -> Region {
+    /// Everything about the box `lo`..`hi`, over which `bounds` hold, and about facets that touch
+    /// it and lie where `around` holds, or inside the box without that.
+    pub fn region(&self, [lo, hi]: [DVec2; 2], bounds: &Bounds, around: Option<&Bounds>) -> Region {
         let chart = &self.mirror.chart;
         let k = chart.vergence;
         let reach = lo.abs().max(hi.abs()).length();
@@ -171,7 +198,10 @@ impl Sight<'_> {
         };
         if let Some(view) = self.view {
             region.drift = self.drift([lo, hi], bounds);
-            self.see(view, [lo, hi], bounds, LEVELS, &mut region);
+            // A box beside which facets reach cannot be taken apart without them.
+            let levels = if around.is_some() { 0 } else { LEVELS };
+            let around = around.unwrap_or(bounds);
+            self.see(view, [lo, hi], [bounds, around], levels, &mut region);
         }
         region
     }
@@ -182,11 +212,11 @@ impl Sight<'_> {
         &self,
         view: &View,
         [lo, hi]: [DVec2; 2],
-        bounds: &Bounds,
+        [bounds, around]: [&Bounds; 2],
         levels: usize,
         region: &mut Region,
     ) {
-        let (plane, gradient) = self.planes([lo, hi], bounds);
+        let (plane, gradient) = self.planes([lo, hi], around);
         let contents = self.contents(view, [lo, hi], bounds, plane);
         let second = contents.second();
         let [xx, xy, yy] = second;
@@ -200,7 +230,8 @@ impl Sight<'_> {
                 let lo = lo + step * DVec2::new((k % PARTS) as f64, (k / PARTS) as f64);
                 let part = [lo, lo + step];
                 if !beyond(&self.mirror.outline, part) {
-                    self.see(view, part, &self.narrow(bounds, part), levels - 1, region);
+                    let bounds = self.narrow(bounds, part);
+                    self.see(view, part, [&bounds, &bounds], levels - 1, region);
                 }
             }
         } else {
@@ -210,7 +241,7 @@ impl Sight<'_> {
         }
     }
 
-    /// The facets that a box may have: with gradients of h in the box returned.
+    /// The facets that may touch a box: with gradients of h in the box returned.
     fn planes(&self, part: [DVec2; 2], bounds: &Bounds) -> (Option<Plane>, [DVec2; 2]) {
         if self.is_plain() {
             return (None, Region::NOTHING.gradient);

@@ -1,10 +1,16 @@
-//! Round rims: their points, and which of them are neighbours.
+//! The rim of the meshed part of a mirror: straight sides, arcs, and the points on them.
 
-use crate::geom::{DVec2, Outline, turn};
+use super::cell::Cells;
+use super::pack::extent;
+use crate::geom::{DVec2, Outline, Rect, turn};
 use crate::mirror::Mirror;
-use crate::num::{atan, atan2, cos, sin};
-use std::collections::HashSet;
+use crate::num::{atan, cos, sin};
+use glam::DMat2;
+use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Places per side where cells are turned into steps.
+const PLACES: usize = 128;
 
 /// The part of a circle about the axis that bounds the meshed part of a mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,16 +18,14 @@ pub struct Arc {
     /// mm.
     pub radius: f64,
     /// Angles of its ends.
-    pub ends: [f64; 2],
+    ends: [f64; 2],
     /// Whether it is the whole circle, and its ends one point.
-    pub closed: bool,
-    /// Whether points are single-precision numbers.
-    pub single: bool,
+    closed: bool,
 }
 
 impl Arc {
-    /// The rims of `mirror`, the outer one last; none of a rectangle.
-    pub fn all(mirror: &Mirror) -> Vec<Self> {
+    /// The arcs of `mirror`, the outer one last; none of a rectangle.
+    fn all(mirror: &Mirror) -> Vec<Self> {
         let Outline::Ring { inner, outer } = mirror.outline else { return Vec::new() };
         let ends = match mirror.even {
             [true, true] => [0.0, FRAC_PI_2],
@@ -30,13 +34,12 @@ impl Arc {
             [false, false] => [-PI, PI],
         };
         let closed = mirror.even == [false; 2];
-        let single = mirror.chart.vergence == 0.0;
         let radii = [inner, outer].into_iter().filter(|&radius| radius > 0.0);
-        radii.map(|radius| Self { radius, ends, closed, single }).collect()
+        radii.map(|radius| Self { radius, ends, closed }).collect()
     }
 
     /// The largest angle that a chord may span.
-    pub fn widest() -> f64 {
+    fn widest() -> f64 {
         // Rounding takes a little of what a chord may cut off.
         let cut = 0.98 * Outline::EDGE;
         // 1 - cos a = 2 sin^2 (a / 2) for half the chord's angle a.
@@ -44,138 +47,187 @@ impl Arc {
     }
 
     /// The point at an angle.
-    pub fn at(&self, angle: f64) -> DVec2 {
+    fn at(&self, angle: f64) -> DVec2 {
         let way = DVec2::new(cos(angle), sin(angle));
         // Ends lie on an axis, exactly.
         let way = DVec2::select(way.abs().cmplt(DVec2::splat(1e-12)), DVec2::ZERO, way);
-        self.round(way * self.radius)
+        way * self.radius
     }
 
-    /// The point half-way between two others.
-    pub fn between(&self, a: DVec2, b: DVec2) -> DVec2 {
-        self.round((a + b).normalize() * self.radius)
+    /// The point nearest to `p`.
+    pub fn onto(&self, p: DVec2) -> DVec2 {
+        p.normalize() * self.radius
     }
 
-    fn round(&self, p: DVec2) -> DVec2 {
-        if self.single { p.as_vec2().as_dvec2() } else { p }
+    fn points(&self, cells: &Cells) -> Vec<DVec2> {
+        let [from, to] = self.ends;
+        let step = |share: f64| {
+            let angle = from + (to - from) * share;
+            let (s, c) = (sin(angle), cos(angle));
+            let chord = cells.step(DVec2::new(c, s) * self.radius, DVec2::new(-s, c));
+            (chord / self.radius).min(Self::widest() * cells.parts as f64)
+        };
+        let mut angles = steps(from, to, step);
+        if self.closed {
+            angles.pop();
+        }
+        angles.into_iter().map(|angle| self.at(angle)).collect()
     }
 }
 
-/// One arc and the vertices on it, by angle.
+/// The rim and its points.
 #[derive(Debug, Clone)]
 pub struct Rim {
-    /// Where they lie.
-    pub arc: Arc,
-    vertices: Vec<(f64, u32)>,
+    domain: Rect,
+    outline: Outline,
+    /// Its arcs, the outer one last.
+    pub arcs: Vec<Arc>,
+    /// Points, all of them different.
+    pub points: Vec<DVec2>,
+    /// The number of each.
+    known: HashMap<[u64; 2], usize>,
+    /// For every point 0, or 1 + the number of its arc.
+    arc_of: Vec<u8>,
+    /// Neighbours on arcs.
+    pub edges: Vec<[usize; 2]>,
 }
 
 impl Rim {
-    fn pairs(&self) -> impl Iterator<Item = [u32; 2]> {
-        let wrap = self.arc.closed.then(|| {
-            let ends = [self.vertices.len() - 1, 0];
-            ends.map(|k| self.vertices[k].1)
-        });
-        self.vertices.windows(2).map(|w| [w[0].1, w[1].1]).chain(wrap)
-    }
-}
-
-/// All rims of a mesh.
-#[derive(Debug, Clone, Default)]
-pub struct Rims {
-    rims: Vec<Rim>,
-    /// For every vertex 0, or 1 + the number of its rim.
-    of: Vec<u8>,
-    neighbours: HashSet<[u32; 2]>,
-}
-
-impl Rims {
-    /// The rims of a mesh whose last vertices are those of `arcs`, of the given numbers.
-    pub fn new(arcs: &[(Arc, usize)], points: &[DVec2]) -> Self {
-        let mut first = points.len() - arcs.iter().map(|arc| arc.1).sum::<usize>();
-        let mut rims = Self { of: vec![0; first], ..Self::default() };
-        for (k, &(arc, count)) in arcs.iter().enumerate() {
-            rims.rims.push(Rim { arc, vertices: Vec::new() });
-            for q in &points[first..first + count] {
-                rims.push(*q, Some(k));
+    /// The rim of the part `domain` of `mirror`, with points one cell apart.
+    pub fn new(mirror: &Mirror, domain: Rect, cells: &Cells) -> Self {
+        let mut rim = Self {
+            domain,
+            outline: mirror.outline,
+            arcs: Arc::all(mirror),
+            points: Vec::new(),
+            known: HashMap::new(),
+            arc_of: Vec::new(),
+            edges: Vec::new(),
+        };
+        for [a, b] in rim.lines(mirror) {
+            let step = |share: f64| cells.step(a + (b - a) * share, b - a);
+            for share in steps(0.0, 1.0, step) {
+                rim.push(if share == 1.0 { b } else { a + (b - a) * share }, 0);
             }
-            first += count;
         }
-        rims.settle();
-        rims
+        for (k, arc) in rim.arcs.clone().into_iter().enumerate() {
+            let on: Vec<usize> =
+                arc.points(cells).into_iter().map(|q| rim.push(q, k as u8 + 1)).collect();
+            rim.edges.extend(on.windows(2).map(|w| [w[0], w[1]]));
+            if arc.closed {
+                rim.edges.push([on[on.len() - 1], on[0]]);
+            }
+        }
+        rim
     }
 
-    /// Takes note of a new vertex, on a rim or on none.
-    pub fn push(&mut self, q: DVec2, rim: Option<usize>) {
-        if let Some(k) = rim {
-            self.rims[k].vertices.push((atan2(q.y, q.x), self.of.len() as u32));
-        }
-        if !self.rims.is_empty() {
-            self.of.push(rim.map_or(0, |k| k as u8 + 1));
+    /// The straight sides.
+    fn lines(&self, mirror: &Mirror) -> Vec<[DVec2; 2]> {
+        let Rect { min, max } = self.domain;
+        match self.outline {
+            Outline::Rect(_) => {
+                let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
+                (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect()
+            }
+            Outline::Ring { inner, outer } => {
+                let mut lines = Vec::new();
+                for (axis, way) in [(1, DVec2::X), (0, DVec2::Y)] {
+                    if !mirror.even[axis] {
+                        continue;
+                    }
+                    // The half of the axis that is an edge, or both halves of it.
+                    let both = !mirror.even[1 - axis];
+                    if both && inner == 0.0 {
+                        lines.push([way * -outer, way * outer]);
+                    } else {
+                        lines.push([way * inner, way * outer]);
+                        if both {
+                            lines.push([way * -inner, way * -outer]);
+                        }
+                    }
+                }
+                lines
+            }
         }
     }
 
-    /// Brings the neighbours up to date.
-    pub fn settle(&mut self) {
-        self.neighbours.clear();
-        for rim in &mut self.rims {
-            rim.vertices.sort_by(|a, b| a.0.total_cmp(&b.0));
-            self.neighbours.extend(rim.pairs());
+    /// Adds a point unless it is there.
+    fn push(&mut self, q: DVec2, arc: u8) -> usize {
+        let key = q.to_array().map(|x| (x + 0.0).to_bits());
+        let index = *self.known.entry(key).or_insert(self.points.len());
+        if index == self.points.len() {
+            self.points.push(q);
+            self.arc_of.push(0);
         }
+        self.arc_of[index] = self.arc_of[index].max(arc);
+        index
     }
 
-    /// The rim on which two vertices are neighbours.
-    pub fn joining(&self, a: u32, b: u32) -> Option<usize> {
-        let is_edge = self.neighbours.contains(&[a, b]) || self.neighbours.contains(&[b, a]);
-        is_edge.then(|| usize::from(self.of[a as usize]) - 1)
+    /// How many cells `q` lies inside.
+    pub fn depth(&self, q: DVec2, cell: &DMat2) -> f64 {
+        let reach = extent(cell);
+        let Outline::Ring { inner, outer } = self.outline else {
+            return ((q - self.domain.min).min(self.domain.max - q) / reach).min_element();
+        };
+        let r = q.length();
+        let across = (cell.transpose() * q).length() / r;
+        let from_hole = if inner == 0.0 { f64::INFINITY } else { r - inner };
+        // Where the domain ends on an axis that is a side; elsewhere the arc ends it.
+        let from_axis = |at: f64, end: f64| if end == 0.0 { at } else { f64::INFINITY };
+        let from_axes =
+            DVec2::new(from_axis(q.x, self.domain.min.x), from_axis(q.y, self.domain.min.y));
+        (from_hole.min(outer - r) / across).min((from_axes / reach).min_element())
     }
 
-    /// The arc of a rim.
-    pub fn arc(&self, rim: usize) -> &Arc {
-        &self.rims[rim].arc
+    /// Whether `q` lies at least `clearance` cells inside.
+    pub fn is_clear(&self, q: DVec2, cell: &DMat2, clearance: f64) -> bool {
+        self.depth(q, cell) >= clearance
     }
 
-    /// Neighbours around the hole, if there is one.
-    pub fn hole(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.rims.iter().rev().skip(1).flat_map(Rim::pairs)
+    /// The arc that two neighbours on the rim lie on.
+    pub fn arc(&self, a: usize, b: usize) -> Option<&Arc> {
+        let of = |v: usize| self.arc_of.get(v).copied().unwrap_or(0);
+        (of(a) != 0 && of(a) == of(b)).then(|| &self.arcs[usize::from(of(a)) - 1])
     }
 
-    /// Whether a facet of the convex hull's triangulation is one of the mirror: it is not when all
-    /// its corners are on the rim of the hole, nor when it fills the dent that rounding made of
-    /// three points on the outer rim.
-    #[inline]
-    pub fn keeps(&self, facet: &[u32; 3], at: impl Fn(u32) -> DVec2) -> bool {
-        if self.rims.is_empty() {
-            return true;
-        }
-        let [a, b, c] = facet.map(|v| self.of[v as usize]);
-        if a == 0 || a != b || b != c {
-            return true;
-        }
-        let [a, b, c] = facet.map(|v| at(v).normalize());
-        usize::from(self.of[facet[0] as usize]) == self.rims.len() && turn(a, b, c) > 0.0
+    /// The arc that two points on the rim lie on, if they do.
+    pub fn arc_through(&self, a: DVec2, b: DVec2) -> Option<&Arc> {
+        const NEAR: f64 = 1e-6;
+        let on = |arc: &&Arc| {
+            [a, b].into_iter().all(|p| (p.length() - arc.radius).abs() <= NEAR * arc.radius)
+        };
+        self.arcs.iter().find(on)
+    }
+
+    /// Whether a triangle of the points' convex hull is inside: it is not when all its corners are
+    /// on the rim of the hole, nor when it fills the dent that rounding made of three points on the
+    /// outer rim.
+    pub fn keeps(&self, triangle: [usize; 3]) -> bool {
+        let [a, b, c] = triangle;
+        let Some(arc) = self.arc(a, b).filter(|_| self.arc(b, c).is_some()) else { return true };
+        let is_outer = self.arcs.last() == Some(arc);
+        let [a, b, c] = triangle.map(|v| self.points[v].normalize());
+        is_outer && turn(a, b, c) > 0.0
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chords_of_the_widest_angle_cut_what_they_may() {
-        let cut = 1.0 - cos(0.5 * Arc::widest());
-        assert!(cut < Outline::EDGE && cut > 0.97 * Outline::EDGE);
+/// Places from `lo` to `hi`, both included, a whole number of `step`s (which depend on the share of
+/// the way) apart.
+fn steps(lo: f64, hi: f64, step: impl Fn(f64) -> f64) -> Vec<f64> {
+    let width = 1.0 / PLACES as f64;
+    let rates: Vec<f64> =
+        (0..PLACES).map(|k| width * (hi - lo) / step((k as f64 + 0.5) * width)).collect();
+    let total: f64 = rates.iter().sum();
+    // What is a whole number but for rounding is one.
+    let whole = (total - 1e-6).ceil().max(1.0);
+    let (mut places, mut reached, mut next) = (vec![lo], 0.0, 1.0);
+    for (k, rate) in rates.iter().map(|rate| rate * whole / total).enumerate() {
+        while next < reached + rate && next < whole - 0.5 {
+            places.push(lo + (hi - lo) * width * (k as f64 + (next - reached) / rate));
+            next += 1.0;
+        }
+        reached += rate;
     }
-
-    #[test]
-    fn ends_lie_on_the_axes_and_dents_are_no_facets() {
-        let arc = Arc { radius: 3.0, ends: [0.0, FRAC_PI_2], closed: false, single: true };
-        assert_eq!((arc.at(0.0), arc.at(FRAC_PI_2)), (DVec2::X * 3.0, DVec2::Y * 3.0));
-        let points = [arc.at(0.0), arc.at(0.5), arc.at(1.0), arc.at(FRAC_PI_2)];
-        let rims = Rims::new(&[(arc, 4)], &points);
-        let at = |v: u32| points[v as usize];
-        assert!(rims.keeps(&[0, 1, 2], at) && !rims.keeps(&[0, 2, 1], at));
-        assert_eq!((rims.joining(2, 1), rims.joining(0, 2)), (Some(0), None));
-        let ring = Rims::new(&[(arc, 2), (arc, 2)], &points);
-        assert_eq!(ring.hole().collect::<Vec<_>>(), [[0, 1]]);
-    }
+    places.push(hi);
+    places
 }

@@ -7,6 +7,7 @@
 
 use super::Limits;
 use super::deviation::{Triangle, largest_quadratic};
+use super::ground::Local;
 use super::proof::{Bound, Facets, Prover, Vertex, gradient, larger, size_of};
 use super::region::Sight;
 use crate::geom::{DVec2, DVec3};
@@ -17,12 +18,19 @@ use crate::optics::View;
 pub(super) const LOOSE: f64 = 0.04;
 /// Most times that a part of one facet is taken apart.
 const MOST_SPLITS: usize = 400;
+/// The same when only the limits are asked about, and where formulas over intervals, which take
+/// long, are all that tells something of a part.
+const MOST_TO_SETTLE: usize = 64;
+const MOST_SLOW: usize = 12;
+/// How many times a limit a quick bound may be for its facet to be taken apart.
+const HOPEFUL: f64 = 4.0;
 /// The same while there is no bound at all.
 const MOST_UNBOUND: usize = 40;
 /// Errors that are nothing, as a share of the mirror's size.
 pub(super) const NOTHING: f64 = 1e-12;
 /// What of a facet's error its parts may add before their second derivatives are looked at closely.
 const SMALL: f64 = 0.01;
+const SMALL_IF_FINE: f64 = 1.0;
 
 /// Which error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,20 +101,24 @@ pub(super) struct Found {
 }
 
 impl Prover<'_> {
-    /// Bounds over a facet whose quick ones are over `limits`, for which it is taken apart until
-    /// they are proven to hold or seen to be broken.
+    /// Bounds over a facet whose quick ones, `bound`, are over `limits`, for which it is taken apart
+    /// until they are proven to hold or seen to be broken.
     #[must_use]
-    pub fn settle(&self, t: [&Vertex; 3], limits: &Limits) -> Bound {
-        let mut bound = self.bound(t);
+    pub fn settle(&self, t: [&Vertex; 3], mut bound: Bound, limits: &Limits) -> Bound {
         if bound == Bound::NEVER {
             return bound;
         }
         for kind in [Kind::Chord, Kind::Facet] {
             let Some(limit) = kind.limit(limits) else { continue };
             let quick = kind.of(&bound);
-            if !(quick <= limit) {
-                let found = self
-                    .search(t, kind, quick, |found| found.bound <= limit || found.reached > limit);
+            let hopeful = if self.ground.is_fine() { f64::INFINITY } else { HOPEFUL * limit };
+            if quick > limit && quick <= hopeful {
+                let slow = kind == Kind::Facet && !self.plain;
+                let mut left = if slow { MOST_SLOW } else { MOST_TO_SETTLE };
+                let found = self.search(t, kind, quick, |found| {
+                    left -= 1;
+                    left == 0 || found.bound <= limit || found.reached > limit
+                });
                 kind.set(&mut bound, found.bound);
             }
         }
@@ -123,6 +135,26 @@ impl Prover<'_> {
         for kind in [Kind::Chord, Kind::Facet] {
             let found = self.search(t, kind, kind.of(&bound), |found| self.is_near(found));
             kind.set(&mut bound, found.bound);
+        }
+        bound
+    }
+
+    /// Bounds that a few splits bring near those errors which have `limits`.
+    pub(super) fn bound_roughly(&self, t: [&Vertex; 3], limits: &Limits) -> Bound {
+        const SPLITS: usize = 12;
+        let mut bound = self.bound(t);
+        if bound == Bound::NEVER {
+            return bound;
+        }
+        for kind in [Kind::Chord, Kind::Facet] {
+            if kind.limit(limits).is_some() {
+                let mut left = SPLITS;
+                let found = self.search(t, kind, kind.of(&bound), |found| {
+                    left -= 1;
+                    left == 0 || self.is_near(found)
+                });
+                kind.set(&mut bound, found.bound);
+            }
         }
         bound
     }
@@ -147,7 +179,7 @@ impl Prover<'_> {
         t: [&Vertex; 3],
         kind: Kind,
         quick: f64,
-        enough: impl Fn(&Found) -> bool,
+        mut enough: impl FnMut(&Found) -> bool,
     ) -> Found {
         let work = Work::new(self, t, kind);
         let quick = if quick.is_nan() { f64::INFINITY } else { quick };
@@ -186,6 +218,7 @@ struct Work<'a> {
     kind: Kind,
     view: Option<&'a View>,
     corners: [DVec2; 3],
+    diameter: f64,
     facets: Facets,
     /// h of the facets' planes on the rays of the exact corners, mm.
     h: [[f64; 3]; 2],
@@ -208,6 +241,7 @@ impl<'a> Work<'a> {
             kind,
             view: prover.sight.view.filter(|_| kind == Kind::Facet),
             corners: t.map(|v| v.q),
+            diameter: Triangle::new(t.map(|v| v.q)).diameter,
             h: [exact, rounded],
             gradient: gradient(t),
             shift: prover.shift(t, &facets),
@@ -286,29 +320,30 @@ impl<'a> Work<'a> {
     /// The part with the given corners, of which `known` is a bound; what it reaches goes to
     /// `reached`.
     fn part(&self, corners: [Place; 3], known: f64, reached: &mut f64) -> Part {
-        let triangle = Triangle::new(corners.map(|c| c.q));
+        let local = self.prover.ground.local(corners.map(|c| c.q));
         let found = match self.kind {
-            Kind::Chord => self.chord(&corners, &triangle, reached),
-            Kind::Facet => self.facet(&corners, &triangle, reached),
+            Kind::Chord => self.chord(&corners, &local, reached),
+            Kind::Facet => self.facet(&corners, &local, reached),
         };
         let bound = if found < known { found } else { known };
         Part { corners, bound }
     }
 
     /// Bound of the chord in h, and where it may be.
-    fn rise(&self, corners: &[Place; 3], triangle: &Triangle, rest: f64) -> (f64, [f64; 3]) {
-        let curves = triangle.curves(corners.map(|c| c.gradient));
+    fn rise(&self, corners: &[Place; 3], local: &Local, rest: f64) -> (f64, [f64; 3]) {
+        let curves = local.triangle.curves(corners.map(|c| local.turn.rotate(c.gradient)));
         let [exact, rounded] =
             [0, 1].map(|k| largest_quadratic(corners.map(|c| c.over[k]), curves));
         let (found, at) = if rounded.0 > exact.0 { rounded } else { exact };
         (found + rest, at)
     }
 
-    fn chord(&self, corners: &[Place; 3], triangle: &Triangle, reached: &mut f64) -> f64 {
+    fn chord(&self, corners: &[Place; 3], local: &Local, reached: &mut f64) -> f64 {
         let k = self.vergence();
+        let triangle = &local.triangle;
         let [lo, hi] = triangle.reach;
-        let third = self.prover.cells.over(lo, hi).third;
-        let (mut rise, at) = self.rise(corners, triangle, triangle.twist(third));
+        let third = self.prover.ground.region(local, self.diameter).third;
+        let (mut rise, at) = self.rise(corners, local, triangle.twist(third));
         if self.shift > 0.0 {
             // The rounded facet reaches a little beyond the exact one.
             let steep = corners.iter().map(|c| (c.gradient - self.gradient).length());
@@ -343,28 +378,30 @@ impl<'a> Work<'a> {
         (1.0 + k * k * place.q.length_squared()).sqrt() / ((1.0 + k * flat) * (1.0 + k * place.h))
     }
 
-    fn facet(&self, corners: &[Place; 3], triangle: &Triangle, reached: &mut f64) -> f64 {
-        let [lo, hi] = triangle.reach;
-        let region = self.prover.cells.over(lo, hi);
+    fn facet(&self, corners: &[Place; 3], local: &Local, reached: &mut f64) -> f64 {
+        let triangle = &local.triangle;
+        let region = self.prover.ground.region(local, self.diameter);
         let chord = if region.drift == 0.0 {
             0.0
         } else {
-            self.rise(corners, triangle, triangle.twist(region.third)).0
+            self.rise(corners, local, triangle.twist(region.third)).0
         };
         let aside = self.prover.aside(&region, chord) + self.shift;
         let largest = corners.iter().map(|c| c.shown).fold(0.0, larger);
         *reached = corners.iter().map(|c| c.seen).fold(*reached, f64::max);
         let quick = triangle.bend(region.second);
-        let [least, most] = region.gradient;
-        let holds = self.gradient.cmpge(least).all() && self.gradient.cmple(most).all();
-        if holds && aside == 0.0 && quick <= SMALL * largest {
-            return largest + quick;
+        let holds = local.is_known(&region, self.gradient) && aside <= self.prover.ground.margin();
+        let beside = |first: f64| if aside == 0.0 { 0.0 } else { first * aside };
+        let known = if holds { largest + quick + beside(region.first) } else { f64::INFINITY };
+        let small = if self.prover.ground.is_fine() { SMALL_IF_FINE } else { SMALL };
+        if quick <= small * largest && known < f64::INFINITY {
+            return known;
         }
         let flat = corners.map(|c| c.h - c.over[0]);
-        let contents = self.prover.closely(triangle, flat, &self.facets, aside);
-        let beside = if aside == 0.0 { 0.0 } else { contents.first() * aside };
-        let close = largest + triangle.bend(contents.second()) + beside;
+        let at = corners.map(|c| c.q);
+        let (contents, bend) = self.prover.closely(at, flat, &self.facets, aside);
+        let close = largest + bend + beside(contents.first());
         let bound = if self.prover.plain { close } else { close.min(contents.apart()) };
-        if holds && aside == 0.0 { bound.min(largest + quick) } else { bound }
+        bound.min(known)
     }
 }

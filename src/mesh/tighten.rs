@@ -11,6 +11,8 @@ const CHUNK: usize = 4096;
 const SAMPLE: usize = 8;
 /// Facets that are taken apart before what they reach decides about the others.
 const BATCH: usize = 64;
+/// Batches after which the bound is left as it is where taking facets apart takes long.
+const SLOW_BATCHES: usize = 32;
 
 /// What quick bounds say of some facets: of each error the largest bound, and what is reached.
 #[derive(Debug, Clone, Copy, Default)]
@@ -106,10 +108,12 @@ impl<'a> Mesh<'a> {
             }
         }
         loose.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for batch in loose.chunks(BATCH) {
+        let slow = kind == Kind::Facet && !self.prover.plain;
+        let most = if slow { SLOW_BATCHES } else { usize::MAX };
+        for (k, batch) in loose.chunks(BATCH).enumerate() {
             let goal = enough(reached).max(rest);
-            if batch[0].0 <= goal {
-                return rest.max(batch[0].0);
+            if batch[0].0 <= goal || k == most {
+                return rest.max(batch[0].0).min(ceiling);
             }
             let look = |&(quick, t): &(f64, usize)| {
                 let near = |found: &Found| {

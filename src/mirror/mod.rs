@@ -12,7 +12,7 @@ mod volume;
 
 pub use bounds::{Bounds, Cells, Union};
 pub use patches::{Knots, LEAST_KNOTS, Patches, PatchesRow};
-pub use round::Round;
+pub use round::{Rings, Round};
 pub use sheet::{Curvature, Point, Sheet, SheetRow};
 
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};

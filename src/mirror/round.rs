@@ -85,23 +85,44 @@ impl Round {
     /// radii.
     #[must_use]
     pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+        let (q, r2) = self.reach(lo, hi);
+        let edges = [self.unit(r2.lo), self.unit(r2.hi)];
+        let [ranges] = self.ranges(&edges)[..] else { unreachable!("one range for two edges") };
+        self.of_ranges(q, r2, ranges)
+    }
+
+    /// The ranges of x and y in a box, and those of r^2 as far as the surface reaches.
+    fn reach(&self, lo: DVec2, hi: DVec2) -> ([Interval; 2], Interval) {
         let q = [Interval::new(lo.x, hi.x), Interval::new(lo.y, hi.y)];
         let r2 = q[0].square() + q[1].square();
+        let [least, most] = self.squares();
+        let [inner, outer] = self.radius.map(|r| r * r);
+        (q, Interval::new(r2.lo.clamp(least, outer), r2.hi.clamp(inner, most)))
+    }
+
+    /// Between which values of r^2 bounds hold: chords of the inner rim run a little inside it.
+    fn squares(&self) -> [f64; 2] {
         let [inner, outer] = self.radius;
-        // Chords of the inner rim run a little inside it.
         let least = inner * (1.0 - 2.0 * Outline::EDGE);
-        let r2 = Interval::new(
-            r2.lo.clamp(least * least, outer * outer),
-            r2.hi.clamp(inner * inner, outer * outer * (1.0 + 1e-12)),
-        );
-        let edges = [self.unit(r2.lo), self.unit(r2.hi)];
+        [least * least, outer * outer * (1.0 + 1e-12)]
+    }
+
+    /// Ranges of f and its first three derivatives by u between each two neighbours of `edges`.
+    fn ranges(&self, edges: &[f64]) -> Vec<[Interval; 4]> {
         let mut series = self.series.clone();
-        let mut ranges = [Interval::point(0.0); 4];
-        for range in &mut ranges {
-            let [lo, hi] = bernstein::ranges(&series, &edges, &[-1.0, 1.0])[0];
-            *range = Interval::new(lo, hi) * self.scale_mm;
+        let mut ranges = vec![[Interval::point(0.0); 4]; edges.len() - 1];
+        for k in 0..4 {
+            let found = bernstein::ranges(&series, edges, &[-1.0, 1.0]);
+            for (range, [lo, hi]) in ranges.iter_mut().zip(found) {
+                range[k] = Interval::new(lo, hi) * self.scale_mm;
+            }
             series = series.derivative_u();
         }
+        ranges
+    }
+
+    fn of_ranges(&self, q: [Interval; 2], r2: Interval, ranges: [Interval; 4]) -> Bounds {
+        let [inner, outer] = self.radius;
         let [g, g1, g2, g3] = ranges;
         let [d, dd, ddd] = if inner == 0.0 {
             let rate = 4.0 / (outer * outer);
@@ -127,6 +148,43 @@ impl Round {
                 y * (dd * 3.0 + ddd * yy),
             ],
         }
+    }
+}
+
+/// Bounds of a round surface over boxes, from those over many rings.
+#[derive(Debug, Clone)]
+pub struct Rings {
+    round: Round,
+    /// u where the first ring begins, and rings to a unit of u.
+    start: f64,
+    per_unit: f64,
+    ranges: Vec<[Interval; 4]>,
+}
+
+impl Rings {
+    /// How many.
+    const COUNT: usize = 512;
+
+    /// The rings of `round`.
+    #[must_use]
+    pub fn new(round: &Round) -> Self {
+        let [start, end] = round.squares().map(|r2| round.unit(r2));
+        let step = (end - start) / Self::COUNT as f64;
+        let edges: Vec<f64> = (0..=Self::COUNT).map(|k| start + step * k as f64).collect();
+        Self { round: round.clone(), start, per_unit: 1.0 / step, ranges: round.ranges(&edges) }
+    }
+
+    /// What [`Round::bounds`] gives, but for the width of the rings.
+    #[must_use]
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+        let (q, r2) = self.round.reach(lo, hi);
+        let [first, last] = [r2.lo, r2.hi].map(|r2| {
+            let ring = (self.round.unit(r2) - self.start) * self.per_unit;
+            (ring.max(0.0) as usize).min(Self::COUNT - 1)
+        });
+        let both = |a: [Interval; 4], b: &[Interval; 4]| std::array::from_fn(|k| a[k].hull(b[k]));
+        let ranges = self.ranges[first + 1..=last].iter().fold(self.ranges[first], both);
+        self.round.of_ranges(q, r2, ranges)
     }
 }
 
@@ -174,11 +232,14 @@ mod tests {
     #[test]
     fn bounds_hold_at_every_sample() {
         for (surface, _) in surfaces() {
+            let rings = Rings::new(&surface);
+            let each = |bounds: Bounds| (0..81).map(move |j| (bounds, j));
             for k in 0..64 {
                 let lo = DVec2::new(f64::from(k % 8) - 4.0, f64::from(k / 8) - 4.0) * 0.8;
                 let hi = lo + 0.8;
-                let bounds = surface.bounds(lo, hi);
-                for j in 0..81 {
+                for (bounds, j) in
+                    [surface.bounds(lo, hi), rings.bounds(lo, hi)].into_iter().flat_map(each)
+                {
                     let q = lo + DVec2::new(f64::from(j % 9), f64::from(j / 9)) * 0.1;
                     let r = q.length();
                     if r < surface.radius[0] || r > surface.radius[1] {

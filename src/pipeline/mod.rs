@@ -4,9 +4,12 @@
 //! was written is read, checked and traced like a stranger's file, and only then published under
 //! its own name, with the report beside it.
 
+mod advice;
 mod bench;
 mod examine;
+mod facets;
 mod files;
+mod foresee;
 mod observer;
 mod shape;
 mod source;
@@ -14,19 +17,22 @@ mod verdict;
 
 pub use bench::bench;
 pub use files::FileError;
+pub use foresee::foresee;
 pub use observer::{Observer, Silent, Stage};
 pub use source::{Source, SourceError, load};
 
 use crate::design::{Design, DesignError, design};
 use crate::export::{Label, write_obj, write_stl};
 use crate::geom::Precision;
-use crate::mesh::{Face, Limits, MeshError, mesh};
+use crate::mesh::{Face, MeshError};
 use crate::profile::{Format, Profile};
 use crate::report::{
     FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, html,
 };
 use crate::solid::{Solid, SolidError};
+use advice::Advice;
 use examine::{Evidence, examine, picture};
+use facets::Facets;
 use files::{Folder, Staged};
 use observer::Clock;
 use std::path::Path;
@@ -51,6 +57,14 @@ pub enum Error {
         profile: String,
         /// Why.
         source: MeshError,
+    },
+    /// An STL is the only file asked for, and single precision cannot carry the limits.
+    #[error("cannot mesh {profile}: {reason}")]
+    Single {
+        /// Profile name.
+        profile: String,
+        /// Where, and what it carries.
+        reason: String,
     },
     /// The body is not a solid.
     #[error("cannot close {profile} for {format}: {source}")]
@@ -90,12 +104,13 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     let folder = Folder::create(&out.join(&profile.name))?;
 
     let design = clock.stage(Stage::Design, || designed(source))?;
-    let face = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
-    let solids = clock.stage(Stage::Solid, || closed(profile, &face))?;
+    let facets = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
+    let face = &facets.made;
+    let solids = clock.stage(Stage::Solid, || closed(profile, &facets))?;
     let label = Label {
         profile: profile.name.clone(),
         sha256: profile.sha256.clone(),
-        tolerances: tolerances(profile, &design, &face),
+        tolerances: tolerances(profile, &design, face),
     };
 
     let staged = clock.stage(Stage::Write, || {
@@ -128,9 +143,16 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
         Ok::<_, Error>((png, note))
     })?;
 
-    let mesh = mesh_facts(profile, &design, &face, &solids[0].1);
+    let mesh = mesh_facts(profile, &design, face, &solids[0].1);
     let solid = SolidFacts::new(solids[0].1.check(), design.mirror.volume());
-    let report = assemble(profile, &design, Some((mesh, solid)), evidence, face.bound.chord_mm);
+    let mut report = assemble(profile, &design, Some((mesh, solid)), evidence, face.bound.chord_mm);
+    if let Some(reason) = facets.refused.clone() {
+        report.reasons.insert(0, reason);
+        report.verdict = verdict::of(&report.reasons);
+    }
+    let advice = Advice { profile, design: &design, precision: facets.precision };
+    let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
+    report.warnings = advice.on(mesh.triangles, &files);
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
@@ -140,8 +162,8 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
             text("timings.json", &clock.json())?,
             text("report.json", &report.json())?,
         ];
-        // The files of formats that are no longer asked for would be another profile's.
-        for format in Format::ALL.iter().filter(|format| !profile.formats.contains(format)) {
+        // A file of a format that is not written now would be another profile's.
+        for format in Format::ALL.iter().filter(|format| !facets.formats.contains(format)) {
             folder.remove(&format!("mirror.{format}"))?;
         }
         // The report last: where it is new, everything it speaks of is.
@@ -185,33 +207,27 @@ fn designed(from: &Source) -> Result<(Design, String), Error> {
     Ok((design, note))
 }
 
-fn meshed(profile: &Profile, design: &Design) -> Result<(Face, String), Error> {
-    let limits = Limits {
-        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
-        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
-        precision: Precision::Single,
-    };
-    let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
-        .map_err(|source| Error::Mesh { profile: profile.name.clone(), source })?;
-    let note = format!("{} optical triangles", face.mesh.triangles.len());
-    Ok((face, note))
+fn meshed(profile: &Profile, design: &Design) -> Result<(Facets<Face>, String), Error> {
+    let facets = facets::face(profile, design)?;
+    let note = format!("{} optical triangles", facets.made.mesh.triangles.len());
+    Ok((facets, note))
 }
 
 /// One checked solid for each format, with the digits that the format carries.
-fn closed(profile: &Profile, face: &Face) -> Result<(Vec<(Format, Solid)>, String), Error> {
+fn closed(
+    profile: &Profile,
+    facets: &Facets<Face>,
+) -> Result<(Vec<(Format, Solid)>, String), Error> {
     let close = |&format: &Format| {
         let precision = match format {
             Format::Stl => Precision::Single,
             Format::Obj => Precision::Double,
         };
-        let solid = Solid::from_face(&face.mesh, precision).map_err(|source| Error::Solid {
-            profile: profile.name.clone(),
-            format,
-            source,
-        })?;
+        let solid = Solid::from_face(&facets.made.mesh, precision)
+            .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
         Ok((format, solid))
     };
-    let solids: Vec<_> = profile.formats.iter().map(close).collect::<Result<_, Error>>()?;
+    let solids: Vec<_> = facets.formats.iter().map(close).collect::<Result<_, Error>>()?;
     let note = format!("{} triangles, closed", solids[0].1.mesh().triangles.len());
     Ok((solids, note))
 }
@@ -235,6 +251,7 @@ fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) ->
     MeshFacts {
         optical_triangles,
         triangles: solid.mesh().triangles.len(),
+        max_triangles: profile.mesh.max_triangles,
         vertices: solid.mesh().vertices.len(),
         chord_um: Limited { limit: profile.mesh.chord_um, bound: face.bound.chord_mm * 1e3 },
         facet_px: Limited { limit: profile.mesh.facet_px, bound: face.bound.facet_mm / pixel },
@@ -254,7 +271,10 @@ fn assemble(
     chord_mm: f64,
 ) -> Report {
     let (mesh, solid) = made.unzip();
-    let reasons = verdict::reasons(profile, design, &evidence, chord_mm);
+    // A number of triangles sets no limit; what was proven of them is to be seen.
+    let budget = mesh.filter(|mesh| mesh.max_triangles.is_some() && design.view.is_some());
+    let proven_px = budget.map(|mesh| mesh.facet_px.bound);
+    let reasons = verdict::reasons(profile, design, &evidence, chord_mm, proven_px);
     let frame = evidence.iter().find_map(|e| e.frame.clone());
     let (files, trace): (Vec<FileFacts>, Vec<_>) =
         evidence.into_iter().map(|e| (e.file, e.trace)).unzip();
@@ -269,5 +289,6 @@ fn assemble(
         frame,
         verdict: verdict::of(&reasons),
         reasons,
+        warnings: Vec::new(),
     }
 }

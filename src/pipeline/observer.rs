@@ -11,6 +11,8 @@ pub enum Stage {
     Design,
     /// Mirror -> optical face.
     Mesh,
+    /// Tolerances -> how large the mesh will be, without it.
+    Forecast,
     /// Face -> closed, checked body.
     Solid,
     /// Body -> files.
@@ -32,6 +34,7 @@ impl Stage {
         match self {
             Self::Design => "design",
             Self::Mesh => "mesh",
+            Self::Forecast => "forecast",
             Self::Solid => "solid",
             Self::Write => "write",
             Self::Read => "read",

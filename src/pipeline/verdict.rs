@@ -11,12 +11,14 @@ pub fn of(reasons: &[String]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
-/// Why the files do not pass. `chord_mm` is what the height of the surface may be off.
+/// Why the files do not pass. `chord_mm` is what the height of the surface may be off, `proven_px` the
+/// facet error to be kept where the profile has no limit of its own.
 pub fn reasons(
     profile: &Profile,
     design: &Design,
     evidence: &[Evidence],
     chord_mm: f64,
+    proven_px: Option<f64>,
 ) -> Vec<String> {
     let volume_tolerance = volume_tolerance(design, chord_mm);
     let mut reasons = Vec::new();
@@ -32,7 +34,7 @@ pub fn reasons(
         if let Some(trace) = &evidence.trace {
             shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
             rays(trace).into_iter().for_each(&mut blame);
-            limits(profile, trace).into_iter().for_each(&mut blame);
+            limits(profile, trace, proven_px).into_iter().for_each(&mut blame);
         }
         if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
             && !(frame.filled >= least)
@@ -104,7 +106,7 @@ fn rays(trace: &TraceFacts) -> Vec<String> {
     reasons
 }
 
-fn limits(profile: &Profile, trace: &TraceFacts) -> Vec<String> {
+fn limits(profile: &Profile, trace: &TraceFacts, proven_px: Option<f64>) -> Vec<String> {
     let errors = &trace.errors;
     let accept = &profile.accept;
     let pixel = errors.pixel_error_px;
@@ -112,8 +114,8 @@ fn limits(profile: &Profile, trace: &TraceFacts) -> Vec<String> {
         (
             "facet error",
             errors.facet_error_px.map(|e| e.max),
-            profile.mesh.facet_px,
-            "mesh.facet_px",
+            profile.mesh.facet_px.or(proven_px),
+            if profile.mesh.facet_px.is_some() { "mesh.facet_px" } else { "the mesh's bound" },
         ),
         (
             "RMS pixel error",

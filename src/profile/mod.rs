@@ -141,14 +141,16 @@ pub struct Part {
     pub base_mm: f64,
 }
 
-/// How closely facets must follow the mirror. At least one of the two is given; with both, the
-/// stricter rules at each place.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How closely facets must follow the mirror: by one limit or two, of which the stricter rules at
+/// each place, or as closely as a number of triangles allows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshLimits {
     /// Largest height between a facet and the mirror, in micrometres.
     pub chord_um: Option<f64>,
     /// Largest pixel error that the flatness of a facet may cause, in pixels.
     pub facet_px: Option<f64>,
+    /// Most triangles of the whole part; instead of both limits.
+    pub max_triangles: Option<usize>,
 }
 
 /// A kind of file to write.

@@ -7,8 +7,15 @@ const TWO_PARAMETERS: &[&str] =
 const METHOD: &[&str] = &["degree", "minimax"];
 
 /// Keys that most profiles do without.
-const RARE: &[&str] =
-    &["hfov_deg", "target_radius_mm", "target_plane_mm", "inner_polar_deg", "minimax", "height_mm"];
+const RARE: &[&str] = &[
+    "hfov_deg",
+    "target_radius_mm",
+    "target_plane_mm",
+    "inner_polar_deg",
+    "minimax",
+    "height_mm",
+    "max_triangles",
+];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
 pub(super) const TABLES: &[(&str, &[&str])] = &[
@@ -78,7 +85,7 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
     ("mirror.polynomial", &["radius_mm", "conic", "terms"]),
     ("mirror.grid", &["file"]),
     ("part", &["width_mm", "base_mm", "height_mm"]),
-    ("mesh", &["chord_um", "facet_px"]),
+    ("mesh", &["chord_um", "facet_px", "max_triangles"]),
     ("export", &["formats"]),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),
 ];

@@ -1,6 +1,6 @@
 //! `report.html`: the report as one page, with the picture beside it.
 
-use super::text::{figures, limited, method_line, solid_line};
+use super::text::{figures, limited, method_line, of_at_most, solid_line};
 use super::{Report, Verdict};
 use crate::design::Spread;
 use std::fmt::Write;
@@ -30,12 +30,14 @@ fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std:
     writeln!(out, "<title>Morion: {name}</title>\n<style>{STYLE}</style>")?;
     writeln!(out, "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>")?;
     writeln!(out, "<p>{}</p>", escaped(summary))?;
-    if !report.reasons.is_empty() {
-        writeln!(out, "<ul>")?;
-        for reason in &report.reasons {
-            writeln!(out, "<li>{}</li>", escaped(reason))?;
+    for list in [&report.reasons, &report.warnings] {
+        if !list.is_empty() {
+            writeln!(out, "<ul>")?;
+            for line in list {
+                writeln!(out, "<li>{}</li>", escaped(line))?;
+            }
+            writeln!(out, "</ul>")?;
         }
-        writeln!(out, "</ul>")?;
     }
     let alt = "What the camera sees of a world marked every 15 degrees";
     writeln!(out, "<p><img src=\"{picture}\" alt=\"{alt}\"></p>\n<table>")?;
@@ -69,7 +71,9 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     row("design: pixel error, px", figures(design.pixel_error_px));
     if let Some(mesh) = &report.mesh {
         let over = |o: Option<f64>| o.map_or("none".into(), |o| format!("{o:.2}"));
-        row("triangles", format!("{} optical, {} in all", mesh.optical_triangles, mesh.triangles));
+        let most = of_at_most(mesh.max_triangles);
+        let [optical, all] = [mesh.optical_triangles, mesh.triangles];
+        row("triangles", format!("{optical} optical, {all} in all{most}"));
         row("chord", limited(&mesh.chord_um, "um"));
         row("facet", limited(&mesh.facet_px, "px"));
         let [chord, facet] = [mesh.over_optimum.chord, mesh.over_optimum.facet].map(over);

@@ -2,10 +2,12 @@
 
 mod bench;
 mod html;
+mod prospect;
 mod text;
 
 pub use bench::{Bench, DesignRun};
 pub use html::html;
+pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use text::text;
 
 use crate::design::Facts;
@@ -42,6 +44,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// Why it fails, each with figures; empty for a pass.
     pub reasons: Vec<String>,
+    /// What may be a nuisance later, and what to do about it; no part of the verdict.
+    pub warnings: Vec<String>,
 }
 
 /// Name and fingerprint of a profile.
@@ -89,6 +93,9 @@ pub struct MeshFacts {
     pub optical_triangles: usize,
     /// Facets of the solid.
     pub triangles: usize,
+    /// Most of them, where the profile sets that in the place of limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_triangles: Option<usize>,
     /// Vertices of the solid.
     pub vertices: usize,
     /// Height between facet and mirror, um.

@@ -30,9 +30,10 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     if let Some(mesh) = &report.mesh {
         writeln!(
             out,
-            "  mesh     {} optical triangles ({} in all); chord {}, facet {}",
+            "  mesh     {} optical triangles ({} in all{}); chord {}, facet {}",
             mesh.optical_triangles,
             mesh.triangles,
+            of_at_most(mesh.max_triangles),
             limited(&mesh.chord_um, "um"),
             limited(&mesh.facet_px, "px"),
         )?;
@@ -83,6 +84,11 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     };
     let style = Style::new().bold().fg_color(Some(colour.into()));
     writeln!(out, "  verdict  {style}{word}{style:#}")
+}
+
+/// The number of triangles allowed, if there is one.
+pub(super) fn of_at_most(most: Option<usize>) -> String {
+    most.map_or(String::new(), |most| format!(", of at most {most}"))
 }
 
 /// The first digits of a hash.

@@ -108,6 +108,22 @@ impl Solid {
     }
 }
 
+/// How many facets [`Solid::from_face`] adds to a face with so many edges around it and around its
+/// hole (0: it has none).
+#[must_use]
+pub fn added(outer: usize, hole: usize) -> usize {
+    3 * outer + hole
+}
+
+/// How many edges there are around `face`, and around its hole.
+///
+/// # Errors
+/// [`SolidError::Rim`] when its rim is not of one loop or two.
+pub fn rim(face: &TriMesh) -> Result<[usize; 2], SolidError> {
+    let Rims { outer, hole } = rims(face)?;
+    Ok([outer.len(), hole.map_or(0, |hole| hole.len())])
+}
+
 /// The sides of a closed loop.
 fn sides(vertices: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     let next = vertices.iter().cycle().skip(1);
@@ -190,6 +206,7 @@ mod tests {
         assert_eq!(solid.check().volume_mm3, 8.0);
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
+        assert_eq!((rim(&face()).unwrap(), added(4, 0)), ([4, 0], 8 + 4));
     }
 
     #[test]
@@ -226,6 +243,7 @@ mod tests {
             assert!((solid.check().volume_mm3 - exact).abs() < 1e-12);
             assert_eq!((solid.check().euler, solid.check().components), (2, 1));
             assert_eq!((solid.mesh().triangles.len(), solid.optical()), (8 + 4 + 8 + 4, 8));
+            assert_eq!((rim(&holed(DVec3::ZERO)).unwrap(), added(4, 4)), ([4, 4], 4 + 8 + 4));
             for t in 8..12 {
                 assert!(solid.mesh().area_vector(t).normalize().z == 1.0);
             }

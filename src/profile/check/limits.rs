@@ -36,15 +36,18 @@ pub(super) fn part(reader: &mut Reader, root: &Section) -> Part {
 /// The mesh's limits; without a projection there is nothing to measure pixels by.
 pub(super) fn mesh(reader: &mut Reader, root: &Section, bare: bool) -> Option<MeshLimits> {
     let section = reader.section(root, "mesh", Required)?;
-    if !bare && !section.has("chord_um") && !section.has("facet_px") {
+    let has = |key: &str| section.has(key);
+    let lacks = !has("max_triangles") && !has("chord_um");
+    if lacks && !bare && !has("facet_px") {
         reader.missing(
             &section,
-            "mesh must hold chord_um, facet_px or both, found neither".to_owned(),
+            "mesh must hold chord_um, facet_px or both, or max_triangles, found none of them"
+                .to_owned(),
             "chord_um = 2 keeps facets within 2 micrometres of the mirror; facet_px = 1 keeps \
-             the picture within a pixel",
+             the picture within a pixel; max_triangles = 200000 makes the best of so many",
         );
     }
-    let need = if bare { Required } else { Optional };
+    let need = if lacks && bare { Required } else { Optional };
     let must = "a number from 0.0001 to 1000000";
     let hint = "the height of a facet off the mirror in micrometres, as in chord_um = 2";
     let chord =
@@ -56,7 +59,27 @@ pub(super) fn mesh(reader: &mut Reader, root: &Section, bare: bool) -> Option<Me
     if bare {
         needs_projection(reader, "mesh.facet_px", facet, "chord_um alone sets the facets");
     }
-    Some(MeshLimits { chord_um: chord.map(|f| f.value), facet_px: facet.map(|f| f.value) })
+    let must = "a whole number from 100 to 40000000";
+    let hint = "the most triangles that the whole part may have, as in max_triangles = 200000";
+    let most = number(reader, &section, "max_triangles", Optional, must, hint, |f| {
+        (100.0..=4e7).contains(&f) && f.fract() == 0.0
+    });
+    let limits: Vec<&str> = ["chord_um", "facet_px"].into_iter().filter(|key| has(key)).collect();
+    if let (Some(most), [_, ..]) = (most, limits.as_slice()) {
+        let (beside, several) = (list(&limits, "and"), limits.len() > 1);
+        let message = format!("mesh.max_triangles must stand alone, found {beside} beside it");
+        let hint = format!(
+            "remove max_triangles to keep the limit{}, or {beside} to have the finest mesh of that \
+             size",
+            if several { "s" } else { "" }
+        );
+        reader.complain(most.at, message, &hint);
+    }
+    Some(MeshLimits {
+        chord_um: chord.map(|f| f.value),
+        facet_px: facet.map(|f| f.value),
+        max_triangles: most.map(|f| f.value as usize),
+    })
 }
 
 pub(super) fn formats(reader: &mut Reader, root: &Section) -> Option<Vec<Format>> {

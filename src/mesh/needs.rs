@@ -1,0 +1,276 @@
+//! What the tolerances ask for at every place of a panel: the mirror's quadratic model there, what
+//! its image does with slopes, and the limits that rounding leaves. Facets are shaped by these;
+//! whether they hold is for the proof to say.
+
+use super::proof::{Prover, largest_deviation};
+use super::{Limits, MeshError};
+use crate::geom::{DVec2, Outline, Precision, Rect};
+use crate::mirror::Curvature;
+use crate::num::{Dual, exp};
+use glam::DMat2;
+use rayon::prelude::*;
+
+/// Cells per side of the table.
+const CELLS: usize = 48;
+/// Share of the error that rounding can cause at worst which mostly comes about in some facet.
+const LIKELY: f64 = 0.7;
+
+/// The least curvature in any direction, as a share of the largest.
+const FLAT: f64 = 1.0 / 16.0;
+
+/// The model at one place.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Second derivatives of h, 1/mm.
+    pub curvature: Curvature,
+    /// Image displacement (mm) per change of h's gradient.
+    pub per_slope: DMat2,
+    /// mm along the ray per mm of h.
+    stretch: f64,
+    /// How far single precision moves a vertex at worst, mm.
+    rounding: f64,
+}
+
+impl Place {
+    const ZERO: Self = Self {
+        curvature: Curvature { xx: 0.0, xy: 0.0, yy: 0.0 },
+        per_slope: DMat2::ZERO,
+        stretch: 0.0,
+        rounding: 0.0,
+    };
+
+    fn add(&mut self, other: &Self, weight: f64) {
+        self.curvature.xx += weight * other.curvature.xx;
+        self.curvature.xy += weight * other.curvature.xy;
+        self.curvature.yy += weight * other.curvature.yy;
+        self.per_slope += other.per_slope * weight;
+        self.stretch += weight * other.stretch;
+        self.rounding += weight * other.rounding;
+    }
+
+    /// Chord error (mm) of a facet with edges `a` and `b` from one corner.
+    #[inline]
+    fn chord(&self, a: DVec2, b: DVec2) -> f64 {
+        let h = &self.curvature;
+        let (ha, hb) = (h.times(a), h.times(b));
+        let (aa, ab, bb) = (ha.dot(a), ha.dot(b), hb.dot(b));
+        largest_deviation(aa, bb, aa + bb - 2.0 * ab) * self.stretch
+    }
+
+    /// The square of such a facet's error in the image, mm^2.
+    #[inline]
+    fn facet_squared(&self, a: DVec2, b: DVec2) -> f64 {
+        let h = &self.curvature;
+        let (ha, hb) = (h.times(a), h.times(b));
+        let facet = (b.perp() * -ha.dot(a) + a.perp() * hb.dot(b)) * (0.5 / a.perp_dot(b));
+        let shift = |gradient: DVec2| (self.per_slope * (facet - gradient)).length_squared();
+        shift(DVec2::ZERO).max(shift(ha)).max(shift(hb))
+    }
+
+    /// What rounding at its worst adds to the facet error of such a facet by tilting it, mm.
+    fn tilt(&self, a: DVec2, b: DVec2) -> f64 {
+        let longest = a.length_squared().max(b.length_squared()).max((a - b).length_squared());
+        let height = a.perp_dot(b).abs() / longest.sqrt();
+        let [x, y] = [self.per_slope.x_axis, self.per_slope.y_axis];
+        let norm = (x.length_squared() + y.length_squared()).sqrt();
+        2.0 * self.rounding / self.stretch * norm / height
+    }
+}
+
+/// The places of a panel and the limits there.
+pub struct Needs {
+    domain: Rect,
+    table: Vec<Place>,
+    limits: Limits,
+}
+
+impl Needs {
+    /// The needs of the part `domain` of the prover's mirror.
+    pub fn new(prover: &Prover, domain: Rect, limits: Limits) -> Self {
+        let outline = &prover.mirror().outline;
+        let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
+        let place = |&q: &DVec2| place(prover, into(outline, q), limits.precision);
+        Self { domain, table: nodes.par_iter().map(place).collect(), limits }
+    }
+
+    /// Whether the image limits anything.
+    pub fn sees(&self) -> bool {
+        self.limits.facet_mm.is_some()
+    }
+
+    /// The domain.
+    pub fn domain(&self) -> Rect {
+        self.domain
+    }
+
+    /// The centres of the table's cells.
+    pub fn centres(&self) -> impl Iterator<Item = DVec2> {
+        let (min, step) = (self.domain.min, self.domain.size() / CELLS as f64);
+        (0..CELLS * CELLS).map(move |k| {
+            min + step * DVec2::new((k % CELLS) as f64 + 0.5, (k / CELLS) as f64 + 0.5)
+        })
+    }
+
+    /// The model at `q`.
+    pub fn at(&self, q: DVec2) -> Place {
+        let last = CELLS as f64;
+        let share = (q - self.domain.min) / self.domain.size() * last;
+        let share = share.clamp(DVec2::ZERO, DVec2::splat(last));
+        let corner = share.floor().min(DVec2::splat(last - 1.0));
+        let f = share - corner;
+        let k = corner.y as usize * (CELLS + 1) + corner.x as usize;
+        let mut place = Place::ZERO;
+        place.add(&self.table[k], (1.0 - f.x) * (1.0 - f.y));
+        place.add(&self.table[k + 1], f.x * (1.0 - f.y));
+        place.add(&self.table[k + CELLS + 1], (1.0 - f.x) * f.y);
+        place.add(&self.table[k + CELLS + 2], f.x * f.y);
+        place
+    }
+
+    /// How many times as large as it may be the area of a facet with edges `a` and `b` is, when
+    /// rounding is left out of it.
+    pub fn excess(&self, place: &Place, a: DVec2, b: DVec2) -> f64 {
+        let Limits { chord_mm, facet_mm, .. } = self.limits;
+        let by_chord = chord_mm.map_or(0.0, |limit| place.chord(a, b) / (limit - place.rounding));
+        let by_facet = facet_mm.map_or(0.0, |limit| place.facet_squared(a, b) / (limit * limit));
+        by_chord.max(by_facet)
+    }
+
+    /// The factor by which a facet with edges `a` and `b` may be enlarged; rounding included.
+    pub fn room(&self, place: &Place, a: DVec2, b: DVec2) -> f64 {
+        let by_chord = self
+            .limits
+            .chord_mm
+            .map_or(f64::INFINITY, |limit| ((limit - place.rounding) / place.chord(a, b)).sqrt());
+        // facet t + tilt / t <= limit
+        let by_facet = self.limits.facet_mm.map_or(f64::INFINITY, |limit| {
+            let facet = place.facet_squared(a, b).sqrt();
+            let tilt = LIKELY * place.tilt(a, b);
+            let root = (limit * limit - 4.0 * facet * tilt).max(0.0).sqrt();
+            (limit + root) / (2.0 * facet)
+        });
+        by_chord.min(by_facet)
+    }
+
+    /// The factor by which an edge may be enlarged.
+    pub fn edge_room(&self, place: &Place, d: DVec2) -> f64 {
+        let chord = place.curvature.times(d).dot(d).abs() / 8.0 * place.stretch;
+        let by_chord = self
+            .limits
+            .chord_mm
+            .map_or(f64::INFINITY, |limit| ((limit - place.rounding) / chord).sqrt());
+        let image = (place.per_slope * place.curvature.times(d)).length() / 2.0;
+        by_chord.min(self.limits.facet_mm.map_or(f64::INFINITY, |limit| limit / image))
+    }
+
+    /// Fails where single precision alone exceeds the chord limit.
+    pub fn outlast_rounding(&self, outline: &Outline) -> Result<(), MeshError> {
+        let Some(limit) = self.limits.chord_mm else { return Ok(()) };
+        let rounding = |q: DVec2| (self.at(q).rounding, q);
+        let worse = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 > a.0 { b } else { a };
+        let inside = self.centres().filter(|&q| outline.contains(q));
+        match inside.map(rounding).reduce(worse) {
+            Some((reached, at)) if reached >= limit => {
+                Err(MeshError::Single { at, chord_mm: Some(reached), facet_mm: None })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Fails where rounding tilts facets with two sides as `sides` says by more than the facet limit
+    /// allows, over half of the mirror. (Some places may be saved by facets that round well.)
+    pub fn outlast_tilting(
+        &self,
+        outline: &Outline,
+        sides: impl Fn(&Place) -> [DVec2; 2],
+    ) -> Result<(), MeshError> {
+        let Some(limit) = self.limits.facet_mm else { return Ok(()) };
+        let least = |q: DVec2| {
+            let place = self.at(q);
+            let [a, b] = sides(&place);
+            let error = place.facet_squared(a, b).sqrt();
+            (2.0 * (error * LIKELY * place.tilt(a, b)).sqrt(), q)
+        };
+        let inside = self.centres().filter(|&q| outline.contains(q));
+        let mut found: Vec<(f64, DVec2)> = inside.map(least).filter(|f| f.0.is_finite()).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        match found.get(found.len() / 2) {
+            Some(&(reached, at)) if reached >= limit => {
+                Err(MeshError::Single { at, chord_mm: None, facet_mm: Some(reached) })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The same with the lesser curvature raised to a share of the larger one. Where a mirror is nearly
+/// developable, the quadratic model would have facets of any length, which cubic terms break.
+fn all_round(Curvature { xx, xy, yy }: Curvature) -> Curvature {
+    let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+    let radius = DVec2::new(half, xy).length();
+    let (larger, lesser) = (mean.abs() + radius, (mean.abs() - radius).abs());
+    let missing = FLAT * larger - lesser;
+    if !(missing > 0.0 && radius > 0.0) {
+        return Curvature { xx, xy, yy };
+    }
+    // The lesser one's principal direction, and its sign.
+    let up = if mean.abs() >= radius { mean.signum() } else { -mean.signum() };
+    let share = 0.5 * up * missing;
+    let turn = share * mean.signum() / radius;
+    Curvature { xx: xx + share - turn * half, xy: xy - turn * xy, yy: yy + share + turn * half }
+}
+
+/// Half the distance between the single-precision numbers around `x`.
+fn half_step(x: f64) -> f64 {
+    let single = x.abs() as f32;
+    0.5 * (f64::from(single.next_up()) - f64::from(single))
+}
+
+/// The point of the outline that is nearest to `q`; not the very centre of a disc, where laws may
+/// have no derivative.
+fn into(outline: &Outline, q: DVec2) -> DVec2 {
+    let Outline::Ring { inner, outer } = *outline else { return q };
+    let r = q.length();
+    let clamped = r.clamp(inner.max(1e-3 * outer), outer);
+    if r > 0.0 { q * (clamped / r) } else { DVec2::X * clamped }
+}
+
+/// What the tolerances depend on at `q`.
+fn place(prover: &Prover, q: DVec2, precision: Precision) -> Place {
+    let mirror = prover.mirror();
+    let chart = &mirror.chart;
+    let k = chart.vergence;
+    let point = mirror.surface.at(q);
+    let at = mirror.place(q, &point);
+    let grow = exp(k * point.f);
+    let gradient = point.slope * grow;
+    let Curvature { xx, xy, yy } = mirror.surface.curvature(q);
+    let s = point.slope;
+    let curvature = Curvature {
+        xx: grow * (xx + k * s.x * s.x),
+        xy: grow * (xy + k * s.x * s.y),
+        yy: grow * (yy + k * s.y * s.y),
+    };
+    let per_slope = prover.view().map_or(DMat2::ZERO, |view| {
+        let fixed = |x: f64| Dual::<2> { value: x, slope: [0.0; 2] };
+        let slope = [Dual::variable(gradient.x, 0), Dual::variable(gradient.y, 1)];
+        let slope = chart.slope(q.to_array().map(fixed), slope.map(|s| s / grow));
+        let image = prover.camera().coordinates(at).0;
+        let [x, y] = view.content(prover.camera(), at.to_array().map(fixed), slope, image);
+        DMat2::from_cols_array_2d(&[[x.slope[0], y.slope[0]], [x.slope[1], y.slope[1]]])
+    });
+    let curvature = all_round(curvature);
+    let p = mirror.slope(q, &point);
+    let half = match precision {
+        Precision::Single => at.to_array().map(half_step),
+        Precision::Double => [0.0; 3],
+    };
+    let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(half[0], half[1])) };
+    let ray = (1.0 + k * k * q.length_squared()).sqrt();
+    Place {
+        curvature,
+        per_slope,
+        stretch: ray / (grow * grow),
+        rounding: (half[2] + across) * ray / (1.0 + k * q.dot(p)),
+    }
+}

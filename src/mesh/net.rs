@@ -1,0 +1,288 @@
+//! A triangulation that can be improved in places: edges flipped or split, corners moved, all by
+//! the errors that the quadratic model foresees.
+
+use super::needs::{Needs, Place};
+use crate::geom::{DVec2, turn};
+use glam::DMat2;
+
+const NONE: u32 = u32::MAX;
+/// What a flip must leave of the worse excess, and a move of the sum of powers.
+const GAIN: f64 = 0.996;
+const GAIN_BY_MOVING: f64 = 0.998;
+/// Trial steps of moves, in cells.
+const STEP: f64 = 0.06;
+
+/// Share of the area of two triangles, or of three around a corner, under which one of them is a
+/// sliver: the model does not mind slivers that lie right, but rounding does.
+const SLIGHT: f64 = 0.12;
+/// Share of a triangle's longest edge under which an edge is not split.
+const SHORT: f64 = 0.55;
+
+/// Triangles (a, b, c) and (b, a, d).
+struct Pair {
+    triangles: [u32; 2],
+    corners: [u32; 4],
+}
+
+/// Triangles in the plane of the chart, and around each corner those that share it.
+pub struct Net<'a> {
+    needs: &'a Needs,
+    /// What the excess of triangles is multiplied by.
+    scale: f64,
+    /// Corners.
+    pub points: Vec<DVec2>,
+    /// Counter-clockwise.
+    pub triangles: Vec<[u32; 3]>,
+    /// The first place (three to a triangle) where each corner is named, and what follows each.
+    first: Vec<u32>,
+    next: Vec<u32>,
+}
+
+impl<'a> Net<'a> {
+    /// A net of triangles that are `scale` times as large as their errors count.
+    pub fn new(needs: &'a Needs, scale: f64, points: Vec<DVec2>, triangles: Vec<[u32; 3]>) -> Self {
+        let (first, next) = (vec![NONE; points.len()], vec![NONE; 3 * triangles.len()]);
+        let scale = 1.0 / (scale * scale);
+        let mut net = Self { needs, scale, points, triangles, first, next };
+        for t in 0..net.triangles.len() {
+            net.link(t);
+        }
+        net
+    }
+
+    /// By how much a triangle exceeds what it may be, in areas.
+    fn excess_of(&self, place: &Place, a: DVec2, b: DVec2, c: DVec2) -> f64 {
+        let (ab, ac) = (b - a, c - a);
+        if !(ab.perp_dot(ac) > 0.0) {
+            return f64::INFINITY;
+        }
+        self.needs.excess(place, ab, ac) * self.scale
+    }
+
+    /// The triangles around a corner.
+    pub fn around(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
+        let mut at = self.first[v as usize];
+        std::iter::from_fn(move || {
+            let here = (at != NONE).then_some(at / 3);
+            if at != NONE {
+                at = self.next[at as usize];
+            }
+            here
+        })
+    }
+
+    /// The triangles beside an edge: none, one, or two.
+    pub fn beside(&self, [a, b]: [u32; 2]) -> [Option<u32>; 2] {
+        let mut beside = [None; 2];
+        for t in self.around(a).filter(|&t| self.triangles[t as usize].contains(&b)) {
+            let free = usize::from(beside[0].is_some());
+            beside[free] = Some(t);
+        }
+        beside
+    }
+
+    /// Flips an edge if that makes the worse of its two triangles better; these.
+    pub fn flip(&mut self, edge: [u32; 2]) -> Option<[u32; 2]> {
+        let pair = self.pair(edge)?;
+        let [pa, pb, pc, pd] = pair.corners.map(|v| self.points[v as usize]);
+        let areas = [turn(pa, pd, pc), turn(pd, pb, pc)];
+        if areas[0].min(areas[1]) < SLIGHT * (areas[0] + areas[1]) {
+            return None;
+        }
+        let place = self.needs.at(0.25 * (pa + pb + pc + pd));
+        let before = self.excess_of(&place, pa, pb, pc).max(self.excess_of(&place, pb, pa, pd));
+        let after = self.excess_of(&place, pa, pd, pc).max(self.excess_of(&place, pd, pb, pc));
+        (after < GAIN * before).then(|| self.turn(pair))
+    }
+
+    /// The ends of the edges that have a triangle on one side only.
+    pub fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+        let edges = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let single = edges.filter(|&edge| self.beside(edge)[1].is_none());
+        single.map(|edge| edge.map(|v| self.points[v as usize]))
+    }
+
+    /// The two triangles beside an edge, if there are two and they make a convex quadrangle.
+    fn pair(&self, [a, b]: [u32; 2]) -> Option<Pair> {
+        let [Some(t), Some(u)] = self.beside([a, b]) else { return None };
+        let triangles = if self.runs(t, a, b) { [t, u] } else { [u, t] };
+        let [c, d] = triangles.map(|t| self.third(t, a, b));
+        let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.points[v as usize]);
+        let convex = turn(pa, pd, pc) > 0.0 && turn(pd, pb, pc) > 0.0;
+        convex.then_some(Pair { triangles, corners: [a, b, c, d] })
+    }
+
+    /// Flips the edge between a pair.
+    fn turn(&mut self, Pair { triangles: [t, u], corners: [a, b, c, d] }: Pair) -> [u32; 2] {
+        self.unlink(t as usize);
+        self.unlink(u as usize);
+        self.triangles[t as usize] = [a, d, c];
+        self.triangles[u as usize] = [d, b, c];
+        self.link(t as usize);
+        self.link(u as usize);
+        [t, u]
+    }
+
+    /// Flips the given edges, and those around the ones that were, until none gains; the triangles
+    /// that changed are reported.
+    pub fn flip_all(&mut self, mut edges: Vec<[u32; 2]>, mut changed: impl FnMut(u32)) -> usize {
+        // Every flip gains, but by how much depends on the place that is asked.
+        let most = 20 * edges.len() + 100;
+        let (mut flips, mut seen) = (0, 0);
+        while let Some(edge) = edges.pop() {
+            seen += 1;
+            if seen > most {
+                break;
+            }
+            let Some([t, u]) = self.flip(edge) else { continue };
+            flips += 1;
+            changed(t);
+            changed(u);
+            let ([a, d, c], [_, b, _]) = (self.triangles[t as usize], self.triangles[u as usize]);
+            edges.extend([[a, d], [d, b], [b, c], [c, a]]);
+        }
+        flips
+    }
+
+    /// Moves an inner corner towards smaller errors around it, if one of these is over `easy`.
+    /// Steps are measured in `cell`s.
+    pub fn shift(&mut self, v: u32, easy: f64, cell: impl FnOnce(DVec2) -> DMat2) -> bool {
+        let mut ring = [[DVec2::ZERO; 2]; 16];
+        let (mut count, mut balance) = (0, 0i64);
+        for t in self.around(v) {
+            let triangle = self.triangles[t as usize];
+            let k = triangle.iter().position(|&w| w == v).expect("a corner");
+            let (b, c) = (triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
+            if count == ring.len() {
+                return false;
+            }
+            ring[count] = [b, c].map(|w| self.points[w as usize]);
+            count += 1;
+            // Around an inner corner every neighbour is once the next and once the last.
+            balance +=
+                (i64::from(b) + 1) * (i64::from(b) + 7) - (i64::from(c) + 1) * (i64::from(c) + 7);
+        }
+        if balance != 0 {
+            return false;
+        }
+        let ring = &ring[..count];
+        let q = self.points[v as usize];
+        let place = self.needs.at(q);
+        let each = |p: DVec2, [b, c]: [DVec2; 2]| self.excess_of(&place, p, b, c);
+        if !(ring.iter().map(|&edge| each(q, edge)).fold(0.0, f64::max) > easy) {
+            return false;
+        }
+        let sees = self.needs.sees();
+        let sum = |p: DVec2| {
+            // Nearly the largest, and smooth. In the image, errors of neighbours differ more.
+            let squared = |x: f64| x * x;
+            let sharp = |x: f64| if sees { squared(x) } else { x };
+            let power = |e: f64| sharp(squared(squared(e)));
+            ring.iter().map(|&edge| power(each(p, edge))).sum::<f64>()
+        };
+        let here = sum(q);
+        let cell = cell(q);
+        let mut way = DVec2::ZERO;
+        for axis in [cell.x_axis, cell.y_axis] {
+            let (up, down) = (sum(q + axis * STEP), sum(q - axis * STEP));
+            let bend = up + down - 2.0 * here;
+            let step = if bend > 0.0 { 0.5 * (down - up) / bend } else { (down - up).signum() };
+            if step.is_finite() {
+                way += axis * (STEP * step.clamp(-2.5, 2.5));
+            }
+        }
+        let least = SLIGHT * ring.iter().map(|&[b, c]| turn(q, b, c)).sum::<f64>() / 3.0;
+        let slight = |p: DVec2| ring.iter().any(|&[b, c]| turn(p, b, c) < least);
+        for share in [1.0, 0.5, 0.2] {
+            let to = q + way * share;
+            if sum(to) < GAIN_BY_MOVING * here && !slight(to) {
+                self.points[v as usize] = to;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The edge of a triangle whose split in the middle leaves the smallest excess in both halves and
+    /// those of the triangle beyond.
+    pub fn best_split(&self, t: u32) -> [u32; 2] {
+        let [a, b, c] = self.triangles[t as usize];
+        let worst = |[a, b]: [u32; 2]| {
+            let [pa, pb] = [a, b].map(|v| self.points[v as usize]);
+            let middle = 0.5 * (pa + pb);
+            let place = self.needs.at(middle);
+            let halves = |u: u32| {
+                let c = self.points[self.third(u, a, b) as usize];
+                let (a, b) = if self.runs(u, a, b) { (pa, pb) } else { (pb, pa) };
+                self.excess_of(&place, a, middle, c).max(self.excess_of(&place, middle, b, c))
+            };
+            self.beside([a, b]).into_iter().flatten().map(halves).fold(0.0, f64::max)
+        };
+        let length = |[a, b]: [u32; 2]| self.points[a as usize].distance(self.points[b as usize]);
+        let edges = [[a, b], [b, c], [c, a]];
+        let longest = edges.map(length).into_iter().fold(0.0, f64::max);
+        let long = |edge| length(edge) > SHORT * longest;
+        let edges = edges.map(|edge| (if long(edge) { worst(edge) } else { f64::INFINITY }, edge));
+        let better = |x: (f64, [u32; 2]), y: (f64, [u32; 2])| if y.0 < x.0 { y } else { x };
+        edges.into_iter().reduce(better).expect("three edges").1
+    }
+
+    /// Splits an edge at a new corner; the corner.
+    pub fn split(&mut self, [a, b]: [u32; 2], at: DVec2) -> u32 {
+        let m = self.points.len() as u32;
+        self.points.push(at);
+        self.first.push(NONE);
+        for t in self.beside([a, b]).into_iter().flatten() {
+            let (a, b) = if self.runs(t, a, b) { (a, b) } else { (b, a) };
+            let c = self.third(t, a, b);
+            self.unlink(t as usize);
+            self.triangles[t as usize] = [a, m, c];
+            self.link(t as usize);
+            self.triangles.push([m, b, c]);
+            self.next.extend([NONE; 3]);
+            self.link(self.triangles.len() - 1);
+        }
+        m
+    }
+
+    /// Whether triangle `t` runs from `a` to `b`.
+    fn runs(&self, t: u32, a: u32, b: u32) -> bool {
+        let triangle = self.triangles[t as usize];
+        (0..3).any(|k| triangle[k] == a && triangle[(k + 1) % 3] == b)
+    }
+
+    fn third(&self, t: u32, a: u32, b: u32) -> u32 {
+        let [p, q, r] = self.triangles[t as usize];
+        if p != a && p != b {
+            p
+        } else if q != a && q != b {
+            q
+        } else {
+            r
+        }
+    }
+
+    fn link(&mut self, t: usize) {
+        for k in 0..3 {
+            let v = self.triangles[t][k] as usize;
+            self.next[3 * t + k] = self.first[v];
+            self.first[v] = (3 * t + k) as u32;
+        }
+    }
+
+    fn unlink(&mut self, t: usize) {
+        for k in 0..3 {
+            let (v, place) = (self.triangles[t][k] as usize, (3 * t + k) as u32);
+            let after = self.next[3 * t + k];
+            if self.first[v] == place {
+                self.first[v] = after;
+                continue;
+            }
+            let mut at = self.first[v];
+            while self.next[at as usize] != place {
+                at = self.next[at as usize];
+            }
+            self.next[at as usize] = after;
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The coarse mesh: the packing triangulated, and improved by the errors that the quadratic model
+//! foresees.
+
+use super::MeshError;
+use super::cell::Cells;
+use super::net::Net;
+use super::pack::{Packing, extent};
+use super::rim::Rim;
+use crate::geom::DVec2;
+use crate::num::{exp, log};
+use glam::DMat2;
+use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
+
+/// Rounds of flips and moves.
+const ROUNDS: usize = 6;
+/// Excess, in shares of what is aimed at, from which on corners are moved.
+const UNEASY: f64 = 1.04;
+
+/// Triangulates a packing inside its rim, which the first points are.
+pub fn triangulate<'a>(
+    packing: Packing,
+    rim: &Rim,
+    cells: &Cells<'a>,
+) -> Result<Net<'a>, MeshError> {
+    let stretch = stretch(&packing.cells);
+    let scaled = packing.points.iter().map(|&q| q * stretch);
+    let scaled = scaled.map(|q| Point2::new(q.x, q.y)).collect();
+    let refuse = |reason: InsertionError| MeshError::Point {
+        x: f64::NAN,
+        y: f64::NAN,
+        reason: reason.to_string(),
+    };
+    let plane: ConstrainedDelaunayTriangulation<Point2<f64>> =
+        ConstrainedDelaunayTriangulation::bulk_load_cdt(scaled, rim.edges.clone())
+            .map_err(refuse)?;
+    let triangles: Vec<[u32; 3]> = plane
+        .inner_faces()
+        .map(|f| f.vertices().map(|v| v.index()))
+        .filter(|&triangle| rim.keeps(triangle))
+        .map(|triangle| triangle.map(|v| v as u32))
+        .collect();
+    let net = Net::new(cells.needs, cells.parts as f64, packing.points, triangles);
+    Ok(improve(net, cells, &packing.cells))
+}
+
+fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
+    let easy = UNEASY * cells.aim() * cells.aim();
+    let mut edges: Vec<[u32; 2]> = net
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .filter(|[a, b]| a < b)
+        .collect();
+    let mut active: Vec<u32> = (0..net.points.len() as u32).collect();
+    for _ in 0..ROUNDS {
+        let mut touched = Vec::new();
+        net.flip_all(std::mem::take(&mut edges), |t| touched.push(t));
+        active.extend(touched.into_iter().flat_map(|t| net.triangles[t as usize]));
+        active.sort_unstable();
+        active.dedup();
+        let mut next = Vec::new();
+        for v in active {
+            if net.shift(v, easy, |_| frames[v as usize]) {
+                for t in net.around(v) {
+                    let [a, b, c] = net.triangles[t as usize];
+                    next.extend([a, b, c]);
+                    edges.extend([[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a < b));
+                }
+            }
+        }
+        active = next;
+        edges.sort_unstable();
+        edges.dedup();
+        if active.is_empty() {
+            break;
+        }
+    }
+    net.flip_all(edges, |_| {});
+    net
+}
+
+/// Scales of the axes that make the cells about as long as wide.
+fn stretch(cells: &[DMat2]) -> DVec2 {
+    let logs = |cell: &DMat2| {
+        let e = extent(cell);
+        DVec2::new(log(e.x), log(e.y))
+    };
+    let mean = cells.iter().map(logs).sum::<DVec2>() / cells.len() as f64;
+    DVec2::new(1.0, exp(mean.x - mean.y))
+}

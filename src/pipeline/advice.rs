@@ -1,0 +1,141 @@
+//! Warnings of parts and files that others will find too large, each with what to do instead.
+
+use super::facets::{added_to, forecast, limits};
+use crate::design::Design;
+use crate::geom::Precision;
+use crate::mesh::Limits;
+use crate::profile::Profile;
+
+/// The least number of triangles that draws a warning, and the least length of a file.
+const MANY: usize = 1_000_000;
+const LARGE: u64 = 100_000_000;
+/// What is suggested stays this far below, so that a forecast may be off.
+const BELOW: f64 = 0.93;
+/// Most forecasts made to find a suggestion.
+const FORECASTS: usize = 12;
+
+/// What suggestions are drawn from.
+pub struct Advice<'a> {
+    /// What was asked for.
+    pub profile: &'a Profile,
+    /// The mirror.
+    pub design: &'a Design,
+    /// Digits of the mesh.
+    pub precision: Precision,
+}
+
+impl Advice<'_> {
+    /// Warnings of a part of so many triangles and of files of so many bytes.
+    pub fn on(&self, triangles: usize, files: &[(&str, u64)]) -> Vec<String> {
+        let name = &self.profile.name;
+        let mut warnings = Vec::new();
+        if triangles >= MANY {
+            let instead = self.instead(triangles, MANY as f64);
+            warnings.push(format!(
+                "{name}: {triangles} triangles in all are a burden for many CAM programs; to stay \
+                 under {MANY}, write {instead}. Shops that take STEP need no triangles; STEP is not \
+                 written yet"
+            ));
+        }
+        for &(file, bytes) in files.iter().filter(|(_, bytes)| *bytes >= LARGE) {
+            let most = triangles as f64 * LARGE as f64 / bytes as f64;
+            let instead = self.instead(triangles, most);
+            let [size, large] = [bytes, LARGE].map(|bytes| bytes as f64 / 1e6);
+            warnings.push(format!(
+                "{name}: {file} takes {size:.0} MB; to stay under {large} MB, write {instead}"
+            ));
+        }
+        warnings
+    }
+
+    /// What to write into the profile for fewer triangles than `most`.
+    fn instead(&self, triangles: usize, most: f64) -> String {
+        let budget = format!("max_triangles = {}", round_down(BELOW * most));
+        if self.profile.mesh.max_triangles.is_some() {
+            return budget;
+        }
+        match self.looser(triangles, BELOW * most) {
+            Some(limits) => format!("{limits}, or {budget} in the place of limits"),
+            None => budget,
+        }
+    }
+
+    /// Looser limits at which at most `most` triangles are foreseen: of those that rule.
+    fn looser(&self, triangles: usize, most: f64) -> Option<String> {
+        let pixel = self.design.camera.pixel_mm;
+        let own = limits(self.profile, self.design, self.precision);
+        let count = |limits: Limits| {
+            let foreseen = forecast(self.design, limits).ok()?;
+            Some(foreseen.facets + added_to(&foreseen, self.design) as f64)
+        };
+        let alone = [Limits { facet_mm: None, ..own }, Limits { chord_mm: None, ..own }];
+        let set = [own.chord_mm.is_some(), own.facet_mm.is_some()];
+        let mut rules = set;
+        if set == [true; 2] {
+            let many = alone.map(|limits| count(limits).is_some_and(|count| count > most));
+            if many != [false; 2] {
+                rules = many;
+            }
+        }
+        let mut ratio = triangles as f64 / most;
+        for attempt in 1..=FORECASTS {
+            if attempt == FORECASTS / 2 {
+                rules = set;
+            }
+            // Triangles are as one over the chord, and as one over the square of the facet error.
+            let [by_chord, by_facet] = [ratio, ratio.sqrt()];
+            let chord_um = self.profile.mesh.chord_um.map(|um| round_up(um * by_chord));
+            let facet_px = self.profile.mesh.facet_px.map(|px| round_up(px * by_facet));
+            let mut limits = own;
+            let mut words = Vec::new();
+            if let (Some(um), true) = (chord_um, rules[0]) {
+                limits.chord_mm = Some(um * 1e-3);
+                words.push(format!("chord_um = {um}"));
+            }
+            if let (Some(px), true) = (facet_px, rules[1]) {
+                limits.facet_mm = Some(px * pixel);
+                words.push(format!("facet_px = {px}"));
+            }
+            let found = count(limits)?;
+            if found <= most {
+                return Some(words.join(" and "));
+            }
+            ratio *= (found / most).max(1.02);
+        }
+        None
+    }
+}
+
+/// The next number of two digits that is not less.
+fn round_up(x: f64) -> f64 {
+    let nearest = two_digits(x);
+    if nearest >= x { nearest } else { two_digits(x * 1.05) }
+}
+
+/// The last number of two digits that is not greater.
+fn round_down(x: f64) -> usize {
+    let nearest = two_digits(x);
+    if nearest <= x { nearest as usize } else { two_digits(x * 0.95) as usize }
+}
+
+fn two_digits(x: f64) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions_are_short_and_on_the_right_side() {
+        for k in 1..2000 {
+            let x = 0.0123 * f64::from(k);
+            let up = round_up(x);
+            assert!((1.0..=1.1).contains(&(up / x)) && up.to_string().len() <= 5, "{x}: {up}");
+            let many = 1e5 + 1234.0 * f64::from(k);
+            let down = round_down(many) as f64;
+            assert!((0.9..=1.0).contains(&(down / many)), "{many}: {down}");
+        }
+        assert_eq!((round_up(1.0), round_up(1.01), round_down(930_000.0)), (1.0, 1.1, 930_000));
+    }
+}

@@ -1,0 +1,165 @@
+//! From what a profile asks of its facets to a face, or to the forecast of one: limits or a number
+//! of triangles, and the digits of the files that are asked for.
+
+use super::Error;
+use crate::design::Design;
+use crate::geom::{Outline, Precision};
+use crate::mesh::{
+    Budget, Closing, Face, Forecast, Limits, MeshError, Plan, forecast as forecast_within, mesh,
+};
+use crate::profile::{Format, Profile};
+use crate::solid::{added, rim};
+
+/// What is made or foreseen for the files that can have it.
+#[derive(Debug)]
+pub struct Facets<T> {
+    /// The face or the plan of it.
+    pub made: T,
+    /// Its digits.
+    pub precision: Precision,
+    /// The formats of which files are written.
+    pub formats: Vec<Format>,
+    /// Why there is no STL although it is asked for.
+    pub refused: Option<String>,
+}
+
+/// The face that the profile asks for.
+pub fn face(profile: &Profile, design: &Design) -> Result<Facets<Face>, Error> {
+    let Design { mirror, camera, view, .. } = design;
+    at_precision(profile, design, |precision| match profile.mesh.max_triangles {
+        Some(triangles) => Spending::new(design).budget(triangles, precision).mesh(),
+        None => mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision)),
+    })
+}
+
+/// What is foreseen of that face.
+pub fn plan(profile: &Profile, design: &Design) -> Result<Facets<Plan>, Error> {
+    at_precision(profile, design, |precision| match profile.mesh.max_triangles {
+        Some(triangles) => Spending::new(design).budget(triangles, precision).foresee(),
+        None => {
+            let limits = limits(profile, design, precision);
+            Ok(Plan { limits, forecast: forecast(design, limits)? })
+        }
+    })
+}
+
+/// What is foreseen of the face that keeps `limits`.
+pub fn forecast(design: &Design, limits: Limits) -> Result<Forecast, MeshError> {
+    forecast_within(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
+}
+
+/// The profile's limits on the mirror of `design`.
+pub fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
+    Limits {
+        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
+        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        precision,
+    }
+}
+
+/// How many facets close the face that is foreseen.
+pub fn added_to(forecast: &Forecast, design: &Design) -> usize {
+    let hole = match design.mirror.outline {
+        // As if neighbours on both rims were equally far apart.
+        Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
+        Outline::Rect(_) => 0.0,
+    };
+    added((forecast.rim - hole).round() as usize, hole.round() as usize)
+}
+
+/// What closing adds to faces of a mirror.
+struct Spending<'a>(&'a Design);
+
+impl<'a> Spending<'a> {
+    fn new(design: &'a Design) -> Self {
+        Self(design)
+    }
+
+    fn budget(&self, triangles: usize, precision: Precision) -> Budget<'_> {
+        let Design { mirror, camera, view, .. } = self.0;
+        let (camera, view) = (&camera.chart, view.as_ref());
+        Budget { mirror, camera, view, precision, triangles, closing: self }
+    }
+}
+
+impl Closing for Spending<'_> {
+    fn foreseen(&self, forecast: &Forecast) -> f64 {
+        added_to(forecast, self.0) as f64
+    }
+
+    fn counted(&self, face: &Face) -> usize {
+        // A rim that cannot be closed is the next stage's to refuse.
+        rim(&face.mesh).map_or(0, |[outer, hole]| added(outer, hole))
+    }
+}
+
+/// Makes what single precision needs if there is to be an STL; where that is what fails, what the
+/// other formats need.
+fn at_precision<T>(
+    profile: &Profile,
+    design: &Design,
+    make: impl Fn(Precision) -> Result<T, MeshError>,
+) -> Result<Facets<T>, Error> {
+    let fail = |source| Error::Mesh { profile: profile.name.clone(), source };
+    let formats = profile.formats.clone();
+    if !formats.contains(&Format::Stl) {
+        let precision = Precision::Double;
+        let made = make(precision).map_err(fail)?;
+        return Ok(Facets { made, precision, formats, refused: None });
+    }
+    let precision = Precision::Single;
+    let error = match make(precision) {
+        Ok(made) => return Ok(Facets { made, precision, formats, refused: None }),
+        Err(error) => error,
+    };
+    let Some(reason) = refusal(profile, design, &error) else { return Err(fail(error)) };
+    let others: Vec<Format> = formats.into_iter().filter(|&f| f != Format::Stl).collect();
+    let is_single = matches!(error, MeshError::Single { .. });
+    if is_single && others.is_empty() {
+        return Err(Error::Single { profile: profile.name.clone(), reason });
+    }
+    let precision = Precision::Double;
+    match make(precision) {
+        Ok(_) if others.is_empty() => Err(Error::Single { profile: profile.name.clone(), reason }),
+        Ok(made) => Ok(Facets { made, precision, formats: others, refused: Some(reason) }),
+        // More digits do not help, so they are not what is wanting.
+        Err(_) if !is_single => Err(fail(error)),
+        Err(other) => Err(fail(other)),
+    }
+}
+
+/// Why there is no STL, if `error` may be due to single precision.
+fn refusal(profile: &Profile, design: &Design, error: &MeshError) -> Option<String> {
+    let (at, chord_mm, facet_mm) = match *error {
+        MeshError::Single { at, chord_mm, facet_mm } => (at, chord_mm, facet_mm),
+        MeshError::Floor { at, bound, .. } => {
+            let limits = limits(profile, design, Precision::Single);
+            let missed = |bound: f64, limit: Option<f64>| {
+                limit.is_some_and(|limit| !(bound <= limit)).then_some(bound)
+            };
+            let chord = missed(bound.chord_mm, limits.chord_mm);
+            let facet = missed(bound.facet_mm, limits.facet_mm);
+            (at, chord.or(facet.is_none().then_some(bound.chord_mm)), facet)
+        }
+        _ => return None,
+    };
+    let chord = chord_mm.map(|mm| ("chord_um", mm * 1e3));
+    let facet = facet_mm.map(|mm| ("facet_px", mm / design.camera.pixel_mm));
+    let reached: Vec<_> = chord.into_iter().chain(facet).collect();
+    let figures: Vec<String> =
+        reached.iter().map(|&(key, value)| format!("{key} {}", digits(value))).collect();
+    let keys: Vec<&str> = reached.iter().map(|(key, _)| *key).collect();
+    Some(format!(
+        "mirror.stl was not written: single precision reaches {} at X {:.4} mm, Y {:.4} mm; \
+         loosen {} or export obj alone",
+        figures.join(", "),
+        at.x,
+        at.y,
+        if keys.is_empty() { "the limits".to_owned() } else { keys.join(" and ") },
+    ))
+}
+
+/// Three digits or so.
+fn digits(x: f64) -> String {
+    if (1e-2..1e4).contains(&x) { format!("{x:.3}") } else { format!("{x:.2e}") }
+}

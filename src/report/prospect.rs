@@ -1,0 +1,139 @@
+//! What a build would make, foreseen without making it.
+
+use super::text::{of_at_most, short};
+use super::{ProfileId, SCHEMA};
+use anstyle::Style;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// What a build of one profile would come to. Numbers are forecasts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Prospect {
+    /// The version of the report's schema whose keys these are.
+    pub schema: u32,
+    /// Nothing was written.
+    pub dry_run: bool,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// The mesh.
+    pub mesh: ProspectMesh,
+    /// The mesh files.
+    pub files: Vec<ProspectFile>,
+    /// Why files that are asked for would not be written.
+    pub reasons: Vec<String>,
+    /// What may be a nuisance later, and what to do about it.
+    pub warnings: Vec<String>,
+}
+
+/// The mesh that is foreseen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ProspectMesh {
+    /// Facets of the optical face.
+    pub optical_triangles: usize,
+    /// Facets of the solid.
+    pub triangles: usize,
+    /// Most of them, where the profile sets that in the place of limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_triangles: Option<usize>,
+    /// Height between facet and mirror, um.
+    pub chord_um: Foreseen,
+    /// Image displacement by flat facets, pixels.
+    pub facet_px: Foreseen,
+}
+
+/// A limit asked for, and what is foreseen for a number of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Foreseen {
+    /// Asked for; none when the profile sets none.
+    pub limit: Option<f64>,
+    /// What the number of triangles will be good for; none where limits rule.
+    pub foreseen: Option<f64>,
+}
+
+/// A mesh file that is foreseen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ProspectFile {
+    /// Name in the output folder.
+    pub name: String,
+    /// Its format's name.
+    pub format: &'static str,
+    /// Length.
+    pub bytes: u64,
+}
+
+impl Prospect {
+    /// The forecast for `profile`; nothing in it yet but the mesh and the files.
+    #[must_use]
+    pub fn new(profile: ProfileId, mesh: ProspectMesh, files: Vec<ProspectFile>) -> Self {
+        let (reasons, warnings) = (Vec::new(), Vec::new());
+        Self { schema: SCHEMA, dry_run: true, profile, mesh, files, reasons, warnings }
+    }
+
+    /// As JSON.
+    #[must_use]
+    pub fn json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self)
+            .expect("a forecast has string keys and plain values only");
+        text.push('\n');
+        text
+    }
+
+    /// A readable summary, styled for terminals.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_text(&mut out);
+        out
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let bold = Style::new().bold();
+        let Self { profile, mesh, .. } = self;
+        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        let tolerances = [(mesh.chord_um, "chord", "um"), (mesh.facet_px, "facet", "px")];
+        let tolerances: Vec<String> = tolerances
+            .into_iter()
+            .filter_map(|(value, what, unit)| match value {
+                Foreseen { limit: Some(limit), .. } => {
+                    Some(format!("{what} within {limit} {unit}"))
+                }
+                Foreseen { foreseen: Some(x), .. } => Some(format!("{what} about {x:.3} {unit}")),
+                _ => None,
+            })
+            .collect();
+        writeln!(
+            out,
+            "  mesh     about {} optical triangles ({} in all{}); {}",
+            rough(mesh.optical_triangles),
+            rough(mesh.triangles),
+            of_at_most(mesh.max_triangles),
+            tolerances.join(", "),
+        )?;
+        for file in &self.files {
+            writeln!(out, "  file     {}  about {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
+        }
+        for reason in &self.reasons {
+            writeln!(out, "  - {reason}")?;
+        }
+        writeln!(out, "  dry run  nothing was written")
+    }
+}
+
+/// A number in three digits.
+fn rough(count: usize) -> usize {
+    let mut unit = 1;
+    while count / unit >= 1000 {
+        unit *= 10;
+    }
+    (count + unit / 2) / unit * unit
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn rough_numbers_have_three_digits() {
+        let found = [0, 7, 999, 1000, 1234, 99_950, 587_936].map(super::rough);
+        assert_eq!(found, [0, 7, 999, 1000, 1230, 100_000, 588_000]);
+    }
+}
