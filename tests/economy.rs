@@ -4,7 +4,8 @@
 mod surfaces;
 
 use morion::geom::{DVec2, Precision};
-use surfaces::{ENOUGH, FORMULAS, HALF_MM, cases};
+use morion::mesh::{Limits, mesh};
+use surfaces::{ENOUGH, FORMULAS, Formula, HALF_MM, cases};
 
 /// The sheets are their formulas, so that the peers of the benchmark mesh the same surfaces.
 #[test]
@@ -22,6 +23,33 @@ fn sheets_follow_their_formulas() {
         println!("{}: {worst:.1e} mm", formula.name);
         assert!(worst < 1e-9, "{}: {worst:e} mm", formula.name);
     }
+}
+
+/// Sizes of facets grow by steps, but a place that hardly bends is not meshed for its size.
+#[test]
+fn flat_places_get_few_triangles() {
+    let formula = Formula {
+        name: "flat middle",
+        z: |x, y| {
+            let share = (x * x + y * y) / (HALF_MM * HALF_MM);
+            2.0 * share * share * share * share
+        },
+        degree: [8, 8],
+        even: [true, true],
+        most: f64::INFINITY,
+    };
+    let mirror = formula.mirror();
+    let limits = Limits { chord_mm: Some(1e-3), facet_mm: None, precision: Precision::Single };
+    let face = mesh(&mirror, &mirror.chart, None, limits).unwrap();
+    let middle = |t: &usize| {
+        let [a, b, c] = face.mesh.corners(*t);
+        ((a + b + c) / 3.0).truncate().abs().max_element() < 0.3 * HALF_MM
+    };
+    let all = face.mesh.triangles.len();
+    let flat = (0..all).filter(middle).count();
+    println!("{flat} of {all} facets on 9 % of the area");
+    assert!(limits.hold(&face.bound) && all > 10_000);
+    assert!(flat * 300 < all, "{flat} of {all}");
 }
 
 /// With at least a hundred thousand triangles, at the usual limits or finer ones.
