@@ -1,10 +1,14 @@
 //! The meshing stage: `Mirror` + tolerances -> optical face with proven bounds.
 //!
-//! A lattice sized to the tolerances proposes points, spade triangulates them, every facet's error
-//! is bounded over its whole area (`proof`), and facets whose bound is over the limit are split
-//! until none is left. All of that happens in the mirror's chart, where facets are flat too
-//! (`geom::Chart`). A symmetric panel is meshed on one half or quarter, a folded mirror on one
-//! panel: displacements of the image are the same in all of them.
+//! A quadratic model of the mirror and of its image (`needs`) says which lattice cell suits each
+//! place (`cell`); a lattice of such cells is packed into the rim (`rim`, `pack`), triangulated by
+//! spade and improved by the model (`plane`, `net`). This coarse mesh (`draft`) is cut into facets
+//! (`subdivide`), every one of which is proven over its whole area (`proof`, `tight`); around those
+//! that fail corners are moved, edges flipped, and facets split (`refine`).
+//!
+//! All of that happens in the mirror's chart, where facets are flat too (`geom::Chart`). A symmetric
+//! panel is meshed on one half or quarter, a folded mirror on one panel: displacements of the image
+//! are the same in all of them.
 
 mod budget;
 mod cell;
