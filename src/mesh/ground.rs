@@ -29,6 +29,8 @@ pub enum Ground {
         bounds: Cells<Bounds>,
         /// Of facets.
         regions: Cells<Region>,
+        /// How far beside facets that is looked up, mm.
+        margin: f64,
     },
     /// Of parts of the X axis.
     Axis {
@@ -84,7 +86,7 @@ impl Ground {
                 sight.region(part, &sight.narrow(bounds, part), None)
             }
         });
-        Self::Grid { bounds, regions }
+        Self::Grid { bounds, regions, margin: MARGIN * part.size().max_element() }
     }
 
     fn around(sight: &Sight, round: &Round) -> Self {
@@ -119,7 +121,8 @@ impl Ground {
         let triangle = Triangle::new(corners);
         let far = corners.map(DVec2::length_squared).into_iter().fold(0.0, f64::max).sqrt();
         let tangent = corners.map(|q| (q.y / q.x).abs()).into_iter().fold(0.0, f64::max);
-        let angle = if triangle.reach[0].x > 0.0 {
+        const STEEP: f64 = 1e8;
+        let angle = if triangle.reach[0].x > 0.0 && tangent < STEEP {
             let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
             [cos, tangent * cos]
         } else {
@@ -132,7 +135,7 @@ impl Ground {
     #[inline]
     pub fn margin(&self) -> f64 {
         match self {
-            Self::Grid { .. } => 0.0,
+            Self::Grid { margin, .. } => *margin,
             Self::Axis { width, .. } => MARGIN * COLUMNS as f64 * width,
         }
     }
@@ -142,17 +145,19 @@ impl Ground {
         matches!(self, Self::Axis { .. })
     }
 
-    /// What is known of a triangle that is (a part of) a facet of the given diameter.
+    /// What is known of a triangle that is (a part of) a facet of the given diameter, and of places
+    /// as far beside it as `beside`.
     #[inline]
-    pub fn region(&self, local: &Local, diameter: f64) -> Region {
+    pub fn region(&self, local: &Local, diameter: f64, beside: f64) -> Region {
+        let margin = self.margin() + beside;
         let (width, regions) = match self {
             Self::Grid { regions, .. } => {
                 let [lo, hi] = local.triangle.reach;
-                return regions.over(lo, hi);
+                return regions.over(lo - margin, hi + margin);
             }
             Self::Axis { width, regions, .. } => (*width, regions),
         };
-        let margin = MARGIN * COLUMNS as f64;
+        let margin = margin / width;
         let wanted = diameter / width + margin;
         let level = (0..LEVELS - 1).find(|&level| wanted <= size(level)).unwrap_or(LEVELS - 1);
         let [first, last] =

@@ -162,7 +162,7 @@ impl<'a> Prover<'a> {
         }
         let local = self.ground.local(corners);
         let triangle = &local.triangle;
-        let region = self.ground.region(&local, triangle.diameter);
+        let region = self.ground.region(&local, triangle.diameter, 0.0);
         let [ab, bc, ca] = triangle.curves(t.map(|v| local.turn.rotate(v.gradient)));
         let quadratic = largest_deviation(ab, bc, ca);
         let rest = triangle.twist(region.third);
@@ -221,8 +221,16 @@ impl<'a> Prover<'a> {
         region: &Region,
         [corners, chord]: [f64; 2],
     ) -> f64 {
-        let aside = self.aside(region, chord) + self.shift(t, facets);
-        let quick = if local.is_known(region, gradient(t)) {
+        let shift = self.shift(t, facets);
+        let aside = self.aside(region, chord) + shift;
+        // What is known must hold there, too.
+        let wider = (aside > self.ground.margin())
+            .then(|| self.ground.region(local, local.triangle.diameter, 2.0 * aside));
+        let reached = 2.0 * aside;
+        let region = wider.as_ref().unwrap_or(region);
+        let aside = self.aside(region, chord) + shift;
+        let known = self.gradients(t, facets).iter().all(|&g| local.is_known(region, g));
+        let quick = if known && aside <= self.ground.margin().max(reached) {
             corners + local.triangle.bend(region.second) + times(region.first, aside)
         } else {
             f64::INFINITY
@@ -328,6 +336,17 @@ impl<'a> Prover<'a> {
         (up + p.dot(q - at)) / (1.0 - chart.vergence * (up - p.dot(at)))
     }
 
+    /// The gradients of h of the exact facet and of the rounded one.
+    #[inline]
+    pub(super) fn gradients(&self, t: [&Vertex; 3], facets: &Facets) -> [DVec2; 2] {
+        let q = t.map(|v| v.q);
+        let rounded = facets
+            .single
+            .as_ref()
+            .map_or(t.map(|v| v.h), |single| std::array::from_fn(|i| self.height(single, i, q[i])));
+        [gradient_of(q, t.map(|v| v.h)), gradient_of(q, rounded)]
+    }
+
     /// How far rounding moves a corner in the chart: q = (1 + k h) (X, Y) has the differential
     /// (1 + k h) (d(X, Y) + k q dZ).
     #[inline]
@@ -346,7 +365,8 @@ impl<'a> Prover<'a> {
     #[must_use]
     pub fn sees_the_pole(&self, t: &[Vertex; 3]) -> bool {
         let local = self.ground.local(t.each_ref().map(|v| v.q));
-        self.ground.region(&local, local.triangle.diameter).pole && !self.is_bounded(t.each_ref())
+        self.ground.region(&local, local.triangle.diameter, 0.0).pole
+            && !self.is_bounded(t.each_ref())
     }
 }
 
@@ -391,10 +411,15 @@ impl Facets {
 
 /// The gradient of the facet's h.
 #[inline]
-pub(super) fn gradient(t: [&Vertex; 3]) -> DVec2 {
-    let [ab, ac] = [t[1].q - t[0].q, t[2].q - t[0].q];
-    let (up_b, up_c) = (t[1].h - t[0].h, t[2].h - t[0].h);
-    (ab.perp() * up_c - ac.perp() * up_b) / ab.perp_dot(ac)
+fn gradient(t: [&Vertex; 3]) -> DVec2 {
+    gradient_of(t.map(|v| v.q), t.map(|v| v.h))
+}
+
+/// The gradient of what is linear and `h` at the corners `q`.
+#[inline]
+pub(super) fn gradient_of(q: [DVec2; 3], h: [f64; 3]) -> DVec2 {
+    let [ab, ac] = [q[1] - q[0], q[2] - q[0]];
+    (ab.perp() * (h[2] - h[0]) - ac.perp() * (h[1] - h[0])) / ab.perp_dot(ac)
 }
 
 /// A bound of a third derivative along any ways of unit length.
@@ -411,5 +436,5 @@ fn times(rate: f64, way: f64) -> f64 {
 
 /// The larger of two errors; one that is no number is larger than all.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if b <= a { a } else { b }
+    if b <= a || a.is_nan() { a } else { b }
 }

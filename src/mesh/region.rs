@@ -14,6 +14,8 @@ type Jet = Jet2<Interval>;
 /// Share of a range's width by which it is widened for the facets' gradients, which are means over
 /// edges and may leave it by a little.
 const MARGIN: f64 = 0.25;
+/// Rounding to single precision moves nothing by so large a share of the mirror's size.
+const ROUNDING: f64 = 1e-6;
 /// Second derivatives, in units of one over the mirror's size, from which on a box is taken apart:
 /// so much costs facets of a pixel in a thousand some per cent. (Once: what is still loose then is
 /// looked at facet by facet.)
@@ -253,7 +255,9 @@ impl Sight<'_> {
             let range = s * grow;
             Interval::around(range.centre(), (0.5 + MARGIN) * range.width())
         });
-        let h = Interval::new(chart.flat(bounds.f.lo), chart.flat(bounds.f.hi));
+        // Rounded facets leave the mirror's heights by less than this.
+        let slack = ROUNDING * self.mirror.outline.bounds().size().max_element();
+        let h = Interval::new(chart.flat(bounds.f.lo) - slack, chart.flat(bounds.f.hi) + slack);
         let gradient = [DVec2::new(wide[0].lo, wide[1].lo), DVec2::new(wide[0].hi, wide[1].hi)];
         (Some(Plane::of_gradient(k, sides(part), h, wide)), gradient)
     }

@@ -5,7 +5,8 @@ use crate::geom::{Chart, DVec2, DVec3, Outline, Precision, Rect, turn};
 use crate::mirror::{Mirror, Round, Sheet, Surface};
 use crate::num::legendre::{Series, values};
 use crate::num::quadrature::gauss_legendre;
-use crate::num::{atan2, cos, exp, log, radians};
+use crate::num::sample::Draws;
+use crate::num::{atan2, cos, exp, log, radians, sin};
 use crate::optics::{Law, Projection, RadialLaw, Rims, Strip, Target, View};
 use std::collections::{HashMap, HashSet};
 
@@ -189,7 +190,7 @@ impl Case {
                     for w in rim.windows(2) {
                         let half = 0.5 * (w[1] - w[0]);
                         assert!(1.0 - cos(half) < Outline::EDGE);
-                        let triangle = crate::num::sin(half) * cos(half) * radius * radius;
+                        let triangle = sin(half) * cos(half) * radius * radius;
                         polygons += triangle.copysign(radius);
                     }
                 }
@@ -208,6 +209,45 @@ fn conformal() -> Case {
     let mut mirror = sheet(rect, Chart { plane_mm: 0.0, ..PARALLEL }, 20, f);
     mirror.even = [true, false];
     Case { mirror, camera: Chart { plane_mm: 0.0, ..PARALLEL }, view }
+}
+
+/// The rounded facet leaves the mirror beside the exact one by its own slope, not by that one's.
+#[test]
+fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
+    let rims = Rims { radius: [10.0, 30.0], psi: [0.4, 1.9], vergence: PINHOLE.vergence };
+    let projection = Projection::Radial { law: rims.equiangular(), radius: rims.radius };
+    let view = View { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
+    let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
+    let case = Case { mirror, camera: PINHOLE, view };
+    let prover = Prover::new(&case.mirror, &case.camera, Some(&case.view), Precision::Single);
+    let mut draws = Draws::new(5);
+    let mut largest = 0.0f64;
+    for _ in 0..4000 {
+        let (radius, angle) = (draws.inside([11.0, 29.0]), draws.inside([0.0, 6.2]));
+        let size = radius * draws.inside([1e-5, 4e-5]);
+        let start = draws.inside([0.0, 6.2]);
+        let corners = [0.0, 1.9, 4.1].map(|turn| {
+            let q = DVec2::new(cos(angle), sin(angle)) * radius;
+            let q = q + DVec2::new(cos(start + turn), sin(start + turn)) * size;
+            prover.vertex(q, case.mirror.surface.at(q))
+        });
+        let bound = prover.bound_tightly(corners.each_ref()).chord_mm;
+        let exact = corners.map(|v| v.at);
+        for corners in [exact, exact.map(|p| p.as_vec3().as_dvec3())] {
+            for k in 0..21 {
+                let (i, j) = [(0, 0), (5, 0), (0, 5)].get(k).copied().unwrap_or((k % 5, k / 7));
+                let [x, y] = [i, j].map(|i| i as f64 / 5.0);
+                if x + y > 1.0 {
+                    continue;
+                }
+                let p = corners[0] * (1.0 - x - y) + corners[1] * x + corners[2] * y;
+                let [chord, _] = case.errors(corners, p);
+                assert!(chord <= bound * (1.0 + 1e-6) + 1e-14, "{chord:e} over {bound:e}");
+                largest = largest.max(chord / bound);
+            }
+        }
+    }
+    assert!(largest > 0.9, "{largest}");
 }
 
 #[test]

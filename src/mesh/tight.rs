@@ -8,7 +8,7 @@
 use super::Limits;
 use super::deviation::{Triangle, largest_quadratic};
 use super::ground::Local;
-use super::proof::{Bound, Facets, Prover, Vertex, gradient, larger, size_of};
+use super::proof::{Bound, Facets, Prover, Vertex, gradient_of, larger, size_of};
 use super::region::Sight;
 use crate::geom::{DVec2, DVec3};
 use crate::num::exp;
@@ -222,8 +222,8 @@ struct Work<'a> {
     facets: Facets,
     /// h of the facets' planes on the rays of the exact corners, mm.
     h: [[f64; 3]; 2],
-    /// The gradient of the exact facet's h.
-    gradient: DVec2,
+    /// The gradients of these.
+    gradients: [DVec2; 2],
     /// How far rounding moves the corners in the chart, mm.
     shift: f64,
 }
@@ -243,7 +243,7 @@ impl<'a> Work<'a> {
             corners: t.map(|v| v.q),
             diameter: Triangle::new(t.map(|v| v.q)).diameter,
             h: [exact, rounded],
-            gradient: gradient(t),
+            gradients: [exact, rounded].map(|h| gradient_of(t.map(|v| v.q), h)),
             shift: prover.shift(t, &facets),
             facets,
         }
@@ -342,11 +342,13 @@ impl<'a> Work<'a> {
         let k = self.vergence();
         let triangle = &local.triangle;
         let [lo, hi] = triangle.reach;
-        let third = self.prover.ground.region(local, self.diameter).third;
+        let third = self.prover.ground.region(local, self.diameter, 0.0).third;
         let (mut rise, at) = self.rise(corners, local, triangle.twist(third));
         if self.shift > 0.0 {
             // The rounded facet reaches a little beyond the exact one.
-            let steep = corners.iter().map(|c| (c.gradient - self.gradient).length());
+            let steep = corners
+                .iter()
+                .flat_map(|c| self.gradients.map(|gradient| (c.gradient - gradient).length()));
             let bend = size_of(third) * triangle.diameter * triangle.diameter / 6.0;
             rise += self.shift * (steep.fold(0.0, larger) + bend);
         }
@@ -380,7 +382,7 @@ impl<'a> Work<'a> {
 
     fn facet(&self, corners: &[Place; 3], local: &Local, reached: &mut f64) -> f64 {
         let triangle = &local.triangle;
-        let region = self.prover.ground.region(local, self.diameter);
+        let region = self.prover.ground.region(local, self.diameter, 0.0);
         let chord = if region.drift == 0.0 {
             0.0
         } else {
@@ -390,7 +392,8 @@ impl<'a> Work<'a> {
         let largest = corners.iter().map(|c| c.shown).fold(0.0, larger);
         *reached = corners.iter().map(|c| c.seen).fold(*reached, f64::max);
         let quick = triangle.bend(region.second);
-        let holds = local.is_known(&region, self.gradient) && aside <= self.prover.ground.margin();
+        let known = self.gradients.iter().all(|&gradient| local.is_known(&region, gradient));
+        let holds = known && aside <= self.prover.ground.margin();
         let beside = |first: f64| if aside == 0.0 { 0.0 } else { first * aside };
         let known = if holds { largest + quick + beside(region.first) } else { f64::INFINITY };
         let small = if self.prover.ground.is_fine() { SMALL_IF_FINE } else { SMALL };

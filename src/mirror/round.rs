@@ -100,11 +100,12 @@ impl Round {
         (q, Interval::new(r2.lo.clamp(least, outer), r2.hi.clamp(inner, most)))
     }
 
-    /// Between which values of r^2 bounds hold: chords of the inner rim run a little inside it.
+    /// Between which values of r^2 bounds hold: chords of the inner rim run a little inside it, and
+    /// single precision may put points of the outer one a little outside.
     fn squares(&self) -> [f64; 2] {
         let [inner, outer] = self.radius;
         let least = inner * (1.0 - 2.0 * Outline::EDGE);
-        [least * least, outer * outer * (1.0 + 1e-12)]
+        [least * least, outer * outer * (1.0 + 4e-7)]
     }
 
     /// Ranges of f and its first three derivatives by u between each two neighbours of `edges`.
