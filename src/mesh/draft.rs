@@ -22,6 +22,9 @@ const STRAINED: f64 = 1.02;
 const AIM: f64 = 0.985;
 /// Shares of what the proof of some facets allows, between which a draft is kept as it is.
 const FITS: [f64; 2] = [0.985, 1.02];
+/// Share of facets from repairs, from which on a draft is drawn anew: where all places are alike, all
+/// facets fail together.
+const COSTLY: f64 = 0.25;
 /// Facets that come of the repair of one that is hardly too large.
 const REPAIR: f64 = 4.0;
 /// Facets that are proven to find the size.
@@ -75,7 +78,7 @@ impl<'a> Draft<'a> {
         cells.rescale(scale * AIM);
         let mut draft = draw(cells.clone())?;
         let found = draft.judge(prover, limits);
-        if found > FITS[0] {
+        if found > FITS[0] && draft.over < COSTLY {
             return Ok(draft);
         }
         cells.rescale(found * scale * AIM);

@@ -18,7 +18,7 @@ const MOST_GROWTH: usize = 3;
 const FEW: usize = 200_000;
 /// Rounds in which facets are split as the model would have it, and their corners moved, though
 /// that may break their neighbours.
-const EAGER: usize = 6;
+const EAGER: usize = 10;
 /// Excess of the model, over which a corner of a failed facet is moved.
 const UNEASY: f64 = 0.81;
 
