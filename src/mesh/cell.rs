@@ -7,13 +7,10 @@
 //! triangles with legs along the directions that are conjugate in the curvature and perpendicular
 //! in the image, for then a facet shows what the mirror shows in the middle of its longest edge.
 
-use super::needs::{Needs, Place};
+use super::needs::{Needs, Place, SLENDER};
 use crate::geom::{DVec2, Outline};
 use glam::DMat2;
 
-/// Longest cells, in widths; nearly developable mirrors would do with longer ones, in which
-/// neighbouring rows of facets no longer fit each other.
-const SLENDER: f64 = 4.0;
 /// Growth of neighbouring cells.
 const GRADE: f64 = 0.3;
 /// Largest cell, in sizes of the domain.

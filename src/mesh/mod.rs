@@ -177,14 +177,10 @@ pub fn mesh(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Face, MeshError> {
-    assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
-    let domain = domain(mirror);
-    let prover = Prover::over(domain, mirror, camera, view, limits.precision);
-    let copies = copies(mirror);
-    let needs = Needs::new(&prover, domain, limits);
-    let draft = Draft::new(&prover, &needs, domain, copies, limits)?;
-    let fine = subdivide(&draft, rounding(&prover, limits));
-    let (mut mesh, bound) = refine(&prover, &draft, fine, copies, limits)?;
+    let (mut mesh, bound) = drafted(mirror, camera, view, limits, |prover, draft| {
+        let fine = subdivide(draft, rounding(prover, limits));
+        refine(prover, draft, fine, copies(mirror), limits)
+    })?;
     for axis in [0, 1] {
         if mirror.even[axis] {
             mesh = mesh.with_reflection(axis);
@@ -219,17 +215,30 @@ pub fn forecast(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Forecast, MeshError> {
+    drafted(mirror, camera, view, limits, |_, draft| {
+        // Sides on which the part meets its reflection are inside the face.
+        let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
+        let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
+        let copies = copies(mirror);
+        let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
+        Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
+    })
+}
+
+/// What is made of the draft of a mesh.
+fn drafted<T>(
+    mirror: &Mirror,
+    camera: &Chart,
+    view: Option<&View>,
+    limits: Limits,
+    make: impl FnOnce(&Prover, &Draft) -> Result<T, MeshError>,
+) -> Result<T, MeshError> {
     assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
     let domain = domain(mirror);
     let prover = Prover::over(domain, mirror, camera, view, limits.precision);
-    let copies = copies(mirror);
     let needs = Needs::new(&prover, domain, limits);
-    let draft = Draft::new(&prover, &needs, domain, copies, limits)?;
-    // Sides on which the part meets its reflection are inside the face.
-    let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
-    let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
-    let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
-    Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
+    let draft = Draft::new(&prover, &needs, domain, copies(mirror), limits)?;
+    make(&prover, &draft)
 }
 
 /// How many times the face holds what is meshed.

@@ -15,8 +15,11 @@ const CELLS: usize = 48;
 /// Share of the error that rounding can cause at worst which mostly comes about in some facet.
 const LIKELY: f64 = 0.7;
 
-/// The least curvature in any direction, as a share of the largest.
-const FLAT: f64 = 1.0 / 16.0;
+/// Longest cells, in widths; nearly developable mirrors would do with longer ones, in which
+/// neighbouring rows of facets no longer fit each other.
+pub const SLENDER: f64 = 4.0;
+/// The least curvature in any direction, as a share of the largest, for such cells.
+const FLAT: f64 = 1.0 / (SLENDER * SLENDER);
 
 /// The model at one place.
 #[derive(Debug, Clone, Copy)]

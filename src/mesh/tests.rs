@@ -211,6 +211,17 @@ fn conformal() -> Case {
     Case { mirror, camera: Chart { plane_mm: 0.0, ..PARALLEL }, view }
 }
 
+#[test]
+fn an_error_that_is_no_number_is_not_forgotten() {
+    let (unknown, known) = (
+        Bound { facet_mm: f64::NAN, ..Bound::default() },
+        Bound { facet_mm: 3.0, ..Bound::default() },
+    );
+    for both in [unknown.max(known), known.max(unknown)] {
+        assert!(both.facet_mm.is_nan());
+    }
+}
+
 /// The rounded facet leaves the mirror beside the exact one by its own slope, not by that one's.
 #[test]
 fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
