@@ -21,7 +21,7 @@ impl Closing for Closed {
 
     fn counted(&self, face: &Face) -> usize {
         let [outer, hole] = rim(&face.mesh).unwrap();
-        added(outer, hole)
+        added(outer, hole, None)
     }
 }
 
@@ -33,7 +33,7 @@ fn within(design: &Design, triangles: usize, precision: Precision) -> Result<Fac
 
 /// Facets of the solid that `face` becomes.
 fn closed(face: &Face) -> usize {
-    Solid::from_face(&face.mesh, Precision::Single).unwrap().mesh().triangles.len()
+    Solid::from_face(&face.mesh, None, Precision::Single).unwrap().mesh().triangles.len()
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn the_shipped_conquistador_is_the_papers() {
                 degree: 12,
                 minimax: false,
             }),
-            part: Part { width_mm: 60.0, base_mm: 5.0 },
+            part: Part { width_mm: 60.0, base_mm: 5.0, border: None },
             mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0), max_triangles: None },
             formats: vec![Format::Stl, Format::Obj],
             accept: Accept {

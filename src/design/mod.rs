@@ -14,6 +14,7 @@ mod minimax;
 mod mixing;
 mod residual;
 mod solve;
+mod stock;
 mod strip;
 mod surface;
 #[cfg(test)]
@@ -23,7 +24,7 @@ pub use best::SearchError;
 pub use facts::{Facts, Spread};
 pub use solve::SolveError;
 
-use crate::geom::Outline;
+use crate::geom::{Outline, Stock};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, Target, View};
 use crate::profile::{Method, Profile, SagGrid, Shape};
@@ -40,8 +41,25 @@ pub struct Design {
     pub view: Option<View>,
     /// The camera.
     pub camera: Camera,
+    /// What the part has around the mirror.
+    pub stock: Option<Stock>,
     /// Figures of merit.
     pub facts: Facts,
+}
+
+impl Design {
+    /// Volume of the part, mm^3, with true circles where a mesh has polygons.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        let around = self.stock.as_ref().map(|stock| stock.volume(self.mirror.footprint()));
+        self.mirror.volume() + around.unwrap_or(0.0)
+    }
+
+    /// How many holes go through the part.
+    #[must_use]
+    pub fn holes(&self) -> usize {
+        self.stock.as_ref().map_or(0, |stock| stock.holes.len())
+    }
 }
 
 /// Why no mirror could be designed.
@@ -134,6 +152,14 @@ pub enum DesignError {
         outline: [[f64; 2]; 2],
         /// Least and largest X and Y of the grid.
         grid: [[f64; 2]; 2],
+    },
+    /// A hole, a mark or rounded corners do not fit around the mirror.
+    #[error("{message}; {hint}")]
+    Border {
+        /// What must hold and what was found.
+        message: String,
+        /// What to do about it.
+        hint: String,
     },
     /// The grid of heights that the profile names was not handed over.
     #[error("the heights of {file} are needed for this mirror")]
@@ -229,5 +255,6 @@ fn finished(
                 .ok_or(DesignError::NotFinite { what: "image error" })?
         }
     };
-    Ok(Design { mirror, view, camera, facts })
+    let stock = stock::around(profile, &mirror)?;
+    Ok(Design { mirror, view, camera, stock, facts })
 }

@@ -15,6 +15,9 @@ const ACROSS: usize = 256;
 /// Places along a rim.
 const RIM: usize = 512;
 
+/// What is integrated.
+type OfZ = fn(f64) -> f64;
+
 impl Mirror {
     /// Volume between all panels and the base plane Z = 0, mm^3, with a land inside a ring that
     /// rises from the inner rim to the rim's mean height in the middle: flat where the rim is.
@@ -31,13 +34,26 @@ impl Mirror {
             }
             _ => 0.0,
         };
-        panels * self.under_panel() + land
+        panels * self.under_panel(|z| z) + land
+    }
+
+    /// Area that the mirror, a land inside a ring included, covers of the (X, Y) plane, mm^2.
+    #[must_use]
+    pub fn footprint(&self) -> f64 {
+        let panels = if self.folded { 2.0 } else { 1.0 };
+        let land = match self.outline {
+            Outline::Ring { inner, .. } => {
+                PI * self.rim_mean(inner, |p| p.truncate().length_squared())
+            }
+            Outline::Rect(_) => 0.0,
+        };
+        panels * self.under_panel(|_| 1.0) + land
     }
 
     /// Mean of Z over the panel's area, mm, for the chart of parallel rays.
     #[must_use]
     pub fn mean_mm(&self) -> f64 {
-        self.under_panel() / self.outline.area()
+        self.under_panel(|z| z) / self.outline.area()
     }
 
     /// Mean of Z over equal angles at `radius` from the axis, mm.
@@ -55,30 +71,29 @@ impl Mirror {
         (0..RIM).map(at).sum::<f64>() / RIM as f64
     }
 
-    /// Volume between the designed panel and Z = 0.
-    fn under_panel(&self) -> f64 {
+    /// The integral of a function of Z over what the designed panel covers of the (X, Y) plane.
+    fn under_panel(&self, of: OfZ) -> f64 {
         match (self.outline, &self.surface) {
             (Outline::Rect(panel), _) => {
                 let along = self.nodes(0, panel.min.x, panel.max.x);
                 let across = self.nodes(1, panel.min.y, panel.max.y);
-                let rows = across.into_par_iter().map(|(y, w)| w * self.line(y, &along));
+                let rows = across.into_par_iter().map(|(y, w)| w * self.line(y, &along, of));
                 rows.collect::<Vec<f64>>().iter().sum()
             }
             (Outline::Ring { inner, outer }, Surface::Round(_)) => {
                 let row = self.row(0.0);
-                let ring = self
-                    .nodes(0, inner, outer)
-                    .into_iter()
-                    .map(|(r, w)| w * 2.0 * PI * r * self.column(DVec2::new(r, 0.0), &row.at(r)));
+                let ring = self.nodes(0, inner, outer).into_iter().map(|(r, w)| {
+                    w * 2.0 * PI * r * self.column(DVec2::new(r, 0.0), &row.at(r), of)
+                });
                 ring.sum()
             }
-            (Outline::Ring { inner, outer }, _) => self.disc(outer) - self.disc(inner),
+            (Outline::Ring { inner, outer }, _) => self.disc(outer, of) - self.disc(inner, of),
         }
     }
 
     /// The same under a disc about the axis: along its chords, the chords at y = radius sin(angle),
     /// for which their length is smooth.
-    fn disc(&self, radius: f64) -> f64 {
+    fn disc(&self, radius: f64, of: OfZ) -> f64 {
         if radius == 0.0 {
             return 0.0;
         }
@@ -89,15 +104,15 @@ impl Mirror {
         let count = (ACROSS / (breaks.len() - 1)).max(2);
         let chords = composite(&breaks, count).into_par_iter().map(|(angle, w)| {
             let half = radius * cos(angle);
-            w * half * self.line(radius * sin(angle), &self.nodes(0, -half, half))
+            w * half * self.line(radius * sin(angle), &self.nodes(0, -half, half), of)
         });
         chords.collect::<Vec<f64>>().iter().sum()
     }
 
     /// The integral along a line of constant y.
-    fn line(&self, y: f64, along: &[(f64, f64)]) -> f64 {
+    fn line(&self, y: f64, along: &[(f64, f64)], of: OfZ) -> f64 {
         let row = self.row(y);
-        along.iter().map(|&(x, w)| w * self.column(DVec2::new(x, y), &row.at(x))).sum()
+        along.iter().map(|&(x, w)| w * self.column(DVec2::new(x, y), &row.at(x), of)).sum()
     }
 
     /// Where the surface is less than smooth along an axis, and both ends.
@@ -114,12 +129,12 @@ impl Mirror {
         composite(&self.breaks(axis, lo, hi), if cubic { 2 } else { NODES })
     }
 
-    /// Z times the area that a unit of the chart's area covers in the (X, Y) plane.
-    fn column(&self, q: DVec2, point: &Point) -> f64 {
+    /// The function of Z times the area that a unit of the chart's area covers in the (X, Y) plane.
+    fn column(&self, q: DVec2, point: &Point, of: OfZ) -> f64 {
         let k = self.chart.vergence;
         let at = self.place(q, point);
         let shrink = 1.0 - k * (at.z - self.chart.plane_mm);
-        at.z * shrink * shrink * (1.0 - k * point.slope.dot(q))
+        of(at.z) * shrink * shrink * (1.0 - k * point.slope.dot(q))
     }
 }
 
@@ -152,6 +167,7 @@ mod tests {
         let chart = Chart { vergence: 0.0, plane_mm: 10.0 };
         let mirror = Mirror { surface, chart, outline, folded: false, even: [false; 2] };
         assert!((mirror.volume() - 800.0).abs() < 1e-10);
+        assert!((mirror.footprint() - 80.0).abs() < 1e-12);
     }
 
     #[test]
@@ -167,6 +183,7 @@ mod tests {
                 let rim = chart.point(DVec2::new(10.0, 0.0), -2.0);
                 let exact = PI * rim.x * rim.x * rim.z;
                 assert!((mirror.volume() / exact - 1.0).abs() < 1e-13);
+                assert!((mirror.footprint() / (exact / rim.z) - 1.0).abs() < 1e-13);
             }
         }
     }

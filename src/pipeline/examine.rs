@@ -55,8 +55,9 @@ pub fn examine(
             Format::Obj => read_obj(bytes),
         };
         let reread = reread.map(|reread| {
-            let solid = SolidFacts::new(&check(&reread.mesh), design.mirror.volume());
-            let vertex = worst_vertex(&design.mirror, &reread.mesh.vertices);
+            let check = check(&reread.mesh).through(design.holes());
+            let solid = SolidFacts::new(&check, design.volume());
+            let vertex = worst_vertex(design, &reread.mesh.vertices);
             let vertex = vertex.map(|(vertex, off)| {
                 let at = reread.mesh.vertices[vertex].to_array();
                 VertexFacts { at_mm: at, off_mm: off }
@@ -194,13 +195,14 @@ pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u
     let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
     let scale = view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
     let canvas = Canvas { width, height, samples_per_side: 2, pixel_rad: camera.pixel_mm * scale };
-    // The land inside a ring is not polished.
+    // Neither the land inside a ring is polished nor what is below the mirror.
     let land = |at: DVec3| match design.mirror.outline {
         Outline::Ring { inner, .. } => design.mirror.chart.coordinates(at).0.length() < inner,
         Outline::Rect(_) => false,
     };
+    let below = |at: DVec3| design.stock.as_ref().is_some_and(|s| at.z <= s.top_mm * (1.0 + 1e-6));
     let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
-        Outcome::Hit if land(at) => Painted::Missed,
+        Outcome::Hit if land(at) || below(at) => Painted::Missed,
         Outcome::Hit => {
             Painted::World(view.as_ref().map_or(direction, |view| view.shown(at, direction)))
         }

@@ -64,7 +64,8 @@ pub fn added_to(forecast: &Forecast, design: &Design) -> usize {
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
         Outline::Rect(_) => 0.0,
     };
-    added((forecast.rim - hole).round() as usize, hole.round() as usize)
+    let outer = (forecast.rim - hole).round() as usize;
+    added(outer, hole.round() as usize, design.stock.as_ref())
 }
 
 /// What closing adds to faces of a mirror.
@@ -89,7 +90,8 @@ impl Closing for Spending<'_> {
 
     fn counted(&self, face: &Face) -> usize {
         // A rim that cannot be closed is the next stage's to refuse.
-        rim(&face.mesh).map_or(0, |[outer, hole]| added(outer, hole))
+        let stock = self.0.stock.as_ref();
+        rim(&face.mesh).map_or(0, |[outer, hole]| added(outer, hole, stock))
     }
 }
 

@@ -78,16 +78,11 @@ fn prospect(profile: &Profile, design: &Design, facets: &Facets<Plan>) -> Prospe
 /// The solid that is foreseen, by Euler's formula.
 fn size(design: &Design, optical: usize, plan: &Plan) -> Size {
     let ring = matches!(design.mirror.outline, Outline::Ring { inner, .. } if inner > 0.0);
-    let (euler, centres) = if ring { (0, 2) } else { (1, 1) };
     let rim = plan.forecast.rim.round() as usize;
     let more = added_to(&plan.forecast, design);
-    // Around the outer rim three facets an edge are added, and one vertex.
-    Size {
-        optical,
-        more,
-        face_vertices: (optical + rim) / 2 + euler,
-        more_vertices: more / 3 + centres,
-    }
+    let face_vertices = (optical + rim) / 2 + if ring { 0 } else { 1 };
+    let vertices = ((optical + more) / 2 + 2).saturating_sub(2 * design.holes());
+    Size { optical, more, face_vertices, more_vertices: vertices.saturating_sub(face_vertices) }
 }
 
 /// The chord and the facet error that a number of triangles is good for: the one it is spent on,

@@ -106,7 +106,7 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     let design = clock.stage(Stage::Design, || designed(source))?;
     let facets = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
     let face = &facets.made;
-    let solids = clock.stage(Stage::Solid, || closed(profile, &facets))?;
+    let solids = clock.stage(Stage::Solid, || closed(profile, &design, &facets))?;
     let label = Label {
         profile: profile.name.clone(),
         sha256: profile.sha256.clone(),
@@ -144,7 +144,7 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     })?;
 
     let mesh = mesh_facts(profile, &design, face, &solids[0].1);
-    let solid = SolidFacts::new(solids[0].1.check(), design.mirror.volume());
+    let solid = SolidFacts::new(solids[0].1.check(), design.volume());
     let mut report = assemble(profile, &design, Some((mesh, solid)), evidence, face.bound.chord_mm);
     if let Some(reason) = facets.refused.clone() {
         report.reasons.insert(0, reason);
@@ -216,6 +216,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<(Facets<Face>, String), 
 /// One checked solid for each format, with the digits that the format carries.
 fn closed(
     profile: &Profile,
+    design: &Design,
     facets: &Facets<Face>,
 ) -> Result<(Vec<(Format, Solid)>, String), Error> {
     let close = |&format: &Format| {
@@ -223,7 +224,7 @@ fn closed(
             Format::Stl => Precision::Single,
             Format::Obj => Precision::Double,
         };
-        let solid = Solid::from_face(&facets.made.mesh, precision)
+        let solid = Solid::from_face(&facets.made.mesh, design.stock.as_ref(), precision)
             .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
         Ok((format, solid))
     };

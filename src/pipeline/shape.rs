@@ -1,7 +1,8 @@
 //! Is every vertex of a file where the part has one: on the designed mirror, on the base, on the
-//! skirt between them, or on the land inside a ring?
+//! skirt between them, on the land inside a ring, or on the stock around the mirror?
 
-use crate::geom::{DVec2, DVec3, Outline};
+use crate::design::Design;
+use crate::geom::{DVec2, DVec3, Outline, Stock};
 use crate::mirror::{Mirror, MirrorRow};
 use rayon::prelude::*;
 
@@ -10,7 +11,8 @@ const CHUNK: usize = 16_384;
 
 /// The vertex farthest from the part's surface, and how far that is, mm (along Z on the mirror and
 /// the base, across it beside the outline). None without vertices.
-pub fn worst_vertex(mirror: &Mirror, vertices: &[DVec3]) -> Option<(usize, f64)> {
+pub fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)> {
+    let Design { mirror, stock, .. } = design;
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     vertices
         .par_chunks(CHUNK)
@@ -25,7 +27,7 @@ pub fn worst_vertex(mirror: &Mirror, vertices: &[DVec3]) -> Option<(usize, f64)>
                 if row.0 != q.y {
                     row = (q.y, mirror.row(q.y));
                 }
-                let off = distance(mirror, &row.1, q, v, land);
+                let off = distance(mirror, &row.1, q, v, land, stock.as_ref());
                 worst = farther(worst, (chunk * CHUNK + k, off));
             }
             worst
@@ -46,7 +48,14 @@ fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
     mirror.place(q, &mirror.row(q.y).at(q.x))
 }
 
-fn distance(mirror: &Mirror, row: &MirrorRow, q: DVec2, v: DVec3, land: Option<(f64, f64)>) -> f64 {
+fn distance(
+    mirror: &Mirror,
+    row: &MirrorRow,
+    q: DVec2,
+    v: DVec3,
+    land: Option<(f64, f64)>,
+    stock: Option<&Stock>,
+) -> f64 {
     let outline = mirror.whole();
     let on_mirror = (mirror.place(q, &row.at(q.x)) - v).length();
     // How far inside the outline, along X or Y or the radius, in the chart.
@@ -67,6 +76,11 @@ fn distance(mirror: &Mirror, row: &MirrorRow, q: DVec2, v: DVec3, land: Option<(
     let reach = outline.reach(across);
     let edge = rim(mirror, across.normalize_or_zero(), reach);
     let beside = across.length() - edge.truncate().length();
+    if let Some(stock) = stock {
+        let on_skirt = f64::hypot(beside, v.z - v.z.min(edge.z).max(stock.top_mm));
+        let on_stock = stock.distance(v, beside).min(on_skirt);
+        return if inside >= 0.0 { on_mirror.min(on_stock) } else { on_stock };
+    }
     if beside > 0.0 {
         return if inside >= 0.0 { on_mirror.min(beside) } else { beside };
     }

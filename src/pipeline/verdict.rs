@@ -2,7 +2,7 @@
 
 use super::examine::Evidence;
 use crate::design::Design;
-use crate::geom::Outline;
+use crate::geom::{Outline, Stock};
 use crate::profile::Profile;
 use crate::report::{TraceFacts, Verdict};
 
@@ -51,10 +51,12 @@ pub fn reasons(
     reasons
 }
 
-/// What the chord error, and the chords of a round rim, may take off the volume, mm^3.
+/// What the chord error, and the chords of a round rim and of the stock's circles, may take off the
+/// volume, mm^3.
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
     let outline = design.mirror.whole();
-    let faces = outline.area() * chord_mm;
+    let stock = design.stock.as_ref().map_or(0.0, Stock::chords_mm3);
+    let faces = outline.area() * chord_mm + stock;
     match outline {
         Outline::Rect(_) => faces,
         // Chords that cut EDGE of the radius take 4/3 of that share of the disc.

@@ -4,6 +4,7 @@
 //! camera, projection, layout and part fit each other. [`Profile::parse`] either returns one or returns all the
 //! [`Complaints`] at once, each with its place in the file.
 
+mod border;
 mod check;
 mod complaint;
 mod lines;
@@ -19,6 +20,7 @@ mod words;
 
 use std::fmt;
 
+pub use border::{Border, Feature, Footprint, Misfit, Spot};
 pub use complaint::{Complaint, Complaints};
 pub use projection::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
 pub use sag::{GridError, SagAxis, SagGrid};
@@ -133,12 +135,14 @@ pub enum Ridge {
 }
 
 /// The size of the solid.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Width of the mirror across the picture, in millimetres; of a round one its diameter.
     pub width_mm: f64,
     /// Material under the mirror's lowest point, in millimetres.
     pub base_mm: f64,
+    /// A flat rim around the mirror.
+    pub border: Option<Border>,
 }
 
 /// How closely facets must follow the mirror: by one limit or two, of which the stricter rules at

@@ -15,6 +15,11 @@ const RARE: &[&str] = &[
     "minimax",
     "height_mm",
     "max_triangles",
+    "border_mm",
+    "rim_mm",
+    "corner_radius_mm",
+    "holes_mm",
+    "marks_mm",
 ];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
@@ -84,7 +89,19 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
     ("mirror", &["polynomial", "grid"]),
     ("mirror.polynomial", &["radius_mm", "conic", "terms"]),
     ("mirror.grid", &["file"]),
-    ("part", &["width_mm", "base_mm", "height_mm"]),
+    (
+        "part",
+        &[
+            "width_mm",
+            "base_mm",
+            "height_mm",
+            "border_mm",
+            "rim_mm",
+            "corner_radius_mm",
+            "holes_mm",
+            "marks_mm",
+        ],
+    ),
     ("mesh", &["chord_um", "facet_px", "max_triangles"]),
     ("export", &["formats"]),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),

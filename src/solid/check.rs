@@ -13,7 +13,8 @@ const REPORTED: usize = 8;
 /// Vertices or facets handled at a time; fixed, so that sums do not depend on the thread count.
 const CHUNK: usize = 16_384;
 
-/// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet.
+/// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet;
+/// without through holes, unless [`Check::through`] says otherwise.
 #[must_use]
 pub fn check(mesh: &TriMesh) -> Check {
     let ((fans, single), ((mut defects, volume_mm3), components)) = rayon::join(
@@ -49,6 +50,7 @@ pub fn check(mesh: &TriMesh) -> Check {
         manifold,
         components,
         euler: used as i64 - edges as i64 + mesh.triangles.len() as i64,
+        holes: 0,
         volume_mm3,
         defects,
         defect_count,
@@ -242,7 +244,10 @@ mod tests {
     use crate::solid::Solid;
 
     fn cube() -> TriMesh {
-        Solid::from_face(&crate::solid::tests::face(), Precision::Double).unwrap().mesh().clone()
+        Solid::from_face(&crate::solid::tests::face(), None, Precision::Double)
+            .unwrap()
+            .mesh()
+            .clone()
     }
 
     #[test]
@@ -339,5 +344,7 @@ mod tests {
         assert!(found.closed && found.oriented && found.manifold && found.volume_mm3 > 0.0);
         assert_eq!(found.euler, 0);
         assert!(found.reasons()[0].contains("handles"));
+        assert!(found.clone().through(1).is_solid());
+        assert!(found.through(2).reasons()[0].contains("0 instead of -2"));
     }
 }

@@ -87,8 +87,11 @@ pub struct Check {
     pub manifold: bool,
     /// Pieces that hang together by vertices.
     pub components: usize,
-    /// Vertices - edges + facets: 2 for a body without handles.
+    /// Vertices - edges + facets: 2 for a body without handles, 2 less for each through hole.
     pub euler: i64,
+    /// How many through holes there are to be.
+    #[serde(skip)]
+    pub holes: usize,
     /// Enclosed volume, mm^3; negative when inside out.
     pub volume_mm3: f64,
     /// The first few defects.
@@ -100,7 +103,13 @@ pub struct Check {
 }
 
 impl Check {
-    /// Whether the mesh is one solid body without handles.
+    /// The check of a body that is to have so many through holes.
+    #[must_use]
+    pub fn through(self, holes: usize) -> Self {
+        Self { holes, ..self }
+    }
+
+    /// Whether the mesh is one solid body with no other handles than the holes it is to have.
     #[must_use]
     pub fn is_solid(&self) -> bool {
         self.reasons().is_empty()
@@ -116,9 +125,14 @@ impl Check {
         if self.components != 1 {
             reasons.push(format!("{} separate pieces instead of one", self.components));
         }
-        if reasons.is_empty() && self.euler != 2 {
-            reasons
-                .push(format!("Euler characteristic {} instead of 2: it has handles", self.euler));
+        let wanted = 2 - 2 * self.holes as i64;
+        if reasons.is_empty() && self.euler != wanted {
+            let why = match self.holes {
+                0 => "it has handles".to_owned(),
+                holes => format!("its through holes are not {holes}"),
+            };
+            let euler = self.euler;
+            reasons.push(format!("Euler characteristic {euler} instead of {wanted}: {why}"));
         }
         if !(self.volume_mm3 > 0.0) {
             reasons.push(format!("volume {} mm^3: inside out or empty", self.volume_mm3));

@@ -1,12 +1,13 @@
 //! The solid stage: optical face -> closed body, and the check that a body is one.
 
+mod around;
 mod check;
 mod defect;
 
 pub use check::check;
 pub use defect::{Check, Defect};
 
-use crate::geom::{DVec3, Precision, TriMesh};
+use crate::geom::{DVec2, DVec3, Precision, Stock, TriMesh};
 use thiserror::Error;
 
 /// A closed, oriented 2-manifold of one piece with positive volume, whose facets all have an area.
@@ -35,6 +36,29 @@ pub enum SolidError {
         /// Least Z of the face, mm.
         lowest_mm: f64,
     },
+    /// The face reaches the flat rim around it or lies below it.
+    #[error(
+        "the optical face reaches down to Z = {lowest_mm} mm, to or below the flat rim at Z = \
+         {top_mm} mm"
+    )]
+    Sunk {
+        /// Least Z of the face, mm.
+        lowest_mm: f64,
+        /// Z of the flat rim, mm.
+        top_mm: f64,
+    },
+    /// Loops in the flat rim or the base touch each other in the digits of the file.
+    #[error(
+        "the flat rim or the base cannot be cut into facets near X {} mm, Y {} mm: {reason}; take \
+         holes and marks further apart, or export obj alone",
+        near.x, near.y
+    )]
+    Flat {
+        /// Where.
+        near: DVec2,
+        /// What was found.
+        reason: String,
+    },
     /// The closed surface is not a solid.
     #[error("not a solid: {}", .0.reasons().join("; "))]
     Check(Check),
@@ -45,16 +69,25 @@ impl Solid {
     /// about the axis and may have one hole around it) by a vertical skirt down to the base plane
     /// Z = 0 and the base; a hole by a land, a fan of facets to a vertex on the axis at the mean
     /// height of its rim. Every rim vertex has its own base vertex, so nothing meets in the middle
-    /// of an edge. Facets come in the order face, land, skirt, base. The check sees the coordinates
-    /// as `precision` leaves them.
+    /// of an edge. With `stock` the skirt ends on its flat top, which has the stock's holes and
+    /// marks, and its side leads to the base. Facets come in the order face, land, skirt, flat top,
+    /// marks, holes, side, base. The check sees the coordinates as `precision` leaves them.
     ///
     /// # Errors
     /// [`SolidError`] when the rim is not of one loop or two, the face touches the base or the
-    /// result fails [`check`].
-    pub fn from_face(face: &TriMesh, precision: Precision) -> Result<Self, SolidError> {
+    /// flat top, what is in the flat top touches each other or the result fails [`check`].
+    pub fn from_face(
+        face: &TriMesh,
+        stock: Option<&Stock>,
+        precision: Precision,
+    ) -> Result<Self, SolidError> {
         let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         if !(lowest_mm > 0.0) {
             return Err(SolidError::Base { lowest_mm });
+        }
+        let top_mm = stock.map_or(0.0, |stock| stock.top_mm);
+        if !(lowest_mm > top_mm) {
+            return Err(SolidError::Sunk { lowest_mm, top_mm });
         }
         let Rims { outer, hole } = rims(face)?;
         let mut mesh = face.clone();
@@ -64,23 +97,19 @@ impl Solid {
             mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
             mesh.triangles.extend(sides(&hole).map(|[v, next]| [next, v, centre]));
         }
-        let foot = mesh.vertices.len() as u32;
-        let feet = outer.iter().map(|&v| face.vertices[v as usize].truncate().extend(0.0));
-        mesh.vertices.extend(feet);
-        let centre = mesh.vertices.len() as u32;
-        mesh.vertices.push(DVec3::ZERO);
-        let feet: Vec<u32> = (foot..centre).collect();
-        for ([top, top_next], [low, low_next]) in sides(&outer).zip(sides(&feet)) {
-            mesh.triangles.push([top_next, top, low]);
-            mesh.triangles.push([top_next, low, low_next]);
+        let rim: Vec<DVec2> = outer.iter().map(|&v| face.vertices[v as usize].truncate()).collect();
+        let feet = put(&mut mesh, &rim, top_mm);
+        wall(&mut mesh, &outer, &feet);
+        match stock {
+            None => {
+                let centre = mesh.vertices.len() as u32;
+                mesh.vertices.push(DVec3::ZERO);
+                mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
+            }
+            Some(stock) => around::close(&mut mesh, &feet, stock, precision)?,
         }
-        mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
-        if precision == Precision::Single {
-            mesh.vertices.iter_mut().for_each(|v| *v = v.as_vec3().as_dvec3());
-        }
-        // Only +0.0: a file must not hold one place in two spellings.
-        mesh.vertices.iter_mut().for_each(|v| *v += DVec3::ZERO);
-        let check = check(&mesh);
+        mesh.vertices.iter_mut().for_each(|v| *v = kept(*v, precision));
+        let check = check(&mesh).through(stock.map_or(0, |stock| stock.holes.len()));
         if check.is_solid() {
             Ok(Self { mesh, check, optical: face.triangles.len() })
         } else {
@@ -100,8 +129,7 @@ impl Solid {
         &self.check
     }
 
-    /// The first this many facets are the optical face; the rest are land, skirt and
-    /// base.
+    /// The first this many facets are the optical face; the rest are land, skirt, stock and base.
     #[must_use]
     pub fn optical(&self) -> usize {
         self.optical
@@ -111,8 +139,32 @@ impl Solid {
 /// How many facets [`Solid::from_face`] adds to a face with so many edges around it and around its
 /// hole (0: it has none).
 #[must_use]
-pub fn added(outer: usize, hole: usize) -> usize {
-    3 * outer + hole
+pub fn added(outer: usize, hole: usize, stock: Option<&Stock>) -> usize {
+    // With stock, what ends on the rim's feet is the flat top in the place of the base.
+    3 * outer + hole + stock.map_or(0, around::added)
+}
+
+/// What a file of this precision keeps of a place: only +0.0, for it must not hold one place in two
+/// spellings.
+fn kept(v: DVec3, precision: Precision) -> DVec3 {
+    let v = if precision == Precision::Single { v.as_vec3().as_dvec3() } else { v };
+    v + DVec3::ZERO
+}
+
+/// New vertices over `places` at height `z`.
+fn put(mesh: &mut TriMesh, places: &[DVec2], z: f64) -> Vec<u32> {
+    let first = mesh.vertices.len() as u32;
+    mesh.vertices.extend(places.iter().map(|p| p.extend(z)));
+    (first..mesh.vertices.len() as u32).collect()
+}
+
+/// A vertical wall from a loop down to one below it; seen from outside it faces those for whom the
+/// loop is counter-clockwise from above.
+fn wall(mesh: &mut TriMesh, upper: &[u32], lower: &[u32]) {
+    for ([top, top_next], [low, low_next]) in sides(upper).zip(sides(lower)) {
+        mesh.triangles.push([top_next, top, low]);
+        mesh.triangles.push([top_next, low, low_next]);
+    }
 }
 
 /// How many edges there are around `face`, and around its hole.
@@ -202,11 +254,11 @@ mod tests {
 
     #[test]
     fn a_face_becomes_a_box() {
-        let solid = Solid::from_face(&face(), Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
         assert_eq!(solid.check().volume_mm3, 8.0);
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
-        assert_eq!((rim(&face()).unwrap(), added(4, 0)), ([4, 0], 8 + 4));
+        assert_eq!((rim(&face()).unwrap(), added(4, 0, None)), ([4, 0], 8 + 4));
     }
 
     #[test]
@@ -214,7 +266,7 @@ mod tests {
         let mut low = face();
         low.vertices[2].z = 0.0;
         assert_eq!(
-            Solid::from_face(&low, Precision::Double).unwrap_err(),
+            Solid::from_face(&low, None, Precision::Double).unwrap_err(),
             SolidError::Base { lowest_mm: 0.0 }
         );
     }
@@ -237,13 +289,13 @@ mod tests {
     #[test]
     fn a_hole_gets_a_land() {
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&holed(DVec3::ZERO), precision).unwrap();
+            let solid = Solid::from_face(&holed(DVec3::ZERO), None, precision).unwrap();
             // A box of height 2 and the frustum of a pyramid of height 1/2.
             let exact = 8.0 + 0.5 / 3.0 * (4.0 + 1.0 + 2.0);
             assert!((solid.check().volume_mm3 - exact).abs() < 1e-12);
             assert_eq!((solid.check().euler, solid.check().components), (2, 1));
             assert_eq!((solid.mesh().triangles.len(), solid.optical()), (8 + 4 + 8 + 4, 8));
-            assert_eq!((rim(&holed(DVec3::ZERO)).unwrap(), added(4, 4)), ([4, 4], 4 + 8 + 4));
+            assert_eq!((rim(&holed(DVec3::ZERO)).unwrap(), added(4, 4, None)), ([4, 4], 4 + 8 + 4));
             for t in 8..12 {
                 assert!(solid.mesh().area_vector(t).normalize().z == 1.0);
             }
@@ -255,7 +307,7 @@ mod tests {
         let mut face = holed(DVec3::ZERO);
         face.triangles.remove(0);
         let refused = |face: &TriMesh| {
-            matches!(Solid::from_face(face, Precision::Single), Err(SolidError::Rim { .. }))
+            matches!(Solid::from_face(face, None, Precision::Single), Err(SolidError::Rim { .. }))
         };
         assert!(refused(&face));
         // Apart, two faces have two outer rims.
@@ -271,8 +323,8 @@ mod tests {
         let mut fine = face();
         fine.vertices.push(DVec3::new(1.0 + 1e-12, 0.0, 2.0));
         fine.triangles.push([1, 4, 2]);
-        assert!(Solid::from_face(&fine, Precision::Double).is_ok());
-        let Err(SolidError::Check(check)) = Solid::from_face(&fine, Precision::Single) else {
+        assert!(Solid::from_face(&fine, None, Precision::Double).is_ok());
+        let Err(SolidError::Check(check)) = Solid::from_face(&fine, None, Precision::Single) else {
             panic!("not refused")
         };
         assert!(check.reasons()[0].contains("facet 2 "), "{:?}", check.reasons());

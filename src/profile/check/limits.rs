@@ -7,7 +7,7 @@ use super::super::reader::{Reader, Section};
 use super::super::values::{Placed, number};
 use super::super::words::list;
 use super::super::{Accept, Format, MeshLimits, schema};
-use super::{SIZE, is_size};
+use super::{SIZE, border, is_size};
 
 /// The part's figures, each with its place.
 #[derive(Default)]
@@ -17,6 +17,7 @@ pub(super) struct Part {
     pub(super) height: Option<Placed<f64>>,
     /// Where the part stands that has no height.
     pub(super) lacks_height: Option<usize>,
+    pub(super) border: border::Found,
 }
 
 pub(super) fn part(reader: &mut Reader, root: &Section) -> Part {
@@ -30,7 +31,8 @@ pub(super) fn part(reader: &mut Reader, root: &Section) -> Part {
     let hint = "the height of a rectangular given mirror in millimetres, as in height_mm = 40";
     let height = number(reader, &section, "height_mm", Optional, SIZE, hint, is_size);
     let lacks_height = (!section.has("height_mm")).then_some(section.at);
-    Part { width, base, height, lacks_height }
+    let border = border::read(reader, &section);
+    Part { width, base, height, lacks_height, border }
 }
 
 /// The mesh's limits; without a projection there is nothing to measure pixels by.

@@ -1,5 +1,6 @@
 //! The rules of a profile: which values each key may take, and what goes with what.
 
+mod border;
 mod camera;
 mod fits;
 mod layout;
@@ -79,6 +80,7 @@ pub(super) fn profile(
     fits::check(reader, &parts);
     target::check(reader, &parts);
     reach::check(reader, &parts);
+    border::check(reader, &parts);
     if !reader.is_clean() {
         return None;
     }
@@ -98,7 +100,10 @@ pub(super) fn profile(
         },
         layout,
         shape: shape?.shape?,
-        part: Part { width_mm: part.width?.value, base_mm: part.base?.value },
+        part: {
+            let (width_mm, base_mm) = (part.width?.value, part.base?.value);
+            Part { width_mm, base_mm, border: part.border.border(base_mm) }
+        },
         mesh: mesh?,
         formats: formats?,
         accept: accept?,

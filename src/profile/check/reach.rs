@@ -1,9 +1,9 @@
-//! Whether a given conic reaches the mirror's outline.
+//! How far the mirror's outline reaches, and whether a given conic reaches it.
 
 use super::super::reader::Reader;
-use super::super::{Camera, StripLaw};
-use super::Parts;
+use super::super::{Camera, Footprint, StripLaw};
 use super::projection::Keys;
+use super::{Parts, layout};
 
 /// A conic ends where its slope is upright, `|R| / sqrt(1 + k)` from the axis.
 pub(super) fn check(reader: &mut Reader, parts: &Parts) {
@@ -25,18 +25,34 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
 
 /// How far the outline's farthest point is from the axis, in millimetres.
 fn outline(parts: &Parts) -> Option<f64> {
+    Some(match covered(parts)? {
+        Footprint::Rect { half_mm: [x, y] } => f64::sqrt(x * x + y * y),
+        Footprint::Round { radius_mm } => radius_mm,
+    })
+}
+
+/// What the mirror covers of the part, where that is known before it is designed.
+pub(super) fn footprint(parts: &Parts) -> Option<Footprint> {
+    let given = parts.shape.as_ref()?.path.starts_with("mirror");
+    let parallel = parts.camera.as_ref()?.name == "orthographic";
+    let round = parts.layout.as_ref().is_some_and(layout::Found::is_round);
+    if given || parallel || round { covered(parts) } else { None }
+}
+
+/// The same but for what a pinhole does to designed strips.
+fn covered(parts: &Parts) -> Option<Footprint> {
     let width = parts.part.width?.value;
     let height = if parts.rectangle {
         parts.part.height?.value
     } else if parts.layout.as_ref()?.is_round() {
-        0.0
+        return Some(Footprint::Round { radius_mm: 0.5 * width });
     } else {
         strip_height(parts, width)?
     };
-    Some(0.5 * f64::sqrt(width * width + height * height))
+    Some(Footprint::Rect { half_mm: [0.5 * width, 0.5 * height] })
 }
 
-/// The height in millimetres of a strip that the frame or the law makes.
+/// The height in millimetres of the strip or the two panels that the frame or the law makes.
 fn strip_height(parts: &Parts, width: f64) -> Option<f64> {
     let camera = parts.camera.as_ref()?.camera?;
     let pixels = camera.pixels().map(f64::from);
@@ -44,12 +60,15 @@ fn strip_height(parts: &Parts, width: f64) -> Option<f64> {
         Camera::Orthographic { .. } => width / pixels[0],
         Camera::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
     };
-    if parts.layout.as_ref()?.fills.is_some() {
+    let layout = parts.layout.as_ref()?;
+    if layout.fills.is_some() {
         return Some(pixels[1] * pixel_mm);
     }
     let Keys::Strip { law, azimuth, elevation } = &parts.projection.as_ref()?.keys else {
         return None;
     };
+    // A conquistador has two panels, each half a turn wide.
+    let panels = if layout.name == "conquistador" { 2.0 } else { 1.0 };
     let azimuth = azimuth.as_ref()?.value;
     let [low, high] = elevation.as_ref()?.value.map(f64::to_radians);
     let z = |law: fn(f64) -> f64| law(high) - law(low);
@@ -59,9 +78,11 @@ fn strip_height(parts: &Parts, width: f64) -> Option<f64> {
         StripLaw::Equirectangular => high - low,
         StripLaw::EqualArea => z(libm::sin),
         StripLaw::Best => return None,
-        StripLaw::Table(rows) => return Some((rows.last()?[0] - rows.first()?[0]) * pixel_mm),
+        StripLaw::Table(rows) => {
+            return Some(panels * (rows.last()?[0] - rows.first()?[0]) * pixel_mm);
+        }
     };
-    Some(height * width / (azimuth[1] - azimuth[0]).to_radians())
+    Some(panels * panels * height * width / (azimuth[1] - azimuth[0]).to_radians())
 }
 
 #[cfg(test)]

@@ -1,0 +1,133 @@
+//! The flat rim around the mirror: its keys, and whether everything in it has room.
+
+use super::super::border::{Border, Feature, Spot};
+use super::super::reader::Need::Optional;
+use super::super::reader::{Reader, Section};
+use super::super::values::{Placed, Rows, number, rows, within};
+use super::{Parts, SIZE, is_size, reach};
+
+/// Most holes, and most marks.
+const MOST: usize = 200;
+/// The rim's height as a share of the base under the mirror.
+const RIM: [f64; 2] = [0.01, 0.99];
+/// A mark is less deep than this share of the rim's height.
+const DEEPEST: f64 = 0.99;
+
+/// What `[part]` says of the rim, each figure with its place.
+#[derive(Default)]
+pub(super) struct Found {
+    width: Option<Placed<f64>>,
+    rim: Option<Placed<f64>>,
+    corner: Option<Placed<f64>>,
+    holes: Vec<Placed<Spot>>,
+    marks: Vec<Placed<Spot>>,
+}
+
+pub(super) fn read(reader: &mut Reader, section: &Section) -> Found {
+    let least = |f: f64| (Border::LEAST_MM..=1e6).contains(&f);
+    let must = "a number from 0.1 to 1000000";
+    let hint = "the width of a flat rim around the mirror, as in border_mm = 8";
+    let width = number(reader, section, "border_mm", Optional, must, hint, least);
+    let hint = "the height of the flat rim over the base plane; half of base_mm without it";
+    let rim = number(reader, section, "rim_mm", Optional, SIZE, hint, is_size);
+    let hint = "what the part's corners are rounded with; left out they are sharp";
+    let corner = number(reader, section, "corner_radius_mm", Optional, must, hint, least);
+    let holes = spots(reader, section, "holes_mm");
+    let marks = spots(reader, section, "marks_mm");
+    if !section.has("border_mm") {
+        for key in ["rim_mm", "corner_radius_mm", "holes_mm", "marks_mm"] {
+            if let Some(value) = reader.value(section, key, Optional, "", "") {
+                let path = section.path_of(key);
+                let message = format!("{path} must go with border_mm, found it alone");
+                let hint = "border_mm = 8 puts a flat rim around the mirror";
+                reader.complain(value.span().start, message, hint);
+            }
+        }
+    }
+    Found { width, rim, corner, holes, marks }
+}
+
+fn spots(reader: &mut Reader, section: &Section, key: &str) -> Vec<Placed<Spot>> {
+    let hint = "[34, 0, 3.2] is 3.2 mm wide, about X = 34 mm and Y = 0 mm";
+    let list = Rows { key, need: Optional, entry: "[x, y, diameter]", count: [1, MOST], hint };
+    let path = section.path_of(key);
+    let mut spots = Vec::new();
+    for entry in rows::<3>(reader, section, &list).map_or_else(Vec::new, |rows| rows.value) {
+        let [x, y, diameter] = entry.value;
+        let centres = format!("the centres in {path}");
+        let must = "numbers from -1000000 to 1000000";
+        let [x, y] = [x, y].map(|v| within(reader, &centres, v, must, hint, |f| f.abs() <= 1e6));
+        let diameters = format!("the diameters in {path}");
+        let must = "numbers from 0.1 to 1000000";
+        let least = |f: f64| (Border::LEAST_MM..=1e6).contains(&f);
+        let diameter = within(reader, &diameters, diameter, must, hint, least);
+        let (Some(x_mm), Some(y_mm), Some(diameter_mm)) = (x, y, diameter) else { return spots };
+        spots.push(Placed { value: Spot { x_mm, y_mm, diameter_mm }, at: entry.at });
+    }
+    spots
+}
+
+/// Holds the rim to the rest of the profile.
+pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+    let found = &parts.part.border;
+    if let (Some(corner), Some(layout)) = (found.corner, &parts.layout)
+        && layout.is_round()
+    {
+        let message = format!(
+            "part.corner_radius_mm must be left out with [layout.{}], found {}",
+            layout.name, corner.value
+        );
+        reader.complain(corner.at, message, "a round part has no corners");
+    }
+    let Some(base) = parts.part.base else { return };
+    let range = RIM.map(|share| share * base.value);
+    if let Some(rim) = found.rim
+        && !(range[0]..=range[1]).contains(&rim.value)
+    {
+        let message = format!(
+            "part.rim_mm must be from {} to {} of base_mm = {}, found {}",
+            RIM[0], RIM[1], base.value, rim.value
+        );
+        let hint = "the mirror stands out of the flat rim all around; rim_mm is the rim's height \
+                    over the base plane";
+        reader.complain(rim.at, message, hint);
+        return;
+    }
+    let Some(border) = found.border(base.value) else { return };
+    for mark in &found.marks {
+        let depth = 0.5 * mark.value.diameter_mm;
+        if !(depth <= DEEPEST * border.rim_mm) {
+            let message = format!(
+                "part.marks_mm must be less deep than {DEEPEST} of rim_mm = {}, found a mark \
+                 {depth} mm deep",
+                border.rim_mm
+            );
+            let hint = "a mark is a cone of 90 degrees, half as deep as wide; make it smaller";
+            reader.complain(mark.at, message, hint);
+        }
+    }
+    // Of a mirror whose outline the design alone can tell, the design complains.
+    let Some(footprint) = reach::footprint(parts) else { return };
+    for misfit in border.misfits(&footprint) {
+        let at = match misfit.feature {
+            Feature::Corners => found.corner.map_or(0, |corner| corner.at),
+            Feature::Hole(k) => found.holes[k].at,
+            Feature::Mark(k) => found.marks[k].at,
+        };
+        reader.complain(at, misfit.message, &misfit.hint);
+    }
+}
+
+impl Found {
+    /// The border over a base of this thickness.
+    pub(super) fn border(&self, base_mm: f64) -> Option<Border> {
+        let spots = |list: &[Placed<Spot>]| list.iter().map(|spot| spot.value).collect();
+        Some(Border {
+            width_mm: self.width?.value,
+            rim_mm: self.rim.map_or(0.5 * base_mm, |rim| rim.value),
+            corner_radius_mm: self.corner.map_or(0.0, |corner| corner.value),
+            holes: spots(&self.holes),
+            marks: spots(&self.marks),
+        })
+    }
+}

@@ -1,0 +1,120 @@
+//! The stock around a face: its flat top, side and base, with marks and through holes.
+
+use super::{SolidError, kept, put, sides, wall};
+use crate::geom::{DVec2, Precision, Stock, TriMesh};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+/// Closes what is open at `feet`, the loop of the face's skirt on the stock's flat top. Circles
+/// become polygons with their corners on them, of chords within [`Stock::CHORD_MM`].
+///
+/// # Errors
+/// [`SolidError::Flat`] when loops touch each other.
+pub fn close(
+    mesh: &mut TriMesh,
+    feet: &[u32],
+    stock: &Stock,
+    precision: Precision,
+) -> Result<(), SolidError> {
+    let top = stock.top_mm;
+    let side = both(mesh, &stock.contour.polygon(), top);
+    let holes: Vec<[Vec<u32>; 2]> =
+        stock.holes.iter().map(|hole| both(mesh, &hole.polygon(hole.at), top)).collect();
+    let marks: Vec<Vec<u32>> =
+        stock.marks.iter().map(|mark| put(mesh, &mark.polygon(mark.at), top)).collect();
+
+    let level = |k: usize| holes.iter().map(move |hole| &hole[k][..]);
+    let inner: Vec<&[u32]> =
+        std::iter::once(feet).chain(level(0)).chain(marks.iter().map(Vec::as_slice)).collect();
+    let flat = between(mesh, &side[0], &inner, precision)?;
+    mesh.triangles.extend(flat);
+    for (mark, rim) in stock.marks.iter().zip(&marks) {
+        let tip = put(mesh, &[mark.at], top - mark.radius())[0];
+        mesh.triangles.extend(sides(rim).map(|[v, next]| [v, next, tip]));
+    }
+    for [upper, lower] in &holes {
+        let turned = |rim: &[u32]| rim.iter().rev().copied().collect::<Vec<_>>();
+        wall(mesh, &turned(upper), &turned(lower));
+    }
+    wall(mesh, &side[0], &side[1]);
+    let base = between(mesh, &side[1], &level(1).collect::<Vec<_>>(), precision)?;
+    mesh.triangles.extend(base.into_iter().map(|[a, b, c]| [a, c, b]));
+    Ok(())
+}
+
+/// How many facets [`close`] adds, but for the one at each of the feet.
+pub fn added(stock: &Stock) -> usize {
+    let corners = |list: &[crate::geom::Drilled]| -> usize {
+        list.iter().map(|round| round.polygon(DVec2::ZERO).len()).sum()
+    };
+    let (side, holes, marks) =
+        (stock.contour.polygon().len(), corners(&stock.holes), corners(&stock.marks));
+    // A polygon of n corners in all and h holes takes n + 2 h - 2 triangles.
+    let flat = side + holes + marks + 2 * (stock.holes.len() + stock.marks.len());
+    let base = side + holes + 2 * stock.holes.len() - 2;
+    flat + base + marks + 2 * holes + 2 * side
+}
+
+/// The polygon at the height of the top and in the base.
+fn both(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> [Vec<u32>; 2] {
+    [top, 0.0].map(|z| put(mesh, polygon, z))
+}
+
+/// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
+fn between(
+    mesh: &TriMesh,
+    outer: &[u32],
+    inner: &[&[u32]],
+    precision: Precision,
+) -> Result<Vec<[u32; 3]>, SolidError> {
+    let numbers: Vec<u32> = [&[outer], inner].concat().concat();
+    let at = |v: u32| kept(mesh.vertices[v as usize], precision).truncate();
+    let points = numbers.iter().map(|&v| Point2::new(at(v).x, at(v).y)).collect();
+    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(numbers.len());
+    for corners in std::iter::once(&outer).chain(inner) {
+        let (first, count) = (edges.len(), corners.len());
+        edges.extend((0..count).map(|k| [first + k, first + (k + 1) % count]));
+    }
+    let refuse = |near: u32, reason: String| SolidError::Flat { near: at(near), reason };
+    let mut crossing = None;
+    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
+        points,
+        edges,
+        |[from, _]| crossing = crossing.or(Some(from)),
+    );
+    let cdt = cdt.map_err(|error| refuse(outer[0], error.to_string()))?;
+    if cdt.num_vertices() < numbers.len() {
+        // The first that is not where it was put is the one after the first left out.
+        let moved = cdt.vertices().zip(&numbers).find(|(found, v)| {
+            let place = found.position();
+            DVec2::new(place.x, place.y) != at(**v)
+        });
+        let near = moved.map_or(numbers[numbers.len() - 1], |(_, &v)| v);
+        return Err(refuse(near, "two corners fall together".to_owned()));
+    }
+    if let Some(from) = crossing {
+        return Err(refuse(numbers[from], "two edges cross".to_owned()));
+    }
+
+    // Outside and inside change at every loop.
+    let mut inside: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
+    inside[cdt.outer_face().fix().index()] = Some(false);
+    let mut next: Vec<_> = cdt.convex_hull().collect();
+    while let Some(edge) = next.pop() {
+        let (one, other) = (edge.face().fix().index(), edge.rev().face().fix().index());
+        let (from, to, beyond) =
+            if inside[one].is_some() { (one, other, edge.rev()) } else { (other, one, edge) };
+        if inside[to].is_none() {
+            inside[to] = inside[from].map(|known| known != edge.is_constraint_edge());
+            next.extend([beyond.next().rev(), beyond.prev().rev()]);
+        }
+    }
+    let triangles: Vec<[u32; 3]> = cdt
+        .inner_faces()
+        .filter(|face| inside[face.fix().index()] == Some(true))
+        .map(|face| face.vertices().map(|v| numbers[v.fix().index()]))
+        .collect();
+    if triangles.len() != numbers.len() + 2 * inner.len() - 2 {
+        return Err(refuse(outer[0], "a corner lies on another loop".to_owned()));
+    }
+    Ok(triangles)
+}
