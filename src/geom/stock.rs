@@ -79,7 +79,8 @@ impl Stock {
     pub fn distance(&self, v: DVec3, beside: f64) -> f64 {
         let p = v.truncate();
         let inset = self.contour.inset(p);
-        let upright = |across: f64| f64::hypot(across, v.z - v.z.clamp(0.0, self.top_mm));
+        let off = |across: f64, along: f64| DVec2::new(across, along).length();
+        let upright = |across: f64| off(across, v.z - v.z.clamp(0.0, self.top_mm));
         // How far out of the base and of the flat top, in the plane.
         let mut off_base = (-inset).max(0.0);
         let mut least = upright(inset);
@@ -94,9 +95,9 @@ impl Stock {
             let inside = mark.radius() - from_axis;
             off_top = off_top.max(inside);
             let cone = self.top_mm - inside.max(0.0);
-            least = least.min(f64::hypot((-inside).max(0.0), v.z - cone));
+            least = least.min(off((-inside).max(0.0), v.z - cone));
         }
-        least.min(f64::hypot(off_base, v.z)).min(f64::hypot(off_top, v.z - self.top_mm))
+        least.min(off(off_base, v.z)).min(off(off_top, v.z - self.top_mm))
     }
 }
 
@@ -222,7 +223,7 @@ mod tests {
             }
             let lost = contour.area() - area(&corners);
             let rounded = contour.area() < 100.0 || corners.len() > 4;
-            assert!(lost >= -1e-12 && lost < 60.0 * Stock::CHORD_MM, "{contour:?}: {lost}");
+            assert!((-1e-12..60.0 * Stock::CHORD_MM).contains(&lost), "{contour:?}: {lost}");
             assert_eq!(lost > 1e-6, rounded, "{contour:?}: {lost}");
         }
         let Contour::Rect { .. } = contours()[4] else { panic!() };

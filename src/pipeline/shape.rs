@@ -77,7 +77,7 @@ fn distance(
     let edge = rim(mirror, across.normalize_or_zero(), reach);
     let beside = across.length() - edge.truncate().length();
     if let Some(stock) = stock {
-        let on_skirt = f64::hypot(beside, v.z - v.z.min(edge.z).max(stock.top_mm));
+        let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(stock.top_mm)).length();
         let on_stock = stock.distance(v, beside).min(on_skirt);
         return if inside >= 0.0 { on_mirror.min(on_stock) } else { on_stock };
     }

@@ -5,6 +5,7 @@ use crate::design::Design;
 use crate::geom::{Outline, Stock};
 use crate::profile::Profile;
 use crate::report::{TraceFacts, Verdict};
+use crate::trace::Outcome;
 
 /// Pass, unless there is a reason.
 pub fn of(reasons: &[String]) -> Verdict {
@@ -33,7 +34,7 @@ pub fn reasons(
         }
         if let Some(trace) = &evidence.trace {
             shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
-            rays(trace).into_iter().for_each(&mut blame);
+            rays(trace, by_rim(design, evidence)).into_iter().for_each(&mut blame);
             limits(profile, trace, proven_px).into_iter().for_each(&mut blame);
         }
         if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
@@ -91,7 +92,15 @@ fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String
     reasons
 }
 
-fn rays(trace: &TraceFacts) -> Vec<String> {
+/// How many rays are shadowed by what is around the mirror.
+fn by_rim(design: &Design, evidence: &Evidence) -> usize {
+    let (Some(stock), Some((scene, witness))) = (&design.stock, &evidence.seen) else { return 0 };
+    let top = stock.top_mm * (1.0 + 1e-6);
+    let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
+    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
+}
+
+fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<String> {
     let mut reasons = Vec::new();
     if trace.rays == 0 {
         reasons.push("no camera ray is aimed at the mirror".into());
@@ -102,7 +111,14 @@ fn rays(trace: &TraceFacts) -> Vec<String> {
         (trace.back_face, "meet the back of a facet"),
     ] {
         if count > 0 {
-            reasons.push(format!("{count} of {} rays aimed at the mirror {what}", trace.rays));
+            let mut reason = format!("{count} of {} rays aimed at the mirror {what}", trace.rays);
+            if what.contains("shadowed") && by_rim > 0 {
+                reason += &format!(
+                    ", {by_rim} of them by its flat rim: lower part.rim_mm, raise base_mm or narrow \
+                     border_mm"
+                );
+            }
+            reasons.push(reason);
         }
     }
     reasons

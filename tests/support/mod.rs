@@ -3,6 +3,8 @@
 // Every test binary takes the part that it needs.
 #![allow(dead_code)]
 
+pub mod parts;
+
 use morion::design::{Design, design};
 use morion::geom::{DVec2, Outline, Precision, Rect};
 use morion::mesh::{Face, Limits, MeshError, mesh};
