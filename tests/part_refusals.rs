@@ -45,6 +45,16 @@ fn what_does_not_fit_is_refused_with_its_place() {
         ),
         (
             ANNULUS,
+            "border_mm = 8\nholes_mm = [[0, 0, 10], [4, 6, 3]]",
+            "p.toml:9:26: part.holes_mm must stay 0.1 mm clear of the mirror, found [4, 6, 3], which cuts",
+        ),
+        (
+            ANNULUS,
+            "border_mm = 8\nmarks_mm = [[0, 0, 2]]",
+            "p.toml:9:13: part.marks_mm must stay 0.1 mm clear of the mirror",
+        ),
+        (
+            ANNULUS,
             "border_mm = 8\nmarks_mm = [[34, 0, 1], [34, 0.5, 1]]",
             "p.toml:9:25: part.marks_mm must stay 0.1 mm clear of the mark [34, 0, 1]",
         ),
@@ -92,6 +102,18 @@ fn what_does_not_fit_is_refused_with_its_place() {
         assert!(found.len() == 1 && first.starts_with(expected), "{part}: {found:#?}");
         assert!(found.iter().all(|c| c.contains("\n  hint: ")), "{found:#?}");
     }
+
+    // A land is flat where the mirror is round.
+    let text = |terms: &str| {
+        let part = "width_mm = 60, base_mm = 8, border_mm = 8, holes_mm = [[1, 0, 4]]";
+        let layout = "layout.annulus.inner_width_mm = 16";
+        let base = GIVEN.replace("[[3, 0, 1e-5], [0, 1, 0.01]]", terms);
+        format!("{layout}{base}part = {{ {part} }}\n")
+    };
+    assert_eq!(design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]")), None).unwrap().holes(), 1);
+    let error = design(&parsed(&text("[[2, 0, 1e-3]]")), None).unwrap_err().to_string();
+    assert!(error.contains("found [1, 0, 4]; the land's rim is not flat"), "{error}");
+    assert!(error.contains("by 0.0320 mm"), "{error}");
 
     // The footprint of a designed strip under a pinhole is an outcome of the design.
     let profile = parsed(&format!(

@@ -58,7 +58,7 @@ impl Design {
     /// How many holes go through the part.
     #[must_use]
     pub fn holes(&self) -> usize {
-        self.stock.as_ref().map_or(0, |stock| stock.holes.len())
+        self.stock.as_ref().map_or(0, |stock| stock.through().count())
     }
 }
 

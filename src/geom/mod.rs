@@ -13,7 +13,7 @@ pub use chart::Chart;
 pub use glam::{DVec2, DVec3};
 pub use outline::Outline;
 pub use rect::Rect;
-pub use stock::{Contour, Drilled, Stock};
+pub use stock::{Contour, Drilled, Land, Stock};
 pub use trimesh::{TriMesh, Welder, turn};
 
 /// How many digits the coordinates of a file carry.

@@ -17,6 +17,17 @@ pub struct Stock {
     pub holes: Vec<Drilled>,
     /// Conical dimples of 90 degrees in the flat top: half as deep as wide.
     pub marks: Vec<Drilled>,
+    /// The flat land inside a ring, where holes go through it.
+    pub land: Option<Land>,
+}
+
+/// A flat land with holes, through which a camera may look.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Land {
+    /// Its Z.
+    pub z_mm: f64,
+    /// Through holes, from the base to the land; at least one.
+    pub holes: Vec<Drilled>,
 }
 
 /// A contour about the axis.
@@ -53,41 +64,52 @@ impl Stock {
     /// Its volume around a mirror that covers `footprint_mm2` of the (X, Y) plane, mm^3.
     #[must_use]
     pub fn volume(&self, footprint_mm2: f64) -> f64 {
-        let [holes, marks] = self.cut(|round| PI * round.radius() * round.radius());
-        self.top_mm * (self.contour.area() - footprint_mm2 - holes) - marks
+        let cut = self.cut(|round| PI * round.radius() * round.radius());
+        self.top_mm * (self.contour.area() - footprint_mm2) - cut
     }
 
     /// What chords in the place of its circles may change its volume by, mm^3.
     #[must_use]
     pub fn chords_mm3(&self) -> f64 {
         let polygon = area(&self.contour.polygon());
-        let [holes, marks] = self
+        let cut = self
             .cut(|round| PI * round.radius() * round.radius() - area(&round.polygon(DVec2::ZERO)));
-        self.top_mm * (self.contour.area() - polygon + holes) + marks
+        self.top_mm * (self.contour.area() - polygon) + cut
     }
 
-    /// The sum of the holes' areas, and of the marks' volumes: a cone's is a third of its depth,
-    /// which is its radius, times its area.
-    fn cut(&self, area: impl Fn(&Drilled) -> f64) -> [f64; 2] {
-        let holes = self.holes.iter().map(&area).sum();
-        [holes, self.marks.iter().map(|mark| mark.radius() / 3.0 * area(mark)).sum()]
+    /// The volume of all holes and marks, of such areas: a cone's is a third of its depth, which is
+    /// its radius, times its area.
+    fn cut(&self, area: impl Fn(&Drilled) -> f64) -> f64 {
+        let holes: f64 = self.through().map(|(hole, z)| z * area(hole)).sum();
+        holes + self.marks.iter().map(|mark| mark.radius() / 3.0 * area(mark)).sum::<f64>()
     }
 
-    /// How far `v` is from the stock's surfaces, mm: flat top, side, base, holes and marks. `beside`
-    /// is how far outside the mirror's rim it is; under the mirror the base alone counts.
+    /// All through holes, each with the Z of its upper end: those of the flat top, then those of the
+    /// land.
+    pub fn through(&self) -> impl Iterator<Item = (&Drilled, f64)> {
+        let land = self.land.iter().flat_map(|l| l.holes.iter().map(|hole| (hole, l.z_mm)));
+        self.holes.iter().map(|hole| (hole, self.top_mm)).chain(land)
+    }
+
+    /// How far `v` is from the stock's surfaces, mm: flat top, side, base, holes, marks and a land
+    /// with holes. `beside` is how far outside the mirror's rim it is; under the mirror base and
+    /// holes alone count, and the land if `v` is `over_land`.
     #[must_use]
-    pub fn distance(&self, v: DVec3, beside: f64) -> f64 {
+    pub fn distance(&self, v: DVec3, beside: f64, over_land: bool) -> f64 {
         let p = v.truncate();
         let inset = self.contour.inset(p);
         let off = |across: f64, along: f64| DVec2::new(across, along).length();
-        let upright = |across: f64| off(across, v.z - v.z.clamp(0.0, self.top_mm));
+        let upright = |across: f64, top: f64| off(across, v.z - v.z.clamp(0.0, top));
         // How far out of the base and of the flat top, in the plane.
         let mut off_base = (-inset).max(0.0);
-        let mut least = upright(inset);
-        for hole in &self.holes {
+        let mut least = upright(inset, self.top_mm);
+        for (hole, top) in self.through() {
             let inside = hole.radius() - p.distance(hole.at);
             off_base = off_base.max(inside);
-            least = least.min(upright(inside));
+            least = least.min(upright(inside, top));
+        }
+        if let Some(land) = self.land.as_ref().filter(|_| over_land) {
+            least = least.min(off(off_base, v.z - land.z_mm));
         }
         let mut off_top = off_base.max(-beside);
         for mark in &self.marks {
@@ -251,14 +273,15 @@ mod tests {
             top_mm: 4.0,
             holes: vec![drilled(16.0, 0.0, 4.0)],
             marks: vec![drilled(-16.0, 2.0, 2.0)],
+            land: Some(Land { z_mm: 6.0, holes: vec![drilled(0.0, 0.0, 2.0)] }),
         };
-        let exact = 4.0 * (800.0 - 9.0 * (4.0 - PI) - 200.0 - 4.0 * PI) - PI / 3.0;
+        let exact = 4.0 * (800.0 - 9.0 * (4.0 - PI) - 200.0 - 4.0 * PI) - PI / 3.0 - 6.0 * PI;
         assert!((stock.volume(200.0) - exact).abs() < 1e-11);
         assert!(stock.chords_mm3() > 0.0 && stock.chords_mm3() < 4.0 * 32.0 * Stock::CHORD_MM);
         for (x, y, z, beside, off) in [
             // On the flat top, the base, the side, a hole's wall, a mark's tip and flank.
             (0.0, 8.0, 4.0, 3.0, 0.0),
-            (0.0, 0.0, 0.0, -5.0, 0.0),
+            (0.0, 3.0, 0.0, -5.0, 0.0),
             (20.0, 0.0, 1.0, 10.0, 0.0),
             (14.0, 0.0, 3.0, 4.0, 0.0),
             (-16.0, 2.0, 3.0, 6.0, 0.0),
@@ -267,10 +290,15 @@ mod tests {
             (0.0, 8.0, 4.25, 3.0, 0.25),
             (15.0, 0.0, 4.0, 5.0, 1.0),
             (-16.0, 2.0, 4.0, 6.0, 1.0),
-            (0.0, 0.0, 4.0, -2.5, 2.5),
+            (0.0, 5.0, 4.0, -2.5, 2.5),
+            // On the land and its hole's wall; above it; in the hole.
+            (3.0, 0.0, 6.0, -5.0, 0.0),
+            (0.0, -1.0, 5.0, -5.0, 0.0),
+            (3.0, 0.0, 6.5, -5.0, 0.5),
+            (0.0, 0.5, 6.0, -5.0, 0.5),
             (17.0 + 3.0, 7.0 + 4.0, 2.0, 9.0, 2.0),
         ] {
-            let found = stock.distance(DVec3::new(x, y, z), beside);
+            let found = stock.distance(DVec3::new(x, y, z), beside, x.abs().max(y.abs()) < 4.0);
             assert!((found - off).abs() < 1e-13, "({x}, {y}, {z}): {found}, not {off}");
         }
     }

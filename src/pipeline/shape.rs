@@ -66,6 +66,9 @@ fn distance(
     if let (true, Some((radius, z))) = (inside >= 0.0, land)
         && v.truncate().length() <= radius
     {
+        if let Some(stock) = stock.filter(|stock| stock.land.is_some()) {
+            return on_mirror.min(stock.distance(v, f64::NEG_INFINITY, true));
+        }
         return on_mirror.min((v.z - z).abs()).min(v.z.abs());
     }
     // Most vertices are on the mirror, and there nothing else is asked.
@@ -78,7 +81,7 @@ fn distance(
     let beside = across.length() - edge.truncate().length();
     if let Some(stock) = stock {
         let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(stock.top_mm)).length();
-        let on_stock = stock.distance(v, beside).min(on_skirt);
+        let on_stock = stock.distance(v, beside, false).min(on_skirt);
         return if inside >= 0.0 { on_mirror.min(on_stock) } else { on_stock };
     }
     if beside > 0.0 {

@@ -1,11 +1,32 @@
 //! The stock around a face: its flat top, side and base, with marks and through holes.
 
 use super::{SolidError, kept, put, sides, wall};
-use crate::geom::{DVec2, Precision, Stock, TriMesh};
+use crate::geom::{DVec2, Drilled, Land, Precision, Stock, TriMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// Closes what is open at `feet`, the loop of the face's skirt on the stock's flat top. Circles
-/// become polygons with their corners on them, of chords within [`Stock::CHORD_MM`].
+/// A hole's loops at its upper end and in the base, counter-clockwise from above.
+type Bore = [Vec<u32>; 2];
+
+/// The flat land within the loop `hole`, around its own holes, which are open below.
+///
+/// # Errors
+/// [`SolidError::Flat`] when loops touch each other.
+pub fn land(
+    mesh: &mut TriMesh,
+    hole: &[u32],
+    land: &Land,
+    precision: Precision,
+) -> Result<Vec<Bore>, SolidError> {
+    let bores = bores(mesh, &land.holes, land.z_mm);
+    let inner: Vec<&[u32]> = bores.iter().map(|bore| &bore[0][..]).collect();
+    let flat = between(mesh, hole, &inner, precision)?;
+    mesh.triangles.extend(flat);
+    Ok(bores)
+}
+
+/// Closes what is open at `feet`, the loop of the face's skirt on the stock's flat top, and at the
+/// holes of the land. Circles become polygons with their corners on them, of chords within
+/// [`Stock::CHORD_MM`].
 ///
 /// # Errors
 /// [`SolidError::Flat`] when loops touch each other.
@@ -13,37 +34,40 @@ pub fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
     stock: &Stock,
+    of_land: Vec<Bore>,
     precision: Precision,
 ) -> Result<(), SolidError> {
     let top = stock.top_mm;
     let side = both(mesh, &stock.contour.polygon(), top);
-    let holes: Vec<[Vec<u32>; 2]> =
-        stock.holes.iter().map(|hole| both(mesh, &hole.polygon(hole.at), top)).collect();
+    let mut holes = bores(mesh, &stock.holes, top);
     let marks: Vec<Vec<u32>> =
         stock.marks.iter().map(|mark| put(mesh, &mark.polygon(mark.at), top)).collect();
 
-    let level = |k: usize| holes.iter().map(move |hole| &hole[k][..]);
+    let upper = holes.iter().map(|hole| &hole[0][..]);
     let inner: Vec<&[u32]> =
-        std::iter::once(feet).chain(level(0)).chain(marks.iter().map(Vec::as_slice)).collect();
+        std::iter::once(feet).chain(upper).chain(marks.iter().map(Vec::as_slice)).collect();
     let flat = between(mesh, &side[0], &inner, precision)?;
     mesh.triangles.extend(flat);
     for (mark, rim) in stock.marks.iter().zip(&marks) {
         let tip = put(mesh, &[mark.at], top - mark.radius())[0];
         mesh.triangles.extend(sides(rim).map(|[v, next]| [v, next, tip]));
     }
+    holes.extend(of_land);
     for [upper, lower] in &holes {
         let turned = |rim: &[u32]| rim.iter().rev().copied().collect::<Vec<_>>();
         wall(mesh, &turned(upper), &turned(lower));
     }
     wall(mesh, &side[0], &side[1]);
-    let base = between(mesh, &side[1], &level(1).collect::<Vec<_>>(), precision)?;
+    let lower: Vec<&[u32]> = holes.iter().map(|hole| &hole[1][..]).collect();
+    let base = between(mesh, &side[1], &lower, precision)?;
     mesh.triangles.extend(base.into_iter().map(|[a, b, c]| [a, c, b]));
     Ok(())
 }
 
-/// How many facets [`close`] adds, but for the one at each of the feet.
+/// How many facets [`close`] and [`land`] add, but for the one at each of the feet and at each edge
+/// of the land.
 pub fn added(stock: &Stock) -> usize {
-    let corners = |list: &[crate::geom::Drilled]| -> usize {
+    let corners = |list: &[Drilled]| -> usize {
         list.iter().map(|round| round.polygon(DVec2::ZERO).len()).sum()
     };
     let (side, holes, marks) =
@@ -51,11 +75,20 @@ pub fn added(stock: &Stock) -> usize {
     // A polygon of n corners in all and h holes takes n + 2 h - 2 triangles.
     let flat = side + holes + marks + 2 * (stock.holes.len() + stock.marks.len());
     let base = side + holes + 2 * stock.holes.len() - 2;
-    flat + base + marks + 2 * holes + 2 * side
+    let land = stock.land.as_ref().map_or(0, |land| {
+        let (corners, count) = (corners(&land.holes), land.holes.len());
+        // In the land, in the base and the walls between them.
+        (corners + 2 * count - 2) + (corners + 2 * count) + 2 * corners
+    });
+    flat + base + marks + 2 * holes + 2 * side + land
+}
+
+fn bores(mesh: &mut TriMesh, holes: &[Drilled], top: f64) -> Vec<Bore> {
+    holes.iter().map(|hole| both(mesh, &hole.polygon(hole.at), top)).collect()
 }
 
 /// The polygon at the height of the top and in the base.
-fn both(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> [Vec<u32>; 2] {
+fn both(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> Bore {
     [top, 0.0].map(|z| put(mesh, polygon, z))
 }
 

@@ -91,7 +91,11 @@ impl Solid {
         }
         let Rims { outer, hole } = rims(face)?;
         let mut mesh = face.clone();
-        if let Some(hole) = hole {
+        let land = stock.and_then(|stock| stock.land.as_ref());
+        let mut bores = Vec::new();
+        if let (Some(hole), Some(land)) = (&hole, land) {
+            bores = around::land(&mut mesh, hole, land, precision)?;
+        } else if let Some(hole) = hole {
             let centre = mesh.vertices.len() as u32;
             let height: f64 = hole.iter().map(|&v| face.vertices[v as usize].z).sum();
             mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
@@ -106,10 +110,10 @@ impl Solid {
                 mesh.vertices.push(DVec3::ZERO);
                 mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
             }
-            Some(stock) => around::close(&mut mesh, &feet, stock, precision)?,
+            Some(stock) => around::close(&mut mesh, &feet, stock, bores, precision)?,
         }
         mesh.vertices.iter_mut().for_each(|v| *v = kept(*v, precision));
-        let check = check(&mesh).through(stock.map_or(0, |stock| stock.holes.len()));
+        let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
         if check.is_solid() {
             Ok(Self { mesh, check, optical: face.triangles.len() })
         } else {

@@ -75,6 +75,11 @@ pub fn cases() -> Vec<(&'static str, String)> {
         with("disc, holes", DISC, AROUND),
         with("annulus, plain", ANNULUS, PLAIN),
         with("annulus, holes", ANNULUS, AROUND),
+        with(
+            "annulus, land",
+            ANNULUS,
+            &AROUND.replace("[[34.5, 3", "[[0, 0, 6], [-5, 2, 2], [34.5, 3"),
+        ),
         with("pinhole, rounded", PINHOLE, ROUNDED),
         // Where the part is 60 mm wide at the camera's distance, the strip's ends are farther out.
         with("pinhole, holes", PINHOLE, &SIDES.replace("34.5", "36.5")),
@@ -87,4 +92,10 @@ pub fn parsed(text: &str) -> Profile {
     // Inline tables stand on one line.
     let text = text.replace(",\n   ", ",");
     Profile::parse("part", "part.toml", text.as_bytes()).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// The profile of one case.
+pub fn case(name: &str) -> String {
+    let found = cases().into_iter().find(|(what, _)| *what == name);
+    found.unwrap_or_else(|| panic!("no case {name}")).1
 }

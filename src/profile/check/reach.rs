@@ -27,7 +27,7 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
 fn outline(parts: &Parts) -> Option<f64> {
     Some(match covered(parts)? {
         Footprint::Rect { half_mm: [x, y] } => f64::sqrt(x * x + y * y),
-        Footprint::Round { radius_mm } => radius_mm,
+        Footprint::Round { radius_mm, .. } => radius_mm,
     })
 }
 
@@ -45,7 +45,8 @@ fn covered(parts: &Parts) -> Option<Footprint> {
     let height = if parts.rectangle {
         parts.part.height?.value
     } else if parts.layout.as_ref()?.is_round() {
-        return Some(Footprint::Round { radius_mm: 0.5 * width });
+        let land = parts.layout.as_ref()?.inner.map_or(0.0, |inner| inner.value);
+        return Some(Footprint::Round { radius_mm: 0.5 * width, land_mm: 0.5 * land });
     } else {
         strip_height(parts, width)?
     };
