@@ -14,6 +14,7 @@
 //! - **mirror**: the designed panels ([`mirror::Mirror`]).
 //! - **optical face**: the facets that reflect ([`mesh::Face`]).
 //! - **solid**: optical face, skirt and base, closed ([`solid::Solid`]).
+//! - **stock**: a flat rim around the mirror, with holes and marks ([`geom::Stock`]).
 //! - **ray error**: angle between the direction seen and the direction wanted.
 //! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
 //! - **facet error**: the part of it that flat facets cause.

@@ -46,7 +46,7 @@ fn what_does_not_fit_is_refused_with_its_place() {
         (
             ANNULUS,
             "border_mm = 8\nholes_mm = [[0, 0, 10], [4, 6, 3]]",
-            "p.toml:9:26: part.holes_mm must stay 0.1 mm clear of the mirror, found [4, 6, 3], which cuts",
+            "p.toml:9:25: part.holes_mm must stay 0.1 mm clear of the mirror, found [4, 6, 3], which cuts",
         ),
         (
             ANNULUS,

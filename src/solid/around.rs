@@ -151,3 +151,72 @@ fn between(
     }
     Ok(triangles)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Solid, added, rim, tests};
+    use super::*;
+    use crate::geom::Contour;
+
+    /// A plate 6 by 6 by 1 around the square face 2 by 2 at height 2.
+    fn plate(holes: &[[f64; 3]], marks: &[[f64; 3]]) -> Stock {
+        let drilled = |list: &[[f64; 3]]| {
+            let one = |&[x, y, d]: &[f64; 3]| Drilled { at: DVec2::new(x, y), diameter_mm: d };
+            list.iter().map(one).collect()
+        };
+        let contour = Contour::Rect { half: DVec2::splat(3.0), corner_mm: 0.0 };
+        Stock { contour, top_mm: 1.0, holes: drilled(holes), marks: drilled(marks), land: None }
+    }
+
+    fn closed(stock: &Stock, precision: Precision) -> Result<Solid, SolidError> {
+        Solid::from_face(&tests::face(), Some(stock), precision)
+    }
+
+    #[test]
+    fn a_face_stands_on_a_plate() {
+        let solid = closed(&plate(&[], &[]), Precision::Double).unwrap();
+        assert_eq!((solid.check().volume_mm3, solid.check().euler), (36.0 + 4.0, 2));
+        // Face, skirt, flat top, side, base.
+        assert_eq!(solid.mesh().triangles.len(), 2 + 8 + 8 + 8 + 2);
+        for (holes, marks) in [
+            (&[[2.0, 0.0, 1.0]][..], &[][..]),
+            (&[[2.0, 0.0, 1.0], [-2.0, 2.0, 0.3]], &[[0.0, -2.0, 0.5], [1.0, -2.0, 0.4]]),
+        ] {
+            let stock = plate(holes, marks);
+            let solid = closed(&stock, Precision::Single).unwrap();
+            assert_eq!(solid.check().euler, 2 - 2 * holes.len() as i64);
+            let [outer, hole] = rim(&tests::face()).unwrap();
+            assert_eq!(solid.mesh().triangles.len(), 2 + added(outer, hole, Some(&stock)));
+            let off = solid.check().volume_mm3 - (stock.volume(4.0) + 8.0);
+            assert!(off.abs() <= stock.chords_mm3() + 1e-6 && off.abs() > 1e-5, "{off}");
+        }
+    }
+
+    #[test]
+    fn features_that_touch_are_refused_with_their_place() {
+        let refused = |holes: &[[f64; 3]], marks: &[[f64; 3]]| match closed(
+            &plate(holes, marks),
+            Precision::Single,
+        ) {
+            Err(SolidError::Flat { near, reason }) => (near.round().to_array(), reason),
+            other => panic!("{other:?}"),
+        };
+        // Into each other, the skirt, the side; one on the other; too small for the digits.
+        for (holes, marks, reason) in [
+            (&[[2.0, 0.0, 1.0]][..], &[[2.0, 0.6, 1.0]][..], "two edges cross"),
+            (&[[1.1, 0.0, 1.0]], &[], "two edges cross"),
+            (&[[2.0, 0.0, 1.0]], &[[2.0, 0.0, 1.0]], "two corners fall together"),
+            (&[[2.0, 0.0, 1e-7]], &[], "two corners fall together"),
+        ] {
+            let (near, found) = refused(holes, marks);
+            assert_eq!(found, reason, "{holes:?} {marks:?}");
+            assert!((1.0..=3.0).contains(&near[0]) && near[1].abs() <= 1.0, "{near:?}");
+        }
+        // Beyond the side.
+        assert_eq!(refused(&[[2.9, 0.0, 1.0]], &[]).1, "two edges cross");
+        assert!(closed(&plate(&[[9.0, 0.0, 1.0]], &[]), Precision::Double).is_err());
+        let high = Stock { top_mm: 2.0, ..plate(&[], &[]) };
+        let sunk = SolidError::Sunk { lowest_mm: 2.0, top_mm: 2.0 };
+        assert_eq!(closed(&high, Precision::Double).unwrap_err(), sunk);
+    }
+}
