@@ -221,6 +221,14 @@ fn a_vertex_off_the_stock_fails() {
     }
 }
 
+/// The part that other programs are asked about.
+#[test]
+fn the_fixture_passes() {
+    let (report, _folder) = built(include_str!("fixtures/part.toml"));
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    assert_eq!(report.solid.unwrap().check.euler, 2 - 2 * 4);
+}
+
 #[test]
 fn a_part_without_its_holes_is_not_the_part() {
     let text = case("strip, holes");
