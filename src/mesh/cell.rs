@@ -10,11 +10,14 @@
 use super::needs::{Needs, Place, SLENDER};
 use crate::geom::{DVec2, Outline};
 use glam::DMat2;
+use rayon::prelude::*;
 
 /// Growth of neighbouring cells.
 const GRADE: f64 = 0.3;
 /// Largest cell, in sizes of the domain.
 const LARGEST: f64 = 1.0;
+/// Steps between nodes along the domain's sides.
+const SIDE: usize = 48;
 /// Half of atan(1/2): its cosine and sine.
 const TURN: DVec2 = DVec2::new(0.973_248_989_474_818_7, 0.229_752_920_547_268_07);
 const SIN_60: f64 = 0.866_025_403_784_438_6;
@@ -156,9 +159,10 @@ pub struct Cells<'a> {
     /// Fine cells to the side of one of these.
     pub parts: usize,
     aim: f64,
-    /// The largest allowed, as the square root of their area, on the table's places; and the
-    /// table's width.
-    largest: (Vec<f64>, usize),
+    /// The largest allowed, as the square root of their area, at the nodes; empty while unknown.
+    largest: Vec<f64>,
+    /// The fine lattice's at the nodes.
+    nodes: Vec<DMat2>,
     fit: DVec2,
 }
 
@@ -167,16 +171,23 @@ impl<'a> Cells<'a> {
     /// facets of the quadratic model to be.
     pub fn new(needs: &'a Needs, outline: &Outline, aim: f64, most: f64) -> Self {
         let make = |kind: Kind| {
-            let mut cells =
-                Self { needs, kind, parts: 1, aim, largest: (Vec::new(), 0), fit: DVec2::ONE };
+            let mut cells = Self {
+                needs,
+                kind,
+                parts: 1,
+                aim,
+                largest: Vec::new(),
+                nodes: Vec::new(),
+                fit: DVec2::ONE,
+            };
             cells.grade();
             let count = cells.count(outline);
             (cells, count)
         };
         let better = |a: (Self, f64), b: (Self, f64)| if b.1 < a.1 { b } else { a };
         let kinds: &[Kind] = if needs.sees() { &Kind::ALL } else { &Kind::BLIND };
-        let (mut cells, count) =
-            kinds.iter().copied().map(make).reduce(better).expect("there are kinds");
+        let made: Vec<_> = kinds.par_iter().copied().map(make).collect();
+        let (mut cells, count) = made.into_iter().reduce(better).expect("there are kinds");
         cells.parts = ((count / most).sqrt().round() as usize).max(1);
         cells.grade();
         cells.settle();
@@ -230,22 +241,31 @@ impl<'a> Cells<'a> {
         if cell.is_finite() { cell } else { DMat2::from_diagonal(DVec2::splat(largest)) }
     }
 
-    /// The same for the lattice itself.
+    /// The map from unit steps to those of the lattice at `q`.
     pub fn at(&self, q: DVec2) -> DMat2 {
-        DMat2::from_diagonal(self.fit) * self.fine(q) * self.parts as f64
+        let (k, f) = self.corner(q);
+        let own = self.nodes[k];
+        let [right, up, across] =
+            [k + 1, k + SIDE + 1, k + SIDE + 2].map(|k| self.turned(self.nodes[k], &own));
+        let low = own + (right - own) * f.x;
+        let high = up + (across - up) * f.x;
+        DMat2::from_diagonal(self.fit * self.parts as f64) * (low + (high - low) * f.y)
     }
 
     /// The same, turned about so that it continues `before`.
     pub fn following(&self, q: DVec2, before: &DMat2) -> DMat2 {
-        let cell = self.at(q);
-        let ways = self.kind.ways();
-        let turned = |k: usize| {
-            let way = ways[k];
-            cell * DMat2::from_cols(way, way.perp())
-        };
-        let alike = |m: &DMat2| m.x_axis.dot(before.x_axis) + m.y_axis.dot(before.y_axis);
-        let better = |a: DMat2, b: DMat2| if alike(&b) > alike(&a) { b } else { a };
-        (0..ways.len()).map(turned).reduce(better).expect("ways")
+        self.turned(self.at(q), before)
+    }
+
+    /// The same cell, turned about so that it is most like `other`.
+    fn turned(&self, cell: DMat2, other: &DMat2) -> DMat2 {
+        // How alike `other` the cell is when its first side is turned to a way is linear in the way.
+        let c = cell.transpose() * *other;
+        let way = DVec2::new(c.x_axis.x + c.y_axis.y, c.x_axis.y - c.y_axis.x);
+        let alike = |to: &&DVec2| to.dot(way);
+        let better = |a, b| if alike(&b) > alike(&a) { b } else { a };
+        let way = self.kind.ways().iter().reduce(better).expect("ways");
+        cell * DMat2::from_cols(*way, way.perp())
     }
 
     /// Steps along the rim at `q` in direction `way`, in lengths of `way`: of a cell, or what the
@@ -264,30 +284,32 @@ impl<'a> Cells<'a> {
     }
 
     fn largest_at(&self, q: DVec2) -> f64 {
-        let (table, width) = (&self.largest.0, self.largest.1);
-        if table.is_empty() {
+        if self.largest.is_empty() {
             return f64::INFINITY;
         }
-        let last = (width - 1) as f64;
-        let domain = self.needs.domain();
+        let ((k, f), table) = (self.corner(q), &self.largest);
+        let low = table[k] + (table[k + 1] - table[k]) * f.x;
+        let high = table[k + SIDE + 1] + (table[k + SIDE + 2] - table[k + SIDE + 1]) * f.x;
+        low + (high - low) * f.y
+    }
+
+    /// The node before `q`, and how far `q` is on the way to the next ones.
+    fn corner(&self, q: DVec2) -> (usize, DVec2) {
+        let (domain, last) = (self.needs.domain(), SIDE as f64);
         let share =
             ((q - domain.min) / domain.size() * last).clamp(DVec2::ZERO, DVec2::splat(last));
-        let corner = share.floor().min(DVec2::splat(last - 1.0));
-        let f = share - corner;
-        let k = corner.y as usize * width + corner.x as usize;
-        let low = table[k] + (table[k + 1] - table[k]) * f.x;
-        let high = table[k + width] + (table[k + width + 1] - table[k + width]) * f.x;
-        low + (high - low) * f.y
+        // Truncation is floor for what is not negative, and quicker.
+        let [i, j] = share.to_array().map(|x| (x as usize).min(SIDE - 1));
+        (j * (SIDE + 1) + i, share - DVec2::new(i as f64, j as f64))
     }
 
     /// Limits the cells so that neighbours are of similar size.
     fn grade(&mut self) {
-        const SIDE: usize = 48;
         const SLACK: f64 = 1.05;
         let width = SIDE + 1;
         let domain = self.needs.domain();
         let parts = self.parts as f64;
-        self.largest = (Vec::new(), 0);
+        self.largest.clear();
         let cap = LARGEST * domain.size().min_element() / parts;
         let size = |q: DVec2| {
             let place = self.needs.at(q);
@@ -295,7 +317,8 @@ impl<'a> Cells<'a> {
             let size = self.aim * self.room(&place, &shape) * shape.determinant().abs().sqrt();
             if size < cap { size } else { cap }
         };
-        let mut table: Vec<f64> = domain.grid(SIDE, SIDE).map(|(q, _)| size(q)).collect();
+        let nodes: Vec<DVec2> = domain.grid(SIDE, SIDE).map(|(q, _)| q).collect();
+        let mut table: Vec<f64> = nodes.par_iter().map(|&q| size(q)).collect();
         let step = domain.size() / SIDE as f64;
         let grow = DVec2::new(step.x, step.y) * (GRADE / parts);
         for forward in [true, false, true, false] {
@@ -322,7 +345,8 @@ impl<'a> Cells<'a> {
                 table[k] = least;
             }
         }
-        self.largest = (table.into_iter().map(|s| s * SLACK).collect(), width);
+        self.largest = table.into_iter().map(|s| s * SLACK).collect();
+        self.nodes = nodes.par_iter().map(|&q| self.fine(q)).collect();
     }
 
     /// Shrinks the cells by a little so that whole numbers fit along the domain's lower and left

@@ -14,21 +14,36 @@ use rayon::prelude::*;
 
 /// Coarse triangles of the meshed part, about: so many that few of them are at the rim, and that
 /// curvature hardly changes within one.
-const COARSE: f64 = 16_000.0;
+const COARSE: f64 = 13_000.0;
+/// From so many coarse triangles on half as many to the side are tried first.
 const TRIAL: f64 = 6_000.0;
-/// By how much the chords of a trial, whose cells are twice as large and as strained, are too large.
-const STRAINED: f64 = 1.02;
+/// By how much too large the facets of a trial are found, whose cells are twice as strained.
+const STRAINED: f64 = 1.015;
 /// Share of the limits that facets of the model are first given.
 const AIM: f64 = 0.985;
-/// Shares of what the proof of some facets allows, between which a draft is kept as it is.
-const FITS: [f64; 2] = [0.985, 1.02];
-/// Share of facets from repairs, from which on a draft is drawn anew: where all places are alike, all
-/// facets fail together.
-const COSTLY: f64 = 0.25;
-/// Facets that come of the repair of one that is hardly too large.
+/// By how much the cost of a draft may exceed that of the best size for it.
+const COSTLY: f64 = 1.04;
+/// Facets that come of the repair of one that is hardly too large. (Where all places are alike, all
+/// facets fail together.)
 const REPAIR: f64 = 4.0;
 /// Facets that are proven to find the size.
 const SAMPLES: usize = 2000;
+
+/// What a proof of some facets says of a draft's size.
+#[derive(Debug, Clone, Copy, Default)]
+struct Judgement {
+    /// Facets that will be there after all repairs, for every one drawn.
+    cost: f64,
+    /// The factor on the cells with which the fewest would be there, and those.
+    scale: f64,
+    least: f64,
+}
+
+impl Judgement {
+    fn is_good(&self) -> bool {
+        self.cost <= COSTLY * self.least
+    }
+}
 
 /// A coarse mesh of the meshed part of a mirror.
 pub struct Draft<'a> {
@@ -38,8 +53,7 @@ pub struct Draft<'a> {
     pub rim: Rim,
     /// Its triangles.
     pub net: Net<'a>,
-    /// Facets that come of repairs, as a share of all.
-    over: f64,
+    found: Judgement,
 }
 
 impl<'a> Draft<'a> {
@@ -63,39 +77,37 @@ impl<'a> Draft<'a> {
             let rim = Rim::new(mirror, domain, &cells);
             let packing = Packing::new(&cells, &rim).map_err(|at| MeshError::Pole { at })?;
             let net = plane::triangulate(packing, &rim, &cells)?;
-            Ok::<_, MeshError>(Self { cells, rim, net, over: 0.0 })
+            let mut draft = Self { cells, rim, net, found: Judgement::default() };
+            draft.found = draft.judge(prover, limits);
+            Ok::<_, MeshError>(draft)
         };
         let mut trial = cells.clone();
         if cells.count(&mirror.outline) > TRIAL {
             trial.coarsen(2);
         }
-        let mut trial = draw(trial)?;
-        let scale = trial.judge(prover, limits);
-        if trial.cells.parts == cells.parts && scale > FITS[0] && scale < FITS[1] {
+        let trial = draw(trial)?;
+        if trial.cells.parts == cells.parts && trial.found.is_good() {
             return Ok(trial);
         }
-        let scale = if needs.sees() { scale } else { scale * STRAINED };
+        let scale = trial.found.scale * STRAINED;
         cells.rescale(scale * AIM);
-        let mut draft = draw(cells.clone())?;
-        let found = draft.judge(prover, limits);
-        if found > FITS[0] && draft.over < COSTLY {
+        let draft = draw(cells.clone())?;
+        if draft.found.is_good() {
             return Ok(draft);
         }
-        cells.rescale(found * scale * AIM);
-        let mut better = draw(cells)?;
-        better.judge(prover, limits);
+        cells.rescale(draft.found.scale * scale * AIM);
+        let better = draw(cells)?;
         Ok(if better.facets() < draft.facets() { better } else { draft })
     }
 
     /// About how many facets come of it.
     pub fn facets(&self) -> f64 {
         let parts = self.cells.parts as f64;
-        self.net.triangles.len() as f64 * parts * parts * (1.0 + self.over)
+        self.net.triangles.len() as f64 * parts * parts * self.found.cost
     }
 
-    /// Proves one facet of each of some triangles; the factor on the cells with which the fewest
-    /// facets come out.
-    fn judge(&mut self, prover: &Prover, limits: Limits) -> f64 {
+    /// Proves one facet of each of some triangles.
+    fn judge(&self, prover: &Prover, limits: Limits) -> Judgement {
         let mut excess = self.sample(prover, limits);
         excess.sort_by(f64::total_cmp);
         let count = excess.len();
@@ -106,13 +118,14 @@ impl<'a> Draft<'a> {
             after[k] = after[k + 1] + squares[k];
         }
         let share = |sum: f64| REPAIR * sum / count as f64;
-        self.over = share(after[excess.partition_point(|&e| e <= 1.0)]);
         // A facet that is to hold at last must be the smaller by its excess, and all others with it.
-        let cost = |k: &usize| squares[*k] + share(after[k + 1]);
-        let best = (excess.len() / 2..excess.len()).min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        best.map(|k| 1.0 / excess[k])
-            .filter(|scale| scale.is_finite() && *scale > 0.0)
-            .unwrap_or(1.0)
+        let least = |k: usize| squares[k] + share(after[k + 1]);
+        let best = (count / 2..count).min_by(|&a, &b| least(a).total_cmp(&least(b)));
+        let of = |k: usize| (1.0 / excess[k], least(k));
+        let is_sound = |(scale, _): &(f64, f64)| scale.is_finite() && *scale > 0.0;
+        let (scale, least) = best.map(of).filter(is_sound).unwrap_or((1.0, 1.0));
+        let cost = 1.0 + share(after[excess.partition_point(|&e| e <= 1.0)]);
+        Judgement { cost, scale, least }
     }
 
     /// By how much the proof finds facets larger than they may be.

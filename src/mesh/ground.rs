@@ -9,7 +9,7 @@ use super::region::{Region, Sight, beyond};
 use crate::geom::{DVec2, Rect};
 use crate::mirror::{Bounds, Cells, Rings, Round, Surface, Union};
 use crate::optics::{Projection, View};
-use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Parts of the radius of a round mirror.
 const COLUMNS: usize = 192;
@@ -38,8 +38,9 @@ pub enum Ground {
         rings: Rings,
         /// Width of a part, mm.
         width: f64,
-        /// By size, then by part; the last part is beyond the rim.
-        regions: Vec<Region>,
+        /// Of facets, as far as it has been asked for: by size, then by part; the last part is
+        /// beyond the rim.
+        regions: Vec<OnceLock<Region>>,
     },
 }
 
@@ -73,7 +74,9 @@ impl Ground {
     /// What is known of the part `part` of the panel.
     pub fn new(sight: &Sight, part: Rect) -> Self {
         if let Some(round) = round(sight) {
-            return Self::around(sight, round);
+            let width = round.radius[1] / COLUMNS as f64;
+            let regions = vec![OnceLock::new(); LEVELS * (COLUMNS + 1)];
+            return Self::Axis { rings: Rings::new(round), width, regions };
         }
         let bounds = Cells::new(&sight.mirror.surface, part);
         let parts = sight.parts();
@@ -87,25 +90,6 @@ impl Ground {
             }
         });
         Self::Grid { bounds, regions, margin: MARGIN * part.size().max_element() }
-    }
-
-    fn around(sight: &Sight, round: &Round) -> Self {
-        let rings = Rings::new(round);
-        let width = round.radius[1] / COLUMNS as f64;
-        let region = |k: usize| {
-            let x = (k % (COLUMNS + 1)) as f64 * width;
-            let part = [DVec2::new(x, 0.0), DVec2::new(x + width, 0.0)];
-            if beyond(&sight.mirror.outline, part) {
-                return Region::NOTHING;
-            }
-            let size = DVec2::splat(size(k / (COLUMNS + 1)) * width);
-            let bounds = sight.narrow(&rings.bounds(part[0], part[1]), part);
-            let wide = [part[0] - size, part[1] + size];
-            let around = sight.narrow(&rings.bounds(wide[0], wide[1]), wide);
-            sight.region(part, &bounds, Some(&around))
-        };
-        let regions = (0..LEVELS * (COLUMNS + 1)).into_par_iter().map(region).collect();
-        Self::Axis { rings, width, regions }
     }
 
     /// The triangle with the given corners where it is looked at.
@@ -148,14 +132,14 @@ impl Ground {
     /// What is known of a triangle that is (a part of) a facet of the given diameter, and of places
     /// as far beside it as `beside`.
     #[inline]
-    pub fn region(&self, local: &Local, diameter: f64, beside: f64) -> Region {
+    pub fn region(&self, sight: &Sight, local: &Local, diameter: f64, beside: f64) -> Region {
         let margin = self.margin() + beside;
-        let (width, regions) = match self {
+        let (rings, width, regions) = match self {
             Self::Grid { regions, .. } => {
                 let [lo, hi] = local.triangle.reach;
                 return regions.over(lo - margin, hi + margin);
             }
-            Self::Axis { width, regions, .. } => (*width, regions),
+            Self::Axis { rings, width, regions } => (rings, *width, regions),
         };
         let margin = margin / width;
         let wanted = diameter / width + margin;
@@ -163,9 +147,11 @@ impl Ground {
         let [first, last] =
             [local.triangle.reach[0].x / width - margin, local.far / width + margin]
                 .map(|column| (column.max(0.0) as usize).min(COLUMNS));
-        let row = level * (COLUMNS + 1);
-        let known = &regions[row + first..=row + last];
-        known[1..].iter().fold(known[0], |all, &one| all.union(one)).turned(local.angle)
+        let known = |part: usize| {
+            let make = || ring(sight, rings, width, part, size(level) * width);
+            *regions[level * (COLUMNS + 1) + part].get_or_init(make)
+        };
+        (first + 1..=last).fold(known(first), |all, k| all.union(known(k))).turned(local.angle)
     }
 
     /// What is known of the mirror in a box where triangles are looked at.
@@ -175,6 +161,19 @@ impl Ground {
             Self::Axis { rings, .. } => rings.bounds(lo, hi),
         }
     }
+}
+
+/// What is known of facets of at most some size that begin on part `part` of the X axis.
+fn ring(sight: &Sight, rings: &Rings, width: f64, part: usize, size: f64) -> Region {
+    let x = part as f64 * width;
+    let part = [DVec2::new(x, 0.0), DVec2::new(x + width, 0.0)];
+    if beyond(&sight.mirror.outline, part) {
+        return Region::NOTHING;
+    }
+    let bounds = sight.narrow(&rings.bounds(part[0], part[1]), part);
+    let wide = [part[0] - size, part[1] + size];
+    let around = sight.narrow(&rings.bounds(wide[0], wide[1]), wide);
+    sight.region(part, &bounds, Some(&around))
 }
 
 /// The largest facets of a level, in widths.

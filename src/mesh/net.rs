@@ -8,7 +8,7 @@ use glam::DMat2;
 const NONE: u32 = u32::MAX;
 /// What a flip must leave of the worse excess, and a move of the sum of powers.
 const GAIN: f64 = 0.996;
-const GAIN_BY_MOVING: f64 = 0.998;
+const GAIN_BY_MOVING: f64 = 0.97;
 /// Trial steps of moves, in cells.
 const STEP: f64 = 0.06;
 
@@ -81,8 +81,13 @@ impl<'a> Net<'a> {
         beside
     }
 
-    /// Flips an edge if that makes the worse of its two triangles better; these.
-    pub fn flip(&mut self, edge: [u32; 2]) -> Option<[u32; 2]> {
+    /// Whether flipping an edge makes the worse of its two triangles better.
+    pub fn gains_by_flipping(&self, edge: [u32; 2]) -> bool {
+        self.better_flipped(edge).is_some()
+    }
+
+    /// The triangles beside an edge, if flipping it makes the worse one better.
+    fn better_flipped(&self, edge: [u32; 2]) -> Option<Pair> {
         let pair = self.pair(edge)?;
         let [pa, pb, pc, pd] = pair.corners.map(|v| self.points[v as usize]);
         let areas = [turn(pa, pd, pc), turn(pd, pb, pc)];
@@ -92,7 +97,7 @@ impl<'a> Net<'a> {
         let place = self.needs.at(0.25 * (pa + pb + pc + pd));
         let before = self.excess_of(&place, pa, pb, pc).max(self.excess_of(&place, pb, pa, pd));
         let after = self.excess_of(&place, pa, pd, pc).max(self.excess_of(&place, pd, pb, pc));
-        (after < GAIN * before).then(|| self.turn(pair))
+        (after < GAIN * before).then_some(pair)
     }
 
     /// The ends of the edges that have a triangle on one side only.
@@ -134,7 +139,8 @@ impl<'a> Net<'a> {
             if seen > most {
                 break;
             }
-            let Some([t, u]) = self.flip(edge) else { continue };
+            let Some(pair) = self.better_flipped(edge) else { continue };
+            let [t, u] = self.turn(pair);
             flips += 1;
             changed(t);
             changed(u);
@@ -144,9 +150,14 @@ impl<'a> Net<'a> {
         flips
     }
 
-    /// Moves an inner corner towards smaller errors around it, if one of these is over `easy`.
-    /// Steps are measured in `cell`s.
-    pub fn shift(&mut self, v: u32, easy: f64, cell: impl FnOnce(DVec2) -> DMat2) -> bool {
+    /// Where an inner corner has smaller errors around it, if one of these is over `easy`. Steps are
+    /// measured in `cell`s.
+    pub fn better_place(
+        &self,
+        v: u32,
+        easy: f64,
+        cell: impl FnOnce(DVec2) -> DMat2,
+    ) -> Option<DVec2> {
         let mut ring = [[DVec2::ZERO; 2]; 16];
         let (mut count, mut balance) = (0, 0i64);
         for t in self.around(v) {
@@ -154,7 +165,7 @@ impl<'a> Net<'a> {
             let k = triangle.iter().position(|&w| w == v).expect("a corner");
             let (b, c) = (triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
             if count == ring.len() {
-                return false;
+                return None;
             }
             ring[count] = [b, c].map(|w| self.points[w as usize]);
             count += 1;
@@ -163,14 +174,14 @@ impl<'a> Net<'a> {
                 (i64::from(b) + 1) * (i64::from(b) + 7) - (i64::from(c) + 1) * (i64::from(c) + 7);
         }
         if balance != 0 {
-            return false;
+            return None;
         }
         let ring = &ring[..count];
         let q = self.points[v as usize];
         let place = self.needs.at(q);
         let each = |p: DVec2, [b, c]: [DVec2; 2]| self.excess_of(&place, p, b, c);
         if !(ring.iter().map(|&edge| each(q, edge)).fold(0.0, f64::max) > easy) {
-            return false;
+            return None;
         }
         let sees = self.needs.sees();
         let sum = |p: DVec2| {
@@ -196,11 +207,10 @@ impl<'a> Net<'a> {
         for share in [1.0, 0.5, 0.2] {
             let to = q + way * share;
             if sum(to) < GAIN_BY_MOVING * here && !slight(to) {
-                self.points[v as usize] = to;
-                return true;
+                return Some(to);
             }
         }
-        false
+        None
     }
 
     /// The edge of a triangle whose split in the middle leaves the smallest excess in both halves and

@@ -26,7 +26,7 @@ const NONE: u32 = u32::MAX;
 /// Most points: far more than drafts aim at.
 const MOST: usize = 100_000;
 /// Rounds of relaxation, and how far beyond the mean of its neighbours a point goes.
-const ROUNDS: usize = 40;
+const ROUNDS: usize = 25;
 const BEYOND: f64 = 1.5;
 /// Steps in cells that no longer matter.
 const SETTLED: f64 = 2e-3;

@@ -162,7 +162,7 @@ impl<'a> Prover<'a> {
         }
         let local = self.ground.local(corners);
         let triangle = &local.triangle;
-        let region = self.ground.region(&local, triangle.diameter, 0.0);
+        let region = self.ground.region(&self.sight, &local, triangle.diameter, 0.0);
         let [ab, bc, ca] = triangle.curves(t.map(|v| local.turn.rotate(v.gradient)));
         let quadratic = largest_deviation(ab, bc, ca);
         let rest = triangle.twist(region.third);
@@ -225,7 +225,7 @@ impl<'a> Prover<'a> {
         let aside = self.aside(region, chord) + shift;
         // What is known must hold there, too.
         let wider = (aside > self.ground.margin())
-            .then(|| self.ground.region(local, local.triangle.diameter, 2.0 * aside));
+            .then(|| self.ground.region(&self.sight, local, local.triangle.diameter, 2.0 * aside));
         let reached = 2.0 * aside;
         let region = wider.as_ref().unwrap_or(region);
         let aside = self.aside(region, chord) + shift;
@@ -365,7 +365,7 @@ impl<'a> Prover<'a> {
     #[must_use]
     pub fn sees_the_pole(&self, t: &[Vertex; 3]) -> bool {
         let local = self.ground.local(t.each_ref().map(|v| v.q));
-        self.ground.region(&local, local.triangle.diameter, 0.0).pole
+        self.ground.region(&self.sight, &local, local.triangle.diameter, 0.0).pole
             && !self.is_bounded(t.each_ref())
     }
 }

@@ -151,8 +151,8 @@ impl Repair<'_> {
         for &v in corners {
             let cells = &self.draft.cells;
             let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
-            if self.net.shift(v, UNEASY, fine) {
-                let q = self.round_off(self.net.points[v as usize]);
+            if let Some(q) = self.net.better_place(v, UNEASY, fine) {
+                let q = self.round_off(q);
                 self.net.points[v as usize] = q;
                 self.vertices[v as usize] = self.vertex(q);
                 self.changed.extend(self.net.around(v));

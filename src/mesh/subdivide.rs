@@ -5,6 +5,7 @@ use super::draft::Draft;
 use super::net::Net;
 use super::rim::{Arc, Rim};
 use crate::geom::DVec2;
+use rayon::prelude::*;
 
 /// A triangulation of points, neighbours near each other in both lists.
 pub struct Fine {
@@ -16,30 +17,25 @@ pub struct Fine {
 
 const NONE: u32 = u32::MAX;
 
+/// Coarse triangles that a thread cuts at a time.
+const CHUNK: usize = 256;
+
 /// Cuts the sides of every triangle of `draft` into its number of parts; points are rounded by
 /// `round`.
-pub fn subdivide(draft: &Draft, round: impl Fn(DVec2) -> DVec2) -> Fine {
+pub fn subdivide(draft: &Draft, round: impl Fn(DVec2) -> DVec2 + Sync) -> Fine {
     let (plane, parts) = (&draft.net, draft.cells.parts);
-    let count = plane.triangles.len();
-    let mut cutter = Cutter {
-        plane,
-        rim: &draft.rim,
-        parts,
-        corners: vec![NONE; plane.points.len()],
-        sides: vec![[NONE; 3]; count],
-        beyond: neighbours(&plane.triangles),
-        fine: Fine {
-            points: Vec::with_capacity(count * parts * parts / 2 + plane.points.len()),
-            triangles: Vec::with_capacity(count * parts * parts),
-        },
+    let cutter = Cutter { plane, rim: &draft.rim, parts, beyond: neighbours(plane) };
+    let pieces = cutter.number();
+    let cut = |pieces: &[Piece]| {
+        let mut fine = Fine { points: Vec::new(), triangles: Vec::new() };
+        pieces.iter().for_each(|piece| cutter.cut(piece, &mut fine));
+        fine.points.iter_mut().for_each(|point| *point = round(*point));
+        fine
     };
-    for t in in_rows(plane) {
-        cutter.cut(t);
-    }
-    for point in &mut cutter.fine.points {
-        *point = round(*point);
-    }
-    cutter.fine
+    let cut: Vec<Fine> = pieces.par_chunks(CHUNK).map(cut).collect();
+    let (points, triangles): (Vec<_>, Vec<_>) =
+        cut.into_iter().map(|fine| (fine.points, fine.triangles)).unzip();
+    Fine { points: points.concat(), triangles: triangles.concat() }
 }
 
 /// Triangles in bands of their height, each from left to right.
@@ -59,27 +55,79 @@ fn in_rows(plane: &Net) -> Vec<usize> {
     order
 }
 
+/// A coarse triangle, and which fine points are its.
+struct Piece {
+    triangle: usize,
+    /// At its corners.
+    corners: [u32; 3],
+    /// The first inside each side; they run from the side's lesser corner.
+    sides: [u32; 3],
+    /// The first inside it.
+    inner: u32,
+    /// Which of these come with it, and not with a piece before it.
+    new_corners: [bool; 3],
+    new_sides: [bool; 3],
+}
+
 struct Cutter<'a> {
     plane: &'a Net<'a>,
     rim: &'a Rim,
     parts: usize,
-    /// The fine point at each coarse one.
-    corners: Vec<u32>,
-    /// The first of the fine points inside each side; they run from the side's lesser corner.
-    sides: Vec<[u32; 3]>,
     /// For every coarse triangle those beyond its sides.
     beyond: Vec<[u32; 3]>,
-    fine: Fine,
 }
 
 impl Cutter<'_> {
-    fn cut(&mut self, t: usize) {
-        let (m, corners) = (self.parts, self.plane.triangles[t]);
+    /// Numbers the fine points.
+    fn number(&self) -> Vec<Piece> {
+        let (plane, m) = (self.plane, self.parts as u32);
+        let mut corners = vec![NONE; plane.points.len()];
+        let mut sides = vec![[NONE; 3]; plane.triangles.len()];
+        let mut count = 0;
+        let mut take = |known: &mut u32, many: u32| {
+            let is_new = *known == NONE;
+            if is_new {
+                *known = count;
+                count += many;
+            }
+            is_new
+        };
+        let mut number = |t: usize| {
+            let triangle = plane.triangles[t];
+            let new_corners = triangle.map(|v| take(&mut corners[v as usize], 1));
+            let new_sides = [0, 1, 2].map(|e| {
+                let is_new = take(&mut sides[t][e], m - 1);
+                let u = self.beyond[t][e] as usize;
+                if is_new && u != NONE as usize {
+                    let back = (0..3).find(|&g| self.beyond[u][g] == t as u32).expect("neighbour");
+                    sides[u][back] = sides[t][e];
+                }
+                is_new
+            });
+            let mut inner = NONE;
+            take(&mut inner, (m - 1) * m.saturating_sub(2) / 2);
+            let corners = triangle.map(|v| corners[v as usize]);
+            Piece { triangle: t, corners, sides: sides[t], inner, new_corners, new_sides }
+        };
+        in_rows(plane).into_iter().map(&mut number).collect()
+    }
+
+    /// Adds what a piece is cut into.
+    fn cut(&self, piece: &Piece, fine: &mut Fine) {
+        let (m, corners) = (self.parts, self.plane.triangles[piece.triangle]);
+        let (own, starts, inner) = (piece.corners, piece.sides, piece.inner);
         let at = corners.map(|v| self.plane.points[v as usize]);
-        let own = corners.map(|v| self.corner(v as usize));
-        let starts = [0, 1, 2].map(|e| self.side(t, e));
-        let arcs = [0, 1, 2].map(|e| self.arc(t, e));
-        let inner = self.fine.points.len() as u32;
+        let arcs = [0, 1, 2].map(|e| self.arc(piece.triangle, e));
+        fine.points.extend((0..3).filter(|&k| piece.new_corners[k]).map(|k| at[k]));
+        for e in (0..3).filter(|&e| piece.new_sides[e]) {
+            let next = (e + 1) % 3;
+            let (p, q) =
+                if corners[e] < corners[next] { (at[e], at[next]) } else { (at[next], at[e]) };
+            for k in 1..m {
+                let place = p + (q - p) * (k as f64 / m as f64);
+                fine.points.push(arcs[e].map_or(place, |arc| arc.onto(place)));
+            }
+        }
         let step = 1.0 / m as f64;
         for j in 1..m {
             for i in 1..m - j {
@@ -94,7 +142,7 @@ impl Cutter<'_> {
                         p += (arc.onto(chord) - chord) * (1.0 - off) * (1.0 - off);
                     }
                 }
-                self.push(p);
+                fine.points.push(p);
             }
         }
         // Of the side from corner e the k-th inner point, counted from that corner.
@@ -115,24 +163,12 @@ impl Cutter<'_> {
         for j in 0..m {
             for i in 0..m - j {
                 let (a, b, c) = (index(i, j), index(i + 1, j), index(i, j + 1));
-                self.fine.triangles.push([a, b, c]);
+                fine.triangles.push([a, b, c]);
                 if i + j + 1 < m {
-                    self.fine.triangles.push([b, index(i + 1, j + 1), c]);
+                    fine.triangles.push([b, index(i + 1, j + 1), c]);
                 }
             }
         }
-    }
-
-    fn push(&mut self, p: DVec2) -> u32 {
-        self.fine.points.push(p);
-        self.fine.points.len() as u32 - 1
-    }
-
-    fn corner(&mut self, v: usize) -> u32 {
-        if self.corners[v] == NONE {
-            self.corners[v] = self.push(self.plane.points[v]);
-        }
-        self.corners[v]
     }
 
     fn arc(&self, t: usize, e: usize) -> Option<Arc> {
@@ -140,46 +176,15 @@ impl Cutter<'_> {
         let is_rim = self.beyond[t][e] == NONE;
         is_rim.then(|| self.rim.arc(a, b).copied()).flatten()
     }
-
-    /// The first inner point of a side, from its lesser corner.
-    fn side(&mut self, t: usize, e: usize) -> u32 {
-        if self.sides[t][e] == NONE {
-            let [a, b] = [e, (e + 1) % 3].map(|k| self.plane.triangles[t][k]);
-            let [p, q] = [a.min(b), a.max(b)].map(|v| self.plane.points[v as usize]);
-            let arc = self.arc(t, e);
-            let first = self.fine.points.len() as u32;
-            for k in 1..self.parts {
-                let at = p + (q - p) * (k as f64 / self.parts as f64);
-                self.push(arc.map_or(at, |arc| arc.onto(at)));
-            }
-            self.sides[t][e] = first;
-            let u = self.beyond[t][e];
-            if u != NONE {
-                let u = u as usize;
-                let back = (0..3).find(|&g| self.beyond[u][g] == t as u32).expect("neighbour");
-                self.sides[u][back] = first;
-            }
-        }
-        self.sides[t][e]
-    }
 }
 
-/// For every triangle those beyond its edges.
-fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut edges: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * triangles.len());
-    for (k, t) in triangles.iter().enumerate() {
-        for e in 0..3 {
-            let (a, b) = (t[e], t[(e + 1) % 3]);
-            edges.push(([a.min(b), a.max(b)], k as u32, e as u8));
-        }
-    }
-    edges.sort_unstable();
-    let mut beyond = vec![[NONE; 3]; triangles.len()];
-    for pair in edges.windows(2) {
-        if pair[0].0 == pair[1].0 {
-            beyond[pair[0].1 as usize][pair[0].2 as usize] = pair[1].1;
-            beyond[pair[1].1 as usize][pair[1].2 as usize] = pair[0].1;
-        }
-    }
-    beyond
+/// For every triangle those beyond its sides.
+fn neighbours(plane: &Net) -> Vec<[u32; 3]> {
+    let beyond = |t: usize| {
+        let [a, b, c] = plane.triangles[t];
+        [[a, b], [b, c], [c, a]].map(|side| {
+            plane.beside(side).into_iter().flatten().find(|&u| u as usize != t).unwrap_or(NONE)
+        })
+    };
+    (0..plane.triangles.len()).into_par_iter().with_min_len(CHUNK).map(beyond).collect()
 }

@@ -342,7 +342,7 @@ impl<'a> Work<'a> {
         let k = self.vergence();
         let triangle = &local.triangle;
         let [lo, hi] = triangle.reach;
-        let third = self.prover.ground.region(local, self.diameter, 0.0).third;
+        let third = self.prover.ground.region(&self.prover.sight, local, self.diameter, 0.0).third;
         let (mut rise, at) = self.rise(corners, local, triangle.twist(third));
         if self.shift > 0.0 {
             // The rounded facet reaches a little beyond the exact one.
@@ -382,7 +382,7 @@ impl<'a> Work<'a> {
 
     fn facet(&self, corners: &[Place; 3], local: &Local, reached: &mut f64) -> f64 {
         let triangle = &local.triangle;
-        let region = self.prover.ground.region(local, self.diameter, 0.0);
+        let region = self.prover.ground.region(&self.prover.sight, local, self.diameter, 0.0);
         let chord = if region.drift == 0.0 {
             0.0
         } else {

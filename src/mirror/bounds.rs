@@ -1,7 +1,7 @@
 //! Bounds of a surface's height and its first three derivatives over cells of its outline.
 //!
-//! Each partial derivative of a tensor series, or of a spline's patch, is a polynomial, bounded over
-//! a cell by its Bernstein coefficients.
+//! Partial derivatives of a tensor series, or of a spline's patch, are polynomials, bounded over a
+//! cell by their Bernstein coefficients.
 
 use super::{Sheet, Surface};
 use crate::geom::{DVec2, Rect};
@@ -10,6 +10,9 @@ use rayon::prelude::*;
 
 /// Cells per side: fine enough that the bounds are within a few per cent of the local values.
 const CELLS: usize = 32;
+
+/// How far evaluation may be off, as a share of the largest value: it is good to far better.
+pub(super) const OFF: f64 = 1e-11;
 
 /// What holds at every point of a region: ranges of f, (f_x, f_y), (f_xx, f_xy, f_yy) and
 /// (f_xxx, f_xxy, f_xyy, f_yyy), in mm.
@@ -155,41 +158,45 @@ impl<T: Union> Cells<T> {
     }
 }
 
+/// Third derivatives by their Bernstein coefficients, the others by Taylor's theorem about the middle
+/// of each cell.
 fn tensor(sheet: &Sheet, cells: &Cells<Bounds>) -> Vec<Bounds> {
     let (lo, step) = ((cells.rect.min - sheet.centre) / sheet.half, cells.cell / sheet.half);
     let edges =
         |lo: f64, step: f64| -> Vec<f64> { (0..=CELLS).map(|k| lo + step * k as f64).collect() };
     let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
-    let ((third, second), (first, none)) = rayon::join(
-        || {
-            rayon::join(
-                || derivative_ranges::<4>(sheet, &u, &v),
-                || derivative_ranges::<3>(sheet, &u, &v),
-            )
-        },
-        || {
-            rayon::join(
-                || derivative_ranges::<2>(sheet, &u, &v),
-                || derivative_ranges::<1>(sheet, &u, &v),
-            )
-        },
+    let middle = |k: usize| {
+        let [lo, hi] = cells.corners(k);
+        let (point, c) = (sheet.at(0.5 * (lo + hi)), sheet.curvature(0.5 * (lo + hi)));
+        [point.f, point.slope.x, point.slope.y, c.xx, c.xy, c.yy]
+    };
+    let (third, middles): (_, Vec<[f64; 6]>) = rayon::join(
+        || third_derivatives(sheet, &u, &v),
+        || (0..CELLS * CELLS).into_par_iter().map(middle).collect(),
     );
-    (0..CELLS * CELLS)
-        .map(|k| Bounds {
-            f: none[0][k],
-            slope: first.each_ref().map(|entry| entry[k]),
-            hessian: second.each_ref().map(|entry| entry[k]),
-            third: third.each_ref().map(|entry| entry[k]),
-        })
-        .collect()
+    let off: [f64; 6] =
+        std::array::from_fn(|i| OFF * middles.iter().map(|m| m[i].abs()).fold(0.0, f64::max));
+    let half = 0.5 * cells.cell;
+    let [x, y] = [half.x, half.y].map(|half| Interval::around(0.0, half));
+    let bounds = |(k, middle): (usize, &[f64; 6])| {
+        let third = third.each_ref().map(|range| range[k]);
+        let [xxx, xxy, xyy, yyy] = third;
+        let about = |i: usize, by_x: Interval, by_y: Interval| {
+            Interval::around(middle[i], off[i]) + by_x * x + by_y * y
+        };
+        let hessian @ [xx, xy, yy] = [about(3, xxx, xxy), about(4, xxy, xyy), about(5, xyy, yyy)];
+        let slope @ [by_x, by_y] = [about(1, xx, xy), about(2, xy, yy)];
+        Bounds { f: about(0, by_x, by_y), slope, hessian, third }
+    };
+    middles.iter().enumerate().map(bounds).collect()
 }
 
-/// Ranges over every cell of the `N - 1`-th derivatives of the height, x-most first.
-fn derivative_ranges<const N: usize>(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Vec<Interval>; N] {
-    std::array::from_fn(|by_y| {
+/// Ranges over every cell of the third derivatives of the height, x-most first.
+fn third_derivatives(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Vec<Interval>; 4] {
+    let ranges = |by_y: usize| {
         let mut series = sheet.series.clone();
         let mut unit = sheet.scale_mm;
-        for step in 0..N - 1 {
+        for step in 0..3 {
             if step < by_y {
                 series = series.derivative_v();
                 unit /= sheet.half.y;
@@ -200,7 +207,12 @@ fn derivative_ranges<const N: usize>(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Ve
         }
         let ranges = bernstein::ranges(&series, u, v);
         ranges.into_iter().map(|[lo, hi]| Interval::new(lo, hi) * unit).collect()
-    })
+    };
+    let ((a, b), (c, d)) = rayon::join(
+        || rayon::join(|| ranges(0), || ranges(1)),
+        || rayon::join(|| ranges(2), || ranges(3)),
+    );
+    [a, b, c, d]
 }
 
 #[cfg(test)]

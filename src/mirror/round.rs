@@ -1,9 +1,14 @@
 //! Axisymmetric surfaces: one Legendre series along the radius.
 
+use super::bounds::OFF;
 use super::{Bounds, Curvature, Point};
 use crate::geom::{DVec2, Outline};
 use crate::num::legendre::{Jet, Row, Series};
 use crate::num::{Interval, Scalar, bernstein};
+use rayon::prelude::*;
+
+/// Rings that a thread bounds at a time.
+const RUN: usize = 32;
 
 /// The surface f(r) = s G(u), u over [-1, 1]: of r^2 for discs, where the surface is smooth at the
 /// centre, of r for rings.
@@ -122,6 +127,30 @@ impl Round {
         ranges
     }
 
+    /// The same where `edges` are so near to each other that the third derivative hardly varies
+    /// between two: the others by Taylor's theorem.
+    fn close_ranges(&self, edges: &[f64]) -> Vec<[Interval; 4]> {
+        let third = self.series.derivative_u().derivative_u().derivative_u();
+        let run = |edges: &[f64]| bernstein::ranges(&third, edges, &[-1.0, 1.0]);
+        let starts: Vec<usize> = (0..edges.len() - 1).step_by(RUN).collect();
+        let runs = starts.par_iter().map(|&k| run(&edges[k..(k + RUN + 1).min(edges.len())]));
+        let third: Vec<[f64; 2]> = runs.collect::<Vec<_>>().concat();
+        let jets: Vec<Jet> =
+            edges.windows(2).map(|ring| self.row.jet(0.5 * (ring[0] + ring[1]))).collect();
+        let values = |jet: &Jet| [jet.f, jet.gradient[0], jet.hessian[0]];
+        let largest = |i: usize| jets.iter().map(|jet| values(jet)[i].abs()).fold(0.0, f64::max);
+        let off: [f64; 3] = std::array::from_fn(|i| OFF * largest(i));
+        let ranges = |((ring, [lo, hi]), jet): ((&[f64], [f64; 2]), &Jet)| {
+            let step = Interval::around(0.0, 0.5 * (ring[1] - ring[0]));
+            let [f, f1, f2] = values(jet);
+            let g3 = Interval::new(lo, hi);
+            let g2 = Interval::around(f2, off[2]) + g3 * step;
+            let g1 = Interval::around(f1, off[1]) + g2 * step;
+            [Interval::around(f, off[0]) + g1 * step, g1, g2, g3].map(|g| g * self.scale_mm)
+        };
+        edges.windows(2).zip(third).zip(&jets).map(ranges).collect()
+    }
+
     fn of_ranges(&self, q: [Interval; 2], r2: Interval, ranges: [Interval; 4]) -> Bounds {
         let [inner, outer] = self.radius;
         let [g, g1, g2, g3] = ranges;
@@ -172,7 +201,12 @@ impl Rings {
         let [start, end] = round.squares().map(|r2| round.unit(r2));
         let step = (end - start) / Self::COUNT as f64;
         let edges: Vec<f64> = (0..=Self::COUNT).map(|k| start + step * k as f64).collect();
-        Self { round: round.clone(), start, per_unit: 1.0 / step, ranges: round.ranges(&edges) }
+        Self {
+            round: round.clone(),
+            start,
+            per_unit: 1.0 / step,
+            ranges: round.close_ranges(&edges),
+        }
     }
 
     /// What [`Round::bounds`] gives, but for the width of the rings.
