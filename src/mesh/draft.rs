@@ -23,6 +23,8 @@ const STRAINED: f64 = 1.015;
 const AIM: f64 = 0.985;
 /// By how much the cost of a draft may exceed that of the best size for it.
 const COSTLY: f64 = 1.04;
+/// Drafts that are drawn anew at most: where all places are alike a little decides.
+const REDRAWS: usize = 3;
 /// Facets that come of the repair of one that is hardly too large. (Where all places are alike, all
 /// facets fail together.)
 const REPAIR: f64 = 4.0;
@@ -89,15 +91,21 @@ impl<'a> Draft<'a> {
         if trial.cells.parts == cells.parts && trial.found.is_good() {
             return Ok(trial);
         }
-        let scale = trial.found.scale * STRAINED;
-        cells.rescale(scale * AIM);
-        let draft = draw(cells.clone())?;
-        if draft.found.is_good() {
-            return Ok(draft);
+        cells.rescale(trial.found.scale * STRAINED * AIM);
+        let mut draft = draw(cells.clone())?;
+        let mut found = draft.found;
+        for _ in 0..REDRAWS {
+            if found.is_good() {
+                break;
+            }
+            cells.rescale(cells.aim() * found.scale);
+            let next = draw(cells.clone())?;
+            found = next.found;
+            if next.facets() < draft.facets() {
+                draft = next;
+            }
         }
-        cells.rescale(draft.found.scale * scale * AIM);
-        let better = draw(cells)?;
-        Ok(if better.facets() < draft.facets() { better } else { draft })
+        Ok(draft)
     }
 
     /// About how many facets come of it.
