@@ -411,7 +411,7 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
 
     std::fs::write(home.join("mirror.step"), &stl).unwrap();
     for (file, why) in [
-        ("mirror.step", "the name must end in .stl or .obj"),
+        ("mirror.step", "the name must end in .stl, .obj or .3mf"),
         ("nowhere.stl", "cannot read nowhere.stl"),
     ] {
         let (code, out, err) = verify(file);

@@ -4,7 +4,7 @@ mod common;
 
 use common::{SMALL, edited, folder, morion, save, small_but, told};
 use morion::pipeline::{Silent, build, foresee};
-use morion::profile::{MeshLimits, Profile, shipped};
+use morion::profile::{Format, MeshLimits, Profile, shipped};
 use serde_json::Value;
 
 /// Share by which a forecast may be off.
@@ -49,7 +49,7 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
             MeshLimits { chord_um: Some(8.0), ..MeshLimits::default() },
             MeshLimits { max_triangles: Some(20_000), ..MeshLimits::default() },
         ] {
-            compare(&Profile { mesh, ..profile.clone() });
+            compare(&Profile { mesh, formats: Format::ALL.to_vec(), ..profile.clone() });
         }
     }
 }

@@ -7,8 +7,11 @@ use std::path::Path;
 use std::process::Stdio;
 
 const ESCAPE: char = '\x1b';
-const STAGES: [&str; 10] =
-    ["design", "mesh", "solid", "write", "read", "trace", "read", "trace", "picture", "report"];
+#[rustfmt::skip]
+const STAGES: [&str; 12] = [
+    "design", "mesh", "solid", "write", "solid", "write",
+    "read", "trace", "picture", "read", "trace", "report",
+];
 
 /// A profile that builds, with a verdict that must be negative.
 fn too_strict() -> String {

@@ -2,7 +2,7 @@
 
 use morion::profile::{
     Accept, Camera, Format, Layout, MeshLimits, Method, MethodKind, PanelSource, Part, Profile,
-    Projection, Ridge, Shape, StripLaw, StripProjection, Target, shipped,
+    Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target, shipped,
 };
 use proptest::prelude::*;
 
@@ -55,6 +55,7 @@ fn the_shipped_conquistador_is_the_papers() {
             part: Part { width_mm: 60.0, base_mm: 5.0, border: None },
             mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0), max_triangles: None },
             formats: vec![Format::Stl, Format::Obj],
+            sag: SagTable::default(),
             accept: Accept {
                 pixel_error_rms_px: Some(2.0),
                 pixel_error_max_px: Some(7.0),
@@ -62,6 +63,38 @@ fn the_shipped_conquistador_is_the_papers() {
             },
         }
     );
+}
+
+#[test]
+fn a_sag_table_has_a_path_and_spacings_or_usual_ones() {
+    let table = |text: &str| {
+        let export = format!("export.formats = [\"stl\", \"csv\"]\n{text}");
+        with(&[("export.formats = [\"stl\"]\n", &export)]).map(|profile| profile.sag)
+    };
+    let usual = table("").unwrap();
+    assert_eq!(usual, SagTable::default());
+    assert_eq!(usual.spacing_mm(60.0), [0.3, 0.3]);
+    let spiral = table("export.sag = { path = \"spiral\", pitch_mm = 0.02 }").unwrap();
+    assert_eq!(spiral.path, SagPath::Spiral);
+    assert_eq!(spiral.spacing_mm(60.0), [0.02, 0.3]);
+    for (text, words) in [
+        ("export.sag.path = \"spirale\"", "did you mean \"spiral\"?"),
+        ("export.sag.step_mm = 0", "export.sag.step_mm must be a number from 0.001 to 1000000"),
+        ("export.sag.pitch = 0.1", "did you mean pitch_mm?"),
+        ("export.sag = \"raster\"", "export.sag must be a table"),
+        (
+            "export.sag = { pitch_mm = 0.01, step_mm = 0.005 }",
+            "least.toml:8:43: export.sag must ask for at most 2e7 points, found about 7e7",
+        ),
+    ] {
+        let complaints = table(text).unwrap_err();
+        assert!(complaints.contains(words), "{complaints}");
+        assert_eq!(
+            complaints.lines().filter(|line| !line.starts_with(' ')).count(),
+            1,
+            "{complaints}"
+        );
+    }
 }
 
 fn strip_of(profile: &Profile) -> &StripProjection {

@@ -1,12 +1,19 @@
-//! Files: solid -> STL and OBJ bytes, and how many; the bytes of any such file -> triangles.
+//! Files: solid -> STL, OBJ and 3MF bytes; mirror -> sag table; how many bytes; the bytes of any such
+//! file -> triangles or rows.
 
 mod obj;
 mod read;
+mod sag;
 mod stl;
+mod text;
+mod threemf;
 
 pub use obj::{obj_bytes, write_obj};
-pub use read::{ReadError, Reread, read_obj, read_stl};
+pub use read::{ReadError, Reread, ThreeMfError, read_3mf, read_obj, read_stl};
+pub use sag::{SagError, SagOff, SagPath, SagRow, compare_sag, read_sag, sag_bytes, write_sag};
 pub use stl::{stl_bytes, write_stl};
+pub use text::Counting;
+pub use threemf::{threemf_bytes, write_3mf};
 
 /// How large a solid is, or will be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

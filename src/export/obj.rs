@@ -1,14 +1,12 @@
 //! Wavefront OBJ: every digit of the coordinates, and the designed mirror's own normals.
 
+use super::text::lines;
 use super::{Label, Size};
 use crate::geom::{DVec2, DVec3, Precision};
 use crate::mirror::Mirror;
 use crate::solid::Solid;
 use rayon::prelude::*;
 use std::io::{self, Write};
-
-/// Lines formatted by a thread at a time.
-const CHUNK: usize = 8192;
 
 /// Writes `solid` as OBJ. The first `solid.optical()` facets carry the normals of `mirror` at
 /// their corners (`v//vn`), the first `designed` of them those of the designed panel and the rest
@@ -145,25 +143,4 @@ fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
         line.iter().zip(points).map(unit).collect::<Vec<_>>()
     };
     lines.par_iter().map(evaluate).collect::<Vec<_>>().concat()
-}
-
-/// One line of text an item, formatted in parallel, written in order.
-fn lines<T: Sync>(
-    out: &mut impl Write,
-    items: &[T],
-    line: impl Fn(&mut Vec<u8>, &T) -> io::Result<()> + Sync,
-) -> io::Result<()> {
-    let format = |chunk: &[T]| -> io::Result<Vec<u8>> {
-        let mut text = Vec::with_capacity(64 * chunk.len());
-        chunk.iter().try_for_each(|item| line(&mut text, item))?;
-        Ok(text)
-    };
-    // A few chunks at a time, so that the text of a large file is never in memory as a whole.
-    for group in items.chunks(16 * CHUNK) {
-        let texts: Vec<_> = group.par_chunks(CHUNK).map(format).collect();
-        for text in texts {
-            out.write_all(&text?)?;
-        }
-    }
-    Ok(())
 }

@@ -5,12 +5,14 @@
 //! was designed for; a mirror given as sag over X and Y has the chart of parallel rays.
 
 mod bounds;
+mod form;
 mod patches;
 mod round;
 mod sheet;
 mod volume;
 
 pub use bounds::{Bounds, Cells, Union};
+pub use form::{Departure, Form, Plane, Sphere};
 pub use patches::{Knots, LEAST_KNOTS, Patches, PatchesRow};
 pub use round::{Rings, Round};
 pub use sheet::{Curvature, Point, Sheet, SheetRow};

@@ -4,7 +4,7 @@ use super::facets::{added_to, forecast, limits};
 use crate::design::Design;
 use crate::geom::Precision;
 use crate::mesh::Limits;
-use crate::profile::Profile;
+use crate::profile::{Format, Profile};
 
 /// The least number of triangles that draws a warning, and the least length of a file.
 const MANY: usize = 1_000_000;
@@ -38,6 +38,10 @@ impl Advice<'_> {
             ));
         }
         for &(file, bytes) in files.iter().filter(|(_, bytes)| *bytes >= LARGE) {
+            if file == Format::Csv.file_name() {
+                warnings.push(self.on_table(file, bytes));
+                continue;
+            }
             let most = triangles as f64 * LARGE as f64 / bytes as f64;
             let instead = self.instead(triangles, most);
             let [size, large] = [bytes, LARGE].map(|bytes| bytes as f64 / 1e6);
@@ -46,6 +50,19 @@ impl Advice<'_> {
             ));
         }
         warnings
+    }
+
+    /// The warning of a sag table of so many bytes: its rows are as one over pitch and step.
+    fn on_table(&self, file: &str, bytes: u64) -> String {
+        let name = &self.profile.name;
+        let longer = (bytes as f64 / (BELOW * LARGE as f64)).sqrt();
+        let spacing = self.profile.sag.spacing_mm(self.profile.part.width_mm);
+        let [pitch, step] = spacing.map(|mm| round_up(longer * mm));
+        let [size, large] = [bytes, LARGE].map(|bytes| bytes as f64 / 1e6);
+        format!(
+            "{name}: {file} takes {size:.0} MB; to stay under {large} MB, write pitch_mm = {pitch} \
+             and step_mm = {step} below [export.sag]"
+        )
     }
 
     /// What to write into the profile for fewer triangles than `most`.

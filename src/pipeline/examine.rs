@@ -1,10 +1,11 @@
 //! The second half of a build, which starts from bytes: read, check, trace, look.
 
 use super::files::sha256;
+use super::formats::read_mesh;
 use super::observer::{Clock, Stage};
 use super::shape::worst_vertex;
 use crate::design::Design;
-use crate::export::{ReadError, Reread, read_obj, read_stl};
+use crate::export::{ReadError, Reread};
 use crate::geom::{DVec2, DVec3, Outline};
 use crate::mirror::Point;
 use crate::optics::reflect;
@@ -12,7 +13,10 @@ use crate::profile::{Format, Profile};
 use crate::render::{Canvas, EncodingError, Picture, Seen as Painted, TestWorld};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
-use crate::trace::{Errors, Frame, Intent, Outcome, Scene, Seen, Witness, glance};
+use crate::trace::{self, Errors, Frame, Intent, Outcome, Scene, Witness, glance};
+
+/// A mesh, ready for more rays, and what became of those sent so far.
+pub type Seen = (Scene, Witness);
 
 /// What the bytes of one file showed.
 pub struct Evidence {
@@ -26,8 +30,8 @@ pub struct Evidence {
     pub trace: Option<TraceFacts>,
     /// The frame.
     pub frame: Option<Frame>,
-    /// The mesh, ready for more rays, and what became of those sent so far.
-    pub seen: Option<(Scene, Witness)>,
+    /// The mesh and its rays, until the picture is painted.
+    pub seen: Option<Seen>,
 }
 
 impl Evidence {
@@ -46,15 +50,12 @@ pub fn examine(
     profile: &Profile,
     design: &Design,
     format: Format,
-    bytes: &[u8],
+    bytes: Vec<u8>,
 ) -> Evidence {
-    let name = format!("mirror.{format}");
+    let name = format.file_name().to_owned();
+    let length = bytes.len() as u64;
     let read = || {
-        let reread = match format {
-            Format::Stl => read_stl(bytes),
-            Format::Obj => read_obj(bytes),
-        };
-        let reread = reread.map(|reread| {
+        let reread = read_mesh(format, &bytes).map(|reread| {
             let check = check(&reread.mesh).through(design.holes());
             let solid = SolidFacts::new(&check, design.volume());
             let vertex = worst_vertex(design, &reread.mesh.vertices);
@@ -71,11 +72,12 @@ pub fn examine(
         (reread, note)
     };
     let (reread, sha256) = clock.always(Stage::Read, || {
-        let ((reread, note), sha256) = rayon::join(read, || sha256(bytes));
+        let ((reread, note), sha256) = rayon::join(read, || sha256(&bytes));
         ((reread, sha256), note)
     });
-    let file =
-        FileFacts { name: name.clone(), format: format.name(), bytes: bytes.len() as u64, sha256 };
+    // The rays need the mesh alone.
+    drop(bytes);
+    let file = FileFacts { name: name.clone(), format: format.name(), bytes: length, sha256 };
     let (Reread { mesh, normals }, solid, vertex) = match reread {
         Ok(reread) => reread,
         Err(error) => {
@@ -157,7 +159,7 @@ fn trace_facts(
     has_normals: bool,
     solid: SolidFacts,
 ) -> TraceFacts {
-    let facts = |errors: fn(&Seen) -> Option<Errors>| {
+    let facts = |errors: fn(&trace::Seen) -> Option<Errors>| {
         let summary = |pick: fn(Errors) -> f64, unit: f64| {
             witness.summary(|seen| errors(seen).map(pick)).map(|s| s.scaled(unit))
         };
@@ -188,7 +190,7 @@ fn trace_facts(
 
 /// What the camera sees of the test world in the mesh that was read back, as PNG. The witness's own
 /// rays are the pixel centres.
-pub fn picture(design: &Design, seen: Option<&(Scene, Witness)>) -> Result<Vec<u8>, EncodingError> {
+pub fn picture(design: &Design, seen: Option<&Seen>) -> Result<Vec<u8>, EncodingError> {
     let Design { camera, view, .. } = design;
     let [width, height] = camera.pixels;
     // Without a projection: as if the width showed half a turn.

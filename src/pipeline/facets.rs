@@ -2,6 +2,7 @@
 //! of triangles, and the digits of the files that are asked for.
 
 use super::Error;
+use super::formats::{meshes, precision};
 use crate::design::Design;
 use crate::geom::{Outline, Precision};
 use crate::mesh::{
@@ -17,9 +18,9 @@ pub struct Facets<T> {
     pub made: T,
     /// Its digits.
     pub precision: Precision,
-    /// The formats of which files are written.
+    /// The mesh formats of which files are written.
     pub formats: Vec<Format>,
-    /// Why there is no STL although it is asked for.
+    /// Why there are no files in single precision although they are asked for.
     pub refused: Option<String>,
 }
 
@@ -95,27 +96,30 @@ impl Closing for Spending<'_> {
     }
 }
 
-/// Makes what single precision needs if there is to be an STL; where that is what fails, what the
-/// other formats need.
+/// Makes what single precision needs if there is to be a file in it; where that is what fails, what
+/// the other formats need.
 fn at_precision<T>(
     profile: &Profile,
     design: &Design,
     make: impl Fn(Precision) -> Result<T, MeshError>,
 ) -> Result<Facets<T>, Error> {
     let fail = |source| Error::Mesh { profile: profile.name.clone(), source };
-    let formats = profile.formats.clone();
-    if !formats.contains(&Format::Stl) {
+    let formats = meshes(profile);
+    let single: Vec<Format> =
+        formats.iter().copied().filter(|&f| precision(f) == Precision::Single).collect();
+    if single.is_empty() {
         let precision = Precision::Double;
         let made = make(precision).map_err(fail)?;
         return Ok(Facets { made, precision, formats, refused: None });
     }
-    let precision = Precision::Single;
-    let error = match make(precision) {
-        Ok(made) => return Ok(Facets { made, precision, formats, refused: None }),
+    let error = match make(Precision::Single) {
+        Ok(made) => {
+            return Ok(Facets { made, precision: Precision::Single, formats, refused: None });
+        }
         Err(error) => error,
     };
-    let Some(reason) = refusal(profile, design, &error) else { return Err(fail(error)) };
-    let others: Vec<Format> = formats.into_iter().filter(|&f| f != Format::Stl).collect();
+    let Some(reason) = refusal(profile, design, &single, &error) else { return Err(fail(error)) };
+    let others: Vec<Format> = formats.into_iter().filter(|f| !single.contains(f)).collect();
     let is_single = matches!(error, MeshError::Single { .. });
     if is_single && others.is_empty() {
         return Err(Error::Single { profile: profile.name.clone(), reason });
@@ -130,8 +134,13 @@ fn at_precision<T>(
     }
 }
 
-/// Why there is no STL, if `error` may be due to single precision.
-fn refusal(profile: &Profile, design: &Design, error: &MeshError) -> Option<String> {
+/// Why there are no files of the formats in `single`, if `error` may be due to that precision.
+fn refusal(
+    profile: &Profile,
+    design: &Design,
+    single: &[Format],
+    error: &MeshError,
+) -> Option<String> {
     let (at, chord_mm, facet_mm) = match *error {
         MeshError::Single { at, chord_mm, facet_mm } => (at, chord_mm, facet_mm),
         MeshError::Floor { at, bound, .. } => {
@@ -151,9 +160,12 @@ fn refusal(profile: &Profile, design: &Design, error: &MeshError) -> Option<Stri
     let figures: Vec<String> =
         reached.iter().map(|&(key, value)| format!("{key} {}", digits(value))).collect();
     let keys: Vec<&str> = reached.iter().map(|(key, _)| *key).collect();
+    let names: Vec<&str> = single.iter().map(|format| format.file_name()).collect();
+    let was = if single.len() == 1 { "was" } else { "were" };
     Some(format!(
-        "mirror.stl was not written: single precision reaches {} at X {:.4} mm, Y {:.4} mm; \
+        "{} {was} not written: single precision reaches {} at X {:.4} mm, Y {:.4} mm; \
          loosen {} or export obj alone",
+        names.join(" and "),
         figures.join(", "),
         at.x,
         at.y,

@@ -73,6 +73,28 @@ impl Folder {
         Ok(folder)
     }
 
+    /// Finds out whether there is room for so many bytes. Where that is not known, there is.
+    pub fn holds(&self, bytes: u64) -> Result<(), FileError> {
+        let free = self.free().unwrap_or(u64::MAX);
+        let mb = |bytes: u64| bytes as f64 / 1e6;
+        if bytes <= free {
+            return Ok(());
+        }
+        let text = format!(
+            "the files take at least {:.1} MB, and {:.1} MB are free; make room, choose another \
+             --out, or ask for fewer formats or looser limits",
+            mb(bytes),
+            mb(free)
+        );
+        let full = io::Error::new(io::ErrorKind::StorageFull, text);
+        Err(FileError::new("write into the folder", &self.path)(full))
+    }
+
+    /// Bytes that are free on its disk, as far as is known.
+    pub fn free(&self) -> Option<u64> {
+        fs4::available_space(&self.path).ok()
+    }
+
     /// Removes what killed builds left behind, as far as that is possible.
     fn sweep(&self) {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return };
@@ -177,4 +199,21 @@ pub fn sha256(bytes: &[u8]) -> String {
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_holds_what_is_free_and_no_more() {
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = Folder::create(temporary.path()).unwrap();
+        let free = folder.free().unwrap();
+        assert!(folder.holds(free / 2).is_ok());
+        let error = folder.holds(u64::MAX).unwrap_err().to_string();
+        assert!(
+            error.starts_with("cannot write into the folder ") && error.contains(" MB are free")
+        );
+    }
 }

@@ -1,15 +1,20 @@
 //! A build without its files: how large everything would be.
 
 use super::advice::Advice;
+use super::drawings::Drawing;
 use super::facets::{self, Facets, added_to};
+use super::files::Folder;
+use super::formats::{drawings, mesh_bytes, precision};
 use super::observer::Clock;
 use super::{Error, Observer, Source, Stage, designed};
 use crate::design::Design;
-use crate::export::{Label, Size, obj_bytes, stl_bytes};
+use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
 use crate::geom::Outline;
 use crate::mesh::{Limits, Plan, mesh};
+use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{Foreseen, ProfileId, Prospect, ProspectFile, ProspectMesh};
+use crate::solid::Solid;
 
 /// Foresees what [`super::build`] would make of the profile of `source`. Touches no file.
 ///
@@ -25,6 +30,37 @@ pub fn foresee(source: &Source, observer: &dyn Observer) -> Result<Prospect, Err
         let note = format!("about {} triangles", prospect.mesh.triangles);
         Ok((prospect, note))
     })
+}
+
+/// So much room is enough for any build: the most triangles and the longest table there can be.
+const ROOMY: u64 = 20_000_000_000;
+/// The pages of a build, at the least.
+const PAGES: u64 = 20_000;
+/// The share of a forecast that is sure to come: it may be off by a fifth.
+const SURE: f64 = 0.8;
+
+/// What the files of any build of `profile` take at the least, before anything is known of the
+/// mirror.
+pub fn least_bytes(profile: &Profile) -> u64 {
+    const PER_TRIANGLE: u64 = 9;
+    let meshes = profile.formats.iter().filter(|format| format.is_mesh()).count() as u64;
+    // Of the number of triangles most is spent, and no format has fewer bytes for each.
+    let triangles = profile.mesh.max_triangles.map_or(0.0, |most| SURE * most as f64) as u64;
+    PAGES + meshes * triangles * PER_TRIANGLE
+}
+
+/// Whether `folder` has room for the files that are foreseen. Where there is room for any, nothing
+/// is foreseen.
+///
+/// # Errors
+/// [`enum@Error`] when there is none, or a stage cannot be done.
+pub fn check_room(folder: &Folder, profile: &Profile, design: &Design) -> Result<(), Error> {
+    if folder.free().is_none_or(|free| free >= ROOMY) {
+        return Ok(());
+    }
+    let prospect = prospect(profile, design, &facets::plan(profile, design)?);
+    let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
+    Ok(folder.holds((SURE * bytes as f64) as u64)?)
 }
 
 fn prospect(profile: &Profile, design: &Design, facets: &Facets<Plan>) -> Prospect {
@@ -56,23 +92,44 @@ fn prospect(profile: &Profile, design: &Design, facets: &Facets<Plan>) -> Prospe
             digits(profile.mesh.facet_px)
         ),
     };
-    let file = |&format: &Format| ProspectFile {
-        name: format!("mirror.{format}"),
+    let form = Form::of(&design.mirror);
+    let drawing = Drawing { profile, design, form: &form, label: &label };
+    let file = |format: Format| ProspectFile {
+        name: format.file_name().to_owned(),
         format: format.name(),
-        bytes: match format {
-            Format::Stl => stl_bytes(triangles),
-            Format::Obj => obj_bytes(&size, &design.mirror, limits.precision, &label),
+        bytes: if !format.is_mesh() {
+            drawing.bytes(format)
+        } else if format == Format::ThreeMf && size.optical < SMALL {
+            packed(design, limits, &label).unwrap_or_else(|| threemf_bytes(&size))
+        } else {
+            mesh_bytes(format, &size, design, limits.precision, &label)
         },
     };
-    let files: Vec<ProspectFile> = facets.formats.iter().map(file).collect();
+    let asked = facets.formats.iter().copied().filter(|format| profile.formats.contains(format));
+    let files: Vec<ProspectFile> = asked.chain(drawings(profile)).map(file).collect();
     let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
     let mut prospect = Prospect::new(id, mesh, files);
     let refused = facets.refused.iter();
-    prospect.reasons = refused.map(|reason| reason.replace("was not", "would not be")).collect();
+    prospect.reasons = refused
+        .map(|reason| reason.replace("was not", "would not be").replace("were not", "would not be"))
+        .collect();
     let advice = Advice { profile, design, precision: facets.precision };
     let files: Vec<(&str, u64)> = prospect.files.iter().map(|f| (&*f.name, f.bytes)).collect();
     prospect.warnings = advice.on(triangles, &files);
     prospect
+}
+
+/// Facets of a face that is soon made.
+const SMALL: usize = 30_000;
+
+/// The length of a 3MF, by making it: how well few facets can be packed depends on their order.
+fn packed(design: &Design, limits: Limits, label: &Label) -> Option<u64> {
+    let (camera, view) = (&design.camera.chart, design.view.as_ref());
+    let face = mesh(&design.mirror, camera, view, limits).ok()?;
+    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), precision(Format::ThreeMf)).ok()?;
+    let mut bytes = Counting::default();
+    write_3mf(&mut bytes, &solid, label).ok()?;
+    Some(bytes.count())
 }
 
 /// The solid that is foreseen, by Euler's formula.

@@ -6,10 +6,12 @@
 
 mod advice;
 mod bench;
+mod drawings;
 mod examine;
 mod facets;
 mod files;
 mod foresee;
+mod formats;
 mod observer;
 mod shape;
 mod source;
@@ -22,19 +24,24 @@ pub use observer::{Observer, Silent, Stage};
 pub use source::{Source, SourceError, load};
 
 use crate::design::{Design, DesignError, design};
-use crate::export::{Label, write_obj, write_stl};
+use crate::export::Label;
 use crate::geom::Precision;
 use crate::mesh::{Face, MeshError};
+use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{
     FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, html,
 };
 use crate::solid::{Solid, SolidError};
 use advice::Advice;
-use examine::{Evidence, examine, picture};
+use drawings::{Checked, Drawing};
+use examine::{Evidence, Seen, examine, picture};
 use facets::Facets;
 use files::{Folder, Staged};
+use foresee::{check_room, least_bytes};
+use formats::{drawings, write_mesh};
 use observer::Clock;
+use std::io::{self, Write};
 use std::path::Path;
 use thiserror::Error;
 
@@ -58,7 +65,7 @@ pub enum Error {
         /// Why.
         source: MeshError,
     },
-    /// An STL is the only file asked for, and single precision cannot carry the limits.
+    /// No mesh file but in single precision is asked for, and that cannot carry the limits.
     #[error("cannot mesh {profile}: {reason}")]
     Single {
         /// Profile name.
@@ -86,7 +93,7 @@ pub enum Error {
     #[error("cannot benchmark: {0}")]
     Bench(String),
     /// A file to be verified is of no known format.
-    #[error("{path}: the name must end in .stl or .obj")]
+    #[error("{path}: the name must end in .stl, .obj or .3mf")]
     Format {
         /// The file.
         path: String,
@@ -102,57 +109,59 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     let profile = &source.profile;
     let clock = Clock::new(observer);
     let folder = Folder::create(&out.join(&profile.name))?;
+    folder.holds(least_bytes(profile))?;
 
     let design = clock.stage(Stage::Design, || designed(source))?;
+    check_room(&folder, profile, &design)?;
     let facets = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
-    let face = &facets.made;
-    let solids = clock.stage(Stage::Solid, || closed(profile, &design, &facets))?;
-    let label = Label {
-        profile: profile.name.clone(),
-        sha256: profile.sha256.clone(),
-        tolerances: tolerances(profile, &design, face),
-    };
+    let form = Form::of(&design.mirror);
+    let label = label(profile, &design, &facets.made);
+    let drawing = Drawing { profile, design: &design, form: &form, label: &label };
+    let Meshes { mut staged, facts } =
+        write_meshes(profile, &clock, &folder, &design, &facets, &label)?;
+    for format in drawings(profile) {
+        staged.push((format, write(&clock, &folder, format, |out| drawing.write(format, out))?));
+    }
+    let Facets { made, precision, formats, refused } = facets;
+    let chord_mm = made.bound.chord_mm;
+    drop(made);
 
-    let staged = clock.stage(Stage::Write, || {
-        let write = |(format, solid): &(Format, Solid)| {
-            let staged = folder.stage(&format!("mirror.{format}"), |mut out| match format {
-                Format::Stl => write_stl(&mut out, solid, &label),
-                Format::Obj => write_obj(&mut out, solid, &design.mirror, face.designed, &label),
-            })?;
-            observer.written(staged.path());
-            Ok((*format, staged))
-        };
-        let staged: Vec<(Format, Staged)> =
-            solids.iter().map(write).collect::<Result<_, FileError>>()?;
-        let note = format!("{} files", staged.len());
-        Ok::<_, Error>((staged, note))
-    })?;
-
-    let mut evidence = Vec::new();
+    // One file at a time, so that memory does not grow with their number.
+    let (mut evidence, mut checked, mut picture) = (Vec::new(), Vec::new(), None);
     for (format, staged) in &staged {
         let bytes = staged.read()?;
-        let mut found = examine(&clock, profile, &design, *format, &bytes);
+        if !format.is_mesh() {
+            checked.push(check(&clock, &drawing, *format, staged, bytes));
+            continue;
+        }
+        let mut found = examine(&clock, profile, &design, *format, bytes);
         found.altered = found.file.sha256 != staged.sha256();
+        let seen = found.seen.take();
+        if picture.is_none() && seen.is_some() {
+            picture = Some(painted(&clock, &design, seen.as_ref())?);
+        }
         evidence.push(found);
     }
+    let picture = match picture {
+        Some(picture) => picture,
+        None => painted(&clock, &design, None)?,
+    };
 
-    let picture = clock.stage(Stage::Picture, || {
-        let seen = evidence.iter().find_map(|e| e.seen.as_ref());
-        let png = picture(&design, seen).map_err(|e| Error::Picture(e.to_string()))?;
-        let note = format!("{} kB", png.len() / 1000);
-        Ok::<_, Error>((png, note))
-    })?;
-
-    let mesh = mesh_facts(profile, &design, face, &solids[0].1);
-    let solid = SolidFacts::new(solids[0].1.check(), design.volume());
-    let mut report = assemble(profile, &design, Some((mesh, solid)), evidence, face.bound.chord_mm);
-    if let Some(reason) = facets.refused.clone() {
-        report.reasons.insert(0, reason);
-        report.verdict = verdict::of(&report.reasons);
+    let mut report = assemble(profile, &design, form, Some(facts), evidence, chord_mm);
+    let mut all: Vec<String> = refused.into_iter().chain(report.reasons).collect();
+    for Checked { file, reasons, sag } in checked {
+        all.extend(reasons.into_iter().map(|reason| format!("{}: {reason}", file.name)));
+        report.files.push(file);
+        report.sag = report.sag.or(sag);
     }
-    let advice = Advice { profile, design: &design, precision: facets.precision };
+    report.verdict = verdict::of(&all);
+    report.reasons = all;
+    // What was made for the rays alone stays nowhere.
+    let asked = |format: &Format| profile.formats.contains(format);
+    report.files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
+    let advice = Advice { profile, design: &design, precision };
     let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
-    report.warnings = advice.on(mesh.triangles, &files);
+    report.warnings = advice.on(report.mesh.map_or(0, |mesh| mesh.triangles), &files);
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
@@ -163,11 +172,14 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
             text("report.json", &report.json())?,
         ];
         // A file of a format that is not written now would be another profile's.
-        for format in Format::ALL.iter().filter(|format| !facets.formats.contains(format)) {
-            folder.remove(&format!("mirror.{format}"))?;
+        let made =
+            |format: &Format| asked(format) && (!format.is_mesh() || formats.contains(format));
+        for format in Format::ALL.iter().filter(|format| !made(format)) {
+            folder.remove(format.file_name())?;
         }
+        let files = staged.into_iter().filter(|(format, _)| asked(format)).map(|(_, file)| file);
         // The report last: where it is new, everything it speaks of is.
-        for staged in staged.into_iter().map(|(_, staged)| staged).chain(pages) {
+        for staged in files.chain(pages) {
             staged.publish()?;
         }
         Ok::<_, Error>(((), folder.path().display().to_string()))
@@ -175,7 +187,95 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     Ok(report)
 }
 
-/// Reads an STL or OBJ of any making, checks it and traces it against what the profile of `source`
+/// Mesh files under temporary names.
+struct Meshes {
+    staged: Vec<(Format, Staged)>,
+    /// Of the first one.
+    facts: (MeshFacts, SolidFacts),
+}
+
+/// Closes the face with the digits that each mesh format carries, and writes the files: with one
+/// solid in memory at a time.
+fn write_meshes(
+    profile: &Profile,
+    clock: &Clock,
+    folder: &Folder,
+    design: &Design,
+    facets: &Facets<Face>,
+    label: &Label,
+) -> Result<Meshes, Error> {
+    let (mut staged, mut facts) = (Vec::new(), None);
+    let mut closed: Option<(Precision, Solid)> = None;
+    for &format in &facets.formats {
+        let solid = match closed.take() {
+            Some((precision, solid)) if precision == formats::precision(format) => solid,
+            before => {
+                drop(before);
+                clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?
+            }
+        };
+        facts.get_or_insert_with(|| {
+            let mesh = mesh_facts(profile, design, &facets.made, &solid);
+            (mesh, SolidFacts::new(solid.check(), design.volume()))
+        });
+        let made = (&facets.made, design);
+        let file = write(clock, folder, format, |out| write_mesh(out, format, &solid, made, label));
+        staged.push((format, file?));
+        closed = Some((formats::precision(format), solid));
+    }
+    Ok(Meshes { staged, facts: facts.expect("every build has a mesh format") })
+}
+
+fn close(profile: &Profile, design: &Design, face: &Face, format: Format) -> Result<(Solid, String), Error> {
+    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), formats::precision(format))
+        .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
+    let note = format!("{} triangles, closed", solid.mesh().triangles.len());
+    Ok((solid, note))
+}
+
+/// Writes one file under a temporary name.
+fn write(
+    clock: &Clock,
+    folder: &Folder,
+    format: Format,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<Staged, Error> {
+    clock.stage(Stage::Write, || {
+        let staged = folder.stage(format.file_name(), write)?;
+        clock.written(staged.path());
+        Ok((staged, format.file_name().to_owned()))
+    })
+}
+
+/// Reads a file that is no mesh.
+fn check(
+    clock: &Clock,
+    drawing: &Drawing,
+    format: Format,
+    staged: &Staged,
+    bytes: Vec<u8>,
+) -> Checked {
+    clock.always(Stage::Read, || {
+        let mut checked = drawing.check(format, &bytes);
+        if checked.file.sha256 != staged.sha256() {
+            checked.reasons.insert(0, verdict::ALTERED.to_owned());
+        }
+        let note = format!("{}: as designed", checked.file.name);
+        let note = checked.reasons.first().cloned().unwrap_or(note);
+        (checked, note)
+    })
+}
+
+/// What the camera sees, as PNG.
+fn painted(clock: &Clock, design: &Design, seen: Option<&Seen>) -> Result<Vec<u8>, Error> {
+    clock.stage(Stage::Picture, || {
+        let png = picture(design, seen).map_err(|e| Error::Picture(e.to_string()))?;
+        let note = format!("{} kB", png.len() / 1000);
+        Ok((png, note))
+    })
+}
+
+/// Reads an STL, OBJ or 3MF of any making, checks it and traces it against what the profile of `source`
 /// asks for.
 ///
 /// # Errors
@@ -185,19 +285,20 @@ pub fn verify(source: &Source, path: &Path, observer: &dyn Observer) -> Result<R
     let profile = &source.profile;
     let clock = Clock::new(observer);
     let name = path.display().to_string();
-    let format = match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
-        Some("stl") => Format::Stl,
-        Some("obj") => Format::Obj,
-        _ => return Err(Error::Format { path: name }),
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let known = Format::ALL.into_iter().filter(|format| format.is_mesh());
+    let Some(format) = known.into_iter().find(|f| Some(f.name()) == extension.as_deref()) else {
+        return Err(Error::Format { path: name });
     };
     let bytes = files::read(path)?;
     let design = clock.stage(Stage::Design, || designed(source))?;
-    let mut evidence = examine(&clock, profile, &design, format, &bytes);
+    let form = Form::of(&design.mirror);
+    let mut evidence = examine(&clock, profile, &design, format, bytes);
     evidence.rename(name);
     // A file of unknown making has no proven bound; its shape is held to the profile's limit.
     const USUAL_CHORD_UM: f64 = 10.0;
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
-    Ok(assemble(profile, &design, None, vec![evidence], chord_mm))
+    Ok(assemble(profile, &design, form, None, vec![evidence], chord_mm))
 }
 
 fn designed(from: &Source) -> Result<(Design, String), Error> {
@@ -213,36 +314,17 @@ fn meshed(profile: &Profile, design: &Design) -> Result<(Facets<Face>, String), 
     Ok((facets, note))
 }
 
-/// One checked solid for each format, with the digits that the format carries.
-fn closed(
-    profile: &Profile,
-    design: &Design,
-    facets: &Facets<Face>,
-) -> Result<(Vec<(Format, Solid)>, String), Error> {
-    let close = |&format: &Format| {
-        let precision = match format {
-            Format::Stl => Precision::Single,
-            Format::Obj => Precision::Double,
-        };
-        let solid = Solid::from_face(&facets.made.mesh, design.stock.as_ref(), precision)
-            .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
-        Ok((format, solid))
-    };
-    let solids: Vec<_> = facets.formats.iter().map(close).collect::<Result<_, Error>>()?;
-    let note = format!("{} triangles, closed", solids[0].1.mesh().triangles.len());
-    Ok((solids, note))
-}
-
-/// Tolerances asked and reached, for the files' headers.
-fn tolerances(profile: &Profile, design: &Design, face: &Face) -> String {
+/// What every file says about itself: tolerances asked and reached, too.
+fn label(profile: &Profile, design: &Design, face: &Face) -> Label {
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
-    format!(
+    let tolerances = format!(
         "chord um {}:{:.3} facet px {}:{:.3}",
         limit(profile.mesh.chord_um),
         face.bound.chord_mm * 1e3,
         limit(profile.mesh.facet_px),
         face.bound.facet_mm / design.camera.pixel_mm,
-    )
+    );
+    Label { profile: profile.name.clone(), sha256: profile.sha256.clone(), tolerances }
 }
 
 fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {
@@ -267,6 +349,7 @@ fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) ->
 fn assemble(
     profile: &Profile,
     design: &Design,
+    form: Form,
     made: Option<(MeshFacts, SolidFacts)>,
     evidence: Vec<Evidence>,
     chord_mm: f64,
@@ -283,10 +366,12 @@ fn assemble(
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         design: design.facts.clone(),
+        form,
         mesh,
         solid,
         files,
         trace: trace.into_iter().flatten().collect(),
+        sag: None,
         frame,
         verdict: verdict::of(&reasons),
         reasons,

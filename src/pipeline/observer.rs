@@ -91,6 +91,11 @@ impl<'a> Clock<'a> {
         Ok(value)
     }
 
+    /// Tells the observer of a file that was written under a temporary name.
+    pub fn written(&self, path: &Path) {
+        self.observer.written(path);
+    }
+
     /// Runs a stage that cannot fail.
     pub fn always<T>(&self, stage: Stage, run: impl FnOnce() -> (T, String)) -> T {
         let Ok(value) = self.stage(stage, || Ok::<_, std::convert::Infallible>(run()));

@@ -7,6 +7,9 @@ use crate::profile::Profile;
 use crate::report::{TraceFacts, Verdict};
 use crate::trace::Outcome;
 
+/// Why a file does not pass that is another than was written.
+pub const ALTERED: &str = "the bytes on the disk are not those that were written";
+
 /// Pass, unless there is a reason.
 pub fn of(reasons: &[String]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
@@ -27,7 +30,7 @@ pub fn reasons(
         let name = &evidence.file.name;
         let mut blame = |reason: String| reasons.push(format!("{name}: {reason}"));
         if evidence.altered {
-            blame("the bytes on the disk are not those that were written".into());
+            blame(ALTERED.into());
         }
         if let Some(error) = &evidence.unreadable {
             blame(error.to_string());

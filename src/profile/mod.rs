@@ -52,6 +52,8 @@ pub struct Profile {
     pub mesh: MeshLimits,
     /// The files to write, without repetition, in the profile's order; at least one.
     pub formats: Vec<Format>,
+    /// Where the sag table samples the mirror.
+    pub sag: SagTable,
     /// The limits a finished mirror must keep to pass.
     pub accept: Accept,
 }
@@ -164,17 +166,42 @@ pub enum Format {
     Stl,
     /// Wavefront OBJ, decimal text.
     Obj,
+    /// 3MF, compressed, single precision.
+    ThreeMf,
+    /// Table of places and normals of the mirror, decimal text.
+    Csv,
 }
 
 impl Format {
     /// All formats that can be written.
-    pub const ALL: [Self; 2] = [Self::Stl, Self::Obj];
+    pub const ALL: [Self; 4] = [Self::Stl, Self::Obj, Self::ThreeMf, Self::Csv];
 
     /// The format's name in a profile, which is also the file's extension.
     pub fn name(self) -> &'static str {
         match self {
             Format::Stl => "stl",
             Format::Obj => "obj",
+            Format::ThreeMf => "3mf",
+            Format::Csv => "csv",
+        }
+    }
+
+    /// What its file is called.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Format::Stl => "mirror.stl",
+            Format::Obj => "mirror.obj",
+            Format::ThreeMf => "mirror.3mf",
+            Format::Csv => "sag.csv",
+        }
+    }
+
+    /// Whether it holds the part as a mesh, which is read back and traced. The others hold the
+    /// mirror as designed.
+    pub fn is_mesh(self) -> bool {
+        match self {
+            Format::Stl | Format::Obj | Format::ThreeMf => true,
+            Format::Csv => false,
         }
     }
 }
@@ -183,6 +210,28 @@ impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
+}
+
+/// Where the sag table samples the mirror; without a pitch or a step that one is 1/200 of the part's
+/// width.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SagTable {
+    /// Along which lines.
+    pub path: SagPath,
+    /// From line to line or turn to turn, in millimetres.
+    pub pitch_mm: Option<f64>,
+    /// From point to point along them, in millimetres.
+    pub step_mm: Option<f64>,
+}
+
+/// The lines along which the sag table samples the mirror.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SagPath {
+    /// Lines along X.
+    #[default]
+    Raster,
+    /// A spiral about the axis, from outside in.
+    Spiral,
 }
 
 /// The limits a finished mirror must keep to pass; an absent one is not checked.

@@ -20,6 +20,7 @@ const RARE: &[&str] = &[
     "corner_radius_mm",
     "holes_mm",
     "marks_mm",
+    "sag",
 ];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
@@ -103,7 +104,8 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
         ],
     ),
     ("mesh", &["chord_um", "facet_px", "max_triangles"]),
-    ("export", &["formats"]),
+    ("export", &["formats", "sag"]),
+    ("export.sag", &["path", "pitch_mm", "step_mm"]),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),
 ];
 

@@ -1,6 +1,6 @@
 //! `report.html`: the report as one page, with the picture beside it.
 
-use super::text::{figures, limited, method_line, of_at_most, solid_line};
+use super::text::{figures, form_line, limited, method_line, of_at_most, sag_line, solid_line};
 use super::{Report, Verdict};
 use crate::design::Spread;
 use std::fmt::Write;
@@ -69,6 +69,10 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     row("curl of the field", design.curl.map_or("none".into(), curl));
     row("design: ray error, mrad", figures(design.ray_error_mrad));
     row("design: pixel error, px", figures(design.pixel_error_px));
+    row("best-fit sphere and plane", form_line(&report.form));
+    if let Some(sag) = &report.sag {
+        row("sag table", sag_line(sag));
+    }
     if let Some(mesh) = &report.mesh {
         let over = |o: Option<f64>| o.map_or("none".into(), |o| format!("{o:.2}"));
         let most = of_at_most(mesh.max_triangles);

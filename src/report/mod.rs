@@ -11,6 +11,7 @@ pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use text::text;
 
 use crate::design::Facts;
+use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null};
 use crate::solid::Check;
 use crate::trace::Frame;
@@ -28,6 +29,8 @@ pub struct Report {
     pub profile: ProfileId,
     /// What the design reached.
     pub design: Facts,
+    /// The sphere and the plane nearest to the mirror.
+    pub form: Form,
     /// What the mesh reached; absent when a file of unknown making is verified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshFacts>,
@@ -38,6 +41,9 @@ pub struct Report {
     pub files: Vec<FileFacts>,
     /// What the witness saw in each mesh file that could be read.
     pub trace: Vec<TraceFacts>,
+    /// What the sag table that was read back holds; absent when none was written or it is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sag: Option<SagFacts>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<Frame>,
     /// Pass or fail.
@@ -139,6 +145,17 @@ pub struct FileFacts {
     pub bytes: u64,
     /// SHA-256, hexadecimal.
     pub sha256: String,
+}
+
+/// What a sag table holds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SagFacts {
+    /// Rows of X, Y, Z and normal.
+    pub rows: usize,
+    /// Largest difference of Z from the design, mm.
+    pub height_error_mm: f64,
+    /// Largest angle to the design's normal, radians.
+    pub normal_error_rad: f64,
 }
 
 /// What the witness saw in one file.

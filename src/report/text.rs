@@ -1,7 +1,8 @@
 //! The terminal's summary of a report.
 
-use super::{ErrorFacts, Limited, Report, SolidFacts, Verdict};
+use super::{ErrorFacts, Limited, Report, SagFacts, SolidFacts, Verdict};
 use crate::design::Facts;
+use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use anstyle::{AnsiColor, Style};
 use std::fmt::Write;
@@ -27,6 +28,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
         figures(design.ray_error_mrad),
         figures(design.pixel_error_px),
     )?;
+    writeln!(out, "  form     {}", form_line(&report.form))?;
     if let Some(mesh) = &report.mesh {
         writeln!(
             out,
@@ -43,6 +45,9 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     }
     for file in &report.files {
         writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
+    }
+    if let Some(sag) = &report.sag {
+        writeln!(out, "  table    {}", sag_line(sag))?;
     }
     for trace in &report.trace {
         writeln!(
@@ -104,6 +109,35 @@ pub(super) fn method_line(design: &Facts) -> String {
     }
     let goal = if design.minimax { ", minimax" } else { "" };
     format!("{method}{goal} of degree {degree}, {unknowns} unknowns")
+}
+
+/// The best-fit sphere and plane, and how far off they are.
+pub(super) fn form_line(form: &Form) -> String {
+    let Form { sphere, plane } = form;
+    let of = |departure: &Departure| {
+        let Departure { sag_pv_mm, pv_mm, largest_mm, normal_max_mrad } = *departure;
+        let sag = sag_pv_mm.map_or(String::new(), |mm| format!("sag {} mm PV, ", digits(mm)));
+        let [pv, largest, turned] = [pv_mm, largest_mm, normal_max_mrad].map(digits);
+        format!("{sag}square to it {pv} mm PV, {largest} mm at most, normals {turned} mrad at most")
+    };
+    let radius = match sphere.radius_mm {
+        Some(mm) if mm < 0.0 => format!("a hollow sphere of {} mm radius", digits(-mm)),
+        Some(mm) => format!("a bulging sphere of {} mm radius", digits(mm)),
+        None => "no sphere but a plane".into(),
+    };
+    format!(
+        "departure from {radius}: {}; from a plane: {}",
+        of(&sphere.departure),
+        of(&plane.departure)
+    )
+}
+
+/// The sag table read back.
+pub(super) fn sag_line(sag: &SagFacts) -> String {
+    format!(
+        "{} rows; heights within {:.1e} mm of the design, normals within {:.1e} rad",
+        sag.rows, sag.height_error_mm, sag.normal_error_rad
+    )
 }
 
 /// RMS, P95 and maximum.

@@ -20,7 +20,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("design", &["profile", "optics", "mirror", "num", "geom"]),
     ("mesh", &["mirror", "optics", "geom", "num"]),
     ("solid", &["geom", "num"]),
-    ("export", &["solid", "mirror", "geom"]),
+    ("export", &["solid", "mirror", "geom", "num"]),
     ("trace", &["geom", "optics", "num"]),
     ("tolerance", &["mirror", "optics", "trace", "geom", "num"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num"]),

@@ -84,8 +84,7 @@ pub(super) fn mesh(reader: &mut Reader, root: &Section, bare: bool) -> Option<Me
     })
 }
 
-pub(super) fn formats(reader: &mut Reader, root: &Section) -> Option<Vec<Format>> {
-    let section = reader.section(root, "export", Required)?;
+pub(super) fn formats(reader: &mut Reader, section: &Section) -> Option<Vec<Format>> {
     let path = section.path_of("formats");
     let known = Format::ALL;
     let names = known.map(Format::name);
@@ -93,7 +92,7 @@ pub(super) fn formats(reader: &mut Reader, root: &Section) -> Option<Vec<Format>
     let quoted = list(&quoted.each_ref().map(String::as_str), "or");
     let must = format!("a list of one or more of {quoted}");
     let hint = "as in formats = [\"stl\", \"obj\"]";
-    let value = reader.value(&section, "formats", Required, &must, hint)?;
+    let value = reader.value(section, "formats", Required, &must, hint)?;
     let items = match value.get_ref() {
         DeValue::Array(items) if !items.is_empty() => items,
         DeValue::Array(_) => {

@@ -8,12 +8,13 @@ mod limits;
 mod mirror;
 mod projection;
 mod reach;
+mod sag;
 mod target;
 
 use sha2::{Digest, Sha256};
 use toml::de::{DeTable, DeValue};
 
-use super::reader::Need::Optional;
+use super::reader::Need::{Optional, Required};
 use super::reader::{Reader, Section};
 use super::{Layout, Part, Profile};
 
@@ -75,7 +76,9 @@ pub(super) fn profile(
         rectangle,
     };
     let mesh = limits::mesh(reader, &root, bare);
-    let formats = limits::formats(reader, &root);
+    let export = reader.section(&root, "export", Required);
+    let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
+    let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
     let accept = limits::accept(reader, &root, bare);
     fits::check(reader, &parts);
     target::check(reader, &parts);
@@ -106,6 +109,7 @@ pub(super) fn profile(
         },
         mesh: mesh?,
         formats: formats?,
+        sag: sag?,
         accept: accept?,
     })
 }

@@ -1,0 +1,51 @@
+//! Lines of text, many at a time, and how long they are.
+
+use rayon::prelude::*;
+use std::io::{self, Write};
+
+/// Lines formatted by a thread at a time.
+const CHUNK: usize = 8192;
+
+/// One line of text an item, formatted in parallel, written in order.
+pub fn lines<T: Sync>(
+    out: &mut impl Write,
+    items: &[T],
+    line: impl Fn(&mut Vec<u8>, &T) -> io::Result<()> + Sync,
+) -> io::Result<()> {
+    let format = |chunk: &[T]| -> io::Result<Vec<u8>> {
+        let mut text = Vec::with_capacity(64 * chunk.len());
+        chunk.iter().try_for_each(|item| line(&mut text, item))?;
+        Ok(text)
+    };
+    // A few chunks at a time, so that the text of a large file is never in memory as a whole.
+    for group in items.chunks(16 * CHUNK) {
+        let texts: Vec<_> = group.par_chunks(CHUNK).map(format).collect();
+        for text in texts {
+            out.write_all(&text?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Counts the bytes written to it and keeps none.
+#[derive(Debug, Clone, Default)]
+pub struct Counting(u64);
+
+impl Counting {
+    /// How many they were.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.0
+    }
+}
+
+impl Write for Counting {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

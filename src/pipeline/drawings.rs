@@ -1,0 +1,132 @@
+//! Files of the mirror as designed, not of a mesh: how each is written, foreseen, and checked after
+//! it was written.
+
+use super::files::sha256;
+use crate::design::Design;
+use crate::export::{Label, SagPath, compare_sag, read_sag, sag_bytes, write_sag};
+use crate::mirror::{Departure, Form};
+use crate::profile::{self, Format, Profile};
+use crate::report::{FileFacts, SagFacts};
+use std::io::{self, Write};
+
+/// What such files are drawn from.
+pub struct Drawing<'a> {
+    /// What was asked for.
+    pub profile: &'a Profile,
+    /// The mirror.
+    pub design: &'a Design,
+    /// Its best sphere and plane.
+    pub form: &'a Form,
+    /// What every file says about itself.
+    pub label: &'a Label,
+}
+
+/// What the bytes of one such file showed.
+pub struct Checked {
+    /// The file.
+    pub file: FileFacts,
+    /// What is wrong with it, each without the file's name.
+    pub reasons: Vec<String>,
+    /// The sag table's figures, if it is one that can be read.
+    pub sag: Option<SagFacts>,
+}
+
+/// How far the last of nine decimals may be off, mm and radians: half of it by rounding, and as
+/// much by a reader's arithmetic.
+const LAST_DIGIT: f64 = 1e-9;
+
+impl Drawing<'_> {
+    /// Writes the file.
+    pub fn write(&self, format: Format, mut out: impl Write) -> io::Result<()> {
+        match format {
+            Format::Csv => {
+                let path = self.sag_path();
+                write_sag(&mut out, &self.design.mirror, &path, self.label, &self.notes())
+            }
+            Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
+        }
+    }
+
+    /// Foresees its length.
+    pub fn bytes(&self, format: Format) -> u64 {
+        match format {
+            Format::Csv => {
+                let path = self.sag_path();
+                sag_bytes(&self.design.mirror, &path, self.label, &self.notes())
+            }
+            Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
+        }
+    }
+
+    /// Reads its bytes and holds them against the design.
+    pub fn check(&self, format: Format, bytes: &[u8]) -> Checked {
+        let (reasons, sag) = match format {
+            Format::Csv => self.check_sag(bytes),
+            Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
+        };
+        let file = FileFacts {
+            name: format.file_name().to_owned(),
+            format: format.name(),
+            bytes: bytes.len() as u64,
+            sha256: sha256(bytes),
+        };
+        Checked { file, reasons, sag }
+    }
+
+    fn sag_path(&self) -> SagPath {
+        let Profile { sag, part, .. } = self.profile;
+        let [pitch_mm, step_mm] = sag.spacing_mm(part.width_mm);
+        match sag.path {
+            profile::SagPath::Raster => SagPath::Raster { pitch_mm, step_mm },
+            profile::SagPath::Spiral => SagPath::Spiral { pitch_mm, step_mm },
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let facts = &self.design.facts;
+        let errors = facts.ray_error_mrad.map_or("no projection".into(), |error| {
+            format!("ray error {:.3} mrad rms, {:.3} mrad max", error.rms, error.max)
+        });
+        let Form { sphere, plane } = self.form;
+        let pv = |departure: &Departure| {
+            let sag = departure.sag_pv_mm.map_or("-".into(), |mm| format!("{mm:.6}"));
+            format!("sag departure {sag} PV, square to it {:.6} PV", departure.pv_mm)
+        };
+        let radius = sphere.radius_mm.map_or("none".into(), |mm| format!("{mm:.6}"));
+        vec![
+            format!("design: {} of degree {}, {errors}", facts.method, facts.degree),
+            format!("best-fit sphere: radius {radius}, {}", pv(&sphere.departure)),
+            format!("best-fit plane: {}", pv(&plane.departure)),
+        ]
+    }
+
+    fn check_sag(&self, bytes: &[u8]) -> (Vec<String>, Option<SagFacts>) {
+        let rows = match read_sag(bytes) {
+            Ok(rows) => rows,
+            Err(error) => return (vec![error.to_string()], None),
+        };
+        let off = compare_sag(&rows, &self.design.mirror);
+        let mut reasons = Vec::new();
+        if rows.is_empty() {
+            reasons.push("it holds no rows".to_owned());
+        }
+        if !(off.height_mm <= LAST_DIGIT) {
+            reasons.push(format!(
+                "a height is {:.3e} mm off the design, over {LAST_DIGIT:e} mm",
+                off.height_mm
+            ));
+        }
+        if !(off.normal_rad <= LAST_DIGIT) {
+            reasons.push(format!(
+                "a normal is {:.3e} rad off the design, over {LAST_DIGIT:e} rad",
+                off.normal_rad
+            ));
+        }
+        let facts = SagFacts {
+            rows: rows.len(),
+            height_error_mm: off.height_mm,
+            normal_error_rad: off.normal_rad,
+        };
+        (reasons, Some(facts))
+    }
+}

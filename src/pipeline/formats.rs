@@ -1,0 +1,74 @@
+//! Formats: with how many digits each carries a mesh, how it is written, and how it is read.
+
+use crate::design::Design;
+use crate::export::{
+    Label, ReadError, Reread, Size, obj_bytes, read_3mf, read_obj, read_stl, stl_bytes,
+    threemf_bytes, write_3mf, write_obj, write_stl,
+};
+use crate::geom::Precision;
+use crate::mesh::Face;
+use crate::profile::{Format, Profile};
+use crate::solid::Solid;
+use std::io::{self, Write};
+
+/// Digits of a format's coordinates.
+pub fn precision(format: Format) -> Precision {
+    match format {
+        Format::Stl | Format::ThreeMf => Precision::Single,
+        Format::Obj | Format::Csv => Precision::Double,
+    }
+}
+
+/// The mesh formats of which files are made: those asked for. Where none is, the one that any mesh
+/// suits, so that there is something to trace; it is not published.
+pub fn meshes(profile: &Profile) -> Vec<Format> {
+    let asked: Vec<Format> = profile.formats.iter().copied().filter(|f| f.is_mesh()).collect();
+    if asked.is_empty() { vec![Format::Obj] } else { asked }
+}
+
+/// The other formats asked for.
+pub fn drawings(profile: &Profile) -> impl Iterator<Item = Format> {
+    profile.formats.iter().copied().filter(|format| !format.is_mesh())
+}
+
+/// Writes a solid whose optical face is `face`.
+pub fn write_mesh(
+    mut out: impl Write,
+    format: Format,
+    solid: &Solid,
+    (face, design): (&Face, &Design),
+    label: &Label,
+) -> io::Result<()> {
+    match format {
+        Format::Stl => write_stl(&mut out, solid, label),
+        Format::Obj => write_obj(&mut out, solid, &design.mirror, face.designed, label),
+        Format::ThreeMf => write_3mf(&mut out, solid, label),
+        Format::Csv => unreachable!("no mesh"),
+    }
+}
+
+/// Reads a mesh file.
+pub fn read_mesh(format: Format, bytes: &[u8]) -> Result<Reread, ReadError> {
+    match format {
+        Format::Stl => read_stl(bytes),
+        Format::Obj => read_obj(bytes),
+        Format::ThreeMf => read_3mf(bytes),
+        Format::Csv => unreachable!("no mesh"),
+    }
+}
+
+/// Foresees the length of a mesh file.
+pub fn mesh_bytes(
+    format: Format,
+    size: &Size,
+    design: &Design,
+    made: Precision,
+    label: &Label,
+) -> u64 {
+    match format {
+        Format::Stl => stl_bytes(size.optical + size.more),
+        Format::Obj => obj_bytes(size, &design.mirror, made, label),
+        Format::ThreeMf => threemf_bytes(size),
+        Format::Csv => unreachable!("no mesh"),
+    }
+}

@@ -1,0 +1,55 @@
+//! Where the sag table samples the mirror.
+
+use super::super::reader::Need::Optional;
+use super::super::reader::{Reader, Section};
+use super::super::values::{Placed, number, word};
+use super::super::{SagPath, SagTable};
+use super::limits::Part;
+use super::{SIZE, is_size};
+
+/// Most points of a table.
+const MOST_POINTS: f64 = 2e7;
+
+/// The table's places; the defaults where `[export]` does not say.
+pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTable {
+    let Some(section) = reader.section(export, "sag", Optional) else {
+        return SagTable::default();
+    };
+    let words = [("raster", SagPath::Raster), ("spiral", SagPath::Spiral)];
+    let hint = "a raster runs along X, a spiral about the axis from outside in";
+    let path = word(reader, &section, "path", &words, hint).unwrap_or_default();
+    let hint = "millimetres from line to line or turn to turn, as in pitch_mm = 0.5";
+    let pitch = number(reader, &section, "pitch_mm", Optional, SIZE, hint, is_size);
+    let hint = "millimetres from point to point along a line, as in step_mm = 0.5";
+    let step = number(reader, &section, "step_mm", Optional, SIZE, hint, is_size);
+    let table = SagTable { path, pitch_mm: pitch.map(|f| f.value), step_mm: step.map(|f| f.value) };
+    if let (Some(width), Some(finest)) = (&part.width, finest(pitch, step)) {
+        let [pitch, step] = table.spacing_mm(width.value);
+        let height = part.height.as_ref().map_or(width.value, |height| height.value);
+        let points = (height / pitch) * (width.value / step);
+        if points > MOST_POINTS {
+            let path = &section.path;
+            let message = format!(
+                "{path} must ask for at most {MOST_POINTS:.0e} points, found about {points:.0e}"
+            );
+            reader.complain(finest, message, "raise pitch_mm or step_mm");
+        }
+    }
+    table
+}
+
+/// Where the smaller of both stands.
+fn finest(pitch: Option<Placed<f64>>, step: Option<Placed<f64>>) -> Option<usize> {
+    let all = [pitch, step].into_iter().flatten();
+    all.min_by(|a, b| a.value.total_cmp(&b.value)).map(|least| least.at)
+}
+
+impl SagTable {
+    /// Points that are taken across the part's width where the profile does not say.
+    const ACROSS: f64 = 200.0;
+
+    /// Pitch and step on a part of that width, mm.
+    pub fn spacing_mm(&self, width_mm: f64) -> [f64; 2] {
+        [self.pitch_mm, self.step_mm].map(|mm| mm.unwrap_or(width_mm / Self::ACROSS))
+    }
+}
