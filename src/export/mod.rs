@@ -1,9 +1,10 @@
-//! Files: solid -> STL, OBJ and 3MF bytes; mirror -> sag table; how many bytes; the bytes of any such
-//! file -> triangles or rows.
+//! Files: solid -> STL, OBJ and 3MF bytes; mirror -> STEP and sag table; how many bytes; the bytes of
+//! a mesh or a table -> triangles or rows.
 
 mod obj;
 mod read;
 mod sag;
+pub mod step;
 mod stl;
 mod text;
 mod threemf;

@@ -121,6 +121,20 @@ impl Welder {
         *recent
     }
 
+    /// One mesh of many that were welded apart, the same as if one welder had been given all their
+    /// facets.
+    #[must_use]
+    pub fn join(parts: Vec<TriMesh>) -> TriMesh {
+        let facets = parts.iter().map(|part| part.triangles.len()).sum();
+        let mut welder = Self::new(facets);
+        for TriMesh { vertices, triangles } in parts {
+            let known: Vec<u32> = vertices.into_iter().map(|v| welder.vertex(v)).collect();
+            let renamed = triangles.iter().map(|t| t.map(|v| known[v as usize]));
+            welder.mesh.triangles.extend(renamed);
+        }
+        welder.mesh
+    }
+
     /// The mesh of all facets added.
     #[must_use]
     pub fn finish(self) -> TriMesh {
@@ -173,6 +187,22 @@ mod tests {
         let mut welder = Welder::new(2);
         (0..2).for_each(|t| welder.add(mesh.corners(t)));
         assert_eq!(welder.finish(), mesh);
+    }
+
+    #[test]
+    fn what_was_welded_apart_joins_to_the_same() {
+        // A strip of facets whose corners come back later, in uneven parts.
+        let at = |k: usize| DVec3::new((k / 2) as f64, (k % 2) as f64, (k % 7) as f64);
+        let corners: Vec<[DVec3; 3]> =
+            (0..50).map(|k| [at(k * 13 % 50), at(k * 13 % 50 + 1), at(k * 13 % 50 + 2)]).collect();
+        let weld = |corners: &[[DVec3; 3]]| {
+            let mut welder = Welder::new(0);
+            corners.iter().for_each(|&facet| welder.add(facet));
+            welder.finish()
+        };
+        for size in [1, 7, 20, 50] {
+            assert_eq!(Welder::join(corners.chunks(size).map(weld).collect()), weld(&corners));
+        }
     }
 
     #[test]

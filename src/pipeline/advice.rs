@@ -33,8 +33,8 @@ impl Advice<'_> {
             let instead = self.instead(triangles, MANY as f64);
             warnings.push(format!(
                 "{name}: {triangles} triangles in all are a burden for many CAM programs; to stay \
-                 under {MANY}, write {instead}. Shops that take STEP need no triangles; STEP is not \
-                 written yet"
+                 under {MANY}, write {instead}. Shops that take STEP need no triangles: add \"step\" \
+                 to export.formats"
             ));
         }
         for &(file, bytes) in files.iter().filter(|(_, bytes)| *bytes >= LARGE) {

@@ -1,9 +1,11 @@
 //! Files of the mirror as designed, not of a mesh: how each is written, foreseen, and checked after
 //! it was written.
 
+use super::Error;
 use super::files::sha256;
 use crate::design::Design;
-use crate::export::{Label, SagPath, compare_sag, read_sag, sag_bytes, write_sag};
+use crate::export::step::{Fit, fit, write_step};
+use crate::export::{Counting, Label, SagPath, compare_sag, read_sag, sag_bytes, write_sag};
 use crate::mirror::{Departure, Form};
 use crate::profile::{self, Format, Profile};
 use crate::report::{FileFacts, SagFacts};
@@ -17,8 +19,17 @@ pub struct Drawing<'a> {
     pub design: &'a Design,
     /// Its best sphere and plane.
     pub form: &'a Form,
+    /// Its splines, if STEP is asked for.
+    pub fit: Option<&'a Fit>,
     /// What every file says about itself.
     pub label: &'a Label,
+}
+
+/// The mirror's splines, if STEP is asked for.
+pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<Fit>, Error> {
+    let is_asked = profile.formats.contains(&Format::Step);
+    let made = is_asked.then(|| fit(&design.mirror)).transpose();
+    made.map_err(|source| Error::Step { profile: profile.name.clone(), source })
 }
 
 /// What the bytes of one such file showed.
@@ -43,6 +54,10 @@ impl Drawing<'_> {
                 let path = self.sag_path();
                 write_sag(&mut out, &self.design.mirror, &path, self.label, &self.notes())
             }
+            Format::Step => {
+                let fit = self.fit.expect("splines for STEP");
+                write_step(&mut out, fit, self.design.stock.as_ref(), self.label)
+            }
             Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
         }
     }
@@ -54,6 +69,10 @@ impl Drawing<'_> {
                 let path = self.sag_path();
                 sag_bytes(&self.design.mirror, &path, self.label, &self.notes())
             }
+            Format::Step => {
+                let mut bytes = Counting::default();
+                self.write(format, &mut bytes).map_or(0, |()| bytes.count())
+            }
             Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
         }
     }
@@ -62,6 +81,7 @@ impl Drawing<'_> {
     pub fn check(&self, format: Format, bytes: &[u8]) -> Checked {
         let (reasons, sag) = match format {
             Format::Csv => self.check_sag(bytes),
+            Format::Step => (self.check_step(bytes), None),
             Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
         };
         let file = FileFacts {
@@ -71,6 +91,14 @@ impl Drawing<'_> {
             sha256: sha256(bytes),
         };
         Checked { file, reasons, sag }
+    }
+
+    /// Nobody here reads STEP: the bytes must be those that the splines give.
+    fn check_step(&self, bytes: &[u8]) -> Vec<String> {
+        let mut again = Vec::with_capacity(bytes.len());
+        let written = self.write(Format::Step, &mut again);
+        let same = written.is_ok() && again == bytes;
+        if same { Vec::new() } else { vec!["it is not what the design gives".to_owned()] }
     }
 
     fn sag_path(&self) -> SagPath {

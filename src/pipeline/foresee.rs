@@ -1,13 +1,14 @@
 //! A build without its files: how large everything would be.
 
 use super::advice::Advice;
-use super::drawings::Drawing;
+use super::drawings::{Drawing, fitted};
 use super::facets::{self, Facets, added_to};
 use super::files::Folder;
 use super::formats::{drawings, mesh_bytes, precision};
 use super::observer::Clock;
 use super::{Error, Observer, Source, Stage, designed};
 use crate::design::Design;
+use crate::export::step::Fit;
 use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
 use crate::geom::Outline;
 use crate::mesh::{Limits, Plan, mesh};
@@ -26,7 +27,8 @@ pub fn foresee(source: &Source, observer: &dyn Observer) -> Result<Prospect, Err
     let design = clock.stage(Stage::Design, || designed(source))?;
     clock.stage(Stage::Forecast, || {
         let facets = facets::plan(profile, &design)?;
-        let prospect = prospect(profile, &design, &facets);
+        let fit = fitted(profile, &design)?;
+        let prospect = prospect(profile, &design, fit.as_ref(), &facets);
         let note = format!("about {} triangles", prospect.mesh.triangles);
         Ok((prospect, note))
     })
@@ -54,16 +56,26 @@ pub fn least_bytes(profile: &Profile) -> u64 {
 ///
 /// # Errors
 /// [`enum@Error`] when there is none, or a stage cannot be done.
-pub fn check_room(folder: &Folder, profile: &Profile, design: &Design) -> Result<(), Error> {
+pub fn check_room(
+    folder: &Folder,
+    profile: &Profile,
+    design: &Design,
+    fit: Option<&Fit>,
+) -> Result<(), Error> {
     if folder.free().is_none_or(|free| free >= ROOMY) {
         return Ok(());
     }
-    let prospect = prospect(profile, design, &facets::plan(profile, design)?);
+    let prospect = prospect(profile, design, fit, &facets::plan(profile, design)?);
     let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
     Ok(folder.holds((SURE * bytes as f64) as u64)?)
 }
 
-fn prospect(profile: &Profile, design: &Design, facets: &Facets<Plan>) -> Prospect {
+fn prospect(
+    profile: &Profile,
+    design: &Design,
+    fit: Option<&Fit>,
+    facets: &Facets<Plan>,
+) -> Prospect {
     let Plan { limits, forecast } = facets.made;
     let size = size(design, forecast.facets.round() as usize, &facets.made);
     let triangles = size.optical + size.more;
@@ -93,7 +105,7 @@ fn prospect(profile: &Profile, design: &Design, facets: &Facets<Plan>) -> Prospe
         ),
     };
     let form = Form::of(&design.mirror);
-    let drawing = Drawing { profile, design, form: &form, label: &label };
+    let drawing = Drawing { profile, design, form: &form, fit, label: &label };
     let file = |format: Format| ProspectFile {
         name: format.file_name().to_owned(),
         format: format.name(),
@@ -126,7 +138,8 @@ const SMALL: usize = 30_000;
 fn packed(design: &Design, limits: Limits, label: &Label) -> Option<u64> {
     let (camera, view) = (&design.camera.chart, design.view.as_ref());
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
-    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), precision(Format::ThreeMf)).ok()?;
+    let solid =
+        Solid::from_face(&face.mesh, design.stock.as_ref(), precision(Format::ThreeMf)).ok()?;
     let mut bytes = Counting::default();
     write_3mf(&mut bytes, &solid, label).ok()?;
     Some(bytes.count())

@@ -15,7 +15,7 @@ use std::io::{self, Write};
 pub fn precision(format: Format) -> Precision {
     match format {
         Format::Stl | Format::ThreeMf => Precision::Single,
-        Format::Obj | Format::Csv => Precision::Double,
+        Format::Obj | Format::Step | Format::Csv => Precision::Double,
     }
 }
 
@@ -43,7 +43,7 @@ pub fn write_mesh(
         Format::Stl => write_stl(&mut out, solid, label),
         Format::Obj => write_obj(&mut out, solid, &design.mirror, face.designed, label),
         Format::ThreeMf => write_3mf(&mut out, solid, label),
-        Format::Csv => unreachable!("no mesh"),
+        Format::Step | Format::Csv => unreachable!("no mesh"),
     }
 }
 
@@ -53,7 +53,7 @@ pub fn read_mesh(format: Format, bytes: &[u8]) -> Result<Reread, ReadError> {
         Format::Stl => read_stl(bytes),
         Format::Obj => read_obj(bytes),
         Format::ThreeMf => read_3mf(bytes),
-        Format::Csv => unreachable!("no mesh"),
+        Format::Step | Format::Csv => unreachable!("no mesh"),
     }
 }
 
@@ -69,6 +69,6 @@ pub fn mesh_bytes(
         Format::Stl => stl_bytes(size.optical + size.more),
         Format::Obj => obj_bytes(size, &design.mirror, made, label),
         Format::ThreeMf => threemf_bytes(size),
-        Format::Csv => unreachable!("no mesh"),
+        Format::Step | Format::Csv => unreachable!("no mesh"),
     }
 }

@@ -25,16 +25,18 @@ pub use source::{Source, SourceError, load};
 
 use crate::design::{Design, DesignError, design};
 use crate::export::Label;
+use crate::export::step::{Fit, FitError};
 use crate::geom::Precision;
 use crate::mesh::{Face, MeshError};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{
-    FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, html,
+    FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, StepFacts,
+    html,
 };
 use crate::solid::{Solid, SolidError};
 use advice::Advice;
-use drawings::{Checked, Drawing};
+use drawings::{Checked, Drawing, fitted};
 use examine::{Evidence, Seen, examine, picture};
 use facets::Facets;
 use files::{Folder, Staged};
@@ -72,6 +74,14 @@ pub enum Error {
         profile: String,
         /// Where, and what it carries.
         reason: String,
+    },
+    /// STEP is asked for, and no splines suit the mirror.
+    #[error("cannot write {profile} as STEP: {source}")]
+    Step {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        source: FitError,
     },
     /// The body is not a solid.
     #[error("cannot close {profile} for {format}: {source}")]
@@ -112,11 +122,13 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     folder.holds(least_bytes(profile))?;
 
     let design = clock.stage(Stage::Design, || designed(source))?;
-    check_room(&folder, profile, &design)?;
+    let fit = fitted(profile, &design)?;
+    check_room(&folder, profile, &design, fit.as_ref())?;
     let facets = clock.stage(Stage::Mesh, || meshed(profile, &design))?;
     let form = Form::of(&design.mirror);
     let label = label(profile, &design, &facets.made);
-    let drawing = Drawing { profile, design: &design, form: &form, label: &label };
+    let drawing =
+        Drawing { profile, design: &design, form: &form, fit: fit.as_ref(), label: &label };
     let Meshes { mut staged, facts } =
         write_meshes(profile, &clock, &folder, &design, &facets, &label)?;
     for format in drawings(profile) {
@@ -154,6 +166,7 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
         report.files.push(file);
         report.sag = report.sag.or(sag);
     }
+    report.step = fit.as_ref().map(step_facts);
     report.verdict = verdict::of(&all);
     report.reasons = all;
     // What was made for the rays alone stays nowhere.
@@ -226,7 +239,12 @@ fn write_meshes(
     Ok(Meshes { staged, facts: facts.expect("every build has a mesh format") })
 }
 
-fn close(profile: &Profile, design: &Design, face: &Face, format: Format) -> Result<(Solid, String), Error> {
+fn close(
+    profile: &Profile,
+    design: &Design,
+    face: &Face,
+    format: Format,
+) -> Result<(Solid, String), Error> {
     let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), formats::precision(format))
         .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
@@ -327,6 +345,10 @@ fn label(profile: &Profile, design: &Design, face: &Face) -> Label {
     Label { profile: profile.name.clone(), sha256: profile.sha256.clone(), tolerances }
 }
 
+fn step_facts(fit: &Fit) -> StepFacts {
+    StepFacts { fit_error_nm: fit.error_mm * 1e6, control_points: fit.size() }
+}
+
 fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {
     let pixel = design.camera.pixel_mm;
     let optical_triangles = face.mesh.triangles.len();
@@ -372,6 +394,7 @@ fn assemble(
         files,
         trace: trace.into_iter().flatten().collect(),
         sag: None,
+        step: None,
         frame,
         verdict: verdict::of(&reasons),
         reasons,

@@ -168,13 +168,15 @@ pub enum Format {
     Obj,
     /// 3MF, compressed, single precision.
     ThreeMf,
+    /// STEP, curved faces.
+    Step,
     /// Table of places and normals of the mirror, decimal text.
     Csv,
 }
 
 impl Format {
     /// All formats that can be written.
-    pub const ALL: [Self; 4] = [Self::Stl, Self::Obj, Self::ThreeMf, Self::Csv];
+    pub const ALL: [Self; 5] = [Self::Stl, Self::Obj, Self::ThreeMf, Self::Step, Self::Csv];
 
     /// The format's name in a profile, which is also the file's extension.
     pub fn name(self) -> &'static str {
@@ -182,6 +184,7 @@ impl Format {
             Format::Stl => "stl",
             Format::Obj => "obj",
             Format::ThreeMf => "3mf",
+            Format::Step => "step",
             Format::Csv => "csv",
         }
     }
@@ -192,6 +195,7 @@ impl Format {
             Format::Stl => "mirror.stl",
             Format::Obj => "mirror.obj",
             Format::ThreeMf => "mirror.3mf",
+            Format::Step => "mirror.step",
             Format::Csv => "sag.csv",
         }
     }
@@ -201,7 +205,7 @@ impl Format {
     pub fn is_mesh(self) -> bool {
         match self {
             Format::Stl | Format::Obj | Format::ThreeMf => true,
-            Format::Csv => false,
+            Format::Step | Format::Csv => false,
         }
     }
 }

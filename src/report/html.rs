@@ -1,6 +1,8 @@
 //! `report.html`: the report as one page, with the picture beside it.
 
-use super::text::{figures, form_line, limited, method_line, of_at_most, sag_line, solid_line};
+use super::text::{
+    figures, form_line, limited, method_line, of_at_most, sag_line, solid_line, step_line,
+};
 use super::{Report, Verdict};
 use crate::design::Spread;
 use std::fmt::Write;
@@ -70,6 +72,9 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     row("design: ray error, mrad", figures(design.ray_error_mrad));
     row("design: pixel error, px", figures(design.pixel_error_px));
     row("best-fit sphere and plane", form_line(&report.form));
+    if let Some(step) = &report.step {
+        row("STEP splines", step_line(step));
+    }
     if let Some(sag) = &report.sag {
         row("sag table", sag_line(sag));
     }

@@ -44,6 +44,9 @@ pub struct Report {
     /// What the sag table that was read back holds; absent when none was written or it is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sag: Option<SagFacts>,
+    /// How near the splines of the STEP file are; absent when none was written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<StepFacts>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<Frame>,
     /// Pass or fail.
@@ -156,6 +159,15 @@ pub struct SagFacts {
     pub height_error_mm: f64,
     /// Largest angle to the design's normal, radians.
     pub normal_error_rad: f64,
+}
+
+/// The splines of a STEP file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StepFacts {
+    /// Largest distance from the design, nm.
+    pub fit_error_nm: f64,
+    /// Control points of a panel along each axis; one along the second for a surface of revolution.
+    pub control_points: [usize; 2],
 }
 
 /// What the witness saw in one file.

@@ -1,6 +1,6 @@
 //! The terminal's summary of a report.
 
-use super::{ErrorFacts, Limited, Report, SagFacts, SolidFacts, Verdict};
+use super::{ErrorFacts, Limited, Report, SagFacts, SolidFacts, StepFacts, Verdict};
 use crate::design::Facts;
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
@@ -45,6 +45,9 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     }
     for file in &report.files {
         writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
+    }
+    if let Some(step) = &report.step {
+        writeln!(out, "  step     {}", step_line(step))?;
     }
     if let Some(sag) = &report.sag {
         writeln!(out, "  table    {}", sag_line(sag))?;
@@ -130,6 +133,12 @@ pub(super) fn form_line(form: &Form) -> String {
         of(&sphere.departure),
         of(&plane.departure)
     )
+}
+
+/// The splines of the STEP file.
+pub(super) fn step_line(step: &StepFacts) -> String {
+    let [u, v] = step.control_points;
+    format!("{u} x {v} control points, within {} nm of the design", digits(step.fit_error_nm))
 }
 
 /// The sag table read back.

@@ -103,7 +103,7 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
     for item in &model.build {
         placed.add(&model, item, &to_mm)?;
     }
-    Ok(Reread { mesh: not_empty(placed.welder)?, normals: None })
+    Ok(Reread { mesh: not_empty(placed.welder.finish())?, normals: None })
 }
 
 /// Hands the elements of an XML part to `visit`, in order.

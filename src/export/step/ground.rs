@@ -1,0 +1,321 @@
+//! The surface that a spline is fitted to, over a whole rectangle of parameters.
+//!
+//! A mirror in a rectangle has its chart's coordinates for parameters. A round one has X and Y,
+//! whatever its camera, and is continued beyond its rim by Taylor's polynomial in the squared
+//! distance from the axis.
+
+use super::FitError;
+use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
+use crate::mirror::{Mirror, Surface};
+use rayon::prelude::*;
+
+/// How far the parameters of a round mirror reach beyond its rim: a rim curve should not touch the
+/// edge of its surface.
+const MARGIN: f64 = 1.02;
+
+/// Steps of the table of a round surface. Hermite's cubics between miss it by h^4 f''''/384: a
+/// millionth of what splines on a hundredth as many knots do.
+const STEPS: usize = 4096;
+
+/// A mirror's designed panel, wherever a spline wants it.
+pub struct Ground<'a> {
+    mirror: &'a Mirror,
+    /// The parameters' domain.
+    pub domain: Rect,
+    /// Inner and outer radius in the part frame of a round mirror.
+    pub ring: Option<[f64; 2]>,
+    /// The round part, if there is one.
+    radial: Option<Radial>,
+    /// Whether it is even in x and in y.
+    pub even: [bool; 2],
+}
+
+/// A round surface: out to its rim, and what continues it.
+struct Radial {
+    /// Heights and slopes at even steps of the radius.
+    table: Vec<(f64, f64)>,
+    from: f64,
+    step: f64,
+    outside: Beyond,
+}
+
+/// A polynomial in the distance of t = rho^2 from that of the rim.
+struct Beyond {
+    rho: f64,
+    /// Coefficients, of the constant term first.
+    powers: [f64; Beyond::TERMS],
+}
+
+impl<'a> Ground<'a> {
+    /// The panel of `mirror`.
+    pub fn new(mirror: &'a Mirror) -> Result<Self, FitError> {
+        let mut ground = Self {
+            mirror,
+            domain: mirror.outline.bounds(),
+            ring: None,
+            radial: None,
+            even: mirror.even,
+        };
+        let Outline::Ring { inner, outer } = mirror.outline else { return Ok(ground) };
+        let out = |r: f64| {
+            let q = DVec2::new(r, 0.0);
+            mirror.place(q, &mirror.surface.at(q)).x
+        };
+        let ring = match &mirror.surface {
+            Surface::Round(_) => [inner, outer].map(out),
+            _ if mirror.chart.vergence != 0.0 => return Err(FitError::Chart),
+            _ => [inner, outer],
+        };
+        ground.ring = Some(ring);
+        ground.domain = Outline::Ring { inner: 0.0, outer: rounded_up(ring[1] * MARGIN) }.bounds();
+        if matches!(mirror.surface, Surface::Round(_)) {
+            ground.even = [true; 2];
+        }
+        if matches!(mirror.surface, Surface::Round(_) | Surface::Sum(..)) {
+            ground.radial = Some(ground.radial(ring)?);
+        }
+        Ok(ground)
+    }
+
+    /// Whether X and Y are the parameters themselves.
+    pub fn is_direct(&self) -> bool {
+        self.ring.is_some() || self.mirror.chart.vergence == 0.0
+    }
+
+    /// Whether `q` belongs to the mirror.
+    pub fn contains(&self, q: DVec2) -> bool {
+        self.ring.is_none_or(|[inner, outer]| (inner..=outer).contains(&q.length()))
+    }
+
+    /// Where a surface that is less smooth breaks along an axis, ends included.
+    pub fn breaks(&self, axis: usize) -> Option<Vec<f64>> {
+        let Surface::Patches(patches) = &self.mirror.surface else { return None };
+        let [lo, hi] = [self.domain.min, self.domain.max].map(|end| end[axis]);
+        Some(patches.knots()[axis].breaks(lo, hi))
+    }
+
+    /// Whether the same knots suit both axes.
+    pub fn is_round(&self) -> bool {
+        matches!(self.mirror.surface, Surface::Round(_))
+    }
+
+    /// The round part's Z (of a sum: its height) and slope at distance `rho` from the axis.
+    fn radius(&self, rho: f64) -> Option<(f64, f64)> {
+        let place = DVec2::new(rho, 0.0);
+        if let Surface::Sum(round, _) = &self.mirror.surface {
+            let point = round.at(place);
+            return Some((point.f, point.slope.x));
+        }
+        let above = Chart { vergence: 0.0, ..self.mirror.chart };
+        let q = self.mirror.under(&above, place)?;
+        let point = self.mirror.surface.at(q);
+        Some((self.mirror.place(q, &point).z, self.mirror.slope(q, &point).x))
+    }
+
+    /// The round part; that of a sum is smooth inside an annulus too.
+    fn radial(&self, [inner, rim]: [f64; 2]) -> Result<Radial, FitError> {
+        let from = if self.is_round() { inner } else { 0.0 };
+        let step = (rim - from) / STEPS as f64;
+        let at = |rho: f64| self.radius(rho).ok_or(FitError::Overhang);
+        let table = (0..=STEPS).into_par_iter().map(|k| at(from + step * k as f64));
+        let inwards = -0.02 * (rim - from) * (rim + from);
+        let mut slopes = [at(rim)?.1 / (2.0 * rim); Beyond::TERMS - 1];
+        for (k, slope) in slopes.iter_mut().enumerate().skip(1) {
+            let rho = (rim * rim + inwards * k as f64).sqrt();
+            *slope = at(rho)?.1 / (2.0 * rho);
+        }
+        Ok(Radial {
+            table: table.collect::<Result<_, _>>()?,
+            from,
+            step,
+            outside: Beyond::new(rim, at(rim)?.0, inwards, slopes),
+        })
+    }
+
+    /// The points at all of `us` for each of `vs`.
+    pub fn grid(&self, us: &[f64], vs: &[f64]) -> Vec<Vec<DVec3>> {
+        let mirrored = |x: &[f64]| {
+            let last = x.len() - 1;
+            (0..=last).all(|k| (x[k] + x[last - k]).abs() <= 1e-13 * x[last].abs())
+        };
+        let half = |k: usize, x: &[f64]| {
+            let even = self.even[k] && mirrored(x);
+            if even { x.len().div_ceil(2) } else { x.len() }
+        };
+        let (wide, high) = (half(0, us), half(1, vs));
+        let row = |&v: &f64| -> Vec<DVec3> {
+            let mut row = self.row(&us[..wide], v);
+            for k in (0..us.len() - wide).rev() {
+                let p = row[k];
+                row.push(DVec3::new(-p.x, p.y, p.z));
+            }
+            row
+        };
+        let mut rows: Vec<_> = vs[..high].par_iter().map(row).collect();
+        for k in (0..vs.len() - high).rev() {
+            let flip = |p: &DVec3| DVec3::new(p.x, -p.y, p.z);
+            rows.push(rows[k].iter().map(flip).collect());
+        }
+        rows
+    }
+
+    /// The points on a line of constant `v`.
+    fn row(&self, us: &[f64], v: f64) -> Vec<DVec3> {
+        let plane_mm = self.mirror.chart.plane_mm;
+        let Some(radial) = &self.radial else {
+            let row = self.mirror.surface.row(v);
+            let point = |&u: &f64| self.mirror.place(DVec2::new(u, v), &row.at(u));
+            return us.iter().map(point).collect();
+        };
+        let rest = match &self.mirror.surface {
+            Surface::Sum(_, sheet) => Some(sheet.row(v)),
+            _ => None,
+        };
+        let point = |&u: &f64| {
+            let q = DVec2::new(u, v);
+            let z = radial.at(q.length());
+            q.extend(rest.as_ref().map_or(z, |rest| z + rest.at(u).f + plane_mm))
+        };
+        us.iter().map(point).collect()
+    }
+}
+
+impl Radial {
+    /// Z, or a sum's height.
+    fn at(&self, rho: f64) -> f64 {
+        if rho > self.outside.rho {
+            return self.outside.at(rho);
+        }
+        let steps = (rho - self.from) / self.step;
+        let k = (steps.max(0.0) as usize).min(STEPS - 1);
+        let (t, ((a, a1), (b, b1))) = (steps - k as f64, (self.table[k], self.table[k + 1]));
+        let (r, rise) = (1.0 - t, b - a);
+        // Hermite's cubic.
+        a + t * (rise + r * (r * (self.step * a1 - rise) - t * (self.step * b1 - rise)))
+    }
+}
+
+impl Beyond {
+    /// Terms of the polynomial.
+    const TERMS: usize = 6;
+
+    /// The polynomial of height `z` at `rho` whose slopes by t are `slopes` there and at steps of t
+    /// from there.
+    fn new(rho: f64, z: f64, step: f64, mut slopes: [f64; Self::TERMS - 1]) -> Self {
+        let last = slopes.len() - 1;
+        // Newton's divided differences, and from the innermost out to powers of the distance.
+        for order in 1..=last {
+            for k in (order..=last).rev() {
+                slopes[k] = (slopes[k] - slopes[k - 1]) / (step * order as f64);
+            }
+        }
+        let mut rate = [0.0; Self::TERMS - 1];
+        for (k, &slope) in slopes.iter().enumerate().rev() {
+            let node = step * k as f64;
+            for power in (0..last).rev() {
+                rate[power + 1] = rate[power] - node * rate[power + 1];
+            }
+            rate[0] = slope - node * rate[0];
+        }
+        let mut powers = [z; Self::TERMS];
+        for (k, rate) in rate.iter().enumerate() {
+            powers[k + 1] = rate / (k + 1) as f64;
+        }
+        Self { rho, powers }
+    }
+
+    fn at(&self, rho: f64) -> f64 {
+        let s = (rho - self.rho) * (rho + self.rho);
+        self.powers.iter().rev().fold(0.0, |sum, c| sum * s + c)
+    }
+}
+
+/// `x` or up to half a per cent more, with few digits.
+fn rounded_up(x: f64) -> f64 {
+    let mut per = 1e-6;
+    while x * per < 200.0 {
+        per *= 10.0;
+    }
+    (x * per).ceil() / per
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mirror::{Round, Sheet};
+    use crate::num::legendre::Series;
+
+    fn mirror(surface: Surface, vergence: f64, ring: [f64; 2]) -> Mirror {
+        Mirror {
+            surface,
+            chart: Chart { vergence, plane_mm: 20.0 },
+            outline: Outline::Ring { inner: ring[0], outer: ring[1] },
+            folded: false,
+            even: [false; 2],
+        }
+    }
+
+    /// f = 2 - 4 t / 25 + t^2 / 625 with t = r^2, u = 2 t / 25 - 1.
+    fn bowl() -> Round {
+        // t = 12.5 (u + 1), u^2 = (2 P2 + 1) / 3.
+        let c = [0.25 + 0.25 / 3.0, -2.0 + 0.5, 0.25 * 2.0 / 3.0];
+        Round::new(Series::from_fn(3, 1, |i, _| c[i]), [0.0, 5.0], 1.0)
+    }
+
+    /// Rounding of the slopes grows with the fifth power of the distance from the rim.
+    fn allowed(rho: f64) -> f64 {
+        if rho <= 5.0 { 1e-12 } else { 1e-9 }
+    }
+
+    fn exact(rho: f64) -> f64 {
+        let t = rho * rho;
+        22.0 - 4.0 * t / 25.0 + t * t / 625.0
+    }
+
+    #[test]
+    fn polynomials_go_on_as_they_are() {
+        let mirror = mirror(Surface::Round(bowl()), 0.0, [0.0, 5.0]);
+        let ground = Ground::new(&mirror).unwrap();
+        assert!(ground.is_direct() && ground.is_round() && ground.even == [true; 2]);
+        assert!((5.1..5.13).contains(&ground.domain.max.x) && ground.domain.min.y < -5.09);
+        let places = [-5.1, -4.2, -1.0, 1.0, 4.2, 5.1];
+        for (row, y) in ground.grid(&places, &places).iter().zip(places) {
+            for (p, x) in row.iter().zip(places) {
+                assert_eq!(p.truncate(), DVec2::new(x, y));
+                let rho = p.truncate().length();
+                assert!((p.z - exact(rho)).abs() < allowed(rho), "{p}");
+            }
+        }
+    }
+
+    #[test]
+    fn another_camera_sees_the_same_heights() {
+        let mirror = mirror(Surface::Round(bowl()), 0.02, [0.0, 5.0]);
+        let ground = Ground::new(&mirror).unwrap();
+        let [_, rim] = ground.ring.unwrap();
+        for k in 0..=20 {
+            let q = DVec2::new(0.6, -0.8) * (5.0 * f64::from(k) / 20.0);
+            let wanted = mirror.place(q, &mirror.surface.at(q));
+            assert!(wanted.truncate().length() <= rim + 1e-14);
+            let found = ground.grid(&[wanted.x], &[wanted.y])[0][0];
+            assert!((found - wanted).length() < 1e-12, "{found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn sums_go_on_too_and_other_charts_are_refused() {
+        let series = Series::from_fn(2, 2, |i, j| (i * j) as f64);
+        let (centre, half) = (DVec2::ZERO, DVec2::splat(5.0));
+        let sheet = Sheet { series, centre, half, scale_mm: 1.0 };
+        let sum = Surface::Sum(bowl(), sheet);
+        let tilted = mirror(sum.clone(), 0.0, [1.0, 5.0]);
+        let ground = Ground::new(&tilted).unwrap();
+        for (x, y) in [(0.1, 0.2), (3.0, -2.0), (5.0, 5.0)] {
+            let found = ground.grid(&[x], &[y])[0][0].z;
+            let rho = f64::sqrt(x * x + y * y);
+            assert!((found - exact(rho) - x * y / 25.0).abs() < allowed(rho));
+        }
+        let seen = mirror(sum, 0.02, [0.0, 5.0]);
+        assert_eq!(Ground::new(&seen).err(), Some(FitError::Chart));
+    }
+}

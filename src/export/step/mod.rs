@@ -1,0 +1,137 @@
+//! STEP (ISO 10303-21, AP214): the mirror as bicubic splines in a closed body, for CAD and CAM.
+//!
+//! The body is the mesh solid's, with curved faces: the mirror, vertical walls and a base plane, or
+//! the material around the mirror. Faces share their edges, and no edge is further from a face than
+//! 1e-7 mm.
+//!
+//! - A rectangular panel is one untrimmed bicubic spline.
+//! - A disc is a bicubic spline over a square, smooth on the axis too, cut along a curve that lies
+//!   on it; so is an annulus whose mirror is not round. The land in the annulus is then a fan from
+//!   the rim to the rim's mean height in the middle.
+//! - An annulus whose mirror is round is a surface of revolution, with true circles for rims and a
+//!   plane land; so is a disc so steep at its rim that a square would take too many control points.
+
+mod body;
+mod border;
+mod fit;
+mod ground;
+mod knots;
+mod part21;
+mod rim;
+mod spline;
+
+pub use fit::{Fit, fit};
+
+use super::Label;
+use crate::geom::{DVec3, Stock};
+use part21::{Data, quoted};
+use std::io::{self, Write};
+use thiserror::Error;
+
+/// Why a mirror cannot be written as STEP.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FitError {
+    /// Too few knots.
+    #[error(
+        "no spline that STEP should hold meets the mirror: {} x {} spans leave {reached_mm:.1e} mm; \
+         give a smoother mirror, or leave step out",
+        spans[0], spans[1]
+    )]
+    Rough {
+        /// The least of the largest errors, mm.
+        reached_mm: f64,
+        /// Spans along X and along Y that left it.
+        spans: [usize; 2],
+    },
+    /// A round rim is too rough.
+    #[error(
+        "no curve that STEP should hold follows the mirror's rim: {off_mm:.1e} mm are left; give a \
+         smoother mirror, or leave step out"
+    )]
+    Rim {
+        /// The curve's distance from the mirror's spline, mm.
+        off_mm: f64,
+    },
+    /// The mirror has more than one height over some X and Y.
+    #[error(
+        "the mirror hangs over itself, seen from above, which STEP cannot show of a round one; \
+         move the camera away, or leave step out"
+    )]
+    Overhang,
+    /// A mirror that is neither over X and Y nor round.
+    #[error(
+        "a mirror with a round outline that is itself not round can be written as STEP only when \
+         it is given over X and Y"
+    )]
+    Chart,
+}
+
+/// Writes the body as STEP: what `fit` found of the mirror, with `stock` around it if there is any.
+/// Lengths have the digits that matter, 1e-10 mm; nothing depends on the time or the machine.
+///
+/// # Errors
+/// Whatever `out` returns, flushing included.
+pub fn write_step(
+    out: &mut impl Write,
+    fit: &Fit,
+    stock: Option<&Stock>,
+    label: &Label,
+) -> io::Result<()> {
+    let mut data = Data::default();
+    product(&mut data, fit, stock, label);
+    let description = [
+        format!("Morion mirror: profile {}", label.profile),
+        format!("sha256 {}", label.sha256),
+        format!("millimetres; {}", label.tolerances),
+        format!("splines within {:.2} nm of the design", fit.error_mm * 1e6),
+    ];
+    let description = description.map(|line| quoted(&line)).join(",\n");
+    let name = quoted(&label.profile);
+    let program = quoted(concat!("Morion ", env!("CARGO_PKG_VERSION")));
+    write!(
+        out,
+        "ISO-10303-21;\nHEADER;\n\
+         FILE_DESCRIPTION(({description}),'2;1');\n\
+         FILE_NAME({name},'1970-01-01T00:00:00',(''),(''),{program},{program},'');\n\
+         FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\n\
+         ENDSEC;\nDATA;\n"
+    )?;
+    out.write_all(data.text.as_bytes())?;
+    out.write_all(b"ENDSEC;\nEND-ISO-10303-21;\n")?;
+    out.flush()
+}
+
+/// The product, its shape and the body.
+fn product(data: &mut Data, fit: &Fit, stock: Option<&Stock>, label: &Label) {
+    let name = quoted(&label.profile);
+    let context = data.add("APPLICATION_CONTEXT('automotive design')");
+    data.add(format_args!(
+        "APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{context})"
+    ));
+    let kind = data.add(format_args!("PRODUCT_CONTEXT('',{context},'mechanical')"));
+    let product = data.add(format_args!("PRODUCT({name},{name},'',({kind}))"));
+    data.add(format_args!("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))"));
+    let version = data.add(format_args!("PRODUCT_DEFINITION_FORMATION('','',{product})"));
+    let stage =
+        data.add(format_args!("PRODUCT_DEFINITION_CONTEXT('part definition',{context},'design')"));
+    let definition = data.add(format_args!("PRODUCT_DEFINITION('design','',{version},{stage})"));
+    let shape = data.add(format_args!("PRODUCT_DEFINITION_SHAPE('','',{definition})"));
+    let length = data.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))");
+    let angle = data.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
+    let solid_angle = data.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
+    let uncertainty = data.add(format_args!(
+        "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(1.E-07),{length},'distance_accuracy_value',\
+         'largest gap between faces and edges')"
+    ));
+    let space = data.add(format_args!(
+        "(GEOMETRIC_REPRESENTATION_CONTEXT(3)\
+         GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT(({uncertainty}))\
+         GLOBAL_UNIT_ASSIGNED_CONTEXT(({length},{angle},{solid_angle}))\
+         REPRESENTATION_CONTEXT('part','3D'))"
+    ));
+    let origin = data.placement(DVec3::ZERO, DVec3::Z, DVec3::X);
+    let body = body::body(data, fit, stock);
+    let brep =
+        data.add(format_args!("ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{body}),{space})"));
+    data.add(format_args!("SHAPE_DEFINITION_REPRESENTATION({shape},{brep})"));
+}

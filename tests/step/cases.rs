@@ -1,0 +1,165 @@
+//! Parts beyond the shipped ones: every outline, camera and kind of surface, and material around.
+
+use crate::support::{designed, profile, shipped};
+use morion::design::design;
+use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Stock};
+use morion::mirror::Mirror;
+use morion::profile::{Profile, SagGrid};
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+pub struct Case {
+    pub name: String,
+    pub mirror: Mirror,
+    pub stock: Option<Stock>,
+}
+
+pub fn parse(text: &str) -> Profile {
+    let text = format!("{text}mesh.chord_um = 20\nexport.formats = [\"stl\"]\n");
+    Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}\n{text}"))
+}
+
+const CAMERA: (&str, &str) = (
+    "camera.orthographic.pixels = [640, 480]",
+    "camera.pinhole = { pixels = [640, 480], focal_px = 1600, distance_mm = 150 }",
+);
+const FOLDED: (&str, &str) = ("layout.strip = {}", "layout.conquistador = {}");
+
+/// Edits of the full-turn panorama.
+const STRIPS: [(&str, &[(&str, &str)]); 8] = [
+    ("uneven", &[("[-180, 180]", "[-170, 60]"), ("[-30, 30]", "[-10, 45]")]),
+    ("valley", &[("layout.strip = {}", "layout.conquistador = { ridge = \"valley\" }")]),
+    ("section", &[("layout.strip = {}", "layout.conquistador = { panel = \"section\" }")]),
+    ("high", &[("[-30, 30]", "[-60, 60]"), ("cylindrical", "mercator")]),
+    ("tiny", &[("width_mm = 60", "width_mm = 6"), ("degree = 12", "degree = 24")]),
+    ("large", &[("width_mm = 60", "width_mm = 600")]),
+    ("pinhole-strip", &[CAMERA, ("[-180, 180]", "[-80, 60]")]),
+    ("pinhole-folded", &[CAMERA, FOLDED]),
+];
+
+/// Given mirrors: of a Legendre sheet, a conic, their sum.
+const GIVEN: [(&str, &str); 6] = [
+    (
+        "polynomial",
+        "mirror.polynomial = { terms = [[2, 0, -0.01], [1, 2, 2e-4], [0, 1, 0.1]] }\n\
+        part = { width_mm = 60, height_mm = 45, base_mm = 5 }\n",
+    ),
+    (
+        "tilted-disc",
+        "mirror.polynomial = { terms = [[2, 0, -0.01], [1, 2, 2e-4], [0, 1, 0.1]] }\n\
+        layout.disc = {}\npart = { width_mm = 60, base_mm = 5 }\n",
+    ),
+    (
+        "conic-disc",
+        "mirror.polynomial = { conic = -2.2, radius_mm = -60 }\n\
+        layout.disc = {}\npart = { width_mm = 60, base_mm = 5 }\n",
+    ),
+    (
+        "sum-disc",
+        "mirror.polynomial = { conic = -2.2, radius_mm = -60, terms = [[3, 0, 1e-4]] }\n\
+        layout.disc = {}\npart = { width_mm = 60, base_mm = 5 }\n",
+    ),
+    (
+        "sum-annulus",
+        "mirror.polynomial = { conic = -2.2, radius_mm = -60, terms = [[3, 0, 1e-4]] }\n\
+        layout.annulus.inner_width_mm = 20\npart = { width_mm = 60, base_mm = 5 }\n",
+    ),
+    (
+        "conic-annulus",
+        "mirror.polynomial = { conic = -0.2, radius_mm = 60 }\n\
+        layout.annulus.inner_width_mm = 20\npart = { width_mm = 60, base_mm = 5 }\n",
+    ),
+];
+
+pub fn cases() -> Vec<Case> {
+    let bare = |name: &str, mirror: Mirror| Case { name: name.into(), mirror, stock: None };
+    let mut cases = Vec::new();
+    for (name, edits) in STRIPS {
+        cases.push(bare(name, designed(&profile(edits)).mirror));
+    }
+    for (name, text) in GIVEN {
+        let profile = parse(&format!("camera.orthographic.pixels = [96, 96]\n{text}"));
+        cases.push(bare(name, design(&profile, None).unwrap().mirror));
+    }
+    for (name, text) in [
+        ("grid-rectangle", "part = { width_mm = 60, height_mm = 45, base_mm = 5 }\n"),
+        ("grid-disc", "layout.disc = {}\npart = { width_mm = 60, base_mm = 5 }\n"),
+    ] {
+        let text = format!(
+            "camera.orthographic.pixels = [96, 96]\nmirror.grid.file = \"sag.csv\"\n{text}"
+        );
+        let mirror = design(&parse(&text), Some(&wavy())).unwrap().mirror;
+        cases.push(bare(name, mirror));
+    }
+    let stocked = [
+        ("conquistador", Contour::Rect { half: DVec2::new(40.0, 32.0), corner_mm: 0.0 }),
+        ("panoramic", Contour::Rect { half: DVec2::new(41.0, 16.0), corner_mm: 6.0 }),
+        ("conformal", Contour::Circle { radius_mm: 48.0 }),
+        ("plane", Contour::Rect { half: DVec2::new(44.0, 40.0), corner_mm: 40.0 }),
+        ("equi-areal", Contour::Circle { radius_mm: 42.0 }),
+        ("conical", Contour::Rect { half: DVec2::splat(42.0), corner_mm: 5.0 }),
+    ];
+    for (name, contour) in stocked {
+        let mirror = design(&shipped(name), None).unwrap().mirror;
+        cases.push(Case { name: format!("{name}-stock"), mirror, stock: Some(stock(contour)) });
+    }
+    let pinhole = designed(&profile(&[CAMERA, FOLDED])).mirror;
+    let contour = Contour::Rect { half: DVec2::new(45.0, 35.0), corner_mm: 3.0 };
+    cases.push(Case {
+        name: "pinhole-folded-stock".into(),
+        mirror: pinhole,
+        stock: Some(stock(contour)),
+    });
+    cases
+}
+
+/// Holes on the left and right of any mirror of 60 mm, and two marks.
+fn stock(contour: Contour) -> Stock {
+    let drilled = |x: f64, y: f64, diameter_mm: f64| Drilled { at: DVec2::new(x, y), diameter_mm };
+    Stock {
+        contour,
+        top_mm: 3.5,
+        holes: vec![drilled(36.0, 4.0, 4.2), drilled(-35.5, -3.0, 3.2)],
+        marks: vec![drilled(36.0, -6.0, 1.0), drilled(-35.0, 6.0, 2.0)],
+        land: None,
+    }
+}
+
+/// Heights that no polynomial of low degree has.
+fn wavy() -> SagGrid {
+    let mut text = String::new();
+    for k in 0..61 * 61 {
+        let (x, y) = (f64::from(k % 61) - 30.0, f64::from(k / 61) - 30.0);
+        let z = 0.5 * morion::num::sin(0.3 * x) * morion::num::cos(0.25 * y) - 0.004 * x * y;
+        writeln!(text, "{x},{y},{z}").unwrap();
+    }
+    SagGrid::parse(text.as_bytes()).unwrap()
+}
+
+/// The area that a mirror covers, seen from above, mm^2.
+pub fn footprint(mirror: &Mirror) -> f64 {
+    let place = |q: DVec2| -> DVec3 { mirror.place(q, &mirror.surface.at(q)) };
+    match mirror.outline {
+        Outline::Ring { outer, .. } => {
+            let rho = if mirror.chart.vergence == 0.0 { outer } else { place(DVec2::X * outer).x };
+            PI * rho * rho
+        }
+        Outline::Rect(panel) => {
+            // The polygon of many points on the rim.
+            const SIDE: usize = 20_000;
+            let corners = [
+                panel.min,
+                DVec2::new(panel.max.x, panel.min.y),
+                panel.max,
+                DVec2::new(panel.min.x, panel.max.y),
+            ];
+            let at = |k: usize| {
+                let (side, share) = (k / SIDE % 4, (k % SIDE) as f64 / SIDE as f64);
+                place(corners[side].lerp(corners[(side + 1) % 4], share)).truncate()
+            };
+            let rim: Vec<DVec2> = (0..=4 * SIDE).map(at).collect();
+            let panels = if mirror.folded { 2.0 } else { 1.0 };
+            panels * rim.windows(2).map(|ends| 0.5 * ends[0].perp_dot(ends[1])).sum::<f64>()
+        }
+    }
+}
