@@ -151,7 +151,7 @@ fn parts_pass_and_holes_and_marks_are_where_they_were_asked_for() {
         let land = stock(&design).land.as_ref().map_or(f64::NAN, |land| land.z_mm);
         let upper =
             |s: &Spot| if s.x_mm.abs().max(s.y_mm.abs()) < 8.0 { land } else { border.rim_mm };
-        for format in Format::ALL {
+        for format in profile.formats {
             let bytes = std::fs::read(folder.path().join(format!("part/mirror.{format}"))).unwrap();
             let (mesh, digits) = match format {
                 Format::Stl => (read_stl(&bytes).unwrap().mesh, 4e-6),

@@ -123,7 +123,7 @@ fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
 fn results_are_the_same_at_every_size() {
     let at = |width: &str| {
         // Both limits rule in places; what nothing limits depends on how coordinates round.
-        let chord_um = 0.08 * width.parse::<f64>().unwrap();
+        let chord_um = 0.05 * width.parse::<f64>().unwrap();
         let width = format!("width_mm = {width}, base_mm = {width}");
         let profile = profile(&[("width_mm = 60, base_mm = 5", &width)]);
         with_limits(profile, Some(chord_um), Some(4.0))

@@ -16,7 +16,7 @@ use morion::trace::{Intent, Outcome, Scene, Seen, Witness, look};
 use support::{designed, meshed, profile, shipped};
 
 const SMALL: (&str, &str) = ("640, 480", "96, 72");
-const FINER: (&str, &str) = ("facet_px = 4", "facet_px = 3");
+const FINER: (&str, &str) = ("facet_px = 4", "facet_px = 2");
 const MERCATOR: (&str, &str) = ("cylindrical", "mercator");
 const CREST: (&str, &str) = ("layout.strip = {}", "layout.conquistador = { fill_frame = true }");
 const VALLEY: (&str, &str) =

@@ -28,6 +28,8 @@ pub struct Evidence {
     pub unreadable: Option<ReadError>,
     /// The witness's figures.
     pub trace: Option<TraceFacts>,
+    /// How many rays what is around the mirror shadows.
+    pub by_rim: usize,
     /// The frame.
     pub frame: Option<Frame>,
     /// The mesh and its rays, until the picture is painted.
@@ -87,6 +89,7 @@ pub fn examine(
                 altered: false,
                 unreadable,
                 trace: None,
+                by_rim: 0,
                 frame: None,
                 seen: None,
             };
@@ -115,11 +118,19 @@ pub fn examine(
             altered: false,
             unreadable: None,
             trace: Some(trace),
+            by_rim: by_rim(design, &scene, &witness),
             frame,
             seen: Some((scene, witness)),
         };
         (evidence, note)
     })
+}
+
+fn by_rim(design: &Design, scene: &Scene, witness: &Witness) -> usize {
+    let Some(stock) = &design.stock else { return 0 };
+    let top = stock.top_mm * (1.0 + 1e-6);
+    let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
+    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
 
 /// The table of intended rays, a row of the sensor at a time.

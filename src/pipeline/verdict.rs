@@ -5,7 +5,6 @@ use crate::design::Design;
 use crate::geom::{Outline, Stock};
 use crate::profile::Profile;
 use crate::report::{TraceFacts, Verdict};
-use crate::trace::Outcome;
 
 /// Why a file does not pass that is another than was written.
 pub const ALTERED: &str = "the bytes on the disk are not those that were written";
@@ -37,7 +36,7 @@ pub fn reasons(
         }
         if let Some(trace) = &evidence.trace {
             shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
-            rays(trace, by_rim(design, evidence)).into_iter().for_each(&mut blame);
+            rays(trace, evidence.by_rim).into_iter().for_each(&mut blame);
             limits(profile, trace, proven_px).into_iter().for_each(&mut blame);
         }
         if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
@@ -93,14 +92,6 @@ fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String
         ));
     }
     reasons
-}
-
-/// How many rays are shadowed by what is around the mirror.
-fn by_rim(design: &Design, evidence: &Evidence) -> usize {
-    let (Some(stock), Some((scene, witness))) = (&design.stock, &evidence.seen) else { return 0 };
-    let top = stock.top_mm * (1.0 + 1e-6);
-    let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
-    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
 
 fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<String> {
