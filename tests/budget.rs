@@ -9,6 +9,7 @@ use morion::geom::Precision;
 use morion::mesh::{Budget, Closing, Face, Forecast, MeshError};
 use morion::profile::{Profile, shipped};
 use morion::solid::{Solid, added, rim};
+use rayon::prelude::*;
 use serde_json::Value;
 
 /// Counts what a solid adds.
@@ -38,7 +39,7 @@ fn closed(face: &Face) -> usize {
 
 #[test]
 fn every_shipped_mirror_uses_its_budget_and_never_more() {
-    for profile in shipped() {
+    shipped().par_iter().for_each(|profile| {
         let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes()).unwrap();
         let design = support::designed(&profile);
         let mut finer = f64::INFINITY;
@@ -51,7 +52,7 @@ fn every_shipped_mirror_uses_its_budget_and_never_more() {
             assert!(face.bound.facet_mm < finer, "{what}");
             finer = face.bound.facet_mm;
         }
-    }
+    });
 }
 
 #[test]

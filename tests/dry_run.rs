@@ -5,6 +5,7 @@ mod common;
 use common::{SMALL, edited, folder, morion, save, small_but, told};
 use morion::pipeline::{Silent, build, foresee};
 use morion::profile::{Format, MeshLimits, Profile, shipped};
+use rayon::prelude::*;
 use serde_json::Value;
 
 /// Share by which a forecast may be off.
@@ -42,7 +43,7 @@ fn compare(profile: &Profile) {
 
 #[test]
 fn forecasts_of_the_shipped_mirrors_are_near() {
-    for profile in shipped() {
+    shipped().par_iter().for_each(|profile| {
         let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes()).unwrap();
         for mesh in [
             MeshLimits { facet_px: Some(3.0), ..MeshLimits::default() },
@@ -51,7 +52,7 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
         ] {
             compare(&Profile { mesh, formats: Format::ALL.to_vec(), ..profile.clone() });
         }
-    }
+    });
 }
 
 #[test]
