@@ -26,10 +26,14 @@ impl Closing for Closed {
     }
 }
 
-fn within(design: &Design, triangles: usize, precision: Precision) -> Result<Face, MeshError> {
+fn budget(design: &Design, triangles: usize, precision: Precision) -> Budget<'_> {
     let Design { mirror, camera, view, .. } = design;
     let (camera, view) = (&camera.chart, view.as_ref());
-    Budget { mirror, camera, view, precision, triangles, closing: &Closed }.mesh()
+    Budget { mirror, camera, view, precision, triangles, closing: &Closed }
+}
+
+fn within(design: &Design, triangles: usize, precision: Precision) -> Result<Face, MeshError> {
+    budget(design, triangles, precision).mesh()
 }
 
 /// Facets of the solid that `face` becomes.
@@ -77,6 +81,21 @@ fn a_budget_below_the_coarsest_mesh_is_refused_with_a_number_that_does() {
         panic!("not refused");
     };
     assert_eq!(closed(&within(&design, least, Precision::Single).unwrap()), least);
+}
+
+/// The first limit that is tried may be far too strict for so few.
+#[test]
+fn the_fewest_triangles_are_foreseen() {
+    for name in ["hyperbolic", "plane", "parabolic"] {
+        let design = support::designed(&support::shipped(name));
+        let least = |error: MeshError| match error {
+            MeshError::Few { most: 100, least } => least as f64,
+            error => panic!("{name}: {error}"),
+        };
+        let made = least(within(&design, 100, Precision::Single).unwrap_err());
+        let foreseen = least(budget(&design, 100, Precision::Single).foresee().unwrap_err());
+        assert!((0.6..1.6).contains(&(foreseen / made)), "{name}: {foreseen} for {made}");
+    }
 }
 
 #[test]

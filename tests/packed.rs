@@ -207,6 +207,14 @@ fn what_is_no_3mf_says_why() {
         (of(&format!("{whole}<build><item objectid='1' transform='1 2'/></build>")), "twelve"),
         (of(&format!("{whole}<build><item objectid='1' p:path='/b'/></build>")), "other parts"),
         (of(&format!("{whole}{doubling}<build><item objectid='39'/></build>")), "nested deeper"),
+        (
+            of(&format!("<metadata>{}</metadata>{whole}{item}", " ".repeat(2 << 20))),
+            "is longer than",
+        ),
+        (
+            of(&format!("{whole}<build>{}</build>", "<item objectid='1'/>".repeat(100_000))),
+            "more than 100000 objects and places of them",
+        ),
         (of_model("<model unit='cubit'/>"), "unknown unit cubit"),
         (of_model(&format!("<model>{whole}{item}")), "it ends inside 1 elements"),
         (of_model(&format!("<model>{whole}{item}</mode>")), "parts/one.model, byte "),
@@ -247,4 +255,18 @@ fn a_damaged_3mf_fails_and_is_named() {
         let broken = report.reasons.iter().any(|reason| reason.contains("not a readable 3MF"));
         assert!(broken, "{:?}", report.reasons);
     }
+}
+
+#[test]
+fn nothing_is_removed_where_not_all_can_be() {
+    let folder = folder();
+    let with = |formats: &str| profile(&small_but("[\"stl\", \"obj\"]", formats));
+    build(&with("[\"obj\"]").into(), folder.path(), &Silent).unwrap();
+    let home = folder.path().join("small");
+    std::fs::create_dir(home.join("mirror.step")).unwrap();
+    let before = std::fs::read(home.join("report.json")).unwrap();
+    let error = build(&with("[\"stl\"]").into(), folder.path(), &Silent).unwrap_err().to_string();
+    assert!(error.contains("mirror.step"), "{error}");
+    assert!(home.join("mirror.obj").exists() && !home.join("mirror.stl").exists());
+    assert_eq!(std::fs::read(home.join("report.json")).unwrap(), before);
 }

@@ -4,6 +4,7 @@ mod random;
 mod support;
 
 use morion::design::{DesignError, design};
+use morion::export::step::{FitError, fit};
 use morion::geom::Precision;
 use morion::profile::Profile;
 use morion::solid::Solid;
@@ -110,7 +111,11 @@ fn what_does_not_fit_is_refused_with_its_place() {
         let base = GIVEN.replace("[[3, 0, 1e-5], [0, 1, 0.01]]", terms);
         format!("{layout}{base}part = {{ {part} }}\n")
     };
-    assert_eq!(design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]")), None).unwrap().holes(), 1);
+    let even = design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]")), None).unwrap();
+    assert_eq!(even.holes(), 1);
+    // Only a surface of revolution has a plane land in STEP.
+    let carried = fit(&even.mirror).unwrap().carries(even.stock.as_ref());
+    assert_eq!(carried, Err(FitError::Land));
     let error = design(&parsed(&text("[[2, 0, 1e-3]]")), None).unwrap_err().to_string();
     assert!(error.contains("found [1, 0, 4]; the land's rim is not flat"), "{error}");
     assert!(error.contains("by 0.0320 mm"), "{error}");
@@ -126,6 +131,23 @@ fn what_does_not_fit_is_refused_with_its_place() {
         error.starts_with("part.holes_mm must stay 0.1 mm clear of the mirror, found [27, 3, 4]")
     );
     assert!(error.contains("move the hole outwards"), "{error}");
+}
+
+/// Half of 2.1 mm and 2.3 mm of border are 3.35 mm, but for rounding.
+#[test]
+fn corners_that_take_up_a_side_but_for_rounding_take_it_up() {
+    for (height, border, corner) in [(2.1, 2.3, 3.35), (2.1, 1.1, 2.15)] {
+        let part = format!(
+            "part = {{ width_mm = 30, height_mm = {height}, base_mm = 8, border_mm = {border}, \
+             corner_radius_mm = {corner} }}\n"
+        );
+        let profile = parsed(&format!("{GIVEN}{part}"));
+        let contour = design(&profile, None).unwrap().stock.unwrap().contour;
+        let corners = contour.polygon();
+        let next = corners.iter().cycle().skip(1);
+        let least = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).fold(1.0, f64::min);
+        assert!(least > 1e-3, "{height} {border} {corner}: {least}");
+    }
 }
 
 /// Random borders with random holes: refused with a reason, or a proven solid.

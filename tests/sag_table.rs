@@ -196,6 +196,26 @@ fn a_table_alone_is_proven_by_a_mesh_that_does_not_stay() {
     assert_eq!(listed, ["sag.csv"]);
 }
 
+/// By default a pitch is a share of the width, and a spiral runs out to the corners.
+#[test]
+fn a_table_of_too_many_places_is_refused() {
+    let plate = |width: u32, height: u32, more: &str| {
+        format!(
+            "camera.orthographic.pixels = [96, 96]\nmirror.polynomial.terms = [[2, 0, 1e-3]]\n\
+             part = {{ width_mm = {width}, height_mm = {height}, base_mm = 5 }}\n\
+             mesh.chord_um = 50\nexport.formats = [\"csv\"]\n{more}"
+        )
+    };
+    let folder = folder();
+    let long = profile(&plate(1, 4000, ""));
+    let error = build(&long.into(), folder.path(), &Silent).unwrap_err().to_string();
+    assert!(error.contains("1.6e8 places, over 2e7; raise export.sag.pitch_mm"), "{error}");
+    let spiral = "export.sag = { path = \"spiral\", pitch_mm = 0.1, step_mm = 0.1 }\n";
+    let text = plate(1000, 1, spiral);
+    let complaints = Profile::parse("p", "p.toml", text.as_bytes()).unwrap_err().to_string();
+    assert!(complaints.contains("at most 2e7 points, found about 8e7"), "{complaints}");
+}
+
 /// A strip's table is a grid that can be given as a mirror.
 #[test]
 fn a_table_can_be_given_back_as_a_mirror() {

@@ -10,6 +10,8 @@ use crate::profile::{Footprint, Profile, Spot};
 const STEPS: usize = 1024;
 /// A land whose rim rises and falls by less is flat, mm.
 const FLAT_MM: f64 = 1e-6;
+/// Sides that are shorter are none, mm.
+const MEET_MM: f64 = 1e-6;
 
 /// What the profile puts around `mirror`.
 ///
@@ -22,10 +24,13 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
         return Err(DesignError::Border { message: misfit.message, hint: misfit.hint });
     }
     let contour = match footprint {
-        Footprint::Rect { half_mm } => Contour::Rect {
-            half: DVec2::from_array(half_mm) + border.width_mm,
-            corner_mm: border.corner_radius_mm,
-        },
+        Footprint::Rect { half_mm } => {
+            let half = DVec2::from_array(half_mm) + border.width_mm;
+            let (corner, most) = (border.corner_radius_mm, half.min_element());
+            // Arcs that meet but for rounding meet.
+            let corner_mm = if (corner - most).abs() <= MEET_MM { most } else { corner };
+            Contour::Rect { half, corner_mm }
+        }
         Footprint::Round { radius_mm, .. } => {
             Contour::Circle { radius_mm: radius_mm + border.width_mm }
         }

@@ -176,6 +176,19 @@ fn rows(mirror: &Mirror, places: &[DVec2]) -> Vec<SagRow> {
 }
 
 impl SagPath {
+    /// About how many places it samples, those beside the mirror too.
+    #[must_use]
+    pub fn points(&self, mirror: &Mirror) -> f64 {
+        let Extent { lo, hi, radius } = Extent::of(mirror);
+        match *self {
+            Self::Raster { pitch_mm, step_mm } => {
+                let steps = (hi - lo) / DVec2::new(step_mm, pitch_mm);
+                (steps.x + 1.0) * (steps.y + 1.0)
+            }
+            Self::Spiral { pitch_mm, step_mm } => PI * radius * radius / (pitch_mm * step_mm),
+        }
+    }
+
     /// Hands the path's points to `visit`, a line at a time.
     fn walk(
         &self,

@@ -129,14 +129,17 @@ impl Budget<'_> {
         let target = AIM * self.triangles as f64;
         let mut bracket = self.bracket();
         let mut limit = bracket.clamp(self.guess());
-        let mut plan = None;
+        let fitting = target * (1.0 + NEAR);
+        let mut plan: Option<(Plan, f64)> = None;
         for _ in 0..FORECASTS {
             let limits = self.limits(limit);
             let count = match forecast(self.mirror, self.camera, self.view, limits) {
                 Ok(forecast) => {
                     let count = self.foreseen(&forecast);
-                    if count <= target * (1.0 + NEAR) || plan.is_none() {
-                        plan = Some(Plan { limits, forecast });
+                    // Until one fits, the one that is nearest to it.
+                    let is_less = |(_, kept): &(Plan, f64)| *kept > fitting && count < *kept;
+                    if count <= fitting || plan.as_ref().is_none_or(is_less) {
+                        plan = Some((Plan { limits, forecast }, count));
                     }
                     count
                 }
@@ -149,6 +152,7 @@ impl Budget<'_> {
             }
             limit = bracket.next(limit, self.scaled(limit, count, target));
         }
+        let plan = plan.map(|(plan, _)| plan);
         plan.ok_or(MeshError::Few { most: self.triangles, least: usize::MAX })
     }
 

@@ -26,10 +26,31 @@ pub struct Drawing<'a> {
 }
 
 /// The mirror's splines, if STEP is asked for.
+///
+/// # Errors
+/// [`Error::Step`] when there are none, [`Error::Table`] when the sag table would be too long.
 pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<Fit>, Error> {
-    let is_asked = profile.formats.contains(&Format::Step);
-    let made = is_asked.then(|| fit(&design.mirror)).transpose();
-    made.map_err(|source| Error::Step { profile: profile.name.clone(), source })
+    let points = sag_path(profile).points(&design.mirror);
+    if profile.formats.contains(&Format::Csv) && !(points <= MOST_POINTS) {
+        return Err(Error::Table { profile: profile.name.clone(), points });
+    }
+    if !profile.formats.contains(&Format::Step) {
+        return Ok(None);
+    }
+    let made = fit(&design.mirror).and_then(|fit| {
+        fit.carries(design.stock.as_ref())?;
+        Ok(fit)
+    });
+    made.map(Some).map_err(|source| Error::Step { profile: profile.name.clone(), source })
+}
+
+fn sag_path(profile: &Profile) -> SagPath {
+    let Profile { sag, part, .. } = profile;
+    let [pitch_mm, step_mm] = sag.spacing_mm(part.width_mm);
+    match sag.path {
+        profile::SagPath::Raster => SagPath::Raster { pitch_mm, step_mm },
+        profile::SagPath::Spiral => SagPath::Spiral { pitch_mm, step_mm },
+    }
 }
 
 /// What the bytes of one such file showed.
@@ -42,8 +63,10 @@ pub struct Checked {
     pub sag: Option<SagFacts>,
 }
 
-/// How far the last of nine decimals may be off, mm and radians: half of it by rounding, and as
-/// much by a reader's arithmetic.
+/// Most places that a sag table samples.
+const MOST_POINTS: f64 = 2e7;
+/// What nine decimals may be off, mm and radians: rounding each of a normal's three turns it by
+/// 0.87e-9 at most.
 const LAST_DIGIT: f64 = 1e-9;
 
 impl Drawing<'_> {
@@ -51,7 +74,7 @@ impl Drawing<'_> {
     pub fn write(&self, format: Format, mut out: impl Write) -> io::Result<()> {
         match format {
             Format::Csv => {
-                let path = self.sag_path();
+                let path = sag_path(self.profile);
                 write_sag(&mut out, &self.design.mirror, &path, self.label, &self.notes())
             }
             Format::Step => {
@@ -66,7 +89,7 @@ impl Drawing<'_> {
     pub fn bytes(&self, format: Format) -> u64 {
         match format {
             Format::Csv => {
-                let path = self.sag_path();
+                let path = sag_path(self.profile);
                 sag_bytes(&self.design.mirror, &path, self.label, &self.notes())
             }
             Format::Step => {
@@ -99,15 +122,6 @@ impl Drawing<'_> {
         let written = self.write(Format::Step, &mut again);
         let same = written.is_ok() && again == bytes;
         if same { Vec::new() } else { vec!["it is not what the design gives".to_owned()] }
-    }
-
-    fn sag_path(&self) -> SagPath {
-        let Profile { sag, part, .. } = self.profile;
-        let [pitch_mm, step_mm] = sag.spacing_mm(part.width_mm);
-        match sag.path {
-            profile::SagPath::Raster => SagPath::Raster { pitch_mm, step_mm },
-            profile::SagPath::Spiral => SagPath::Spiral { pitch_mm, step_mm },
-        }
     }
 
     fn notes(&self) -> Vec<String> {

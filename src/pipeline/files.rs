@@ -109,6 +109,14 @@ impl Folder {
         }
     }
 
+    /// Finds out whether [`Folder::remove`] could not do its work.
+    pub fn clears(&self, name: &str) -> Result<(), FileError> {
+        let path = self.path.join(name);
+        let is_file = !path.is_dir();
+        let error = || FileError::new("remove", &path)(io::ErrorKind::IsADirectory.into());
+        is_file.then_some(()).ok_or_else(error)
+    }
+
     /// Removes a file of an earlier build, if there is one.
     pub fn remove(&self, name: &str) -> Result<(), FileError> {
         let path = self.path.join(name);

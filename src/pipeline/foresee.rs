@@ -65,7 +65,12 @@ pub fn check_room(
     if folder.free().is_none_or(|free| free >= ROOMY) {
         return Ok(());
     }
-    let prospect = prospect(profile, design, fit, &facets::plan(profile, design)?);
+    // Where no mesh is asked for, one is written all the same until it is traced.
+    let mut written = profile.clone();
+    if !written.formats.iter().any(|format| format.is_mesh()) {
+        written.formats.push(Format::Obj);
+    }
+    let prospect = prospect(&written, design, fit, &facets::plan(&written, design)?);
     let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
     Ok(folder.holds((SURE * bytes as f64) as u64)?)
 }

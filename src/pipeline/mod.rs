@@ -83,6 +83,17 @@ pub enum Error {
         /// Why.
         source: FitError,
     },
+    /// A sag table of too many places.
+    #[error(
+        "cannot write the sag table of {profile}: it would sample {points:.1e} places, over 2e7; \
+         raise export.sag.pitch_mm or step_mm"
+    )]
+    Table {
+        /// Profile name.
+        profile: String,
+        /// Places along its path.
+        points: f64,
+    },
     /// The body is not a solid.
     #[error("cannot close {profile} for {format}: {source}")]
     Solid {
@@ -187,14 +198,15 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
         // A file of a format that is not written now would be another profile's.
         let made =
             |format: &Format| asked(format) && (!format.is_mesh() || formats.contains(format));
-        for format in Format::ALL.iter().filter(|format| !made(format)) {
-            folder.remove(format.file_name())?;
-        }
+        let old: Vec<&str> =
+            Format::ALL.iter().filter(|format| !made(format)).map(|f| f.file_name()).collect();
+        old.iter().try_for_each(|name| folder.clears(name))?;
         let files = staged.into_iter().filter(|(format, _)| asked(format)).map(|(_, file)| file);
         // The report last: where it is new, everything it speaks of is.
         for staged in files.chain(pages) {
             staged.publish()?;
         }
+        old.iter().try_for_each(|name| folder.remove(name))?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

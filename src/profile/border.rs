@@ -105,7 +105,7 @@ impl Border {
         };
         let radius = self.corner_radius_mm;
         let beside = -self.side(mirror).outside(*half_mm, radius);
-        let what = if radius > x.min(y) {
+        let what = if radius > x.min(y) + ROUNDING_MM {
             format!("be at most half the part's shorter side, {:.3} mm", x.min(y))
         } else if tight(beside) {
             format!("leave the mirror's corners {} mm of material", Self::CLEAR_MM)
@@ -183,9 +183,12 @@ impl Border {
     }
 }
 
+/// What is the same but for rounding.
+const ROUNDING_MM: f64 = 1e-6;
+
 /// Whether a gap is smaller than the clearance by more than rounding.
 fn tight(gap: f64) -> bool {
-    !(gap >= Border::CLEAR_MM - 1e-6)
+    !(gap >= Border::CLEAR_MM - ROUNDING_MM)
 }
 
 impl Spot {

@@ -5,13 +5,17 @@ use crate::geom::{DVec3, Welder};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::str::FromStr;
 use thiserror::Error;
 use zip::ZipArchive;
 
 /// Most vertices or facets of a file: packed text may unfold to far more than memory holds.
 const MOST: usize = 100_000_000;
+/// Most objects, and most places where they are put.
+const MOST_PARTS: usize = 100_000;
+/// Longest tag or text between two tags.
+const LONGEST: usize = 1 << 20;
 /// Most steps from the build plate to an object, which may consist of others.
 const DEEPEST: usize = 16;
 /// The relation that leads to the model.
@@ -80,7 +84,8 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
         return Err(ThreeMfError::Model { part: RELATIONS.into(), at: 0, fault }.into());
     };
     let name = target.trim_start_matches('/');
-    let mut model = Model { unit_mm: 1.0, objects: BTreeMap::new(), last: None, build: Vec::new() };
+    let mut model =
+        Model { unit_mm: 1.0, objects: BTreeMap::new(), last: None, build: Vec::new(), parts: 0 };
     let part = zip.by_name(name).map_err(broken(name))?;
     elements(part, name, |element| model.add(element))?;
     let facets = model.build.iter().try_fold(0, |sum: usize, item| {
@@ -112,7 +117,8 @@ fn elements(
     name: &str,
     mut visit: impl FnMut(&BytesStart) -> Result<(), String>,
 ) -> Result<(), ThreeMfError> {
-    let mut reader = Reader::from_reader(BufReader::with_capacity(1 << 16, part));
+    let mut reader =
+        Reader::from_reader(BufReader::with_capacity(1 << 16, Short { part, since: 0 }));
     let (mut buffer, mut open) = (Vec::new(), 0_usize);
     loop {
         let event = next(&mut reader, &mut buffer, name)?;
@@ -130,6 +136,26 @@ fn elements(
             _ => {}
         }
         buffer.clear();
+    }
+}
+
+/// Ends where the text between two tags, or a tag, is so long that it would fill memory.
+struct Short<R> {
+    part: R,
+    /// Bytes since a tag ended.
+    since: usize,
+}
+
+impl<R: Read> Read for Short<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.part.read(bytes)?;
+        let last = bytes[..count].iter().rposition(|&byte| byte == b'>');
+        self.since = last.map_or(self.since + count, |last| count - last);
+        if self.since > LONGEST {
+            let text = format!("a tag, or the text between two, is longer than {LONGEST} bytes");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, text));
+        }
+        Ok(count)
     }
 }
 
@@ -241,6 +267,8 @@ struct Model {
     objects: BTreeMap<u32, Object>,
     last: Option<u32>,
     build: Vec<Item>,
+    /// Objects, and places where they are put.
+    parts: usize,
 }
 
 impl Model {
@@ -265,19 +293,19 @@ impl Model {
             "component" => {
                 let item = Item::of(element)?;
                 self.object()?.components.push(item);
-                Ok(())
+                self.part()
             }
             "object" => {
                 let [id] = numbers(element, ["id"])?;
                 self.last = Some(id);
                 match self.objects.insert(id, Object::default()) {
                     Some(_) => Err(format!("object {id} is there twice")),
-                    None => Ok(()),
+                    None => self.part(),
                 }
             }
             "item" => {
                 self.build.push(Item::of(element)?);
-                Ok(())
+                self.part()
             }
             "model" => {
                 self.unit_mm = match attribute(element, "unit")?.as_deref() {
@@ -293,6 +321,13 @@ impl Model {
             }
             _ => Ok(()),
         }
+    }
+
+    fn part(&mut self) -> Result<(), String> {
+        self.parts += 1;
+        let few = self.parts <= MOST_PARTS;
+        few.then_some(())
+            .ok_or_else(|| format!("more than {MOST_PARTS} objects and places of them"))
     }
 
     fn object(&mut self) -> Result<&mut Object, String> {

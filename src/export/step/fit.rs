@@ -5,7 +5,7 @@ use super::ground::Ground;
 use super::knots::{Lines, MOST_SPANS, breaks, fine, worse};
 use super::rim::Rim;
 use super::spline::{Axis, Net};
-use crate::geom::{DVec2, DVec3};
+use crate::geom::{DVec2, DVec3, Stock};
 use crate::mirror::Mirror;
 
 /// The largest distance of the spline from the mirror, mm.
@@ -39,6 +39,16 @@ pub(super) enum Form {
 }
 
 impl Fit {
+    /// Whether the land inside the mirror is a plane, through which `stock` may have holes.
+    ///
+    /// # Errors
+    /// [`FitError::Land`] when it has some, and the land is none.
+    pub fn carries(&self, stock: Option<&Stock>) -> Result<(), FitError> {
+        let drilled = stock.is_some_and(|stock| stock.land.is_some());
+        let flat = matches!(&self.form, Form::Turned { points, .. } if points[0].x > 0.0);
+        if drilled && !flat { Err(FitError::Land) } else { Ok(()) }
+    }
+
     /// How many control points the surface has along each axis; one, for the curve of a surface
     /// of revolution, along the second.
     #[must_use]

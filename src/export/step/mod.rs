@@ -58,6 +58,12 @@ pub enum FitError {
          move the camera away, or leave step out"
     )]
     Overhang,
+    /// Holes lead through a land that is a fan of facets.
+    #[error(
+        "holes go through the land inside a mirror that is not known to be round; give the mirror \
+         by radius_mm and conic alone, drill elsewhere, or leave step out"
+    )]
+    Land,
     /// A mirror that is neither over X and Y nor round.
     #[error(
         "a mirror with a round outline that is itself not round can be written as STEP only when \

@@ -6,6 +6,7 @@ use super::super::values::{Placed, number, word};
 use super::super::{SagPath, SagTable};
 use super::limits::Part;
 use super::{SIZE, is_size};
+use std::f64::consts::PI;
 
 /// Most points of a table.
 const MOST_POINTS: f64 = 2e7;
@@ -26,7 +27,12 @@ pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTab
     if let (Some(width), Some(finest)) = (&part.width, finest(pitch, step)) {
         let [pitch, step] = table.spacing_mm(width.value);
         let height = part.height.as_ref().map_or(width.value, |height| height.value);
-        let points = (height / pitch) * (width.value / step);
+        let covered = match path {
+            SagPath::Raster => height * width.value,
+            // About the axis out to the corners.
+            SagPath::Spiral => 0.25 * PI * (height * height + width.value * width.value),
+        };
+        let points = covered / (pitch * step);
         if points > MOST_POINTS {
             let path = &section.path;
             let message = format!(
