@@ -4,14 +4,12 @@ use super::DesignError;
 use crate::geom::{Contour, DVec2, Drilled, Land, Outline, Stock};
 use crate::mirror::Mirror;
 use crate::num::{cos, radians, sin};
-use crate::profile::{Footprint, Profile, Spot};
+use crate::profile::{Border, Footprint, Profile, Spot};
 
 /// Steps along each side of the outline, which is curved under a pinhole: finer than a mesh's.
 const STEPS: usize = 1024;
 /// A land whose rim rises and falls by less is flat, mm.
 const FLAT_MM: f64 = 1e-6;
-/// Sides that are shorter are none, mm.
-const MEET_MM: f64 = 1e-6;
 
 /// What the profile puts around `mirror`.
 ///
@@ -28,7 +26,8 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
             let half = DVec2::from_array(half_mm) + border.width_mm;
             let (corner, most) = (border.corner_radius_mm, half.min_element());
             // Arcs that meet but for rounding meet.
-            let corner_mm = if (corner - most).abs() <= MEET_MM { most } else { corner };
+            let corner_mm =
+                if (corner - most).abs() <= Border::ROUNDING_MM { most } else { corner };
             Contour::Rect { half, corner_mm }
         }
         Footprint::Round { radius_mm, .. } => {

@@ -5,7 +5,7 @@ use super::Label;
 use super::text::{Counting, lines};
 use crate::geom::{Chart, DVec2, DVec3, Outline, angle};
 use crate::mirror::Mirror;
-use crate::num::{cos, sin};
+use crate::num::{cos, larger, sin};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::io::{self, Write};
@@ -360,15 +360,4 @@ pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagOff {
     let [height_mm, normal_rad] =
         chunks.into_iter().fold([0.0, 0.0], |a, b| [larger(a[0], b[0]), larger(a[1], b[1])]);
     SagOff { height_mm, normal_rad }
-}
-
-/// The larger of both, for which NaN counts as infinity.
-fn larger(a: f64, b: f64) -> f64 {
-    if b <= a {
-        a
-    } else if b.is_nan() {
-        f64::INFINITY
-    } else {
-        b
-    }
 }

@@ -27,7 +27,7 @@ use super::ground::{Ground, Local};
 use super::region::{Contents, Plane, Region, Sight, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
 use crate::mirror::{Mirror, Point};
-use crate::num::{Interval, exp};
+use crate::num::{Interval, exp, larger};
 use crate::optics::View;
 
 pub(super) use super::deviation::largest_deviation;
@@ -432,9 +432,4 @@ pub(super) fn size_of(third: [Interval; 4]) -> f64 {
 #[inline]
 fn times(rate: f64, way: f64) -> f64 {
     if rate == 0.0 || way == 0.0 { 0.0 } else { rate * way }
-}
-
-/// The larger of two errors; one that is no number is larger than all.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if b <= a || a.is_nan() { a } else { b }
 }

@@ -8,10 +8,10 @@
 use super::Limits;
 use super::deviation::{Triangle, largest_quadratic};
 use super::ground::Local;
-use super::proof::{Bound, Facets, Prover, Vertex, gradient_of, larger, size_of};
+use super::proof::{Bound, Facets, Prover, Vertex, gradient_of, size_of};
 use super::region::Sight;
 use crate::geom::{DVec2, DVec3};
-use crate::num::exp;
+use crate::num::{exp, larger};
 use crate::optics::View;
 
 /// Largest share by which a bound should be over an error that is reached.

@@ -27,6 +27,13 @@ pub use jet::Jet2;
 pub use monotone::{Inverse, MonotoneCubic};
 pub use scalar::{Base, Curve, Scalar};
 
+/// The larger of two errors; one that is no number is larger than all.
+#[inline]
+#[must_use]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if b <= a || a.is_nan() { a } else { b }
+}
+
 /// Arguments to test with, the same every time.
 #[cfg(test)]
 pub(crate) mod sample {

@@ -25,15 +25,25 @@ pub struct Drawing<'a> {
     pub label: &'a Label,
 }
 
+/// Whether the sag table, if it is asked for, has no more places than any may have: how many there
+/// are can depend on the design.
+///
+/// # Errors
+/// [`Error::Table`] when it has.
+pub fn check_table(profile: &Profile, design: &Design) -> Result<(), Error> {
+    let points = sag_path(profile).points(&design.mirror);
+    let most = profile::SagTable::MOST_POINTS;
+    if profile.formats.contains(&Format::Csv) && !(points <= most) {
+        return Err(Error::Table { profile: profile.name.clone(), points, most });
+    }
+    Ok(())
+}
+
 /// The mirror's splines, if STEP is asked for.
 ///
 /// # Errors
-/// [`Error::Step`] when there are none, [`Error::Table`] when the sag table would be too long.
+/// [`Error::Step`] when there are none.
 pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<Fit>, Error> {
-    let points = sag_path(profile).points(&design.mirror);
-    if profile.formats.contains(&Format::Csv) && !(points <= MOST_POINTS) {
-        return Err(Error::Table { profile: profile.name.clone(), points });
-    }
     if !profile.formats.contains(&Format::Step) {
         return Ok(None);
     }
@@ -63,8 +73,6 @@ pub struct Checked {
     pub sag: Option<SagFacts>,
 }
 
-/// Most places that a sag table samples.
-const MOST_POINTS: f64 = 2e7;
 /// What nine decimals may be off, mm and radians: rounding each of a normal's three turns it by
 /// 0.87e-9 at most.
 const LAST_DIGIT: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! A build without its files: how large everything would be.
 
 use super::advice::Advice;
-use super::drawings::{Drawing, fitted};
+use super::drawings::{Drawing, check_table, fitted};
 use super::facets::{self, Facets, added_to};
 use super::files::Folder;
 use super::formats::{drawings, mesh_bytes, precision};
@@ -27,6 +27,7 @@ pub fn foresee(source: &Source, observer: &dyn Observer) -> Result<Prospect, Err
     let design = clock.stage(Stage::Design, || designed(source))?;
     clock.stage(Stage::Forecast, || {
         let facets = facets::plan(profile, &design)?;
+        check_table(profile, &design)?;
         let fit = fitted(profile, &design)?;
         let prospect = prospect(profile, &design, fit.as_ref(), &facets);
         let note = format!("about {} triangles", prospect.mesh.triangles);

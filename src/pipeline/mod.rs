@@ -36,7 +36,7 @@ use crate::report::{
 };
 use crate::solid::{Solid, SolidError};
 use advice::Advice;
-use drawings::{Checked, Drawing, fitted};
+use drawings::{Checked, Drawing, check_table, fitted};
 use examine::{Evidence, Seen, examine, picture};
 use facets::Facets;
 use files::{Folder, Staged};
@@ -85,7 +85,7 @@ pub enum Error {
     },
     /// A sag table of too many places.
     #[error(
-        "cannot write the sag table of {profile}: it would sample {points:.1e} places, over 2e7; \
+        "cannot write the sag table of {profile}: it would sample {points:.1e} places, over {most:.0e}; \
          raise export.sag.pitch_mm or step_mm"
     )]
     Table {
@@ -93,6 +93,8 @@ pub enum Error {
         profile: String,
         /// Places along its path.
         points: f64,
+        /// Most that there may be.
+        most: f64,
     },
     /// The body is not a solid.
     #[error("cannot close {profile} for {format}: {source}")]
@@ -133,6 +135,7 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
     folder.holds(least_bytes(profile))?;
 
     let design = clock.stage(Stage::Design, || designed(source))?;
+    check_table(profile, &design)?;
     let fit = fitted(profile, &design)?;
     check_room(&folder, profile, &design, fit.as_ref())?;
     let facets = clock.stage(Stage::Mesh, || meshed(profile, &design))?;

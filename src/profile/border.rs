@@ -68,6 +68,8 @@ pub struct Misfit {
 impl Border {
     /// The least material between a hole or a mark and anything else, in millimetres.
     pub const CLEAR_MM: f64 = 0.1;
+    /// What differs by less is the same but for rounding, mm.
+    pub const ROUNDING_MM: f64 = 1e-6;
     /// The least width of a border and the least diameter or radius of anything in it, in
     /// millimetres.
     pub const LEAST_MM: f64 = 0.1;
@@ -105,7 +107,7 @@ impl Border {
         };
         let radius = self.corner_radius_mm;
         let beside = -self.side(mirror).outside(*half_mm, radius);
-        let what = if radius > x.min(y) + ROUNDING_MM {
+        let what = if radius > x.min(y) + Self::ROUNDING_MM {
             format!("be at most half the part's shorter side, {:.3} mm", x.min(y))
         } else if tight(beside) {
             format!("leave the mirror's corners {} mm of material", Self::CLEAR_MM)
@@ -183,12 +185,9 @@ impl Border {
     }
 }
 
-/// What is the same but for rounding.
-const ROUNDING_MM: f64 = 1e-6;
-
 /// Whether a gap is smaller than the clearance by more than rounding.
 fn tight(gap: f64) -> bool {
-    !(gap >= Border::CLEAR_MM - ROUNDING_MM)
+    !(gap >= Border::CLEAR_MM - Border::ROUNDING_MM)
 }
 
 impl Spot {

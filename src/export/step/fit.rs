@@ -2,11 +2,12 @@
 
 use super::FitError;
 use super::ground::Ground;
-use super::knots::{Lines, MOST_SPANS, breaks, fine, worse};
+use super::knots::{Lines, MOST_SPANS, breaks, fine};
 use super::rim::Rim;
 use super::spline::{Axis, Net};
 use crate::geom::{DVec2, DVec3, Stock};
 use crate::mirror::Mirror;
+use crate::num::{larger, radians};
 
 /// The largest distance of the spline from the mirror, mm.
 const LIMIT_MM: f64 = 2e-6;
@@ -143,7 +144,7 @@ fn turned(ground: &Ground, ring: [f64; 2]) -> Result<Fit, FitError> {
             let (first, b) = radius.basis(rho);
             ((0..4).map(|k| b[k] * z[first + k]).sum::<f64>() - wanted).abs()
         };
-        let error_mm = places.iter().zip(heights(&places)).map(off).fold(0.0, worse);
+        let error_mm = places.iter().zip(heights(&places)).map(off).fold(0.0, larger);
         if error_mm <= LIMIT_MM {
             let at = |(rho, &z): (f64, &f64)| DVec3::new(fine(rho), 0.0, z);
             let points = radius.greville().into_iter().zip(&z).map(at).collect();
@@ -210,7 +211,7 @@ fn error(ground: &Ground, net: &Net) -> f64 {
     let (us, vs) = (places(0), places(1));
     let (found, wanted) = (net.grid(&us, &vs), ground.grid(&us, &vs));
     let mut worst = 0.0f64;
-    let mut look = |off: f64| worst = worse(worst, off);
+    let mut look = |off: f64| worst = larger(worst, off);
     for (j, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
         for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
             if ground.contains(DVec2::new(us[i], vs[j])) {
@@ -219,7 +220,7 @@ fn error(ground: &Ground, net: &Net) -> f64 {
         }
     }
     for rho in ground.ring.iter().flatten() {
-        for q in (0..360).map(|k| Rim::way(f64::from(k).to_radians()) * *rho) {
+        for q in (0..360).map(|k| Rim::way(radians(f64::from(k))) * *rho) {
             look((net.at(q) - ground.grid(&[q.x], &[q.y])[0][0]).length());
         }
     }

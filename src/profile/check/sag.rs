@@ -8,9 +8,6 @@ use super::limits::Part;
 use super::{SIZE, is_size};
 use std::f64::consts::PI;
 
-/// Most points of a table.
-const MOST_POINTS: f64 = 2e7;
-
 /// The table's places; the defaults where `[export]` does not say.
 pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTable {
     let Some(section) = reader.section(export, "sag", Optional) else {
@@ -33,10 +30,11 @@ pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTab
             SagPath::Spiral => 0.25 * PI * (height * height + width.value * width.value),
         };
         let points = covered / (pitch * step);
-        if points > MOST_POINTS {
+        if points > SagTable::MOST_POINTS {
             let path = &section.path;
             let message = format!(
-                "{path} must ask for at most {MOST_POINTS:.0e} points, found about {points:.0e}"
+                "{path} must ask for at most {:.0e} points, found about {points:.0e}",
+                SagTable::MOST_POINTS
             );
             reader.complain(finest, message, "raise pitch_mm or step_mm");
         }
@@ -51,6 +49,8 @@ fn finest(pitch: Option<Placed<f64>>, step: Option<Placed<f64>>) -> Option<usize
 }
 
 impl SagTable {
+    /// Most points of a table.
+    pub const MOST_POINTS: f64 = 2e7;
     /// Points that are taken across the part's width where the profile does not say.
     const ACROSS: f64 = 200.0;
 

@@ -1,6 +1,6 @@
 //! How long writing and reading a part takes in each mesh format, beside copying the file.
 //!
-//! usage: cargo run --release --example file_speed [TRIANGLES]
+//! usage: cargo bench --bench files [-- TRIANGLES]
 
 use morion::export::{Label, read_3mf, read_stl, write_3mf, write_stl};
 use morion::geom::{DVec3, Precision, TriMesh};
@@ -41,10 +41,12 @@ fn least<T>(mut run: impl FnMut() -> Result<T, Box<dyn Error>>) -> Result<f64, B
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let triangles = std::env::args().nth(1).map_or(Ok(1_000_000), |text| text.parse())?;
+    // cargo adds `--bench`.
+    let mut given = std::env::args().skip(1).filter(|text| text != "--bench");
+    let triangles = given.next().map_or(Ok(1_000_000), |text| text.parse())?;
     let solid = Solid::from_face(&face(triangles), None, Precision::Single)?;
     let label =
-        Label { profile: "file_speed".into(), sha256: "0".repeat(64), tolerances: "none".into() };
+        Label { profile: "files".into(), sha256: "0".repeat(64), tolerances: "none".into() };
     let folder = tempfile::tempdir()?;
     println!("{} triangles", solid.mesh().triangles.len());
     for format in ["stl", "3mf"] {
