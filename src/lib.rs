@@ -46,9 +46,9 @@
 //!     _______________/|\________________________
 //!    /      /     /      \       \       \      \
 //! design  mesh  solid  export  trace  render  report
-//!   | \    | \            |      |      | \
-//!   |  \   |  \           |      |      |  trace
-//!   |   mirror \        mirror   |      |
+//!   | \    | \            |      |      | \ \
+//!   |  \   |  \           |      |      |  \ trace
+//!   |   mirror \        mirror   |      |   raster
 //!   |           \_______________ | ____ |
 //! profile                     optics
 //! ```
@@ -70,6 +70,7 @@ pub mod num;
 pub mod optics;
 pub mod pipeline;
 pub mod profile;
+pub mod raster;
 pub mod render;
 pub mod report;
 pub mod solid;

@@ -8,9 +8,8 @@ mod angles;
 mod graticule;
 mod label;
 pub mod picture;
-pub mod srgb;
 pub mod world;
 
+pub use crate::raster::EncodingError;
 pub use picture::{Canvas, Picture, Seen};
-pub use png::EncodingError;
 pub use world::TestWorld;

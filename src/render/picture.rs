@@ -3,9 +3,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{
+use super::world::TestWorld;
+use crate::raster::{
+    EncodingError, png,
     srgb::{encode, hex},
-    world::TestWorld,
 };
 
 /// sRGB code of [`Seen::Missed`]: dark grey.
@@ -129,19 +130,8 @@ impl Picture {
     ///
     /// # Errors
     /// A picture without pixels, or whose `rgb` is not 3 width height bytes long, cannot be written.
-    pub fn to_png(&self) -> Result<Vec<u8>, png::EncodingError> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        // Half as large again as with the next level, but twenty times faster.
-        encoder.set_compression(png::Compression::Fast);
-        encoder.set_filter(png::Filter::Adaptive);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb)?;
-        writer.finish()?;
-        Ok(bytes)
+    pub fn to_png(&self) -> Result<Vec<u8>, EncodingError> {
+        png::encode(self.width, self.height, &self.rgb)
     }
 }
 
@@ -231,11 +221,11 @@ mod tests {
     fn png_gives_the_pixels_back() {
         let picture = painted(1);
         let bytes = picture.to_png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut reader = ::png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
         let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut rgb).unwrap();
         assert_eq!((info.width, info.height), (picture.width, picture.height));
-        assert_eq!(info.color_type, png::ColorType::Rgb);
+        assert_eq!(info.color_type, ::png::ColorType::Rgb);
         assert!(rgb == picture.rgb);
         assert!(3 * bytes.len() < rgb.len(), "{} bytes", bytes.len());
     }

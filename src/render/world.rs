@@ -6,9 +6,9 @@ use super::{
     angles::Angles,
     graticule::{GRID, LAST, Place, QUARTER, lines},
     label::Label,
-    srgb,
 };
 use crate::num;
+use crate::raster::srgb;
 
 pub use super::graticule::{GRID_DEG, HEAVY_DEG, THIN_DEG};
 

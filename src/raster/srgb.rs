@@ -41,6 +41,12 @@ pub fn decode(code: u8) -> f32 {
     TABLES.linear[usize::from(code)]
 }
 
+/// The linear light, 0 to 1, of a 16-bit sRGB code.
+#[must_use]
+pub fn decode_fine(code: u16) -> f32 {
+    decode_exact(f64::from(code) / 257.0) as f32
+}
+
 /// The linear colour of a 24-bit code such as `0xdce3cf`.
 #[must_use]
 pub fn hex(code: u32) -> [f32; 3] {
