@@ -75,6 +75,7 @@ pub mod render;
 pub mod report;
 pub mod solid;
 pub mod trace;
+pub mod unwrap;
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

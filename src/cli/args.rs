@@ -53,6 +53,29 @@ pub enum Command {
         #[arg(long)]
         profile: String,
     },
+    /// Turn a photo through the mirror into a panorama, DIR/NAME/PHOTO-unwrapped.png
+    Unwrap {
+        /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
+        photo: PathBuf,
+        /// Profile file, or name of a shipped profile
+        #[arg(long)]
+        profile: String,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+        /// Only cut out the panels, turn them upright and lay them side by side
+        #[arg(long, conflicts_with_all = ["map", "projection", "width"])]
+        cuts: bool,
+        /// Write the map too, for OpenCV's remap: column and row of the photo for each pixel
+        #[arg(long, value_enum, value_name = "FORMAT")]
+        map: Option<MapFormat>,
+        /// Projection of the panorama [default: the profile's; equirectangular for round mirrors]
+        #[arg(long, value_enum, value_name = "LAW")]
+        projection: Option<Rows>,
+        /// Pixels across the panorama [default: the scale of the photo, at the rim of round mirrors]
+        #[arg(long, value_name = "N")]
+        width: Option<NonZeroUsize>,
+    },
     /// Run time against error: the shipped mirrors designed in every way, into DIR/bench/
     Bench {
         /// Few degrees, one run of each
@@ -68,6 +91,26 @@ pub enum Command {
         #[arg(long, value_name = "NAME")]
         show: Option<String>,
     },
+}
+
+/// Formats of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MapFormat {
+    /// NumPy array of shape (rows, columns, 2)
+    Npy,
+    /// OpenEXR with the columns in channel R, the rows in G
+    Exr,
+}
+
+/// Laws of a panorama's rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Rows {
+    /// The tangent of the elevation in equal steps
+    Cylindrical,
+    /// The elevation in equal steps
+    Equirectangular,
+    /// Conformal
+    Mercator,
 }
 
 /// How results are printed.

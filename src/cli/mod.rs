@@ -3,14 +3,15 @@
 mod args;
 mod progress;
 
-use crate::pipeline::{Source, bench, build, foresee, load, verify};
+use crate::pipeline::{self, Source, Way, bench, build, foresee, load, unwrap, verify};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Prospect, Report, Verdict, text};
-use args::{Arguments, Command, Format};
+use args::{Arguments, Command, Format, MapFormat, Rows};
 use clap::Parser;
 use progress::Progress;
 use serde_json::json;
 use std::io::{ErrorKind, Write};
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 /// The part passed.
@@ -72,6 +73,20 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let report = verify(&load(profile)?, file, &progress)?;
             conclude(arguments, &report)
         }
+        Command::Unwrap { photo, profile, out, cuts, map, projection, width } => {
+            let remap = Way::Remap {
+                projection: projection.map(Rows::chosen),
+                width: width.map(NonZeroUsize::get),
+                map: map.map(MapFormat::chosen),
+            };
+            let way = if *cuts { Way::Cuts } else { remap };
+            let unwrapped = unwrap(&load(profile)?, photo, way, out, &progress)?;
+            print(&match arguments.format {
+                Format::Text => unwrapped.text(),
+                Format::Json => unwrapped.json(),
+            })?;
+            Ok(PASSED)
+        }
         Command::Bench { quick, out } => {
             let bench = bench(out, *quick)?;
             print(&match arguments.format {
@@ -98,6 +113,25 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             };
             print(profile.text)?;
             Ok(PASSED)
+        }
+    }
+}
+
+impl Rows {
+    fn chosen(self) -> pipeline::Rows {
+        match self {
+            Self::Cylindrical => pipeline::Rows::Cylindrical,
+            Self::Equirectangular => pipeline::Rows::Equirectangular,
+            Self::Mercator => pipeline::Rows::Mercator,
+        }
+    }
+}
+
+impl MapFormat {
+    fn chosen(self) -> pipeline::MapFormat {
+        match self {
+            Self::Npy => pipeline::MapFormat::Npy,
+            Self::Exr => pipeline::MapFormat::Exr,
         }
     }
 }

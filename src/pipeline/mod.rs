@@ -15,6 +15,7 @@ mod formats;
 mod observer;
 mod shape;
 mod source;
+mod unwrap;
 mod verdict;
 
 pub use bench::bench;
@@ -22,6 +23,7 @@ pub use files::FileError;
 pub use foresee::foresee;
 pub use observer::{Observer, Silent, Stage};
 pub use source::{Source, SourceError, load};
+pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
 
 use crate::design::{Design, DesignError, design};
 use crate::export::Label;
@@ -115,6 +117,9 @@ pub enum Error {
     /// The benchmark cannot run or be drawn.
     #[error("cannot benchmark: {0}")]
     Bench(String),
+    /// A photo cannot be unwrapped.
+    #[error(transparent)]
+    Photo(#[from] PhotoError),
     /// A file to be verified is of no known format.
     #[error("{path}: the name must end in .stl, .obj or .3mf")]
     Format {

@@ -7,6 +7,7 @@ pub mod srgb;
 pub use ::png::EncodingError;
 
 use std::fmt;
+use std::ops::Range;
 use thiserror::Error;
 
 /// A picture in linear light. Colours of files that are coded (PNG, JPEG) have 1 for white, those
@@ -92,6 +93,17 @@ impl Raster {
         let [width, height] =
             [self.width, self.height].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
         png::encode(width, height, &codes)
+    }
+
+    /// The part of the picture in these columns and rows.
+    ///
+    /// # Panics
+    /// When it does not have them all.
+    #[must_use]
+    pub fn crop(&self, columns: Range<usize>, rows: Range<usize>) -> Self {
+        let (width, height) = (columns.len(), rows.len());
+        let line = |row: usize| &self.rgb[row * self.width..][..self.width][columns.clone()];
+        Self { width, height, rgb: rows.flat_map(line).copied().collect() }
     }
 
     /// The light at a place in pixels, x to the right from the left edge and y down from the top
@@ -216,6 +228,13 @@ mod tests {
         let seam = picture.sample(0.0, 1.5, true);
         assert!((seam[0] - 3.0).abs() < 1e-6, "{seam:?}");
         assert!(picture.sample(0.0, 1.5, false)[0] < 0.5);
+    }
+
+    #[test]
+    fn a_crop_has_the_pixels_of_its_columns_and_rows() {
+        let picture = picture(6, 4, |x, y| [x, y, 0.0]).crop(1..4, 2..4);
+        assert_eq!([picture.width, picture.height], [3, 2]);
+        assert_eq!([picture.rgb[0], picture.rgb[5]], [[1.5, 2.5, 0.0], [3.5, 3.5, 0.0]]);
     }
 
     #[test]

@@ -4,11 +4,13 @@ mod bench;
 mod html;
 mod prospect;
 mod text;
+mod unwrapped;
 
 pub use bench::{Bench, DesignRun};
 pub use html::html;
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use text::text;
+pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 
 use crate::design::Facts;
 use crate::mirror::Form;

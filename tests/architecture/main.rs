@@ -26,6 +26,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("tolerance", &["mirror", "optics", "trace", "geom", "num"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num"]),
     ("render", &["trace", "optics", "geom", "raster", "num"]),
+    ("unwrap", &["mirror", "optics", "raster", "geom", "num"]),
     ("report", ALL_ABOVE),
     ("pipeline", ALL_ABOVE),
     ("cli", &["pipeline", "profile", "report"]),

@@ -1,0 +1,60 @@
+//! The way without a computer: the panels cut out of the photo and laid side by side.
+
+use super::{Optics, Panorama, UnwrapError};
+use crate::geom::{DVec2, Outline};
+use crate::optics::Projection;
+use crate::raster::Raster;
+use std::ops::Range;
+
+/// The pieces of `photo` that show the panels, side by side in the order of azimuth, and what they
+/// are meant to show. The reflected panel's is turned by half a turn: it sees the world reflected in the
+/// ridge, azimuth 180 - a in the place of a, which read backwards goes on where the designed panel
+/// ends.
+///
+/// # Errors
+/// [`UnwrapError`]: a round mirror has no such pieces.
+pub fn cuts(optics: &Optics, photo: &Raster) -> Result<(Raster, Panorama), UnwrapError> {
+    let size = [photo.width, photo.height];
+    let scale = optics.scale(size)?;
+    let (Projection::Strip(strip), Outline::Rect(panel)) =
+        (&optics.view.projection, optics.mirror.outline)
+    else {
+        return Err(UnwrapError::Round);
+    };
+    let corner = |q: DVec2| {
+        let pixel = optics.pixel(q);
+        [pixel[0] * scale[0], pixel[1] * scale[1]]
+    };
+    let [left, lower] = corner(panel.min);
+    let [right, upper] = corner(panel.max);
+    let (columns, rows) = (whole(left, right, size[0]), whole(upper, lower, size[1]));
+    if columns.is_empty() || rows.is_empty() {
+        return Err(UnwrapError::Nothing);
+    }
+    let per_mm = scale.map(|scale| scale / optics.camera.pixel_mm);
+    let unit = strip.scale_mm * per_mm[0];
+    let shows = Panorama {
+        law: strip.law.clone(),
+        left: strip.azimuth + (columns.start as f64 - 0.5 * size[0] as f64) / unit,
+        top: strip.z + (0.5 * size[1] as f64 - rows.start as f64) / (strip.scale_mm * per_mm[1]),
+        per_px: 1.0 / unit,
+        size: [columns.len(), rows.len()],
+    };
+    let piece = photo.crop(columns.clone(), rows.clone());
+    if !optics.mirror.folded {
+        return Ok((piece, shows));
+    }
+    let mut other = photo.crop(columns, size[1] - rows.end..size[1] - rows.start);
+    other.rgb.reverse();
+    let lines = piece.rgb.chunks(piece.width).zip(other.rgb.chunks(piece.width));
+    let rgb = lines.flat_map(|(a, b)| [a, b]).flatten().copied().collect();
+    let width = 2 * piece.width;
+    let shows = Panorama { size: [width, piece.height], ..shows };
+    Ok((Raster { width, height: piece.height, rgb }, shows))
+}
+
+/// The whole pixels nearest to a range, of `count`.
+fn whole(from: f64, to: f64, count: usize) -> Range<usize> {
+    let [from, to] = [from, to].map(|edge| edge.round().clamp(0.0, count as f64) as usize);
+    from..to
+}

@@ -1,0 +1,157 @@
+//! Where in the picture a direction is seen: the inverse of the real mirror's map from image points
+//! to the world, by Newton's method from where the projection puts it.
+
+use super::Optics;
+use crate::geom::{DVec2, Outline, Rect};
+use crate::num::Dual;
+use crate::optics::Projection;
+use glam::DMat2;
+use std::f64::consts::TAU;
+
+/// Steps before a search is given up.
+const MOST_STEPS: usize = 30;
+/// Steps with derivatives taken over from the last place.
+const BORROWED: usize = 2;
+/// Share of a pixel: a last step of this length leaves an error below a millionth of it.
+const CLOSE: f64 = 1e-4;
+/// Share of the mirror's size by which places may lie beyond its rim on the way.
+const BEYOND: f64 = 0.1;
+
+/// Finds directions in the picture that a mirror gives.
+#[derive(Debug, Clone, Copy)]
+pub struct Finder<'a> {
+    optics: Optics<'a>,
+    /// The designed panel and what is near it.
+    reach: Rect,
+    close_mm: f64,
+}
+
+/// Where a direction is, in mm on the camera's reference plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Where the mirror shows it.
+    pub image: DVec2,
+    /// Where the projection would have it.
+    pub intended: DVec2,
+}
+
+/// A series of searches for directions near to each other, each with the last one's help.
+#[derive(Debug, Clone)]
+pub struct Search<'a> {
+    finder: Finder<'a>,
+    /// Of the designed panel and of the reflected one.
+    known: [Option<Known>; 2],
+}
+
+/// What the last place told.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    /// From the intended place to the place on the mirror.
+    offset: DVec2,
+    /// Derivatives of the place on the mirror by the intended one.
+    follows: DMat2,
+}
+
+impl<'a> Finder<'a> {
+    /// In the picture of `optics`.
+    #[must_use]
+    pub fn new(optics: Optics<'a>) -> Self {
+        let panel = optics.mirror.outline.bounds();
+        let slack = BEYOND * panel.size();
+        let reach = Rect { min: panel.min - slack, max: panel.max + slack };
+        Self { optics, reach, close_mm: CLOSE * optics.camera.pixel_mm }
+    }
+
+    /// A new series.
+    #[must_use]
+    pub fn search(&self) -> Search<'a> {
+        Search { finder: *self, known: [None; 2] }
+    }
+
+    /// Where the content of the mirror's place `at` belongs (on the designed panel), nearest to
+    /// `near` in azimuth.
+    fn content(&self, at: DVec2, near: DVec2) -> DVec2 {
+        let Optics { mirror, camera, view } = self.optics;
+        let point = mirror.surface.at(at);
+        let place = mirror.place(at, &point).to_array();
+        let slope = mirror.slope(at, &point).to_array();
+        DVec2::from_array(view.content(&camera.chart, place, slope, near))
+    }
+
+    /// The derivatives of [`Finder::content`], inverted.
+    fn follows(&self, at: DVec2, near: DVec2) -> DMat2 {
+        let Optics { mirror, camera, view } = self.optics;
+        let point = mirror.surface.at(at);
+        let bend = mirror.surface.curvature(at);
+        let (q, slope) = (at.to_array(), point.slope.to_array());
+        let q: [Dual<2>; 2] = [0, 1].map(|k| Dual::variable(q[k], k));
+        let f = Dual { value: point.f, slope };
+        let bends = [[bend.xx, bend.xy], [bend.xy, bend.yy]];
+        let p = [0, 1].map(|k| Dual { value: slope[k], slope: bends[k] });
+        let place = mirror.chart.place(q, f);
+        let content = view.content(&camera.chart, place, mirror.chart.slope(q, p), near);
+        // Rows are contents, columns variables.
+        DMat2::from_cols_array_2d(&content.map(|c| c.slope)).transpose().inverse()
+    }
+
+    /// The place of the designed panel (or near it) whose content belongs to `intended`.
+    fn settle(&self, intended: DVec2, known: &mut Option<Known>) -> Option<DVec2> {
+        let mut at = intended + known.map_or(DVec2::ZERO, |known| known.offset);
+        let mut borrowed = known.take().map(|known| known.follows);
+        for step in 0..MOST_STEPS {
+            let fresh = borrowed.filter(|_| step < BORROWED);
+            let follows = fresh.unwrap_or_else(|| self.follows(at, intended));
+            borrowed = Some(follows);
+            let step = follows * (intended - self.content(at, intended));
+            at += step;
+            // A step that is no number leads nowhere.
+            if !self.reach.contains(at) {
+                return None;
+            }
+            if step.length() <= self.close_mm {
+                *known = Some(Known { offset: at - intended, follows });
+                return Some(at);
+            }
+        }
+        None
+    }
+}
+
+impl Search<'_> {
+    /// Where the direction `sigma` (stereographic, from the target's origin) is seen; none where
+    /// neither the mirror nor the sensor has it.
+    #[must_use]
+    pub fn find(&mut self, sigma: [f64; 2]) -> Option<Found> {
+        let Optics { mirror, camera, view } = self.finder.optics;
+        let centre = mirror.outline.bounds().centre();
+        let turn = match (&view.projection, mirror.outline) {
+            (Projection::Strip(strip), Outline::Rect(_)) => TAU * strip.scale_mm,
+            _ => 0.0,
+        };
+        let panels = if mirror.folded { 2 } else { 1 };
+        for panel in 0..panels {
+            // A mirror reflected in a plane sees the reflected world.
+            let flip = if panel == 0 { DVec2::ONE } else { DVec2::new(1.0, -1.0) };
+            let wanted = (DVec2::from_array(sigma) * flip).to_array();
+            let place = DVec2::from_array(view.projection.locate(wanted, centre));
+            // Just beyond one end of a full turn is what is just before the other.
+            let turns = if turn > 0.0 { &[0.0, -turn, turn][..] } else { &[0.0] };
+            for shift in turns {
+                let intended = place + DVec2::new(*shift, 0.0);
+                if !self.finder.reach.contains(intended) {
+                    continue;
+                }
+                let found = self.finder.settle(intended, &mut self.known[panel]);
+                let Some(at) = found.filter(|at| mirror.outline.contains(*at)) else { continue };
+                let on = mirror.place(at, &mirror.surface.at(at));
+                let image = camera.chart.coordinates(on).0 * flip;
+                let pixel = self.finder.optics.pixel(image);
+                let seen = |k: usize| (0.0..=f64::from(camera.pixels[k])).contains(&pixel[k]);
+                if seen(0) && seen(1) {
+                    return Some(Found { image, intended: intended * flip });
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,131 @@
+//! The table of where each pixel of a panorama is in the photo, and what it makes of one.
+
+use super::{Finder, Optics, Panorama, UnwrapError};
+use crate::num::stats::Summary;
+use crate::raster::Raster;
+use rayon::prelude::*;
+
+/// A pixel of the panorama is averaged over at most so many places of the photo along each side.
+const MOST_SAMPLES: usize = 8;
+/// Neighbours further apart in the photo lie on two panels, or at both ends of a turn.
+const JUMP: f32 = 2.0 * MOST_SAMPLES as f32;
+
+/// For each pixel of a panorama the place of the photo that shows what belongs there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Pixels of the panorama across and down.
+    pub size: [usize; 2],
+    /// Pixels of the photo across and down.
+    pub photo: [usize; 2],
+    /// Row by row from the top left: x to the right from the photo's left edge and y down from its
+    /// top edge, pixels; the first pixel's centre is (0.5, 0.5). NaN where nothing is seen.
+    pub places: Vec<[f32; 2]>,
+    /// Distance on the sensor, in its pixels, between where the mirror shows what belongs to a
+    /// pixel and where it was meant to; none when nothing is seen.
+    pub distortion_px: Option<Summary>,
+    /// First row of the photo's other panel, of a folded mirror.
+    fold: Option<usize>,
+}
+
+impl Map {
+    /// The table of `panorama` for photos of `photo` pixels. Every row is found by itself, so that
+    /// its bits do not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`UnwrapError::Aspect`].
+    pub fn new(
+        optics: &Optics,
+        panorama: &Panorama,
+        photo: [usize; 2],
+    ) -> Result<Self, UnwrapError> {
+        let scale = optics.scale(photo)?;
+        let finder = Finder::new(*optics);
+        let [width, height] = panorama.size;
+        let row = |y: usize| {
+            let mut search = finder.search();
+            (0..width).map(move |x| {
+                let sigma = panorama.sigma(x as f64 + 0.5, y as f64 + 0.5);
+                let Some(found) = search.find(sigma) else { return ([f32::NAN; 2], None) };
+                let pixel = optics.pixel(found.image);
+                let place = [0, 1].map(|k| (pixel[k] * scale[k]) as f32);
+                let off = (found.image - found.intended).length() / optics.camera.pixel_mm;
+                (place, Some(off))
+            })
+        };
+        let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(|y| row(y).collect()).collect();
+        let (places, off): (Vec<_>, Vec<_>) = rows.into_iter().flatten().unzip();
+        Ok(Self {
+            size: panorama.size,
+            photo,
+            places,
+            distortion_px: Summary::of(off.into_iter().flatten().collect()),
+            fold: optics.mirror.folded.then(|| photo[1].div_ceil(2)),
+        })
+    }
+
+    /// The share of the panorama's pixels that the photo shows.
+    #[must_use]
+    pub fn seen(&self) -> f64 {
+        let seen = self.places.iter().filter(|place| !place[0].is_nan()).count();
+        seen as f64 / self.places.len() as f64
+    }
+
+    /// The panorama of `photo`, black where nothing is seen. Where it has fewer pixels than the
+    /// photo, each is the mean of several places.
+    ///
+    /// # Panics
+    /// When the photo has another size than the map is for.
+    #[must_use]
+    pub fn paint(&self, photo: &Raster) -> Raster {
+        assert_eq!([photo.width, photo.height], self.photo, "the size that the map is for");
+        // One panel at a time, lest light bleeds over the ridge.
+        let rows = self.fold.unwrap_or(photo.height);
+        let upper = photo.crop(0..photo.width, 0..rows);
+        let start = photo.height - rows;
+        let lower = photo.crop(0..photo.width, start..photo.height);
+        let middle = 0.5 * photo.height as f32;
+        let light = |[x, y]: [f32; 2], folds_below: bool| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            if folds_below {
+                lower.sample(x, y - start as f64, false)
+            } else {
+                upper.sample(x, y, false)
+            }
+        };
+        let [width, height] = self.size;
+        let pixel = |k: usize| {
+            let place = self.places[k];
+            if place[0].is_nan() {
+                return [0.0; 3];
+            }
+            let below = self.fold.is_some() && place[1] > middle;
+            let [right, down] = [self.step(k, 1, width), self.step(k, width, height)];
+            let longest = right.into_iter().chain(down).fold(0.0, |a: f32, b| a.max(b.abs()));
+            let count = ((longest + 0.5) as usize).clamp(1, MOST_SAMPLES);
+            let share = |i: usize| (i as f32 + 0.5) / count as f32 - 0.5;
+            let mut sum = [0.0; 3];
+            for i in 0..count * count {
+                let (a, b) = (share(i % count), share(i / count));
+                let at = [0, 1].map(|k| place[k] + a * right[k] + b * down[k]);
+                let light = light(at, below);
+                sum = std::array::from_fn(|c| sum[c] + light[c]);
+            }
+            sum.map(|sum| sum / (count * count) as f32)
+        };
+        let rgb = (0..width * height).into_par_iter().map(pixel).collect();
+        Raster { width, height, rgb }
+    }
+
+    /// How far the photo's place moves from pixel `k` to the next one, `stride` further among `count`
+    /// of a line; nothing where that is not known.
+    fn step(&self, k: usize, stride: usize, count: usize) -> [f32; 2] {
+        let index = k / stride % count;
+        let (from, to) = match index {
+            _ if index + 1 < count => (k, k + stride),
+            0 => (k, k),
+            _ => (k - stride, k),
+        };
+        let step = [0, 1].map(|c| self.places[to][c] - self.places[from][c]);
+        if step.iter().all(|s| s.abs() <= JUMP) { step } else { [0.0; 2] }
+    }
+}

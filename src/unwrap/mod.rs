@@ -1,0 +1,96 @@
+//! Photos through a mirror -> panoramas: by plain cuts, or with every direction fetched from where the
+//! designed mirror shows it.
+//!
+//! Shadows are not looked for: where one panel of a valley hides the other, the photo shows its panel.
+
+mod cuts;
+mod finder;
+mod map;
+mod panorama;
+mod table;
+
+pub use cuts::cuts;
+pub use finder::{Finder, Found, Search};
+pub use map::Map;
+pub use panorama::{Panorama, STEEPEST_DEG};
+pub use table::TableError;
+
+use crate::mirror::Mirror;
+use crate::optics::{Camera, View};
+use crate::raster::{MOST_PIXELS, MOST_SIDE};
+use thiserror::Error;
+
+/// What a photo was taken through.
+#[derive(Debug, Clone, Copy)]
+pub struct Optics<'a> {
+    /// The mirror.
+    pub mirror: &'a Mirror,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// What the picture is meant to show.
+    pub view: &'a View,
+}
+
+/// Why a photo cannot be unwrapped.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum UnwrapError {
+    /// The photo is not a larger or smaller picture of the sensor.
+    #[error(
+        "the photo has {} x {} pixels, which is not the shape of the sensor's {} x {}; crop it to what \
+         the sensor saw, or give the profile the camera's pixels",
+        photo[0], photo[1], sensor[0], sensor[1]
+    )]
+    Aspect {
+        /// Pixels of the photo, across and down.
+        photo: [usize; 2],
+        /// Those of the sensor.
+        sensor: [u32; 2],
+    },
+    /// A round mirror has no straight pieces.
+    #[error("a round mirror's picture cannot be cut into a panorama; leave --cuts out")]
+    Round,
+    /// No pixel of the photo shows the mirror.
+    #[error("the mirror is smaller than a pixel of the photo; take a larger photo")]
+    Nothing,
+    /// The projection leaves nothing of what the mirror shows.
+    #[error(
+        "the mirror shows elevations {:.2} to {:.2} degrees, and the panorama would leave off all over \
+         {STEEPEST_DEG} degrees from the horizon; choose --projection equirectangular",
+        elevation_deg[0], elevation_deg[1]
+    )]
+    Steep {
+        /// Lowest and highest elevation.
+        elevation_deg: [f64; 2],
+    },
+    /// The panorama has no pixels, or too many.
+    #[error(
+        "the panorama would have {:.0} x {:.0} pixels; it must have at least one, at most {MOST_SIDE} a \
+         side and {MOST_PIXELS} in all: choose another --width or a smaller photo",
+        size[0], size[1]
+    )]
+    Size {
+        /// Pixels across and down.
+        size: [f64; 2],
+    },
+}
+
+impl Optics<'_> {
+    /// Pixels of the photo to one of the sensor, across and down.
+    ///
+    /// # Errors
+    /// [`UnwrapError::Aspect`] when the shapes differ by half a pixel of the photo.
+    pub fn scale(&self, photo: [usize; 2]) -> Result<[f64; 2], UnwrapError> {
+        let sensor = self.camera.pixels;
+        let [x, y] = [0, 1].map(|k| photo[k] as f64 / f64::from(sensor[k]));
+        let off = |k: usize, scale: f64| (photo[k] as f64 - f64::from(sensor[k]) * scale).abs();
+        let similar = off(1, x) <= 0.5 || off(0, y) <= 0.5;
+        similar.then_some([x, y]).ok_or(UnwrapError::Aspect { photo, sensor })
+    }
+
+    /// Pixels of the sensor, from its upper left corner, of a point (mm) of the image.
+    fn pixel(&self, q: crate::geom::DVec2) -> [f64; 2] {
+        let [width, height] = self.camera.pixels.map(f64::from);
+        let q = q / self.camera.pixel_mm;
+        [0.5 * width + q.x, 0.5 * height - q.y]
+    }
+}

@@ -1,0 +1,133 @@
+//! What a panorama shows: which direction each of its pixels looks in.
+
+use super::{Optics, UnwrapError};
+use crate::num::{atan, cos, degrees, sin};
+use crate::optics::{Law, Projection};
+use crate::raster::{MOST_PIXELS, MOST_SIDE};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Where a cylindrical or mercator panorama of a mirror of another law ends, degrees from the
+/// horizon: these laws reach the pole at infinity.
+pub const STEEPEST_DEG: f64 = 75.0;
+
+/// A picture with azimuth across and elevation, by a law, up it; pixels are square at the horizon.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panorama {
+    /// How rows map to elevation.
+    pub law: Law,
+    /// Azimuth at the left edge, radians.
+    pub left: f64,
+    /// The law's coordinate at the upper edge.
+    pub top: f64,
+    /// Radians of azimuth to a pixel.
+    pub per_px: f64,
+    /// Pixels across and down.
+    pub size: [usize; 2],
+}
+
+/// Azimuths and elevations that a mirror is meant to show.
+struct Range {
+    law: Law,
+    left: f64,
+    span: f64,
+    /// Least and largest coordinate of the law.
+    z: [f64; 2],
+    /// Pixels of the photo across the span.
+    width: f64,
+}
+
+impl Panorama {
+    /// Everything that the mirror is meant to show on the sensor, at the scale of a photo of
+    /// `photo` pixels (a round mirror's at its outer rim) or `width` pixels wide, by `law` or the
+    /// profile's own (equirectangular for round mirrors).
+    ///
+    /// # Errors
+    /// [`UnwrapError`].
+    pub fn new(
+        optics: &Optics,
+        photo: [usize; 2],
+        law: Option<Law>,
+        width: Option<usize>,
+    ) -> Result<Self, UnwrapError> {
+        let [across, _] = optics.scale(photo)?;
+        let range = range(optics, law, across / optics.camera.pixel_mm)?;
+        let width = width.map_or(range.width, |width| width as f64);
+        let columns = width.round();
+        let per_px = range.span / columns;
+        let [low, high] = range.z;
+        let rows = ((high - low) / per_px).round().max(1.0);
+        let most = f64::from(MOST_SIDE);
+        let fits = (1.0..=most).contains(&columns) && (1.0..=most).contains(&rows);
+        if !fits || columns * rows > MOST_PIXELS as f64 {
+            return Err(UnwrapError::Size { size: [columns, rows] });
+        }
+        let top = 0.5 * (low + high + rows * per_px);
+        let size = [columns as usize, rows as usize];
+        Ok(Self { law: range.law, left: range.left, top, per_px, size })
+    }
+
+    /// The direction of a place in pixels from the upper left corner, as a stereographic coordinate.
+    #[must_use]
+    pub fn sigma(&self, x: f64, y: f64) -> [f64; 2] {
+        let azimuth = self.left + x * self.per_px;
+        let shrink = self.law.shrink(self.top - y * self.per_px);
+        [shrink * sin(azimuth), shrink * cos(azimuth)]
+    }
+
+    /// Azimuth at the left and at the right edge, degrees.
+    #[must_use]
+    pub fn azimuth_deg(&self) -> [f64; 2] {
+        [0.0, self.size[0] as f64].map(|x| degrees(self.left + x * self.per_px))
+    }
+
+    /// Elevation at the lower and at the upper edge, degrees.
+    #[must_use]
+    pub fn elevation_deg(&self) -> [f64; 2] {
+        [self.size[1] as f64, 0.0].map(|y| elevation_deg(&self.law, self.top - y * self.per_px))
+    }
+}
+
+fn elevation_deg(law: &Law, z: f64) -> f64 {
+    90.0 - 2.0 * degrees(atan(law.shrink(z)))
+}
+
+fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, UnwrapError> {
+    let camera = optics.camera;
+    let own = match &optics.view.projection {
+        Projection::Strip(strip) => {
+            let panel = optics.mirror.outline.bounds();
+            // What lies above or below the frame is on no photo.
+            let edge = 0.5 * camera.pixel_mm * f64::from(camera.pixels[1]);
+            let rows = [panel.min.y.max(-edge), panel.max.y.min(edge)];
+            let panels = if optics.mirror.folded { 2.0 } else { 1.0 };
+            let across = panels * panel.size().x;
+            Range {
+                law: strip.law.clone(),
+                left: strip.azimuth + panel.min.x / strip.scale_mm,
+                span: across / strip.scale_mm,
+                z: rows.map(|y| strip.z + y / strip.scale_mm),
+                width: across * px_per_mm,
+            }
+        }
+        Projection::Radial { law, radius: [inner, outer] } => {
+            // A law may have no value on the axis itself.
+            let psi = [*outer, inner.max(1e-9 * outer)].map(|r| law.polar(r));
+            Range {
+                law: Law::Equirectangular,
+                left: -PI,
+                span: TAU,
+                z: psi.map(|psi| FRAC_PI_2 - psi),
+                width: TAU * outer * px_per_mm,
+            }
+        }
+    };
+    let Some(law) = law.filter(|law| *law != own.law) else { return Ok(own) };
+    let elevation_deg = own.z.map(|z| elevation_deg(&own.law, z));
+    let most = if law.reach().is_some() { 90.0 } else { STEEPEST_DEG };
+    let kept = elevation_deg.map(|e| e.clamp(-most, most));
+    if !(kept[0] < kept[1]) {
+        return Err(UnwrapError::Steep { elevation_deg });
+    }
+    let z = kept.map(|e| law.image_of_degrees(e));
+    Ok(Range { law, z, ..own })
+}
