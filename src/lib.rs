@@ -19,6 +19,8 @@
 //! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
 //! - **facet error**: the part of it that flat facets cause.
 //! - **witness**: the ray trace of the file that was written ([`trace::Witness`]).
+//! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to
+//!   ([`unwrap::Panorama`], [`unwrap::Map`]).
 //! - **crest / valley**: a ridge where two panels meet, standing out of / sunk into the part.
 //!
 //! # Frames and units
@@ -35,6 +37,7 @@
 //! ```text
 //! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
 //!                                                   \__ render
+//! design + photo -> unwrap -> [panorama]
 //! ```
 //!
 //! Which module may use which (everything may use [`num`] and [`geom`] but `profile`):
@@ -43,13 +46,13 @@
 //!                    cli
 //!                     |
 //!                 pipeline
-//!     _______________/|\________________________
-//!    /      /     /      \       \       \      \
-//! design  mesh  solid  export  trace  render  report
-//!   | \    | \            |      |      | \ \
-//!   |  \   |  \           |      |      |  \ trace
-//!   |   mirror \        mirror   |      |   raster
-//!   |           \_______________ | ____ |
+//!     _______________/|\________________________________
+//!    /      /     /      \       \       \      \        \
+//! design  mesh  solid  export  trace  render  unwrap   report
+//!   | \    | \            |      |      | \ \    | \ \
+//!   |  \   |  \           |      |      |  \ trace  \ raster
+//!   |   mirror \        mirror   |      |   raster   mirror
+//!   |           \_______________ | ____ | ______ |
 //! profile                     optics
 //! ```
 //!

@@ -6,6 +6,48 @@ use crate::optics::Projection;
 use crate::raster::Raster;
 use std::ops::Range;
 
+/// Columns and rows of a photo.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Piece {
+    /// Columns.
+    pub columns: Range<usize>,
+    /// Rows.
+    pub rows: Range<usize>,
+}
+
+impl Piece {
+    /// Those pixels of `photo`.
+    pub fn of(&self, photo: &Raster) -> Raster {
+        photo.crop(self.columns.clone(), self.rows.clone())
+    }
+}
+
+/// The whole pixels nearest to each panel, the designed one's first.
+///
+/// # Errors
+/// [`UnwrapError`]: a round mirror has no such pieces.
+pub fn pieces(optics: &Optics, photo: [usize; 2]) -> Result<Vec<Piece>, UnwrapError> {
+    let scale = optics.scale(photo)?;
+    let mirror = optics.mirror;
+    let Outline::Rect(panel) = mirror.outline else { return Err(UnwrapError::Round) };
+    let corner = |q: DVec2| {
+        let at = mirror.place(q, &mirror.surface.at(q));
+        let pixel = optics.pixel(optics.camera.chart.coordinates(at).0);
+        [pixel[0] * scale[0], pixel[1] * scale[1]]
+    };
+    let ([left, lower], [right, upper]) = (corner(panel.min), corner(panel.max));
+    let (columns, rows) = (whole(left, right, photo[0]), whole(upper, lower, photo[1]));
+    if columns.is_empty() || rows.is_empty() {
+        return Err(UnwrapError::Nothing);
+    }
+    let reflected = photo[1] - rows.end..photo[1] - rows.start;
+    let mut pieces = vec![Piece { columns: columns.clone(), rows }];
+    if mirror.folded {
+        pieces.push(Piece { columns, rows: reflected });
+    }
+    Ok(pieces)
+}
+
 /// The pieces of `photo` that show the panels, side by side in the order of azimuth, and what they
 /// are meant to show. The reflected panel's is turned by half a turn: it sees the world reflected in the
 /// ridge, azimuth 180 - a in the place of a, which read backwards goes on where the designed panel
@@ -16,21 +58,11 @@ use std::ops::Range;
 pub fn cuts(optics: &Optics, photo: &Raster) -> Result<(Raster, Panorama), UnwrapError> {
     let size = [photo.width, photo.height];
     let scale = optics.scale(size)?;
-    let (Projection::Strip(strip), Outline::Rect(panel)) =
-        (&optics.view.projection, optics.mirror.outline)
-    else {
+    let pieces = pieces(optics, size)?;
+    let Projection::Strip(strip) = &optics.view.projection else {
         return Err(UnwrapError::Round);
     };
-    let corner = |q: DVec2| {
-        let pixel = optics.pixel(q);
-        [pixel[0] * scale[0], pixel[1] * scale[1]]
-    };
-    let [left, lower] = corner(panel.min);
-    let [right, upper] = corner(panel.max);
-    let (columns, rows) = (whole(left, right, size[0]), whole(upper, lower, size[1]));
-    if columns.is_empty() || rows.is_empty() {
-        return Err(UnwrapError::Nothing);
-    }
+    let Piece { columns, rows } = &pieces[0];
     let per_mm = scale.map(|scale| scale / optics.camera.pixel_mm);
     let unit = strip.scale_mm * per_mm[0];
     let shows = Panorama {
@@ -40,11 +72,9 @@ pub fn cuts(optics: &Optics, photo: &Raster) -> Result<(Raster, Panorama), Unwra
         per_px: 1.0 / unit,
         size: [columns.len(), rows.len()],
     };
-    let piece = photo.crop(columns.clone(), rows.clone());
-    if !optics.mirror.folded {
-        return Ok((piece, shows));
-    }
-    let mut other = photo.crop(columns, size[1] - rows.end..size[1] - rows.start);
+    let piece = pieces[0].of(photo);
+    let Some(reflected) = pieces.get(1) else { return Ok((piece, shows)) };
+    let mut other = reflected.of(photo);
     other.rgb.reverse();
     let lines = piece.rgb.chunks(piece.width).zip(other.rgb.chunks(piece.width));
     let rgb = lines.flat_map(|(a, b)| [a, b]).flatten().copied().collect();

@@ -1,5 +1,6 @@
 //! The table of where each pixel of a panorama is in the photo, and what it makes of one.
 
+use super::cuts::{Piece, pieces};
 use super::{Finder, Optics, Panorama, UnwrapError};
 use crate::num::stats::Summary;
 use crate::raster::Raster;
@@ -23,8 +24,9 @@ pub struct Map {
     /// Distance on the sensor, in its pixels, between where the mirror shows what belongs to a
     /// pixel and where it was meant to; none when nothing is seen.
     pub distortion_px: Option<Summary>,
-    /// First row of the photo's other panel, of a folded mirror.
-    fold: Option<usize>,
+    /// What of the photo to look at: each panel by itself, lest light of another or from beside the
+    /// mirror bleeds in; the designed one first.
+    pieces: Vec<Piece>,
 }
 
 impl Map {
@@ -40,6 +42,10 @@ impl Map {
     ) -> Result<Self, UnwrapError> {
         let scale = optics.scale(photo)?;
         let finder = Finder::new(*optics);
+        let all = || vec![Piece { columns: 0..photo[0], rows: 0..photo[1] }];
+        // A given mirror's sides may be curved in the picture.
+        let straight = optics.mirror.chart == optics.camera.chart;
+        let pieces = if straight { pieces(optics, photo).unwrap_or_else(|_| all()) } else { all() };
         let [width, height] = panorama.size;
         let row = |y: usize| {
             let mut search = finder.search();
@@ -59,7 +65,7 @@ impl Map {
             photo,
             places,
             distortion_px: Summary::of(off.into_iter().flatten().collect()),
-            fold: optics.mirror.folded.then(|| photo[1].div_ceil(2)),
+            pieces,
         })
     }
 
@@ -78,19 +84,16 @@ impl Map {
     #[must_use]
     pub fn paint(&self, photo: &Raster) -> Raster {
         assert_eq!([photo.width, photo.height], self.photo, "the size that the map is for");
-        // One panel at a time, lest light bleeds over the ridge.
-        let rows = self.fold.unwrap_or(photo.height);
-        let upper = photo.crop(0..photo.width, 0..rows);
-        let start = photo.height - rows;
-        let lower = photo.crop(0..photo.width, start..photo.height);
+        let panels: Vec<Raster> = self.pieces.iter().map(|piece| piece.of(photo)).collect();
         let middle = 0.5 * photo.height as f32;
-        let light = |[x, y]: [f32; 2], folds_below: bool| {
-            let (x, y) = (f64::from(x), f64::from(y));
-            if folds_below {
-                lower.sample(x, y - start as f64, false)
-            } else {
-                upper.sample(x, y, false)
-            }
+        let first_above = self.pieces[0].rows.start < photo.height - self.pieces[0].rows.end;
+        let panel = |place: [f32; 2]| {
+            usize::from(self.pieces.len() > 1 && (place[1] < middle) != first_above)
+        };
+        let light = |[x, y]: [f32; 2], panel: usize| {
+            let Piece { columns, rows } = &self.pieces[panel];
+            let (x, y) = (f64::from(x) - columns.start as f64, f64::from(y) - rows.start as f64);
+            panels[panel].sample(x, y, false)
         };
         let [width, height] = self.size;
         let pixel = |k: usize| {
@@ -98,7 +101,7 @@ impl Map {
             if place[0].is_nan() {
                 return [0.0; 3];
             }
-            let below = self.fold.is_some() && place[1] > middle;
+            let panel = panel(place);
             let [right, down] = [self.step(k, 1, width), self.step(k, width, height)];
             let longest = right.into_iter().chain(down).fold(0.0, |a: f32, b| a.max(b.abs()));
             let count = ((longest + 0.5) as usize).clamp(1, MOST_SAMPLES);
@@ -107,7 +110,7 @@ impl Map {
             for i in 0..count * count {
                 let (a, b) = (share(i % count), share(i / count));
                 let at = [0, 1].map(|k| place[k] + a * right[k] + b * down[k]);
-                let light = light(at, below);
+                let light = light(at, panel);
                 sum = std::array::from_fn(|c| sum[c] + light[c]);
             }
             sum.map(|sum| sum / (count * count) as f32)

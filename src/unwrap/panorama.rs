@@ -55,7 +55,8 @@ impl Panorama {
         let columns = width.round();
         let per_px = range.span / columns;
         let [low, high] = range.z;
-        let rows = ((high - low) / per_px).round().max(1.0);
+        // Never beyond the range, which may end at the pole; a rounding error is no missing row.
+        let rows = ((high - low) / per_px + 1e-3).floor().max(1.0);
         let most = f64::from(MOST_SIDE);
         let fits = (1.0..=most).contains(&columns) && (1.0..=most).contains(&rows);
         if !fits || columns * rows > MOST_PIXELS as f64 {
