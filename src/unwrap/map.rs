@@ -1,7 +1,8 @@
 //! The table of where each pixel of a panorama is in the photo, and what it makes of one.
 
 use super::cuts::{Piece, pieces};
-use super::{Finder, Optics, Panorama, UnwrapError};
+use super::line::line;
+use super::{Finder, Found, Optics, Panorama, UnwrapError};
 use crate::num::stats::Summary;
 use crate::raster::Raster;
 use rayon::prelude::*;
@@ -48,17 +49,17 @@ impl Map {
         let pieces = if straight { pieces(optics, photo).unwrap_or_else(|_| all()) } else { all() };
         let [width, height] = panorama.size;
         let row = |y: usize| {
-            let mut search = finder.search();
-            (0..width).map(move |x| {
-                let sigma = panorama.sigma(x as f64 + 0.5, y as f64 + 0.5);
-                let Some(found) = search.find(sigma) else { return ([f32::NAN; 2], None) };
+            let sigma = |x: usize| panorama.sigma(x as f64 + 0.5, y as f64 + 0.5);
+            let found = line(&mut finder.search(), width, optics.camera.pixel_mm, sigma);
+            let place = |found: Option<Found>| {
+                let Some(found) = found else { return ([f32::NAN; 2], None) };
                 let pixel = optics.pixel(found.image);
-                let place = [0, 1].map(|k| (pixel[k] * scale[k]) as f32);
                 let off = (found.image - found.intended).length() / optics.camera.pixel_mm;
-                (place, Some(off))
-            })
+                ([0, 1].map(|k| (pixel[k] * scale[k]) as f32), Some(off))
+            };
+            found.into_iter().map(place).collect()
         };
-        let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(|y| row(y).collect()).collect();
+        let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(row).collect();
         let (places, off): (Vec<_>, Vec<_>) = rows.into_iter().flatten().unzip();
         Ok(Self {
             size: panorama.size,

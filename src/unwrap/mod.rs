@@ -5,6 +5,7 @@
 
 mod cuts;
 mod finder;
+mod line;
 mod map;
 mod panorama;
 mod table;
