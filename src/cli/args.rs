@@ -53,6 +53,26 @@ pub enum Command {
         #[arg(long)]
         profile: String,
     },
+    /// A picture of a scene in the mirror, or of the mirror itself, into DIR/NAME/render-SCENE.png
+    Render {
+        /// Profile file, or name of a shipped profile
+        profile: String,
+        /// grid, chessboard or views; a panorama as PNG, JPEG or EXR; a model as OBJ
+        #[arg(long, value_name = "NAME|FILE")]
+        scene: String,
+        /// By the designed mirror instead of the mesh that is written and read back
+        #[arg(long)]
+        smooth: bool,
+        /// Side of the chessboard's squares [default: the mirror's largest width]
+        #[arg(long, value_name = "MM", value_parser = positive)]
+        square_mm: Option<f64>,
+        /// Millimetres that a unit of the OBJ model measures [default: 1]
+        #[arg(long, value_name = "MM", value_parser = positive)]
+        unit_mm: Option<f64>,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
     /// Turn a photo through the mirror into a panorama, DIR/NAME/PHOTO-unwrapped.png
     Unwrap {
         /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
@@ -91,6 +111,12 @@ pub enum Command {
         #[arg(long, value_name = "NAME")]
         show: Option<String>,
     },
+}
+
+/// A length.
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| (1e-9..=1e9).contains(x));
+    number.ok_or_else(|| "must be a number of millimetres over 0".into())
 }
 
 /// Formats of a map.

@@ -3,7 +3,9 @@
 mod args;
 mod progress;
 
-use crate::pipeline::{self, Source, Way, bench, build, foresee, load, unwrap, verify};
+use crate::pipeline::{
+    self, Source, Wanted, Way, bench, build, foresee, load, render, unwrap, verify,
+};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Prospect, Report, Verdict, text};
 use args::{Arguments, Command, Format, MapFormat, Rows};
@@ -72,6 +74,16 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         Command::Verify { file, profile } => {
             let report = verify(&load(profile)?, file, &progress)?;
             conclude(arguments, &report)
+        }
+        Command::Render { profile, scene, smooth, square_mm, unit_mm, out } => {
+            let (smooth, square_mm, unit_mm) = (*smooth, *square_mm, *unit_mm);
+            let wanted = Wanted { scene, smooth, square_mm, unit_mm };
+            let rendering = render(&load(profile)?, &wanted, out, &progress)?;
+            print(&match arguments.format {
+                Format::Text => rendering.text(),
+                Format::Json => rendering.json(),
+            })?;
+            Ok(PASSED)
         }
         Command::Unwrap { photo, profile, out, cuts, map, projection, width } => {
             let remap = Way::Remap {

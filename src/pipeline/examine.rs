@@ -4,19 +4,16 @@ use super::files::sha256;
 use super::formats::read_mesh;
 use super::observer::{Clock, Stage};
 use super::shape::worst_vertex;
+use super::sight::{Seen, above};
 use crate::design::Design;
 use crate::export::{ReadError, Reread};
-use crate::geom::{DVec2, DVec3, Outline};
+use crate::geom::{DVec2, DVec3};
 use crate::mirror::Point;
 use crate::optics::reflect;
 use crate::profile::{Format, Profile};
-use crate::render::{Canvas, EncodingError, Picture, Seen as Painted, TestWorld};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
-use crate::trace::{self, Errors, Frame, Intent, Outcome, Scene, Witness, glance};
-
-/// A mesh, ready for more rays, and what became of those sent so far.
-pub type Seen = (Scene, Witness);
+use crate::trace::{self, Errors, Frame, Intent, Outcome, Scene, Witness};
 
 /// What the bytes of one file showed.
 pub struct Evidence {
@@ -197,54 +194,4 @@ fn trace_facts(
         worst_vertex: None,
         solid,
     }
-}
-
-/// What the camera sees of the test world in the mesh that was read back, as PNG. The witness's own
-/// rays are the pixel centres.
-pub fn picture(design: &Design, seen: Option<&Seen>) -> Result<Vec<u8>, EncodingError> {
-    let Design { camera, view, .. } = design;
-    let [width, height] = camera.pixels;
-    // Without a projection: as if the width showed half a turn.
-    let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
-    let scale = view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
-    let canvas = Canvas { width, height, samples_per_side: 2, pixel_rad: camera.pixel_mm * scale };
-    // Neither the land inside a ring is polished nor what is below the mirror.
-    let land = |at: DVec3| match design.mirror.outline {
-        Outline::Ring { inner, .. } => design.mirror.chart.coordinates(at).0.length() < inner,
-        Outline::Rect(_) => false,
-    };
-    let below = |at: DVec3| design.stock.as_ref().is_some_and(|s| at.z <= s.top_mm * (1.0 + 1e-6));
-    let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
-        Outcome::Hit if land(at) || below(at) => Painted::Missed,
-        Outcome::Hit => {
-            Painted::World(view.as_ref().map_or(direction, |view| view.shown(at, direction)))
-        }
-        Outcome::Missed => Painted::Missed,
-        Outcome::Shadowed(_) => Painted::Shadowed,
-        Outcome::BackFace => Painted::BackFace,
-    };
-    let world = TestWorld::new();
-    let Some((scene, witness)) = seen else {
-        let nothing = vec![Painted::Missed; width as usize * height as usize];
-        return Picture::paint(&canvas, &world, &nothing, |_, _| Painted::Missed).to_png();
-    };
-    let centres: Vec<Painted> =
-        witness.seen.iter().map(|seen| painted(seen.outcome, seen.at, seen.direction)).collect();
-    let top = above(scene);
-    // Between the centres: whether a place lies in shadow is taken from its pixel's centre.
-    let see = |x: f64, y: f64| {
-        let centre = &witness.seen[y as usize * width as usize + x as usize];
-        if let Outcome::Shadowed(_) = centre.outcome {
-            return Painted::Shadowed;
-        }
-        let ray = camera.ray(camera.image_point(x, y), top);
-        let (outcome, hit, direction) = glance(scene, &ray);
-        painted(outcome, hit.map_or(DVec3::ZERO, |hit| ray.at(hit.t)), direction)
-    };
-    Picture::paint(&canvas, &world, &centres, see).to_png()
-}
-
-/// A height above everything in the file, mm, for camera rays to start from.
-fn above(scene: &Scene) -> f64 {
-    scene.mesh().bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }

@@ -13,7 +13,10 @@ mod files;
 mod foresee;
 mod formats;
 mod observer;
+mod render;
+mod scenery;
 mod shape;
+mod sight;
 mod source;
 mod unwrap;
 mod verdict;
@@ -22,6 +25,8 @@ pub use bench::bench;
 pub use files::FileError;
 pub use foresee::foresee;
 pub use observer::{Observer, Silent, Stage};
+pub use render::render;
+pub use scenery::{SceneError, Wanted};
 pub use source::{Source, SourceError, load};
 pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
 
@@ -32,6 +37,7 @@ use crate::geom::Precision;
 use crate::mesh::{Face, MeshError};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
+use crate::render::{TestWorld, World};
 use crate::report::{
     FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, StepFacts,
     html,
@@ -39,12 +45,13 @@ use crate::report::{
 use crate::solid::{Solid, SolidError};
 use advice::Advice;
 use drawings::{Checked, Drawing, check_table, fitted};
-use examine::{Evidence, Seen, examine, picture};
+use examine::{Evidence, examine};
 use facets::Facets;
 use files::{Folder, Staged};
 use foresee::{check_room, least_bytes};
 use formats::{drawings, write_mesh};
 use observer::Clock;
+use sight::{Distance, Eye, picture};
 use std::io::{self, Write};
 use std::path::Path;
 use thiserror::Error;
@@ -111,9 +118,12 @@ pub enum Error {
     /// The disk refuses.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The picture cannot be encoded.
-    #[error("cannot encode the picture: {0}")]
+    /// The picture cannot be made.
+    #[error("cannot make the picture: {0}")]
     Picture(String),
+    /// There is no such scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// The benchmark cannot run or be drawn.
     #[error("cannot benchmark: {0}")]
     Bench(String),
@@ -168,14 +178,14 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
         let mut found = examine(&clock, profile, &design, *format, bytes);
         found.altered = found.file.sha256 != staged.sha256();
         let seen = found.seen.take();
-        if picture.is_none() && seen.is_some() {
-            picture = Some(painted(&clock, &design, seen.as_ref())?);
+        if let (None, Some(seen)) = (&picture, &seen) {
+            picture = Some(painted(&clock, &design, Eye::Mesh(seen))?);
         }
         evidence.push(found);
     }
     let picture = match picture {
         Some(picture) => picture,
-        None => painted(&clock, &design, None)?,
+        None => painted(&clock, &design, Eye::Shut)?,
     };
 
     let mut report = assemble(profile, &design, form, Some(facts), evidence, chord_mm);
@@ -304,10 +314,12 @@ fn check(
     })
 }
 
-/// What the camera sees, as PNG.
-fn painted(clock: &Clock, design: &Design, seen: Option<&Seen>) -> Result<Vec<u8>, Error> {
+/// What the camera sees of the test world, as PNG.
+fn painted(clock: &Clock, design: &Design, eye: Eye) -> Result<Vec<u8>, Error> {
     clock.stage(Stage::Picture, || {
-        let png = picture(design, seen).map_err(|e| Error::Picture(e.to_string()))?;
+        let world = (&TestWorld::new() as &dyn World, Distance::Target);
+        let png = picture(design, eye, world, 2).to_png();
+        let png = png.map_err(|e| Error::Picture(e.to_string()))?;
         let note = format!("{} kB", png.len() / 1000);
         Ok((png, note))
     })

@@ -1,15 +1,37 @@
-//! What the camera sees: a test world at infinity, painted through any map from pixels to directions.
+//! What the camera sees: worlds, and pictures of them through any map from pixels to rays.
 //!
-//! Words: a **direction** is a unit vector (X, Y, Z) of the part frame, written as **azimuth** a and
-//! **elevation** e by (cos e sin a, cos e cos a, sin e). **Footprint** is the angle, in radians, that
-//! one sample of the picture covers. **Linear** colour is light; sRGB is its 8-bit code.
+//! Words: a **world** says what light comes along a ray. A **direction** is a unit vector (X, Y, Z)
+//! of the part frame, written as **azimuth** a and **elevation** e by (cos e sin a, cos e cos a, sin e).
+//! **Footprint** is the angle, in radians, that one sample of the picture covers. **Linear** colour is
+//! light; sRGB is its 8-bit code.
 
 mod angles;
+mod chessboard;
 mod graticule;
 mod label;
+mod model;
+mod panorama;
 pub mod picture;
+mod pieces;
+mod shade;
+mod turned;
+mod views;
 pub mod world;
 
 pub use crate::raster::EncodingError;
+pub use chessboard::Chessboard;
+pub use model::{Model, ModelError};
+pub use panorama::Panorama;
 pub use picture::{Canvas, Picture, Seen};
+pub use views::views;
 pub use world::TestWorld;
+
+use crate::geom::Ray;
+
+/// What there is to see.
+pub trait World: Sync {
+    /// Linear red, green and blue of the light that comes against `ray` (part frame, mm; unit
+    /// direction) to where it starts, seen by a sample that covers `footprint_rad` radians. Worlds far
+    /// away look at the direction alone.
+    fn light(&self, ray: &Ray, footprint_rad: f64) -> [f32; 3];
+}

@@ -1,9 +1,9 @@
 //! Pictures: supersampled at edges in linear light, coded as sRGB, written as PNG.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
-use super::world::TestWorld;
+use super::World;
+use crate::geom::Ray;
 use crate::raster::{
     EncodingError, png,
     srgb::{encode, hex},
@@ -23,8 +23,8 @@ const EDGE: f32 = 0.06;
 /// What one point of the picture sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
-    /// The world, in this unit direction of the part frame.
-    World(DVec3),
+    /// The world, along this ray of the part frame.
+    World(Ray),
     /// The mirror, but another part of it blocks the way to the world.
     Shadowed,
     /// Nothing: the ray passes by the mirror.
@@ -55,32 +55,26 @@ pub struct Picture {
     pub height: u32,
     /// Red, green and blue of each pixel, row by row from the top left.
     pub rgb: Vec<u8>,
+    /// Points of the picture that were looked at: the pixels' centres, and those within edges.
+    pub samples: u64,
 }
 
 impl Picture {
     /// Paints `world` as seen: `centres` holds what each pixel's centre sees, row by row, and `see`
-    /// finds the same for any other point.
-    ///
-    /// Pixels that differ from a neighbour are edges and sampled again on a grid; the others keep
-    /// their centre's colour. `see` takes a point in pixels, x to the right from the left edge and y
-    /// down from the top edge, so that the first pixel's centre is (0.5, 0.5). The bytes do not
-    /// depend on the number of threads.
+    /// finds the same for any other point, as in [`Picture::refined`].
     ///
     /// # Panics
     /// When `centres` has not one entry a pixel.
     #[must_use]
     pub fn paint(
         canvas: &Canvas,
-        world: &TestWorld,
+        world: &(impl World + ?Sized),
         centres: &[Seen],
         see: impl Fn(f64, f64) -> Seen + Sync,
     ) -> Self {
-        let (width, height) = (canvas.width as usize, canvas.height as usize);
-        assert_eq!(centres.len(), width * height, "one centre a pixel");
-        let side = canvas.samples_per_side.max(1);
         let [missed, shadowed, back_face] = [MISSED, SHADOWED, BACK_FACE].map(hex);
         let light = |seen: Seen, footprint: f64| match seen {
-            Seen::World(direction) => world.colour(direction, footprint),
+            Seen::World(ray) => world.light(&ray, footprint),
             Seen::Shadowed => shadowed,
             Seen::Missed => missed,
             Seen::BackFace => back_face,
@@ -90,13 +84,33 @@ impl Picture {
             .with_min_len(4096)
             .map(|&seen| light(seen, canvas.pixel_rad))
             .collect();
+        let footprint = canvas.pixel_rad / f64::from(canvas.samples_per_side.max(1));
+        Self::refined(canvas, &coarse, |x, y| light(see(x, y), footprint))
+    }
 
-        let footprint = canvas.pixel_rad / f64::from(side);
+    /// The picture of `coarse`, the linear light at each pixel's centre, row by row, with pixels that
+    /// differ from a neighbour sampled again on a grid; the others keep their centre's colour.
+    ///
+    /// `light` takes a point in pixels, x to the right from the left edge and y down from the top
+    /// edge, so that the first pixel's centre is (0.5, 0.5). The bytes do not depend on the number of
+    /// threads.
+    ///
+    /// # Panics
+    /// When `coarse` has not one entry a pixel.
+    #[must_use]
+    pub fn refined(
+        canvas: &Canvas,
+        coarse: &[[f32; 3]],
+        light: impl Fn(f64, f64) -> [f32; 3] + Sync,
+    ) -> Self {
+        let (width, height) = (canvas.width as usize, canvas.height as usize);
+        assert_eq!(coarse.len(), width * height, "one centre a pixel");
+        let side = canvas.samples_per_side.max(1);
         let fine = |x: usize, y: usize| {
             let mut sum = [0.0_f32; 3];
             let place = |p: usize, k: u32| p as f64 + (f64::from(k) + 0.5) / f64::from(side);
             for k in 0..side * side {
-                let light = light(see(place(x, k % side), place(y, k / side)), footprint);
+                let light = light(place(x, k % side), place(y, k / side));
                 sum = std::array::from_fn(|c| sum[c] + light[c]);
             }
             sum.map(|s| s / (side * side) as f32)
@@ -114,16 +128,28 @@ impl Picture {
         };
         let mut rgb = vec![0; 3 * width * height];
         let rows = rgb.par_chunks_exact_mut((3 * width).max(3)).enumerate();
-        rows.for_each(|(y, row)| {
+        let edges = rows.map(|(y, row)| {
+            let mut edges = 0;
             for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
                 let edge = side > 1 && is_edge(x, y);
+                edges += u64::from(edge);
                 let light = if edge { fine(x, y) } else { coarse[y * width + x] };
                 for (code, light) in pixel.iter_mut().zip(light) {
                     *code = encode(light);
                 }
             }
+            edges
         });
-        Self { width: canvas.width, height: canvas.height, rgb }
+        let samples = edges.sum::<u64>() * u64::from(side * side) + coarse.len() as u64;
+        Self { width: canvas.width, height: canvas.height, rgb, samples }
+    }
+
+    /// The picture turned by half a turn: what a camera held upside down takes.
+    #[must_use]
+    pub fn turned(mut self) -> Self {
+        self.rgb.reverse();
+        self.rgb.chunks_exact_mut(3).for_each(<[u8]>::reverse);
+        self
     }
 
     /// The picture as a PNG file.
@@ -140,7 +166,9 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::geom::DVec3;
     use crate::num;
+    use crate::render::TestWorld;
 
     const WIDTH: u32 = 720;
     const SCALE: f64 = 2.0 * PI / WIDTH as f64;
@@ -148,7 +176,8 @@ mod tests {
     /// A panorama of half a degree of azimuth a pixel, the horizon at y = 60.
     fn panorama(x: f64, y: f64) -> Seen {
         let (a, z) = ((x - 360.0) * SCALE, (60.0 - y) * SCALE);
-        Seen::World(DVec3::new(num::sin(a), num::cos(a), z).normalize())
+        let direction = DVec3::new(num::sin(a), num::cos(a), z).normalize();
+        Seen::World(Ray { origin: DVec3::ZERO, direction })
     }
 
     fn painted(samples_per_side: u32) -> Picture {
@@ -261,7 +290,15 @@ mod tests {
         let picture = Picture::paint(&canvas, &TestWorld::new(), &centres, noting);
         assert!(visited.lock().unwrap().iter().all(|x| [3, 4].contains(x)));
         assert_eq!(at(&picture, 2, 1), at(&picture, 3, 1));
+        assert_eq!(picture.samples, 8 * 4 + 2 * 4 * 4);
         assert!(bright(&picture, 4, 1) < bright(&picture, 5, 1));
+    }
+
+    #[test]
+    fn turning_moves_the_first_pixel_to_the_last_place() {
+        let rgb = vec![1, 2, 3, 4, 5, 6];
+        let picture = Picture { width: 2, height: 1, rgb, samples: 2 };
+        assert_eq!(picture.turned().rgb, [4, 5, 6, 1, 2, 3]);
     }
 
     #[test]

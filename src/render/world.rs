@@ -3,10 +3,12 @@
 use glam::{DVec3, Vec3A};
 
 use super::{
+    World,
     angles::Angles,
     graticule::{GRID, LAST, Place, QUARTER, lines},
     label::Label,
 };
+use crate::geom::Ray;
 use crate::num;
 use crate::raster::srgb;
 
@@ -207,6 +209,12 @@ impl TestWorld {
 #[inline]
 fn in_sight(up: f64) -> bool {
     up > -num::radians(HALO_DEG) && up < num::radians(DIGIT_DEG + HALO_DEG)
+}
+
+impl World for TestWorld {
+    fn light(&self, ray: &Ray, footprint_rad: f64) -> [f32; 3] {
+        self.colour(ray.direction, footprint_rad)
+    }
 }
 
 fn hex(code: u32) -> Vec3A {

@@ -3,12 +3,14 @@
 mod bench;
 mod html;
 mod prospect;
+mod rendering;
 mod text;
 mod unwrapped;
 
 pub use bench::{Bench, DesignRun};
 pub use html::html;
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
+pub use rendering::Rendering;
 pub use text::text;
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 

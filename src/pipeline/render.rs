@@ -1,0 +1,121 @@
+//! `morion render`: a picture of a scene in the mirror.
+
+use super::examine::examine;
+use super::files::Folder;
+use super::formats::write_mesh;
+use super::observer::Clock;
+use super::scenery::{Scenery, Wanted, stem};
+use super::sight::{Distance, Eye, Seen, picture};
+use super::{Error, Observer, Source, Stage, close, designed, label, meshed};
+use crate::design::Design;
+use crate::geom::DVec3;
+use crate::profile::Format;
+use crate::render::{Chessboard, Picture, TestWorld, World, views};
+use crate::report::{ProfileId, Rendering, SCHEMA};
+use std::path::Path;
+
+/// Samples along each side of a pixel at edges.
+const SAMPLES: u32 = 4;
+
+/// Renders what is `wanted` with the mirror of `source` into `out`/NAME/render-SCENE.png.
+///
+/// # Errors
+/// [`enum@Error`] when there is no such scene, or a stage cannot be done; then there is no new file.
+pub fn render(
+    source: &Source,
+    wanted: &Wanted,
+    out: &Path,
+    observer: &dyn Observer,
+) -> Result<Rendering, Error> {
+    let profile = &source.profile;
+    let clock = Clock::new(observer);
+    let scenery = Scenery::read(wanted)?;
+    let folder = Folder::create(&out.join(&profile.name))?;
+    let design = clock.stage(Stage::Design, || designed(source))?;
+    let mesh = match (wanted.smooth, &scenery) {
+        (true, scenery) if !matches!(scenery, Scenery::Views) => None,
+        _ => Some(reread(&clock, source, &design)?),
+    };
+    let seen = mesh.as_ref().map(|(_, seen)| seen);
+    let (png, picture) = clock.stage(Stage::Picture, || {
+        let picture = taken(&design, seen, scenery, wanted);
+        let png = picture.to_png().map_err(|e| Error::Picture(e.to_string()))?;
+        let note = format!("{} kB", png.len() / 1000);
+        Ok::<_, Error>(((png, picture), note))
+    })?;
+    let name = format!("render-{}.png", stem(wanted.scene));
+    clock.stage(Stage::Write, || {
+        let staged = folder.stage(&name, |out| out.write_all(&png))?;
+        staged.publish()?;
+        Ok::<_, Error>(((), name.clone()))
+    })?;
+    Ok(Rendering {
+        schema: SCHEMA,
+        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+        scene: wanted.scene.to_owned(),
+        traced: mesh.as_ref().map_or("design", |(format, _)| format.name()),
+        file: folder.path().join(name).display().to_string(),
+        pixels: [picture.width, picture.height],
+        rays: picture.samples,
+    })
+}
+
+/// The mesh that a build would write first, written to memory and read back, with the witness's rays.
+fn reread(clock: &Clock, source: &Source, design: &Design) -> Result<(Format, Seen), Error> {
+    let profile = &source.profile;
+    let facets = clock.stage(Stage::Mesh, || meshed(profile, design))?;
+    let format = facets.formats[0];
+    let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
+    let label = label(profile, design, &facets.made);
+    let bytes = clock.stage(Stage::Write, || {
+        let mut bytes = Vec::new();
+        write_mesh(&mut bytes, format, &solid, (&facets.made, design), &label)
+            .expect("memory can be written to");
+        let note = format!("{format}, {:.1} MB in memory", bytes.len() as f64 / 1e6);
+        Ok::<_, Error>((bytes, note))
+    })?;
+    drop((facets, solid));
+    let evidence = examine(clock, profile, design, format, bytes);
+    match (evidence.seen, evidence.unreadable) {
+        (Some(seen), _) => Ok((format, seen)),
+        (None, reason) => {
+            let reason = reason.map_or_else(String::new, |reason| format!(": {reason}"));
+            Err(Error::Picture(format!("the {format} in memory cannot be read back{reason}")))
+        }
+    }
+}
+
+fn taken(design: &Design, seen: Option<&Seen>, scenery: Scenery, wanted: &Wanted) -> Picture {
+    let eye = seen.map_or(Eye::Smooth, Eye::Mesh);
+    let far = |world: &dyn World| picture(design, eye, (world, Distance::Target), SAMPLES);
+    let around = |world: &dyn World| picture(design, eye, (world, Distance::Around), SAMPLES);
+    match (scenery, seen) {
+        (Scenery::Grid, _) => far(&TestWorld::new()),
+        // The camera is held so that the board, towards it, is at the picture's foot.
+        (Scenery::Chessboard, _) => around(&chessboard(design, wanted.square_mm)).turned(),
+        (Scenery::Views, Some((scene, _))) => {
+            views(scene, |at| if wanted.smooth { optical(design, at) } else { None })
+        }
+        (Scenery::Panorama(world), _) => far(&*world),
+        (Scenery::Model(world), _) => around(&*world),
+        (Scenery::Views, None) => unreachable!("views are of a mesh"),
+    }
+}
+
+/// The board around the mirror of `design`: by default with squares as wide as the mirror.
+fn chessboard(design: &Design, square_mm: Option<f64>) -> Chessboard {
+    let outline = design.mirror.whole();
+    let size = outline.bounds().size();
+    let square = square_mm.unwrap_or_else(|| size.max_element());
+    Chessboard::new(square, design.camera.chart.plane_mm, outline.reach(size))
+}
+
+/// The designed mirror's unit normal at a place of its optical face.
+fn optical(design: &Design, at: DVec3) -> Option<DVec3> {
+    let mirror = &design.mirror;
+    let (place, height) = mirror.chart.coordinates(at);
+    let point = mirror.row(place.y).at(place.x);
+    let near = 1e-3 * mirror.outline.bounds().size().max_element();
+    let on_face = mirror.whole().contains(place) && (height - point.f).abs() < near;
+    on_face.then(|| mirror.normal(place, &point).normalize())
+}

@@ -1,0 +1,134 @@
+//! Sight: where the camera's rays go, by a mesh that was read back or by the designed mirror, and the
+//! picture of a world that they give.
+
+use crate::design::Design;
+use crate::geom::{DVec2, DVec3, Outline, Ray};
+use crate::mirror::Point;
+use crate::optics::reflect;
+use crate::render::{Canvas, Picture, Seen as Painted, World};
+use crate::trace::{Outcome, Scene, Witness, glance};
+use rayon::prelude::*;
+
+/// A mesh, ready for more rays, and what became of those sent so far.
+pub type Seen = (Scene, Witness);
+
+/// What reflects the camera's rays.
+#[derive(Clone, Copy)]
+pub enum Eye<'a> {
+    /// A mesh that was read back. The witness's own rays are the pixels' centres; whether a place
+    /// between them lies in shadow is taken from its pixel's centre.
+    Mesh(&'a Seen),
+    /// The designed mirror, as if no part of it were in another's way.
+    Smooth,
+    /// Nothing.
+    Shut,
+}
+
+/// How far away a world is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Distance {
+    /// On the profile's target surface: a direction from its origin says what is seen. Targets far
+    /// away have the ray's own direction.
+    Target,
+    /// Around the mirror, as far as it is: the ray from the mirror says what is seen.
+    Around,
+}
+
+/// The picture of `world` that `eye` gives the camera of `design`, with `samples_per_side` squared
+/// samples at edges.
+pub fn picture(
+    design: &Design,
+    eye: Eye,
+    (world, distance): (&dyn World, Distance),
+    samples_per_side: u32,
+) -> Picture {
+    let Design { camera, view, .. } = design;
+    let [width, height] = camera.pixels;
+    // Without a projection: as if the width showed half a turn.
+    let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
+    let scale = view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
+    let pixel_rad = camera.pixel_mm * scale;
+    let canvas = Canvas { width, height, samples_per_side, pixel_rad };
+    let leaving = |at: DVec3, direction: DVec3| {
+        let shown = match (distance, view) {
+            (Distance::Target, Some(view)) => view.shown(at, direction),
+            _ => direction,
+        };
+        Painted::World(Ray { origin: at, direction: shown })
+    };
+    match eye {
+        Eye::Shut => {
+            let nothing = vec![Painted::Missed; width as usize * height as usize];
+            Picture::paint(&canvas, world, &nothing, |_, _| Painted::Missed)
+        }
+        Eye::Mesh((scene, witness)) => {
+            let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
+                Outcome::Hit if is_dull(design, at) => Painted::Missed,
+                Outcome::Hit => leaving(at, direction),
+                Outcome::Missed => Painted::Missed,
+                Outcome::Shadowed(_) => Painted::Shadowed,
+                Outcome::BackFace => Painted::BackFace,
+            };
+            let ends = witness.seen.iter().map(|end| painted(end.outcome, end.at, end.direction));
+            let centres: Vec<Painted> = ends.collect();
+            let top = above(scene);
+            let see = |x: f64, y: f64| {
+                let centre = &witness.seen[y as usize * width as usize + x as usize];
+                if let Outcome::Shadowed(_) = centre.outcome {
+                    return Painted::Shadowed;
+                }
+                let ray = camera.ray(camera.image_point(x, y), top);
+                let (outcome, hit, direction) = glance(scene, &ray);
+                painted(outcome, hit.map_or(DVec3::ZERO, |hit| ray.at(hit.t)), direction)
+            };
+            Picture::paint(&canvas, world, &centres, see)
+        }
+        Eye::Smooth => {
+            let row = |y: f64, columns: &[f64]| -> Vec<Painted> {
+                let points = columns.iter().map(|&x| camera.image_point(x, y));
+                let ends = reflected(design, &points.collect::<Vec<_>>());
+                let painted = |end: Option<Ray>| {
+                    end.map_or(Painted::Missed, |ray| leaving(ray.origin, ray.direction))
+                };
+                ends.into_iter().map(painted).collect()
+            };
+            let columns: Vec<f64> = (0..width).map(|x| f64::from(x) + 0.5).collect();
+            let rows = (0..height).into_par_iter();
+            let centres: Vec<Painted> =
+                rows.flat_map_iter(|y| row(f64::from(y) + 0.5, &columns)).collect();
+            let see = |x: f64, y: f64| row(y, &[x])[0];
+            Picture::paint(&canvas, world, &centres, see)
+        }
+    }
+}
+
+/// The rays that leave the designed mirror where the camera sees it at `points` (best in lines of
+/// equal y): none off the mirror.
+fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
+    let Design { mirror, camera, .. } = design;
+    let outline = mirror.whole();
+    let under = |&q: &DVec2| mirror.under(&camera.chart, q).unwrap_or(DVec2::INFINITY);
+    let places: Vec<DVec2> = points.iter().map(under).collect();
+    let leave = |((&q, place), point): ((&DVec2, &DVec2), Point)| {
+        outline.contains(*place).then(|| {
+            let arriving = camera.ray(q, 0.0).direction;
+            let direction = reflect(arriving, mirror.normal(*place, &point));
+            Ray { origin: mirror.place(*place, &point), direction }
+        })
+    };
+    points.iter().zip(&places).zip(mirror.along(&places)).map(leave).collect()
+}
+
+/// Whether a place of the part is not polished: the land inside a ring, and what is below the mirror.
+fn is_dull(design: &Design, at: DVec3) -> bool {
+    let land = match design.mirror.outline {
+        Outline::Ring { inner, .. } => design.mirror.chart.coordinates(at).0.length() < inner,
+        Outline::Rect(_) => false,
+    };
+    land || design.stock.as_ref().is_some_and(|s| at.z <= s.top_mm * (1.0 + 1e-6))
+}
+
+/// A height above everything in the file, mm, for camera rays to start from.
+pub fn above(scene: &Scene) -> f64 {
+    scene.mesh().bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
+}

@@ -1,0 +1,147 @@
+//! Shaded views of a part: from the camera, from the foot of the picture, and three quarters.
+
+use rayon::prelude::*;
+
+use super::picture::{Canvas, Picture};
+use super::shade::{Lights, Matter};
+use crate::geom::{DVec2, DVec3, Ray};
+use crate::num::{cos, radians, sin};
+use crate::trace::Scene;
+
+/// Pixels of one view, across and down.
+pub const TILE: [u32; 2] = [480, 360];
+/// Samples along each side of a pixel at edges.
+const SAMPLES: u32 = 4;
+/// Share of a tile that the part fills at most.
+const FILL: f64 = 0.92;
+/// Where the eye is, degrees: to the right of the picture's foot, and over the base plane.
+const EYES_DEG: [[f64; 2]; 3] = [[0.0, 90.0], [0.0, 14.0], [38.0, 34.0]];
+
+/// A distant eye: unit vectors to the right, upwards and towards it.
+#[derive(Debug, Clone, Copy)]
+struct Eye {
+    right: DVec3,
+    up: DVec3,
+    towards: DVec3,
+}
+
+impl Eye {
+    fn new([turn_deg, rise_deg]: [f64; 2]) -> Self {
+        let [turn, rise] = [turn_deg, rise_deg].map(radians);
+        let right = DVec3::new(cos(turn), sin(turn), 0.0);
+        let towards = DVec3::new(sin(turn) * cos(rise), -cos(turn) * cos(rise), sin(rise));
+        Self { right, up: towards.cross(right), towards }
+    }
+
+    fn lights(&self) -> Lights {
+        let lamp = 0.62 * self.towards + 0.62 * self.up - 0.48 * self.right;
+        Lights { up: self.up, lamp: lamp.normalize() }
+    }
+
+    /// Where it sees `v`.
+    fn project(&self, v: DVec3) -> DVec2 {
+        DVec2::new(v.dot(self.right), v.dot(self.up))
+    }
+}
+
+/// Three views of the mesh side by side on white, all to one scale. Facets are flat; where `normal`
+/// knows a normal at a place of the mesh, that is taken instead.
+#[must_use]
+pub fn views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> Picture {
+    let eyes = EYES_DEG.map(Eye::new);
+    let vertices = &scene.mesh().vertices;
+    let spans = eyes.map(|eye| {
+        let nothing = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        vertices.iter().map(|&v| eye.project(v)).fold(nothing, |[lo, hi], p| [lo.min(p), hi.max(p)])
+    });
+    let [columns, rows] = TILE.map(f64::from);
+    let fit = spans.map(|[lo, hi]| {
+        let size = (hi - lo).max(DVec2::splat(f64::MIN_POSITIVE));
+        (columns / size.x).min(rows / size.y)
+    });
+    let pixels_per_mm = FILL * fit.into_iter().fold(f64::INFINITY, f64::min);
+    let reach =
+        scene.mesh().bounds().map_or(1.0, |(lo, hi)| 2.0 * (lo.abs().max(hi.abs())).length());
+    let matter = Matter::new(0x9fb3c8, 0.35);
+    let light = |x: f64, y: f64| {
+        let tile = (x / columns) as usize;
+        let (eye, [lo, hi]) = (&eyes[tile], spans[tile]);
+        let aside = DVec2::new(x - columns * (tile as f64 + 0.5), 0.5 * rows - y) / pixels_per_mm;
+        let at = 0.5 * (lo + hi) + aside;
+        let origin = eye.right * at.x + eye.up * at.y + eye.towards * reach;
+        let ray = Ray { origin, direction: -eye.towards };
+        let Some(hit) = scene.first(&ray) else { return [1.0; 3] };
+        let facet = || scene.mesh().area_vector(hit.facet as usize).normalize_or(eye.towards);
+        let outward = normal(ray.at(hit.t)).unwrap_or_else(facet);
+        eye.lights().shade(&matter, outward, ray.direction, true)
+    };
+    let canvas = Canvas {
+        width: TILE[0] * eyes.len() as u32,
+        height: TILE[1],
+        samples_per_side: SAMPLES,
+        pixel_rad: 0.0,
+    };
+    let places = (0..canvas.width * canvas.height).into_par_iter();
+    let centre = |k| [k % canvas.width, k / canvas.width].map(|n| f64::from(n) + 0.5);
+    let coarse: Vec<[f32; 3]> = places.map(centre).map(|[x, y]| light(x, y)).collect();
+    Picture::refined(&canvas, &coarse, light)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::TriMesh;
+
+    /// A box from -w to w.
+    fn block(w: DVec3) -> TriMesh {
+        let corner = |k: u32| {
+            let sign = |bit: u32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            DVec3::new(sign(0), sign(1), sign(2)) * w
+        };
+        let quad = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        let sides =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        TriMesh {
+            vertices: (0..8).map(corner).collect(),
+            triangles: sides.into_iter().flat_map(quad).collect(),
+        }
+    }
+
+    #[test]
+    fn a_block_fills_its_tiles_to_one_scale() {
+        let scene = Scene::new(block(DVec3::new(20.0, 5.0, 3.0)));
+        let picture = views(&scene, |_| None);
+        let width = picture.width as usize;
+        let white = |x: usize, y: usize| picture.rgb[3 * (y * width + x)..][..3] == [255; 3];
+        // In the front view and the low one its 40 mm fill the width.
+        let expected = 0.5 * FILL * f64::from(TILE[0]);
+        for (tile, height) in [(0, 10.0), (1, 10.0 * sin(radians(14.0)) + 6.0 * cos(radians(14.0)))]
+        {
+            let (x0, y0) = (tile * 480 + 240, 180);
+            let right = (0..240).take_while(|k| !white(x0 + k, y0)).count() as f64;
+            let up = (0..180).take_while(|k| !white(x0, y0 - k)).count() as f64;
+            let down = (0..180).take_while(|k| !white(x0, y0 + k)).count() as f64;
+            let scale = 2.0 * expected / 40.0;
+            assert!((right - expected).abs() <= 1.0, "{tile}: {right} {expected}");
+            assert!((up + down - height * scale).abs() <= 3.0, "{tile}: {up} {down} {height}");
+        }
+    }
+
+    #[test]
+    fn faces_of_a_block_have_one_colour_each_and_given_normals_another() {
+        let scene = Scene::new(block(DVec3::splat(5.0)));
+        let flat = views(&scene, |_| None);
+        let leaning = views(&scene, |_| Some(DVec3::new(-0.6, 0.0, 0.8)));
+        let at = |picture: &Picture, x: u32, y: u32| {
+            let start = 3 * (y * picture.width + x) as usize;
+            picture.rgb[start..start + 3].to_vec()
+        };
+        assert_eq!(at(&flat, 240, 180), at(&flat, 200, 150));
+        assert_ne!(at(&flat, 240, 180), at(&leaning, 240, 180));
+        // Top, front and side of the three-quarter view differ.
+        let x = 960 + 240;
+        let colours: Vec<_> =
+            [(x, 110), (x - 60, 220), (x + 90, 220)].map(|(x, y)| at(&flat, x, y)).to_vec();
+        assert!(colours[0] != colours[1] && colours[1] != colours[2] && colours[0] != colours[2]);
+    }
+}

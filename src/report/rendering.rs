@@ -1,0 +1,53 @@
+//! A picture that was rendered, in words.
+
+use super::ProfileId;
+use super::text::short;
+use anstyle::Style;
+use serde::Serialize;
+
+/// A picture of a scene in a mirror, or of the mirror.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Rendering {
+    /// The version of the report's schema whose keys these are.
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// The scene's name or file, as asked for.
+    pub scene: String,
+    /// What was traced: the format of the mesh that was written and read back, or `design`.
+    pub traced: &'static str,
+    /// The PNG file, with its folder.
+    pub file: String,
+    /// Columns and rows.
+    pub pixels: [u32; 2],
+    /// Rays sent: one a pixel, and those at edges.
+    pub rays: u64,
+}
+
+impl Rendering {
+    /// As JSON.
+    #[must_use]
+    pub fn json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self)
+            .expect("a rendering has string keys and plain values only");
+        text.push('\n');
+        text
+    }
+
+    /// A readable summary, styled for terminals.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let bold = Style::new().bold();
+        let Self { profile, scene, traced, file, pixels: [columns, rows], rays, .. } = self;
+        let from = match *traced {
+            "design" => "the designed mirror".to_owned(),
+            format => format!("the mesh written as {format} and read back"),
+        };
+        format!(
+            "{bold}{}{bold:#}  ({})\n  scene    {scene}, from {from}\n  picture  {file}  {columns} x {rows} pixels, \
+             {rays} rays\n",
+            profile.name,
+            short(&profile.sha256),
+        )
+    }
+}
