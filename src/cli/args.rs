@@ -57,7 +57,7 @@ pub enum Command {
     Render {
         /// Profile file, or name of a shipped profile
         profile: String,
-        /// grid, chessboard or views; a panorama as PNG, JPEG or EXR; a model as OBJ
+        /// grid, chessboard, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
         #[arg(long, value_name = "NAME|FILE")]
         scene: String,
         /// By the designed mirror instead of the mesh that is written and read back

@@ -5,13 +5,16 @@ use super::files::Folder;
 use super::formats::write_mesh;
 use super::observer::Clock;
 use super::scenery::{Scenery, Wanted, stem};
-use super::sight::{Distance, Eye, Seen, picture};
+use super::sight::{Distance, Eye, Seen, above, picture, reflected};
 use super::{Error, Observer, Source, Stage, close, designed, label, meshed};
 use crate::design::Design;
-use crate::geom::DVec3;
+use crate::geom::{DVec2, DVec3, Ray};
+use crate::num::{cos, radians, sin};
+use crate::optics::Target;
 use crate::profile::Format;
-use crate::render::{Chessboard, Picture, TestWorld, World, views};
+use crate::render::{Chessboard, Picture, Setup, TestWorld, World, views};
 use crate::report::{ProfileId, Rendering, SCHEMA};
+use crate::trace::Scene;
 use std::path::Path;
 
 /// Samples along each side of a pixel at edges.
@@ -32,10 +35,8 @@ pub fn render(
     let scenery = Scenery::read(wanted)?;
     let folder = Folder::create(&out.join(&profile.name))?;
     let design = clock.stage(Stage::Design, || designed(source))?;
-    let mesh = match (wanted.smooth, &scenery) {
-        (true, scenery) if !matches!(scenery, Scenery::Views) => None,
-        _ => Some(reread(&clock, source, &design)?),
-    };
+    let by_mesh = !wanted.smooth || scenery.shows_part();
+    let mesh = if by_mesh { Some(reread(&clock, source, &design)?) } else { None };
     let seen = mesh.as_ref().map(|(_, seen)| seen);
     let (png, picture) = clock.stage(Stage::Picture, || {
         let picture = taken(&design, seen, scenery, wanted);
@@ -98,7 +99,8 @@ fn taken(design: &Design, seen: Option<&Seen>, scenery: Scenery, wanted: &Wanted
         }
         (Scenery::Panorama(world), _) => far(&*world),
         (Scenery::Model(world), _) => around(&*world),
-        (Scenery::Views, None) => unreachable!("views are of a mesh"),
+        (Scenery::Cylinder, Some((scene, _))) => cylinder(design, scene),
+        (Scenery::Views | Scenery::Cylinder, None) => unreachable!("the part is a mesh"),
     }
 }
 
@@ -108,6 +110,58 @@ fn chessboard(design: &Design, square_mm: Option<f64>) -> Chessboard {
     let size = outline.bounds().size();
     let square = square_mm.unwrap_or_else(|| size.max_element());
     Chessboard::new(square, design.camera.chart.plane_mm, outline.reach(size))
+}
+
+/// How the mirror takes the image to a cylinder around it. Targets elsewhere are drawn on one that is
+/// near, as if from its middle.
+fn cylinder(design: &Design, scene: &Scene) -> Picture {
+    // Azimuths and elevation of the rays that are drawn, degrees; both ends of what the wall shows.
+    const RAYS_DEG: ([f64; 5], f64) = ([-66.0, -33.0, 0.0, 33.0, 66.0], 9.0);
+    const STEEPEST: f64 = 0.7;
+    const STEPS: i32 = 96;
+    let half_mm = design.mirror.whole().bounds().size() * 0.5;
+    let reach = half_mm.length();
+    let radius_mm = match design.view.as_ref().map(|view| view.target) {
+        Some(Target::Cylinder { radius_mm }) if radius_mm < 4.0 * reach => radius_mm,
+        _ => 1.6 * reach,
+    };
+    let horizon = design.view.as_ref().map_or(design.camera.chart.plane_mm, |v| v.origin_mm);
+    // Between mirror and pinhole the image is smaller than on the reference plane.
+    let chart = design.camera.chart;
+    let image_mm = above(scene).min(chart.plane_mm + 0.5 / chart.vergence);
+    let shrink = 1.0 - chart.vergence * (image_mm - chart.plane_mm);
+    let step = |k: i32| f64::from(2 * k + 1) / f64::from(STEPS) - 1.0;
+    let row = |y: i32| (0..STEPS).map(|x| half_mm * DVec2::new(step(x), step(y))).collect();
+    let points: Vec<Vec<DVec2>> = (0..STEPS).map(row).collect();
+    let ends: Vec<(DVec2, Ray)> = points
+        .iter()
+        .flat_map(|row| row.iter().copied().zip(reflected(design, row)))
+        .filter_map(|(q, end)| Some((q, end?)))
+        .collect();
+    let rise = |ray: &Ray| ray.direction.z / ray.direction.truncate().length();
+    let steepest = |ends: &[(DVec2, Ray)], sign: f64| {
+        let rises = ends.iter().map(|(_, ray)| sign * rise(ray));
+        sign * rises.fold(0.0, f64::max).min(STEEPEST)
+    };
+    let [foot, top] = [-1.0, 1.0].map(|sign| horizon + radius_mm * steepest(&ends, sign));
+    let (azimuths, elevation) = RAYS_DEG;
+    let drawn = azimuths.into_iter().filter_map(|azimuth| {
+        let [a, e] = [azimuth, elevation].map(radians);
+        let wanted = DVec3::new(cos(e) * sin(a), cos(e) * cos(a), sin(e));
+        let nearest = |(_, ray): &&(DVec2, Ray)| ray.direction.dot(wanted);
+        let (q, ray) = ends.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b)))?;
+        let (o, d) = (ray.origin.truncate(), ray.direction.truncate());
+        let (a, b) = (d.length_squared(), o.dot(d));
+        let inside = radius_mm * radius_mm - o.length_squared();
+        let t = ((b * b + a * inside).max(0.0).sqrt() - b) / a;
+        Some([(q * shrink).extend(image_mm), ray.origin, ray.at(t)])
+    });
+    let rays = drawn.collect();
+    let heights_mm = [foot, horizon, top];
+    let half_mm = half_mm * shrink;
+    let setup = Setup { scene, half_mm, image_mm, radius_mm, heights_mm, rays };
+    let shown = |q: DVec2| reflected(design, &[q / shrink])[0].map(|ray| ray.direction);
+    setup.picture(shown)
 }
 
 /// The designed mirror's unit normal at a place of its optical face.

@@ -24,8 +24,8 @@ pub struct Wanted<'a> {
 pub enum SceneError {
     /// Neither a scene nor a file.
     #[error(
-        "{named}: no such file, and no scene of that name; the scenes are grid, chessboard and \
-         views, and files may be PNG, JPEG, EXR or OBJ{hint}"
+        "{named}: no such file, and no scene of that name; the scenes are grid, chessboard, views \
+         and cylinder, and files may be PNG, JPEG, EXR or OBJ{hint}"
     )]
     Unknown {
         /// As typed.
@@ -85,15 +85,22 @@ pub enum Scenery {
     Chessboard,
     /// The part itself.
     Views,
+    /// The image, the part and the cylinder around it.
+    Cylinder,
     /// A picture far away.
     Panorama(Box<Panorama>),
     /// Triangles around the mirror.
     Model(Box<Model>),
 }
 
-const NAMES: [&str; 3] = ["grid", "chessboard", "views"];
+const NAMES: [&str; 4] = ["grid", "chessboard", "views", "cylinder"];
 
 impl Scenery {
+    /// Whether it shows the part itself.
+    pub fn shows_part(&self) -> bool {
+        matches!(self, Self::Views | Self::Cylinder)
+    }
+
     /// Finds and reads the scene that is wanted.
     pub fn read(wanted: &Wanted) -> Result<Self, SceneError> {
         let scenery = Self::find(wanted)?;
@@ -114,6 +121,7 @@ impl Scenery {
             "grid" => return Ok(Self::Grid),
             "chessboard" => return Ok(Self::Chessboard),
             "views" => return Ok(Self::Views),
+            "cylinder" => return Ok(Self::Cylinder),
             _ => {}
         }
         let path = Path::new(named);

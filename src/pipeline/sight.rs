@@ -104,7 +104,7 @@ pub fn picture(
 
 /// The rays that leave the designed mirror where the camera sees it at `points` (best in lines of
 /// equal y): none off the mirror.
-fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
+pub fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
     let Design { mirror, camera, .. } = design;
     let outline = mirror.whole();
     let under = |&q: &DVec2| mirror.under(&camera.chart, q).unwrap_or(DVec2::INFINITY);

@@ -13,6 +13,7 @@ mod model;
 mod panorama;
 pub mod picture;
 mod pieces;
+mod setup;
 mod shade;
 mod turned;
 mod views;
@@ -23,6 +24,7 @@ pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::Panorama;
 pub use picture::{Canvas, Picture, Seen};
+pub use setup::Setup;
 pub use views::views;
 pub use world::TestWorld;
 

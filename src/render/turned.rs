@@ -8,6 +8,8 @@ use crate::geom::{DVec2, DVec3, Ray};
 const FINER: usize = 4;
 /// Share of a band's height by which bands overlap, lest rays slip between two of them.
 const LAP: f64 = 1e-9;
+/// Share of its terms by which a discriminant may be negative.
+const GRAZE: f64 = 1e-14;
 
 /// The outline of a turned solid, from its foot to its top: runs of points (radius, height). A run is
 /// a smooth curve through its points; between runs there are edges.
@@ -109,10 +111,11 @@ impl Band {
         let (m, n) = (self.from.x + slope * (z - self.from.y), slope * dz);
         let (a, b, c) = (a - n * n, b - m * n, c - m * m);
         let root = b * b - a * c;
-        if root < 0.0 {
+        // A ray along the axis grazes every cone's tip; rounding must not let it through.
+        if root < -GRAZE * b * b {
             return None;
         }
-        let q = -b - root.sqrt().copysign(b);
+        let q = -b - root.max(0.0).sqrt().copysign(b);
         let (first, second) = (q / a, c / q);
         let share = |t: f64| (z + dz * t - self.from.y) / way.y;
         let inside = |t: &f64| *t > 0.0 && *t < end && (-LAP..=1.0 + LAP).contains(&share(*t));
@@ -138,14 +141,19 @@ fn bands(run: &[[f64; 2]]) -> Vec<Band> {
     points.windows(2).enumerate().map(band).collect()
 }
 
-/// Points on Catmull and Rom's curve through `points`; radii below 0 are 0.
+/// Points on Catmull and Rom's curve through `points`; radii below 0 are 0. It crosses the axis
+/// level, and ends as a parabola elsewhere.
 fn curve(points: &[DVec2]) -> Vec<DVec2> {
     let last = points.len() - 1;
+    let beyond = |end: DVec2, next: DVec2, third: DVec2| match end.x {
+        0.0 => DVec2::new(-next.x, next.y),
+        _ => 3.0 * (end - next) + third,
+    };
     let mut out = vec![points[0]];
     for k in 0..last {
         let (p1, p2) = (points[k], points[k + 1]);
-        let p0 = if k > 0 { points[k - 1] } else { 2.0 * p1 - p2 };
-        let p3 = if k + 1 < last { points[k + 2] } else { 2.0 * p2 - p1 };
+        let p0 = if k > 0 { points[k - 1] } else { beyond(p1, p2, points[2]) };
+        let p3 = if k + 1 < last { points[k + 2] } else { beyond(p2, p1, points[k - 1]) };
         for step in 1..=FINER {
             let t = step as f64 / FINER as f64;
             let bend =

@@ -19,27 +19,35 @@ const EYES_DEG: [[f64; 2]; 3] = [[0.0, 90.0], [0.0, 14.0], [38.0, 34.0]];
 
 /// A distant eye: unit vectors to the right, upwards and towards it.
 #[derive(Debug, Clone, Copy)]
-struct Eye {
-    right: DVec3,
-    up: DVec3,
-    towards: DVec3,
+pub struct Eye {
+    /// To the right in the picture.
+    pub right: DVec3,
+    /// Up in it.
+    pub up: DVec3,
+    /// Towards the eye.
+    pub towards: DVec3,
 }
 
 impl Eye {
-    fn new([turn_deg, rise_deg]: [f64; 2]) -> Self {
+    /// An eye `turn_deg` to the right of the picture's foot and `rise_deg` over the base plane.
+    #[must_use]
+    pub fn new([turn_deg, rise_deg]: [f64; 2]) -> Self {
         let [turn, rise] = [turn_deg, rise_deg].map(radians);
         let right = DVec3::new(cos(turn), sin(turn), 0.0);
         let towards = DVec3::new(sin(turn) * cos(rise), -cos(turn) * cos(rise), sin(rise));
         Self { right, up: towards.cross(right), towards }
     }
 
-    fn lights(&self) -> Lights {
+    /// A lamp above it on the left.
+    #[must_use]
+    pub fn lights(&self) -> Lights {
         let lamp = 0.62 * self.towards + 0.62 * self.up - 0.48 * self.right;
         Lights { up: self.up, lamp: lamp.normalize() }
     }
 
-    /// Where it sees `v`.
-    fn project(&self, v: DVec3) -> DVec2 {
+    /// Where it sees `v`, mm to the right and up.
+    #[must_use]
+    pub fn project(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up))
     }
 }
