@@ -35,7 +35,7 @@ fn bright(picture: &Raster, x: usize, y: usize) -> f64 {
     at(picture, x, y).iter().map(|c| f64::from(*c)).sum()
 }
 
-/// The middle of the dark line that crosses a row of 13 samples, in samples from its middle one.
+/// The middle of the dark line that crosses a row of samples, counted from its middle one.
 fn darkest(row: &[f64]) -> f64 {
     let n = row.len() as f64 - 1.0;
     let (first, last) = (row[0], row[row.len() - 1]);
@@ -59,9 +59,9 @@ fn the_grid_in_an_exact_mirror_is_straight_and_where_it_belongs() {
     for azimuth in [-75, -60, -45, -30, 30, 45, 60, 75].map(f64::from) {
         for y in (row(27.0) as usize..row(18.0) as usize).step_by(3) {
             let middle = column(azimuth);
-            let first = middle as usize - 6;
-            let samples: Vec<f64> = (0..13).map(|k| bright(&picture, first + k, y)).collect();
-            let found = first as f64 + 6.5 + darkest(&samples);
+            let first = middle as usize - 3;
+            let samples: Vec<f64> = (0..7).map(|k| bright(&picture, first + k, y)).collect();
+            let found = first as f64 + 3.5 + darkest(&samples);
             assert!((found - middle).abs() < 0.1, "meridian {azimuth} at {y}: {found} {middle}");
             lines += 1;
         }
@@ -69,9 +69,9 @@ fn the_grid_in_an_exact_mirror_is_straight_and_where_it_belongs() {
     for elevation in [-15.0, 15.0] {
         for azimuth in [-82, -67, -52, -37, 38, 53, 68, 82].map(f64::from) {
             let (x, middle) = (column(azimuth) as usize, row(elevation));
-            let first = middle as usize - 6;
-            let samples: Vec<f64> = (0..13).map(|k| bright(&picture, x, first + k)).collect();
-            let found = first as f64 + 6.5 + darkest(&samples);
+            let first = middle as usize - 3;
+            let samples: Vec<f64> = (0..7).map(|k| bright(&picture, x, first + k)).collect();
+            let found = first as f64 + 3.5 + darkest(&samples);
             assert!((found - middle).abs() < 0.1, "circle {elevation} at {x}: {found} {middle}");
             lines += 1;
         }

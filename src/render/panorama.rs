@@ -160,7 +160,8 @@ mod tests {
     #[test]
     fn halves_keep_the_mean_and_small_samples_the_detail() {
         for (width, height) in [(16, 8), (37, 11), (5, 1)] {
-            let dots = |k: usize| [if k % 3 == 0 { 1.0 } else { 0.0 }, (k * k % 7) as f32, 0.25];
+            let dots =
+                |k: usize| [if k.is_multiple_of(3) { 1.0 } else { 0.0 }, (k * k % 7) as f32, 0.25];
             let picture = Raster { width, height, rgb: (0..width * height).map(dots).collect() };
             let mean = |p: &Raster, c: usize| {
                 p.rgb.iter().map(|light| f64::from(light[c])).sum::<f64>() / p.rgb.len() as f64
@@ -180,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_wide_sample_of_fine_stripes_sees_their_mean() {
-        let stripes = |k: usize| [if k % 2 == 0 { 1.0 } else { 0.0 }; 3];
+        let stripes = |k: usize| [if k.is_multiple_of(2) { 1.0 } else { 0.0 }; 3];
         let rgb = (0..512 * 256).map(stripes).collect();
         let world = Panorama::new(Raster { width: 512, height: 256, rgb }).unwrap();
         let texel = TAU / 512.0;
