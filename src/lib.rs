@@ -21,6 +21,7 @@
 //! - **witness**: the ray trace of the file that was written ([`trace::Witness`]).
 //! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to
 //!   ([`unwrap::Panorama`], [`unwrap::Map`]).
+//! - **pencil**: the bundle of camera rays that makes one pixel, after the mirror ([`pencil`]).
 //! - **crest / valley**: a ridge where two panels meet, standing out of / sunk into the part.
 //!
 //! # Frames and units
@@ -36,7 +37,7 @@
 //!
 //! ```text
 //! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
-//!                                                   \__ render
+//!               \__ pencil                          \__ render
 //! design + photo -> unwrap -> [panorama]
 //! ```
 //!
@@ -56,6 +57,7 @@
 //! profile                     optics
 //! ```
 //!
+//! [`pencil`] stands beside [`mesh`]: it uses mirror and optics, and pipeline and report use it.
 //! [`trace`], the witness, uses nothing of the design: it gets a table of intended rays.
 //!
 //! # What is not promised
@@ -71,6 +73,7 @@ pub mod mesh;
 pub mod mirror;
 pub mod num;
 pub mod optics;
+pub mod pencil;
 pub mod pipeline;
 pub mod profile;
 pub mod raster;

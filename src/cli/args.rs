@@ -73,6 +73,17 @@ pub enum Command {
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
     },
+    /// Check how the mirror fills the camera's frame; pictures and figures into DIR/NAME/
+    Frame {
+        /// Profile file, or name of a shipped profile
+        profile: String,
+        /// Least share of the pixels that must see their part of the world
+        #[arg(long, value_name = "SHARE", default_value_t = 0.995, value_parser = share)]
+        min: f64,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
     /// Turn a photo through the mirror into a panorama, DIR/NAME/PHOTO-unwrapped.png
     Unwrap {
         /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
@@ -96,6 +107,25 @@ pub enum Command {
         #[arg(long, value_name = "N")]
         width: Option<NonZeroUsize>,
     },
+    /// Work out the spot that each pixel sees through an open lens; picture and figures into DIR/NAME/
+    Blur {
+        /// Profile file, or name of a shipped profile
+        profile: String,
+        /// Diameter of a pinhole camera's entrance pupil
+        #[arg(long, value_name = "MM", value_parser = positive)]
+        #[arg(conflicts_with = "na", required_unless_present = "na")]
+        pupil_mm: Option<f64>,
+        /// Numerical aperture of a telecentric lens on the mirror's side
+        #[arg(long, value_name = "NA", value_parser = aperture)]
+        na: Option<f64>,
+        /// Plane in focus: its distance from the entrance pupil, of a telecentric lens its height Z
+        /// over the part's base [default: the focus that makes most spots small]
+        #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+        focus_mm: Option<f64>,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
     /// Run time against error: the shipped mirrors designed in every way, into DIR/bench/
     Bench {
         /// Few degrees, one run of each
@@ -111,12 +141,6 @@ pub enum Command {
         #[arg(long, value_name = "NAME")]
         show: Option<String>,
     },
-}
-
-/// A length.
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|x| (1e-9..=1e9).contains(x));
-    number.ok_or_else(|| "must be a number of millimetres over 0".into())
 }
 
 /// Formats of a map.
@@ -137,6 +161,28 @@ pub enum Rows {
     Equirectangular,
     /// Conformal
     Mercator,
+}
+
+/// A number for which `fits` holds; otherwise it says what it must be.
+fn number(text: &str, must: &str, fits: impl Fn(f64) -> bool) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|&x: &f64| x.is_finite() && fits(x));
+    number.ok_or_else(|| format!("it must be {must}"))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    number(text, "a number from 0 to 1", |x| (0.0..=1.0).contains(&x))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text, "a number of millimetres over 0", |x| (1e-9..=1e9).contains(&x))
+}
+
+fn aperture(text: &str) -> Result<f64, String> {
+    number(text, "a number between 0 and 1", |x| x > 0.0 && x < 1.0)
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    number(text, "a finite number", |_| true)
 }
 
 /// How results are printed.

@@ -4,10 +4,10 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Source, Wanted, Way, bench, build, foresee, load, render, unwrap, verify,
+    self, Source, Wanted, Way, bench, blur, build, foresee, frame, load, render, unwrap, verify,
 };
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Prospect, Report, Verdict, text};
+use crate::report::{Aperture, Prospect, Report, Verdict, text};
 use args::{Arguments, Command, Format, MapFormat, Rows};
 use clap::Parser;
 use progress::Progress;
@@ -65,10 +65,11 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         }
         Command::Check { profile } => {
             let profile = load(profile)?.profile;
-            print(&match arguments.format {
-                Format::Text => format!("{}: valid ({})\n", profile.name, profile.sha256),
-                Format::Json => line(&json!({ "name": profile.name, "sha256": profile.sha256 })),
-            })?;
+            show(
+                arguments,
+                || format!("{}: valid ({})\n", profile.name, profile.sha256),
+                || line(&json!({ "name": profile.name, "sha256": profile.sha256 })),
+            )?;
             Ok(PASSED)
         }
         Command::Verify { file, profile } => {
@@ -79,10 +80,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let (smooth, square_mm, unit_mm) = (*smooth, *square_mm, *unit_mm);
             let wanted = Wanted { scene, smooth, square_mm, unit_mm };
             let rendering = render(&load(profile)?, &wanted, out, &progress)?;
-            print(&match arguments.format {
-                Format::Text => rendering.text(),
-                Format::Json => rendering.json(),
-            })?;
+            show(arguments, || rendering.text(), || rendering.json())?;
             Ok(PASSED)
         }
         Command::Unwrap { photo, profile, out, cuts, map, projection, width } => {
@@ -93,27 +91,35 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             };
             let way = if *cuts { Way::Cuts } else { remap };
             let unwrapped = unwrap(&load(profile)?, photo, way, out, &progress)?;
-            print(&match arguments.format {
-                Format::Text => unwrapped.text(),
-                Format::Json => unwrapped.json(),
-            })?;
+            show(arguments, || unwrapped.text(), || unwrapped.json())?;
+            Ok(PASSED)
+        }
+        Command::Frame { profile, min, out } => {
+            let report = frame(&load(profile)?, out, *min, &progress)?;
+            show(arguments, || report.text(), || report.json())?;
+            Ok(code(report.verdict))
+        }
+        Command::Blur { profile, pupil_mm, na, focus_mm, out } => {
+            let pupil = pupil_mm.map(|pupil_mm| Aperture::Pupil { pupil_mm });
+            let aperture = pupil.or(na.map(|na| Aperture::Na { na }));
+            let aperture = aperture.expect("one of both is required");
+            let report = blur(&load(profile)?, aperture, *focus_mm, out, &progress)?;
+            show(arguments, || report.text(), || report.json())?;
             Ok(PASSED)
         }
         Command::Bench { quick, out } => {
             let bench = bench(out, *quick)?;
-            print(&match arguments.format {
-                Format::Text => bench.text(),
-                Format::Json => bench.json(),
-            })?;
+            show(arguments, || bench.text(), || bench.json())?;
             Ok(PASSED)
         }
         Command::Profiles { show: None } => {
             for Shipped { name, text } in shipped() {
                 let summary = Profile::parse(name, name, text.as_bytes())?.summary;
-                print(&match arguments.format {
-                    Format::Text => format!("{name:21} {summary}\n"),
-                    Format::Json => line(&json!({ "name": name, "summary": summary })),
-                })?;
+                show(
+                    arguments,
+                    || format!("{name:21} {summary}\n"),
+                    || line(&json!({ "name": name, "summary": summary })),
+                )?;
             }
             Ok(PASSED)
         }
@@ -168,10 +174,7 @@ fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
 /// Prints what a build would make, the warnings to stderr.
 fn announce(arguments: &Arguments, prospect: &Prospect) -> Result<u8, Failure> {
     prospect.warnings.iter().for_each(|warning| warn(warning));
-    print(&match arguments.format {
-        Format::Json => prospect.json(),
-        Format::Text => prospect.text(),
-    })?;
+    show(arguments, || prospect.text(), || prospect.json())?;
     Ok(PASSED)
 }
 
@@ -184,13 +187,27 @@ fn warn(warning: &str) {
 /// Prints a report and turns its verdict into an exit code.
 fn conclude(arguments: &Arguments, report: &Report) -> Result<u8, Failure> {
     report.warnings.iter().for_each(|warning| warn(warning));
-    match arguments.format {
-        Format::Json => print(&report.json())?,
-        Format::Text => print(&text(report))?,
-    }
-    Ok(match report.verdict {
+    show(arguments, || text(report), || report.json())?;
+    Ok(code(report.verdict))
+}
+
+/// A verdict's exit code.
+fn code(verdict: Verdict) -> u8 {
+    match verdict {
         Verdict::Pass => PASSED,
         Verdict::Fail => FAILED,
+    }
+}
+
+/// Prints a result as asked.
+fn show(
+    arguments: &Arguments,
+    text: impl FnOnce() -> String,
+    json: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    print(&match arguments.format {
+        Format::Text => text(),
+        Format::Json => json(),
     })
 }
 

@@ -7,6 +7,7 @@
 mod bounds;
 mod form;
 mod patches;
+mod quadric;
 mod round;
 mod sheet;
 mod volume;
@@ -14,6 +15,7 @@ mod volume;
 pub use bounds::{Bounds, Cells, Union};
 pub use form::{Departure, Form, Plane, Sphere};
 pub use patches::{Knots, LEAST_KNOTS, Patches, PatchesRow};
+pub use quadric::Quadric;
 pub use round::{Rings, Round};
 pub use sheet::{Curvature, Point, Sheet, SheetRow};
 
@@ -174,6 +176,20 @@ impl Mirror {
     #[must_use]
     pub fn normal(&self, q: DVec2, point: &Point) -> DVec3 {
         (-self.slope(q, point)).extend(1.0)
+    }
+
+    /// The mirror's point over `q`, on any panel, with its derivatives over X and Y.
+    #[must_use]
+    pub fn quadric(&self, q: DVec2) -> Quadric {
+        if self.reflects(q) {
+            return self.panel_quadric(q * DVec2::new(1.0, -1.0)).reflected();
+        }
+        self.panel_quadric(q)
+    }
+
+    /// The same on the designed panel.
+    fn panel_quadric(&self, q: DVec2) -> Quadric {
+        Quadric::new(&self.chart, q, &self.surface.at(q), &self.surface.curvature(q))
     }
 
     /// The chart's coordinates of the mirror's point that a camera sees at its image point `q`:

@@ -13,7 +13,7 @@ use crate::optics::reflect;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
-use crate::trace::{self, Errors, Frame, Intent, Outcome, Scene, Witness};
+use crate::trace::{self, Errors, Fate, Frame, Intent, Outcome, Scene, Witness, fates};
 
 /// What the bytes of one file showed.
 pub struct Evidence {
@@ -93,19 +93,15 @@ pub fn examine(
         }
     };
     let camera = &design.camera;
-    // Without a limit of its own a profile counts a pixel as filled while its content lies within
-    // a hundredth of the frame's width from where it should.
-    let tolerance_px =
-        profile.accept.pixel_error_max_px.unwrap_or(0.01 * f64::from(camera.pixels[0]));
     clock.always(Stage::Trace, || {
         let scene = Scene::new(mesh);
         let table = intents(design, &scene);
         let witness =
             Witness::trace(&scene, normals.as_deref(), design.view.as_ref(), camera.pixels, table);
-        let frame = design
-            .view
-            .is_some()
-            .then(|| Frame::new(&witness, camera.pixels, camera.pixel_mm, tolerance_px));
+        let frame = design.view.is_some().then(|| {
+            let fates = pixel_fates(profile, design, &witness);
+            Frame::new(&witness, &fates, camera.pixels, tolerance_px(profile))
+        });
         let has_normals = normals.is_some();
         let mut trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
         trace.worst_vertex = vertex;
@@ -121,6 +117,20 @@ pub fn examine(
         };
         (evidence, note)
     })
+}
+
+/// The pixel error up to which a pixel counts as filled: the profile's own limit, or a hundredth of
+/// the frame's width.
+pub fn tolerance_px(profile: &Profile) -> f64 {
+    let usual = 0.01 * f64::from(profile.camera.pixels()[0]);
+    profile.accept.pixel_error_max_px.unwrap_or(usual)
+}
+
+/// What becomes of every pixel.
+pub fn pixel_fates(profile: &Profile, design: &Design, witness: &Witness) -> Vec<Fate> {
+    let camera = &design.camera;
+    let folded = design.view.as_ref().is_some_and(|view| view.fold.is_some());
+    fates(witness, camera.pixels, camera.pixel_mm, tolerance_px(profile), folded)
 }
 
 fn by_rim(design: &Design, scene: &Scene, witness: &Witness) -> usize {

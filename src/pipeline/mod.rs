@@ -6,14 +6,18 @@
 
 mod advice;
 mod bench;
+mod blur;
 mod drawings;
+mod error;
 mod examine;
 mod facets;
 mod files;
 mod foresee;
 mod formats;
+mod frame;
 mod observer;
 mod render;
+mod reread;
 mod scenery;
 mod shape;
 mod sight;
@@ -22,19 +26,22 @@ mod unwrap;
 mod verdict;
 
 pub use bench::bench;
+pub use blur::blur;
+pub use error::Error;
 pub use files::FileError;
 pub use foresee::foresee;
+pub use frame::frame;
 pub use observer::{Observer, Silent, Stage};
 pub use render::render;
 pub use scenery::{SceneError, Wanted};
 pub use source::{Source, SourceError, load};
 pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
 
-use crate::design::{Design, DesignError, design};
+use crate::design::{Design, design};
 use crate::export::Label;
-use crate::export::step::{Fit, FitError};
+use crate::export::step::Fit;
 use crate::geom::Precision;
-use crate::mesh::{Face, MeshError};
+use crate::mesh::Face;
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::render::{TestWorld, World};
@@ -42,7 +49,7 @@ use crate::report::{
     FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, Report, SCHEMA, SolidFacts, StepFacts,
     html,
 };
-use crate::solid::{Solid, SolidError};
+use crate::solid::Solid;
 use advice::Advice;
 use drawings::{Checked, Drawing, check_table, fitted};
 use examine::{Evidence, examine};
@@ -54,89 +61,6 @@ use observer::Clock;
 use sight::{Distance, Eye, picture};
 use std::io::{self, Write};
 use std::path::Path;
-use thiserror::Error;
-
-/// Why a build or a verification could not be done. (A part that turns out bad is no error: that is
-/// a verdict.)
-#[derive(Debug, Error)]
-pub enum Error {
-    /// The design has no answer.
-    #[error("cannot design {profile}: {source}")]
-    Design {
-        /// Profile name.
-        profile: String,
-        /// Why.
-        source: DesignError,
-    },
-    /// No mesh keeps the limits.
-    #[error("cannot mesh {profile}: {source}")]
-    Mesh {
-        /// Profile name.
-        profile: String,
-        /// Why.
-        source: MeshError,
-    },
-    /// No mesh file but in single precision is asked for, and that cannot carry the limits.
-    #[error("cannot mesh {profile}: {reason}")]
-    Single {
-        /// Profile name.
-        profile: String,
-        /// Where, and what it carries.
-        reason: String,
-    },
-    /// STEP is asked for, and no splines suit the mirror.
-    #[error("cannot write {profile} as STEP: {source}")]
-    Step {
-        /// Profile name.
-        profile: String,
-        /// Why.
-        source: FitError,
-    },
-    /// A sag table of too many places.
-    #[error(
-        "cannot write the sag table of {profile}: it would sample {points:.1e} places, over {most:.0e}; \
-         raise export.sag.pitch_mm or step_mm"
-    )]
-    Table {
-        /// Profile name.
-        profile: String,
-        /// Places along its path.
-        points: f64,
-        /// Most that there may be.
-        most: f64,
-    },
-    /// The body is not a solid.
-    #[error("cannot close {profile} for {format}: {source}")]
-    Solid {
-        /// Profile name.
-        profile: String,
-        /// For which format.
-        format: Format,
-        /// Why.
-        source: SolidError,
-    },
-    /// The disk refuses.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// The picture cannot be made.
-    #[error("cannot make the picture: {0}")]
-    Picture(String),
-    /// There is no such scene.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The benchmark cannot run or be drawn.
-    #[error("cannot benchmark: {0}")]
-    Bench(String),
-    /// A photo cannot be unwrapped.
-    #[error(transparent)]
-    Photo(#[from] PhotoError),
-    /// A file to be verified is of no known format.
-    #[error("{path}: the name must end in .stl, .obj or .3mf")]
-    Format {
-        /// The file.
-        path: String,
-    },
-}
 
 /// Builds the profile of `source` into `out`/NAME: every stage, every file, and the report that is returned.
 ///

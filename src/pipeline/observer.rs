@@ -21,6 +21,10 @@ pub enum Stage {
     Read,
     /// Rays against those triangles.
     Trace,
+    /// What the pixels cover of the world.
+    Coverage,
+    /// How large a spot each pixel sees.
+    Blur,
     /// What the camera sees.
     Picture,
     /// Results -> report files.
@@ -39,6 +43,8 @@ impl Stage {
             Self::Write => "write",
             Self::Read => "read",
             Self::Trace => "trace",
+            Self::Coverage => "coverage",
+            Self::Blur => "blur",
             Self::Picture => "picture",
             Self::Report => "report",
         }

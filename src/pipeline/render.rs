@@ -1,17 +1,15 @@
 //! `morion render`: a picture of a scene in the mirror.
 
-use super::examine::examine;
 use super::files::Folder;
-use super::formats::write_mesh;
 use super::observer::Clock;
+use super::reread::reread;
 use super::scenery::{Scenery, Wanted, stem};
 use super::sight::{Distance, Eye, Seen, above, picture, reflected};
-use super::{Error, Observer, Source, Stage, close, designed, label, meshed};
+use super::{Error, Observer, Source, Stage, designed};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::optics::Target;
-use crate::profile::Format;
 use crate::render::{Chessboard, Picture, Setup, TestWorld, World, views};
 use crate::report::{ProfileId, Rendering, SCHEMA};
 use crate::trace::Scene;
@@ -36,8 +34,8 @@ pub fn render(
     let folder = Folder::create(&out.join(&profile.name))?;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let by_mesh = !wanted.smooth || scenery.shows_part();
-    let mesh = if by_mesh { Some(reread(&clock, source, &design)?) } else { None };
-    let seen = mesh.as_ref().map(|(_, seen)| seen);
+    let mesh = if by_mesh { Some(reread(&clock, profile, &design)?) } else { None };
+    let seen = mesh.as_ref().map(|reread| &reread.seen);
     let (png, picture) = clock.stage(Stage::Picture, || {
         let picture = taken(&design, seen, scenery, wanted);
         let png = picture.to_png().map_err(|e| Error::Picture(e.to_string()))?;
@@ -54,36 +52,11 @@ pub fn render(
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         scene: wanted.scene.to_owned(),
-        traced: mesh.as_ref().map_or("design", |(format, _)| format.name()),
+        traced: mesh.as_ref().map_or("design", |reread| reread.format.name()),
         file: folder.path().join(name).display().to_string(),
         pixels: [picture.width, picture.height],
         rays: picture.samples,
     })
-}
-
-/// The mesh that a build would write first, written to memory and read back, with the witness's rays.
-fn reread(clock: &Clock, source: &Source, design: &Design) -> Result<(Format, Seen), Error> {
-    let profile = &source.profile;
-    let facets = clock.stage(Stage::Mesh, || meshed(profile, design))?;
-    let format = facets.formats[0];
-    let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
-    let label = label(profile, design, &facets.made);
-    let bytes = clock.stage(Stage::Write, || {
-        let mut bytes = Vec::new();
-        write_mesh(&mut bytes, format, &solid, (&facets.made, design), &label)
-            .expect("memory can be written to");
-        let note = format!("{format}, {:.1} MB in memory", bytes.len() as f64 / 1e6);
-        Ok::<_, Error>((bytes, note))
-    })?;
-    drop((facets, solid));
-    let evidence = examine(clock, profile, design, format, bytes);
-    match (evidence.seen, evidence.unreadable) {
-        (Some(seen), _) => Ok((format, seen)),
-        (None, reason) => {
-            let reason = reason.map_or_else(String::new, |reason| format!(": {reason}"));
-            Err(Error::Picture(format!("the {format} in memory cannot be read back{reason}")))
-        }
-    }
 }
 
 fn taken(design: &Design, seen: Option<&Seen>, scenery: Scenery, wanted: &Wanted) -> Picture {

@@ -8,6 +8,7 @@ use crate::raster::{Raster, RasterError};
 use crate::report::{FileFacts, MapFacts, PanoramaFacts, PhotoFacts, ProfileId, SCHEMA, Unwrapped};
 use crate::unwrap::{Map, Optics, Panorama, TableError, UnwrapError, cuts};
 use std::path::Path;
+use thiserror::Error;
 
 /// How a photo becomes a panorama.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,13 +1,18 @@
-//! Results -> bytes: JSON, HTML and the terminal's summary. It computes nothing.
+//! Results -> bytes: JSON, CSV, HTML, pictures and the terminal's summary. It computes nothing.
 
 mod bench;
+mod blur;
+mod frame;
 mod html;
+mod map;
 mod prospect;
 mod rendering;
 mod text;
 mod unwrapped;
 
 pub use bench::{Bench, DesignRun};
+pub use blur::{Aperture, BlurReport, Focus, Images, Spots};
+pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use rendering::Rendering;

@@ -86,7 +86,12 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     for reason in &report.reasons {
         writeln!(out, "  - {reason}")?;
     }
-    let (word, colour) = match report.verdict {
+    verdict_line(out, report.verdict)
+}
+
+/// The last line.
+pub(super) fn verdict_line(out: &mut String, verdict: Verdict) -> std::fmt::Result {
+    let (word, colour) = match verdict {
         Verdict::Pass => ("pass", AnsiColor::Green),
         Verdict::Fail => ("fail", AnsiColor::Red),
     };
@@ -157,7 +162,7 @@ pub(super) fn figures(summary: Option<Summary>) -> String {
 }
 
 /// Three or four digits that matter.
-fn digits(x: f64) -> String {
+pub(super) fn digits(x: f64) -> String {
     if x != 0.0 && x.abs() < 1e-3 { format!("{x:.2e}") } else { format!("{x:.3}") }
 }
 

@@ -3,6 +3,7 @@
 //! It knows only those triangles and a table of intended rays handed to it, so it cannot agree
 //! with a wrong design.
 
+mod coverage;
 mod frame;
 mod grid;
 mod lattice;
@@ -10,6 +11,7 @@ mod line;
 mod scene;
 mod witness;
 
-pub use frame::Frame;
+pub use coverage::{Column, Coverage, Range, Seam};
+pub use frame::{Fate, Frame, Lost, fates};
 pub use scene::{Hit, Scene};
 pub use witness::{Errors, Intent, Outcome, Seen, Witness, glance, look};

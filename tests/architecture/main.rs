@@ -25,6 +25,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("trace", &["geom", "optics", "num"]),
     ("tolerance", &["mirror", "optics", "trace", "geom", "num"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num"]),
+    ("pencil", &["mirror", "optics", "geom", "num"]),
     ("render", &["trace", "optics", "geom", "raster", "num"]),
     ("unwrap", &["mirror", "optics", "raster", "geom", "num"]),
     ("report", ALL_ABOVE),

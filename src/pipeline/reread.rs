@@ -1,0 +1,48 @@
+//! A build up to the ray trace, in memory: what would be written is read back and traced.
+
+use super::examine::examine;
+use super::formats::write_mesh;
+use super::observer::{Clock, Stage};
+use super::sight::Seen;
+use super::{Error, close, label, meshed};
+use crate::design::Design;
+use crate::profile::{Format, Profile};
+use crate::trace::Frame;
+
+/// The mesh that a build would write first, as it is read back.
+pub struct Reread {
+    /// The format that it was written in.
+    pub format: Format,
+    /// What the frame as a whole sees, if the profile has a projection.
+    pub frame: Option<Frame>,
+    /// The mesh and the witness's rays.
+    pub seen: Seen,
+}
+
+/// Meshes, closes, writes in memory, reads back and traces the mirror of `design`.
+///
+/// # Errors
+/// [`enum@Error`] when a stage cannot be done.
+pub fn reread(clock: &Clock, profile: &Profile, design: &Design) -> Result<Reread, Error> {
+    let facets = clock.stage(Stage::Mesh, || meshed(profile, design))?;
+    let format = facets.formats[0];
+    let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
+    let failed = |reason: String| Error::Reread { profile: profile.name.clone(), reason };
+    let label = label(profile, design, &facets.made);
+    let bytes = clock.stage(Stage::Write, || {
+        let mut bytes = Vec::new();
+        write_mesh(&mut bytes, format, &solid, (&facets.made, design), &label)
+            .map_err(|error| failed(error.to_string()))?;
+        let note = format!("{}, {:.1} MB in memory", format.file_name(), bytes.len() as f64 / 1e6);
+        Ok::<_, Error>((bytes, note))
+    })?;
+    drop((facets, solid));
+    let evidence = examine(clock, profile, design, format, bytes);
+    match (evidence.seen, evidence.unreadable) {
+        (Some(seen), _) => Ok(Reread { format, frame: evidence.frame, seen }),
+        (None, reason) => {
+            let reason = reason.map_or("nothing in it".into(), |reason| reason.to_string());
+            Err(failed(reason))
+        }
+    }
+}
