@@ -8,9 +8,9 @@ use crate::raster::Raster;
 use rayon::prelude::*;
 
 /// A pixel of the panorama is averaged over at most so many places of the photo along each side.
-const MOST_SAMPLES: usize = 8;
-/// Neighbours further apart in the photo lie on two panels, or at both ends of a turn.
-const JUMP: f32 = 2.0 * MOST_SAMPLES as f32;
+const MOST_SAMPLES: usize = 16;
+/// Neighbours further apart, as a share of the photo's width, lie at both ends of a turn.
+const JUMP: f32 = 0.05;
 
 /// For each pixel of a panorama the place of the photo that shows what belongs there.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,11 +86,6 @@ impl Map {
     pub fn paint(&self, photo: &Raster) -> Raster {
         assert_eq!([photo.width, photo.height], self.photo, "the size that the map is for");
         let panels: Vec<Raster> = self.pieces.iter().map(|piece| piece.of(photo)).collect();
-        let middle = 0.5 * photo.height as f32;
-        let first_above = self.pieces[0].rows.start < photo.height - self.pieces[0].rows.end;
-        let panel = |place: [f32; 2]| {
-            usize::from(self.pieces.len() > 1 && (place[1] < middle) != first_above)
-        };
         let light = |[x, y]: [f32; 2], panel: usize| {
             let Piece { columns, rows } = &self.pieces[panel];
             let (x, y) = (f64::from(x) - columns.start as f64, f64::from(y) - rows.start as f64);
@@ -102,7 +97,7 @@ impl Map {
             if place[0].is_nan() {
                 return [0.0; 3];
             }
-            let panel = panel(place);
+            let panel = self.panel(place);
             let [right, down] = [self.step(k, 1, width), self.step(k, width, height)];
             let longest = right.into_iter().chain(down).fold(0.0, |a: f32, b| a.max(b.abs()));
             let count = ((longest + 0.5) as usize).clamp(1, MOST_SAMPLES);
@@ -120,6 +115,14 @@ impl Map {
         Raster { width, height, rgb }
     }
 
+    /// Which of the pieces a place belongs to.
+    fn panel(&self, place: [f32; 2]) -> usize {
+        let rows = &self.pieces[0].rows;
+        let first_above = rows.start < self.photo[1] - rows.end;
+        let above = place[1] < 0.5 * self.photo[1] as f32;
+        usize::from(self.pieces.len() > 1 && above != first_above)
+    }
+
     /// How far the photo's place moves from pixel `k` to the next one, `stride` further among `count`
     /// of a line; nothing where that is not known.
     fn step(&self, k: usize, stride: usize, count: usize) -> [f32; 2] {
@@ -129,7 +132,9 @@ impl Map {
             0 => (k, k),
             _ => (k - stride, k),
         };
-        let step = [0, 1].map(|c| self.places[to][c] - self.places[from][c]);
-        if step.iter().all(|s| s.abs() <= JUMP) { step } else { [0.0; 2] }
+        let (from, to) = (self.places[from], self.places[to]);
+        let step = [0, 1].map(|c| to[c] - from[c]);
+        let near = step.iter().all(|s| s.abs() <= JUMP * self.photo[0] as f32);
+        if near && self.panel(from) == self.panel(to) { step } else { [0.0; 2] }
     }
 }
