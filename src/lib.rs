@@ -37,27 +37,33 @@
 //!
 //! ```text
 //! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
-//!               \__ pencil                          \__ render
-//! design + photo -> unwrap -> [panorama]
+//!               \                                    \        \
+//!                pencil                     [measured file]   render
+//!                unwrap <- [photo]                 align -> trace
 //! ```
 //!
-//! Which module may use which (everything may use [`num`] and [`geom`] but `profile`):
+//! Which module may use which; everything below [`profile`] may use [`num`], and from [`optics`] on
+//! [`geom`] too:
 //!
 //! ```text
-//!                    cli
-//!                     |
-//!                 pipeline
-//!     _______________/|\________________________________
-//!    /      /     /      \       \       \      \        \
-//! design  mesh  solid  export  trace  render  unwrap   report
-//!   | \    | \            |      |      | \ \    | \ \
-//!   |  \   |  \           |      |      |  \ trace  \ raster
-//!   |   mirror \        mirror   |      |   raster   mirror
-//!   |           \_______________ | ____ | ______ |
-//! profile                     optics
+//! num                profile              raster
+//! geom
+//! optics
+//! mirror
+//! design             profile, optics, mirror
+//! mesh               optics, mirror
+//! solid
+//! export             mirror, solid
+//! trace              optics
+//! align              optics, mirror
+//! pencil             optics, mirror
+//! unwrap             optics, mirror, raster
+//! render             optics, trace, raster
+//! report             results of all of these
+//! pipeline           all of these, and the file system
+//! cli                pipeline, profile, report
 //! ```
 //!
-//! [`pencil`] stands beside [`mesh`]: it uses mirror and optics, and pipeline and report use it.
 //! [`trace`], the witness, uses nothing of the design: it gets a table of intended rays.
 //!
 //! # What is not promised
@@ -65,6 +71,7 @@
 //! Bounds and checks are about the file's triangles and the designed surface. Nothing is said
 //! about what a machine makes of the file.
 
+pub mod align;
 pub mod cli;
 pub mod design;
 pub mod export;

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::pipeline::Unit;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -45,13 +46,23 @@ pub enum Command {
         /// Profile file, or name of a shipped profile
         profile: String,
     },
-    /// Check and ray-trace an STL or OBJ of any making against a profile
+    /// Check and ray-trace a mesh file of any making against a profile
     Verify {
-        /// The file, millimetres, in the part frame of the profile
+        /// The file: STL, OBJ or 3MF, in the part frame of the profile unless --align is given
         file: PathBuf,
         /// Profile file, or name of a shipped profile
         #[arg(long)]
         profile: String,
+        /// Find the pose first (within 20 degrees and a fifth of the width), report the form error,
+        /// and judge the file as a measured part: by what it shows, not as a solid
+        #[arg(long)]
+        align: bool,
+        /// Unit of the file's coordinates [default: by its size]
+        #[arg(long, value_enum, value_name = "UNIT")]
+        units: Option<Units>,
+        /// Folder for the form error's map and the report, in DIR/NAME-verify/ [default: out]
+        #[arg(long, value_name = "DIR", requires = "align")]
+        out: Option<PathBuf>,
     },
     /// A picture of a scene in the mirror, or of the mirror itself, into DIR/NAME/render-SCENE.png
     Render {
@@ -192,6 +203,33 @@ pub enum Format {
     Text,
     /// The report as JSON
     Json,
+}
+
+/// Units of length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Units {
+    /// Millimetres
+    Mm,
+    /// Centimetres
+    Cm,
+    /// Metres
+    M,
+    /// Inches
+    In,
+    /// Micrometres
+    Um,
+}
+
+impl From<Units> for Unit {
+    fn from(units: Units) -> Self {
+        match units {
+            Units::Mm => Self::Mm,
+            Units::Cm => Self::Cm,
+            Units::M => Self::M,
+            Units::In => Self::In,
+            Units::Um => Self::Um,
+        }
+    }
 }
 
 /// When output is coloured.

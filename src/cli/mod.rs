@@ -4,7 +4,8 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Source, Wanted, Way, bench, blur, build, foresee, frame, load, render, unwrap, verify,
+    self, Inspection, Source, Wanted, Way, bench, blur, build, foresee, frame, inspect, load,
+    render, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Aperture, Prospect, Report, Verdict, text};
@@ -72,8 +73,12 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             )?;
             Ok(PASSED)
         }
-        Command::Verify { file, profile } => {
-            let report = verify(&load(profile)?, file, &progress)?;
+        Command::Verify { file, profile, align, units, out } => {
+            let inspection = Inspection {
+                units: units.map(Into::into),
+                align: align.then(|| out.clone().unwrap_or_else(|| "out".into())),
+            };
+            let report = inspect(&load(profile)?, file, &inspection, &progress)?;
             conclude(arguments, &report)
         }
         Command::Render { profile, scene, smooth, square_mm, unit_mm, out } => {

@@ -3,6 +3,7 @@
 use super::files::FileError;
 use super::scenery::SceneError;
 use super::unwrap::PhotoError;
+use crate::align::AlignError;
 use crate::design::DesignError;
 use crate::export::step::FitError;
 use crate::mesh::MeshError;
@@ -108,6 +109,14 @@ pub enum Error {
     /// A photo cannot be unwrapped.
     #[error(transparent)]
     Photo(#[from] PhotoError),
+    /// A file to be verified does not let itself be aligned.
+    #[error("cannot align {path}: {source}")]
+    Align {
+        /// The file.
+        path: String,
+        /// Why.
+        source: AlignError,
+    },
     /// A file to be verified is of no known format.
     #[error("{path}: the name must end in .stl, .obj or .3mf")]
     Format {

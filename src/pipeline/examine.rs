@@ -21,6 +21,8 @@ pub struct Evidence {
     pub file: FileFacts,
     /// Whether the bytes are others than were written.
     pub altered: bool,
+    /// Whether it is a measured part, which is judged by what it does and not by its facets.
+    pub measured: bool,
     /// Why it could not be read, if so; then there is no more.
     pub unreadable: Option<ReadError>,
     /// The witness's figures.
@@ -34,6 +36,20 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// Of a file that could not be read.
+    pub fn unreadable(file: FileFacts, error: ReadError) -> Self {
+        Self {
+            file,
+            altered: false,
+            measured: false,
+            unreadable: Some(error),
+            trace: None,
+            by_rim: 0,
+            frame: None,
+            seen: None,
+        }
+    }
+
     /// Calls the file `name`.
     pub fn rename(&mut self, name: String) {
         if let Some(trace) = &mut self.trace {
@@ -51,24 +67,29 @@ pub fn examine(
     format: Format,
     bytes: Vec<u8>,
 ) -> Evidence {
+    let (file, read) = open(clock, format, bytes, |reread| checked(design, reread));
+    match read {
+        Ok(checked) => witness(clock, profile, design, file, checked),
+        Err(error) => Evidence::unreadable(file, error),
+    }
+}
+
+/// Reads the bytes of a mesh file, and does something with what is in it.
+pub fn open<T: Send>(
+    clock: &Clock,
+    format: Format,
+    bytes: Vec<u8>,
+    then: impl FnOnce(Reread) -> T + Send,
+) -> (FileFacts, Result<T, ReadError>) {
     let name = format.file_name().to_owned();
     let length = bytes.len() as u64;
     let read = || {
-        let reread = read_mesh(format, &bytes).map(|reread| {
-            let check = check(&reread.mesh).through(design.holes());
-            let solid = SolidFacts::new(&check, design.volume());
-            let vertex = worst_vertex(design, &reread.mesh.vertices);
-            let vertex = vertex.map(|(vertex, off)| {
-                let at = reread.mesh.vertices[vertex].to_array();
-                VertexFacts { at_mm: at, off_mm: off }
-            });
-            (reread, solid, vertex)
-        });
+        let reread = read_mesh(format, &bytes);
         let note = match &reread {
-            Ok((reread, ..)) => format!("{name}: {} triangles", reread.mesh.triangles.len()),
+            Ok(reread) => format!("{name}: {} triangles", reread.mesh.triangles.len()),
             Err(error) => format!("{name}: {error}"),
         };
-        (reread, note)
+        (reread.map(then), note)
     };
     let (reread, sha256) = clock.always(Stage::Read, || {
         let ((reread, note), sha256) = rayon::join(read, || sha256(&bytes));
@@ -76,22 +97,38 @@ pub fn examine(
     });
     // The rays need the mesh alone.
     drop(bytes);
-    let file = FileFacts { name: name.clone(), format: format.name(), bytes: length, sha256 };
-    let (Reread { mesh, normals }, solid, vertex) = match reread {
-        Ok(reread) => reread,
-        Err(error) => {
-            let unreadable = Some(error);
-            return Evidence {
-                file,
-                altered: false,
-                unreadable,
-                trace: None,
-                by_rim: 0,
-                frame: None,
-                seen: None,
-            };
-        }
-    };
+    (FileFacts { name, format: format.name(), bytes: length, sha256 }, reread)
+}
+
+/// A mesh, and what it is as a solid.
+pub struct Checked {
+    reread: Reread,
+    solid: SolidFacts,
+    vertex: Option<VertexFacts>,
+}
+
+/// Checks a mesh as a solid, and its vertices against `design`.
+pub fn checked(design: &Design, reread: Reread) -> Checked {
+    let check = check(&reread.mesh).through(design.holes());
+    let solid = SolidFacts::new(&check, design.volume());
+    let vertex = worst_vertex(design, &reread.mesh.vertices);
+    let vertex = vertex.map(|(vertex, off)| {
+        let at = reread.mesh.vertices[vertex].to_array();
+        VertexFacts { at_mm: at, off_mm: off }
+    });
+    Checked { reread, solid, vertex }
+}
+
+/// Traces a mesh.
+pub fn witness(
+    clock: &Clock,
+    profile: &Profile,
+    design: &Design,
+    file: FileFacts,
+    checked: Checked,
+) -> Evidence {
+    let Checked { reread: Reread { mesh, normals }, solid, vertex } = checked;
+    let name = file.name.clone();
     let camera = &design.camera;
     clock.always(Stage::Trace, || {
         let scene = Scene::new(mesh);
@@ -109,6 +146,7 @@ pub fn examine(
         let evidence = Evidence {
             file,
             altered: false,
+            measured: false,
             unreadable: None,
             trace: Some(trace),
             by_rim: by_rim(design, &scene, &witness),

@@ -24,7 +24,9 @@ mod sight;
 mod source;
 mod unwrap;
 mod verdict;
+mod verify;
 
+pub use crate::align::Unit;
 pub use bench::bench;
 pub use blur::blur;
 pub use error::Error;
@@ -36,6 +38,7 @@ pub use render::render;
 pub use scenery::{SceneError, Wanted};
 pub use source::{Source, SourceError, load};
 pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
+pub use verify::{Inspection, inspect, verify};
 
 use crate::design::{Design, design};
 use crate::export::Label;
@@ -249,32 +252,6 @@ fn painted(clock: &Clock, design: &Design, eye: Eye) -> Result<Vec<u8>, Error> {
     })
 }
 
-/// Reads an STL, OBJ or 3MF of any making, checks it and traces it against what the profile of `source`
-/// asks for.
-///
-/// # Errors
-/// [`enum@Error`] when the file cannot be opened or named, or the profile cannot be designed. (A file
-/// that opens but holds no sound mesh is a negative verdict.)
-pub fn verify(source: &Source, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
-    let profile = &source.profile;
-    let clock = Clock::new(observer);
-    let name = path.display().to_string();
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let known = Format::ALL.into_iter().filter(|format| format.is_mesh());
-    let Some(format) = known.into_iter().find(|f| Some(f.name()) == extension.as_deref()) else {
-        return Err(Error::Format { path: name });
-    };
-    let bytes = files::read(path)?;
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let form = Form::of(&design.mirror);
-    let mut evidence = examine(&clock, profile, &design, format, bytes);
-    evidence.rename(name);
-    // A file of unknown making has no proven bound; its shape is held to the profile's limit.
-    const USUAL_CHORD_UM: f64 = 10.0;
-    let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
-    Ok(assemble(profile, &design, form, None, vec![evidence], chord_mm))
-}
-
 fn designed(from: &Source) -> Result<(Design, String), Error> {
     let design = design(&from.profile, from.sag.as_ref())
         .map_err(|source| Error::Design { profile: from.profile.name.clone(), source })?;
@@ -351,6 +328,9 @@ fn assemble(
         trace: trace.into_iter().flatten().collect(),
         sag: None,
         step: None,
+        units: None,
+        alignment: None,
+        form_error_um: None,
         frame,
         verdict: verdict::of(&reasons),
         reasons,

@@ -19,6 +19,8 @@ pub enum Stage {
     Write,
     /// Files -> triangles, checked again.
     Read,
+    /// Triangles -> the pose that brings them onto the mirror.
+    Align,
     /// Rays against those triangles.
     Trace,
     /// What the pixels cover of the world.
@@ -42,6 +44,7 @@ impl Stage {
             Self::Solid => "solid",
             Self::Write => "write",
             Self::Read => "read",
+            Self::Align => "align",
             Self::Trace => "trace",
             Self::Coverage => "coverage",
             Self::Blur => "blur",

@@ -35,9 +35,13 @@ pub fn reasons(
             blame(error.to_string());
         }
         if let Some(trace) = &evidence.trace {
-            shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
+            if !evidence.measured {
+                shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
+            }
             rays(trace, evidence.by_rim).into_iter().for_each(&mut blame);
-            limits(profile, trace, proven_px).into_iter().for_each(&mut blame);
+            // A measured part's slopes are judged by the picture, not by the limit for facets.
+            let facets = !evidence.measured;
+            limits(profile, trace, proven_px, facets).into_iter().for_each(&mut blame);
         }
         if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
             && !(frame.filled >= least)
@@ -118,14 +122,19 @@ fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<String> {
     reasons
 }
 
-fn limits(profile: &Profile, trace: &TraceFacts, proven_px: Option<f64>) -> Vec<String> {
+fn limits(
+    profile: &Profile,
+    trace: &TraceFacts,
+    proven_px: Option<f64>,
+    facets: bool,
+) -> Vec<String> {
     let errors = &trace.errors;
     let accept = &profile.accept;
     let pixel = errors.pixel_error_px;
     [
         (
             "facet error",
-            errors.facet_error_px.map(|e| e.max),
+            errors.facet_error_px.filter(|_| facets).map(|e| e.max),
             profile.mesh.facet_px.or(proven_px),
             if profile.mesh.facet_px.is_some() { "mesh.facet_px" } else { "the mesh's bound" },
         ),

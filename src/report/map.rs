@@ -113,17 +113,37 @@ pub fn grey(share: f64) -> Colour {
 /// From dark blue over green to yellow: ever brighter (the corners of matplotlib's viridis).
 #[must_use]
 pub fn viridis(share: f64) -> Colour {
-    const CORNERS: [[f64; 3]; 5] = [
-        [68.0, 1.0, 84.0],
-        [59.0, 82.0, 139.0],
-        [33.0, 145.0, 140.0],
-        [94.0, 201.0, 98.0],
-        [253.0, 231.0, 37.0],
+    const CORNERS: [Colour; 5] =
+        [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+    between(&CORNERS, share)
+}
+
+/// From blue over white to red, for departures: ColorBrewer's RdBu, which the colour-blind can read.
+#[must_use]
+pub fn diverging(share: f64) -> Colour {
+    const CORNERS: [Colour; 9] = [
+        [33, 102, 172],
+        [67, 147, 195],
+        [146, 197, 222],
+        [209, 229, 240],
+        [247, 247, 247],
+        [253, 219, 199],
+        [244, 165, 130],
+        [214, 96, 77],
+        [178, 24, 43],
     ];
-    let along = share.clamp(0.0, 1.0) * (CORNERS.len() - 1) as f64;
-    let k = (along as usize).min(CORNERS.len() - 2);
+    between(&CORNERS, share)
+}
+
+/// The colour at a share of the way along evenly spaced ones.
+fn between(corners: &[Colour], share: f64) -> Colour {
+    let along = share.clamp(0.0, 1.0) * (corners.len() - 1) as f64;
+    let k = (along as usize).min(corners.len() - 2);
     let rest = along - k as f64;
-    [0, 1, 2].map(|c| (CORNERS[k][c] * (1.0 - rest) + CORNERS[k + 1][c] * rest).round() as u8)
+    [0, 1, 2].map(|c| {
+        let [a, b] = [corners[k], corners[k + 1]].map(|corner| f64::from(corner[c]));
+        (a * (1.0 - rest) + b * rest).round() as u8
+    })
 }
 
 /// White paper to draw on.

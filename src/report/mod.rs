@@ -5,6 +5,7 @@ mod blur;
 mod frame;
 mod html;
 mod map;
+mod measured;
 mod prospect;
 mod rendering;
 mod text;
@@ -14,11 +15,13 @@ pub use bench::{Bench, DesignRun};
 pub use blur::{Aperture, BlurReport, Focus, Images, Spots};
 pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;
+pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use rendering::Rendering;
 pub use text::text;
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 
+use crate::align::FormError;
 use crate::design::Facts;
 use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null};
@@ -56,6 +59,16 @@ pub struct Report {
     /// How near the splines of the STEP file are; absent when none was written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<StepFacts>,
+    /// The unit of a file of unknown making; absent for files that were made just now.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<UnitFacts>,
+    /// How a measured part was brought into the part frame; absent when that was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<AlignmentFacts>,
+    /// How far a measured part is from its design along its normal, um; positive where there is too
+    /// much material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form_error_um: Option<FormError>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<Frame>,
     /// Pass or fail.

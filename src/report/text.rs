@@ -1,9 +1,11 @@
 //! The terminal's summary of a report.
 
+use super::measured::{AlignmentFacts, error_line};
 use super::{ErrorFacts, Limited, Report, SagFacts, SolidFacts, StepFacts, Verdict};
 use crate::design::Facts;
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
+use crate::solid::Rim;
 use anstyle::{AnsiColor, Style};
 use std::fmt::Write;
 
@@ -51,6 +53,15 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     }
     if let Some(sag) = &report.sag {
         writeln!(out, "  table    {}", sag_line(sag))?;
+    }
+    if let Some(units) = &report.units {
+        writeln!(out, "  units    {}", units.line())?;
+    }
+    for (k, line) in report.alignment.iter().flat_map(AlignmentFacts::lines).enumerate() {
+        writeln!(out, "  {:8} {line}", if k == 0 { "pose" } else { "" })?;
+    }
+    if let Some(error) = &report.form_error_um {
+        writeln!(out, "  error    {}", error_line(error))?;
     }
     for trace in &report.trace {
         writeln!(
@@ -186,8 +197,12 @@ pub(super) fn solid_line(solid: &SolidFacts) -> String {
     let yes = |flag: bool, word: &str| {
         if flag { word.into() } else { format!("NOT {word}") }
     };
+    let rim = check.open.map_or(String::new(), |Rim { edges, loops }| {
+        let s = if loops == 1 { "" } else { "s" };
+        format!(" ({edges} rim edges in {loops} loop{s})")
+    });
     format!(
-        "{}, {}, {}; {} piece{}, Euler {}, {:.3} mm^3 ({:.3} expected)",
+        "{}{rim}, {}, {}; {} piece{}, Euler {}, {:.3} mm^3 ({:.3} expected)",
         yes(check.closed, "closed"),
         yes(check.oriented, "oriented"),
         yes(check.manifold, "manifold"),

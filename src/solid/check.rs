@@ -4,7 +4,7 @@
 //! facets, each giving a step from its next corner to its last, form exactly one cycle. Only when
 //! that fails are edges sorted to find out why.
 
-use super::{Check, Defect};
+use super::{Check, Defect, Rim};
 use crate::geom::TriMesh;
 use rayon::prelude::*;
 
@@ -48,6 +48,7 @@ pub fn check(mesh: &TriMesh) -> Check {
         closed,
         oriented,
         manifold,
+        open: (!closed).then(|| rim(mesh)),
         components,
         euler: used as i64 - edges as i64 + mesh.triangles.len() as i64,
         holes: 0,
@@ -65,6 +66,22 @@ pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
         edges.filter(|&(from, to)| !fans.has(to, from)).collect::<Vec<_>>()
     };
     mesh.triangles.par_iter().with_min_len(CHUNK).flat_map_iter(open).collect()
+}
+
+fn rim(mesh: &TriMesh) -> Rim {
+    let edges = open_edges(mesh);
+    let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+    let mut loops = 0;
+    let mut met = vec![false; parent.len()];
+    for &(from, to) in &edges {
+        for v in [from, to] {
+            loops += usize::from(!std::mem::replace(&mut met[v as usize], true));
+        }
+        let (a, b) = (root(&mut parent, from), root(&mut parent, to));
+        loops -= usize::from(a != b);
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    Rim { edges: edges.len(), loops }
 }
 
 /// For every vertex, the (next, last) corners of the facets around it.
@@ -196,16 +213,18 @@ fn pinches(mesh: &TriMesh, fans: &Fans) -> Vec<Defect> {
         .collect()
 }
 
+/// The first of the vertices that hang together with `v`.
+fn root(parent: &mut [u32], mut v: u32) -> u32 {
+    while parent[v as usize] != v {
+        parent[v as usize] = parent[parent[v as usize] as usize];
+        v = parent[v as usize];
+    }
+    v
+}
+
 /// Pieces that hang together by vertices (unused vertices do not count).
 fn components(mesh: &TriMesh) -> usize {
     let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    fn root(parent: &mut [u32], mut v: u32) -> u32 {
-        while parent[v as usize] != v {
-            parent[v as usize] = parent[parent[v as usize] as usize];
-            v = parent[v as usize];
-        }
-        v
-    }
     let mut used = vec![false; parent.len()];
     for &[a, b, c] in &mesh.triangles {
         let (ra, rb, rc) = (root(&mut parent, a), root(&mut parent, b), root(&mut parent, c));
@@ -258,6 +277,16 @@ mod tests {
         assert!(!found.closed && found.oriented && found.manifold);
         assert_eq!(found.defect_count, 3);
         assert!(found.reasons()[0].starts_with("open: only facet"));
+        assert_eq!(found.open, Some(Rim { edges: 3, loops: 1 }));
+        // The last facet is one of the base, without a corner in common with the top.
+        for (gone, edges, loops) in [([0, 13], 6, 2), ([0, 1], 4, 1)] {
+            let mut mesh = cube();
+            for t in gone.into_iter().rev() {
+                mesh.triangles.remove(t);
+            }
+            assert_eq!(check(&mesh).open, Some(Rim { edges, loops }));
+        }
+        assert_eq!(check(&cube()).open, None);
     }
 
     #[test]

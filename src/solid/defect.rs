@@ -76,6 +76,15 @@ impl fmt::Display for Defect {
     }
 }
 
+/// Where a mesh ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Rim {
+    /// Edges without a second facet.
+    pub edges: usize,
+    /// Loops that they form; those that meet in a vertex count as one.
+    pub loops: usize,
+}
+
 /// The result of checking a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
@@ -85,6 +94,9 @@ pub struct Check {
     pub oriented: bool,
     /// No edge or vertex joins more than one sheet.
     pub manifold: bool,
+    /// Its rims, where it is not closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub open: Option<Rim>,
     /// Pieces that hang together by vertices.
     pub components: usize,
     /// Vertices - edges + facets: 2 for a body without handles, 2 less for each through hole.

@@ -5,7 +5,7 @@ mod check;
 mod defect;
 
 pub use check::check;
-pub use defect::{Check, Defect};
+pub use defect::{Check, Defect, Rim};
 
 use crate::geom::{DVec2, DVec3, Precision, Stock, TriMesh};
 use thiserror::Error;

@@ -23,6 +23,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("solid", &["geom", "num"]),
     ("export", &["solid", "mirror", "geom", "num"]),
     ("trace", &["geom", "optics", "num"]),
+    ("align", &["mirror", "optics", "geom", "num"]),
     ("tolerance", &["mirror", "optics", "trace", "geom", "num"]),
     ("machining", &["mirror", "optics", "trace", "geom", "num"]),
     ("pencil", &["mirror", "optics", "geom", "num"]),

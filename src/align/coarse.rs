@@ -1,0 +1,98 @@
+//! From afar: the pose to some thousandth of the width, from many starts.
+
+use super::fit::{Equations, Residual, biweight, residuals};
+use super::points::thinned;
+use super::target::Target;
+use super::{Patch, Pose};
+use crate::geom::DVec3;
+use crate::num::radians;
+use rayon::prelude::*;
+
+/// Vertices that take part.
+const POINTS: usize = 600;
+/// Starts are turned by so many degrees about each axis, to either side or not.
+const TURN_DEG: f64 = 12.0;
+/// How far aside the middle of a mesh may be that lacks a part of the mirror, as a share of the width.
+const BESIDE: f64 = 0.17;
+/// Steps from each start, and the reach of residuals in each: it shrinks from one to the next.
+const STEPS: i32 = 26;
+const FIRST_REACH: f64 = 0.3;
+const SHRINK: f64 = 0.82;
+/// The last reach, and the one that starts are judged by, as a share of the width.
+const LAST_REACH: f64 = 0.01;
+/// Directions that move the surface along itself so much are left to the end.
+const FLOOR: f64 = 0.02;
+/// Starts that are tried together. When one of them puts so much of the mesh on the mirror, there
+/// is no need of more.
+const BATCH: usize = 9;
+const ENOUGH: f64 = 0.85;
+/// A later start has to be better by so much.
+const BETTER: f64 = 1.02;
+/// A vertex is chosen for its area; one that looks aslant must not count as much more.
+const AT_MOST: f64 = 1.5;
+
+/// The best pose found, among starts ordered from small motions to large ones.
+pub fn coarse(patches: &[Patch], target: &Target) -> Pose {
+    let points = thinned(patches, POINTS);
+    let weight: f64 = points.iter().map(|point| point.area.length()).sum();
+    let middle = points.iter().map(|point| point.at * point.area.length()).sum::<DVec3>() / weight;
+    let starts = starts(middle, target);
+    let mut best = (Pose::IDENTITY, 0.0);
+    for batch in starts.chunks(BATCH) {
+        let found: Vec<(Pose, f64)> =
+            batch.par_iter().map(|&start| descend(&points, target, start)).collect();
+        for found in found {
+            if found.1 > BETTER * best.1 {
+                best = found;
+            }
+        }
+        if best.1 > ENOUGH * weight {
+            break;
+        }
+    }
+    best.0
+}
+
+/// Starts that bring the mesh's middle to the mirror's, and such that leave it where it is; and, for
+/// meshes that lack a side of the mirror, such that bring its middle beside the mirror's.
+fn starts(middle: DVec3, target: &Target) -> Vec<Pose> {
+    let ways = [0.0, 1.0, -1.0];
+    let mut turns = Vec::new();
+    for k in 0..27 {
+        turns.push(DVec3::new(ways[k % 3], ways[k / 3 % 3], ways[k / 9]) * radians(TURN_DEG));
+    }
+    turns.sort_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let mut starts = Vec::new();
+    for from in [middle, target.centre] {
+        starts.extend(turns.iter().map(|&turn| Pose::about(from, target.centre, turn)));
+    }
+    let aside = BESIDE * target.width;
+    for step in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y] {
+        // None, and one about each axis to either side.
+        let to = target.centre + step * aside;
+        starts.extend(turns[..7].iter().map(|&turn| Pose::about(middle, to, turn)));
+    }
+    starts
+}
+
+/// The pose that a start leads to, and how much of the mesh it puts on the mirror.
+fn descend(points: &[Patch], target: &Target, start: Pose) -> (Pose, f64) {
+    let foot = |p: DVec3| target.roughly(p);
+    let mut pose = start;
+    let mut reach = FIRST_REACH * target.width;
+    let last = LAST_REACH * target.width;
+    for _ in 0..STEPS {
+        let equations = Equations::of(&residuals(points, &pose, foot), target, |residual| {
+            residual.area.min(AT_MOST) * biweight(residual.distance, reach)
+        });
+        if !(equations.weight > 0.0) {
+            return (pose, 0.0);
+        }
+        let step = equations.solve(FLOOR);
+        pose = pose.then(&step.pose(target, 0.1 * target.width));
+        reach = (reach * SHRINK).max(last);
+    }
+    let on = |residual: &Residual| residual.area.min(AT_MOST) * biweight(residual.distance, last);
+    let score = residuals(points, &pose, foot).iter().flatten().map(on).sum();
+    (pose, score)
+}

@@ -1,0 +1,231 @@
+//! One step of the fit: weighted residuals -> normal equations of the six degrees of freedom ->
+//! the motion that makes them small, and what it leaves open.
+
+use super::target::{Foot, Target};
+use super::{Free, Patch, Pose};
+use crate::geom::DVec3;
+use nalgebra::{Matrix6, SymmetricEigen, Vector6};
+use rayon::prelude::*;
+
+/// Vertices that a thread handles at a time; fixed, so that sums do not depend on the threads.
+const CHUNK: usize = 4096;
+
+/// What a vertex says about the pose.
+#[derive(Debug, Clone, Copy)]
+pub struct Residual {
+    /// Where the vertex is, mm.
+    pub at: DVec3,
+    /// The mirror's normal there.
+    pub normal: DVec3,
+    /// Distance above the mirror, mm.
+    pub distance: f64,
+    /// Its share of the mirror, mm^2.
+    pub area: f64,
+}
+
+impl Residual {
+    /// Of a patch in the part frame over its `foot`; none where its facets are not seen from the
+    /// camera. A wall along the camera's rays has no share.
+    fn new(patch: &Patch, foot: &Foot) -> Option<Self> {
+        let area = patch.area.dot(foot.up) / foot.normal.dot(foot.up);
+        (area > 0.0).then(|| Self {
+            at: patch.at,
+            normal: foot.normal,
+            distance: foot.distance(patch.at),
+            area,
+        })
+    }
+}
+
+/// The residuals of `patches` after `pose`, in their order.
+pub fn residuals(
+    patches: &[Patch],
+    pose: &Pose,
+    foot: impl Fn(DVec3) -> Option<Foot> + Sync,
+) -> Vec<Option<Residual>> {
+    let residual = |patch: &Patch| {
+        let patch = patch.moved(pose);
+        Residual::new(&patch, &foot(patch.at)?)
+    };
+    patches.par_iter().with_min_len(CHUNK).map(residual).collect()
+}
+
+/// Tukey's biweight: 1 for no distance, 0 from `reach` on.
+pub fn biweight(distance: f64, reach: f64) -> f64 {
+    let share = distance / reach;
+    let rest = 1.0 - share * share;
+    if rest > 0.0 { rest * rest } else { 0.0 }
+}
+
+/// Normal equations of a small motion about the target's centre: a shift in mm, and a turn as mm at
+/// the target's radius of gyration.
+pub struct Equations {
+    matrix: Matrix6<f64>,
+    side: Vector6<f64>,
+    /// Sum of the weights.
+    pub weight: f64,
+    /// Weighted sum of the squared distances.
+    pub squares: f64,
+}
+
+impl Equations {
+    /// Sums up, in fixed order, what `weight` leaves of the residuals.
+    pub fn of(
+        residuals: &[Option<Residual>],
+        target: &Target,
+        weight: impl Fn(&Residual) -> f64 + Sync,
+    ) -> Self {
+        let sum = |chunk: &[Option<Residual>]| {
+            let mut sums = Self::zero();
+            for residual in chunk.iter().flatten() {
+                let weight = weight(residual);
+                if weight > 0.0 {
+                    sums.add(residual, target, weight);
+                }
+            }
+            sums
+        };
+        let parts: Vec<Self> = residuals.par_chunks(CHUNK).map(sum).collect();
+        parts.into_iter().fold(Self::zero(), |mut all, part| {
+            all.matrix += part.matrix;
+            all.side += part.side;
+            all.weight += part.weight;
+            all.squares += part.squares;
+            all
+        })
+    }
+
+    fn zero() -> Self {
+        Self { matrix: Matrix6::zeros(), side: Vector6::zeros(), weight: 0.0, squares: 0.0 }
+    }
+
+    fn add(&mut self, residual: &Residual, target: &Target, weight: f64) {
+        let Residual { at, normal, distance, .. } = *residual;
+        let lever = (at - target.centre).cross(normal) / target.gyration;
+        let row = [normal.x, normal.y, normal.z, lever.x, lever.y, lever.z];
+        for j in 0..6 {
+            let scaled = weight * row[j];
+            self.side[j] += scaled * distance;
+            for (i, entry) in row.iter().enumerate().take(j + 1) {
+                self.matrix[(i, j)] += scaled * entry;
+            }
+        }
+        self.weight += weight;
+        self.squares += weight * distance * distance;
+    }
+
+    /// The motion that makes the residuals least. Directions in which the surface moves along itself,
+    /// up to the share `floor` of the motion, are left alone.
+    pub fn solve(&self, floor: f64) -> Step {
+        let mut matrix = self.matrix / self.weight;
+        matrix.fill_lower_triangle_with_upper_triangle();
+        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(matrix);
+        let largest = eigenvalues.max();
+        let least = floor * floor * largest;
+        let mut step = Step { motion: Vector6::zeros(), condition: 1.0, free: Vec::new() };
+        for (k, &value) in eigenvalues.iter().enumerate() {
+            let direction: Vector6<f64> = eigenvectors.column(k).into();
+            if value > least {
+                step.motion -= direction * (direction.dot(&self.side) / self.weight / value);
+                step.condition = step.condition.max((largest / value).sqrt());
+            } else {
+                step.free.push(direction);
+            }
+        }
+        step
+    }
+}
+
+/// The answer of the normal equations.
+pub struct Step {
+    motion: Vector6<f64>,
+    /// Square root of the ratio of the largest eigenvalue to the least that was used.
+    pub condition: f64,
+    free: Vec<Vector6<f64>>,
+}
+
+impl Step {
+    /// Its length, mm.
+    pub fn length(&self) -> f64 {
+        self.motion.norm()
+    }
+
+    /// The motion, cut down to a length of at most `most` mm.
+    pub fn pose(&self, target: &Target, most: f64) -> Pose {
+        let cut = (most / self.length().max(most)).min(1.0);
+        let [shift, turn] = split(&(self.motion * cut));
+        Pose::about(target.centre, target.centre + shift, turn / target.gyration)
+    }
+
+    /// The directions that were left alone.
+    pub fn free(&self, target: &Target) -> Vec<Free> {
+        let free = |direction: &Vector6<f64>| {
+            let [shift, turn] = split(direction);
+            if turn.length() < 1e-3 {
+                return Free { direction: forwards(shift), through_mm: None };
+            }
+            // A turn and a shift across its axis are a turn about an axis somewhere else.
+            let rate = turn / target.gyration;
+            let through = target.centre + rate.cross(shift) / rate.length_squared();
+            Free { direction: forwards(turn), through_mm: Some(through) }
+        };
+        self.free.iter().map(free).collect()
+    }
+}
+
+/// The unit vector along `v` or against it whose largest component is positive.
+fn forwards(v: DVec3) -> DVec3 {
+    let largest = if v.max_element() >= -v.min_element() { 1.0 } else { -1.0 };
+    v.normalize() * largest
+}
+
+fn split(vector: &Vector6<f64>) -> [DVec3; 2] {
+    let [a, b, c, d, e, f] = vector.data.0[0];
+    [DVec3::new(a, b, c), DVec3::new(d, e, f)]
+}
+
+/// 1.4826 times the distance that the vertices of half the area do not exceed: the standard
+/// deviation of normal noise, whatever the other half does.
+pub fn scale(residuals: &[Option<Residual>]) -> f64 {
+    const MOST: usize = 20_000;
+    let known = residuals.iter().flatten();
+    let every = known.clone().count() / MOST + 1;
+    let mut distances: Vec<(f64, f64)> =
+        known.step_by(every).map(|r| (r.distance.abs(), r.area)).collect();
+    distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * distances.iter().map(|d| d.1).sum::<f64>();
+    let mut sum = 0.0;
+    let median = distances.iter().find(|d| {
+        sum += d.1;
+        sum >= half
+    });
+    1.4826 * median.map_or(0.0, |d| d.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_is_that_of_normal_noise_and_deaf_to_outliers() {
+        // Quantiles of the normal distribution by Newton's method on its density's integral are not
+        // needed: for a uniform distribution on [-1, 1] the median distance is 1/2.
+        let of = |k: usize| {
+            let distance =
+                if k.is_multiple_of(20) { 1e3 } else { 2.0 * (k as f64 + 0.5) / 1e4 - 1.0 };
+            Some(Residual { at: DVec3::ZERO, normal: DVec3::Z, distance, area: 1.0 })
+        };
+        let residuals: Vec<_> = (0..10_000).map(of).chain([None]).collect();
+        let found = scale(&residuals);
+        let exact = 1.4826 * 0.5 / 0.95;
+        assert!((found / exact - 1.0).abs() < 2e-3, "{found} {exact}");
+        assert_eq!(scale(&[]), 0.0);
+    }
+
+    #[test]
+    fn the_biweight_ends_smoothly() {
+        assert_eq!([0.0, 2.0, 3.0].map(|d| biweight(d, 2.0)), [1.0, 0.0, 0.0]);
+        assert_eq!(biweight(1.0, 2.0), 0.5625);
+        assert_eq!(biweight(f64::NAN, 2.0), 0.0);
+    }
+}

@@ -1,0 +1,256 @@
+//! Where a measured part lies: the motion that brings a mesh of unknown pose onto the designed mirror,
+//! and how far from the design the part then is.
+//!
+//! The fit makes the distances of the mesh's vertices from the mirror small, each measured along the
+//! mirror's normal and weighted by its share of the facets as the camera sees them, so that neither
+//! walls nor bases pull: "point to plane" with exact feet on the designed surface instead of a
+//! nearest neighbour (Y. Chen and G. Medioni, *Object modelling by registration of multiple range
+//! images*, 1992). Tukey's biweight with a scale from the median distance leaves outliers out (P. J.
+//! Huber, *Robust Statistics*, 1981).
+
+mod coarse;
+mod fit;
+mod form;
+mod points;
+mod pose;
+mod target;
+mod units;
+
+pub use form::{FormError, FormMap, Spread};
+pub use points::Patch;
+pub use pose::Pose;
+pub use units::{Size, Unit};
+
+use crate::geom::{DVec3, TriMesh};
+use crate::mirror::Mirror;
+use coarse::coarse;
+use fit::{Equations, Residual, Step, biweight, residuals};
+use points::{is_upside_down, patches};
+use serde::Serialize;
+use target::Target;
+use thiserror::Error;
+
+/// A pose, and what is known about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alignment {
+    /// Takes places of the file to the part frame.
+    pub pose: Pose,
+    /// Whether the facets show the camera their backs, and are to be turned over.
+    pub turned_over: bool,
+    /// Weighted RMS distance of the vertices from the mirror, outliers left out, mm.
+    pub rms_mm: f64,
+    /// Share of outliers: of the area around vertices within a twentieth of the width from the
+    /// mirror.
+    pub outliers: f64,
+    /// Share of the mirror's area that the other vertices stand for.
+    pub covered: f64,
+    /// Vertices that the pose rests on.
+    pub vertices: usize,
+    /// Steps with all vertices.
+    pub steps: usize,
+    /// How much worse the worst direction is determined than the best; free ones do not count.
+    pub condition: f64,
+    /// Motions that move the mirror along itself, in which the pose is the file's.
+    pub free: Vec<Free>,
+}
+
+/// A motion that the mirror's shape says nothing about.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Free {
+    /// Along this unit vector, or about an axis along it.
+    pub direction: DVec3,
+    /// A place on that axis, mm; none for a shift.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub through_mm: Option<DVec3>,
+}
+
+/// Why a mesh could not be aligned.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum AlignError {
+    /// There is hardly anything to go by.
+    #[error(
+        "only {found} vertices lie on the mirror after the best fit, {FEWEST} are needed: check \
+         that the file is of this part, that its pose is within 20 degrees and a fifth of the \
+         width of the part frame's, and its units (--units)"
+    )]
+    Few {
+        /// Vertices.
+        found: usize,
+    },
+    /// The mesh covers too little of the mirror.
+    #[error(
+        "the file covers {:.0} % of the mirror after the best fit, {:.0} % are needed: scan more \
+         of the face, or check that its pose is within 20 degrees and a fifth of the width of the \
+         part frame's, and its units (--units)", 100.0 * .covered, 100.0 * LEAST_COVERED
+    )]
+    Uncovered {
+        /// Share of the mirror's area.
+        covered: f64,
+    },
+    /// The mesh is of something else.
+    #[error(
+        "the file does not look like this mirror: after the best fit half of it is {:.3} mm off \
+         and more; check the profile, that the pose is within 20 degrees and a fifth of the width \
+         of the part frame's, and the units (--units)", .off_mm
+    )]
+    Unlike {
+        /// Median distance, mm.
+        off_mm: f64,
+    },
+    /// The steps did not become small.
+    #[error(
+        "the pose did not settle in {steps} steps (the last moved the part by {last_mm:e} mm): \
+         remove what is not part of the mirror from the file"
+    )]
+    Unsettled {
+        /// Steps.
+        steps: usize,
+        /// Length of the last, mm.
+        last_mm: f64,
+    },
+}
+
+/// The least number of vertices to go by.
+const FEWEST: usize = 30;
+/// The least share of the mirror that has to be covered.
+const LEAST_COVERED: f64 = 0.25;
+/// Median distance, as a share of the width, that no scan of the same part has.
+const UNLIKE: f64 = 0.005;
+/// Standard deviations from which on a vertex is an outlier: the biweight then keeps 95 % of least
+/// squares' efficiency under normal noise.
+const OUTLIER: f64 = 4.685;
+/// What is farther off, as a share of the width, is no outlier but something else.
+const FACE: f64 = 0.05;
+/// What is so near the rim or a fold does not count, as a share of the width: edges are rounded,
+/// their vertices belong to the skirt as well, and across a fold the normal jumps.
+const RIM: f64 = 0.004;
+/// Motions that move the surface along itself, but for so small a share, are free.
+const FLOOR: f64 = 1e-3;
+/// Most steps while the scale and who takes part may change, and with both fixed.
+const SEEKING: usize = 16;
+const SETTLING: usize = 60;
+/// The last step, and the least scale of the noise, as a share of the width.
+const LAST_STEP: f64 = 1e-11;
+const LEAST_SCALE: f64 = 1e-10;
+
+impl Alignment {
+    /// Brings the mesh that was aligned into the part frame.
+    pub fn apply(&self, mesh: &mut TriMesh) {
+        let (matrix, shift) = (self.pose.matrix(), self.pose.shift);
+        mesh.vertices.iter_mut().for_each(|v| *v = matrix * *v + shift);
+        if self.turned_over {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+    }
+}
+
+/// Aligns `mesh` (millimetres), which holds the optical face of a part of `mirror`, alone or with
+/// whatever is around it, from any pose within 20 degrees of the part frame's and a fifth of the
+/// mirror's width. A twentieth of it may be outliers of any size.
+///
+/// # Errors
+/// [`AlignError`] when the mesh does not determine a pose.
+pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
+    let target = Target::new(mirror);
+    let mut patches = patches(mesh);
+    let turned_over = is_upside_down(mesh);
+    if turned_over {
+        patches.iter_mut().for_each(|patch| patch.area = -patch.area);
+    }
+    let rough = coarse(&patches, &target);
+    let (pose, steps, last) = fine(&patches, &target, rough)?;
+
+    let at = |margin: f64| residuals(&patches, &pose, |p| target.foot(p, margin));
+    let reach = OUTLIER * last.scale;
+    let area = |all: &[Option<Residual>], reach: f64| {
+        let within = all.iter().flatten().filter(|residual| residual.distance.abs() < reach);
+        within.map(|residual| residual.area).sum::<f64>()
+    };
+    let all = at(0.0);
+    let covered = (area(&all, reach) / target.area).min(1.0);
+    // What stands on the rim may belong to what is beside it, and what is far off to what a pinhole
+    // would see through the part.
+    let inner = at(RIM * target.width);
+    let vertices = inner.iter().flatten().filter(|r| r.distance.abs() < reach).count();
+    let outliers = 1.0 - area(&inner, reach) / area(&inner, reach.max(FACE * target.width));
+    if vertices < FEWEST {
+        return Err(AlignError::Few { found: vertices });
+    }
+    if !(covered >= LEAST_COVERED) {
+        return Err(AlignError::Uncovered { covered });
+    }
+    Ok(Alignment {
+        pose,
+        turned_over,
+        rms_mm: last.rms_mm,
+        outliers,
+        covered,
+        vertices,
+        steps,
+        condition: last.step.condition,
+        free: last.step.free(&target),
+    })
+}
+
+/// The last step of the fit.
+struct Last {
+    step: Step,
+    scale: f64,
+    rms_mm: f64,
+}
+
+/// Gauss and Newton's steps with all vertices: first with weights that follow the residuals, then
+/// with a fixed scale and fixed vertices, so that the steps can become as small as one likes.
+fn fine(
+    patches: &[Patch],
+    target: &Target,
+    start: Pose,
+) -> Result<(Pose, usize, Last), AlignError> {
+    let margin = RIM * target.width;
+    let near = |p: DVec3| target.foot(p, margin);
+    let least = LEAST_SCALE * target.width;
+    let (mut pose, mut steps) = (start, 0);
+    let mut taken = Vec::new();
+    let mut scale = 0.0;
+    while steps < SEEKING {
+        taken = residuals(patches, &pose, near);
+        scale = fit::scale(&taken).max(least);
+        let equations = weighed(&taken, target, scale);
+        if !(equations.weight > 0.0) {
+            return Err(AlignError::Few { found: 0 });
+        }
+        let step = equations.solve(FLOOR);
+        pose = pose.then(&step.pose(target, 0.1 * target.width));
+        steps += 1;
+        if step.length() < 0.01 * scale {
+            break;
+        }
+    }
+    if scale > UNLIKE * target.width {
+        return Err(AlignError::Unlike { off_mm: scale / 1.4826 });
+    }
+    let chosen: Vec<Patch> =
+        patches.iter().zip(&taken).filter(|(_, taken)| taken.is_some()).map(|p| *p.0).collect();
+    let anywhere = |p: DVec3| target.foot(p, 0.0);
+    let mut last_mm = f64::INFINITY;
+    for _ in 0..SETTLING {
+        let equations = weighed(&residuals(&chosen, &pose, anywhere), target, scale);
+        let step = equations.solve(FLOOR);
+        pose = pose.then(&step.pose(target, 0.1 * target.width));
+        steps += 1;
+        let length = step.length();
+        // Rounding keeps the steps from becoming smaller still.
+        let rounded = length < 1e3 * LAST_STEP * target.width && length >= 0.5 * last_mm;
+        if length < LAST_STEP * target.width || rounded {
+            let rms_mm = (equations.squares / equations.weight).sqrt();
+            return Ok((pose, steps, Last { step, scale, rms_mm }));
+        }
+        last_mm = length;
+    }
+    Err(AlignError::Unsettled { steps, last_mm })
+}
+
+fn weighed(residuals: &[Option<Residual>], target: &Target, scale: f64) -> Equations {
+    let reach = OUTLIER * scale;
+    Equations::of(residuals, target, |residual| residual.area * biweight(residual.distance, reach))
+}

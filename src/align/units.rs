@@ -1,0 +1,155 @@
+//! Which unit a file is in: files of meshes seldom say.
+
+use super::target::Target;
+use crate::geom::{DVec3, Stock, TriMesh};
+use crate::mirror::Mirror;
+
+/// A unit of length that files of meshes use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// Millimetres.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Metres.
+    M,
+    /// Inches.
+    In,
+    /// Micrometres.
+    Um,
+}
+
+impl Unit {
+    /// All units; where several suit equally well, the first does.
+    pub const ALL: [Self; 5] = [Self::Mm, Self::Cm, Self::M, Self::In, Self::Um];
+
+    /// Its symbol.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mm => "mm",
+            Self::Cm => "cm",
+            Self::M => "m",
+            Self::In => "in",
+            Self::Um => "um",
+        }
+    }
+
+    /// The unit of that symbol.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| unit.name() == name)
+    }
+
+    /// How many mm it has.
+    #[must_use]
+    pub fn mm(self) -> f64 {
+        match self {
+            Self::Mm => 1.0,
+            Self::Cm => 10.0,
+            Self::M => 1000.0,
+            Self::In => 25.4,
+            Self::Um => 1e-3,
+        }
+    }
+
+    /// Brings coordinates in this unit to mm; those in mm keep every bit.
+    pub fn convert(self, mesh: &mut TriMesh) {
+        if self != Self::Mm {
+            mesh.vertices.iter_mut().for_each(|v| *v *= self.mm());
+        }
+    }
+}
+
+/// How large a part is, whatever its pose: the distance of nearly all of its surface from its middle,
+/// mm. The least is that of the mirror alone, the largest that of the part with all around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Size {
+    least: f64,
+    most: f64,
+}
+
+/// Share of the vertices within a mesh's size: outliers are beyond.
+const NEARLY_ALL: f64 = 0.9;
+/// Meshes may have their vertices closer together in the middle.
+const DENSER: f64 = 0.8;
+/// How far out of the range a size may be, as a factor.
+const OFF: f64 = 1.25;
+
+impl Size {
+    /// Of a part of `mirror`, with `stock` around it.
+    #[must_use]
+    pub fn of(mirror: &Mirror, stock: Option<&Stock>) -> Self {
+        let target = Target::new(mirror);
+        let (mut reach, mut top) = (0.0_f64, 0.0_f64);
+        for line in mirror.whole().samples(8) {
+            let places: Vec<_> = line.iter().map(|s| s.0).collect();
+            for (q, point) in places.iter().zip(mirror.along(&places)) {
+                let at = mirror.place(*q, &point);
+                reach = reach.max(at.truncate().length());
+                top = top.max(at.z);
+            }
+        }
+        for corner in stock.iter().flat_map(|stock| stock.contour.polygon()) {
+            reach = reach.max(corner.length());
+        }
+        Self { least: DENSER * target.radius, most: crate::num::hypot(reach, 0.5 * top) }
+    }
+
+    /// The unit that makes `mesh` a part of this size, and whether one does; mm otherwise.
+    #[must_use]
+    pub fn unit(&self, mesh: &TriMesh) -> (Unit, bool) {
+        let size = size(&mesh.vertices);
+        let off = |unit: Unit| {
+            let mm = size * unit.mm();
+            (self.least / mm).max(mm / self.most).max(1.0)
+        };
+        let suits = |unit: &Unit| off(*unit) <= OFF;
+        let best = Unit::ALL.into_iter().filter(suits).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+        best.map_or((Unit::Mm, false), |unit| (unit, true))
+    }
+}
+
+/// The distance of nearly all places from the median of their coordinates.
+fn size(places: &[DVec3]) -> f64 {
+    if places.is_empty() {
+        return 0.0;
+    }
+    let at = |mut numbers: Vec<f64>, share: f64| {
+        let rank = (share * (numbers.len() - 1) as f64) as usize;
+        *numbers.select_nth_unstable_by(rank, f64::total_cmp).1
+    };
+    let middle =
+        DVec3::from_array([0, 1, 2].map(|k| at(places.iter().map(|p| p[k]).collect(), 0.5)));
+    at(places.iter().map(|p| (*p - middle).length()).collect(), NEARLY_ALL)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_told_by_size_and_none_where_none_suits() {
+        let place = |k: u32| DVec3::new(f64::from(k % 61) - 30.0, f64::from(k / 61) - 22.0, 9.0);
+        let vertices: Vec<DVec3> = (0..61 * 45).map(place).collect();
+        let known = Size { least: DENSER * 30.0, most: 38.0 };
+        let scaled = |factor: f64| TriMesh {
+            vertices: vertices.iter().map(|v| *v * factor).collect(),
+            triangles: Vec::new(),
+        };
+        for unit in Unit::ALL {
+            for factor in [0.85, 1.0, 1.2] {
+                let (found, clear) = known.unit(&scaled(factor / unit.mm()));
+                assert_eq!((found, clear), (unit, true), "{factor}");
+            }
+            let mut mesh = scaled(1.0 / unit.mm());
+            unit.convert(&mut mesh);
+            assert!((mesh.vertices[7] - vertices[7]).length() < 1e-13);
+            assert_eq!(Unit::named(unit.name()), Some(unit));
+        }
+        for factor in [5.0, 0.2] {
+            assert_eq!(known.unit(&scaled(factor)), (Unit::Mm, false));
+        }
+        assert_eq!(known.unit(&TriMesh::default()), (Unit::Mm, false));
+    }
+}
