@@ -49,7 +49,12 @@ impl Surface {
     /// Height and slope at one point.
     #[must_use]
     pub fn at(&self, q: DVec2) -> Point {
-        self.row(q.y).at(q.x)
+        match self {
+            Self::Tensor(sheet) => sheet.at(q),
+            Self::Round(round) => round.at(q),
+            Self::Sum(round, sheet) => round.at(q).plus(&sheet.at(q)),
+            Self::Patches(patches) => patches.row(q.y).at(q.x),
+        }
     }
 
     /// Second derivatives at one point, 1/mm.
@@ -88,10 +93,7 @@ impl SurfaceRow<'_> {
         match self {
             Self::Tensor(row) => row.at(x),
             Self::Round(round, y) => round.at(DVec2::new(x, *y)),
-            Self::Sum(round, y, row) => {
-                let (a, b) = (round.at(DVec2::new(x, *y)), row.at(x));
-                Point { f: a.f + b.f, slope: a.slope + b.slope }
-            }
+            Self::Sum(round, y, row) => round.at(DVec2::new(x, *y)).plus(&row.at(x)),
             Self::Patches(row) => row.at(x),
         }
     }

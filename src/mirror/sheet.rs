@@ -12,6 +12,13 @@ pub struct Point {
     pub slope: DVec2,
 }
 
+impl Point {
+    /// That of the sum of two surfaces.
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self { f: self.f + other.f, slope: self.slope + other.slope }
+    }
+}
+
 /// Second derivatives of the height, 1/mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvature {
@@ -76,7 +83,12 @@ impl Sheet {
     /// Height and slope at one point.
     #[must_use]
     pub fn at(&self, q: DVec2) -> Point {
-        self.row(q.y).at(q.x)
+        // As `SheetRow::at` has it.
+        let (u, v) =
+            ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
+        let jet = self.series.gradient(u, v);
+        let slope = DVec2::from_array(jet.gradient) * (self.scale_mm / self.half);
+        Point { f: self.scale_mm * jet.f, slope }
     }
 
     /// Second derivatives at one point, 1/mm.

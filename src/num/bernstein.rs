@@ -12,12 +12,14 @@ const ROUNDING: f64 = 1e-13;
 /// [-1, 1] but for rounding), row by row in v.
 #[must_use]
 pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]> {
+    let series = series.trimmed();
     let (rows, columns) = series.shape();
     let conversions = |edges: &[f64], count: usize| -> Vec<Vec<f64>> {
         edges.windows(2).map(|cell| conversion(count, cell[0], cell[1])).collect()
     };
     let along_u = conversions(u_edges, rows);
     let mut found = Vec::with_capacity(along_u.len() * v_edges.len());
+    let mut line = vec![0.0; columns];
     for to_v in conversions(v_edges, columns) {
         // half[i][b]: Bernstein in v, still Legendre in u.
         let mut half = vec![0.0; rows * columns];
@@ -28,19 +30,17 @@ pub fn ranges(series: &Series, u_edges: &[f64], v_edges: &[f64]) -> Vec<[f64; 2]
         }
         let size = |row: &[f64]| row.iter().fold(0.0f64, |most, c| most.max(c.abs()));
         let largest: Vec<f64> = half.chunks_exact(columns).map(size).collect();
+        // Of an even function, and of an odd one, half of the degrees are missing.
+        let present: Vec<usize> = (0..rows).filter(|&i| largest[i] != 0.0).collect();
         for to_u in &along_u {
             let mut range = [f64::INFINITY, f64::NEG_INFINITY];
             let mut terms = 0.0f64;
-            let mut line = vec![0.0; columns];
             for a in 0..rows {
                 line.fill(0.0);
-                for i in 0..rows {
-                    terms = terms.max(to_u[i * rows + a].abs() * largest[i]);
-                    add_scaled(
-                        &mut line,
-                        &half[i * columns..(i + 1) * columns],
-                        to_u[i * rows + a],
-                    );
+                for &i in &present {
+                    let share = to_u[i * rows + a];
+                    terms = terms.max(share.abs() * largest[i]);
+                    add_scaled(&mut line, &half[i * columns..(i + 1) * columns], share);
                 }
                 for &c in &line {
                     range = [range[0].min(c), range[1].max(c)];

@@ -41,6 +41,19 @@ fn above(x: f64, ulps: f64) -> f64 {
     -below(-x, ulps)
 }
 
+/// Below `x` by one unit in the last place or two, for a result of one operation that is neither 0
+/// nor positive infinity. (Quicker than `next_down`, which most of the time of proofs went to.)
+#[inline]
+fn down(x: f64) -> f64 {
+    x - (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
+}
+
+/// Above `x` likewise, if it is neither 0 nor negative infinity.
+#[inline]
+fn up(x: f64) -> f64 {
+    x + (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
+}
+
 impl Interval {
     /// All numbers: the answer where there is none.
     pub const WHOLE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
@@ -122,18 +135,26 @@ impl Interval {
     /// From the four products (or quotients) of ends. A zero end holds, whatever underflowed, if
     /// the factors' signs say so.
     #[inline]
-    fn from_products(p: [f64; 4], not_negative: bool, not_positive: bool) -> Self {
-        if p.iter().any(|p| p.is_nan()) {
+    fn from_products(p: [f64; 4], signs: impl FnOnce() -> (bool, bool)) -> Self {
+        // (Infinities of both signs, too, are the whole line.)
+        if (p[0] + p[1] + (p[2] + p[3])).is_nan() {
             return Self::WHOLE;
         }
-        let lo = p[0].min(p[1]).min(p[2].min(p[3]));
-        let hi = p[0].max(p[1]).max(p[2].max(p[3]));
+        let less = |a: f64, b: f64| if b < a { b } else { a };
+        let more = |a: f64, b: f64| if b > a { b } else { a };
+        let lo = less(less(p[0], p[1]), less(p[2], p[3]));
+        let hi = more(more(p[0], p[1]), more(p[2], p[3]));
+        if lo != 0.0 && hi != 0.0 && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
+            return Self { lo: down(lo), hi: up(hi) };
+        }
+        let (not_negative, not_positive) = signs();
         Self {
             lo: if lo == 0.0 && not_negative { 0.0 } else { lo.next_down() },
             hi: if hi == 0.0 && not_positive { 0.0 } else { hi.next_up() },
         }
     }
 
+    /// Whether no product (or quotient) with another is negative, and whether none is positive.
     fn signs(self, other: Self) -> (bool, bool) {
         let (a, b) = (self, other);
         (
@@ -174,10 +195,7 @@ impl Add for Interval {
     fn add(self, other: Self) -> Self {
         // A sum that comes out 0 is exact.
         let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
-        Self::new(
-            if lo == 0.0 { lo } else { lo.next_down() },
-            if hi == 0.0 { hi } else { hi.next_up() },
-        )
+        Self::new(if lo == 0.0 { lo } else { down(lo) }, if hi == 0.0 { hi } else { up(hi) })
     }
 }
 
@@ -198,9 +216,8 @@ impl Mul for Interval {
         if (a == Self::ZERO && b.is_finite()) || (b == Self::ZERO && a.is_finite()) {
             return Self::ZERO;
         }
-        let (not_negative, not_positive) = a.signs(b);
         let products = [a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi];
-        Self::from_products(products, not_negative, not_positive)
+        Self::from_products(products, || a.signs(b))
     }
 }
 
@@ -215,9 +232,8 @@ impl Div for Interval {
         if a == Self::ZERO {
             return Self::ZERO;
         }
-        let (not_negative, not_positive) = a.signs(b);
         let quotients = [a.lo / b.lo, a.lo / b.hi, a.hi / b.lo, a.hi / b.hi];
-        Self::from_products(quotients, not_negative, not_positive)
+        Self::from_products(quotients, || a.signs(b))
     }
 }
 
@@ -232,7 +248,18 @@ macro_rules! with_plain {
         })*
     };
 }
-with_plain!(Add add, Sub sub, Mul mul, Div div);
+with_plain!(Add add, Sub sub, Div div);
+
+impl Mul<f64> for Interval {
+    type Output = Self;
+    #[inline]
+    fn mul(self, factor: f64) -> Self {
+        let (p, q) = (self.lo * factor, self.hi * factor);
+        let (lo, hi) = if p < q { (p, q) } else { (q, p) };
+        let is_plain = lo.is_finite() && hi.is_finite() && lo != 0.0 && hi != 0.0;
+        if is_plain { Self { lo: down(lo), hi: up(hi) } } else { self * Self::point(factor) }
+    }
+}
 
 impl Scalar for Interval {
     fn constant(x: f64) -> Self {

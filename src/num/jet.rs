@@ -123,18 +123,18 @@ impl<T: Base> Div for Jet2<T> {
     type Output = Self;
     #[inline]
     fn div(self, b: Self) -> Self {
-        // Derivatives of q b = a.
-        let (q, g) = (self.value / b.value, b.value);
+        // Derivatives of q b = a. (Products take less time than quotients.)
+        let (q, g) = (self.value / b.value, T::constant(1.0) / b.value);
         let ([ax, ay], [bx, by]) = (self.gradient, b.gradient);
         let ([axx, axy, ayy], [bxx, bxy, byy]) = (self.hessian, b.hessian);
-        let (qx, qy) = ((ax - q * bx) / g, (ay - q * by) / g);
+        let (qx, qy) = ((ax - q * bx) * g, (ay - q * by) * g);
         Self {
             value: q,
             gradient: [qx, qy],
             hessian: [
-                (axx - qx * bx * 2.0 - q * bxx) / g,
-                (axy - (qx * by + qy * bx) - q * bxy) / g,
-                (ayy - qy * by * 2.0 - q * byy) / g,
+                (axx - qx * bx * 2.0 - q * bxx) * g,
+                (axy - (qx * by + qy * bx) - q * bxy) * g,
+                (ayy - qy * by * 2.0 - q * byy) * g,
             ],
         }
     }

@@ -45,6 +45,30 @@ pub fn derivatives(values: &[f64]) -> Vec<f64> {
     d
 }
 
+/// Degrees of which the constants of [`step`] are at hand, and for whose terms there is room without
+/// asking for memory.
+const ROOM: usize = 32;
+
+/// (2k + 1) / (k + 1), k / (k + 1) and 2k + 1: P_{k+1} = grow x P_k - shrink P_{k-1} and
+/// P_{k+1}' = odd P_k + P_{k-1}'.
+#[inline]
+fn step(k: usize) -> [f64; 3] {
+    const fn of(k: usize) -> [f64; 3] {
+        let (odd, after) = ((2 * k + 1) as f64, (k + 1) as f64);
+        [odd / after, k as f64 / after, odd]
+    }
+    const STEPS: [[f64; 3]; ROOM] = {
+        let mut steps = [[0.0; 3]; ROOM];
+        let mut k = 0;
+        while k < ROOM {
+            steps[k] = of(k);
+            k += 1;
+        }
+        steps
+    };
+    if k < ROOM { STEPS[k] } else { of(k) }
+}
+
 /// Three-term recurrence: P_{k+1}.
 #[inline]
 fn next(k: usize, x: f64, p: f64, before: f64) -> f64 {
@@ -72,6 +96,16 @@ impl Series {
         self.coefficients[i * self.columns + j]
     }
 
+    /// The same without the highest degrees, as far as their coefficients are 0.
+    #[must_use]
+    pub fn trimmed(&self) -> Self {
+        let (mut rows, mut columns) = (1, 1);
+        for (k, _) in self.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+            (rows, columns) = (rows.max(k / self.columns + 1), columns.max(k % self.columns + 1));
+        }
+        Self::from_fn(rows, columns, |i, j| self.coefficient(i, j))
+    }
+
     /// df/du, exactly, as a series.
     #[must_use]
     pub fn derivative_u(&self) -> Self {
@@ -94,27 +128,59 @@ impl Series {
     /// f on the line of constant `v`, ready for many values of u.
     #[must_use]
     pub fn row(&self, v: f64) -> Row {
-        let p = values(self.columns - 1, v);
-        let d = derivatives(&p);
-        let dd = derivatives(&d);
-        let fold = |basis: &[f64]| -> Vec<f64> {
-            self.coefficients
-                .chunks_exact(self.columns)
-                .map(|c| c.iter().zip(basis).map(|(c, b)| c * b).sum())
-                .collect()
+        let mut terms = Vec::with_capacity(self.rows);
+        self.fold(v, |i, [f, f_v, f_vv]| {
+            let [grow, shrink, odd] = step(i);
+            terms.push(Term { grow, shrink, odd, f, f_v, f_vv });
+        });
+        Row { terms }
+    }
+
+    /// Value and gradient at one point, with the bits of [`Row::gradient`].
+    #[must_use]
+    pub fn gradient(&self, u: f64, v: f64) -> Jet {
+        let (mut p, mut p0, mut d, mut d0) = (1.0, 0.0, 0.0, 0.0);
+        let (mut f, mut f_u, mut f_v) = (0.0, 0.0, 0.0);
+        self.fold(v, |i, [fold, fold_v]| {
+            f += fold * p;
+            f_u += fold * d;
+            f_v += fold_v * p;
+            let [grow, shrink, odd] = step(i);
+            (d, d0) = (d0 + odd * p, d);
+            (p, p0) = (grow * u * p - shrink * p0, p);
+        });
+        Jet { f, gradient: [f_u, f_v], hessian: [0.0; 3] }
+    }
+
+    /// Hands on, for every u-degree, the sum over its c_ij times (P_j, P_j', P_j'')(`v`), as many of
+    /// these as are wanted.
+    #[inline]
+    fn fold<const N: usize>(&self, v: f64, mut take: impl FnMut(usize, [f64; N])) {
+        let mut room = [[0.0; N]; ROOM];
+        let mut more;
+        let basis = if self.columns <= ROOM {
+            &mut room[..self.columns]
+        } else {
+            more = vec![[0.0; N]; self.columns];
+            &mut more[..]
         };
-        let (f, f_v, f_vv) = (fold(&p), fold(&d), fold(&dd));
-        Row {
-            terms: (0..self.rows)
-                .map(|i| Term {
-                    grow: (2 * i + 1) as f64 / (i + 1) as f64,
-                    shrink: i as f64 / (i + 1) as f64,
-                    odd: (2 * i + 1) as f64,
-                    f: f[i],
-                    f_v: f_v[i],
-                    f_vv: f_vv[i],
-                })
-                .collect(),
+        let (mut now, mut before) = ([1.0, 0.0, 0.0], [0.0; 3]);
+        for (j, basis) in basis.iter_mut().enumerate() {
+            basis.copy_from_slice(&now[..N]);
+            let [grow, shrink, odd] = step(j);
+            let [p, d, dd] = now;
+            let next =
+                [grow * v * p - shrink * before[0], before[1] + odd * p, before[2] + odd * d];
+            (now, before) = (next, [p, d, dd]);
+        }
+        for (i, row) in self.coefficients.chunks_exact(self.columns).enumerate() {
+            let mut sums = [0.0; N];
+            for (c, basis) in row.iter().zip(&*basis) {
+                for (sum, basis) in sums.iter_mut().zip(basis) {
+                    *sum += c * basis;
+                }
+            }
+            take(i, sums);
         }
     }
 
@@ -227,6 +293,20 @@ mod tests {
             ];
             for (a, b) in exact.iter().zip(found) {
                 assert!((a - b).abs() < 1e-14, "({u}, {v}): {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_is_what_its_row_says_of_it() {
+        for degrees in [3, ROOM - 1, ROOM, ROOM + 8] {
+            let c = |i: usize, j: usize| ((7 * i + 3 * j) % 11) as f64 - 5.0;
+            let series = Series::from_fn(degrees, degrees + 1, c);
+            for (u, v) in [(0.3, -0.7), (-0.9, 0.4), (1.0, 1.0)] {
+                assert_eq!(series.gradient(u, v), series.row(v).gradient(u));
+                // P_k(1) = 1.
+                let sum: f64 = series.coefficients.iter().sum();
+                assert!((series.gradient(1.0, 1.0).f - sum).abs() < 1e-9 * series.rows as f64);
             }
         }
     }
