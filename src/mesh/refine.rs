@@ -11,7 +11,7 @@ use glam::DMat2;
 use rayon::prelude::*;
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
-const CHUNK: usize = 1024;
+const CHUNK: usize = 256;
 /// Most facets for every one proposed, and some for small proposals: past these, splitting does not
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
 const MOST_GROWTH: usize = 3;

@@ -46,13 +46,11 @@ fn in_rows(plane: &Net) -> Vec<usize> {
     let lo = centres.iter().fold(DVec2::INFINITY, |lo, &c| lo.min(c));
     let hi = centres.iter().fold(DVec2::NEG_INFINITY, |hi, &c| hi.max(c));
     let bands = (0.5 * (centres.len() as f64).sqrt()).ceil();
-    let band = |c: DVec2| ((c.y - lo.y) / (hi.y - lo.y).max(f64::MIN_POSITIVE) * bands).floor();
-    let mut order: Vec<usize> = (0..centres.len()).collect();
-    order.sort_by(|&a, &b| {
-        let (a, b) = (centres[a], centres[b]);
-        band(a).total_cmp(&band(b)).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y))
-    });
-    order
+    let band = |c: DVec2| ((c.y - lo.y) / (hi.y - lo.y).max(f64::MIN_POSITIVE) * bands) as u32;
+    let mut order: Vec<(u32, f64, usize)> =
+        centres.iter().enumerate().map(|(t, &c)| (band(c), c.x, t)).collect();
+    order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    order.into_iter().map(|(_, _, t)| t).collect()
 }
 
 /// A coarse triangle, and which fine points are its.

@@ -6,8 +6,9 @@ use super::tight::{Found, Kind, LOOSE, NOTHING};
 use rayon::prelude::*;
 
 /// Facets a thread looks at at a time; fixed, so that results do not depend on the thread count.
-const CHUNK: usize = 4096;
-/// One facet in so many tells whether bounds are loose.
+const CHUNK: usize = 512;
+/// From so many facets on one in so many tells whether bounds are loose.
+const MANY: usize = 32_768;
 const SAMPLE: usize = 8;
 /// Facets that are taken apart before what they reach decides about the others.
 const BATCH: usize = 64;
@@ -19,6 +20,12 @@ const SLOW_BATCHES: usize = 32;
 struct Quick {
     bound: Bound,
     reached: [f64; 2],
+}
+
+/// The same of a chunk, and the bounds of every facet's chord and facet error.
+struct Chunk {
+    all: Quick,
+    each: Vec<[f64; 2]>,
 }
 
 impl Quick {
@@ -41,9 +48,9 @@ impl Prover<'_> {
         known: Bound,
     ) -> Bound {
         let mesh = Mesh { prover: self, vertices, facets };
-        if facets.len() > SAMPLE * CHUNK {
+        if facets.len() > MANY {
             // Fine meshes: what is known is near what some of them reach.
-            let some = |k: usize| mesh.quick(&facets[SAMPLE * k..][..1]);
+            let some = |k: usize| mesh.quick(&facets[SAMPLE * k]);
             let some = (0..facets.len() / SAMPLE).into_par_iter().with_min_len(CHUNK).map(some);
             let reached = some.reduce(Quick::default, Quick::max).reached;
             let near = |kind: Kind| {
@@ -54,8 +61,8 @@ impl Prover<'_> {
                 return known;
             }
         }
-        let chunks: Vec<Quick> = facets.par_chunks(CHUNK).map(|chunk| mesh.quick(chunk)).collect();
-        let all = chunks.iter().copied().fold(Quick::default(), Quick::max);
+        let chunks: Vec<Chunk> = facets.par_chunks(CHUNK).map(|chunk| mesh.chunk(chunk)).collect();
+        let all = chunks.iter().map(|chunk| chunk.all).fold(Quick::default(), Quick::max);
         let mut bound = all.bound;
         for kind in [Kind::Chord, Kind::Facet] {
             let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
@@ -76,32 +83,40 @@ impl<'a> Mesh<'a> {
         facet.map(|v| &self.vertices[v as usize])
     }
 
-    fn quick(&self, facets: &[[u32; 3]]) -> Quick {
+    fn quick(&self, facet: &[u32; 3]) -> Quick {
+        let (bound, reached) = self.prover.estimate(self.corners(facet));
+        Quick { bound, reached }
+    }
+
+    fn chunk(&self, facets: &[[u32; 3]]) -> Chunk {
+        let mut all = Quick::default();
         let one = |facet| {
-            let (bound, reached) = self.prover.estimate(self.corners(facet));
-            Quick { bound, reached }
+            let quick = self.quick(facet);
+            all = all.max(quick);
+            [quick.bound.chord_mm, quick.bound.facet_mm]
         };
-        facets.iter().map(one).fold(Quick::default(), Quick::max)
+        let each = facets.iter().map(one).collect();
+        Chunk { all, each }
     }
 
     /// A bound of one error, of which `reached` is reached: the facets whose quick bounds are well
     /// over that are taken apart, the largest first.
-    fn largest(&self, kind: Kind, chunks: &[Quick], mut reached: f64, ceiling: f64) -> f64 {
+    fn largest(&self, kind: Kind, chunks: &[Chunk], mut reached: f64, ceiling: f64) -> f64 {
         let least = NOTHING * self.prover.mirror().outline.bounds().size().max_element();
         let enough = |reached: f64| ((1.0 + LOOSE) * reached).max(least).min(ceiling);
         let is_loose = |bound: f64| !(bound <= enough(reached));
         let mut rest = 0.0f64;
         let mut loose: Vec<(f64, usize)> = Vec::new();
-        for (chunk, quick) in chunks.iter().enumerate() {
-            if !is_loose(kind.of(&quick.bound)) {
-                rest = rest.max(kind.of(&quick.bound));
+        for (k, Chunk { all, each }) in chunks.iter().enumerate() {
+            if !is_loose(kind.of(&all.bound)) {
+                rest = rest.max(kind.of(&all.bound));
                 continue;
             }
-            let from = chunk * CHUNK;
-            for t in from..(from + CHUNK).min(self.facets.len()) {
-                let bound = kind.of(&self.prover.bound(self.corners(&self.facets[t])));
+            for (i, &both) in each.iter().enumerate() {
+                let bound = kind.of_both(both);
                 if is_loose(bound) {
-                    loose.push((if bound.is_nan() { f64::INFINITY } else { bound }, t));
+                    let bound = if bound.is_nan() { f64::INFINITY } else { bound };
+                    loose.push((bound, k * CHUNK + i));
                 } else {
                     rest = rest.max(bound);
                 }
