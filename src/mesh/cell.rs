@@ -68,6 +68,14 @@ impl Kind {
         if self.ways().len() == 6 { SIN_60 } else { 1.0 }
     }
 
+    /// By how much a cell may be enlarged at a place.
+    fn room(self, needs: &Needs, place: &Place, shape: &DMat2) -> f64 {
+        let ways = self.ways();
+        let [a, b] = [*shape * ways[0], *shape * ways[1]];
+        let room = needs.room(place, a, b);
+        if ways.len() == 6 { room } else { room.max(needs.room(place, a, a + b)) }
+    }
+
     /// The cell's map from unit steps, of any size.
     fn shape(self, place: &Place) -> DMat2 {
         let h = &place.curvature;
@@ -159,11 +167,22 @@ pub struct Cells<'a> {
     /// Fine cells to the side of one of these.
     pub parts: usize,
     aim: f64,
-    /// The largest allowed, as the square root of their area, at the nodes; empty while unknown.
-    largest: Vec<f64>,
+    /// What suits the nodes alone, as they are asked.
+    alone: Vec<Alone>,
     /// The fine lattice's at the nodes.
     nodes: Vec<DMat2>,
     fit: DVec2,
+}
+
+/// What suits one place, whatever its neighbours want.
+#[derive(Debug, Clone, Copy)]
+struct Alone {
+    /// The cell, of any size.
+    shape: DMat2,
+    /// The square root of its area.
+    size: f64,
+    /// By how much it may be enlarged.
+    room: f64,
 }
 
 impl<'a> Cells<'a> {
@@ -171,15 +190,16 @@ impl<'a> Cells<'a> {
     /// facets of the quadratic model to be.
     pub fn new(needs: &'a Needs, outline: &Outline, aim: f64, most: f64) -> Self {
         let make = |kind: Kind| {
-            let mut cells = Self {
-                needs,
-                kind,
-                parts: 1,
-                aim,
-                largest: Vec::new(),
-                nodes: Vec::new(),
-                fit: DVec2::ONE,
+            let nodes: Vec<DVec2> = needs.domain().grid(SIDE, SIDE).map(|(q, _)| q).collect();
+            let alone = |&q: &DVec2| {
+                let place = needs.at(q);
+                let shape = kind.shape(&place);
+                let size = shape.determinant().abs().sqrt();
+                Alone { shape, size, room: kind.room(needs, &place, &shape) }
             };
+            let alone = nodes.par_iter().map(alone).collect();
+            let mut cells =
+                Self { needs, kind, parts: 1, aim, alone, nodes: Vec::new(), fit: DVec2::ONE };
             cells.grade();
             let count = cells.count(outline);
             (cells, count)
@@ -189,7 +209,9 @@ impl<'a> Cells<'a> {
         let made: Vec<_> = kinds.par_iter().copied().map(make).collect();
         let (mut cells, count) = made.into_iter().reduce(better).expect("there are kinds");
         cells.parts = ((count / most).sqrt().round() as usize).max(1);
-        cells.grade();
+        if cells.parts > 1 {
+            cells.grade();
+        }
         cells.settle();
         cells
     }
@@ -221,24 +243,11 @@ impl<'a> Cells<'a> {
 
     /// About how many fine facets cover the outline's part in the domain.
     pub fn count(&self, outline: &Outline) -> f64 {
-        let places: Vec<DVec2> = self.needs.centres().collect();
-        let each = self.needs.domain().area() / places.len() as f64;
-        let inside = places.into_iter().filter(|&q| outline.contains(q));
-        let facets = |q: DVec2| 2.0 * each / (self.fine(q).determinant().abs() * self.kind.area());
-        inside.map(facets).sum()
-    }
-
-    /// The map from unit steps to those of the fine lattice at `q`.
-    fn fine(&self, q: DVec2) -> DMat2 {
-        let place = self.needs.at(q);
-        let shape = self.kind.shape(&place);
-        let size = shape.determinant().abs().sqrt();
-        let largest = self.largest_at(q);
-        let room = self.aim * self.room(&place, &shape);
-        // A place that asks for nothing, or of which nothing is known, takes what others leave.
-        let scale = if room * size < largest { room } else { largest / size };
-        let cell = shape * scale;
-        if cell.is_finite() { cell } else { DMat2::from_diagonal(DVec2::splat(largest)) }
+        let domain = self.needs.domain();
+        let nodes = domain.grid(SIDE, SIDE).zip(&self.nodes);
+        let inside = nodes.filter(|((q, _), _)| outline.contains(*q));
+        let area = |cell: &DMat2| cell.determinant().abs() * self.kind.area();
+        inside.map(|((_, share), cell)| 2.0 * share / area(cell)).sum()
     }
 
     /// The map from unit steps to those of the lattice at `q`.
@@ -276,23 +285,6 @@ impl<'a> Cells<'a> {
         step.min(self.aim * self.parts as f64 * self.needs.edge_room(&place, way))
     }
 
-    fn room(&self, place: &Place, shape: &DMat2) -> f64 {
-        let ways = self.kind.ways();
-        let [a, b] = [*shape * ways[0], *shape * ways[1]];
-        let room = self.needs.room(place, a, b);
-        if ways.len() == 6 { room } else { room.max(self.needs.room(place, a, a + b)) }
-    }
-
-    fn largest_at(&self, q: DVec2) -> f64 {
-        if self.largest.is_empty() {
-            return f64::INFINITY;
-        }
-        let ((k, f), table) = (self.corner(q), &self.largest);
-        let low = table[k] + (table[k + 1] - table[k]) * f.x;
-        let high = table[k + SIDE + 1] + (table[k + SIDE + 2] - table[k + SIDE + 1]) * f.x;
-        low + (high - low) * f.y
-    }
-
     /// The node before `q`, and how far `q` is on the way to the next ones.
     fn corner(&self, q: DVec2) -> (usize, DVec2) {
         let (domain, last) = (self.needs.domain(), SIDE as f64);
@@ -309,25 +301,18 @@ impl<'a> Cells<'a> {
         let width = SIDE + 1;
         let domain = self.needs.domain();
         let parts = self.parts as f64;
-        self.largest.clear();
         let cap = LARGEST * domain.size().min_element() / parts;
-        let size = |q: DVec2| {
-            let place = self.needs.at(q);
-            let shape = self.kind.shape(&place);
-            let size = self.aim * self.room(&place, &shape) * shape.determinant().abs().sqrt();
+        let size = |alone: &Alone| {
+            let size = self.aim * alone.room * alone.size;
             if size < cap { size } else { cap }
         };
-        let nodes: Vec<DVec2> = domain.grid(SIDE, SIDE).map(|(q, _)| q).collect();
-        let mut table: Vec<f64> = nodes.par_iter().map(|&q| size(q)).collect();
+        let mut table: Vec<f64> = self.alone.iter().map(size).collect();
         let step = domain.size() / SIDE as f64;
         let grow = DVec2::new(step.x, step.y) * (GRADE / parts);
         for forward in [true, false, true, false] {
-            let order: Box<dyn Iterator<Item = usize>> = if forward {
-                Box::new(0..width * width)
-            } else {
-                Box::new((0..width * width).rev())
-            };
-            for k in order {
+            let last = table.len() - 1;
+            for k in 0..=last {
+                let k = if forward { k } else { last - k };
                 let (i, j) = (k % width, k / width);
                 let mut least = table[k];
                 if i > 0 {
@@ -345,8 +330,15 @@ impl<'a> Cells<'a> {
                 table[k] = least;
             }
         }
-        self.largest = table.into_iter().map(|s| s * SLACK).collect();
-        self.nodes = nodes.par_iter().map(|&q| self.fine(q)).collect();
+        let node = |(alone, largest): (&Alone, f64)| {
+            let &Alone { shape, size, room } = alone;
+            let (room, largest) = (self.aim * room, SLACK * largest);
+            // A place that asks for nothing, or of which nothing is known, takes what others leave.
+            let scale = if room * size < largest { room } else { largest / size };
+            let cell = shape * scale;
+            if cell.is_finite() { cell } else { DMat2::from_diagonal(DVec2::splat(largest)) }
+        };
+        self.nodes = self.alone.iter().zip(table).map(node).collect();
     }
 
     /// Shrinks the cells by a little so that whole numbers fit along the domain's lower and left

@@ -10,6 +10,7 @@ use super::proof::Prover;
 use super::rim::Rim;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, Precision, Rect};
+use crate::mirror::Mirror;
 use rayon::prelude::*;
 
 /// Coarse triangles of the meshed part, about: so many that few of them are at the rim, and that
@@ -58,54 +59,75 @@ pub struct Draft<'a> {
     found: Judgement,
 }
 
-impl<'a> Draft<'a> {
-    /// A draft of the part `domain` of the prover's mirror, of which the face holds `copies`.
+/// The first draft of a mesh, on which no proof has been tried.
+pub struct Trial<'a> {
+    /// The cells of the draft that is wanted.
+    cells: Cells<'a>,
+    domain: Rect,
+    first: Draft<'a>,
+}
+
+impl<'a> Trial<'a> {
+    /// A trial for the part `domain` of `mirror`, of which the face holds `copies`.
     pub fn new(
-        prover: &Prover,
+        mirror: &Mirror,
         needs: &'a Needs,
         domain: Rect,
         copies: usize,
-        limits: Limits,
     ) -> Result<Self, MeshError> {
-        let mirror = prover.mirror();
         needs.outlast_rounding(&mirror.outline)?;
-        let mut cells = Cells::new(needs, &mirror.outline, AIM, COARSE);
-        let facets = cells.count(&mirror.outline) * copies as f64;
+        let cells = Cells::new(needs, &mirror.outline, AIM, COARSE);
+        let count = cells.count(&mirror.outline);
+        let facets = count * copies as f64;
         if !(facets <= MOST_FACETS) {
             return Err(MeshError::TooMany { facets, most: MOST_FACETS });
         }
         needs.outlast_tilting(&mirror.outline, |place| cells.sides(place))?;
-        let draw = |cells: Cells<'a>| {
-            let rim = Rim::new(mirror, domain, &cells);
-            let packing = Packing::new(&cells, &rim).map_err(|at| MeshError::Pole { at })?;
-            let net = plane::triangulate(packing, &rim, &cells)?;
-            let mut draft = Self { cells, rim, net, found: Judgement::default() };
-            draft.found = draft.judge(prover, limits);
-            Ok::<_, MeshError>(draft)
+        let mut coarse = cells.clone();
+        if count > TRIAL {
+            coarse.coarsen(2);
+        }
+        let first = Draft::new(mirror, domain, coarse)?;
+        Ok(Self { cells, domain, first })
+    }
+
+    /// A draft of the size at which, as far as proofs of some facets tell, the fewest will do.
+    pub fn judged(self, prover: &Prover, limits: Limits) -> Result<Draft<'a>, MeshError> {
+        let Self { mut cells, domain, first } = self;
+        let draw = |cells: &Cells<'a>| {
+            Ok::<_, MeshError>(
+                Draft::new(prover.mirror(), domain, cells.clone())?.judged(prover, limits),
+            )
         };
-        let mut trial = cells.clone();
-        if cells.count(&mirror.outline) > TRIAL {
-            trial.coarsen(2);
+        let first = first.judged(prover, limits);
+        if first.cells.parts == cells.parts && first.found.is_good() {
+            return Ok(first);
         }
-        let trial = draw(trial)?;
-        if trial.cells.parts == cells.parts && trial.found.is_good() {
-            return Ok(trial);
-        }
-        cells.rescale(trial.found.scale * STRAINED * AIM);
-        let mut draft = draw(cells.clone())?;
+        cells.rescale(first.found.scale * STRAINED * AIM);
+        let mut draft = draw(&cells)?;
         let mut found = draft.found;
         for _ in 0..REDRAWS {
             if found.is_good() {
                 break;
             }
             cells.rescale(cells.aim() * found.scale);
-            let next = draw(cells.clone())?;
+            let next = draw(&cells)?;
             found = next.found;
             if next.facets() < draft.facets() {
                 draft = next;
             }
         }
         Ok(draft)
+    }
+}
+
+impl<'a> Draft<'a> {
+    /// The part `domain` of `mirror` covered with `cells`.
+    fn new(mirror: &Mirror, domain: Rect, cells: Cells<'a>) -> Result<Self, MeshError> {
+        let rim = Rim::new(mirror, domain, &cells);
+        let packing = Packing::new(&cells, &rim).map_err(|at| MeshError::Pole { at })?;
+        let net = plane::triangulate(packing, &rim, &cells)?;
+        Ok(Self { cells, rim, net, found: Judgement::default() })
     }
 
     /// About how many facets come of it.
@@ -114,8 +136,8 @@ impl<'a> Draft<'a> {
         self.net.triangles.len() as f64 * parts * parts * self.found.cost
     }
 
-    /// Proves one facet of each of some triangles.
-    fn judge(&self, prover: &Prover, limits: Limits) -> Judgement {
+    /// The same, judged by the proof of one facet of each of some triangles.
+    fn judged(mut self, prover: &Prover, limits: Limits) -> Self {
         let mut excess = self.sample(prover, limits);
         excess.sort_by(f64::total_cmp);
         let count = excess.len();
@@ -133,7 +155,8 @@ impl<'a> Draft<'a> {
         let is_sound = |(scale, _): &(f64, f64)| scale.is_finite() && *scale > 0.0;
         let (scale, least) = best.map(of).filter(is_sound).unwrap_or((1.0, 1.0));
         let cost = 1.0 + share(after[excess.partition_point(|&e| e <= 1.0)]);
-        Judgement { cost, scale, least }
+        self.found = Judgement { cost, scale, least };
+        self
     }
 
     /// By how much the proof finds facets larger than they may be.

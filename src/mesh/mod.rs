@@ -37,9 +37,10 @@ pub use proof::{Bound, Prover, Vertex};
 use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::View;
-use draft::{Draft, rounding};
+use draft::{Draft, Trial, rounding};
 use needs::Needs;
 use refine::refine;
+use region::Sight;
 use subdivide::subdivide;
 use thiserror::Error;
 
@@ -235,9 +236,14 @@ fn drafted<T>(
 ) -> Result<T, MeshError> {
     assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
     let domain = domain(mirror);
-    let prover = Prover::over(domain, mirror, camera, view, limits.precision);
-    let needs = Needs::new(&prover, domain, limits);
-    let draft = Draft::new(&prover, &needs, domain, copies(mirror), limits)?;
+    let sight = Sight { mirror, camera: *camera, view };
+    let needs = Needs::new(&sight, domain, limits);
+    // Neither keeps all threads busy.
+    let (prover, trial) = rayon::join(
+        || Prover::over(domain, sight, limits.precision),
+        || Trial::new(mirror, &needs, domain, copies(mirror)),
+    );
+    let draft = trial?.judged(&prover, limits)?;
     make(&prover, &draft)
 }
 

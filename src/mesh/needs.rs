@@ -2,7 +2,8 @@
 //! its image does with slopes, and the limits that rounding leaves. Facets are shaped by these;
 //! whether they hold is for the proof to say.
 
-use super::proof::{Prover, largest_deviation};
+use super::proof::largest_deviation;
+use super::region::Sight;
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Outline, Precision, Rect};
 use crate::mirror::Curvature;
@@ -88,11 +89,11 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// The needs of the part `domain` of the prover's mirror.
-    pub fn new(prover: &Prover, domain: Rect, limits: Limits) -> Self {
-        let outline = &prover.mirror().outline;
+    /// The needs of the part `domain` of a mirror.
+    pub fn new(sight: &Sight, domain: Rect, limits: Limits) -> Self {
+        let outline = &sight.mirror.outline;
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
-        let place = |&q: &DVec2| place(prover, into(outline, q), limits.precision);
+        let place = |&q: &DVec2| place(sight, into(outline, q), limits.precision);
         Self { domain, table: nodes.par_iter().map(place).collect(), limits }
     }
 
@@ -239,8 +240,8 @@ fn into(outline: &Outline, q: DVec2) -> DVec2 {
 }
 
 /// What the tolerances depend on at `q`.
-fn place(prover: &Prover, q: DVec2, precision: Precision) -> Place {
-    let mirror = prover.mirror();
+fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
+    let mirror = sight.mirror;
     let chart = &mirror.chart;
     let k = chart.vergence;
     let point = mirror.surface.at(q);
@@ -254,12 +255,12 @@ fn place(prover: &Prover, q: DVec2, precision: Precision) -> Place {
         xy: grow * (xy + k * s.x * s.y),
         yy: grow * (yy + k * s.y * s.y),
     };
-    let per_slope = prover.view().map_or(DMat2::ZERO, |view| {
+    let per_slope = sight.view.map_or(DMat2::ZERO, |view| {
         let fixed = |x: f64| Dual::<2> { value: x, slope: [0.0; 2] };
         let slope = [Dual::variable(gradient.x, 0), Dual::variable(gradient.y, 1)];
         let slope = chart.slope(q.to_array().map(fixed), slope.map(|s| s / grow));
-        let image = prover.camera().coordinates(at).0;
-        let [x, y] = view.content(prover.camera(), at.to_array().map(fixed), slope, image);
+        let image = sight.camera.coordinates(at).0;
+        let [x, y] = view.content(&sight.camera, at.to_array().map(fixed), slope, image);
         DMat2::from_cols_array_2d(&[[x.slope[0], y.slope[0]], [x.slope[1], y.slope[1]]])
     });
     let curvature = all_round(curvature);

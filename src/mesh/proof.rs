@@ -96,18 +96,11 @@ impl<'a> Prover<'a> {
         view: Option<&'a View>,
         precision: Precision,
     ) -> Self {
-        Self::over(mirror.outline.bounds(), mirror, camera, view, precision)
+        Self::over(mirror.outline.bounds(), Sight { mirror, camera: *camera, view }, precision)
     }
 
     /// The same for facets inside `part` of the panel.
-    pub(super) fn over(
-        part: Rect,
-        mirror: &'a Mirror,
-        camera: &Chart,
-        view: Option<&'a View>,
-        precision: Precision,
-    ) -> Self {
-        let sight = Sight { mirror, camera: *camera, view };
+    pub(super) fn over(part: Rect, sight: Sight<'a>, precision: Precision) -> Self {
         let ground = Ground::new(&sight, part);
         Self { sight, plain: sight.is_plain(), precision, ground }
     }
@@ -116,16 +109,6 @@ impl<'a> Prover<'a> {
     #[must_use]
     pub fn mirror(&self) -> &'a Mirror {
         self.sight.mirror
-    }
-
-    /// The camera's chart.
-    pub(super) fn camera(&self) -> &Chart {
-        &self.sight.camera
-    }
-
-    /// What the image must show.
-    pub(super) fn view(&self) -> Option<&'a View> {
-        self.sight.view
     }
 
     /// The corner at `q` of the mirror's chart, over which the mirror's point is `point`.
