@@ -104,6 +104,7 @@ impl<'a> Trial<'a> {
             return Ok(first);
         }
         cells.rescale(first.found.scale * STRAINED * AIM);
+        drop(first);
         let mut draft = draw(&cells)?;
         let mut found = draft.found;
         for _ in 0..REDRAWS {

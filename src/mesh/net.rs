@@ -9,6 +9,8 @@ const NONE: u32 = u32::MAX;
 /// What a flip must leave of the worse excess, and a move of the sum of powers.
 const GAIN: f64 = 0.996;
 const GAIN_BY_MOVING: f64 = 0.97;
+/// Share of that gain from which on, when it is foreseen, a move is tried.
+const HOPE: f64 = 0.5;
 /// Trial steps of moves, in cells.
 const STEP: f64 = 0.06;
 
@@ -180,27 +182,36 @@ impl<'a> Net<'a> {
         let q = self.points[v as usize];
         let place = self.needs.at(q);
         let each = |p: DVec2, [b, c]: [DVec2; 2]| self.excess_of(&place, p, b, c);
-        if !(ring.iter().map(|&edge| each(q, edge)).fold(0.0, f64::max) > easy) {
+        let sees = self.needs.sees();
+        // Nearly the largest, and smooth. In the image, errors of neighbours differ more.
+        let squared = |x: f64| x * x;
+        let sharp = |x: f64| if sees { squared(x) } else { x };
+        let power = |e: f64| sharp(squared(squared(e)));
+        let sum = |p: DVec2| ring.iter().map(|&edge| power(each(p, edge))).sum::<f64>();
+        let (mut worst, mut here) = (0.0, 0.0);
+        for &edge in ring {
+            let excess = each(q, edge);
+            worst = f64::max(worst, excess);
+            here += power(excess);
+        }
+        if !(worst > easy) {
             return None;
         }
-        let sees = self.needs.sees();
-        let sum = |p: DVec2| {
-            // Nearly the largest, and smooth. In the image, errors of neighbours differ more.
-            let squared = |x: f64| x * x;
-            let sharp = |x: f64| if sees { squared(x) } else { x };
-            let power = |e: f64| sharp(squared(squared(e)));
-            ring.iter().map(|&edge| power(each(p, edge))).sum::<f64>()
-        };
-        let here = sum(q);
         let cell = cell(q);
         let mut way = DVec2::ZERO;
+        // What a quadratic model of the sum gains by the way.
+        let mut gain = 0.0;
         for axis in [cell.x_axis, cell.y_axis] {
             let (up, down) = (sum(q + axis * STEP), sum(q - axis * STEP));
             let bend = up + down - 2.0 * here;
             let step = if bend > 0.0 { 0.5 * (down - up) / bend } else { (down - up).signum() };
             if step.is_finite() {
                 way += axis * (STEP * step.clamp(-2.5, 2.5));
+                gain += if bend > 0.0 { 0.25 * step * (down - up) } else { f64::INFINITY };
             }
+        }
+        if gain < HOPE * (1.0 - GAIN_BY_MOVING) * here {
+            return None;
         }
         let least = SLIGHT * ring.iter().map(|&[b, c]| turn(q, b, c)).sum::<f64>() / 3.0;
         let slight = |p: DVec2| ring.iter().any(|&[b, c]| turn(p, b, c) < least);

@@ -13,11 +13,11 @@ use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
 
 /// Rounds of flips and moves.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 8;
 /// Excess, in shares of what is aimed at, from which on corners are moved.
 const UNEASY: f64 = 1.04;
 /// Corners or edges a thread looks at at a time, at least.
-const CHUNK: usize = 128;
+const CHUNK: usize = 32;
 
 /// Triangulates a packing inside its rim, which the first points are.
 pub fn triangulate<'a>(

@@ -24,7 +24,7 @@
 
 use super::deviation::Triangle;
 use super::ground::{Ground, Local};
-use super::region::{Contents, Plane, Region, Sight, sides};
+use super::region::{Contents, Plane, Region, Sight, second, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
 use crate::mirror::{Mirror, Point};
 use crate::num::{Interval, exp, larger};
@@ -222,8 +222,14 @@ impl<'a> Prover<'a> {
         if quick <= 1.5 * corners {
             quick
         } else {
-            let h = t.map(|v| v.h);
-            let (contents, bend) = self.closely(t.map(|v| v.q), h, facets, aside);
+            let (q, h) = (t.map(|v| v.q), t.map(|v| v.h));
+            if self.ground.is_fine() && aside <= self.ground.margin().max(reached) {
+                let bend = self.bend_closely(q, h, facets, (region, aside));
+                if bend < f64::INFINITY {
+                    return quick.min(corners + bend + times(region.first, aside));
+                }
+            }
+            let (contents, bend) = self.closely(q, h, facets, aside);
             let close = corners + bend + times(contents.first(), aside);
             quick.min(close).min(contents.apart())
         }
@@ -245,25 +251,49 @@ impl<'a> Prover<'a> {
         aside: f64,
     ) -> (Contents, f64) {
         let view = self.sight.view.expect("an image to prove something of");
-        let Local { turn, triangle, .. } = self.ground.local(corners);
-        let [lo, hi] = triangle.reach;
+        let local = self.ground.local(corners);
+        let [lo, hi] = local.triangle.reach;
         let part = [lo - aside, hi + aside];
         let bounds = self.sight.narrow(&self.ground.bounds(part), part);
-        let plane = (!self.plain).then(|| {
-            let k = self.sight.mirror.chart.vergence;
-            let most = h.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let least = h.into_iter().fold(f64::INFINITY, f64::min);
-            let grow = 1.0 + k * most;
-            let single = facets.single.as_ref().unwrap_or(&facets.exact);
-            let slack = 4.0 * single.moved * grow * grow;
-            let h = Interval::new(least - slack, most + slack);
-            let [exact, single] = [&facets.exact, single]
-                .map(|facet| turn.rotate(facet.slope).to_array().map(Interval::point));
-            let slope = [exact[0].hull(single[0]), exact[1].hull(single[1])];
-            Plane::of_slope(k, sides(part), h, slope)
-        });
+        let plane = (!self.plain).then(|| self.plane(&local, part, h, facets));
         let contents = self.sight.contents(view, part, &bounds, plane);
-        (contents, triangle.bend(contents.second()))
+        (contents, local.triangle.bend(contents.second()))
+    }
+
+    /// What linear interpolation of the contents of (a part of) one facet leaves out, where for the
+    /// mirror what is known of the region serves, as far around as `aside`.
+    pub(super) fn bend_closely(
+        &self,
+        corners: [DVec2; 3],
+        h: [f64; 3],
+        facets: &Facets,
+        (region, aside): (&Region, f64),
+    ) -> f64 {
+        let view = self.sight.view.expect("an image to prove something of");
+        let local = self.ground.local(corners);
+        let [lo, hi] = local.triangle.reach;
+        let part = [lo - aside, hi + aside];
+        let plane = self.plane(&local, part, h, facets);
+        let chart = &self.sight.mirror.chart;
+        let middle = chart.point(0.5 * (part[0] + part[1]), (h[0] + h[1] + h[2]) / 3.0);
+        let near = self.sight.camera.coordinates(middle).0;
+        let facet = second(&self.sight.facet_contents(view, part, plane, near));
+        local.triangle.bend(std::array::from_fn(|k| facet[k] + region.mirror[k]))
+    }
+
+    /// The planes of a facet, of which a part has heights `h` at its corners, where it is looked at.
+    fn plane(&self, local: &Local, part: [DVec2; 2], h: [f64; 3], facets: &Facets) -> Plane {
+        let k = self.sight.mirror.chart.vergence;
+        let most = h.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let least = h.into_iter().fold(f64::INFINITY, f64::min);
+        let grow = 1.0 + k * most;
+        let single = facets.single.as_ref().unwrap_or(&facets.exact);
+        let slack = 4.0 * single.moved * grow * grow;
+        let h = Interval::new(least - slack, most + slack);
+        let [exact, single] = [&facets.exact, single]
+            .map(|facet| local.turn.rotate(facet.slope).to_array().map(Interval::point));
+        let slope = [exact[0].hull(single[0]), exact[1].hull(single[1])];
+        Plane::of_slope(k, sides(part), h, slope)
     }
 
     /// What corner `i` of a facet shows.

@@ -33,6 +33,8 @@ pub struct Region {
     pub stretch: f64,
     /// |c''| + |c_T''| (xx, xy, yy), 1/mm.
     pub second: [f64; 3],
+    /// |c''| alone.
+    pub mirror: [f64; 3],
     /// |c'|.
     pub first: f64,
     /// How far apart in the chart the mirror and a facet are met by one ray of a camera that is
@@ -50,6 +52,7 @@ impl Region {
         third: [Interval { lo: f64::INFINITY, hi: f64::NEG_INFINITY }; 4],
         stretch: 0.0,
         second: [0.0; 3],
+        mirror: [0.0; 3],
         first: 0.0,
         drift: 0.0,
         gradient: [DVec2::NEG_INFINITY, DVec2::INFINITY],
@@ -73,13 +76,14 @@ impl Region {
             c * (ss * rest + cc * b),
             s * (ss * a + cc * b * 3.0),
         ];
-        let [xx, xy, yy] = self.second;
-        let second = [
-            xx + sin * (2.0 * xy + sin * yy),
-            xy + sin * (xx + yy),
-            yy + sin * (2.0 * xy + sin * xx),
-        ];
-        Self { third, second, ..*self }
+        let both = |[xx, xy, yy]: [f64; 3]| {
+            [
+                xx + sin * (2.0 * xy + sin * yy),
+                xy + sin * (xx + yy),
+                yy + sin * (2.0 * xy + sin * xx),
+            ]
+        };
+        Self { third, second: both(self.second), mirror: both(self.mirror), ..*self }
     }
 }
 
@@ -90,6 +94,7 @@ impl Union for Region {
             third: std::array::from_fn(|k| self.third[k].hull(other.third[k])),
             stretch: self.stretch.max(other.stretch),
             second: std::array::from_fn(|k| self.second[k].max(other.second[k])),
+            mirror: std::array::from_fn(|k| self.mirror[k].max(other.mirror[k])),
             first: self.first.max(other.first),
             drift: self.drift.max(other.drift),
             gradient: [lo.max(other_lo), hi.min(other_hi)],
@@ -108,9 +113,8 @@ pub struct Contents {
 impl Contents {
     /// |c''| + |c_T''| (xx, xy, yy).
     pub fn second(&self) -> [f64; 3] {
-        let of =
-            |jets: &[Jet; 2], k: usize| size(jets.iter().map(|jet| jet.hessian[k].magnitude()));
-        std::array::from_fn(|k| of(&self.mirror, k) + of(&self.facet, k))
+        let (mirror, facet) = (second(&self.mirror), second(&self.facet));
+        std::array::from_fn(|k| mirror[k] + facet[k])
     }
 
     /// |c'|.
@@ -126,6 +130,11 @@ impl Contents {
     fn is_bounded(&self) -> bool {
         self.mirror.iter().all(|jet| jet.value.is_finite())
     }
+}
+
+/// The sizes of second derivatives (xx, xy, yy).
+pub fn second(jets: &[Jet; 2]) -> [f64; 3] {
+    std::array::from_fn(|k| size(jets.iter().map(|jet| jet.hessian[k].magnitude())))
 }
 
 fn size(parts: impl Iterator<Item = f64>) -> f64 {
@@ -220,7 +229,7 @@ impl Sight<'_> {
     ) {
         let (plane, gradient) = self.planes([lo, hi], around);
         let contents = self.contents(view, [lo, hi], bounds, plane);
-        let second = contents.second();
+        let (second, mirror) = (contents.second(), second(&contents.mirror));
         let [xx, xy, yy] = second;
         let steepest = size([xx, xy, xy, yy].into_iter());
         let across = self.mirror.outline.bounds().size().max_element();
@@ -239,7 +248,8 @@ impl Sight<'_> {
         } else {
             let pole = !contents.is_bounded();
             let first = contents.first();
-            *region = region.union(Region { second, first, gradient, pole, ..Region::NOTHING });
+            let found = Region { second, mirror, first, gradient, pole, ..Region::NOTHING };
+            *region = region.union(found);
         }
     }
 
@@ -325,12 +335,26 @@ impl Sight<'_> {
         ];
         let mirror = view.content(&self.camera, chart.place(q, f), chart.slope(q, slope), near);
         let facet = plane.map_or([Jet::constant(0.0); 2], |plane| {
-            let h = Jet::from_parts(plane.h, plane.gradient, [Interval::point(0.0); 3]);
-            let grow = h * chart.vergence + 1.0;
-            let at = [q[0] / grow, q[1] / grow, h / grow + chart.plane_mm];
-            view.content(&self.camera, at, plane.slope.map(Jet::flat), near)
+            self.facet_contents(view, [lo, hi], plane, near)
         });
         Contents { mirror, facet }
+    }
+
+    /// The contents of facets over a box.
+    pub fn facet_contents(
+        &self,
+        view: &View,
+        part: [DVec2; 2],
+        plane: Plane,
+        near: DVec2,
+    ) -> [Jet; 2] {
+        let chart = &self.mirror.chart;
+        let [x, y] = sides(part);
+        let q = [Jet::variable_x(x), Jet::variable_y(y)];
+        let h = Jet::from_parts(plane.h, plane.gradient, [Interval::point(0.0); 3]);
+        let grow = h * chart.vergence + 1.0;
+        let at = [q[0] / grow, q[1] / grow, h / grow + chart.plane_mm];
+        view.content(&self.camera, at, plane.slope.map(Jet::flat), near)
     }
 
     /// [`Region::drift`]: |v| / (1 + p . v), with v the tangent of the ray's angle to the axis and

@@ -139,19 +139,21 @@ impl Prover<'_> {
         bound
     }
 
-    /// Bounds that a few splits bring near those errors which have `limits`.
+    /// Bounds that a few splits bring near those errors which have `limits`, or well below these.
     pub(super) fn bound_roughly(&self, t: [&Vertex; 3], limits: &Limits) -> Bound {
         const SPLITS: usize = 12;
+        const WELL_BELOW: f64 = 0.7;
         let mut bound = self.bound(t);
         if bound == Bound::NEVER {
             return bound;
         }
         for kind in [Kind::Chord, Kind::Facet] {
-            if kind.limit(limits).is_some() {
+            let Some(limit) = kind.limit(limits) else { continue };
+            if !(kind.of(&bound) <= WELL_BELOW * limit) {
                 let mut left = SPLITS;
                 let found = self.search(t, kind, kind.of(&bound), |found| {
                     left -= 1;
-                    left == 0 || self.is_near(found)
+                    left == 0 || found.bound <= WELL_BELOW * limit || self.is_near(found)
                 });
                 kind.set(&mut bound, found.bound);
             }
@@ -402,6 +404,15 @@ impl<'a> Work<'a> {
         }
         let flat = corners.map(|c| c.h - c.over[0]);
         let at = corners.map(|c| c.q);
+        if self.prover.ground.is_fine()
+            && !self.prover.plain
+            && aside <= self.prover.ground.margin()
+        {
+            let bend = self.prover.bend_closely(at, flat, &self.facets, (&region, aside));
+            if bend < f64::INFINITY {
+                return known.min(largest + bend + beside(region.first));
+            }
+        }
         let (contents, bend) = self.prover.closely(at, flat, &self.facets, aside);
         let close = largest + bend + beside(contents.first());
         let bound = if self.prover.plain { close } else { close.min(contents.apart()) };

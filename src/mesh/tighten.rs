@@ -65,8 +65,12 @@ impl Prover<'_> {
         let all = chunks.iter().map(|chunk| chunk.all).fold(Quick::default(), Quick::max);
         let mut bound = all.bound;
         for kind in [Kind::Chord, Kind::Facet] {
+            let (quick, reached) =
+                (kind.of(&bound).min(kind.of(&known)), kind.of_both(all.reached));
             let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
-            kind.set(&mut bound, mesh.largest(kind, &chunks, kind.of_both(all.reached), ceiling));
+            let near = self.is_near(&Found { bound: quick, reached });
+            let found = if near { quick } else { mesh.largest(kind, &chunks, reached, ceiling) };
+            kind.set(&mut bound, found);
         }
         bound
     }
