@@ -13,7 +13,7 @@ use crate::optics::reflect;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
-use crate::trace::{self, Errors, Fate, Frame, Intent, Outcome, Scene, Witness, fates};
+use crate::trace::{self, Errors, Fate, Frame, Intent, Outcome, Scene, Sweep, Witness, fates};
 
 /// What the bytes of one file showed.
 pub struct Evidence {
@@ -133,8 +133,10 @@ pub fn witness(
     clock.always(Stage::Trace, || {
         let scene = Scene::new(mesh);
         let table = intents(design, &scene);
-        let witness =
-            Witness::trace(&scene, normals.as_deref(), design.view.as_ref(), camera.pixels, table);
+        let sweep = Sweep::new(&scene, camera, above(&scene));
+        let (witness, tally) =
+            Witness::sweep(&sweep, normals.as_deref(), design.view.as_ref(), table);
+        clock.traced(tally);
         let frame = design.view.is_some().then(|| {
             let fates = pixel_fates(profile, design, &witness);
             Frame::new(&witness, &fates, camera.pixels, tolerance_px(profile))

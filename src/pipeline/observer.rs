@@ -1,5 +1,6 @@
 //! Progress: who watches a build, and how long its stages take.
 
+use crate::trace::Tally;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -75,12 +76,13 @@ pub struct Clock<'a> {
     observer: &'a dyn Observer,
     start: Instant,
     stages: Mutex<Vec<(&'static str, f64)>>,
+    rays: Mutex<Tally>,
 }
 
 impl<'a> Clock<'a> {
     /// Starts now.
     pub fn new(observer: &'a dyn Observer) -> Self {
-        Self { observer, start: Instant::now(), stages: Mutex::default() }
+        Self { observer, start: Instant::now(), stages: Mutex::default(), rays: Mutex::default() }
     }
 
     /// Runs one stage; its value comes with the note for the observer.
@@ -105,13 +107,20 @@ impl<'a> Clock<'a> {
         self.observer.written(path);
     }
 
+    /// Counts rays that were traced.
+    pub fn traced(&self, tally: Tally) {
+        if let Ok(mut rays) = self.rays.lock() {
+            *rays = *rays + tally;
+        }
+    }
+
     /// Runs a stage that cannot fail.
     pub fn always<T>(&self, stage: Stage, run: impl FnOnce() -> (T, String)) -> T {
         let Ok(value) = self.stage(stage, || Ok::<_, std::convert::Infallible>(run()));
         value
     }
 
-    /// `timings.json`: seconds per stage, in order, and in all so far.
+    /// `timings.json`: seconds per stage, in order, and in all so far; and how rays were traced.
     pub fn json(&self) -> String {
         let mut stages = serde_json::Map::new();
         for (name, seconds) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
@@ -119,6 +128,8 @@ impl<'a> Clock<'a> {
             stages.insert(name.into(), (before + seconds).into());
         }
         let total = self.start.elapsed().as_secs_f64();
-        format!("{:#}\n", serde_json::json!({ "seconds": stages, "total_s": total }))
+        let rays = self.rays.lock().map(|rays| *rays).unwrap_or_default();
+        let all = serde_json::json!({ "seconds": stages, "total_s": total, "rays": rays });
+        format!("{all:#}\n")
     }
 }

@@ -130,5 +130,5 @@ fn is_dull(design: &Design, at: DVec3) -> bool {
 
 /// A height above everything in the file, mm, for camera rays to start from.
 pub fn above(scene: &Scene) -> f64 {
-    scene.mesh().bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
+    scene.bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }

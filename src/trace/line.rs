@@ -2,9 +2,17 @@
 //!
 //! After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): every vertex is
 //! sheared, once and alike for all its facets, into a plane across the ray, where the facets tile
-//! without gaps; on which side of an edge the ray passes is then decided exactly.
+//! without gaps; on which side of an edge the ray passes is then decided exactly. Shearing rounds:
+//! a vertex may move by a few units in the last place of its distance from the ray's origin, but
+//! with all its facets, so nothing opens.
 
 use crate::geom::{DVec2, DVec3, Ray};
+
+/// A ray that vertices can be sheared along.
+pub trait Shear {
+    /// Shears a vertex into the plane across the ray.
+    fn project(&self, v: DVec3) -> Across;
+}
 
 /// A ray with its shear into the plane across it.
 #[derive(Debug, Clone, Copy)]
@@ -42,10 +50,11 @@ impl Line {
         let shear = DVec2::new(d[axes[0]], d[axes[1]]) / main;
         Self { origin: ray.origin, axes, shear, per_depth: 1.0 / main }
     }
+}
 
-    /// Shears a vertex.
+impl Shear for Line {
     #[inline]
-    pub fn project(&self, v: DVec3) -> Across {
+    fn project(&self, v: DVec3) -> Across {
         let p = v - self.origin;
         let along = p[self.axes[2]];
         Across {
@@ -53,30 +62,69 @@ impl Line {
             depth: along * self.per_depth,
         }
     }
+}
 
-    /// Distance and barycentric weights of the place where the line meets the triangle, rim
-    /// included; `None` also for a triangle seen edge-on, whose neighbours then meet the line.
+/// The [`Line`] of a ray along -Z, to the last bit: nothing is left of its shear.
+#[derive(Debug, Clone, Copy)]
+pub struct Plumb {
+    /// Where the ray starts.
+    pub origin: DVec3,
+}
+
+impl Shear for Plumb {
     #[inline]
-    pub fn meet(&self, a: Across, b: Across, c: Across) -> Option<(f64, [f64; 3])> {
-        let sides = [side(b.at, c.at), side(c.at, a.at), side(a.at, b.at)];
-        let least = sides[0].min(sides[1]).min(sides[2]);
-        let largest = sides[0].max(sides[1]).max(sides[2]);
-        let sum = sides[0] + sides[1] + sides[2];
-        if (least < 0.0 && largest > 0.0) || sum == 0.0 {
-            return None;
-        }
-        let weights = sides.map(|s| s / sum);
-        let t = weights[0] * a.depth + weights[1] * b.depth + weights[2] * c.depth;
-        Some((t, weights))
+    fn project(&self, v: DVec3) -> Across {
+        let p = v - self.origin;
+        Across { at: p.truncate(), depth: -p.z }
     }
 }
 
-/// On which side of the edge pq the origin lies: p.x q.y - p.y q.x, with its exact sign.
+/// Whether a line meets the triangle of these corners, rim included, and, if so, at which distance. A
+/// triangle seen edge-on is not met; its neighbours then are.
 #[inline]
+pub fn crossing(a: Across, b: Across, c: Across) -> (bool, f64) {
+    let all = sides(a.at, b.at, c.at);
+    let met = if all[0] * all[1] * all[2] == 0.0 {
+        within_rim(all)
+    } else {
+        let [a, b, c] = all.map(f64::to_bits);
+        ((a ^ b) | (a ^ c)) >> 63 == 0
+    };
+    let t = (all[0] * a.depth + all[1] * b.depth + all[2] * c.depth) / (all[0] + all[1] + all[2]);
+    (met, t)
+}
+
+/// Whether the sides, of which some vanish, are neither of both signs nor all zero.
+#[cold]
+fn within_rim(sides: [f64; 3]) -> bool {
+    sides.iter().any(|&side| side < 0.0) != sides.iter().any(|&side| side > 0.0)
+}
+
+/// Barycentric weights of the place where a line meets the triangle of these corners.
+#[inline]
+pub fn weights(a: Across, b: Across, c: Across) -> [f64; 3] {
+    let sides = sides(a.at, b.at, c.at);
+    let sum = sides[0] + sides[1] + sides[2];
+    sides.map(|side| side / sum)
+}
+
+/// [`side`] of the edges opposite to each corner.
+#[inline]
+fn sides(a: DVec2, b: DVec2, c: DVec2) -> [f64; 3] {
+    // Rounding is monotonic, so rounded products that differ compare as the exact ones do.
+    let sides = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
+    // (Some zero, or so small that it does not matter.)
+    if sides[0] * sides[1] * sides[2] == 0.0 {
+        return [side(b, c), side(c, a), side(a, b)];
+    }
+    sides
+}
+
+/// On which side of the edge pq the origin lies: p.x q.y - p.y q.x, with its exact sign.
+#[cold]
 fn side(p: DVec2, q: DVec2) -> f64 {
     let (m, n) = (p.x * q.y, p.y * q.x);
     if m != n {
-        // Rounding is monotonic, so the rounded products compare as the exact ones do.
         return m - n;
     }
     // Equal when rounded: what rounding took from each decides, and is itself exact.

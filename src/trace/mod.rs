@@ -3,15 +3,20 @@
 //! It knows only those triangles and a table of intended rays handed to it, so it cannot agree
 //! with a wrong design.
 
+mod closed;
 mod coverage;
+mod drawing;
 mod frame;
 mod grid;
+mod ground;
 mod lattice;
 mod line;
 mod scene;
+mod sweep;
 mod witness;
 
 pub use coverage::{Column, Coverage, Range, Seam};
 pub use frame::{Fate, Frame, Lost, fates};
 pub use scene::{Hit, Scene};
+pub use sweep::{Glimpse, Sweep, Tally};
 pub use witness::{Errors, Intent, Outcome, Seen, Witness, glance, look};

@@ -1,8 +1,10 @@
 //! A mesh that rays can be asked against.
 
 use super::grid::Grid;
-use super::line::Line;
-use crate::geom::{Ray, TriMesh};
+use super::ground::Ground;
+use super::line::{Across, Line, Shear, crossing, weights};
+use crate::geom::{DVec3, Ray, TriMesh};
+use std::sync::OnceLock;
 
 /// Where a ray meets a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,19 +17,22 @@ pub struct Hit {
     pub weights: [f64; 3],
 }
 
-/// A triangle mesh with what is needed to find the facets a ray meets.
+/// A triangle mesh with what is needed to find the facets a ray meets, each made when it is first
+/// asked for.
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: TriMesh,
-    grid: Grid,
+    bounds: Option<(DVec3, DVec3)>,
+    grid: OnceLock<Grid>,
+    ground: OnceLock<Option<Ground>>,
 }
 
 impl Scene {
     /// Takes over `mesh`; no promise is asked of it.
     #[must_use]
     pub fn new(mesh: TriMesh) -> Self {
-        let grid = Grid::new(&mesh);
-        Self { mesh, grid }
+        let bounds = mesh.bounds();
+        Self { mesh, bounds, grid: OnceLock::new(), ground: OnceLock::new() }
     }
 
     /// The triangles.
@@ -36,24 +41,40 @@ impl Scene {
         &self.mesh
     }
 
+    /// Smallest and largest coordinates; `None` without vertices.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        self.bounds
+    }
+
+    /// What finds the facets that any ray meets.
+    pub(super) fn grid(&self) -> &Grid {
+        self.grid.get_or_init(|| Grid::new(&self.mesh))
+    }
+
+    /// What proves that reflected rays meet none.
+    pub(super) fn ground(&self) -> Option<&Ground> {
+        self.ground.get_or_init(|| Ground::new(&self.mesh)).as_ref()
+    }
+
     /// The nearest facet ahead of the ray's origin; of two at the same distance (a ray through an
     /// edge) the one with the lower number.
     #[must_use]
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
         let line = Line::new(ray);
-        let mut nearest: Option<Hit> = None;
-        self.grid.walk(ray, |facets| {
+        let mut nearest: Option<(f64, u32)> = None;
+        self.grid().walk(ray, |facets| {
             for &facet in facets {
-                if let Some(hit) = self.meet(&line, facet) {
-                    let nearer = nearest.is_none_or(|n| (hit.t, facet) < (n.t, n.facet));
-                    if hit.t > 0.0 && nearer {
-                        nearest = Some(hit);
+                if let Some(t) = self.meet(&line, facet) {
+                    let nearer = nearest.is_none_or(|nearest| (t, facet) < nearest);
+                    if t > 0.0 && nearer {
+                        nearest = Some((t, facet));
                     }
                 }
             }
-            nearest.map_or(f64::INFINITY, |hit| hit.t)
+            nearest.map_or(f64::INFINITY, |(t, _)| t)
         });
-        nearest
+        nearest.map(|(t, facet)| Hit { t, facet, weights: self.weights(ray, facet) })
     }
 
     /// A facet other than `from` that the ray meets further than `clear` mm from its origin; the
@@ -62,9 +83,9 @@ impl Scene {
     pub fn blocker(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
         let line = Line::new(ray);
         let mut found = None;
-        self.grid.walk(ray, |facets| {
+        self.grid().walk(ray, |facets| {
             let blocks = |&&facet: &&u32| {
-                facet != from && self.meet(&line, facet).is_some_and(|hit| hit.t > clear)
+                facet != from && self.meet(&line, facet).is_some_and(|t| t > clear)
             };
             found = found.or(facets.iter().find(blocks).copied());
             if found.is_some() { 0.0 } else { f64::INFINITY }
@@ -72,10 +93,22 @@ impl Scene {
         found
     }
 
+    /// Barycentric weights of the corners of `facet` where the ray meets it.
+    pub(super) fn weights(&self, ray: &Ray, facet: u32) -> [f64; 3] {
+        let [a, b, c] = self.across(&Line::new(ray), facet);
+        weights(a, b, c)
+    }
+
     #[inline]
-    fn meet(&self, line: &Line, facet: u32) -> Option<Hit> {
-        let [a, b, c] = self.mesh.corners(facet as usize).map(|v| line.project(v));
-        line.meet(a, b, c).map(|(t, weights)| Hit { t, facet, weights })
+    fn meet(&self, line: &Line, facet: u32) -> Option<f64> {
+        let [a, b, c] = self.across(line, facet);
+        let (met, t) = crossing(a, b, c);
+        met.then_some(t)
+    }
+
+    #[inline]
+    fn across(&self, line: &Line, facet: u32) -> [Across; 3] {
+        self.mesh.corners(facet as usize).map(|v| line.project(v))
     }
 }
 
@@ -117,8 +150,11 @@ mod tests {
     }
 
     fn brute_force(scene: &Scene, ray: &Ray) -> Option<Hit> {
-        let hits =
-            (0..scene.mesh.triangles.len() as u32).filter_map(|t| scene.meet(&Line::new(ray), t));
+        let facets = 0..scene.mesh.triangles.len() as u32;
+        let hits = facets.filter_map(|facet| {
+            let t = scene.meet(&Line::new(ray), facet)?;
+            Some(Hit { t, facet, weights: scene.weights(ray, facet) })
+        });
         hits.filter(|h| h.t > 0.0).min_by(|a, b| a.t.total_cmp(&b.t).then(a.facet.cmp(&b.facet)))
     }
 
@@ -142,7 +178,7 @@ mod tests {
             assert_eq!(scene.first(&ray), expected, "ray {k} {ray:?}");
             let clear = 1e-6;
             let blocked = (0..scene.mesh.triangles.len() as u32)
-                .any(|t| t != 7 && scene.meet(&Line::new(&ray), t).is_some_and(|h| h.t > clear));
+                .any(|t| t != 7 && scene.meet(&Line::new(&ray), t).is_some_and(|t| t > clear));
             assert_eq!(scene.blocker(&ray, 7, clear).is_some(), blocked, "ray {k} {ray:?}");
             hits += usize::from(expected.is_some());
         }
@@ -182,7 +218,7 @@ mod tests {
             mesh.vertices.iter_mut().for_each(|v| *v *= width);
             let scene = Scene::new(mesh);
             let inside = |x: &f64| (0.5 * width..23.5 * width).contains(x);
-            for border in scene.grid.borders().into_iter().filter(inside) {
+            for border in scene.grid().borders().into_iter().filter(inside) {
                 for (ulps, other) in (-6..=6).flat_map(|u| [3.3, 20.1].map(|o| (u, o * width))) {
                     let x = nudge(border, ulps);
                     for direction in [DVec3::NEG_Z, DVec3::new(1e-17, -1e-17, -1.0)] {

@@ -1,5 +1,6 @@
 //! One ray a sensor pixel: what each one meets, where it goes, and how far that is from intended.
 
+use super::sweep::{Glimpse, Sweep, Tally};
 use super::{Hit, Scene};
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
@@ -99,10 +100,31 @@ impl Witness {
         let lines = seen.par_chunks_mut(columns as usize).enumerate();
         lines.for_each(|(row, line)| {
             for (seen, intent) in line.iter_mut().zip(table(row as u32)) {
-                *seen = follow(scene, normals, view, &intent);
+                let found = Glimpse::from(look(scene, &intent.ray));
+                *seen = judge(scene, normals, view, &intent, &found);
             }
         });
         Self { seen }
+    }
+
+    /// The same for a table of the rays of `sweep`, all at once; with how they were traced.
+    pub fn sweep(
+        sweep: &Sweep,
+        normals: Option<&[[DVec3; 3]]>,
+        view: Option<&View>,
+        table: impl Fn(u32) -> Vec<Intent> + Sync,
+    ) -> (Self, Tally) {
+        let [columns, rows] = sweep.pixels().map(|n| n as usize);
+        let mut seen = vec![Seen::NOTHING; columns * rows];
+        let tally = sweep.bands(&mut seen, |first, found, seen| {
+            let lines = seen.chunks_mut(columns).zip(found.chunks(columns));
+            for (row, (line, found)) in (first..).zip(lines) {
+                for ((seen, intent), found) in line.iter_mut().zip(table(row)).zip(found) {
+                    *seen = judge(sweep.scene(), normals, view, &intent, found);
+                }
+            }
+        });
+        (Self { seen }, tally)
     }
 
     /// The rays aimed at the mirror.
@@ -131,11 +153,18 @@ pub fn glance(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
     let Some(hit) = scene.first(ray) else {
         return (Outcome::Missed, None, DVec3::ZERO);
     };
-    let normal = scene.mesh().area_vector(hit.facet as usize);
-    if normal.dot(ray.direction) < 0.0 {
-        (Outcome::Hit, Some(hit), reflect(ray.direction, normal))
+    let (outcome, direction) = reflected(scene, ray.direction, hit.facet);
+    (outcome, Some(hit), direction)
+}
+
+/// What a facet makes of a ray that meets it, but for shadow.
+#[inline]
+pub(super) fn reflected(scene: &Scene, direction: DVec3, facet: u32) -> (Outcome, DVec3) {
+    let normal = scene.mesh().area_vector(facet as usize);
+    if normal.dot(direction) < 0.0 {
+        (Outcome::Hit, reflect(direction, normal))
     } else {
-        (Outcome::BackFace, Some(hit), DVec3::ZERO)
+        (Outcome::BackFace, DVec3::ZERO)
     }
 }
 
@@ -144,26 +173,30 @@ pub fn glance(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
 pub fn look(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
     let (outcome, hit, direction) = glance(scene, ray);
     let (Outcome::Hit, Some(found)) = (outcome, hit) else { return (outcome, hit, direction) };
-    let leaving = Ray { origin: ray.at(found.t), direction };
-    // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
-    let clear = 1e-12 * (leaving.origin.abs().max_element() + found.t);
-    match scene.blocker(&leaving, found.facet, clear) {
-        Some(facet) => (Outcome::Shadowed(facet), hit, direction),
-        None => (outcome, hit, direction),
-    }
+    (shadowed(scene, ray, found.t, found.facet, direction), hit, direction)
 }
 
-fn follow(
+/// The outcome of a ray that is reflected by `facet` at distance `t` and leaves in `direction`.
+pub(super) fn shadowed(scene: &Scene, ray: &Ray, t: f64, facet: u32, direction: DVec3) -> Outcome {
+    let leaving = Ray { origin: ray.at(t), direction };
+    // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
+    let clear = 1e-12 * (leaving.origin.abs().max_element() + t);
+    scene.blocker(&leaving, facet, clear).map_or(Outcome::Hit, Outcome::Shadowed)
+}
+
+/// What became of a ray that ended as `found`, and how far that is from intended.
+fn judge(
     scene: &Scene,
     normals: Option<&[[DVec3; 3]]>,
     view: Option<&View>,
     intent: &Intent,
+    found: &Glimpse,
 ) -> Seen {
-    let Intent { point, aimed, wanted, .. } = *intent;
-    let (outcome, hit, direction) = look(scene, &intent.ray);
-    let at = hit.map_or(DVec3::ZERO, |hit| intent.ray.at(hit.t));
+    let Intent { ray, point, aimed, wanted, .. } = *intent;
+    let Glimpse { outcome, facet, t, direction } = *found;
+    let at = if facet == Glimpse::NO_FACET { DVec3::ZERO } else { ray.at(t) };
     let seen = Seen { outcome, aimed, wanted, direction, at, ..Seen::NOTHING };
-    let (Outcome::Hit, Some(hit), true, Some(view)) = (outcome, hit, aimed, view) else {
+    let (Outcome::Hit, true, Some(view)) = (outcome, aimed, view) else {
         return seen;
     };
     let errors = |direction: DVec3| {
@@ -175,8 +208,8 @@ fn follow(
         }
     };
     let smooth = normals.map(|normals| {
-        let corners = normals[hit.facet as usize].iter().zip(hit.weights);
-        errors(reflect(intent.ray.direction, corners.map(|(n, w)| *n * w).sum()))
+        let corners = normals[facet as usize].iter().zip(scene.weights(&ray, facet));
+        errors(reflect(ray.direction, corners.map(|(n, w)| *n * w).sum()))
     });
     Seen { errors: Some(errors(direction)), smooth, ..seen }
 }

@@ -1,0 +1,189 @@
+//! Rays per second of the witness: `cargo bench --bench trace`.
+//!
+//! A pair is a camera ray with the shadow test of its reflected ray: rays given; outcome, facet and
+//! direction out.
+
+use morion::design::{Design, design};
+use morion::export::{Label, read_stl, write_stl};
+use morion::geom::{DVec3, Precision, Ray, TriMesh};
+use morion::mesh::{Limits, mesh};
+use morion::pipeline::load;
+use morion::solid::Solid;
+use morion::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
+use std::error::Error;
+use std::fs::{self, File};
+use std::hint::black_box;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::time::Instant;
+
+// As the program's own.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+const USAGE: &str = "\
+cargo bench --bench trace -- [OPTIONS]
+
+    --profile NAME  shipped profile or profile file [default: conquistador]
+    --runs K        the fastest counts [default: 9]
+    --dump FOLDER   mesh, rays and what became of them for other programs, as plain little-endian
+                    numbers: vertices.f64, triangles.u32, rays.f64 (origin, direction), found.f64
+                    (outcome: 0 reflected, 1 missed, 2 shadowed, 3 back face; facet; distance;
+                    direction), and morion.txt with our times
+";
+
+struct Options {
+    profile: String,
+    runs: usize,
+    dump: Option<String>,
+}
+
+impl Options {
+    fn parse() -> Result<Self, String> {
+        let mut options = Self { profile: "conquistador".into(), runs: 9, dump: None };
+        let mut arguments = std::env::args().skip(1);
+        let mut measured = false;
+        while let Some(name) = arguments.next() {
+            let mut value = || arguments.next().ok_or(format!("{name} needs a value"));
+            match name.as_str() {
+                "--profile" => options.profile = value()?,
+                "--runs" => {
+                    let runs = value()?;
+                    options.runs = runs.parse().map_err(|_| format!("{runs} is no number"))?;
+                }
+                "--dump" => options.dump = Some(value()?),
+                "--bench" => measured = true,
+                _ => return Err(format!("{name}?\n\n{USAGE}")),
+            }
+        }
+        // Without cargo's `--bench` this is a test that it runs.
+        if !measured {
+            options.runs = 1;
+        }
+        options.runs = options.runs.max(1);
+        Ok(options)
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse().unwrap_or_else(|complaint| {
+        eprintln!("{complaint}");
+        std::process::exit(2)
+    });
+    let (design, mesh) = made(&options.profile)?;
+    let [columns, rows] = design.camera.pixels;
+    println!("{}: {} triangles, {columns} x {rows} rays", options.profile, mesh.triangles.len());
+    let top = mesh.bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element());
+    let scene = Scene::new(mesh);
+    let mut lines = Vec::new();
+    let mut found = Vec::new();
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        pool.install(|| {
+            let plain = || Scene::new(scene.mesh().clone());
+            let ray = Sweep::new(&scene, &design.camera, top).ray(0, 0);
+            let general = least(options.runs, plain, |scene| {
+                black_box(scene.first(&ray));
+            });
+            lines.push(format!("build_general_{threads} {general:.3} ms"));
+            let sweep = Sweep::new(&scene, &design.camera, top);
+            let frame = |scene: &Scene| Sweep::new(scene, &design.camera, top).run();
+            let first = least(options.runs, plain, |scene| drop(black_box(frame(scene))));
+            let (glimpses, tally) = sweep.run();
+            let next = least(options.runs, || (), |()| drop(black_box(sweep.run())));
+            lines.push(format!("build_proofs_{threads} {:.3} ms", (first - next).max(0.0)));
+            let all = sweep.without_shortcuts();
+            let slow = least(options.runs.min(3), || (), |()| drop(black_box(all.run())));
+            let pairs = glimpses.len() as f64;
+            let rate = |ms: f64| pairs / ms * 1e-3;
+            lines.push(format!("pairs_{threads} {:.3} M/s ({next:.3} ms)", rate(next)));
+            lines.push(format!("pairs_without_shortcuts_{threads} {:.3} M/s", rate(slow)));
+            if threads == 1 {
+                let Tally { drawn, searched, proven, followed } = tally;
+                println!(
+                    "{drawn} drawn, {searched} searched; {proven} proven, {followed} followed"
+                );
+            }
+            found = glimpses;
+        });
+    }
+    let times = lines.join("\n") + "\n";
+    print!("{times}");
+    if let Some(folder) = &options.dump {
+        let sweep = Sweep::new(&scene, &design.camera, top);
+        dump(Path::new(folder), &sweep, &found)?;
+        fs::write(Path::new(folder).join("morion.txt"), times)?;
+    }
+    Ok(())
+}
+
+/// The mesh of the STL file that the profile makes, as it is read back.
+fn made(profile: &str) -> Result<(Design, TriMesh), Box<dyn Error>> {
+    let source = load(profile)?;
+    let profile = &source.profile;
+    let design = design(profile, source.sag.as_ref())?;
+    let limits = Limits {
+        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
+        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        precision: Precision::Single,
+    };
+    let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)?;
+    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), Precision::Single)?;
+    let label = Label {
+        profile: profile.name.clone(),
+        sha256: profile.sha256.clone(),
+        tolerances: String::new(),
+    };
+    let mut bytes = Vec::new();
+    write_stl(&mut bytes, &solid, &label)?;
+    Ok((design, read_stl(&bytes)?.mesh))
+}
+
+/// The least time of `runs` in ms, each with something new.
+fn least<T>(runs: usize, new: impl Fn() -> T, run: impl Fn(&T)) -> f64 {
+    let times = (0..runs).map(|_| {
+        let with = new();
+        let start = Instant::now();
+        run(&with);
+        start.elapsed().as_secs_f64() * 1e3
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
+fn dump(folder: &Path, sweep: &Sweep, found: &[Glimpse]) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
+    let numbers = |name: &str, all: &mut dyn Iterator<Item = f64>| -> Result<(), Box<dyn Error>> {
+        let mut out = BufWriter::new(File::create(folder.join(name))?);
+        for number in all {
+            out.write_all(&number.to_le_bytes())?;
+        }
+        Ok(out.flush()?)
+    };
+    let mesh = sweep.scene().mesh();
+    numbers("vertices.f64", &mut mesh.vertices.iter().flat_map(DVec3::to_array))?;
+    let triangles: Vec<u8> =
+        mesh.triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();
+    fs::write(folder.join("triangles.u32"), triangles)?;
+    let [columns, rows] = sweep.pixels();
+    let rays = (0..columns * rows).map(|k| sweep.ray(k % columns, k / columns));
+    numbers(
+        "rays.f64",
+        &mut rays.flat_map(|Ray { origin, direction }| {
+            origin.to_array().into_iter().chain(direction.to_array())
+        }),
+    )?;
+    let outcome = |outcome: Outcome| match outcome {
+        Outcome::Hit => 0.0,
+        Outcome::Missed => 1.0,
+        Outcome::Shadowed(_) => 2.0,
+        Outcome::BackFace => 3.0,
+    };
+    numbers(
+        "found.f64",
+        &mut found.iter().flat_map(|seen| {
+            let facet = if seen.facet == Glimpse::NO_FACET { -1.0 } else { f64::from(seen.facet) };
+            let [x, y, z] = seen.direction.to_array();
+            [outcome(seen.outcome), facet, seen.t, x, y, z]
+        }),
+    )
+}

@@ -1,0 +1,331 @@
+//! Facets drawn over the pixel centres of a camera.
+
+use super::Glimpse;
+use super::line::{Line, Plumb, Shear, crossing};
+use super::scene::Scene;
+use crate::geom::{DVec2, DVec3, TriMesh};
+use crate::optics::Camera;
+use rayon::prelude::*;
+
+/// Rows that are drawn together.
+pub const ROWS: usize = 16;
+/// Facets are drawn in parts of this size, whatever the number of threads.
+const PART: usize = 1 << 14;
+/// Facets over more pixels than this are large: they are drawn last, where nothing is nearer.
+const LARGE: u32 = 64;
+/// Pixels by which a facet's picture is taken to be larger than it is: rounding is far below it.
+const MARGIN: f64 = 1e-6;
+/// Columns or rows of a camera at most.
+const MOST_PIXELS: u32 = 1 << 16;
+/// Part of the way from the pinhole to the reference plane that facets must keep from it.
+const LEAST_WAY: f64 = 1e-3;
+
+/// A facet that the ray of a pixel meets.
+#[derive(Debug, Clone, Copy, Default)]
+struct Met {
+    t: f64,
+    facet: u32,
+    column: u16,
+    row: u16,
+}
+
+/// A large facet, its corners' places in the picture and the rows, from the first up to the last, whose centres it may
+/// cover.
+#[derive(Debug, Clone, Copy)]
+struct Large {
+    facet: u32,
+    at: [DVec2; 3],
+    rows: [usize; 2],
+    /// The least distance of a ray to a plane above it, mm.
+    least: f64,
+}
+
+/// What some of the facets show.
+#[derive(Debug, Clone)]
+struct Part {
+    /// Where small ones are met, a band of rows after the other.
+    met: Vec<Met>,
+    /// Where each band's begin, and the end.
+    start: Vec<usize>,
+    large: Vec<Large>,
+}
+
+impl Part {
+    /// Where small ones are met in a band.
+    #[inline]
+    fn of(&self, band: usize) -> &[Met] {
+        &self.met[self.start[band]..self.start[band + 1]]
+    }
+}
+
+/// Where facets lie in the picture.
+#[derive(Debug)]
+pub struct Drawing<'a> {
+    mesh: &'a TriMesh,
+    camera: &'a Camera,
+    top_mm: f64,
+    /// X of the pixels' centres by column, and Y by row, on the reference plane, mm.
+    centres: [Vec<f64>; 2],
+    /// Pixels per mm on the reference plane.
+    per_mm: f64,
+    /// Z where the rays start.
+    start: f64,
+    /// Rounding of places in the picture, pixels, and of distances, mm.
+    margins: [f64; 2],
+    parts: Vec<Part>,
+}
+
+/// What the pixels of a band of rows show.
+#[derive(Debug, Default)]
+pub struct Band {
+    t: Vec<f64>,
+    facets: Vec<u32>,
+    columns: usize,
+    /// Where large facets are met.
+    large: Vec<Met>,
+}
+
+impl Band {
+    #[inline]
+    fn pixel(&self, met: &Met) -> usize {
+        usize::from(met.row) % ROWS * self.columns + usize::from(met.column)
+    }
+
+    #[inline]
+    fn add(&mut self, met: &Met) {
+        let (k, Met { t, facet, .. }) = (self.pixel(met), *met);
+        if t < self.t[k] || (t == self.t[k] && facet < self.facets[k]) {
+            (self.t[k], self.facets[k]) = (t, facet);
+        }
+    }
+}
+
+impl<'a> Drawing<'a> {
+    /// The picture that `camera`, with parallel rays from height `top_mm`, takes of `scene`. None
+    /// where rays start beside or below facets: those cannot be drawn.
+    pub fn new(scene: &'a Scene, camera: &'a Camera, top_mm: f64) -> Option<Self> {
+        let (lo, hi) = scene.bounds()?;
+        let chart = camera.chart;
+        let start =
+            if chart.vergence == 0.0 { top_mm } else { chart.plane_mm + 1.0 / chart.vergence };
+        let way = 1.0 - chart.vergence * (hi.z - chart.plane_mm);
+        let extent = lo.abs().max(hi.abs()).max_element().max(start.abs());
+        let margin = MARGIN + 64.0 * f64::EPSILON * extent / camera.pixel_mm;
+        // (What is no number fails.)
+        if !(start > hi.z
+            && way >= LEAST_WAY
+            && margin < 0.25
+            && camera.pixels.iter().all(|&n| n <= MOST_PIXELS))
+        {
+            return None;
+        }
+        let mesh = scene.mesh();
+        let [columns, rows] = camera.pixels.map(|n| (0..n).map(|k| f64::from(k) + 0.5));
+        let mut drawing = Self {
+            mesh,
+            camera,
+            top_mm,
+            centres: [
+                columns.map(|x| camera.image_point(x, 0.0).x).collect(),
+                rows.map(|y| camera.image_point(0.0, y).y).collect(),
+            ],
+            per_mm: 1.0 / camera.pixel_mm,
+            start,
+            margins: [margin, 1e-9 * extent],
+            parts: vec![],
+        };
+        let parts = mesh.triangles.par_chunks(PART).enumerate();
+        let part = |met: &mut Vec<Met>, (number, part): (usize, &[[u32; 3]])| {
+            let first = (number * PART) as u32;
+            // Nothing is left of the shear of parallel rays.
+            if chart.vergence == 0.0 {
+                drawing.part(met, first, part, |x, y| Plumb { origin: DVec3::new(x, y, top_mm) })
+            } else {
+                let ray = |x, y| Line::new(&camera.ray(DVec2::new(x, y), top_mm));
+                drawing.part(met, first, part, ray)
+            }
+        };
+        drawing.parts = parts.map_init(Vec::new, part).collect();
+        Some(drawing)
+    }
+
+    /// The place of a point in the picture, pixels from the upper left corner.
+    #[inline]
+    fn place(&self, v: DVec3) -> DVec2 {
+        let Camera { pixels: [columns, rows], chart, .. } = *self.camera;
+        let mut scale = self.per_mm;
+        if chart.vergence != 0.0 {
+            scale /= 1.0 - chart.vergence * (v.z - chart.plane_mm);
+        }
+        DVec2::new(0.5 * f64::from(columns) + v.x * scale, 0.5 * f64::from(rows) - v.y * scale)
+    }
+
+    /// The first pixel of a line of `count` whose centre lies between `lo` and `hi`, and the one after
+    /// the last.
+    #[inline]
+    fn between(&self, lo: f64, hi: f64, count: u32) -> [u32; 2] {
+        // Numbers around 2^52 have no digits after the point: their lowest ones are the rounded rest.
+        const WHOLE: f64 = (1u64 << 52) as f64;
+        let within = |x: f64| (lesser(greater(x, 0.0), f64::from(count)) + WHOLE).to_bits() as u32;
+        [within(lo - self.margins[0]), within(hi + self.margins[0])]
+    }
+
+    /// Draws the small ones of the facets numbered from `first` on; `line` gives the ray of a place on
+    /// the reference plane.
+    fn part<S: Shear>(
+        &self,
+        met: &mut Vec<Met>,
+        first: u32,
+        triangles: &[[u32; 3]],
+        line: impl Fn(f64, f64) -> S,
+    ) -> Part {
+        let [width, height] = self.camera.pixels;
+        let [xs, ys] = &self.centres;
+        let mut large = Vec::new();
+        let mut count = 0;
+        for (facet, triangle) in (first..).zip(triangles) {
+            let [a, b, c] = triangle.map(|v| self.mesh.vertices[v as usize]);
+            let at @ [p, q, r] = [a, b, c].map(|v| self.place(v));
+            let lo = [lesser(lesser(p.x, q.x), r.x), lesser(lesser(p.y, q.y), r.y)];
+            let hi = [greater(greater(p.x, q.x), r.x), greater(greater(p.y, q.y), r.y)];
+            let [left, right] = self.between(lo[0], hi[0], width);
+            let [upper, lower] = self.between(lo[1], hi[1], height);
+            if left >= right || upper >= lower {
+                continue;
+            }
+            if (right - left) * (lower - upper) > LARGE {
+                let least = self.start - a.z.max(b.z).max(c.z) - self.margins[1];
+                large.push(Large { facet, at, rows: [upper as usize, lower as usize], least });
+                continue;
+            }
+            if met.len() < count + LARGE as usize {
+                met.resize(2 * count + PART, Met::default());
+            }
+            let [left, right, upper, lower] = [left, right, upper, lower].map(|k| k as usize);
+            for (&y, row) in ys[upper..lower].iter().zip(upper..) {
+                for (&x, column) in xs[left..right].iter().zip(left..) {
+                    let line = line(x, y);
+                    let (meets, t) = crossing(line.project(a), line.project(b), line.project(c));
+                    // Half of them meet: a branch would be foretold wrongly as often.
+                    met[count] = Met { t, facet, column: column as u16, row: row as u16 };
+                    count += usize::from(meets);
+                }
+            }
+        }
+        let band = |met: &Met| usize::from(met.row) / ROWS;
+        let mut start = vec![0; (height as usize).div_ceil(ROWS) + 2];
+        for met in &met[..count] {
+            start[band(met) + 2] += 1;
+        }
+        for k in 2..start.len() {
+            start[k] += start[k - 1];
+        }
+        let mut sorted = vec![Met::default(); count];
+        for met in &met[..count] {
+            let place = &mut start[band(met) + 1];
+            sorted[*place] = *met;
+            *place += 1;
+        }
+        Part { met: sorted, start, large }
+    }
+
+    /// Draws `rows` rows from row `first`, the first of a band.
+    pub fn draw(&self, first: usize, rows: usize, band: &mut Band) {
+        let columns = self.camera.pixels[0] as usize;
+        band.columns = columns;
+        band.t.clear();
+        band.t.resize(columns * rows, f64::INFINITY);
+        band.facets.clear();
+        band.facets.resize(columns * rows, Glimpse::NO_FACET);
+        band.large.clear();
+        for part in &self.parts {
+            part.of(first / ROWS).iter().for_each(|met| band.add(met));
+        }
+        let mut deepest = vec![f64::NEG_INFINITY; columns.div_ceil(ROWS)];
+        for line in band.t.chunks(columns) {
+            for (deepest, part) in deepest.iter_mut().zip(line.chunks(ROWS)) {
+                *deepest = part.iter().copied().fold(*deepest, greater);
+            }
+        }
+        let all = deepest.iter().copied().fold(f64::NEG_INFINITY, greater);
+        for large in self.parts.iter().flat_map(|part| &part.large) {
+            let [upper, lower] = [large.rows[0].max(first), large.rows[1].min(first + rows)];
+            if upper >= lower || all < large.least {
+                continue;
+            }
+            let shows = |&[left, right]: &[usize; 2]| {
+                left < right
+                    && deepest[left / ROWS..=(right - 1) / ROWS].iter().any(|&d| d >= large.least)
+            };
+            if !shows(&self.slice(large, [upper, lower])) {
+                continue;
+            }
+            let corners = self.mesh.corners(large.facet as usize);
+            for row in upper..lower {
+                let pixels @ [left, right] = self.slice(large, [row, row + 1]);
+                if !shows(&pixels) {
+                    continue;
+                }
+                for column in left..right {
+                    let point = DVec2::new(self.centres[0][column], self.centres[1][row]);
+                    let line = Line::new(&self.camera.ray(point, self.top_mm));
+                    let [a, b, c] = corners.map(|v| line.project(v));
+                    let (meets, t) = crossing(a, b, c);
+                    if meets {
+                        let (column, row) = (column as u16, row as u16);
+                        band.large.push(Met { t, facet: large.facet, column, row });
+                    }
+                }
+            }
+        }
+        for k in 0..band.large.len() {
+            let met = band.large[k];
+            band.add(&met);
+        }
+    }
+
+    /// What each pixel of the band from row `first` on, which has been drawn, shows: its number in the
+    /// band, column and row, and the distance and facet. In the order of the facets, which lie near
+    /// each other in memory; not of pixels that show nothing.
+    pub fn seen<'b>(
+        &'b self,
+        first: usize,
+        band: &'b Band,
+    ) -> impl Iterator<Item = (usize, [u32; 2], f64, u32)> {
+        let met = self.parts.iter().flat_map(move |part| part.of(first / ROWS));
+        met.chain(&band.large).filter_map(|met| {
+            let k = band.pixel(met);
+            let at = [met.column, met.row].map(u32::from);
+            (band.facets[k] == met.facet).then_some((k, at, met.t, met.facet))
+        })
+    }
+
+    /// The columns, from the first up to the last, where a facet may cover centres in some rows.
+    fn slice(&self, Large { at, .. }: &Large, rows: [usize; 2]) -> [usize; 2] {
+        let margin = self.margins[0];
+        let (upper, lower) = (rows[0] as f64 + 0.5 - margin, rows[1] as f64 - 0.5 + margin);
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..3 {
+            let (a, b) = (at[k], at[(k + 1) % 3]);
+            let (least, most) = (a.y.min(b.y), a.y.max(b.y));
+            if most < upper || least > lower {
+                continue;
+            }
+            let x = |y: f64| a.x + (b.x - a.x) * ((y.clamp(least, most) - a.y) / (b.y - a.y));
+            let (x, y) = if a.y == b.y { (a.x, b.x) } else { (x(upper), x(lower)) };
+            left = left.min(x).min(y);
+            right = right.max(x).max(y);
+        }
+        self.between(left, right, self.camera.pixels[0]).map(|k| k as usize)
+    }
+}
+
+#[inline]
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+#[inline]
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}

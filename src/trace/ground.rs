@@ -1,0 +1,280 @@
+//! Proof that reflected rays leave unshadowed, for whole bundles of them.
+//!
+//! A line from outside a closed mesh and back to it crosses as many facets inwards as outwards. So a
+//! reflected ray, which starts outside, meets nothing if every facet that it could meet shows it its
+//! back: there is nothing to balance a crossing. Facets that it passes above cannot be met. Both
+//! are decided for the cells of a quadtree over the plane, from the greatest height in each and the
+//! range of the normals.
+
+use super::closed::closed;
+use crate::geom::{DVec2, DVec3, TriMesh};
+use rayon::prelude::*;
+
+/// Facets per smallest cell that the tree aims at.
+const CROWD: f64 = 64.0;
+/// Smallest cells at least and at most.
+const CELLS: [f64; 2] = [256.0, 1e6];
+/// The least cosine by which a facet must show its back.
+const LEAST_COSINE: f64 = 1e-3;
+/// Facets are sorted in parts of this size, whatever the number of threads.
+const PART: usize = 1 << 16;
+/// Share of the mesh's size by which it is taken to be larger than it is: rounding is far below it.
+const MARGIN: f64 = 1e-9;
+
+/// Facets of one kind in a cell.
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    /// Their greatest Z.
+    top: f64,
+    /// Least and largest components of their unit normals.
+    normals: [DVec3; 2],
+}
+
+/// Facets that look up, sideways and down.
+type Facets = [Kind; 3];
+
+const NONE: Kind = Kind {
+    top: f64::NEG_INFINITY,
+    normals: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
+};
+
+impl Kind {
+    #[inline]
+    fn and(&mut self, other: &Self) {
+        self.top = if other.top > self.top { other.top } else { self.top };
+        widen(&mut self.normals, other.normals);
+    }
+}
+
+#[inline]
+fn gather(into: &mut Facets, from: &Facets) {
+    into.iter_mut().zip(from).for_each(|(into, from)| into.and(from));
+}
+
+/// The cells of one size.
+#[derive(Debug, Clone)]
+struct Level {
+    cell: f64,
+    count: [usize; 2],
+    /// Facets that are small for this size and not for the next smaller one.
+    own: Vec<Facets>,
+    /// These and all smaller ones.
+    all: Vec<Facets>,
+}
+
+/// Rays that start in one box and go in directions of another.
+#[derive(Debug, Clone, Copy)]
+pub struct Bundle {
+    /// Least and largest coordinates of the starting points.
+    pub from: [DVec3; 2],
+    /// Least and largest components of the unit directions.
+    pub along: [DVec3; 2],
+    /// Finite as long as all coordinates are.
+    check: f64,
+}
+
+impl Bundle {
+    /// No ray.
+    pub const NONE: Self = Self {
+        from: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
+        along: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
+        check: 0.0,
+    };
+
+    /// Adds the ray from `at` along `direction`.
+    #[inline]
+    pub fn add(&mut self, at: DVec3, direction: DVec3) {
+        widen(&mut self.from, [at; 2]);
+        widen(&mut self.along, [direction; 2]);
+        self.check += (at + direction).element_sum();
+    }
+
+    /// The distances at which a ray of the bundle can be over the box.
+    #[inline]
+    fn over(&self, lo: DVec2, hi: DVec2) -> Option<[f64; 2]> {
+        let (mut first, mut last) = (0.0f64, f64::INFINITY);
+        for axis in 0..2 {
+            // From the side of least coordinates, the farthest ray must have come as far as the box,
+            // and the nearest one must not have passed it.
+            let sides = [
+                (lo[axis] - self.from[1][axis], self.along[1][axis]),
+                (self.from[0][axis] - hi[axis], -self.along[0][axis]),
+            ];
+            for (away, speed) in sides {
+                if speed > 0.0 {
+                    first = first.max(away / speed);
+                } else if speed < 0.0 {
+                    last = last.min(away / speed);
+                } else if away > 0.0 {
+                    return None;
+                }
+            }
+        }
+        (first <= last).then_some([first, last])
+    }
+
+    /// Whether every ray passes above the facets or sees their backs, at these distances.
+    #[inline]
+    fn passes(&self, facets: &Facets, [first, last]: [f64; 2], margin: f64) -> bool {
+        let climb = self.along[0].z;
+        let z = self.from[0].z + climb * if climb < 0.0 { last } else { first };
+        facets.iter().all(|kind| kind.top + margin < z || self.least_cosine(kind) > LEAST_COSINE)
+    }
+
+    #[inline]
+    fn least_cosine(&self, kind: &Kind) -> f64 {
+        let ([a, b], [m, n]) = (self.along, kind.normals);
+        let least = (a * m).min(a * n).min(b * m).min(b * n);
+        least.x + least.y + least.z
+    }
+}
+
+/// Widens a box so that it holds another.
+#[inline]
+fn widen([least, most]: &mut [DVec3; 2], [lo, hi]: [DVec3; 2]) {
+    *least = DVec3::select(lo.cmplt(*least), lo, *least);
+    *most = DVec3::select(hi.cmpgt(*most), hi, *most);
+}
+
+/// A quadtree over a closed mesh.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// Where its first cell begins: a whole number of smallest cells from X = Y = 0, so that a fold
+    /// there is a border of cells.
+    origin: DVec2,
+    /// Smallest cells first; the last level has one cell.
+    levels: Vec<Level>,
+    /// Rounding, mm.
+    margin: f64,
+}
+
+impl Ground {
+    /// The tree over `mesh`; `None` where that is not closed, which proves nothing.
+    pub fn new(mesh: &TriMesh) -> Option<Self> {
+        let (lo, hi) = mesh.bounds()?;
+        let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
+        let wanted = (mesh.triangles.len() as f64 / CROWD).clamp(CELLS[0], CELLS[1]);
+        // Few digits, so that multiples are exact.
+        let cell = f64::from_bits((size.x * size.y / wanted).sqrt().to_bits() >> 44 << 44);
+        let origin = (lo.truncate() / cell).floor() * cell;
+        let margin = MARGIN * lo.abs().max(hi.abs()).max_element();
+        if !(cell > 0.0 && margin.is_finite()) {
+            return None;
+        }
+        let (levels, closed) =
+            rayon::join(|| levels(mesh, origin, cell, hi.truncate()), || closed(mesh));
+        closed.then_some(Self { origin, levels, margin })
+    }
+
+    /// Whether no ray of `bundle` meets anything. The rays must start on the outer side of facets,
+    /// where these can be seen from outside the mesh.
+    pub fn frees(&self, bundle: &Bundle) -> bool {
+        bundle.check.is_finite() && self.free(self.levels.len() - 1, [0, 0], bundle)
+    }
+
+    fn free(&self, level: usize, at: [usize; 2], bundle: &Bundle) -> bool {
+        let Level { cell, count, own, all } = &self.levels[level];
+        let lo = self.origin + DVec2::new(at[0] as f64, at[1] as f64) * *cell;
+        let widened = DVec2::splat(self.margin);
+        let Some(span) = bundle.over(lo - widened, lo + DVec2::splat(*cell) + widened) else {
+            return true;
+        };
+        let k = at[1] * count[0] + at[0];
+        if bundle.passes(&all[k], span, self.margin) {
+            return true;
+        }
+        if level == 0 || !bundle.passes(&own[k], span, self.margin) {
+            return false;
+        }
+        let finer = self.levels[level - 1].count;
+        let [columns, rows] = [0, 1].map(|k| 2 * at[k]..(2 * at[k] + 2).min(finer[k]));
+        rows.flat_map(|j| columns.clone().map(move |i| [i, j]))
+            .all(|at| self.free(level - 1, at, bundle))
+    }
+}
+
+/// The cells of every size, from `cell` on.
+fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
+    let mut sizes = vec![(cell, [0, 1].map(|k| ((hi - origin)[k] / cell) as usize + 1))];
+    while let Some(&(cell, [columns, rows])) = sizes.last()
+        && columns.max(rows) > 1
+    {
+        sizes.push((2.0 * cell, [columns.div_ceil(2), rows.div_ceil(2)]));
+    }
+    let empty = || -> Vec<Vec<Facets>> {
+        sizes.iter().map(|(_, [columns, rows])| vec![[NONE; 3]; columns * rows]).collect()
+    };
+    let parts = mesh.triangles.par_chunks(PART.max(mesh.triangles.len().div_ceil(4)));
+    let sorted = parts.map(|part| {
+        let mut own = empty();
+        for triangle in part {
+            let corners = triangle.map(|v| mesh.vertices[v as usize]);
+            sort(corners, origin, &sizes, &mut own);
+        }
+        own
+    });
+    let own = sorted.reduce_with(|mut a, b| {
+        for (a, b) in a.iter_mut().flatten().zip(b.iter().flatten()) {
+            gather(a, b);
+        }
+        a
+    });
+    let mut levels: Vec<Level> = Vec::with_capacity(sizes.len());
+    for (&(cell, count), own) in sizes.iter().zip(own.unwrap_or_else(empty)) {
+        let mut all = own.clone();
+        if let Some(Level { count: [columns, _], all: finer, .. }) = levels.last() {
+            for (k, facets) in finer.iter().enumerate() {
+                gather(&mut all[k / columns / 2 * count[0] + k % columns / 2], facets);
+            }
+        }
+        levels.push(Level { cell, count, own, all });
+    }
+    levels
+}
+
+/// Adds one facet to the cells, four at most, that it touches in the first level where that is
+/// enough.
+#[inline]
+fn sort(
+    corners @ [a, b, c]: [DVec3; 3],
+    origin: DVec2,
+    sizes: &[(f64, [usize; 2])],
+    own: &mut [Vec<Facets>],
+) {
+    let (cell, [columns, rows]) = sizes[0];
+    let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+    let first = (lo.truncate() - origin) / cell;
+    let last = (hi.truncate() - origin) / cell;
+    // A facet that ends on a border is not taken for one beyond: cells are widened when asked.
+    let index = |x: f64, count: usize| (x as usize).min(count - 1);
+    let before = |x: f64, count: usize| {
+        let k = index(x, count);
+        if k > 0 && k as f64 == x { k - 1 } else { k }
+    };
+    let (mut first, mut last) = (
+        [index(first.x, columns), index(first.y, rows)],
+        [before(last.x, columns), before(last.y, rows)],
+    );
+    let mut level = 0;
+    while last[0] > first[0] + 1 || last[1] > first[1] + 1 {
+        first = first.map(|k| k / 2);
+        last = last.map(|k| k / 2);
+        level += 1;
+    }
+    let normal = (b - a).cross(c - a);
+    let unit = normal / normal.length();
+    let all = DVec3::ONE;
+    let (kind, normals) = if !unit.is_finite() {
+        (1, [-all, all])
+    } else if unit.z > 0.1 {
+        (0, [unit; 2])
+    } else {
+        (if unit.z < -0.1 { 2 } else { 1 }, [unit; 2])
+    };
+    let facet = Kind { top: corners[0].z.max(corners[1].z).max(corners[2].z), normals };
+    for j in first[1]..=last[1].max(first[1]) {
+        for i in first[0]..=last[0].max(first[0]) {
+            own[level][j * sizes[level].1[0] + i][kind].and(&facet);
+        }
+    }
+}
