@@ -3,6 +3,7 @@
 use super::Glimpse;
 use super::line::{Line, Plumb, Shear, crossing};
 use super::scene::Scene;
+use super::spot::{Span, Spot};
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
 use rayon::prelude::*;
@@ -12,11 +13,13 @@ pub const ROWS: usize = 16;
 /// Facets are drawn in parts of this size, whatever the number of threads.
 const PART: usize = 1 << 14;
 /// Facets over more pixels than this are large: they are drawn last, where nothing is nearer.
-const LARGE: u32 = 64;
+const LARGE: usize = 64;
+/// Facets whose pixels are listed together.
+const BLOCK: usize = 256;
 /// Pixels by which a facet's picture is taken to be larger than it is: rounding is far below it.
 const MARGIN: f64 = 1e-6;
 /// Columns or rows of a camera at most.
-const MOST_PIXELS: u32 = 1 << 16;
+const MOST_PIXELS: u32 = i16::MAX as u32;
 /// Part of the way from the pinhole to the reference plane that facets must keep from it.
 const LEAST_WAY: f64 = 1e-3;
 
@@ -24,9 +27,7 @@ const LEAST_WAY: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, Default)]
 struct Met {
     t: f64,
-    facet: u32,
-    column: u16,
-    row: u16,
+    spot: Spot,
 }
 
 /// A large facet, its corners' places in the picture and the rows, from the first up to the last, whose centres it may
@@ -72,6 +73,8 @@ pub struct Drawing<'a> {
     start: f64,
     /// Rounding of places in the picture, pixels, and of distances, mm.
     margins: [f64; 2],
+    /// Of each vertex.
+    spans: Vec<Span>,
     parts: Vec<Part>,
 }
 
@@ -86,14 +89,21 @@ pub struct Band {
 }
 
 impl Band {
+    /// The pixels that show nothing.
+    pub fn missed(&self) -> impl Iterator<Item = usize> {
+        (0..).zip(&self.facets).filter(|(_, facet)| **facet == Glimpse::NO_FACET).map(|(k, _)| k)
+    }
+
     #[inline]
-    fn pixel(&self, met: &Met) -> usize {
-        usize::from(met.row) % ROWS * self.columns + usize::from(met.column)
+    fn pixel(&self, spot: Spot) -> usize {
+        let (_, column, row) = spot.parts();
+        usize::from(row) % ROWS * self.columns + usize::from(column)
     }
 
     #[inline]
     fn add(&mut self, met: &Met) {
-        let (k, Met { t, facet, .. }) = (self.pixel(met), *met);
+        let Met { t, spot } = *met;
+        let (k, (facet, ..)) = (self.pixel(spot), spot.parts());
         if t < self.t[k] || (t == self.t[k] && facet < self.facets[k]) {
             (self.t[k], self.facets[k]) = (t, facet);
         }
@@ -132,20 +142,23 @@ impl<'a> Drawing<'a> {
             per_mm: 1.0 / camera.pixel_mm,
             start,
             margins: [margin, 1e-9 * extent],
+            spans: vec![],
             parts: vec![],
         };
+        drawing.spans =
+            mesh.vertices.par_iter().with_min_len(PART).map(|&v| drawing.span(v)).collect();
         let parts = mesh.triangles.par_chunks(PART).enumerate();
-        let part = |met: &mut Vec<Met>, (number, part): (usize, &[[u32; 3]])| {
+        let part = |room: &mut (Vec<Spot>, Vec<Met>), (number, part): (usize, &[[u32; 3]])| {
             let first = (number * PART) as u32;
             // Nothing is left of the shear of parallel rays.
             if chart.vergence == 0.0 {
-                drawing.part(met, first, part, |x, y| Plumb { origin: DVec3::new(x, y, top_mm) })
+                drawing.part(room, first, part, |x, y| Plumb { origin: DVec3::new(x, y, top_mm) })
             } else {
                 let ray = |x, y| Line::new(&camera.ray(DVec2::new(x, y), top_mm));
-                drawing.part(met, first, part, ray)
+                drawing.part(room, first, part, ray)
             }
         };
-        drawing.parts = parts.map_init(Vec::new, part).collect();
+        drawing.parts = parts.map_init(Default::default, part).collect();
         Some(drawing)
     }
 
@@ -166,53 +179,51 @@ impl<'a> Drawing<'a> {
     fn between(&self, lo: f64, hi: f64, count: u32) -> [u32; 2] {
         // Numbers around 2^52 have no digits after the point: their lowest ones are the rounded rest.
         const WHOLE: f64 = (1u64 << 52) as f64;
-        let within = |x: f64| (lesser(greater(x, 0.0), f64::from(count)) + WHOLE).to_bits() as u32;
+        let within = |x: f64| (lesser(greater(0.0, x), f64::from(count)) + WHOLE).to_bits() as u32;
         [within(lo - self.margins[0]), within(hi + self.margins[0])]
+    }
+
+    /// The pixels whose centres the picture of a point may reach.
+    #[inline]
+    fn span(&self, v: DVec3) -> Span {
+        let [width, height] = self.camera.pixels;
+        let at = self.place(v);
+        let [left, right] = self.between(at.x, at.x, width).map(|k| k as i16);
+        let [upper, lower] = self.between(at.y, at.y, height).map(|k| k as i16);
+        [left, upper, -right, -lower]
     }
 
     /// Draws the small ones of the facets numbered from `first` on; `line` gives the ray of a place on
     /// the reference plane.
     fn part<S: Shear>(
         &self,
-        met: &mut Vec<Met>,
+        (spots, met): &mut (Vec<Spot>, Vec<Met>),
         first: u32,
         triangles: &[[u32; 3]],
         line: impl Fn(f64, f64) -> S,
     ) -> Part {
-        let [width, height] = self.camera.pixels;
         let [xs, ys] = &self.centres;
+        let height = self.camera.pixels[1];
         let mut large = Vec::new();
         let mut count = 0;
-        for (facet, triangle) in (first..).zip(triangles) {
-            let [a, b, c] = triangle.map(|v| self.mesh.vertices[v as usize]);
-            let at @ [p, q, r] = [a, b, c].map(|v| self.place(v));
-            let lo = [lesser(lesser(p.x, q.x), r.x), lesser(lesser(p.y, q.y), r.y)];
-            let hi = [greater(greater(p.x, q.x), r.x), greater(greater(p.y, q.y), r.y)];
-            let [left, right] = self.between(lo[0], hi[0], width);
-            let [upper, lower] = self.between(lo[1], hi[1], height);
-            if left >= right || upper >= lower {
-                continue;
+        spots.resize(BLOCK * LARGE, Spot::default());
+        for (first, triangles) in (first..).step_by(BLOCK).zip(triangles.chunks(BLOCK)) {
+            let tries = self.spots(spots, &mut large, first, triangles);
+            if met.len() < count + tries {
+                met.resize(2 * count + spots.len(), Met::default());
             }
-            if (right - left) * (lower - upper) > LARGE {
-                let least = self.start - a.z.max(b.z).max(c.z) - self.margins[1];
-                large.push(Large { facet, at, rows: [upper as usize, lower as usize], least });
-                continue;
-            }
-            if met.len() < count + LARGE as usize {
-                met.resize(2 * count + PART, Met::default());
-            }
-            let [left, right, upper, lower] = [left, right, upper, lower].map(|k| k as usize);
-            for (&y, row) in ys[upper..lower].iter().zip(upper..) {
-                for (&x, column) in xs[left..right].iter().zip(left..) {
-                    let line = line(x, y);
-                    let (meets, t) = crossing(line.project(a), line.project(b), line.project(c));
-                    // Half of them meet: a branch would be foretold wrongly as often.
-                    met[count] = Met { t, facet, column: column as u16, row: row as u16 };
-                    count += usize::from(meets);
-                }
+            for &spot in &spots[..tries] {
+                let (facet, column, row) = spot.parts();
+                let triangle = triangles[(facet - first) as usize];
+                let line = line(xs[usize::from(column)], ys[usize::from(row)]);
+                let [a, b, c] = triangle.map(|v| line.project(self.mesh.vertices[v as usize]));
+                let (meets, t) = crossing(a, b, c);
+                // Half of them meet: a branch would be foretold wrongly as often.
+                met[count] = Met { t, spot };
+                count += usize::from(meets);
             }
         }
-        let band = |met: &Met| usize::from(met.row) / ROWS;
+        let band = |met: &Met| usize::from(met.spot.parts().2) / ROWS;
         let mut start = vec![0; (height as usize).div_ceil(ROWS) + 2];
         for met in &met[..count] {
             start[band(met) + 2] += 1;
@@ -227,6 +238,51 @@ impl<'a> Drawing<'a> {
             *place += 1;
         }
         Part { met: sorted, start, large }
+    }
+
+    /// The spots of some facets from `first` on into `spots`, and how many; large ones apart.
+    #[inline]
+    fn spots(
+        &self,
+        spots: &mut [Spot],
+        large: &mut Vec<Large>,
+        first: u32,
+        triangles: &[[u32; 3]],
+    ) -> usize {
+        let mut spans = [[[0; 4]; BLOCK]; 3];
+        let [of_a, of_b, of_c] = &mut spans;
+        for (k, &[a, b, c]) in triangles.iter().enumerate() {
+            [of_a[k], of_b[k], of_c[k]] = [a, b, c].map(|v| self.spans[v as usize]);
+        }
+        // (All at once, in vector registers.)
+        let all = of_a.as_flattened_mut().iter_mut();
+        for ((a, b), c) in all.zip(of_b.as_flattened()).zip(of_c.as_flattened()) {
+            *a = (*a).min(*b).min(*c);
+        }
+        let mut count = 0;
+        for (facet, &[left, upper, right, lower]) in (first..).zip(&of_a[..triangles.len()]) {
+            let [wide, high] = [-(left + right), -(upper + lower)].map(|n| n.max(0) as usize);
+            let first = Spot::new(facet, left as u16, upper as u16);
+            if wide <= 2 && high <= 2 {
+                spots[count..count + 4].copy_from_slice(&first.four(wide));
+                count += wide * high;
+            } else if wide * high > LARGE {
+                large.push(self.large(facet, [upper, -lower].map(|row| row as usize)));
+            } else {
+                for at in (0..high).flat_map(|y| (0..wide).map(move |x| [x, y])) {
+                    spots[count] = first.next(at);
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+
+    fn large(&self, facet: u32, rows: [usize; 2]) -> Large {
+        let corners = self.mesh.corners(facet as usize);
+        let [a, b, c] = corners.map(|v| v.z);
+        let least = self.start - a.max(b).max(c) - self.margins[1];
+        Large { facet, at: corners.map(|v| self.place(v)), rows, least }
     }
 
     /// Draws `rows` rows from row `first`, the first of a band.
@@ -272,8 +328,8 @@ impl<'a> Drawing<'a> {
                     let [a, b, c] = corners.map(|v| line.project(v));
                     let (meets, t) = crossing(a, b, c);
                     if meets {
-                        let (column, row) = (column as u16, row as u16);
-                        band.large.push(Met { t, facet: large.facet, column, row });
+                        let spot = Spot::new(large.facet, column as u16, row as u16);
+                        band.large.push(Met { t, spot });
                     }
                 }
             }
@@ -294,9 +350,8 @@ impl<'a> Drawing<'a> {
     ) -> impl Iterator<Item = (usize, [u32; 2], f64, u32)> {
         let met = self.parts.iter().flat_map(move |part| part.of(first / ROWS));
         met.chain(&band.large).filter_map(|met| {
-            let k = band.pixel(met);
-            let at = [met.column, met.row].map(u32::from);
-            (band.facets[k] == met.facet).then_some((k, at, met.t, met.facet))
+            let (k, (facet, column, row)) = (band.pixel(met.spot), met.spot.parts());
+            (band.facets[k] == facet).then_some((k, [column, row].map(u32::from), met.t, facet))
         })
     }
 

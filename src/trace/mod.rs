@@ -12,6 +12,7 @@ mod ground;
 mod lattice;
 mod line;
 mod scene;
+mod spot;
 mod sweep;
 mod witness;
 

@@ -168,7 +168,7 @@ impl<'a> Sweep<'a> {
         if let Some(drawing) = &means.drawing {
             tally.drawn = found.len();
             drawing.draw(first, found.len() / columns, band);
-            found.fill(Glimpse::NOTHING);
+            band.missed().for_each(|k| found[k] = Glimpse::NOTHING);
             for (k, [column, row], t, facet) in drawing.seen(first, band) {
                 let along = self.ray(column, row).direction;
                 let (outcome, direction) = reflected(self.scene, along, facet);

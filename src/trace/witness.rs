@@ -158,7 +158,7 @@ pub fn glance(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
 }
 
 /// What a facet makes of a ray that meets it, but for shadow.
-#[inline]
+#[inline(always)]
 pub(super) fn reflected(scene: &Scene, direction: DVec3, facet: u32) -> (Outcome, DVec3) {
     let normal = scene.mesh().area_vector(facet as usize);
     if normal.dot(direction) < 0.0 {
