@@ -87,9 +87,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             });
             lines.push(format!("build_general_{threads} {general:.3} ms"));
             let sweep = Sweep::new(&scene, &design.camera, top);
-            let frame = |scene: &Scene| Sweep::new(scene, &design.camera, top).run();
-            let first = least(options.runs, plain, |scene| drop(black_box(frame(scene))));
             let (mut glimpses, tally) = sweep.run();
+            let first = least(options.runs, plain, |scene| {
+                black_box(Sweep::new(scene, &design.camera, top).run_into(&mut glimpses));
+            });
             let next = least(
                 options.runs,
                 || (),
