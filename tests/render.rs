@@ -268,7 +268,7 @@ newmtl back\nKd 0.1 0.1 0.9\nnewmtl left\nKd 0.9 0.9 0.1\n";
     std::fs::write(folder.path().join("models/room.mtl"), materials).unwrap();
     let arguments = ["models/room.obj", "--smooth", "--unit-mm", "1e5"];
     let (picture, _) = rendered(folder.path(), "conformal", &arguments);
-    assert!(folder.path().join("out/conformal/render-room.png").exists());
+    assert!(folder.path().join("out/conformal/render-room-obj.png").exists());
     for (azimuth, expected) in [
         (0.0, [9.0, 1.0, 1.0]),
         (-40.0, [9.0, 1.0, 1.0]),
@@ -350,8 +350,9 @@ fn what_cannot_be_rendered_is_told_and_nothing_is_written() {
         (&["dull.obj"], &["dull.mtl: line 2: Kd must be one or three numbers"]),
         (&["grid", "--square-mm", "50"], &["--square-mm is for the chessboard"]),
         (&["views", "--unit-mm", "2"], &["--unit-mm is for OBJ models"]),
-        (&["chessboard", "--square-mm", "0"], &["--square-mm", "over 0"]),
-        (&["chessboard", "--square-mm", "nan"], &["--square-mm", "over 0"]),
+        (&["cylinder"], &["--smooth is for what the camera sees"]),
+        (&["chessboard", "--square-mm", "0"], &["--square-mm", "millimetres from 1e-6"]),
+        (&["chessboard", "--square-mm", "nan"], &["--square-mm", "millimetres from 1e-6"]),
     ] {
         let all = [&["render", "conformal", "--smooth", "--scene"], arguments].concat();
         let (code, out, err) = told(&morion(home, &all));

@@ -79,7 +79,7 @@ pub enum AlignError {
     },
     /// The mesh covers too little of the mirror.
     #[error(
-        "the file covers {:.0} % of the mirror after the best fit, {:.0} % are needed: scan more \
+        "the file covers {:.1} % of the mirror after the best fit, {:.0} % are needed: scan more \
          of the face, or check that its pose is within 20 degrees and a fifth of the width of the \
          part frame's, and its units (--units)", 100.0 * .covered, 100.0 * LEAST_COVERED
     )]
@@ -226,8 +226,10 @@ fn fine(
             break;
         }
     }
-    if scale > UNLIKE * target.width {
-        return Err(AlignError::Unlike { off_mm: scale / 1.4826 });
+    // The scale is that of normal noise with this median.
+    let off_mm = scale / 1.4826;
+    if off_mm > UNLIKE * target.width {
+        return Err(AlignError::Unlike { off_mm });
     }
     let chosen: Vec<Patch> =
         patches.iter().zip(&taken).filter(|(_, taken)| taken.is_some()).map(|p| *p.0).collect();

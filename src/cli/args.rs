@@ -88,9 +88,10 @@ pub enum Command {
     Frame {
         /// Profile file, or name of a shipped profile
         profile: String,
-        /// Least share of the pixels that must see their part of the world
-        #[arg(long, value_name = "SHARE", default_value_t = 0.995, value_parser = share)]
-        min: f64,
+        /// Least share of the pixels that must see their part of the world [default: the profile's
+        /// accept.frame_filled, else 0.995]
+        #[arg(long, value_name = "SHARE", value_parser = share)]
+        min: Option<f64>,
         /// Folder for results
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
@@ -185,15 +186,15 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    number(text, "a number of millimetres over 0", |x| (1e-9..=1e9).contains(&x))
+    number(text, "a number of millimetres from 1e-6 to 1e9", |x| (1e-6..=1e9).contains(&x))
 }
 
 fn aperture(text: &str) -> Result<f64, String> {
-    number(text, "a number between 0 and 1", |x| x > 0.0 && x < 1.0)
+    number(text, "a number from 1e-6 to 0.99", |x| (1e-6..=0.99).contains(&x))
 }
 
 fn finite(text: &str) -> Result<f64, String> {
-    number(text, "a finite number", |_| true)
+    number(text, "a number from -1e9 to 1e9", |x| x.abs() <= 1e9)
 }
 
 /// How results are printed.

@@ -27,7 +27,6 @@ pub fn blur(
     let profile = &source.profile;
     let lens = Lens::new(profile, aperture, focus_mm)?;
     let clock = Clock::new(observer);
-    let folder = Folder::create(&out.join(&profile.name))?;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let (report, lengths) = clock.stage(Stage::Blur, || {
         let (report, lengths) = spots(profile, &design, &lens, focus_mm)?;
@@ -39,6 +38,7 @@ pub fn blur(
         let note = format!("{} kB", png.len() / 1000);
         Ok::<_, Error>((png, note))
     })?;
+    let folder = Folder::create(&out.join(&profile.name))?;
     clock.stage(Stage::Report, || {
         let files = [
             folder.stage("blur.png", |out| out.write_all(&png))?,
@@ -124,8 +124,9 @@ fn spots(
     };
     let z = |phi: f64| focus(chart, phi).z_mm;
     let astigmatism_mm = over(&|spot| {
+        // Both at infinity are at one place.
         let [a, b] = spot.foci().map(z);
-        (a - b).abs()
+        if a == b { 0.0 } else { (a - b).abs() }
     });
     let ends = spots.iter().map(Spot::foci).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     // A pinhole's phi falls with distance, a telecentric camera's grows.

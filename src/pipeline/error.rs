@@ -117,6 +117,12 @@ pub enum Error {
         /// Why.
         source: AlignError,
     },
+    /// A file that names its own unit is given another.
+    #[error("{path}: a 3MF says what its unit is; leave --units out")]
+    Declared {
+        /// The file.
+        path: String,
+    },
     /// A file to be verified is of no known format.
     #[error("{path}: the name must end in .stl, .obj or .3mf")]
     Format {

@@ -15,24 +15,27 @@ use crate::trace::{Coverage, Range};
 use rayon::prelude::*;
 use std::path::Path;
 
+/// Share of the frame to be filled where neither the user nor the profile asks for one.
+const USUAL_MIN: f64 = 0.995;
+
 /// Checks how the profile of `source` fills its frame: designs, meshes, closes, writes in memory, reads
 /// back and traces it, and writes `frame.json`, `frame.csv` and `frame.png` into `out`/NAME. The
-/// verdict is negative below a share of `min` filled pixels.
+/// verdict is negative below a share of `min` filled pixels; without it, below the profile's own.
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done, or the profile has no projection to fill a frame with.
 pub fn frame(
     source: &Source,
     out: &Path,
-    min: f64,
+    min: Option<f64>,
     observer: &dyn Observer,
 ) -> Result<FrameReport, Error> {
     let profile = &source.profile;
     if profile.projection.is_none() {
         return Err(Error::NoProjection { profile: profile.name.clone() });
     }
+    let min = min.or(profile.accept.frame_filled).unwrap_or(USUAL_MIN);
     let clock = Clock::new(observer);
-    let folder = Folder::create(&out.join(&profile.name))?;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let Reread { frame: found, seen: (_, witness), .. } = reread(&clock, profile, &design)?;
     let (Some(found), Some(view)) = (found, &design.view) else {
@@ -43,7 +46,8 @@ pub fn frame(
     let fates = pixel_fates(profile, &design, &witness);
     let tolerance = tolerance_px(profile);
     let coverage = clock.always(Stage::Coverage, || {
-        let coverage = Coverage::new(&witness, &fates, camera, view, tolerance);
+        let coverage =
+            Coverage::new(&witness, &fates, camera, view, design.mirror.outline.bounds().size().x);
         let note = format!("{:.3} deg around", coverage.azimuth_deg);
         (coverage, note)
     });
@@ -52,7 +56,7 @@ pub fn frame(
     if !(found.filled >= min) {
         reasons.push(format!(
             "{:.3} % of the frame see their part of the world within {tolerance} px, under the \
-             {:.3} % of --min",
+             {:.3} % asked for",
             100.0 * found.filled,
             100.0 * min
         ));
@@ -73,6 +77,7 @@ pub fn frame(
         let note = format!("{} kB", png.len() / 1000);
         Ok::<_, Error>((png, note))
     })?;
+    let folder = Folder::create(&out.join(&profile.name))?;
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));

@@ -31,7 +31,6 @@ pub fn render(
     let profile = &source.profile;
     let clock = Clock::new(observer);
     let scenery = Scenery::read(wanted)?;
-    let folder = Folder::create(&out.join(&profile.name))?;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let by_mesh = !wanted.smooth || scenery.shows_part();
     let mesh = if by_mesh { Some(reread(&clock, profile, &design)?) } else { None };
@@ -43,6 +42,7 @@ pub fn render(
         Ok::<_, Error>(((png, picture), note))
     })?;
     let name = format!("render-{}.png", stem(wanted.scene));
+    let folder = Folder::create(&out.join(&profile.name))?;
     clock.stage(Stage::Write, || {
         let staged = folder.stage(&name, |out| out.write_all(&png))?;
         staged.publish()?;

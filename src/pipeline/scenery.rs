@@ -109,6 +109,9 @@ impl Scenery {
         if wanted.square_mm.is_some() && !matches!(scenery, Self::Chessboard) {
             return misplaced("--square-mm", "the chessboard");
         }
+        if wanted.smooth && matches!(scenery, Self::Cylinder) {
+            return misplaced("--smooth", "what the camera sees, and views");
+        }
         if wanted.unit_mm.is_some() && !matches!(scenery, Self::Model(_)) {
             return misplaced("--unit-mm", "OBJ models");
         }
@@ -156,8 +159,9 @@ impl Scenery {
     }
 }
 
-/// What the picture's file is called after: a scene's name, or the file's without folder and ending.
+/// What the picture's file is called after: a scene's name, or the file's with a hyphen before its
+/// ending, so that no file's picture takes the place of another's or of a scene's.
 pub fn stem(scene: &str) -> String {
-    let stem = Path::new(scene).file_stem().unwrap_or_default();
-    stem.to_string_lossy().into_owned()
+    let name = Path::new(scene).file_name().unwrap_or_default();
+    name.to_string_lossy().replace('.', "-")
 }

@@ -1,6 +1,7 @@
 //! The verdict: every reason why a part would not do, with figures.
 
 use super::examine::Evidence;
+use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Outline, Stock};
 use crate::profile::Profile;
@@ -73,6 +74,28 @@ fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
             faces + 4.0 / 3.0 * Outline::EDGE * disc * (top + chord_mm)
         }
     }
+}
+
+/// Why a measured part's form does not pass. Where the profile accepts pixel errors up to a limit, the
+/// picture decides; otherwise the form is held to `limit_um`, peak to valley without outliers.
+pub fn form(
+    profile: &Profile,
+    design: &Design,
+    error: Option<&FormError>,
+    limit_um: f64,
+) -> Option<String> {
+    let accept = &profile.accept;
+    let limited = accept.pixel_error_rms_px.or(accept.pixel_error_max_px).is_some();
+    if limited && design.view.is_some() {
+        return None;
+    }
+    let pv = error.map_or(f64::NAN, |error| error.without_outliers.pv);
+    (!(pv <= limit_um)).then(|| {
+        format!(
+            "form error {pv:.3} um PV without outliers, over {limit_um} um (mesh.chord_um); give \
+             accept.pixel_error_max_px to judge it by the picture"
+        )
+    })
 }
 
 fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String> {

@@ -3,11 +3,11 @@
 use super::examine::{Evidence, checked, open, witness};
 use super::files::{self, Folder};
 use super::observer::{Clock, Observer, Stage};
-use super::sight::Seen;
-use super::{Error, Source, assemble, designed};
+use super::{Error, Source, assemble, designed, verdict};
 use crate::align::{Alignment, FormMap, Size, Unit, align};
 use crate::design::Design;
 use crate::export::Reread;
+use crate::geom::Welder;
 use crate::mirror::Form;
 use crate::profile::Format;
 use crate::report::{AlignmentFacts, Report, UnitFacts, form_picture};
@@ -57,6 +57,9 @@ pub fn inspect(
     let Some(format) = known.into_iter().find(|f| Some(f.name()) == extension.as_deref()) else {
         return Err(Error::Format { path: name });
     };
+    if format == Format::ThreeMf && inspection.units.is_some() {
+        return Err(Error::Declared { path: name });
+    }
     let bytes = files::read(path)?;
     let folder = match &inspection.align {
         Some(out) => Some(Folder::create(&out.join(format!("{}-verify", profile.name)))?),
@@ -65,9 +68,13 @@ pub fn inspect(
     let design = clock.stage(Stage::Design, || designed(source))?;
     let form = Form::of(&design.mirror);
 
-    let (mut units, mut alignment) = (None, None);
+    let (mut units, mut alignment, mut far) = (None, None, 0);
     let (file, read) = open(&clock, format, bytes, |mut reread| {
-        let found = in_millimetres(&mut reread, &design, inspection.units);
+        // A 3MF says what its units are, and is read in millimetres.
+        let found = match format {
+            Format::ThreeMf => UnitFacts::new(Unit::Mm, DECLARED),
+            _ => in_millimetres(&mut reread, &design, inspection.units),
+        };
         (reread, found)
     });
     let mut evidence = match read {
@@ -87,30 +94,63 @@ pub fn inspect(
                 place(&mut reread, &found);
                 alignment = Some(AlignmentFacts::new(&found));
             }
+            far = leave_far(&mut reread, &design);
             witness(&clock, profile, &design, file, checked(&design, reread))
         }
     };
     evidence.measured = folder.is_some();
     evidence.rename(name.clone());
     let seen = evidence.seen.take();
+    let map = seen.filter(|_| folder.is_some()).map(|(_, witness)| {
+        FormMap::new(&design.mirror, &design.camera, |pixel| {
+            let seen = &witness.seen[pixel];
+            (seen.outcome != Outcome::Missed).then_some(seen.at)
+        })
+    });
     // A file of unknown making has no proven bound; its shape is held to the profile's limit.
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
     let mut report = assemble(profile, &design, form, None, vec![evidence], chord_mm);
     report.units = units;
-    if let Some(UnitFacts { chosen: ASSUMED, .. }) = units {
-        report.warnings.push(format!(
+    if far > 0 {
+        let all = format!("{far} facets lie far from the part and were left out");
+        // Of a measured part that is noise; of a part it is a fault.
+        if folder.is_some() {
+            report.warnings.push(format!("{name}: {all}"));
+        } else {
+            report.reasons.push(format!("{name}: {all}"));
+            report.verdict = verdict::of(&report.reasons);
+        }
+    }
+    match units {
+        Some(UnitFacts { chosen: ASSUMED, .. }) => report.warnings.push(format!(
             "{name}: no unit makes this file as large as the part; taken as millimetres (--units \
              says otherwise)"
-        ));
+        )),
+        // A measured part is cut; a file to be cut from is what this matters for.
+        Some(UnitFacts { chosen: BY_SIZE, mm_per_unit, name: unit })
+            if mm_per_unit != 1.0 && folder.is_none() =>
+        {
+            report.warnings.push(format!(
+                "{name}: taken as {unit} by its size; shops take such files as millimetres"
+            ));
+        }
+        _ => {}
     }
     report.alignment = alignment;
+    report.form_error_um = map.as_ref().and_then(FormMap::error);
     if let Some(folder) = folder {
-        publish(&clock, &folder, &design, seen.as_ref(), &mut report)?;
+        let form = report.form_error_um.as_ref();
+        let reason = verdict::form(profile, &design, form, 1e3 * chord_mm);
+        report.reasons.extend(reason.map(|reason| format!("{name}: {reason}")));
+        report.verdict = verdict::of(&report.reasons);
+        publish(&clock, &folder, map.as_ref(), &report)?;
     }
     Ok(report)
 }
 
-/// How a unit is called that nothing speaks for.
+/// How a unit is called that the file names, that its size speaks for, and that nothing speaks for.
+const DECLARED: &str = "declared";
+const BY_SIZE: &str = "by size";
 const ASSUMED: &str = "assumed";
 
 /// Brings a mesh to millimetres.
@@ -118,12 +158,34 @@ fn in_millimetres(reread: &mut Reread, design: &Design, asked: Option<Unit>) -> 
     let (unit, chosen) = match asked {
         Some(unit) => (unit, "asked"),
         None => match Size::of(&design.mirror, design.stock.as_ref()).unit(&reread.mesh) {
-            (unit, true) => (unit, "by size"),
+            (unit, true) => (unit, BY_SIZE),
             (unit, false) => (unit, ASSUMED),
         },
     };
     unit.convert(&mut reread.mesh);
-    UnitFacts { name: unit.name(), mm_per_unit: unit.mm(), chosen }
+    UnitFacts::new(unit, chosen)
+}
+
+/// Facets that reach this many times as far as the part does are none of it.
+const FAR: f64 = 8.0;
+
+/// Leaves out facets far from the part, among which the search for the others would be slow, and counts
+/// them.
+fn leave_far(reread: &mut Reread, design: &Design) -> usize {
+    let outline = design.mirror.whole().bounds().size().length();
+    let reach = FAR * (outline + design.mirror.chart.plane_mm.abs());
+    let mesh = &reread.mesh;
+    let near = |t: usize| mesh.corners(t).iter().all(|v| v.length() <= reach);
+    let kept: Vec<usize> = (0..mesh.triangles.len()).filter(|&t| near(t)).collect();
+    let far = mesh.triangles.len() - kept.len();
+    if far > 0 {
+        let mut welder = Welder::new(kept.len());
+        kept.iter().for_each(|&t| welder.add(mesh.corners(t)));
+        let normals = reread.normals.as_ref();
+        reread.normals = normals.map(|normals| kept.iter().map(|&t| normals[t]).collect());
+        reread.mesh = welder.finish();
+    }
+    far
 }
 
 /// Brings a mesh, and the file's normals, into the part frame.
@@ -141,24 +203,16 @@ fn place(reread: &mut Reread, alignment: &Alignment) {
     }
 }
 
-/// Writes the form error's map and the report, into which the form error goes.
+/// Writes the form error's map and the report.
 fn publish(
     clock: &Clock,
     folder: &Folder,
-    design: &Design,
-    seen: Option<&Seen>,
-    report: &mut Report,
+    map: Option<&FormMap>,
+    report: &Report,
 ) -> Result<(), Error> {
     clock.stage(Stage::Report, || {
-        let map = seen.map(|(_, witness)| {
-            FormMap::new(&design.mirror, &design.camera, |pixel| {
-                let seen = &witness.seen[pixel];
-                (seen.outcome != Outcome::Missed).then_some(seen.at)
-            })
-        });
-        report.form_error_um = map.as_ref().and_then(FormMap::error);
         let picture = map.map(|map| {
-            form_picture(&map, report.form_error_um.as_ref())
+            form_picture(map, report.form_error_um.as_ref())
                 .map_err(|error| Error::Picture(error.to_string()))
         });
         let mut files = Vec::new();

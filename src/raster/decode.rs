@@ -53,11 +53,16 @@ fn failure(format: &'static str, error: &ImageError) -> RasterError {
     RasterError::Damaged { format, account: error.to_string() }
 }
 
+/// Light as a sum can bear it: no NaN, nothing negative, nothing beyond half precision's largest.
+fn sound(light: f32) -> f32 {
+    if light.is_nan() { 0.0 } else { light.clamp(0.0, 65_504.0) }
+}
+
 fn linear(picture: DynamicImage) -> Raster {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let rgb: Vec<[f32; 3]> = match picture {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            picture.into_rgb32f().pixels().map(|pixel| pixel.0).collect()
+            picture.into_rgb32f().pixels().map(|pixel| pixel.0.map(sound)).collect()
         }
         DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_)
@@ -120,6 +125,14 @@ mod tests {
         let grey: ImageBuffer<Luma<u8>, _> = ImageBuffer::from_pixel(3, 2, Luma([188]));
         let grey = decode(&file(grey, ImageFormat::Png)).unwrap();
         assert_eq!(grey, Raster::new(3, 2, [srgb::decode(188); 3]));
+    }
+
+    #[test]
+    fn light_that_is_no_light_does_not_spread() {
+        let odd = Rgb([f32::NAN, f32::INFINITY, -3.0]);
+        let raster =
+            decode(&file(ImageBuffer::from_pixel(1, 1, odd), ImageFormat::OpenExr)).unwrap();
+        assert_eq!(raster.rgb, [[0.0, 65_504.0, 0.0]]);
     }
 
     #[test]

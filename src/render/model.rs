@@ -134,13 +134,34 @@ impl Material {
             matter.colour = colour.map(|c| c as f32);
         }
         let Some(file) = &from.diffuse_texture else { return Ok(Self { matter, picture: None }) };
-        // Options stand before the name; Windows' paths are understood everywhere.
-        let name = file.split_whitespace().last().unwrap_or_default().replace('\\', "/");
+        // Windows' paths are understood everywhere.
+        let name = picture_name(file).replace('\\', "/");
         let bytes = read(Path::new(&name)).map_err(ModelError::File)?;
         let picture =
             Raster::decode(&bytes).map_err(|source| ModelError::Picture { file: name, source })?;
         Ok(Self { matter, picture: Some(Pyramid::new(picture)) })
     }
+}
+
+/// The name in a `map_Kd` line, which may hold blanks: what follows the options, each of which has a word
+/// or numbers.
+fn picture_name(line: &str) -> &str {
+    let mut rest = line.trim();
+    while rest.starts_with('-') {
+        let mut words = rest.split_whitespace();
+        let (option, value) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+        rest = after(after(rest, option), value);
+        while let Some(number) = rest.split_whitespace().next().filter(|w| w.parse::<f64>().is_ok())
+        {
+            rest = after(rest, number);
+        }
+    }
+    rest
+}
+
+/// What follows the word that `text` starts with.
+fn after<'a>(text: &'a str, word: &str) -> &'a str {
+    text.strip_prefix(word).unwrap_or(text).trim_start()
 }
 
 /// The lines of a material library that are understood: names, matt colours and pictures.
@@ -254,6 +275,18 @@ usemtl shown\nf 5/1 6/2 7/3 8/4
 
     fn seen(model: &Model, direction: DVec3) -> [f32; 3] {
         model.light(&Ray { origin: DVec3::ZERO, direction: direction.normalize() }, 1e-6)
+    }
+
+    #[test]
+    fn names_of_pictures_may_hold_blanks_and_stand_after_options() {
+        for (line, name) in [
+            ("tex.png", "tex.png"),
+            (" my tex.png", "my tex.png"),
+            ("-o 0.5 0.5 -clamp on my tex.png", "my tex.png"),
+            ("-bm 2 a-b.png", "a-b.png"),
+        ] {
+            assert_eq!(picture_name(line), name, "{line}");
+        }
     }
 
     #[test]

@@ -103,7 +103,11 @@ impl BlurReport {
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let bold = Style::new().bold();
         let Self { profile, spots, best, images, .. } = self;
-        let digits = |x: f64| if x < 5e-7 { "0".into() } else { digits(x) };
+        let digits = |x: f64| match x {
+            f64::INFINITY => "infinitely far".into(),
+            ..5e-7 => "0".into(),
+            _ => digits(x),
+        };
         let three = |q: &Quantiles, unit: &str| {
             let [p50, p95, max] = [q.p50, q.p95, q.max].map(digits);
             format!("{p50} p50, {p95} p95, {max} max {unit}")
@@ -182,6 +186,11 @@ fn significant(x: f64) -> String {
 }
 
 fn largest(largest: &Aperture) -> String {
+    let (Aperture::Pupil { pupil_mm: size } | Aperture::Na { na: size }) = *largest;
+    // A spot that is a point at any aperture.
+    if !size.is_finite() || matches!(largest, Aperture::Na { na: 1.0 }) {
+        return "any aperture".into();
+    }
     format!("an {}", aperture(largest)).replace("an num", "a num")
 }
 

@@ -15,6 +15,8 @@ pub type Colour = [u8; 3];
 
 /// Pixels that the picture is wide at the least: the sensor's pixels become squares of more.
 const WIDTH: u32 = 640;
+/// But no higher for that: a sensor may be one pixel wide.
+const HEIGHT: u32 = 2048;
 const MARGIN: u32 = 10;
 /// A character's cell, and a line of the key.
 const CELL: Size = Size::new(8, 13);
@@ -49,7 +51,7 @@ impl Map {
     pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
         let [width, height] = self.pixels;
         assert_eq!(self.colours.len(), width as usize * height as usize, "one colour a pixel");
-        let zoom = WIDTH.div_ceil(width).max(1);
+        let zoom = WIDTH.div_ceil(width).min(HEIGHT / height.max(1)).max(1);
         let across = (zoom * width).max(WIDTH);
         let places = self.key_places(across);
         let key_lines = places.last().map_or(0, |place| place.1 + 1);

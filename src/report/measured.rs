@@ -3,7 +3,7 @@
 
 use super::map::{Colour, Map, diverging};
 use super::text::digits;
-use crate::align::{Alignment, FormError, FormMap, Free};
+use crate::align::{Alignment, FormError, FormMap, Free, Unit};
 use crate::num::degrees;
 use crate::raster::EncodingError;
 use serde::Serialize;
@@ -15,11 +15,18 @@ pub struct UnitFacts {
     pub name: &'static str,
     /// How many mm it has.
     pub mm_per_unit: f64,
-    /// `asked`, `by size`, or `assumed` where no unit makes the file as large as the part.
+    /// `declared` by the file, `asked`, `by size`, or `assumed` where no unit makes the file as large as
+    /// the part.
     pub chosen: &'static str,
 }
 
 impl UnitFacts {
+    /// `unit`, and how it was chosen.
+    #[must_use]
+    pub fn new(unit: Unit, chosen: &'static str) -> Self {
+        Self { name: unit.name(), mm_per_unit: unit.mm(), chosen }
+    }
+
     pub(super) fn line(&self) -> String {
         let Self { name, mm_per_unit, chosen } = self;
         format!("{name} ({chosen}): coordinates times {mm_per_unit} are millimetres")
@@ -101,7 +108,7 @@ impl AlignmentFacts {
                 Some(at) => format!("a turn about {along} through {} mm", place(at.to_array())),
                 None => format!("a shift along {along}"),
             };
-            lines.push(format!("the mirror does not show {motion}: left as in the file"));
+            lines.push(format!("the mirror does not show {motion}: it is not fitted"));
         }
         lines
     }

@@ -97,15 +97,15 @@ struct Panorama<'a> {
 }
 
 impl Coverage {
-    /// What the pixels of `witness` with [`Fate::Filled`] cover, as `camera` shows them under a
-    /// tolerance of `tolerance_px`.
+    /// What the pixels of `witness` with [`Fate::Filled`] cover, as `camera` shows them; each panel of
+    /// the mirror is `width_mm` wide in the image.
     #[must_use]
     pub fn new(
         witness: &Witness,
         fates: &[Fate],
         camera: &Camera,
         view: &View,
-        tolerance_px: f64,
+        width_mm: f64,
     ) -> Self {
         let angles = |(seen, fate): (&Seen, &Fate)| {
             let shown = || view.shown(seen.at, seen.direction);
@@ -127,7 +127,7 @@ impl Coverage {
         Self {
             azimuth_deg: degrees(covered.iter().fold(0.0, |sum, [a, b]| sum + (b - a))),
             gaps_deg: gaps(&covered).into_iter().map(|gap| gap.map(degrees)).collect(),
-            seams: panorama.seams(tolerance_px),
+            seams: panorama.seams(width_mm),
             lowest_deg: over(0),
             highest_deg: over(1),
             columns,
@@ -220,16 +220,19 @@ impl Panorama<'_> {
     }
 
     /// The seams of a picture of the full turn.
-    fn seams(&self, tolerance_px: f64) -> Vec<Seam> {
+    fn seams(&self, width_mm: f64) -> Vec<Seam> {
         let Projection::Strip(strip) = &self.view.projection else { return vec![] };
         let pixel = self.camera.pixel_mm / strip.scale_mm;
+        let panels = if self.view.fold.is_some() { 2.0 } else { 1.0 };
+        // Half a pixel: widths may be rounded to single precision.
+        if !(panels * width_mm / strip.scale_mm >= TAU - 0.5 * pixel) {
+            return Vec::new();
+        }
         let height = self.camera.pixels[1];
         let ends: Vec<Option<[f64; 4]>> =
             (0..height).into_par_iter().map(|row| self.ends(row)).collect();
         let seam = |edges: &'static str, gaps: &[f64]| {
-            // Pixels that the tolerance counts as lost belong to the gap of a full turn.
-            let range =
-                Range::of(gaps).filter(|gap| gap.min <= 2.0 * (1.0 + tolerance_px) * pixel)?;
+            let range = Range::of(gaps)?;
             let (gap_px, gap_deg) = (range.scaled(1.0 / pixel), range.scaled(degrees(1.0)));
             Some(Seam { edges, gap_px, gap_deg })
         };

@@ -17,13 +17,14 @@ pub struct Hit {
     pub weights: [f64; 3],
 }
 
-/// A triangle mesh with what is needed to find the facets a ray meets, each made when it is first
-/// asked for.
+/// A triangle mesh with what is needed to find the facets a ray meets.
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: TriMesh,
     bounds: Option<(DVec3, DVec3)>,
-    grid: OnceLock<Grid>,
+    grid: Grid,
+    /// Made when it is first asked for: never from within a trace, whose threads would wait for it
+    /// while it waits for them.
     ground: OnceLock<Option<Ground>>,
 }
 
@@ -31,8 +32,8 @@ impl Scene {
     /// Takes over `mesh`; no promise is asked of it.
     #[must_use]
     pub fn new(mesh: TriMesh) -> Self {
-        let bounds = mesh.bounds();
-        Self { mesh, bounds, grid: OnceLock::new(), ground: OnceLock::new() }
+        let (bounds, grid) = (mesh.bounds(), Grid::new(&mesh));
+        Self { mesh, bounds, grid, ground: OnceLock::new() }
     }
 
     /// The triangles.
@@ -47,11 +48,6 @@ impl Scene {
         self.bounds
     }
 
-    /// What finds the facets that any ray meets.
-    pub(super) fn grid(&self) -> &Grid {
-        self.grid.get_or_init(|| Grid::new(&self.mesh))
-    }
-
     /// What proves that reflected rays meet none.
     pub(super) fn ground(&self) -> Option<&Ground> {
         self.ground.get_or_init(|| Ground::new(&self.mesh)).as_ref()
@@ -63,7 +59,7 @@ impl Scene {
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
         let line = Line::new(ray);
         let mut nearest: Option<(f64, u32)> = None;
-        self.grid().walk(ray, |facets| {
+        self.grid.walk(ray, |facets| {
             for &facet in facets {
                 if let Some(t) = self.meet(&line, facet) {
                     let nearer = nearest.is_none_or(|nearest| (t, facet) < nearest);
@@ -83,7 +79,7 @@ impl Scene {
     pub fn blocker(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
         let line = Line::new(ray);
         let mut found = None;
-        self.grid().walk(ray, |facets| {
+        self.grid.walk(ray, |facets| {
             let blocks = |&&facet: &&u32| {
                 facet != from && self.meet(&line, facet).is_some_and(|t| t > clear)
             };
@@ -218,7 +214,7 @@ mod tests {
             mesh.vertices.iter_mut().for_each(|v| *v *= width);
             let scene = Scene::new(mesh);
             let inside = |x: &f64| (0.5 * width..23.5 * width).contains(x);
-            for border in scene.grid().borders().into_iter().filter(inside) {
+            for border in scene.grid.borders().into_iter().filter(inside) {
                 for (ulps, other) in (-6..=6).flat_map(|u| [3.3, 20.1].map(|o| (u, o * width))) {
                     let x = nudge(border, ulps);
                     for direction in [DVec3::NEG_Z, DVec3::new(1e-17, -1e-17, -1.0)] {

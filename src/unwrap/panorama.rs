@@ -56,7 +56,7 @@ impl Panorama {
         let per_px = range.span / columns;
         let [low, high] = range.z;
         // Never beyond the range, which may end at the pole; a rounding error is no missing row.
-        let rows = ((high - low) / per_px + 1e-3).floor().max(1.0);
+        let rows = ((high - low) / per_px + 1e-3).floor();
         let most = f64::from(MOST_SIDE);
         let fits = (1.0..=most).contains(&columns) && (1.0..=most).contains(&rows);
         if !fits || columns * rows > MOST_PIXELS as f64 {
