@@ -57,6 +57,7 @@ pub fn write_3mf(out: &mut impl Write, solid: &Solid, label: &Label) -> io::Resu
     // No clock: the archive's own beginning of time.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
+        .compression_level(Some(LEVEL))
         .last_modified_time(DateTime::DEFAULT);
     let mut zip = ZipWriter::new_stream(&mut *out);
     for (name, text) in [(TYPES, TYPES_TEXT), (RELATIONS, RELATIONS_TEXT)] {
@@ -97,9 +98,12 @@ fn triangle(text: &mut Vec<u8>, [a, b, c]: &[u32; 3]) -> io::Result<()> {
     writeln!(text, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"/>")
 }
 
-/// Bytes that a triangle takes with its share of the vertices, packed: from 13.1 to 14.2 on meshes
-/// of more than some ten thousand.
-const TRIANGLE: f64 = 13.7;
+/// One more than usual takes 3 % off; the next ones take three times as long for 1 %.
+const LEVEL: i64 = 7;
+
+/// Bytes that a triangle takes with its share of the vertices, packed: from 13 to 14.7 on meshes of
+/// more than some ten thousand.
+const TRIANGLE: f64 = 13.5;
 
 /// Foresees the length of what [`write_3mf`] writes of a large solid.
 #[must_use]
