@@ -80,10 +80,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         pool.install(|| {
-            let plain = || Scene::new(scene.mesh().clone());
-            let ray = Sweep::new(&scene, &design.camera, top).ray(0, 0);
-            let general = least(options.runs, plain, |scene| {
-                black_box(scene.first(&ray));
+            let copy = || scene.mesh().clone();
+            let plain = || Scene::new(copy());
+            let general = least(options.runs, copy, |mesh| {
+                black_box(Scene::new(mesh.clone()));
             });
             lines.push(format!("build_general_{threads} {general:.3} ms"));
             let sweep = Sweep::new(&scene, &design.camera, top);

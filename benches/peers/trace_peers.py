@@ -113,7 +113,7 @@ def main():
     pairs = len(hits) / (primary + shadow) * 1e-6
     morion = float(ours["pairs_1"].split()[0])
     seconds = len(hits) / morion * 1e-6
-    tables = float(ours["build_proofs_1"].split()[0]) * 1e-3
+    tables = sum(float(ours[f"build_{what}_1"].split()[0]) for what in ("general", "proofs")) * 1e-3
     print(f"embree: {len(hits) / primary * 1e-6:.2f} M camera rays/s, {pairs:.2f} M pairs/s, built in {built * 1e3:.0f} ms")
     print(f"morion: {morion:.2f} M pairs/s, tables in {tables * 1e3:.0f} ms")
     print(f"ratio: {morion / pairs:.1f}; building included {(primary + shadow + built) / (seconds + tables):.1f}")
