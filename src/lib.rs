@@ -18,6 +18,8 @@
 //! - **ray error**: angle between the direction seen and the direction wanted.
 //! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
 //! - **facet error**: the part of it that flat facets cause.
+//! - **error source**: what can be off in a made system ([`tolerance::Kind`]); **limit**: by how
+//!   much; **compensator**: what is adjusted in return.
 //! - **witness**: the ray trace of the file that was written ([`trace::Witness`]).
 //! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to
 //!   ([`unwrap::Panorama`], [`unwrap::Map`]).
@@ -39,7 +41,8 @@
 //! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
 //!               \                                    \        \
 //!                pencil                     [measured file]   render
-//!                unwrap <- [photo]                 align -> trace
+//!                tolerance                         align -> trace
+//!                unwrap <- [photo]
 //! ```
 //!
 //! Which module may use which; everything below [`profile`] may use [`num`], and from [`optics`] on
@@ -59,6 +62,7 @@
 //! pencil             optics, mirror
 //! unwrap             optics, mirror, raster
 //! render             optics, trace, raster
+//! tolerance          optics, mirror
 //! report             results of all of these
 //! pipeline           all of these, and the file system
 //! cli                pipeline, profile, report
@@ -87,6 +91,7 @@ pub mod raster;
 pub mod render;
 pub mod report;
 pub mod solid;
+pub mod tolerance;
 pub mod trace;
 pub mod unwrap;
 

@@ -2,7 +2,8 @@
 
 use morion::profile::{
     Accept, Camera, Format, Layout, MeshLimits, Method, MethodKind, PanelSource, Part, Profile,
-    Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target, shipped,
+    Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target, Tolerance,
+    shipped,
 };
 use proptest::prelude::*;
 
@@ -61,6 +62,7 @@ fn the_shipped_conquistador_is_the_papers() {
                 pixel_error_max_px: Some(7.0),
                 frame_filled: Some(0.999),
             },
+            tolerance: Tolerance::default(),
         }
     );
 }

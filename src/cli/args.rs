@@ -3,6 +3,7 @@
 use crate::pipeline::Unit;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Design freeform panoramic mirrors, write solids a machine shop can cut, and prove the files by
@@ -138,6 +139,35 @@ pub enum Command {
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
     },
+    /// How well it must be made and mounted, and what share of parts will be good, into DIR/NAME/
+    Tolerance {
+        /// Profile file, or name of a shipped profile
+        #[arg(required_unless_present = "merge")]
+        profile: Option<String>,
+        /// Number of trials, or the numbers of the first and of the one after the last: A..B
+        #[arg(long, value_name = "N|A..B", default_value = "2000", value_parser = trials)]
+        trials: Range<u64>,
+        /// What the trials are drawn from
+        #[arg(long, value_name = "S", default_value_t = 1)]
+        seed: u64,
+        /// End early when the 95 % interval of the yield is no wider than this
+        #[arg(long, value_name = "P%", value_parser = percent, conflicts_with = "part")]
+        until: Option<f64>,
+        /// Only make these trials, into DIR/NAME/trials-A-B.csv, for --merge
+        #[arg(long)]
+        part: bool,
+        /// Answer by the trials of these parts, as if they had been made at once
+        #[arg(
+            long,
+            value_name = "PART",
+            num_args = 1..,
+            conflicts_with_all = ["profile", "trials", "seed", "until", "part"]
+        )]
+        merge: Vec<PathBuf>,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
     /// Run time against error: the shipped mirrors designed in every way, into DIR/bench/
     Bench {
         /// Few degrees, one run of each
@@ -195,6 +225,32 @@ fn aperture(text: &str) -> Result<f64, String> {
 
 fn finite(text: &str) -> Result<f64, String> {
     number(text, "a number from -1e9 to 1e9", |x| x.abs() <= 1e9)
+}
+
+/// Most trials of a run.
+const MOST_TRIALS: u64 = 10_000_000;
+
+/// A number of trials, or the numbers of some.
+fn trials(text: &str) -> Result<Range<u64>, String> {
+    let number = |text: &str| text.trim().replace('_', "").parse::<u64>().ok();
+    let range = match text.split_once("..") {
+        None => number(text).map(|count| 0..count),
+        Some((from, to)) => number(from).zip(number(to)).map(|(from, to)| from..to),
+    };
+    match range {
+        Some(range) if range.is_empty() => Err("there must be at least one".into()),
+        Some(range) if range.end - range.start > MOST_TRIALS => {
+            Err(format!("there must be at most {MOST_TRIALS} at a time; make --part after --part"))
+        }
+        Some(range) => Ok(range),
+        None => Err("write a number, as in 10000, or a range, as in 5000..10000".into()),
+    }
+}
+
+/// A share, from percent.
+fn percent(text: &str) -> Result<f64, String> {
+    let percent = text.trim().trim_end_matches('%').trim();
+    number(percent, "a percentage over 0, as in 0.5%", |p| p > 0.0 && p <= 100.0).map(|p| p / 100.0)
 }
 
 /// How results are printed.
@@ -264,5 +320,16 @@ mod tests {
     fn the_command_line_is_consistent() {
         use clap::CommandFactory;
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn trials_are_a_number_or_a_range() {
+        assert_eq!(trials("2000"), Ok(0..2000));
+        assert_eq!(trials("50_000..60000"), Ok(50_000..60_000));
+        for wrong in ["", "0", "5..5", "7..3", "-1", "1e4", "0..20000000", "..", "3.5"] {
+            assert!(trials(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!((percent("0.5%"), percent("2")), (Ok(0.005), Ok(0.02)));
+        assert!(["0", "-1%", "101", "half", "nan"].iter().all(|wrong| percent(wrong).is_err()));
     }
 }

@@ -4,8 +4,8 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Inspection, Source, Wanted, Way, bench, blur, build, foresee, frame, inspect, load,
-    render, unwrap,
+    self, Inspection, Source, Trials, Wanted, Way, bench, blur, build, foresee, frame, inspect,
+    load, render, tolerance, tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Aperture, Prospect, Report, Verdict, text};
@@ -111,6 +111,24 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let report = blur(&load(profile)?, aperture, *focus_mm, out, &progress)?;
             show(arguments, || report.text(), || report.json())?;
             Ok(PASSED)
+        }
+        Command::Tolerance { profile, trials, seed, until, part, merge, out } => {
+            let trials = Trials { range: trials.clone(), seed: *seed, until: *until };
+            let report = match profile {
+                None => tolerance_merged(merge, out, &progress)?,
+                Some(named) if *part => {
+                    let part = tolerance_part(named, &trials, out, &progress)?;
+                    let (path, trials) = (part.path.display().to_string(), part.trials);
+                    print(&match arguments.format {
+                        Format::Text => format!("{path}: {trials} trials\n"),
+                        Format::Json => line(&json!({ "part": path, "trials": trials })),
+                    })?;
+                    return Ok(PASSED);
+                }
+                Some(named) => tolerance(named, &trials, out, &progress)?,
+            };
+            show(arguments, || report.text(), || report.json())?;
+            Ok(code(report.verdict))
         }
         Command::Bench { quick, out } => {
             let bench = bench(out, *quick)?;

@@ -15,6 +15,7 @@ pub mod legendre;
 pub mod monotone;
 mod pieces;
 pub mod quadrature;
+pub mod random;
 mod scalar;
 pub mod special;
 pub mod stats;

@@ -2,6 +2,7 @@
 
 use super::files::FileError;
 use super::scenery::SceneError;
+use super::source::SourceError;
 use super::unwrap::PhotoError;
 use crate::align::AlignError;
 use crate::design::DesignError;
@@ -9,6 +10,7 @@ use crate::export::step::FitError;
 use crate::mesh::MeshError;
 use crate::profile::Format;
 use crate::solid::SolidError;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why something could not be done. (A part that turns out bad is no error: that is a verdict.)
@@ -75,17 +77,52 @@ pub enum Error {
     /// The picture cannot be made.
     #[error("cannot make the picture: {0}")]
     Picture(String),
+    /// There is no profile, or no file that it names.
+    #[error(transparent)]
+    Source(#[from] SourceError),
     /// There is no such scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A frame is to be filled, but with nothing in particular.
+    /// Pixels are to be judged, but nothing says what they should see.
     #[error(
-        "cannot check the frame of {profile}: it has no projection, so nothing that a pixel should \
-         see; give it a [projection] and a [layout]"
+        "cannot {work} {profile}: it has no projection, so nothing that a pixel should see; give it \
+         a [projection] and a [layout]"
     )]
     NoProjection {
+        /// What is to be done.
+        work: &'static str,
         /// Profile name.
         profile: String,
+    },
+    /// No pixel sees the mirror.
+    #[error(
+        "cannot tolerance {profile}: no pixel sees the mirror away from its rim; take a camera of more pixels"
+    )]
+    Unseen {
+        /// Profile name.
+        profile: String,
+    },
+    /// A cutter does not reach from track to track.
+    #[error(
+        "cannot tolerance {profile}: a ball of {ball_radius_mm} mm does not reach from track to \
+         track {stepover_mm} mm apart; raise tolerance.ball_radius_mm, or lower \
+         tolerance.limits.stepover_mm"
+    )]
+    Tracks {
+        /// Profile name.
+        profile: String,
+        /// From track to track, mm.
+        stepover_mm: f64,
+        /// Radius of the ball, mm.
+        ball_radius_mm: f64,
+    },
+    /// A part of a run that cannot be merged.
+    #[error("cannot merge {}: {reason}", path.display())]
+    Part {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
     },
     /// A lens that the camera cannot have, or nothing to see through it.
     #[error("cannot work out the blur of {profile}: {reason}")]

@@ -32,7 +32,10 @@ pub fn frame(
 ) -> Result<FrameReport, Error> {
     let profile = &source.profile;
     if profile.projection.is_none() {
-        return Err(Error::NoProjection { profile: profile.name.clone() });
+        return Err(Error::NoProjection {
+            work: "check the frame of",
+            profile: profile.name.clone(),
+        });
     }
     let min = min.or(profile.accept.frame_filled).unwrap_or(USUAL_MIN);
     let clock = Clock::new(observer);

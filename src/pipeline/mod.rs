@@ -22,6 +22,7 @@ mod scenery;
 mod shape;
 mod sight;
 mod source;
+mod tolerance;
 mod unwrap;
 mod verdict;
 mod verify;
@@ -37,6 +38,7 @@ pub use observer::{Observer, Silent, Stage};
 pub use render::render;
 pub use scenery::{SceneError, Wanted};
 pub use source::{Source, SourceError, load};
+pub use tolerance::{Part, Trials, tolerance, tolerance_merged, tolerance_part};
 pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
 pub use verify::{Inspection, inspect, verify};
 

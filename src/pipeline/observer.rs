@@ -30,6 +30,12 @@ pub enum Stage {
     Blur,
     /// What the camera sees.
     Picture,
+    /// Errors -> derivatives of the picture.
+    Sensitivities,
+    /// Many made systems.
+    Trials,
+    /// Trials -> statistics and limits.
+    Budget,
     /// Results -> report files.
     Report,
 }
@@ -50,6 +56,9 @@ impl Stage {
             Self::Coverage => "coverage",
             Self::Blur => "blur",
             Self::Picture => "picture",
+            Self::Sensitivities => "errors",
+            Self::Trials => "trials",
+            Self::Budget => "budget",
             Self::Report => "report",
         }
     }

@@ -88,6 +88,16 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
     with_heights(profile, path.parent().unwrap_or(Path::new("")))
 }
 
+/// The heights in `file`, relative to the folder of the profile that `named` means.
+///
+/// # Errors
+/// [`SourceError`] when it cannot be read or has a fault.
+pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
+    let path = Path::new(named).parent().unwrap_or(Path::new("")).join(file);
+    SagGrid::parse(&files::read(&path)?)
+        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })
+}
+
 /// `profile` with the heights that it names, relative to its folder.
 fn with_heights(profile: Profile, folder: &Path) -> Result<Source, SourceError> {
     let Shape::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };

@@ -15,6 +15,7 @@ mod schema;
 mod shape;
 mod shipped;
 mod source;
+pub mod tolerance;
 mod values;
 mod words;
 
@@ -26,6 +27,7 @@ pub use projection::{Projection, RadialLaw, RadialProjection, StripLaw, StripPro
 pub use sag::{GridError, SagAxis, SagGrid};
 pub use shape::{Conic, Method, MethodKind, Polynomial, Shape, Term};
 pub use shipped::{Shipped, shipped};
+pub use tolerance::Tolerance;
 
 /// A checked profile: camera, projection, layout, shape, part, mesh, files and limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +58,8 @@ pub struct Profile {
     pub sag: SagTable,
     /// The limits a finished mirror must keep to pass.
     pub accept: Accept,
+    /// The errors of making and mounting that are expected.
+    pub tolerance: Tolerance,
 }
 
 /// The camera that looks into the mirror.

@@ -5,6 +5,44 @@ const ONE_PARAMETER: &[&str] = &["outer_polar_deg", "target_radius_mm", "target_
 const TWO_PARAMETERS: &[&str] =
     &["inner_polar_deg", "outer_polar_deg", "target_radius_mm", "target_plane_mm"];
 const METHOD: &[&str] = &["degree", "minimax"];
+/// Error sources, each with its unit.
+pub(super) const SOURCES: &[&str] = &[
+    "decentre_x_um",
+    "decentre_y_um",
+    "despace_um",
+    "tilt_x_mrad",
+    "tilt_y_mrad",
+    "clocking_mrad",
+    "scale_ppm",
+    "temperature_k",
+    "magnification_ppm",
+    "telecentricity_mrad",
+    "principal_x_px",
+    "principal_y_px",
+    "distortion_ppm",
+    "legendre_20_um",
+    "legendre_11_um",
+    "legendre_02_um",
+    "legendre_30_um",
+    "legendre_21_um",
+    "legendre_12_um",
+    "legendre_03_um",
+    "legendre_40_um",
+    "legendre_22_um",
+    "zernike_4_um",
+    "zernike_5_um",
+    "zernike_6_um",
+    "zernike_7_um",
+    "zernike_8_um",
+    "zernike_9_um",
+    "zernike_10_um",
+    "zernike_11_um",
+    "map_share",
+    "waviness_um",
+    "slope_mrad",
+    "stepover_mm",
+    "facets_px",
+];
 
 /// Keys that most profiles do without.
 const RARE: &[&str] = &[
@@ -38,6 +76,7 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
             "mesh",
             "export",
             "accept",
+            "tolerance",
         ],
     ),
     ("camera", &["orthographic", "pinhole"]),
@@ -107,6 +146,30 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
     ("export", &["formats", "sag"]),
     ("export.sag", &["path", "pitch_mm", "step_mm"]),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),
+    (
+        "tolerance",
+        &[
+            "preset",
+            "budget_px",
+            "criterion",
+            "reference",
+            "target_yield",
+            "compensators",
+            "expansion_ppm_per_k",
+            "waviness_period_mm",
+            "waviness_direction_deg",
+            "slope_correlation_mm",
+            "ball_radius_mm",
+            "stepover_direction_deg",
+            "map_file",
+            "limits",
+            "distributions",
+            "weights",
+        ],
+    ),
+    ("tolerance.limits", SOURCES),
+    ("tolerance.distributions", SOURCES),
+    ("tolerance.weights", SOURCES),
 ];
 
 /// The keys of a table; none for a path that is no table.

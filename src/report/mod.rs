@@ -9,6 +9,7 @@ mod measured;
 mod prospect;
 mod rendering;
 mod text;
+mod tolerance;
 mod unwrapped;
 
 pub use bench::{Bench, DesignRun};
@@ -19,6 +20,7 @@ pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use rendering::Rendering;
 pub use text::text;
+pub use tolerance::{ToleranceReport, read_trial, trial_columns, trial_line};
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 
 use crate::align::FormError;

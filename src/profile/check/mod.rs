@@ -10,6 +10,7 @@ mod projection;
 mod reach;
 mod sag;
 mod target;
+mod tolerance;
 
 use sha2::{Digest, Sha256};
 use toml::de::{DeTable, DeValue};
@@ -80,6 +81,11 @@ pub(super) fn profile(
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
     let accept = limits::accept(reader, &root, bare);
+    let setting = tolerance::Setting {
+        camera: parts.camera.as_ref().and_then(|found| found.camera),
+        layout: parts.layout.as_ref().and_then(|found| found.layout),
+    };
+    let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
     target::check(reader, &parts);
     reach::check(reader, &parts);
@@ -111,6 +117,7 @@ pub(super) fn profile(
         formats: formats?,
         sag: sag?,
         accept: accept?,
+        tolerance,
     })
 }
 

@@ -1,0 +1,180 @@
+//! The errors that a profile expects.
+
+use toml::de::DeValue;
+
+use super::super::reader::Need::Optional;
+use super::super::reader::{Reader, Section};
+use super::super::tolerance::{
+    COMPENSATORS, CRITERIA, DISTRIBUTIONS, PRESETS, REFERENCES, Tolerance,
+};
+use super::super::values::{number, word};
+use super::super::words::list;
+use super::super::{Camera, Layout, schema};
+
+/// What of a profile decides which sources there are; none of what is missing or wrong.
+#[derive(Clone, Copy)]
+pub(super) struct Setting {
+    pub(super) camera: Option<Camera>,
+    pub(super) layout: Option<Layout>,
+}
+
+pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tolerance {
+    let mut found = Tolerance::default();
+    let Some(section) = reader.section(root, "tolerance", Optional) else { return found };
+    let mut choice = |key, words: &[&'static str], hint: &str, value: &mut &'static str| {
+        let words: Vec<(&str, &'static str)> = words.iter().map(|w| (*w, *w)).collect();
+        if let Some(chosen) = word(reader, &section, key, &words, hint) {
+            *value = chosen;
+        }
+    };
+    let hint = "how the part is made, as in preset = \"precision-cnc\"";
+    choice("preset", &PRESETS, hint, &mut found.preset);
+    let hint = "the root mean square over the picture, or what 95 % of it stay below";
+    choice("criterion", &CRITERIA, hint, &mut found.criterion);
+    let hint = "errors against the picture as designed, or against the projection";
+    choice("reference", &REFERENCES, hint, &mut found.reference);
+
+    let must = "a number from 0.000001 to 1000000";
+    let size = |f: f64| (1e-6..=1e6).contains(&f);
+    let hint = "the most that the criterion may be in pixels, as in budget_px = 1";
+    if let Some(px) = number(reader, &section, "budget_px", Optional, must, hint, size) {
+        found.budget_px = px.value;
+    }
+    let share = "a number from 0.001 to 0.999";
+    let hint = "a share of the parts, not a percentage: 0.95 is 95 %";
+    let inside = |f: f64| (1e-3..=0.999).contains(&f);
+    if let Some(f) = number(reader, &section, "target_yield", Optional, share, hint, inside) {
+        found.target_yield = f.value;
+    }
+    let mut length = |key, hint: &str| {
+        number(reader, &section, key, Optional, must, hint, size).map(|f| f.value)
+    };
+    found.waviness_period_mm = length("waviness_period_mm", "from wave to wave in millimetres");
+    found.slope_correlation_mm = length(
+        "slope_correlation_mm",
+        "where the slope's correlation falls to 1/e, in millimetres",
+    );
+    found.ball_radius_mm = length("ball_radius_mm", "the cutter's radius in millimetres");
+    found.expansion_ppm_per_k =
+        length("expansion_ppm_per_k", "23 for aluminium, 90 for acrylic resins");
+    let must = "a number from -360 to 360";
+    let mut angle = |key| {
+        let hint = "from X towards Y in degrees: 90 where the lines run along X";
+        let turn = |f: f64| f.abs() <= 360.0;
+        number(reader, &section, key, Optional, must, hint, turn).map(|f| f.value)
+    };
+    found.waviness_direction_deg = angle("waviness_direction_deg");
+    found.stepover_direction_deg = angle("stepover_direction_deg");
+    if let Some(asked) = compensators(reader, &section) {
+        found.compensators = asked;
+    }
+    found.map_file = map_file(reader, &section);
+    sources(reader, &section, setting, &mut found);
+    found
+}
+
+/// Limits, distributions and weights by source.
+fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut Tolerance) {
+    let has_map = section.has("map_file");
+    if let Some(limits) = reader.section(section, "limits", Optional) {
+        for key in schema::SOURCES {
+            let must = "a number from 0 to 1000000";
+            let hint = "the limit in the unit that the key ends in; 0 for no such error";
+            let allowed = |f: f64| (0.0..=1e6).contains(&f);
+            let limit = number(reader, &limits, key, Optional, must, hint, allowed);
+            let Some(limit) = limit else { continue };
+            if let (Some((why, hint)), true) = (foreign(key, setting, has_map), limit.value != 0.0)
+            {
+                let path = limits.path_of(key);
+                let message = format!("{path} must be left out {why}, found {}", limit.value);
+                reader.complain(limit.at, message, hint);
+            }
+            found.limits.push((key, limit.value));
+        }
+    }
+    if let Some(section) = reader.section(section, "distributions", Optional) {
+        let words = DISTRIBUTIONS.map(|word| (word, word));
+        for key in schema::SOURCES {
+            let hint = "uniform between the limits; normal with the limit at two standard \
+                        deviations, truncated there or not; or fixed at the limit";
+            if let Some(chosen) = word(reader, &section, key, &words, hint) {
+                found.distributions.push((key, chosen));
+            }
+        }
+    }
+    if let Some(section) = reader.section(section, "weights", Optional) {
+        for key in schema::SOURCES {
+            let must = "a number from 0.000001 to 1000000";
+            let hint = "how dear this is to hold against the others, which have 1";
+            let allowed = |f: f64| (1e-6..=1e6).contains(&f);
+            if let Some(f) = number(reader, &section, key, Optional, must, hint, allowed) {
+                found.weights.push((key, f.value));
+            }
+        }
+    }
+}
+
+/// Why a mirror cannot have this error, and what to take instead.
+fn foreign(key: &str, setting: Setting, has_map: bool) -> Option<(&'static str, &'static str)> {
+    let round = setting.layout.map(|l| matches!(l, Layout::Disc | Layout::Annulus { .. }));
+    let pinhole = matches!(setting.camera, Some(Camera::Pinhole { .. }));
+    match (key.split('_').next()?, round) {
+        ("zernike", Some(false)) => {
+            Some(("for a rectangular mirror", "its form errors are legendre_20_um and the like"))
+        }
+        ("legendre", Some(true)) => {
+            Some(("for a round mirror", "its form errors are zernike_4_um to zernike_11_um"))
+        }
+        ("telecentricity", _) if pinhole => Some(("for a pinhole", "its rays meet in one point")),
+        ("map", _) if !has_map => Some(("without a map", "map_file names it")),
+        _ => None,
+    }
+}
+
+fn map_file(reader: &mut Reader, section: &Section) -> Option<String> {
+    let hint = "a file beside the profile: lines of X, Y and departure along Z in millimetres";
+    let value = reader.value(section, "map_file", Optional, "a file's name", hint)?;
+    match value.get_ref() {
+        DeValue::String(name) if !name.is_empty() => Some(name.to_string()),
+        _ => {
+            let path = section.path_of("map_file");
+            let found = reader.quote_type(value);
+            let message = format!("{path} must be a file's name, found {found}");
+            reader.complain(value.span().start, message, hint);
+            None
+        }
+    }
+}
+
+fn compensators(reader: &mut Reader, section: &Section) -> Option<Vec<&'static str>> {
+    let quoted = COMPENSATORS.map(|name| format!("\"{name}\""));
+    let quoted = list(&quoted.each_ref().map(String::as_str), "or");
+    let must = format!("a list of none or some of {quoted}");
+    let hint = "as in compensators = [\"shift\", \"rotation\"]; focusing is \"magnification\"";
+    let path = section.path_of("compensators");
+    let value = reader.value(section, "compensators", Optional, &must, hint)?;
+    let DeValue::Array(items) = value.get_ref() else {
+        let message = format!("{path} must be {must}, found {}", reader.quote_type(value));
+        reader.complain(value.span().start, message, hint);
+        return None;
+    };
+    let mut asked = Vec::new();
+    for item in items {
+        let name = item.get_ref().as_str();
+        match COMPENSATORS.into_iter().find(|known| Some(*known) == name) {
+            Some(known) if asked.contains(&known) => {
+                let message = format!("{path} must name each once, found \"{known}\" again");
+                reader.complain(item.span().start, message, "remove the second one");
+            }
+            Some(known) => asked.push(known),
+            None => {
+                let message =
+                    format!("{path} must name {quoted}, found {}", reader.quote_type(item));
+                let meant = name.and_then(|name| schema::nearest(name, &COMPENSATORS));
+                let meant = meant.map(|meant| format!("did you mean \"{meant}\"?"));
+                reader.complain(item.span().start, message, meant.as_deref().unwrap_or(hint));
+            }
+        }
+    }
+    Some(asked)
+}

@@ -1,0 +1,331 @@
+//! From drawn errors to displacements of the picture, in full.
+
+use super::compensate::{Adjustment, Compensation, Compensator, Criterion, Pixels};
+use super::field::{Field, slope_modes};
+use super::linear::Linear;
+use super::model::{Pose, State, System, placed};
+use super::source::{Kind, Source, Texture};
+use crate::geom::{DVec2, Outline};
+use crate::mirror::{Mirror, Patches};
+use crate::num::random::Stream;
+use crate::num::{cos, sin};
+use crate::optics::{Camera, View};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// What displacements are measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reference {
+    /// The picture that the system shows as designed.
+    Design,
+    /// The picture that the projection asks for.
+    Projection,
+}
+
+/// What is asked.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// What can be off.
+    pub sources: Vec<Source>,
+    /// Shapes of the textures.
+    pub texture: Texture,
+    /// A measured form error, over X and Y of the part, mm.
+    pub map: Option<Patches>,
+    /// What is adjusted.
+    pub compensators: Vec<Compensator>,
+    /// Which figure counts.
+    pub criterion: Criterion,
+    /// Against what.
+    pub reference: Reference,
+    /// The most that it may be, px.
+    pub budget_px: f64,
+    /// The share of parts that must keep the budget.
+    pub target_yield: f64,
+    /// About how many pixels stand for the picture.
+    pub samples: usize,
+}
+
+/// One made system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Made {
+    /// Its errors.
+    pub state: State<f64>,
+    /// Radius within which facets displace each pixel, px.
+    pub facets_px: f64,
+    /// Where what differs from pixel to pixel comes from.
+    pub stream: Stream,
+}
+
+/// A system with its errors, adjustments and derivatives.
+#[derive(Debug, Clone)]
+pub struct Engine {
+    /// What is asked.
+    pub question: Question,
+    pub(super) system: System,
+    /// Standard deviations of the random slope's waves, whose amplitudes come after the other form
+    /// errors'.
+    pub(super) modes: Vec<f64>,
+    pub(super) forms: Vec<Kind>,
+    pub(super) linear: Linear,
+    pub(super) compensation: Compensation,
+    /// Displacement without errors: zero against the design.
+    pub(super) base: Vec<f64>,
+}
+
+/// Polynomials stand for the mirror in a square around each sample's hit: at least and at most
+/// these shares of the mirror.
+const LEAST_REACH: f64 = 0.003;
+const MOST_REACH: f64 = 0.02;
+/// Standard deviations that it holds.
+const REACH_SIGMAS: f64 = 4.0;
+
+impl Engine {
+    /// Prepares `question` for a mirror under a camera that shows a view; none where no pixel sees
+    /// the mirror away from its rim.
+    #[must_use]
+    pub fn new(mirror: &Mirror, camera: &Camera, view: &View, question: Question) -> Option<Self> {
+        let (centre, half) = extent(mirror);
+        let size = 2.0 * half[0].max(half[1]);
+        let (mut forms, mut fields) = (Vec::new(), Vec::new());
+        for source in &question.sources {
+            let field = match source.kind {
+                Kind::Legendre(i, j) => Field::legendre(i, j, centre, half),
+                Kind::Zernike(j) => Field::zernike(j, half[0]),
+                _ => continue,
+            };
+            forms.push(source.kind);
+            fields.push(field);
+        }
+        let slope = question.sources.iter().any(|source| source.kind == Kind::Slope);
+        let length = question.texture.slope_correlation_mm;
+        let waves = if slope { slope_modes(length, size) } else { Vec::new() };
+        let (waves, modes): (Vec<Field>, Vec<f64>) = waves.into_iter().unzip();
+        fields.extend(waves);
+        let texture = question.texture;
+        let reach = reach(&question, camera, size);
+        let map = question.map.clone();
+        let parts = (mirror, camera, view);
+        let system = System::new(parts, fields, &texture, map, question.samples, reach);
+        let pixel = camera.pixel_mm;
+        let base = match question.reference {
+            Reference::Design => vec![0.0; 2 * system.samples.len()],
+            Reference::Projection => {
+                let off = system.samples.iter().map(|s| (s.content - s.point) / pixel);
+                off.flat_map(|d: DVec2| d.to_array()).collect()
+            }
+        };
+        let linear = Linear::new(&system, &question, &forms, modes.len());
+        let compensation = compensation(&system, &linear, &question.compensators);
+        let seen = !system.samples.is_empty();
+        let made = Self { question, system, modes, forms, linear, compensation, base };
+        seen.then_some(made)
+    }
+
+    /// Number of pixels that stand for the picture.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.system.samples.len()
+    }
+
+    /// Image points of these pixels, and where the content belongs that they see as designed, mm.
+    pub fn places(&self) -> impl Iterator<Item = (DVec2, DVec2)> {
+        self.system.samples.iter().map(|sample| (sample.point, sample.content))
+    }
+
+    /// Displacement of the designed picture against the projection.
+    #[must_use]
+    pub fn nominal(&self) -> Pixels {
+        let pixel = self.system.camera.pixel_mm;
+        let off = self.system.samples.iter().map(|s| (s.content - s.point) / pixel);
+        Pixels::of(&off.flat_map(|d: DVec2| d.to_array()).collect::<Vec<f64>>())
+    }
+
+    /// What is adjusted.
+    #[must_use]
+    pub fn adjustments(&self) -> &[Adjustment] {
+        self.compensation.adjustments()
+    }
+
+    /// The system that `values`, each in its source's unit, make; `stream` gives the patterns.
+    pub fn make(&self, values: &[(Kind, f64)], stream: Stream) -> Made {
+        let mut state = self.system.perfect::<f64>();
+        let mut facets_px = 0.0;
+        for &(kind, value) in values {
+            let phase = || stream.pair(kind.stream(), 1)[0];
+            match kind {
+                Kind::Slope => {
+                    let slope = 1e-3 * value;
+                    let first = self.forms.len();
+                    for (m, pair) in self.modes.chunks(2).enumerate() {
+                        let normals = stream.normals(kind.stream(), 1 + m as u32);
+                        for (k, (deviation, normal)) in pair.iter().zip(normals).enumerate() {
+                            state.form[first + 2 * m + k] = slope * deviation * normal;
+                        }
+                    }
+                }
+                Kind::Waviness => {
+                    let (a, phase) = (0.5e-3 * value, TAU * phase());
+                    state.wave = Some([a * cos(phase), -a * sin(phase)]);
+                }
+                Kind::ToolMarks if value != 0.0 => state.tracks = Some([value.abs(), phase()]),
+                Kind::ToolMarks => {}
+                Kind::Facets => facets_px = value.abs(),
+                Kind::Map => state.map = Some(value),
+                Kind::Legendre(..) | Kind::Zernike(_) => {
+                    if let Some(k) = self.forms.iter().position(|form| *form == kind) {
+                        state.form[k] += 1e-3 * value;
+                    }
+                }
+                kind => {
+                    if let Some((k, unit)) = self.placed(kind) {
+                        state.placed[k] += unit * value;
+                    }
+                }
+            }
+        }
+        Made { state, facets_px, stream }
+    }
+
+    fn placed(&self, kind: Kind) -> Option<(usize, f64)> {
+        let pixel = self.system.camera.pixel_mm;
+        placed_by(kind, pixel, &self.question.texture)
+    }
+
+    /// The errors of a trial, each in its source's unit.
+    #[must_use]
+    pub fn draw(&self, sources: &[Source], stream: &Stream) -> Vec<(Kind, f64)> {
+        sources.iter().map(|source| (source.kind, source.draw(stream))).collect()
+    }
+
+    /// Displacements, px, x and y of each sample, of several made systems.
+    #[must_use]
+    pub fn displacements(&self, made: &[Made]) -> Vec<Vec<f64>> {
+        let poses: Vec<Pose<f64>> = made.iter().map(|m| Pose::new(&m.state.placed)).collect();
+        let per = 1.0 / self.system.camera.pixel_mm;
+        let mut all: Vec<Vec<f64>> = made.iter().map(|_| self.base.clone()).collect();
+        // Sample by sample: what belongs to one stays in the cache.
+        for (k, sample) in self.system.samples.iter().enumerate() {
+            for ((made, pose), out) in made.iter().zip(&poses).zip(&mut all) {
+                let content = self.system.content(sample, pose, &made.state);
+                let noise = made.noise(k);
+                out[2 * k] += (content[0] - sample.content.x) * per + noise[0];
+                out[2 * k + 1] += (content[1] - sample.content.y) * per + noise[1];
+            }
+        }
+        all
+    }
+
+    /// Figures before and after adjustment, and how far each adjustment was moved.
+    #[must_use]
+    pub fn judge(&self, mut displacement: Vec<f64>) -> (Pixels, Pixels, Vec<f64>) {
+        let before = Pixels::of(&displacement);
+        let steps = self.compensation.apply(&mut displacement);
+        let after = if steps.is_empty() { before } else { Pixels::of(&displacement) };
+        (before, after, steps)
+    }
+}
+
+impl Made {
+    /// What facets displace sample `k` by, px: evenly over a disc.
+    #[inline]
+    pub(super) fn noise(&self, k: usize) -> [f64; 2] {
+        if self.facets_px == 0.0 {
+            return [0.0; 2];
+        }
+        let [u, v] = self.stream.pair(Kind::Facets.stream(), 1 + k as u32);
+        let (r, angle) = (self.facets_px * u.sqrt(), TAU * v);
+        [r * cos(angle), r * sin(angle)]
+    }
+}
+
+/// Which of the placing numbers a kind changes, and by how much for one of its unit.
+pub(super) fn placed_by(kind: Kind, pixel_mm: f64, texture: &Texture) -> Option<(usize, f64)> {
+    let (um, mrad, ppm) = (1e-3, 1e-3, 1e-6);
+    Some(match kind {
+        Kind::DecentreX => (placed::SHIFT[0], um),
+        Kind::DecentreY => (placed::SHIFT[1], um),
+        Kind::Despace => (placed::SHIFT[2], um),
+        Kind::TiltX => (placed::TURN[0], mrad),
+        Kind::TiltY => (placed::TURN[1], mrad),
+        Kind::Clocking => (placed::TURN[2], mrad),
+        Kind::Scale => (placed::SCALE, ppm),
+        Kind::Temperature => (placed::SCALE, texture.cte_ppm_per_k * ppm),
+        Kind::Magnification => (placed::MAGNIFICATION, ppm),
+        Kind::Telecentricity => (placed::TELECENTRICITY, mrad),
+        Kind::PrincipalX => (placed::PRINCIPAL[0], pixel_mm),
+        Kind::PrincipalY => (placed::PRINCIPAL[1], pixel_mm),
+        Kind::Distortion => (placed::DISTORTION, ppm),
+        _ => return None,
+    })
+}
+
+/// Middle and half sides of the rectangle around the mirror in X and Y of the part.
+fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
+    let bounds = mirror.whole().bounds();
+    let rim = match mirror.outline {
+        Outline::Ring { outer, .. } => vec![DVec2::new(outer, 0.0)],
+        Outline::Rect(_) => {
+            let middle = bounds.centre();
+            let xs = [bounds.min.x, middle.x, bounds.max.x];
+            let ys = [bounds.min.y, middle.y, bounds.max.y];
+            xs.iter().flat_map(|&x| ys.map(|y| DVec2::new(x, y))).collect()
+        }
+    };
+    let places: Vec<DVec2> =
+        rim.into_iter().map(|q| mirror.place(q, &mirror.row(q.y).at(q.x)).truncate()).collect();
+    if let ([rim], Outline::Ring { .. }) = (places.as_slice(), mirror.outline) {
+        return ([0.0; 2], [rim.x; 2]);
+    }
+    let lo = places.iter().fold(DVec2::INFINITY, |a, b| a.min(*b));
+    let hi = places.iter().fold(DVec2::NEG_INFINITY, |a, b| a.max(*b));
+    ((0.5 * (lo + hi)).to_array(), (0.5 * (hi - lo)).to_array())
+}
+
+/// How far, mm, hits move over the mirror, roughly.
+fn reach(question: &Question, camera: &Camera, size: f64) -> f64 {
+    let mut square = 0.0;
+    for source in &question.sources {
+        let Some((k, unit)) = placed_by(source.kind, camera.pixel_mm, &question.texture) else {
+            continue;
+        };
+        let lever = match k {
+            k if k < 2 || placed::PRINCIPAL.contains(&k) => 1.0,
+            k if k == placed::SHIFT[2] => 0.5,
+            _ => 0.5 * size,
+        };
+        let far = source.limit * unit * lever;
+        square += far * far * source.distribution.mean_square();
+    }
+    (REACH_SIGMAS * f64::sqrt(square)).clamp(LEAST_REACH * size, MOST_REACH * size)
+}
+
+fn compensation(system: &System, linear: &Linear, asked: &[Compensator]) -> Compensation {
+    let pixel = system.camera.pixel_mm;
+    let column = |of: &dyn Fn(DVec2) -> [f64; 2]| -> Vec<f64> {
+        system.samples.iter().flat_map(|s| of(s.point / pixel)).collect()
+    };
+    let placed = |k: usize| linear.placed(k).to_vec();
+    let mut all = Vec::new();
+    let mut add = |name, unit, per_step, column| {
+        all.push(Adjustment { name, unit, per_step, column });
+    };
+    for compensator in asked {
+        match compensator {
+            Compensator::Shift => {
+                add("shift x", "px", 1.0, column(&|_| [1.0, 0.0]));
+                add("shift y", "px", 1.0, column(&|_| [0.0, 1.0]));
+            }
+            Compensator::Rotation => add("rotation", "mrad", 1e3, column(&|q| [-q.y, q.x])),
+            Compensator::Magnification => {
+                add("magnification", "ppm", 1e6, column(&|q| q.to_array()));
+            }
+            Compensator::Tilt => {
+                add("tilt x", "mrad", 1e3, placed(placed::TURN[0]));
+                add("tilt y", "mrad", 1e3, placed(placed::TURN[1]));
+            }
+            Compensator::Despace => add("despace", "um", 1e3, placed(placed::SHIFT[2])),
+        }
+    }
+    Compensation::new(all)
+}

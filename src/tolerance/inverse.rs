@@ -1,0 +1,170 @@
+//! From a budget back to limits: of each source alone, and of all together.
+
+use super::compensate::Pixels;
+use super::engine::Engine;
+use super::source::Source;
+use super::trials::{Trial, quantile};
+use crate::num::random::Stream;
+use crate::num::{exp, log};
+
+/// A source at its limit, px after adjustment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact {
+    /// At the negative and the positive limit, as made. A texture has no sign: both are its root
+    /// mean square over some patterns.
+    pub before: [Pixels; 2],
+    /// The same after adjustment.
+    pub after: [Pixels; 2],
+}
+
+impl Impact {
+    /// The worse of both signs after adjustment.
+    #[must_use]
+    pub fn worst(&self) -> Pixels {
+        self.after[0].worst(self.after[1])
+    }
+}
+
+/// Patterns of a texture that its impact is the mean of.
+const PATTERNS: u64 = 16;
+/// Most steps towards a limit, and how near to the budget is enough.
+const MOST_STEPS: usize = 40;
+const NEAR: f64 = 1e-6;
+/// An impact below this, px, is none.
+const NOTHING_PX: f64 = 1e-9;
+/// A texture's figures are means over patterns, which change with its limit: this is near enough.
+const NEAR_TEXTURE: f64 = 5e-3;
+/// How often a limit may lead to lost rays before there is none.
+const MOST_LOST: usize = 3;
+/// Rounds in which joint limits are found by first derivatives, and then by full traces.
+const LINEAR_ROUNDS: usize = 5;
+const FULL_ROUNDS: usize = 3;
+/// A joint limit is at most so many times the source's own: far from it nothing is known of what
+/// samples do not see, such as the rim.
+const WIDEST: f64 = 4.0;
+
+impl Engine {
+    /// What a source does alone at `limit`.
+    #[must_use]
+    pub fn impact(&self, source: &Source, seed: u64, limit: f64) -> Impact {
+        if source.kind.is_texture() {
+            let made = |trial| self.make(&[(source.kind, limit)], Stream { seed, trial });
+            let made: Vec<_> = (0..PATTERNS).map(made).collect();
+            let judged: Vec<_> =
+                self.displacements(&made).into_iter().map(|d| self.judge(d)).collect();
+            let mean = |of: &dyn Fn(usize) -> Pixels| {
+                let square = |pick: fn(Pixels) -> f64| {
+                    let sum: f64 = (0..judged.len()).map(|k| pick(of(k)) * pick(of(k))).sum();
+                    (sum / judged.len() as f64).sqrt()
+                };
+                Pixels { rms_px: square(|p| p.rms_px), p95_px: square(|p| p.p95_px) }
+            };
+            let (before, after) = (mean(&|k| judged[k].0), mean(&|k| judged[k].1));
+            return Impact { before: [before; 2], after: [after; 2] };
+        }
+        let stream = Stream { seed, trial: 0 };
+        let made = [-limit, limit].map(|value| self.make(&[(source.kind, value)], stream));
+        let judged: Vec<_> = self.displacements(&made).into_iter().map(|d| self.judge(d)).collect();
+        Impact { before: [0, 1].map(|k| judged[k].0), after: [0, 1].map(|k| judged[k].1) }
+    }
+
+    /// The figure without errors.
+    #[must_use]
+    pub fn unperturbed(&self) -> f64 {
+        self.judge(self.base.clone()).1.by(self.question.criterion)
+    }
+
+    /// The limit at which a source alone, at the worse of its signs, uses up the budget; none where
+    /// the design has done so already, where the source does nothing, or where no limit is found.
+    #[must_use]
+    pub fn limit_alone(&self, source: &Source, seed: u64) -> Option<f64> {
+        let (budget, start) = (self.question.budget_px, self.unperturbed());
+        let room = (budget * budget - start * start).sqrt();
+        if !(room > 0.0) {
+            return None;
+        }
+        let near = if source.kind.is_texture() { NEAR_TEXTURE } else { NEAR };
+        let (mut limit, mut lost) = (source.limit, 0);
+        // As which power of the limit the figure grows, by its last two values: adjustments leave
+        // quadratic rests.
+        let (mut power, mut last) = (1.0, None);
+        for _ in 0..MOST_STEPS {
+            let figure = self.impact(source, seed, limit).worst().by(self.question.criterion);
+            if (figure / budget - 1.0).abs() < near {
+                return Some(limit);
+            }
+            let more = (figure * figure - start * start).max(0.0).sqrt();
+            if !(more > NOTHING_PX * (limit / source.limit)) {
+                return None;
+            }
+            if !more.is_finite() {
+                // Lost rays: back by halves.
+                lost += 1;
+                if lost == MOST_LOST {
+                    return None;
+                }
+                (limit, last) = (0.5 * limit, None);
+                continue;
+            }
+            if let Some((limit_before, more_before)) = last.replace((limit, more)) {
+                let found: f64 = log(more / more_before) / log(limit / limit_before);
+                power = if found.is_finite() { found.clamp(0.5, 4.0) } else { 1.0 };
+            }
+            limit *= exp(log(room / more) / power);
+        }
+        None
+    }
+
+    /// Limits that together just reach the target yield: the variance of all is shared by the
+    /// sources' weights (in equal parts where these are equal), and the whole scaled until the
+    /// budget is the figure's quantile over trials 0 to `trials` of `seed`: by first derivatives,
+    /// then in full. No limit is more than four times the source's own, and sources that do nothing
+    /// keep theirs; none where there is no room.
+    #[must_use]
+    pub fn joint(&self, seed: u64, trials: u64) -> Option<Vec<Source>> {
+        let variances: Vec<f64> =
+            self.question.sources.iter().map(|source| self.variance(source)).collect();
+        let acts = |variance: f64| variance.sqrt() > NOTHING_PX;
+        let pairs = || self.question.sources.iter().zip(&variances);
+        let weights: f64 = pairs().filter(|p| acts(*p.1)).map(|p| p.0.weight).sum();
+        let shared = |scale: f64| -> Vec<Source> {
+            let scaled = pairs().map(|(source, &variance)| {
+                let share = (source.weight / weights / variance).sqrt();
+                let wider = if acts(variance) { (scale * share).min(WIDEST) } else { 1.0 };
+                Source { limit: wider * source.limit, ..*source }
+            });
+            scaled.collect()
+        };
+        let (budget, start) = (self.question.budget_px, self.unperturbed());
+        let room = (budget * budget - start * start).sqrt();
+        if !(room > 0.0 && weights > 0.0) {
+            return None;
+        }
+        let reached = |trials: Vec<Trial>| {
+            let mut figures = self.figures(&trials);
+            figures.sort_by(f64::total_cmp);
+            let figure = quantile(&figures, self.question.target_yield);
+            (figure * figure - start * start).max(0.0).sqrt()
+        };
+        // At first so that the root of the mean square is the budget.
+        let mut scale = room;
+        for round in 0..LINEAR_ROUNDS + FULL_ROUNDS {
+            let sources = shared(scale);
+            let more = reached(if round < LINEAR_ROUNDS {
+                self.linear_trials(&sources, seed, 0..trials)
+            } else {
+                self.trials(&sources, seed, 0..trials, None)
+            });
+            if !(more > 0.0) {
+                return None;
+            }
+            // Towards lost rays by halves.
+            let step = if more.is_finite() { room / more } else { 0.5 };
+            scale *= step;
+            if round >= LINEAR_ROUNDS && (step - 1.0).abs() < 1e-3 {
+                break;
+            }
+        }
+        Some(shared(scale))
+    }
+}

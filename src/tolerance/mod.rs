@@ -1,0 +1,33 @@
+//! How well a system must be made and mounted, which error hurts most, and what share of parts
+//! will be good.
+//!
+//! An [`Engine`] traces sample pixels through a camera and a mirror with errors, in full, and knows
+//! the exact first derivatives of their displacements. Monte Carlo trials are full traces; the
+//! linear model serves sensitivities, shares of variance and first guesses of limits, and is held
+//! against the full traces.
+//!
+//! What is not modelled: shadows, and rays that errors lead over the rim or the ridge (samples keep
+//! away from both); blur. A displacement is of content: where in the picture that belongs which a
+//! pixel sees.
+
+mod compensate;
+mod engine;
+mod field;
+mod inverse;
+mod linear;
+mod local;
+mod model;
+mod preset;
+mod source;
+mod study;
+mod trials;
+mod yields;
+
+pub use compensate::{Adjustment, Compensator, Criterion, Pixels};
+pub use engine::{Engine, Made, Question, Reference};
+pub use inverse::Impact;
+pub use preset::{MOUNT, Process};
+pub use source::{Distribution, Kind, Source, Texture, ripple_slope, scallop_height};
+pub use study::{AdjustmentFacts, Gap, SourceFacts, Study};
+pub use trials::{Statistics, Trial, quantile};
+pub use yields::Yield;

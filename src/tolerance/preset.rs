@@ -1,0 +1,152 @@
+//! What ways of making and of mounting usually leave.
+//!
+//! Orders of magnitude to start from, for parts some 50 mm wide; a shop's own figures belong in the
+//! profile. Form is peak to valley of each low-order term, waviness peak to valley, slope RMS over
+//! spatial wavelengths of millimetres.
+
+use super::source::{Distribution, Kind, Texture};
+
+/// A way of making.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Process {
+    /// Its name in a profile.
+    pub name: &'static str,
+    /// Error of the whole part's size, ppm.
+    pub scale_ppm: f64,
+    /// Each form error, um.
+    pub form_um: f64,
+    /// Waviness, um.
+    pub waviness_um: f64,
+    /// Random slope, mrad.
+    pub slope_mrad: f64,
+    /// From tool track to track, mm; 0 where there are none.
+    pub stepover_mm: f64,
+    /// Lengths and directions of all these, and the usual material's expansion.
+    pub texture: Texture,
+}
+
+const fn texture(cte_ppm_per_k: f64, period: f64, correlation: f64, ball: f64) -> Texture {
+    Texture {
+        cte_ppm_per_k,
+        waviness_period_mm: period,
+        waviness_direction_deg: 90.0,
+        slope_correlation_mm: correlation,
+        ball_radius_mm: ball,
+        stepover_direction_deg: 90.0,
+    }
+}
+
+impl Process {
+    /// All, finest first.
+    pub const ALL: [Self; 6] = [
+        // Single-point diamond turning with a slow tool servo in aluminium: figure of half a wave
+        // to a wave, 2 to 5 nm of roughness (R. Rhorer and C. Evans, *Fabrication of optics by
+        // diamond turning*, Handbook of Optics).
+        Self {
+            name: "spdt",
+            scale_ppm: 20.0,
+            form_um: 0.2,
+            waviness_um: 0.05,
+            slope_mrad: 0.05,
+            stepover_mm: 0.005,
+            texture: texture(23.0, 2.5, 5.0, 1.0),
+        },
+        // Diamond ball milling on an ultra-precision machine: cusps of some 10 nm (E. Brinksmeier
+        // and W. Preuss, *Micro-machining*, 2012).
+        Self {
+            name: "ultra-precision-cnc",
+            scale_ppm: 50.0,
+            form_um: 0.5,
+            waviness_um: 0.1,
+            slope_mrad: 0.1,
+            stepover_mm: 0.01,
+            texture: texture(23.0, 2.5, 5.0, 2.0),
+        },
+        // A good five-axis machine in a climate of 1 K: positions to 2 to 5 um (ISO 230-2 data
+        // sheets).
+        Self {
+            name: "precision-cnc",
+            scale_ppm: 100.0,
+            form_um: 3.0,
+            waviness_um: 0.5,
+            slope_mrad: 0.5,
+            stepover_mm: 0.02,
+            texture: texture(23.0, 5.0, 5.0, 3.0),
+        },
+        // A job shop's milling: class f of ISO 2768-1 holds 0.1 to 0.15 mm, machines themselves
+        // about a fifth of it.
+        Self {
+            name: "standard-cnc",
+            scale_ppm: 500.0,
+            form_um: 15.0,
+            waviness_um: 3.0,
+            slope_mrad: 2.0,
+            stepover_mm: 0.1,
+            texture: texture(23.0, 8.0, 5.0, 3.0),
+        },
+        // Milled with precision and polished by hand: no cusps left, but a longer, softer slope
+        // error.
+        Self {
+            name: "polished",
+            scale_ppm: 100.0,
+            form_um: 4.0,
+            waviness_um: 0.3,
+            slope_mrad: 0.3,
+            stepover_mm: 0.0,
+            texture: texture(23.0, 8.0, 8.0, 3.0),
+        },
+        // Stereolithography, smoothed and coated: shrinkage of 0.2 %, layers of 25 to 50 um, and the
+        // expansion of acrylic resins (printers' and resins' data sheets).
+        Self {
+            name: "sla-print",
+            scale_ppm: 2000.0,
+            form_um: 50.0,
+            waviness_um: 5.0,
+            slope_mrad: 5.0,
+            stepover_mm: 0.0,
+            texture: texture(90.0, 8.0, 5.0, 3.0),
+        },
+    ];
+
+    /// The one with this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Self> {
+        Self::ALL.iter().find(|process| process.name == name)
+    }
+
+    /// The usual limit of a kind of error, with its distribution; a mesh's own is not usual.
+    #[must_use]
+    pub fn usual(&self, kind: Kind) -> (f64, Distribution) {
+        let mounted = MOUNT.iter().find(|(k, _)| *k == kind);
+        if let Some((_, limit)) = mounted {
+            return (*limit, Distribution::Uniform);
+        }
+        match kind {
+            Kind::Scale => (self.scale_ppm, Distribution::Truncated),
+            Kind::Legendre(..) | Kind::Zernike(_) => (self.form_um, Distribution::Truncated),
+            Kind::Waviness => (self.waviness_um, Distribution::Fixed),
+            Kind::Slope => (self.slope_mrad, Distribution::Fixed),
+            Kind::ToolMarks => (self.stepover_mm, Distribution::Fixed),
+            Kind::Map => (1.0, Distribution::Fixed),
+            _ => (0.0, Distribution::Fixed),
+        }
+    }
+}
+
+/// What a mount with ground faces and pins leaves, what a camera on it does, and a heated room: 50
+/// um, half a milliradian; telecentric lenses lean by 0.1 degrees and less, and distort by 0.1 %
+/// and less (makers' data sheets), half of which remains.
+pub const MOUNT: [(Kind, f64); 12] = [
+    (Kind::DecentreX, 50.0),
+    (Kind::DecentreY, 50.0),
+    (Kind::Despace, 50.0),
+    (Kind::TiltX, 0.5),
+    (Kind::TiltY, 0.5),
+    (Kind::Clocking, 1.0),
+    (Kind::Temperature, 10.0),
+    (Kind::Magnification, 500.0),
+    (Kind::Telecentricity, 1.0),
+    (Kind::PrincipalX, 1.0),
+    (Kind::PrincipalY, 1.0),
+    (Kind::Distortion, 500.0),
+];

@@ -1,0 +1,156 @@
+//! Monte Carlo: many made systems, each a function of the seed and its own number.
+
+use super::compensate::Pixels;
+use super::engine::{Engine, Made};
+use super::source::Source;
+use super::yields::Yield;
+use crate::num::random::Stream;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::ops::Range;
+
+/// What became of one trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Its number.
+    pub index: u64,
+    /// As made.
+    pub before: Pixels,
+    /// After adjustment.
+    pub after: Pixels,
+    /// How far each adjustment was moved, in its unit.
+    pub steps: Vec<f64>,
+}
+
+/// Mean, scatter and percentiles of a figure over the trials.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Mean.
+    pub mean_px: f64,
+    /// Standard deviation.
+    pub sigma_px: f64,
+    /// Median.
+    pub p50_px: f64,
+    /// What 80 % of the trials do not exceed.
+    pub p80_px: f64,
+    /// 90 %.
+    pub p90_px: f64,
+    /// 95 %.
+    pub p95_px: f64,
+    /// 98 %.
+    pub p98_px: f64,
+    /// 99 %.
+    pub p99_px: f64,
+    /// The worst of all.
+    pub worst_px: f64,
+}
+
+impl Statistics {
+    /// Of one figure a trial; not a number without trials.
+    #[must_use]
+    pub fn of(mut figures: Vec<f64>) -> Self {
+        let count = figures.len() as f64;
+        let mean_px = figures.iter().sum::<f64>() / count;
+        let square = |x: &f64| (x - mean_px) * (x - mean_px);
+        let sigma_px = (figures.iter().map(square).sum::<f64>() / (count - 1.0)).sqrt();
+        figures.sort_by(f64::total_cmp);
+        let at = |share: f64| quantile(&figures, share);
+        Self {
+            mean_px,
+            sigma_px,
+            p50_px: at(0.5),
+            p80_px: at(0.8),
+            p90_px: at(0.9),
+            p95_px: at(0.95),
+            p98_px: at(0.98),
+            p99_px: at(0.99),
+            worst_px: at(1.0),
+        }
+    }
+}
+
+/// The smallest of `sorted` that the share of them does not exceed; not a number of none.
+#[must_use]
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let rank = ((share * sorted.len() as f64).ceil() as usize).saturating_sub(1);
+    sorted.get(rank.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+}
+
+/// Trials that a thread makes at a time.
+const BATCH: u64 = 20;
+/// After so many trials it is asked whether they are enough.
+const CHECKED: u64 = 500;
+
+impl Engine {
+    /// The system of trial `index`.
+    #[must_use]
+    pub fn trial(&self, sources: &[Source], seed: u64, index: u64) -> Made {
+        let stream = Stream { seed, trial: index };
+        self.make(&self.draw(sources, &stream), stream)
+    }
+
+    /// The trials of `range`, traced in full. With `until` they end after a multiple of 500 from
+    /// the first where the 95 % interval of the yield is no wider than it.
+    #[must_use]
+    pub fn trials(
+        &self,
+        sources: &[Source],
+        seed: u64,
+        range: Range<u64>,
+        until: Option<f64>,
+    ) -> Vec<Trial> {
+        let mut all = Vec::new();
+        let mut from = range.start;
+        while from < range.end {
+            let to = range.end.min(from.saturating_add(CHECKED));
+            all.extend(self.block(from..to, |made| self.displacements(made), sources, seed));
+            from = to;
+            if until.is_some_and(|until| self.yields(&all).width() <= until) {
+                break;
+            }
+        }
+        all
+    }
+
+    /// The same by first derivatives alone.
+    #[must_use]
+    pub fn linear_trials(&self, sources: &[Source], seed: u64, range: Range<u64>) -> Vec<Trial> {
+        let linear = |made: &[Made]| made.iter().map(|m| self.linear_displacement(m)).collect();
+        self.block(range, linear, sources, seed)
+    }
+
+    fn block(
+        &self,
+        range: Range<u64>,
+        displacements: impl Fn(&[Made]) -> Vec<Vec<f64>> + Sync,
+        sources: &[Source],
+        seed: u64,
+    ) -> Vec<Trial> {
+        let batches: Vec<Range<u64>> = (range.start..range.end)
+            .step_by(BATCH as usize)
+            .map(|from| from..range.end.min(from + BATCH))
+            .collect();
+        let batch = |batch: &Range<u64>| {
+            let made: Vec<Made> =
+                batch.clone().map(|index| self.trial(sources, seed, index)).collect();
+            let judged = displacements(&made).into_iter().map(|d| self.judge(d));
+            let trial = |(index, (before, after, steps))| Trial { index, before, after, steps };
+            batch.clone().zip(judged).map(trial).collect::<Vec<Trial>>()
+        };
+        batches.par_iter().flat_map_iter(batch).collect()
+    }
+
+    /// The figures that count, of each trial.
+    #[must_use]
+    pub fn figures(&self, trials: &[Trial]) -> Vec<f64> {
+        trials.iter().map(|trial| trial.after.by(self.question.criterion)).collect()
+    }
+
+    /// The share of the trials that keep the budget.
+    #[must_use]
+    pub fn yields(&self, trials: &[Trial]) -> Yield {
+        let figures = self.figures(trials);
+        let good = figures.iter().filter(|x| **x <= self.question.budget_px).count();
+        Yield::of(good as u64, figures.len() as u64)
+    }
+}
