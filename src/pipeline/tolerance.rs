@@ -204,7 +204,8 @@ fn prepared(clock: &Clock, named: &str, source: &Source) -> Result<Engine, Error
         let engine = Engine::new(&design.mirror, &design.camera, view, asked)
             .ok_or_else(|| Error::Unseen { profile: name() })?;
         let sources = engine.question.sources.len();
-        let note = format!("{sources} sources, {} pixels", engine.samples());
+        let [pixels, expanded] = [engine.samples(), engine.expanded()];
+        let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");
         Ok((engine, note))
     })
 }

@@ -151,7 +151,10 @@ impl ToleranceReport {
             "in concert"
         )?;
         let limit = |limit: Option<f64>| limit.map_or("none".into(), digits);
+        let mut widest = false;
         for source in &self.study.sources {
+            widest |= source.limit_joint_widest;
+            let mark = if source.limit_joint_widest { "*" } else { "" };
             let SourceFacts { minus_px, plus_px, minus_adjusted_px, plus_adjusted_px, .. } = source;
             let distribution = match source.distribution {
                 Distribution::Uniform => "uniform",
@@ -170,8 +173,11 @@ impl ToleranceReport {
                 digits(*plus_adjusted_px),
                 100.0 * source.share_of_variance,
                 limit(source.limit_alone),
-                limit(source.limit_joint),
+                limit(source.limit_joint) + mark,
             )?;
+        }
+        if widest {
+            writeln!(out, "  * four times the limit, and wider than that it is not made")?;
         }
         Ok(())
     }

@@ -77,8 +77,9 @@ pub struct Engine {
 /// these shares of the mirror.
 const LEAST_REACH: f64 = 0.003;
 const MOST_REACH: f64 = 0.02;
-/// Standard deviations that it holds.
-const REACH_SIGMAS: f64 = 4.0;
+/// Standard deviations of the way, along both axes together, that it holds; the few that go farther
+/// take their time.
+const REACH_SIGMAS: f64 = 2.5;
 
 impl Engine {
     /// Prepares `question` for a mirror under a camera that shows a view; none where no pixel sees
@@ -115,7 +116,7 @@ impl Engine {
                 off.flat_map(|d: DVec2| d.to_array()).collect()
             }
         };
-        let linear = Linear::new(&system, &question, &forms, modes.len());
+        let linear = Linear::new(&system, &question, forms.len() + modes.len());
         let compensation = compensation(&system, &linear, &question.compensators);
         let seen = !system.samples.is_empty();
         let made = Self { question, system, modes, forms, linear, compensation, base };
@@ -126,6 +127,13 @@ impl Engine {
     #[must_use]
     pub fn samples(&self) -> usize {
         self.system.samples.len()
+    }
+
+    /// Number of them near whose hits polynomials stand for the mirror: trials do not evaluate the
+    /// mirror itself there.
+    #[must_use]
+    pub fn expanded(&self) -> usize {
+        self.system.samples.iter().filter(|sample| sample.expanded()).count()
     }
 
     /// Image points of these pixels, and where the content belongs that they see as designed, mm.
@@ -227,15 +235,19 @@ impl Engine {
 }
 
 impl Made {
-    /// What facets displace sample `k` by, px: evenly over a disc.
+    /// What facets displace sample `k` by, px: evenly over a disc, by rejection from the square.
     #[inline]
     pub(super) fn noise(&self, k: usize) -> [f64; 2] {
         if self.facets_px == 0.0 {
             return [0.0; 2];
         }
-        let [u, v] = self.stream.pair(Kind::Facets.stream(), 1 + k as u32);
-        let (r, angle) = (self.facets_px * u.sqrt(), TAU * v);
-        [r * cos(angle), r * sin(angle)]
+        let place = |attempt: u32| {
+            let draw = 1 + k as u32 + (attempt << 24);
+            let [u, v] = self.stream.pair(Kind::Facets.stream(), draw).map(|u| 2.0 * u - 1.0);
+            (u * u + v * v < 1.0).then_some([u, v])
+        };
+        let [u, v] = (0..128).find_map(place).unwrap_or_default();
+        [self.facets_px * u, self.facets_px * v]
     }
 }
 

@@ -100,6 +100,15 @@ impl Field {
     }
 }
 
+/// Height and slope of a cos(phase) + b sin(phase), of phase k . (x, y).
+#[inline]
+pub fn ripple<S: Scalar>(k: [f64; 2], [a, b]: [f64; 2], at: [S; 2]) -> [S; 3] {
+    let phase = at[0] * k[0] + at[1] * k[1];
+    let (s, c) = (phase.sin(), phase.cos());
+    let rise = c * b - s * a;
+    [c * a + s * b, rise * k[0], rise * k[1]]
+}
+
 /// Waves of the random slope error.
 const MODES: usize = 24;
 
@@ -165,7 +174,13 @@ mod tests {
             }
             assert!((hi - lo - 1.0).abs() < 3e-3, "{k}: {lo} {hi}");
         }
-        let waves = [Field::Cosine([0.3, -0.8]), Field::Sine([0.3, -0.8])];
+        let k = [0.3, -0.8];
+        let waves = [Field::Cosine(k), Field::Sine(k)];
+        let (at, [a, b]) = ([7.0, -4.5], [2.0, -3.0]);
+        let [cosine, sine] = waves.each_ref().map(|wave| wave.at(at));
+        for (both, (c, s)) in ripple(k, [a, b], at).into_iter().zip(cosine.into_iter().zip(sine)) {
+            assert!((both - a * c - b * s).abs() < 1e-14);
+        }
         for field in terms().into_iter().map(|t| t.0).chain(waves) {
             let (x, y, h) = (7.0, -4.5, 1e-5);
             let f = |x: f64, y: f64| field.at([x, y])[0];

@@ -3,7 +3,7 @@
 use super::compensate::Pixels;
 use super::engine::Engine;
 use super::source::Source;
-use super::trials::{Trial, quantile};
+use super::yardstick::Yardstick;
 use crate::num::random::Stream;
 use crate::num::{exp, log};
 
@@ -36,12 +36,30 @@ const NOTHING_PX: f64 = 1e-9;
 const NEAR_TEXTURE: f64 = 5e-3;
 /// How often a limit may lead to lost rays before there is none.
 const MOST_LOST: usize = 3;
-/// Rounds in which joint limits are found by first derivatives, and then by full traces.
-const LINEAR_ROUNDS: usize = 5;
-const FULL_ROUNDS: usize = 3;
+/// Rounds of full traces by which joint limits are found, and trials of each.
+const FULL_ROUNDS: usize = 4;
+const FEW: u64 = 500;
+/// Trials by first derivatives that the quantile is taken of: their yield is known to a quarter of
+/// a percent.
+const MANY: u64 = 10_000;
+/// How near to the budget these come, and which change by full traces is the last.
+const EXACT: f64 = 1e-4;
+const FINE: f64 = 2e-3;
+/// Trials from this share of them below the target on say how far first derivatives are off there.
+const BELOW_TARGET: f64 = 0.2;
 /// A joint limit is at most so many times the source's own: far from it nothing is known of what
-/// samples do not see, such as the rim.
+/// samples do not see, such as the rim, and what is adjusted would seem to need no limit.
 const WIDEST: f64 = 4.0;
+
+/// Limits that go together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// The sources with these limits.
+    pub sources: Vec<Source>,
+    /// Which of them are as wide as limits are made, four times their own, and so have less than
+    /// their share of the variance.
+    pub widest: Vec<bool>,
+}
 
 impl Engine {
     /// What a source does alone at `limit`.
@@ -117,54 +135,82 @@ impl Engine {
 
     /// Limits that together just reach the target yield: the variance of all is shared by the
     /// sources' weights (in equal parts where these are equal), and the whole scaled until the
-    /// budget is the figure's quantile over trials 0 to `trials` of `seed`: by first derivatives,
-    /// then in full. No limit is more than four times the source's own, and sources that do nothing
-    /// keep theirs; none where there is no room.
+    /// budget is the figure's quantile. The figure is a root of a sum of many squares, far from
+    /// normal, so the quantile is that of thousands of trials, from 0 on of `seed`, by first
+    /// derivatives; some hundred traced in full correct it. No limit is more than four times the
+    /// source's own, and sources that do nothing keep theirs; none where there is no room.
     #[must_use]
-    pub fn joint(&self, seed: u64, trials: u64) -> Option<Vec<Source>> {
+    pub fn joint(&self, seed: u64) -> Option<Joint> {
         let variances: Vec<f64> =
             self.question.sources.iter().map(|source| self.variance(source)).collect();
         let acts = |variance: f64| variance.sqrt() > NOTHING_PX;
         let pairs = || self.question.sources.iter().zip(&variances);
         let weights: f64 = pairs().filter(|p| acts(*p.1)).map(|p| p.0.weight).sum();
-        let shared = |scale: f64| -> Vec<Source> {
-            let scaled = pairs().map(|(source, &variance)| {
-                let share = (source.weight / weights / variance).sqrt();
-                let wider = if acts(variance) { (scale * share).min(WIDEST) } else { 1.0 };
-                Source { limit: wider * source.limit, ..*source }
-            });
-            scaled.collect()
-        };
         let (budget, start) = (self.question.budget_px, self.unperturbed());
         let room = (budget * budget - start * start).sqrt();
         if !(room > 0.0 && weights > 0.0) {
             return None;
         }
-        let reached = |trials: Vec<Trial>| {
-            let mut figures = self.figures(&trials);
-            figures.sort_by(f64::total_cmp);
-            let figure = quantile(&figures, self.question.target_yield);
-            (figure * figure - start * start).max(0.0).sqrt()
+        // How much wider than its own each limit is.
+        let factors = |scale: f64| -> Vec<f64> {
+            let factor = |(source, &variance): (&Source, &f64)| {
+                let share = (source.weight / weights / variance).sqrt();
+                if acts(variance) { (scale * share).min(WIDEST) } else { 1.0 }
+            };
+            pairs().map(factor).collect()
+        };
+        let joint = |scale: f64| -> Joint {
+            let all = self.question.sources.iter().zip(factors(scale));
+            let (sources, widest) = all
+                .map(|(source, f)| (Source { limit: f * source.limit, ..*source }, f == WIDEST))
+                .unzip();
+            Joint { sources, widest }
+        };
+        let target = self.question.target_yield;
+        let yardstick = Yardstick::new(self, seed, MANY);
+        let solved = |goal: f64, mut scale: f64| {
+            let (mut power, mut last) = (1.0, None);
+            for _ in 0..MOST_STEPS {
+                let factors = factors(scale);
+                let figure = yardstick.reached(&factors, target);
+                let ended = factors.iter().all(|f| *f == WIDEST) && figure < goal;
+                if ended || (figure / goal - 1.0).abs() < EXACT {
+                    break;
+                }
+                if let Some((scale_before, figure_before)) = last.replace((scale, figure)) {
+                    let found: f64 = log(figure / figure_before) / log(scale / scale_before);
+                    power = if found.is_finite() { found.clamp(0.1, 1.0) } else { 1.0 };
+                }
+                scale *= exp(log(goal / figure) / power);
+            }
+            scale
         };
         // At first so that the root of the mean square is the budget.
-        let mut scale = room;
-        for round in 0..LINEAR_ROUNDS + FULL_ROUNDS {
-            let sources = shared(scale);
-            let more = reached(if round < LINEAR_ROUNDS {
-                self.linear_trials(&sources, seed, 0..trials)
-            } else {
-                self.trials(&sources, seed, 0..trials, None)
-            });
-            if !(more > 0.0) {
-                return None;
-            }
-            // Towards lost rays by halves.
-            let step = if more.is_finite() { room / more } else { 0.5 };
-            scale *= step;
-            if round >= LINEAR_ROUNDS && (step - 1.0).abs() < 1e-3 {
+        let (mut scale, mut gap) = (room, 1.0);
+        for _ in 0..FULL_ROUNDS {
+            scale = solved(room / gap, scale);
+            let full = self.trials(&joint(scale).sources, seed, 0..FEW, None);
+            let more = |figure: f64| (figure * figure - start * start).max(0.0);
+            let full: Vec<f64> = self.figures(&full).into_iter().map(more).collect();
+            let found = gap_at(target, &full, &yardstick.added(&factors(scale), FEW as usize));
+            // Away from lost rays by halves.
+            let step = if found.is_finite() { found / gap } else { 2.0 };
+            gap *= step;
+            if (step - 1.0).abs() < FINE {
                 break;
             }
         }
-        Some(shared(scale))
+        Some(joint(solved(room / gap, scale)))
     }
+}
+
+/// Root of the ratio of mean squares, of full traces to first derivatives, of the trials about and
+/// beyond the share `target`. These are picked by both alike: what they do not have in common, such
+/// as noise from sample to sample, favours neither.
+fn gap_at(target: f64, full: &[f64], linear: &[f64]) -> f64 {
+    let mut order: Vec<usize> = (0..full.len()).collect();
+    order.sort_by(|&a, &b| (full[a] * linear[a]).total_cmp(&(full[b] * linear[b])));
+    let from = ((target - BELOW_TARGET).max(0.0) * order.len() as f64) as usize;
+    let sum = |of: &[f64]| order[from..].iter().map(|&k| of[k]).sum::<f64>();
+    (sum(full) / sum(linear)).sqrt()
 }

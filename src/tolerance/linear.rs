@@ -1,13 +1,10 @@
 //! First derivatives of the displacements by every error, exact.
 
 use super::engine::{Engine, Made, Question};
-use super::local::{DEGREE, Terms};
 use super::model::{PLACED, Pose, Sample, State, System};
 use super::source::{Kind, Source};
-use crate::num::{Dual, Scalar};
+use crate::num::Dual;
 use rayon::prelude::*;
-
-type D = Dual<1>;
 
 /// Columns of derivatives: x and y of each sample, px, for each internal unit of an error, in the
 /// order placing numbers, form errors, waviness' cosine and sine, map.
@@ -15,45 +12,33 @@ type D = Dual<1>;
 pub struct Linear {
     columns: Vec<Vec<f64>>,
     forms: usize,
-    /// By the surface's slope along X and along Y at the hit: [x, y] of each sample.
-    by_slope: [Vec<[f64; 2]>; 2],
+    /// By the surface's height and its slopes along X and Y at the hit: x and y of each sample.
+    by_form: Vec<[[f64; 2]; 3]>,
 }
 
-/// Where the terms u and v are.
-const ALONG_U: usize = DEGREE + 1;
-const ALONG_V: usize = 1;
-
 impl Linear {
-    /// Of `system`, whose form errors are `forms` and after them so many `modes`; columns that no
-    /// source and no compensator may need are there too but for the map's.
-    pub(super) fn new(system: &System, question: &Question, forms: &[Kind], modes: usize) -> Self {
-        let forms = forms.len() + modes;
-        let has_map = question.map.is_some();
-        let count = PLACED + forms + 2 + usize::from(has_map);
+    /// Of `system`, which has so many form errors; columns that no source and no compensator may
+    /// need are there too but for the map's.
+    pub(super) fn new(system: &System, question: &Question, forms: usize) -> Self {
+        let count = PLACED + forms + 2 + usize::from(question.map.is_some());
         let per = 1.0 / system.camera.pixel_mm;
-        let of = |sample: &Sample| -> (Vec<[f64; 2]>, [[f64; 2]; 2]) {
-            let columns = (0..count).map(|k| {
-                let state = varied(system, k, forms);
-                let seen = system.content(sample, &Pose::new(&state.placed), &state);
-                seen.map(|x| x.slope[0] * per)
-            });
-            let state = system.perfect::<D>();
-            let pose = Pose::new(&state.placed);
-            let by = [ALONG_U, ALONG_V].map(|k| {
-                let mut terms: Terms<D> = sample.polynomial().map(D::constant);
-                // A slope of 1 is `half` for a unit of u.
-                terms[k].slope[0] = sample.half();
-                let seen = system.seen(&sample.by_polynomial(), &pose, &state, &terms);
-                seen.map(|x| x.slope[0] * per)
-            });
-            (columns.collect(), by)
+        let of = |sample: &Sample| -> (Vec<[f64; 2]>, [[f64; 2]; 3]) {
+            let mut state = system.perfect::<Dual<PLACED>>();
+            state.placed = std::array::from_fn(|k| Dual::variable(0.0, k));
+            let [x, y] = system.content(sample, &Pose::new(&state.placed), &state);
+            let placed = (0..PLACED).map(|k| [x.slope[k] * per, y.slope[k] * per]);
+            // What is added to the surface acts through its height and slope at the hit.
+            let by = system.by_form(sample).map(|by| by.map(|x| x * per));
+            let units = system.form_units(sample).into_iter();
+            let formed = units.map(|unit| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum()));
+            (placed.chain(formed).collect(), by)
         };
         let all: Vec<_> = system.samples.par_iter().map(of).collect();
         let column = |k: usize| all.iter().flat_map(|(columns, _)| columns[k]).collect();
         Self {
             columns: (0..count).map(column).collect(),
             forms,
-            by_slope: [0, 1].map(|k| all.iter().map(|(_, by)| by[k]).collect()),
+            by_form: all.iter().map(|(_, by)| *by).collect(),
         }
     }
 
@@ -63,27 +48,20 @@ impl Linear {
         &self.columns[k]
     }
 
-    /// Amplitudes of the columns in a state.
-    fn amplitudes(&self, state: &State<f64>) -> Vec<f64> {
+    /// All columns.
+    #[must_use]
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.columns
+    }
+
+    /// Amplitudes of the columns in a state; one more at the end where there is no map.
+    #[must_use]
+    pub fn amplitudes(&self, state: &State<f64>) -> Vec<f64> {
         let placed = state.placed.iter().copied();
         let wave = state.wave.unwrap_or_default();
         let map = state.map.unwrap_or(0.0);
         placed.chain(state.form.iter().copied()).chain(wave).chain([map]).collect()
     }
-}
-
-/// The perfect state with unit derivative by column `k`.
-fn varied(system: &System, k: usize, forms: usize) -> State<D> {
-    let mut state = system.perfect::<D>();
-    let (zero, one) = (D::constant(0.0), D::variable(0.0, 0));
-    match k {
-        k if k < PLACED => state.placed[k] = one,
-        k if k < PLACED + forms => state.form[k - PLACED] = one,
-        k if k == PLACED + forms => state.wave = Some([one, zero]),
-        k if k == PLACED + forms + 1 => state.wave = Some([zero, one]),
-        _ => state.map = Some(one),
-    }
-    state
 }
 
 impl Engine {
@@ -92,18 +70,30 @@ impl Engine {
     pub fn linear_displacement(&self, made: &Made) -> Vec<f64> {
         let mut sum = self.base.clone();
         let amplitudes = self.linear.amplitudes(&made.state);
-        for (a, column) in amplitudes.iter().zip(&self.linear.columns) {
-            if *a != 0.0 {
-                sum.iter_mut().zip(column).for_each(|(sum, c)| *sum += a * c);
+        let acting: Vec<(f64, &[f64])> = amplitudes
+            .iter()
+            .zip(&self.linear.columns)
+            .filter(|(a, _)| **a != 0.0)
+            .map(|(a, column)| (*a, column.as_slice()))
+            .collect();
+        // Four at a time: the sum is fetched less often.
+        let fours = acting.chunks_exact(4);
+        for &(a, column) in fours.remainder() {
+            sum.iter_mut().zip(column).for_each(|(sum, c)| *sum += a * c);
+        }
+        for four in fours {
+            let columns = four[0].1.iter().zip(four[1].1).zip(four[2].1.iter().zip(four[3].1));
+            for (sum, ((p, q), (r, s))) in sum.iter_mut().zip(columns) {
+                *sum += (four[0].0 * p + four[1].0 * q) + (four[2].0 * r + four[3].0 * s);
             }
         }
         for (k, out) in sum.chunks_exact_mut(2).enumerate() {
             let noise = made.noise(k);
             let mut by_tracks = [0.0; 2];
             if let Some(tracks) = made.state.tracks {
-                let slope = self.system.track_slope(k, tracks);
-                let [by_x, by_y] = [0, 1].map(|axis| self.linear.by_slope[axis][k]);
-                by_tracks = [0, 1].map(|i| slope[0] * by_x[i] + slope[1] * by_y[i]);
+                let found = self.system.tracks_at(k, tracks);
+                let by = self.linear.by_form[k];
+                by_tracks = [0, 1].map(|i| (0..3).map(|j| found[j] * by[j][i]).sum());
             }
             out.iter_mut().zip(noise).zip(by_tracks).for_each(|((out, a), b)| *out += a + b);
         }
@@ -138,7 +128,7 @@ impl Engine {
                     let way = self.system.track_way();
                     let ball = self.question.texture.ball_radius_mm;
                     let by = |k: usize| {
-                        let [x, y] = [0, 1].map(|axis| linear.by_slope[axis][k]);
+                        let [_, x, y] = linear.by_form[k];
                         let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
                         moved[0] * moved[0] + moved[1] * moved[1]
                     };

@@ -1,21 +1,18 @@
 //! A smooth surface near one place, as a polynomial.
 //!
 //! The surface is interpolated at Chebyshev's points of a small square, and terms beyond the total
-//! degree are dropped; what that leaves is measured, and where it is not negligible the caller
-//! evaluates the surface itself.
+//! degree are dropped; what that leaves is measured, and where it is not negligible a higher degree
+//! is taken, or the caller evaluates the surface itself.
 
 use crate::num::{Scalar, cos};
 use std::f64::consts::PI;
+use std::ops::Add;
 
-/// Total degree.
-pub const DEGREE: usize = 7;
-/// Number of terms u^i v^j with i + j up to [`DEGREE`].
-pub const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
-/// Points along each axis.
-const POINTS: usize = DEGREE + 2;
-
-/// Coefficients of u^i v^j in the order (0, 0), (0, 1) ... (0, 7), (1, 0) ...
-pub type Terms<S> = [S; TERMS];
+/// Number of terms u^i v^j with i + j up to `degree`.
+#[must_use]
+pub const fn terms(degree: usize) -> usize {
+    (degree + 1) * (degree + 2) / 2
+}
 
 /// The square that a polynomial holds on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,106 +38,167 @@ impl Square {
     }
 }
 
-/// Value and derivatives by x and y, per mm.
+/// Value and derivatives by x and y, per mm, of the polynomial with the coefficients `c` of u^i v^j
+/// in the order (0, 0), (0, 1) ... (0, degree), (1, 0) ...
 #[inline]
-pub fn value<S: Scalar>(terms: &Terms<S>, square: &Square, at: [S; 2]) -> [S; 3] {
+pub fn value<S, C>(degree: usize, c: &[C], square: &Square, at: [S; 2]) -> [S; 3]
+where
+    S: Scalar + Add<C, Output = S>,
+    C: Copy,
+{
     let [u, v] = square.unit(at);
     let zero = S::constant(0.0);
-    let (mut f, mut f_u, mut f_v) = (zero, zero, zero);
-    let mut end = TERMS;
-    for i in (0..=DEGREE).rev() {
-        let start = end - (DEGREE + 1 - i);
-        let (mut row, mut row_v) = (zero, zero);
-        for &c in terms[start..end].iter().rev() {
-            row_v = row_v * v + row;
-            row = row * v + c;
+    let (mut f, mut f_u, mut f_v): (S, S, S) = (zero, zero, zero);
+    let mut end = terms(degree);
+    for i in (0..=degree).rev() {
+        let start = end - (degree + 1 - i);
+        let (mut row, mut row_v): (S, S) = (zero, zero);
+        for &c in c[start..end].iter().rev() {
+            row_v = Add::<S>::add(row_v * v, row);
+            row = Add::<C>::add(row * v, c);
         }
-        f_u = f_u * u + f;
-        f = f * u + row;
-        f_v = f_v * u + row_v;
+        f_u = Add::<S>::add(f_u * u, f);
+        f = Add::<S>::add(f * u, row);
+        f_v = Add::<S>::add(f_v * u, row_v);
         end = start;
     }
     [f, f_u / square.half, f_v / square.half]
 }
 
-/// Makes polynomials from values.
-#[derive(Debug, Clone)]
-pub struct Fitter {
-    nodes: [f64; POINTS],
-    /// Chebyshev coefficients from values.
-    transform: [[f64; POINTS]; POINTS],
-    /// Monomial coefficients of Chebyshev's polynomials.
-    monomials: [[f64; DEGREE + 1]; DEGREE + 1],
+/// Values alone, of several polynomials at once.
+#[inline]
+pub fn values<S: Scalar, const N: usize>(
+    degree: usize,
+    c: &[[f64; N]],
+    square: &Square,
+    at: [S; 2],
+) -> [S; N] {
+    let [u, v] = square.unit(at);
+    let mut sum = [S::constant(0.0); N];
+    let mut end = terms(degree);
+    for i in (0..=degree).rev() {
+        let start = end - (degree + 1 - i);
+        let mut row = [S::constant(0.0); N];
+        for c in c[start..end].iter().rev() {
+            row = std::array::from_fn(|k| row[k] * v + c[k]);
+        }
+        sum = std::array::from_fn(|k| sum[k] * u + row[k]);
+        end = start;
+    }
+    sum
 }
 
-impl Default for Fitter {
-    fn default() -> Self {
-        let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS as f64;
-        let nodes = std::array::from_fn(|k| cos(angle(k)));
-        let transform = std::array::from_fn(|n| {
-            let scale = if n == 0 { 1.0 } else { 2.0 } / POINTS as f64;
-            std::array::from_fn(|k| scale * cos(n as f64 * angle(k)))
-        });
-        let mut monomials = [[0.0; DEGREE + 1]; DEGREE + 1];
-        monomials[0][0] = 1.0;
-        monomials[1][1] = 1.0;
-        for n in 2..=DEGREE {
-            for k in 0..=DEGREE {
-                let up = if k == 0 { 0.0 } else { 2.0 * monomials[n - 1][k - 1] };
-                monomials[n][k] = up - monomials[n - 2][k];
-            }
-        }
-        Self { nodes, transform, monomials }
-    }
+/// Makes polynomials of one degree from values.
+#[derive(Debug, Clone)]
+pub struct Fitter {
+    degree: usize,
+    nodes: Vec<f64>,
+    /// Chebyshev coefficients from values.
+    transform: Vec<Vec<f64>>,
+    /// Monomial coefficients of Chebyshev's polynomials.
+    monomials: Vec<Vec<f64>>,
 }
 
 impl Fitter {
-    /// The polynomial of `f` on `square`.
+    /// For polynomials of total degree `degree`.
     #[must_use]
-    pub fn fit(&self, square: &Square, f: impl Fn([f64; 2]) -> f64) -> Terms<f64> {
-        let place = |k: usize, axis: usize| square.centre[axis] + square.half * self.nodes[k];
-        let values: [[f64; POINTS]; POINTS] =
-            std::array::from_fn(|a| std::array::from_fn(|b| f([place(a, 0), place(b, 1)])));
-        // Along v, then along u.
-        let product = |a: &[f64; POINTS], b: &[f64; POINTS]| -> f64 {
-            a.iter().zip(b).map(|(a, b)| a * b).sum()
+    pub fn new(degree: usize) -> Self {
+        let points = degree + 2;
+        let angle = |k: usize| PI * (k as f64 + 0.5) / points as f64;
+        let nodes = (0..points).map(|k| cos(angle(k))).collect();
+        let row = |n: usize| -> Vec<f64> {
+            let scale = if n == 0 { 1.0 } else { 2.0 } / points as f64;
+            (0..points).map(|k| scale * cos(n as f64 * angle(k))).collect()
         };
-        let rows: [[f64; POINTS]; POINTS] = std::array::from_fn(|n| {
-            std::array::from_fn(|a| product(&self.transform[n], &values[a]))
-        });
-        let mut terms = [0.0; TERMS];
-        for m in 0..=DEGREE {
-            for (n, row) in rows.iter().enumerate().take(DEGREE - m + 1) {
-                let c = product(&self.transform[m], row);
-                let mut k = 0;
-                for i in 0..=DEGREE {
-                    for j in 0..=DEGREE - i {
-                        terms[k] += c * self.monomials[m][i] * self.monomials[n][j];
-                        k += 1;
+        let mut monomials = vec![vec![1.0], vec![0.0, 1.0]];
+        for n in 2..=degree {
+            let mut next: Vec<f64> = (0..=n).map(|_| 0.0).collect();
+            for (k, c) in monomials[n - 1].iter().enumerate() {
+                next[k + 1] = 2.0 * c;
+            }
+            for (k, c) in monomials[n - 2].iter().enumerate() {
+                next[k] -= c;
+            }
+            monomials.push(next);
+        }
+        Self { degree, nodes, transform: (0..=degree).map(row).collect(), monomials }
+    }
+
+    /// Total degree of the polynomials.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The polynomials of the functions `f` on `square`.
+    #[must_use]
+    pub fn fit<const N: usize>(
+        &self,
+        square: &Square,
+        f: impl Fn([f64; 2]) -> [f64; N],
+    ) -> Vec<[f64; N]> {
+        let places = |axis: usize| -> Vec<f64> {
+            self.nodes.iter().map(|node| square.centre[axis] + square.half * node).collect()
+        };
+        let (xs, ys) = (places(0), places(1));
+        let mut values = vec![vec![[0.0; N]; ys.len()]; xs.len()];
+        // In lines of equal y.
+        for (j, y) in ys.iter().enumerate() {
+            for (i, x) in xs.iter().enumerate() {
+                values[i][j] = f([*x, *y]);
+            }
+        }
+        let product = |a: &[f64], b: &[[f64; N]]| -> [f64; N] {
+            a.iter().zip(b).fold([0.0; N], |sum, (a, b)| std::array::from_fn(|k| sum[k] + a * b[k]))
+        };
+        let degree = self.degree;
+        // Along v, then along u.
+        let rows: Vec<Vec<[f64; N]>> = self
+            .transform
+            .iter()
+            .map(|line| values.iter().map(|values| product(line, values)).collect())
+            .collect();
+        let start = |i: usize| i * (degree + 1) - i * i.saturating_sub(1) / 2;
+        let mut c = vec![[0.0; N]; terms(degree)];
+        for (m, line) in self.transform.iter().enumerate() {
+            for (n, row) in rows.iter().enumerate().take(degree - m + 1) {
+                let size = product(line, row);
+                for (i, a) in self.monomials[m].iter().enumerate() {
+                    let out = &mut c[start(i)..];
+                    for (out, b) in out.iter_mut().zip(&self.monomials[n]) {
+                        out.iter_mut().zip(size).for_each(|(out, size)| *out += size * a * b);
                     }
                 }
             }
         }
-        terms
+        c
     }
+}
 
-    /// How far the polynomial is from `f` at places between the points that made it.
-    pub fn off(&self, terms: &Terms<f64>, square: &Square, f: impl Fn([f64; 2]) -> f64) -> f64 {
-        const PLACES: [[f64; 2]; 7] = [
-            [1.0, 1.0],
-            [-1.0, 1.0],
-            [1.0, -1.0],
-            [-1.0, -1.0],
-            [0.13, -0.62],
-            [-0.71, 0.07],
-            [0.41, 0.35],
-        ];
-        let miss = |[u, v]: [f64; 2]| {
-            let at = [square.centre[0] + square.half * u, square.centre[1] + square.half * v];
-            (value(terms, square, at)[0] - f(at)).abs()
-        };
-        PLACES.into_iter().map(miss).fold(0.0, crate::num::larger)
-    }
+/// How far height or slope of `found` is from those of `exact`, at places in the square between the
+/// points that polynomials are made of.
+pub fn off(
+    square: &Square,
+    found: impl Fn([f64; 2]) -> [f64; 3],
+    exact: impl Fn([f64; 2]) -> [f64; 3],
+) -> f64 {
+    const PLACES: [[f64; 2]; 9] = [
+        [1.0, 1.0],
+        [-1.0, 1.0],
+        [1.0, -1.0],
+        [-1.0, -1.0],
+        [0.0, 1.0],
+        [-1.0, 0.0],
+        [0.13, -0.62],
+        [-0.71, 0.07],
+        [0.41, 0.35],
+    ];
+    let miss = |[u, v]: [f64; 2]| {
+        let at = [square.centre[0] + square.half * u, square.centre[1] + square.half * v];
+        let (found, exact) = (found(at), exact(at));
+        (0..3).map(|k| (found[k] - exact[k]).abs()).fold(0.0, crate::num::larger)
+    };
+    PLACES.into_iter().map(miss).fold(0.0, crate::num::larger)
 }
 
 #[cfg(test)]
@@ -150,35 +208,49 @@ mod tests {
 
     #[test]
     fn polynomials_are_met_and_smooth_functions_nearly() {
-        let fitter = Fitter::default();
         let square = Square { centre: [3.0, -7.0], half: 0.4 };
-        let sextic = |[x, y]: [f64; 2]| 2.0 + x * y * (x - y) * x * y + 0.3 * y * y * y * y * y * y;
-        let terms = fitter.fit(&square, sextic);
-        let size = sextic([3.0, -7.0]).abs();
-        assert!(fitter.off(&terms, &square, sextic) < 1e-14 * size);
-        let wave = |[x, y]: [f64; 2]| exp(0.1 * y) * cos(0.1 * x);
-        let terms = fitter.fit(&square, wave);
-        // (0.04)^8 / 8! / 2^7, and rounding.
-        assert!(fitter.off(&terms, &square, wave) < 1e-14);
-        let steep = |[x, y]: [f64; 2]| exp(4.0 * (y + 7.0)) * cos(4.0 * x);
-        assert!(fitter.off(&fitter.fit(&square, steep), &square, steep) > 1e-6);
+        let sextic = |[x, y]: [f64; 2]| {
+            let (a, b) = (x * y * (x - y) * x * y, 0.3 * y * y * y * y * y * y);
+            let a_x = 3.0 * x * x * y * y - 2.0 * x * y * y * y;
+            let a_y = 2.0 * x * x * x * y - 3.0 * x * x * y * y;
+            [2.0 + a + b, a_x, a_y + 1.8 * y * y * y * y * y]
+        };
+        let wave = |a: f64| {
+            move |[x, y]: [f64; 2]| {
+                let (e, c, s) = (exp(a * (y + 7.0)), cos(a * x), crate::num::sin(a * x));
+                [e * c, -a * e * s, a * e * c]
+            }
+        };
+        // About 4 * (0.4 a)^n / (n + 1)!, a times n^2 for slopes.
+        for (degree, most) in [(7, 0.5), (10, 5e-3), (16, 5e-7)] {
+            let fitter = Fitter::new(degree);
+            let missed = |f: &dyn Fn([f64; 2]) -> [f64; 3]| {
+                let c = fitter.fit(&square, |at| [f(at)[0]]).concat();
+                let by_height = off(&square, |at| value(degree, &c, &square, at), f);
+                let c = fitter.fit(&square, f);
+                let by_all = off(&square, |at| values(degree, &c, &square, at), f);
+                assert!(by_all <= by_height);
+                by_height
+            };
+            let off = missed(&sextic);
+            assert!(off < 1e-12 * sextic(square.centre)[0].abs(), "{degree}: {off:e}");
+            let off = missed(&wave(0.1));
+            assert!(off < 2e-13, "{degree}: {off:e}");
+            let off = missed(&wave(4.0));
+            assert!(off < most && off > 1e-4 * most, "{degree}: {off:e}");
+        }
     }
 
     #[test]
     fn slopes_are_those_of_the_polynomial() {
-        let fitter = Fitter::default();
         let square = Square { centre: [1.0, 2.0], half: 0.5 };
-        let terms = fitter.fit(&square, |[x, y]| x * x * y + y * y * y * y);
+        let c = Fitter::new(5).fit(&square, |[x, y]| [x * x * y + y * y * y * y]).concat();
         let (x, y) = (1.3, 1.7);
-        let [f, f_x, f_y] = value(&terms, &square, [x, y]);
+        let [f, f_x, f_y] = value(5, &c, &square, [x, y]);
         assert!((f - x * x * y - y * y * y * y).abs() < 1e-13);
         assert!((f_x - 2.0 * x * y).abs() < 1e-12);
         assert!((f_y - x * x - 4.0 * y * y * y).abs() < 1e-12);
-        let dual = value(
-            &terms.map(Dual::<1>::constant),
-            &square,
-            [Dual::constant(x), Dual::variable(y, 0)],
-        );
+        let dual = value(5, &c, &square, [Dual::<1>::constant(x), Dual::variable(y, 0)]);
         assert!((dual[0].slope[0] - f_y).abs() < 1e-13);
         assert!((dual[1].slope[0] - 2.0 * x).abs() < 1e-12);
         assert!(

@@ -18,14 +18,16 @@ mod linear;
 mod local;
 mod model;
 mod preset;
+mod samples;
 mod source;
 mod study;
 mod trials;
+mod yardstick;
 mod yields;
 
 pub use compensate::{Adjustment, Compensator, Criterion, Pixels};
 pub use engine::{Engine, Made, Question, Reference};
-pub use inverse::Impact;
+pub use inverse::{Impact, Joint};
 pub use preset::{MOUNT, Process};
 pub use source::{Distribution, Kind, Source, Texture, ripple_slope, scallop_height};
 pub use study::{AdjustmentFacts, Gap, SourceFacts, Study};

@@ -5,12 +5,13 @@
 //! departure along Z over the part's X and Y), is reflected, and goes back into the world, where
 //! the view says which image point the thing it meets belongs to.
 
-use super::field::{Field, cusp};
-use super::local::{Fitter, Square, Terms, value};
+use super::field::{Field, cusp, ripple};
+use super::local::{Square, terms, value, values};
+use super::samples::FORM_TERMS;
 use super::source::Texture;
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::mirror::{Mirror, Patches};
-use crate::num::Scalar;
+use crate::num::{Dual, Scalar};
 use crate::optics::{Camera, View, stereo};
 use std::f64::consts::TAU;
 
@@ -36,11 +37,11 @@ pub struct State<S> {
     /// See [`placed`].
     pub placed: [S; PLACED],
     /// Amplitudes of the form errors, mm.
-    pub form: Vec<S>,
+    pub form: Vec<f64>,
     /// Amplitudes of the waviness' cosine and sine, mm, if there is any.
-    pub wave: Option<[S; 2]>,
+    pub wave: Option<[f64; 2]>,
     /// Share of the measured form error, if there is any.
-    pub map: Option<S>,
+    pub map: Option<f64>,
     /// From tool track to track, mm, and where between two tracks the origin lies, in [0, 1), if
     /// there are any.
     pub tracks: Option<[f64; 2]>,
@@ -86,31 +87,15 @@ pub struct Sample {
     pub point: DVec2,
     /// The image point where the content that it sees belongs, of the system as designed.
     pub content: DVec2,
-    hit: DVec3,
-    slope: [f64; 2],
-    square: Square,
-    /// Whether the polynomials are the surface, to rounding.
-    smooth: bool,
-    base: Terms<f64>,
-    form: Vec<Terms<f64>>,
-}
-
-impl Sample {
-    /// The polynomial of the designed surface.
-    pub(super) fn polynomial(&self) -> &Terms<f64> {
-        &self.base
-    }
-
-    /// Half the side of the square that it holds on, mm.
-    pub(super) fn half(&self) -> f64 {
-        self.square.half
-    }
-
-    /// The same sample, of which the polynomial is taken even where it is not the surface to
-    /// rounding.
-    pub(super) fn by_polynomial(&self) -> Self {
-        Self { smooth: true, form: Vec::new(), ..self.clone() }
-    }
+    pub(super) hit: DVec3,
+    pub(super) slope: [f64; 2],
+    pub(super) square: Square,
+    /// Height and slopes of the designed surface: degree and coefficients of polynomials, where
+    /// these are it to rounding. (Derivatives of the height's would have its rounding magnified.)
+    pub(super) base: Option<(usize, Vec<[f64; 3]>)>,
+    /// Coefficients of the form errors, one after the other, all of [`System::form_degree`]; none
+    /// where that is not enough.
+    pub(super) form: Vec<f64>,
 }
 
 /// A designed system and how it can be off.
@@ -122,11 +107,13 @@ pub struct System {
     pub view: View,
     /// Pixels that stand for the picture.
     pub samples: Vec<Sample>,
-    mirror: Mirror,
+    pub(super) mirror: Mirror,
     sag: Chart,
     half_width: f64,
-    fields: Vec<Field>,
-    wave: [Field; 2],
+    pub(super) fields: Vec<Field>,
+    pub(super) form_degree: usize,
+    /// Wave vector of the waviness, 1/mm.
+    wave: [f64; 2],
     tool: Tool,
     map: Option<Patches>,
 }
@@ -137,11 +124,6 @@ struct Tool {
     way: [f64; 2],
 }
 
-/// A polynomial that misses the surface by more than this share of the square's half side is not
-/// used: slopes are within some ten times it.
-const SMOOTH: f64 = 1e-12;
-/// Rounding of heights, as a share of them.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Most steps of Newton's method, and a step, mm, after which the place is known to rounding.
 const MOST_STEPS: usize = 40;
 const LAST_STEP: f64 = 1e-8;
@@ -160,7 +142,7 @@ impl System {
         reach: f64,
     ) -> Self {
         let (mirror, camera, view) = (parts.0.clone(), *parts.1, parts.2.clone());
-        let k = Texture::way(texture.waviness_direction_deg)
+        let wave = Texture::way(texture.waviness_direction_deg)
             .map(|way| way * TAU / texture.waviness_period_mm);
         let tool = Tool {
             ball: texture.ball_radius_mm,
@@ -168,11 +150,21 @@ impl System {
         };
         let sag = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
         let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
-        let wave = [Field::Cosine(k), Field::Sine(k)];
-        let samples = Vec::new();
-        let mut system =
-            Self { camera, view, samples, mirror, sag, half_width, fields, wave, tool, map };
+        let mut system = Self {
+            camera,
+            view,
+            samples: Vec::new(),
+            mirror,
+            sag,
+            half_width,
+            fields,
+            form_degree: 0,
+            wave,
+            tool,
+            map,
+        };
         system.samples = system.spread(count, reach);
+        system.expand_forms();
         system
     }
 
@@ -182,18 +174,17 @@ impl System {
         let zero = S::constant(0.0);
         State {
             placed: [zero; PLACED],
-            form: vec![zero; self.fields.len()],
+            form: vec![0.0; self.fields.len()],
             wave: None,
             map: None,
             tracks: None,
         }
     }
 
-    /// Slope of the tool's tracks where sample `k` sees the mirror as designed.
-    pub(super) fn track_slope(&self, k: usize, tracks: [f64; 2]) -> [f64; 2] {
+    /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
+    pub(super) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
         let hit = self.samples[k].hit;
-        let [_, x, y] = self.tool.cusp(tracks, [hit.x, hit.y]);
-        [x, y]
+        self.tool.cusp(tracks, [hit.x, hit.y])
     }
 
     /// The direction in which tracks follow each other.
@@ -201,71 +192,18 @@ impl System {
         self.tool.way
     }
 
-    fn spread(&self, count: usize, reach: f64) -> Vec<Sample> {
-        let [width, height] = self.camera.pixels.map(f64::from);
-        let places = |spacing: f64| -> Vec<DVec2> {
-            let line = |length: f64| -> Vec<f64> {
-                let steps = (length / spacing).round().max(1.0);
-                let centre = |k: usize| ((k as f64 + 0.5) / steps * length).floor() + 0.5;
-                (0..steps as usize).map(centre).collect()
-            };
-            let (columns, rows) = (line(width), line(height));
-            let row = |&y: &f64| {
-                let columns = columns.iter();
-                columns.map(move |&x| self.camera.image_point(x, y)).collect::<Vec<_>>()
-            };
-            rows.iter().flat_map(row).filter(|&q| self.sees(q, reach).is_some()).collect()
-        };
-        let even = |count: f64| (width * height / count).sqrt().max(1.0);
-        let tried = even(count as f64);
-        let share = places(tried).len() as f64 * tried * tried;
-        let spacing = (share / count as f64).sqrt().max(1.0);
-        let fitter = Fitter::default();
-        places(spacing).into_iter().filter_map(|q| self.sample(&fitter, q, reach)).collect()
-    }
-
-    /// Where the image point `q` sees the mirror well inside its rim, as chart coordinates.
-    fn sees(&self, q: DVec2, reach: f64) -> Option<DVec2> {
-        let place = self.mirror.under(&self.camera.chart, q)?;
-        let around = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y, DVec2::ZERO];
-        let whole = self.mirror.whole();
-        let inside = around.iter().all(|way| {
-            let near = place + *way * reach;
-            whole.aims(near) && self.mirror.reflects(near) == self.mirror.reflects(place)
-        });
-        inside.then_some(place)
-    }
-
-    fn sample(&self, fitter: &Fitter, point: DVec2, reach: f64) -> Option<Sample> {
-        let place = self.sees(point, reach)?;
-        let at = self.mirror.row(place.y).at(place.x);
-        let hit = self.mirror.place(place, &at);
-        let slope = self.mirror.slope(place, &at).to_array();
-        let square = Square { centre: [hit.x, hit.y], half: reach };
-        let height = |at: [f64; 2]| self.designed(at)[0];
-        let base = fitter.fit(&square, height);
-        let smooth =
-            fitter.off(&base, &square, height) <= SMOOTH * reach + ROUNDING * hit.z.abs().max(1.0);
-        let form = |field: &Field| fitter.fit(&square, |at| field.at(at)[0]);
-        let form = self.fields.iter().map(form).collect();
-        let content = DVec2::ZERO;
-        let mut sample = Sample { point, content, hit, slope, square, smooth, base, form };
-        let perfect = self.perfect::<f64>();
-        let pose = Pose::new(&perfect.placed);
-        sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect));
-        sample.content.is_finite().then_some(sample)
-    }
-
     /// The designed surface's Z and slope at (X, Y) of the part, with derivatives as the mirror
     /// itself has them.
-    fn designed<S: Scalar>(&self, at: [S; 2]) -> [S; 3] {
+    pub(super) fn designed<S: Scalar>(&self, at: [S; 2]) -> [S; 3] {
         let q = DVec2::new(at[0].centre(), at[1].centre());
         let Some(place) = self.mirror.under(&self.sag, q) else {
             return [S::constant(f64::NAN); 3];
         };
         let point = self.mirror.row(place.y).at(place.x);
-        let z = self.mirror.place(place, &point).z;
         let slope = self.mirror.slope(place, &point);
+        // What Newton's method left of the way to q.
+        let found = self.mirror.place(place, &point);
+        let z = found.z + slope.dot(q - found.truncate());
         let away = [at[0] - q.x, at[1] - q.y];
         if is_plain::<S>() {
             return [z, slope.x, slope.y].map(S::constant);
@@ -309,41 +247,89 @@ impl System {
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
     /// where the ray is lost.
     pub fn content<S: Scalar>(&self, sample: &Sample, pose: &Pose<S>, state: &State<S>) -> [S; 2] {
-        let mut terms = sample.base.map(S::constant);
-        for (a, form) in state.form.iter().zip(&sample.form).filter(|(a, _)| counts(**a)) {
-            for (sum, c) in terms.iter_mut().zip(form) {
-                *sum = *sum + *a * *c;
+        let mut sum = [0.0; FORM_TERMS];
+        let count = terms(self.form_degree);
+        if sample.form.is_empty() {
+            let forms = |at: [S; 2]| self.forms(&state.form, at);
+            return self.seen(sample, pose, state, forms);
+        }
+        let sum = &mut sum[..count];
+        // Four at a time: the sum is fetched less often.
+        let (fours, rest) = state.form.as_chunks::<4>();
+        let mut forms = sample.form.chunks_exact(4 * count);
+        for ([a, b, c, d], forms) in fours.iter().zip(&mut forms) {
+            let (ab, cd) = forms.split_at(2 * count);
+            let ((p, q), (r, s)) = (ab.split_at(count), cd.split_at(count));
+            let columns = p.iter().zip(q).zip(r.iter().zip(s));
+            for (sum, ((p, q), (r, s))) in sum.iter_mut().zip(columns) {
+                *sum += (a * p + b * q) + (c * r + d * s);
             }
         }
-        self.seen(sample, pose, state, &terms)
+        for (a, form) in rest.iter().zip(forms.remainder().chunks_exact(count)) {
+            sum.iter_mut().zip(form).for_each(|(sum, c)| *sum += a * c);
+        }
+        let (degree, sum) = (self.form_degree, &*sum);
+        self.seen(sample, pose, state, |at| {
+            if sample.square.holds(at) {
+                value(degree, sum, &sample.square, at)
+            } else {
+                self.forms(&state.form, at)
+            }
+        })
     }
 
-    /// The same of a designed surface and form error that are these polynomials near the sample.
-    pub fn seen<S: Scalar>(
+    /// How content moves, mm, with a height of 1 mm and a slope of 1 along X and along Y added to
+    /// the designed surface where `sample` sees it: x and y of each.
+    pub(super) fn by_form(&self, sample: &Sample) -> [[f64; 2]; 3] {
+        let state = self.perfect::<Dual<3>>();
+        let pose = Pose::new(&state.placed);
+        let plane = [0, 1, 2].map(|k| Dual::<3>::variable(0.0, k));
+        let [x, y] = self.seen(sample, &pose, &state, |at| {
+            let [dx, dy] = [at[0] - sample.hit.x, at[1] - sample.hit.y];
+            [plane[0] + plane[1] * dx + plane[2] * dy, plane[1], plane[2]]
+        });
+        [0, 1, 2].map(|k| [x.slope[k], y.slope[k]])
+    }
+
+    /// Height and slopes, where `sample` sees the designed surface, of a unit of each form error,
+    /// of the waviness' cosine and sine, and of the measured form error if there is one.
+    pub(super) fn form_units(&self, sample: &Sample) -> Vec<[f64; 3]> {
+        let at = [sample.hit.x, sample.hit.y];
+        let forms = self.fields.iter().map(|field| field.at(at));
+        let waves = [[1.0, 0.0], [0.0, 1.0]].map(|a| ripple(self.wave, a, at));
+        forms.chain(waves).chain(self.map.as_ref().map(|map| Self::mapped(map, at))).collect()
+    }
+
+    /// The sum of form errors of these amplitudes.
+    fn forms<S: Scalar>(&self, amplitudes: &[f64], at: [S; 2]) -> [S; 3] {
+        let forms = amplitudes.iter().zip(&self.fields).filter(|(a, _)| **a != 0.0);
+        forms.fold([S::constant(0.0); 3], |sum, (a, field)| added(sum, *a, field.at(at)))
+    }
+
+    /// The same content, with form errors that are `form`.
+    fn seen<S: Scalar>(
         &self,
         sample: &Sample,
         pose: &Pose<S>,
         state: &State<S>,
-        terms: &Terms<S>,
+        form: impl Fn([S; 2]) -> [S; 3],
     ) -> [S; 2] {
         let surface = |at: [S; 2]| {
-            let near = sample.smooth && sample.square.holds(at);
-            let mut sum = if near {
-                value(terms, &sample.square, at)
-            } else {
-                let form = state.form.iter().zip(&self.fields).filter(|(a, _)| counts(**a));
-                form.fold(self.designed(at), |sum, (a, field)| added(sum, *a, field.at(at)))
-            };
-            if let Some(wave) = &state.wave {
-                for (a, field) in wave.iter().zip(&self.wave) {
-                    sum = added(sum, *a, field.at(at));
+            let designed = match &sample.base {
+                Some((degree, c)) if sample.square.holds(at) => {
+                    values(*degree, c, &sample.square, at)
                 }
+                _ => self.designed(at),
+            };
+            let mut sum = added(designed, 1.0, form(at));
+            if let Some(wave) = state.wave {
+                sum = added(sum, 1.0, ripple(self.wave, wave, at));
             }
             if let (Some(map), Some(share)) = (&self.map, state.map) {
                 sum = added(sum, share, Self::mapped(map, at));
             }
             if let Some(tracks) = state.tracks {
-                sum = added(sum, S::constant(1.0), self.tool.cusp(tracks, at));
+                sum = added(sum, 1.0, self.tool.cusp(tracks, at));
             }
             sum
         };
@@ -403,18 +389,13 @@ impl Tool {
 }
 
 #[inline]
-fn added<S: Scalar>(sum: [S; 3], a: S, [f, x, y]: [S; 3]) -> [S; 3] {
-    [sum[0] + a * f, sum[1] + a * x, sum[2] + a * y]
+fn added<S: Scalar>(sum: [S; 3], a: f64, [f, x, y]: [S; 3]) -> [S; 3] {
+    [sum[0] + f * a, sum[1] + x * a, sum[2] + y * a]
 }
 
 /// Whether numbers of this kind carry no derivatives.
 fn is_plain<S>() -> bool {
     size_of::<S>() == size_of::<f64>()
-}
-
-/// Whether an amplitude makes a difference: a zero may have a derivative.
-fn counts<S: Scalar>(a: S) -> bool {
-    a.centre() != 0.0 || !is_plain::<S>()
 }
 
 /// Where a line meets `surface`, and the slope there: Newton's method from the sample's own hit.
@@ -430,6 +411,8 @@ fn meet<S: Scalar>(
     let rate = along[2] - along[0] * p[0] - along[1] * p[1];
     let below = from[2] - hit.z - (from[0] - hit.x) * p[0] - (from[1] - hit.y) * p[1];
     let mut t = -below / rate;
+    // The step before and the slope before it.
+    let mut last: Option<(S, [S; 2])> = None;
     for _ in 0..MOST_STEPS {
         let [x, y, z] = [0, 1, 2].map(|k| from[k] + along[k] * t);
         let [f, f_x, f_y] = surface([x, y]);
@@ -437,9 +420,15 @@ fn meet<S: Scalar>(
         t = t - step;
         if step.centre().abs() < LAST_STEP {
             let at = [0, 1, 2].map(|k| from[k] + along[k] * t);
+            if let (true, Some((before, [p, q]))) = (is_plain::<S>(), last) {
+                // So short a step changes the slope as the one before did.
+                let more: S = step / before;
+                return Some((at, [f_x + (f_x - p) * more, f_y + (f_y - q) * more]));
+            }
             let [_, f_x, f_y] = surface([at[0], at[1]]);
             return Some((at, [f_x, f_y]));
         }
+        last = Some((step, [f_x, f_y]));
     }
     None
 }

@@ -79,6 +79,9 @@ pub struct SourceFacts {
     pub limit_alone: Option<f64>,
     /// The limit that goes with those of all others at the target yield.
     pub limit_joint: Option<f64>,
+    /// Whether it is as wide as joint limits are made, four times the own one: less than its share
+    /// of the variance.
+    pub limit_joint_widest: bool,
 }
 
 /// First derivatives against the full trace, over the same trials.
@@ -107,7 +110,7 @@ pub struct AdjustmentFacts {
     pub farthest: f64,
 }
 
-/// Trials that the linear model repeats and joint limits are found by.
+/// Trials that the linear model repeats.
 const REPEATED: u64 = 1000;
 
 impl Study {
@@ -129,7 +132,7 @@ impl Study {
         let variances: Vec<f64> = question.sources.iter().map(|s| engine.variance(s)).collect();
         let variance: f64 = variances.iter().sum();
         let start = engine.judge(engine.base.clone()).1.rms_px;
-        let joint = engine.joint(seed, repeated);
+        let joint = engine.joint(seed);
         let facts = |(k, source): (usize, &Source)| {
             let impact = engine.impact(source, seed, source.limit);
             let [minus_px, plus_px] = impact.before.map(figure);
@@ -146,7 +149,8 @@ impl Study {
                 plus_adjusted_px,
                 share_of_variance: if variance > 0.0 { variances[k] / variance } else { 0.0 },
                 limit_alone: engine.limit_alone(source, seed),
-                limit_joint: joint.as_ref().map(|joint| joint[k].limit),
+                limit_joint: joint.as_ref().map(|joint| joint.sources[k].limit),
+                limit_joint_widest: joint.as_ref().is_some_and(|joint| joint.widest[k]),
             }
         };
         let mut sources: Vec<SourceFacts> =

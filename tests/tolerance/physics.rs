@@ -13,7 +13,7 @@ use morion::tolerance::{Compensator, Engine, Kind, Process, ripple_slope};
 const STREAM: Stream = Stream { seed: 5, trial: 2 };
 
 fn designs() -> Vec<(&'static str, Design)> {
-    let names = ["conquistador", "hyperbolic", "conical", "plane"];
+    let names = ["conquistador", "conformal", "hyperbolic", "conical", "plane"];
     names.map(|name| (name, designed(&shipped(name)))).into()
 }
 
@@ -38,8 +38,13 @@ fn derivatives_agree_with_central_differences() {
         let sources = usual(&design, precise());
         let engine = engine(&design, question(sources.clone(), &[]));
         for source in sources {
-            // Of tracks there is no derivative by their distance, and facets are drawn.
-            if matches!(source.kind, Kind::ToolMarks | Kind::Facets) {
+            // Facets are drawn, and displace by what is drawn; tracks have a test of their own.
+            if source.kind == Kind::Facets {
+                let [full, linear] = both(&engine, &[(Kind::Facets, 0.5)]);
+                assert!(full == linear && length(&full) > 0.0);
+                continue;
+            }
+            if source.kind == Kind::ToolMarks {
                 continue;
             }
             // By Richardson, of fourth order.
@@ -64,6 +69,19 @@ fn derivatives_agree_with_central_differences() {
                 length(&off) / length(&exact)
             );
         }
+    }
+}
+
+/// The flatter the cutter, the nearer the full trace is to the derivative by the tracks' slope.
+#[test]
+fn shallow_tracks_displace_by_the_derivative() {
+    for (name, design) in designs() {
+        let mut asked = question(vec![fixed(Kind::ToolMarks, 0.02)], &[]);
+        asked.texture.ball_radius_mm = 1e5;
+        let [full, linear] = both(&engine(&design, asked), &[(Kind::ToolMarks, 0.02)]);
+        let off: Vec<f64> = full.iter().zip(&linear).map(|(a, b)| a - b).collect();
+        assert!(length(&off) <= 1e-6 * length(&linear), "{name}: {:e}", length(&off));
+        assert!(length(&linear) > 0.0);
     }
 }
 

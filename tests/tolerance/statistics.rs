@@ -111,7 +111,7 @@ fn limits_fed_forward_hit_the_budget() {
     {
         let design = designed(&shipped(name));
         let sources = usual(&design, process());
-        let asked = Question { reference, samples: 60, ..question(sources, &ALL) };
+        let asked = Question { reference, samples: 150, ..question(sources, &ALL) };
         let budget = asked.budget_px;
         let before = engine(&design, asked.clone());
         for source in &asked.sources {
@@ -119,22 +119,29 @@ fn limits_fed_forward_hit_the_budget() {
             let reached = before.impact(source, 3, limit).worst().rms_px;
             assert!((reached / budget - 1.0).abs() < 0.01, "{name} {source:?} {limit}");
         }
-        let joint = before.joint(3, 600).unwrap();
-        let forward = |seed, count| before.trials(&joint, seed, 0..count, None);
-        let mut figures = before.figures(&forward(3, 600));
+        let joint = before.joint(3).unwrap();
+        let forward = |seed, count| before.trials(&joint.sources, seed, 0..count, None);
+        let mut figures = before.figures(&forward(3, 4000));
         figures.sort_by(f64::total_cmp);
         let reached = quantile(&figures, 0.9);
         assert!((reached / budget - 1.0).abs() < 0.01, "{name}: {reached}");
-        // Other parts keep it as often as was asked: both runs' scatter, at 99 %.
-        let found = before.yields(&forward(12, 800)).share;
-        let scatter = 2.58 * (0.9f64 * 0.1 * (1.0 / 600.0 + 1.0 / 800.0)).sqrt();
-        assert!((found - 0.9).abs() < scatter, "{name}: {found}");
+        // Other parts keep it as often as was asked, as far as their number can tell.
+        let holds = |seed| {
+            let found = before.yields(&forward(seed, 600));
+            found.low <= 0.9 && 0.9 <= found.high
+        };
+        let held = (20..28).filter(|&seed| holds(seed)).count();
+        assert!(held >= 7, "{name}: {held}");
         // Equal weights, equal shares, but for what is not widened further.
-        let most = joint.iter().map(|source| before.variance(source)).fold(0.0, f64::max);
-        for (own, joint) in before.question.sources.iter().zip(&joint) {
-            let share = before.variance(joint) / most;
-            let widest = joint.limit >= 3.999 * own.limit;
-            assert!((share - 1.0).abs() < 1e-9 || widest || share < 1e-15, "{name} {joint:?}");
+        let most = joint.sources.iter().map(|source| before.variance(source)).fold(0.0, f64::max);
+        for (k, (own, source)) in before.question.sources.iter().zip(&joint.sources).enumerate() {
+            let share = before.variance(source) / most;
+            let widest = joint.widest[k];
+            assert!(
+                !widest || (share < 1.0 && source.limit == 4.0 * own.limit),
+                "{name} {source:?}"
+            );
+            assert!((share - 1.0).abs() < 1e-9 || widest || share < 1e-15, "{name} {source:?}");
         }
     }
 }
@@ -145,8 +152,8 @@ fn dear_sources_get_more_of_the_budget() {
     let mut sources = usual(&design, process());
     sources[3].weight = 5.0;
     let engine = engine(&design, question(sources, &[]));
-    let joint = engine.joint(3, 200).unwrap();
-    let [dear, cheap] = [3, 4].map(|k| engine.variance(&joint[k]));
+    let joint = engine.joint(3).unwrap();
+    let [dear, cheap] = [3, 4].map(|k| engine.variance(&joint.sources[k]));
     assert!((dear / cheap - 5.0).abs() < 1e-9);
 }
 

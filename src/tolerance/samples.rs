@@ -1,0 +1,114 @@
+//! Which pixels stand for the picture, and polynomials of the mirror where they see it.
+
+use super::local::{Fitter, Square, off, terms, value, values};
+use super::model::{Pose, Sample, System};
+use crate::geom::DVec2;
+use rayon::prelude::*;
+
+/// Degrees of polynomials that are tried for the designed surface. One whose height, mm, or slope is
+/// farther off than this is not used.
+const DEGREES: [usize; 4] = [5, 7, 10, 14];
+const SMOOTH: f64 = 1e-12;
+/// The same for form errors of 1 mm; made ones have micrometres, the waves of a random slope
+/// fractions of them.
+const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
+/// Most terms of form errors.
+pub const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
+const SMOOTH_FORM: f64 = 5e-9;
+
+impl Sample {
+    /// Whether polynomials are the designed surface and the form errors near the hit.
+    pub fn expanded(&self) -> bool {
+        self.base.is_some() && !self.form.is_empty()
+    }
+}
+
+impl System {
+    /// About `count` samples, spread evenly.
+    pub(super) fn spread(&self, count: usize, reach: f64) -> Vec<Sample> {
+        let [width, height] = self.camera.pixels.map(f64::from);
+        let places = |spacing: f64| -> Vec<DVec2> {
+            let line = |length: f64| -> Vec<f64> {
+                let steps = (length / spacing).round().max(1.0);
+                let centre = |k: usize| ((k as f64 + 0.5) / steps * length).floor() + 0.5;
+                (0..steps as usize).map(centre).collect()
+            };
+            let (columns, rows) = (line(width), line(height));
+            let row = |&y: &f64| {
+                let columns = columns.iter();
+                columns.map(move |&x| self.camera.image_point(x, y)).collect::<Vec<_>>()
+            };
+            rows.iter().flat_map(row).filter(|&q| self.sees(q, reach).is_some()).collect()
+        };
+        let even = |count: f64| (width * height / count).sqrt().max(1.0);
+        let tried = even(count as f64);
+        let share = places(tried).len() as f64 * tried * tried;
+        let spacing = (share / count as f64).sqrt().max(1.0);
+        let fitters = DEGREES.map(Fitter::new);
+        places(spacing).into_par_iter().filter_map(|q| self.sample(&fitters, q, reach)).collect()
+    }
+
+    /// Gives the samples polynomials of the form errors, of one degree for all.
+    pub(super) fn expand_forms(&mut self) {
+        let fields = &self.fields;
+        let expanded = |sample: &Sample, fitter: &Fitter| -> Option<Vec<f64>> {
+            let mut all = Vec::new();
+            for field in fields {
+                let c = fitter.fit(&sample.square, |at| [field.at(at)[0]]).concat();
+                let found = |at| value(fitter.degree(), &c, &sample.square, at);
+                if !(off(&sample.square, found, |at| field.at(at)) <= SMOOTH_FORM) {
+                    return None;
+                }
+                all.extend(c);
+            }
+            Some(all)
+        };
+        for degree in FORM_DEGREES {
+            let fitter = Fitter::new(degree);
+            // The first sample tells of most degrees that they are too low.
+            if self.samples.first().is_some_and(|sample| expanded(sample, &fitter).is_none()) {
+                continue;
+            }
+            let all: Option<Vec<_>> =
+                self.samples.par_iter().map(|sample| expanded(sample, &fitter)).collect();
+            if let Some(all) = all {
+                self.samples.iter_mut().zip(all).for_each(|(sample, form)| sample.form = form);
+                self.form_degree = degree;
+                return;
+            }
+        }
+    }
+
+    /// Where the image point `q` sees the mirror well inside its rim, as chart coordinates.
+    fn sees(&self, q: DVec2, reach: f64) -> Option<DVec2> {
+        let place = self.mirror.under(&self.camera.chart, q)?;
+        let around = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y, DVec2::ZERO];
+        let whole = self.mirror.whole();
+        let inside = around.iter().all(|way| {
+            let near = place + *way * reach;
+            whole.aims(near) && self.mirror.reflects(near) == self.mirror.reflects(place)
+        });
+        inside.then_some(place)
+    }
+
+    fn sample(&self, fitters: &[Fitter], point: DVec2, reach: f64) -> Option<Sample> {
+        let place = self.sees(point, reach)?;
+        let at = self.mirror.row(place.y).at(place.x);
+        let hit = self.mirror.place(place, &at);
+        let slope = self.mirror.slope(place, &at).to_array();
+        let square = Square { centre: [hit.x, hit.y], half: reach };
+        let fit = |fitter: &Fitter| {
+            let c = fitter.fit(&square, |at| self.designed(at));
+            let found = |at| values(fitter.degree(), &c, &square, at);
+            let smooth = off(&square, found, |at| self.designed(at)) <= SMOOTH;
+            smooth.then_some((fitter.degree(), c))
+        };
+        let base = fitters.iter().find_map(fit);
+        let content = DVec2::ZERO;
+        let mut sample = Sample { point, content, hit, slope, square, base, form: Vec::new() };
+        let perfect = self.perfect::<f64>();
+        let pose = Pose::new(&perfect.placed);
+        sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect));
+        sample.content.is_finite().then_some(sample)
+    }
+}
