@@ -232,8 +232,9 @@ mod tests {
                 assert!(by_all <= by_height);
                 by_height
             };
+            // Rounding, times n^2 and per half side for slopes.
             let off = missed(&sextic);
-            assert!(off < 1e-12 * sextic(square.centre)[0].abs(), "{degree}: {off:e}");
+            assert!(off < 5e-12 * sextic(square.centre)[0].abs(), "{degree}: {off:e}");
             let off = missed(&wave(0.1));
             assert!(off < 2e-13, "{degree}: {off:e}");
             let off = missed(&wave(4.0));
