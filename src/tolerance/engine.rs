@@ -133,7 +133,7 @@ impl Engine {
     /// mirror itself there.
     #[must_use]
     pub fn expanded(&self) -> usize {
-        self.system.samples.iter().filter(|sample| sample.expanded()).count()
+        self.system.expanded()
     }
 
     /// Image points of these pixels, and where the content belongs that they see as designed, mm.

@@ -169,11 +169,11 @@ impl Engine {
         let target = self.question.target_yield;
         let yardstick = Yardstick::new(self, seed, MANY);
         let solved = |goal: f64, mut scale: f64| {
-            let (mut power, mut last) = (1.0, None);
+            let (mut power, mut last): (f64, Option<(f64, f64)>) = (1.0, None);
             for _ in 0..MOST_STEPS {
-                let factors = factors(scale);
-                let figure = yardstick.reached(&factors, target);
-                let ended = factors.iter().all(|f| *f == WIDEST) && figure < goal;
+                let figure = yardstick.reached(&factors(scale), target);
+                // All as wide as they are made, and still within the budget.
+                let ended = figure < goal && last.is_some_and(|(_, before)| figure == before);
                 if ended || (figure / goal - 1.0).abs() < EXACT {
                     break;
                 }

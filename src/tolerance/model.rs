@@ -302,8 +302,21 @@ impl System {
 
     /// The sum of form errors of these amplitudes.
     fn forms<S: Scalar>(&self, amplitudes: &[f64], at: [S; 2]) -> [S; 3] {
-        let forms = amplitudes.iter().zip(&self.fields).filter(|(a, _)| **a != 0.0);
-        forms.fold([S::constant(0.0); 3], |sum, (a, field)| added(sum, *a, field.at(at)))
+        let mut sum = [S::constant(0.0); 3];
+        let mut rest = amplitudes.iter().zip(&self.fields).peekable();
+        while let Some((a, field)) = rest.next() {
+            // A wave's cosine and sine follow each other.
+            let sine = rest.next_if(|(_, next)| match (field, next) {
+                (Field::Cosine(k), Field::Sine(same)) => k == same,
+                _ => false,
+            });
+            sum = match (field, sine) {
+                (Field::Cosine(k), Some((b, _))) => added(sum, 1.0, ripple(*k, [*a, *b], at)),
+                _ if *a != 0.0 => added(sum, *a, field.at(at)),
+                _ => sum,
+            };
+        }
+        sum
     }
 
     /// The same content, with form errors that are `form`.

@@ -16,14 +16,13 @@ const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
 pub const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
 const SMOOTH_FORM: f64 = 5e-9;
 
-impl Sample {
-    /// Whether polynomials are the designed surface and the form errors near the hit.
-    pub fn expanded(&self) -> bool {
-        self.base.is_some() && !self.form.is_empty()
-    }
-}
-
 impl System {
+    /// Number of samples near whose hits polynomials are the designed surface and the form errors.
+    pub(super) fn expanded(&self) -> usize {
+        let smooth = |sample: &&Sample| sample.base.is_some() && self.form_degree > 0;
+        self.samples.iter().filter(smooth).count()
+    }
+
     /// About `count` samples, spread evenly.
     pub(super) fn spread(&self, count: usize, reach: f64) -> Vec<Sample> {
         let [width, height] = self.camera.pixels.map(f64::from);

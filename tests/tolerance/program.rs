@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// The small profile under a camera of few pixels.
 fn small() -> String {
-    edited(SMALL, &[("[160, 120]", "[24, 18]")])
+    edited(SMALL, &[("[160, 120]", "[16, 12]")])
 }
 
 const FILES: [&str; 2] = ["tolerance.json", "trials.csv"];
