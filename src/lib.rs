@@ -15,6 +15,8 @@
 //! - **optical face**: the facets that reflect ([`mesh::Face`]).
 //! - **solid**: optical face, skirt and base, closed ([`solid::Solid`]).
 //! - **stock**: a flat rim around the mirror, with holes and marks ([`geom::Stock`]).
+//! - **scallop**: what a cutter leaves between two lines of its raster ([`machining`]).
+//! - **as cut**: as the cutter leaves it, before polishing.
 //! - **ray error**: angle between the direction seen and the direction wanted.
 //! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
 //! - **facet error**: the part of it that flat facets cause.
@@ -40,7 +42,7 @@
 //! ```text
 //! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
 //!               \                                    \        \
-//!                pencil                     [measured file]   render
+//!                machining, pencil          [measured file]   render
 //!                tolerance                         align -> trace
 //!                unwrap <- [photo]
 //! ```
@@ -59,6 +61,7 @@
 //! export             mirror, solid
 //! trace              optics
 //! align              optics, mirror
+//! machining          optics, mirror
 //! pencil             optics, mirror
 //! unwrap             optics, mirror, raster
 //! render             optics, trace, raster
@@ -73,13 +76,14 @@
 //! # What is not promised
 //!
 //! Bounds and checks are about the file's triangles and the designed surface. Nothing is said
-//! about what a machine makes of the file.
+//! about what a machine makes of the file, but for the geometry of an ideal ball ([`machining`]).
 
 pub mod align;
 pub mod cli;
 pub mod design;
 pub mod export;
 pub mod geom;
+pub mod machining;
 pub mod mesh;
 pub mod mirror;
 pub mod num;

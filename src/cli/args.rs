@@ -168,6 +168,36 @@ pub enum Command {
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
     },
+    /// What a ball cutter makes of the mirror: fit, scallops, pixels, and the as-cut part, into DIR/NAME/
+    Machining {
+        /// Profile file, or name of a shipped profile
+        profile: String,
+        /// Radius of the ball
+        #[arg(long, value_name = "R", allow_negative_numbers = true)]
+        ball_mm: f64,
+        /// Distance of the raster's lines in the plan (X, Y)
+        #[arg(long, value_name = "W", allow_negative_numbers = true)]
+        stepover_mm: f64,
+        /// Direction of the lines from X towards Y [default: the one that is best for the pixels]
+        #[arg(long, value_name = "A", allow_negative_numbers = true)]
+        angle_deg: Option<f64>,
+        /// Find the stepover at which 95 % of the unpolished face is within this pixel error, and hold
+        /// W to it
+        #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+        budget_px: Option<f64>,
+        /// Find the stepover at which no scallop is higher, and hold W to it
+        #[arg(long, value_name = "UM", allow_negative_numbers = true)]
+        scallop_um: Option<f64>,
+        /// What the stock stands over the part on its four sides and on top
+        #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
+        allowance_mm: f64,
+        /// Leave out the as-cut part
+        #[arg(long)]
+        no_as_cut: bool,
+        /// Folder for results
+        #[arg(long, value_name = "DIR", default_value = "out")]
+        out: PathBuf,
+    },
     /// Run time against error: the shipped mirrors designed in every way, into DIR/bench/
     Bench {
         /// Few degrees, one run of each

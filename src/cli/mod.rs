@@ -4,8 +4,8 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Inspection, Source, Trials, Wanted, Way, bench, blur, build, foresee, frame, inspect,
-    load, render, tolerance, tolerance_merged, tolerance_part, unwrap,
+    self, Cutting, Inspection, Source, Trials, Wanted, Way, bench, blur, build, foresee, frame,
+    inspect, load, machining, render, tolerance, tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Aperture, Prospect, Report, Verdict, text};
@@ -129,6 +129,31 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             };
             show(arguments, || report.text(), || report.json())?;
             Ok(code(report.verdict))
+        }
+        Command::Machining {
+            profile,
+            ball_mm,
+            stepover_mm,
+            angle_deg,
+            budget_px,
+            scallop_um,
+            allowance_mm,
+            no_as_cut,
+            out,
+        } => {
+            let cutting = Cutting {
+                ball_mm: *ball_mm,
+                stepover_mm: *stepover_mm,
+                angle_deg: *angle_deg,
+                budget_px: *budget_px,
+                scallop_um: *scallop_um,
+                allowance_mm: *allowance_mm,
+                as_cut: !no_as_cut,
+            };
+            let found = machining(&load(profile)?, &cutting, out, &progress)?;
+            found.warnings.iter().for_each(|warning| warn(warning));
+            show(arguments, || found.text(), || found.json())?;
+            Ok(code(found.verdict))
         }
         Command::Bench { quick, out } => {
             let bench = bench(out, *quick)?;

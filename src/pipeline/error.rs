@@ -7,6 +7,7 @@ use super::unwrap::PhotoError;
 use crate::align::AlignError;
 use crate::design::DesignError;
 use crate::export::step::FitError;
+use crate::machining::MachiningError;
 use crate::mesh::MeshError;
 use crate::profile::Format;
 use crate::solid::SolidError;
@@ -60,6 +61,14 @@ pub enum Error {
         points: f64,
         /// Most that there may be.
         most: f64,
+    },
+    /// The mirror cannot be cut so.
+    #[error("cannot machine {profile}: {source}")]
+    Machining {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        source: MachiningError,
     },
     /// The body is not a solid.
     #[error("cannot close {profile} for {format}: {source}")]

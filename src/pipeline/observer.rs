@@ -16,6 +16,8 @@ pub enum Stage {
     Forecast,
     /// Face -> closed, checked body.
     Solid,
+    /// Mirror and cutter -> what the cutter leaves.
+    Cut,
     /// Body -> files.
     Write,
     /// Files -> triangles, checked again.
@@ -49,6 +51,7 @@ impl Stage {
             Self::Mesh => "mesh",
             Self::Forecast => "forecast",
             Self::Solid => "solid",
+            Self::Cut => "cut",
             Self::Write => "write",
             Self::Read => "read",
             Self::Align => "align",

@@ -49,6 +49,21 @@ impl Map {
     /// # Panics
     /// When there is not one colour a pixel.
     pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
+        self.drawn(None)
+    }
+
+    /// The same of a part, with a bar of a round length: a pixel is `pixel_mm` wide.
+    ///
+    /// # Errors
+    /// What the encoder reports.
+    ///
+    /// # Panics
+    /// When there is not one colour a pixel.
+    pub fn png_to_scale(&self, pixel_mm: f64) -> Result<Vec<u8>, EncodingError> {
+        self.drawn(Some(pixel_mm))
+    }
+
+    fn drawn(&self, pixel_mm: Option<f64>) -> Result<Vec<u8>, EncodingError> {
         let [width, height] = self.pixels;
         assert_eq!(self.colours.len(), width as usize * height as usize, "one colour a pixel");
         let zoom = WIDTH.div_ceil(width).min(HEIGHT / height.max(1)).max(1);
@@ -64,6 +79,11 @@ impl Map {
         }
         let top = zoom * height + MARGIN;
         self.scale(&mut sheet, top);
+        if let Some(pixel_mm) = pixel_mm {
+            // Beside the ticks, below the title.
+            let (x, y) = (2 * MARGIN + CELL.width * 8 + BAR.width, top + BAR.height + 10);
+            sheet.length(x, y, pixel_mm / f64::from(zoom));
+        }
         for ((colour, text), (x, line)) in self.keys.iter().zip(places) {
             let y = top + LINE * (2 + line);
             sheet.fill(x, y, Size::new(BAR.height, BAR.height), [0; 3]);
@@ -173,6 +193,29 @@ impl Sheet {
     }
 }
 
+/// Longest bar of a length, dots.
+const LENGTH: f64 = 160.0;
+
+impl Sheet {
+    /// A bar of a round length from (`x`, `y`), where a dot is `dot_mm` wide.
+    fn length(&mut self, x: u32, y: u32, dot_mm: f64) {
+        let length = round_length(LENGTH * dot_mm);
+        let dots = (length / dot_mm).round() as u32;
+        self.fill(x, y, Size::new(dots, 2), [0; 3]);
+        for x in [x, x + dots - 2] {
+            self.fill(x, y - 4, Size::new(2, 10), [0; 3]);
+        }
+        self.write(x + dots + MARGIN, y - 6, &format!("{length} mm"));
+    }
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is no more than `most`.
+fn round_length(most: f64) -> f64 {
+    let round = |k: i32| format!("{}e{}", [1, 2, 5][k.rem_euclid(3) as usize], k.div_euclid(3));
+    let all = (-18..18).rev().filter_map(|k| round(k).parse().ok());
+    all.into_iter().find(|length: &f64| *length <= most).unwrap_or(most)
+}
+
 impl OriginDimensions for Sheet {
     fn size(&self) -> Size {
         Size::new(self.width, self.height)
@@ -243,6 +286,23 @@ mod tests {
                 let below = &rgb[3 * (zoom * pixels[1] * width) as usize..];
                 assert!(below.chunks_exact(3).any(|c| c == colour), "{text} of {pixels:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_bar_has_its_length_in_the_squares_of_the_map() {
+        let map = map([160, 120]);
+        let png = map.png_to_scale(0.3).unwrap();
+        let mut reader = ::png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        let width = reader.next_frame(&mut rgb).unwrap().width as usize;
+        // 0.075 mm a dot: 10 mm are 133 of them, the longest black run below the map.
+        let below = &rgb[3 * 480 * width..];
+        let black: Vec<bool> = below.chunks_exact(3).map(|c| c == [0; 3]).collect();
+        let longest = black.chunk_by(|a, b| a == b).filter(|run| run[0]).map(<[bool]>::len).max();
+        assert_eq!(longest, Some(133));
+        for (most, exact) in [(12.0, 10.0), (3.1, 2.0), (0.099, 0.05), (5.0, 5.0)] {
+            assert_eq!(round_length(most), exact);
         }
     }
 

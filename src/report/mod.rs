@@ -4,6 +4,7 @@ mod bench;
 mod blur;
 mod frame;
 mod html;
+mod machining;
 mod map;
 mod measured;
 mod prospect;
@@ -16,6 +17,10 @@ pub use bench::{Bench, DesignRun};
 pub use blur::{Aperture, BlurReport, Focus, Images, Spots};
 pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;
+pub use machining::{
+    AsCutFacts, BestFacts, BudgetFacts, GougeFacts, Machining, ReachFacts, StockFacts, below,
+    gouge_picture,
+};
 pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use rendering::Rendering;

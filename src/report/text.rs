@@ -184,7 +184,7 @@ pub(super) fn limited(value: &Limited, unit: &str) -> String {
     }
 }
 
-fn errors_line(errors: &ErrorFacts) -> String {
+pub(super) fn errors_line(errors: &ErrorFacts) -> String {
     format!(
         "pixel error {} px; facet error {} px",
         figures(errors.pixel_error_px),

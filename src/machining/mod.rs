@@ -1,0 +1,136 @@
+//! Machining: what a ball cutter on a raster makes of a mirror.
+//!
+//! # Definitions
+//!
+//! - The **ball** of radius R comes from above (+Z) and touches the mirror along **lines** that are
+//!   straight in the plan (X, Y); neighbours are one **stepover** w apart there, which is w / cos of the slope on
+//!   ground that slopes across them. (Of a program that spaces the *axes* of the tool by w the lines of
+//!   contact are w / (1 + k R) apart on ground of curvature k: its scallops are lower on domes, higher in
+//!   bowls.)
+//! - Curvature is positive where the ground bulges towards the tool.
+//! - A **scallop** is what stays between two lines ([`Scallop`]). Its slope, not its height, moves pixels:
+//!   the image moves by the derivative of the view's content by the slope ([`Survey`]), in an orthographic
+//!   camera's ray error 2 dp / (1 + |p|^2).
+//! - The ball **fits** where the ground is hollow by no more than 1/R in any direction, and on a folded mirror
+//!   no nearer to a valley than where it touches both panels ([`Gouge`], [`Fillet`]).
+//! - The **as-cut** surface is the lowest place of all balls of all lines ([`Passes`], [`face`]).
+
+mod cusps;
+mod gouge;
+mod lattice;
+mod passes;
+mod place;
+mod scallop;
+mod survey;
+
+pub use gouge::{FLOOR_MM, Fillet, Gouge, foot, touches};
+pub use lattice::{ROWS, corners, face, facets, outlines};
+pub use passes::Passes;
+pub use place::Place;
+use place::beyond;
+pub use scallop::{Raster, Scallop};
+pub use survey::{Direction, Extreme, Figures, Survey};
+
+use crate::geom::DVec2;
+use thiserror::Error;
+
+/// Why a raster cannot be worked out.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MachiningError {
+    /// A number that makes no sense.
+    #[error("{option} must be {must}, found {found}")]
+    Input {
+        /// Which.
+        option: &'static str,
+        /// What it must be.
+        must: String,
+        /// What it is.
+        found: f64,
+    },
+    /// Lines too far apart for the ball.
+    #[error(
+        "with a stepover of {stepover_mm} mm the lines are {apart_mm:.3} mm apart on the mirror at X {:.3} \
+         mm, Y {:.3} mm, too far for a ball of {ball_mm} mm radius; take a smaller stepover or a larger ball",
+        at.x, at.y
+    )]
+    Apart {
+        /// Stepover, mm.
+        stepover_mm: f64,
+        /// Radius of the ball, mm.
+        ball_mm: f64,
+        /// Distance of the lines there, mm.
+        apart_mm: f64,
+        /// X and Y.
+        at: DVec2,
+    },
+    /// The as-cut surface would have too many facets or points.
+    #[error(
+        "with a stepover of {stepover_mm} mm the as-cut surface takes about {count:.1e} {what}, too many; \
+         take a stepover of at least {least_mm} mm, or leave the surface out (--no-as-cut)"
+    )]
+    TooFine {
+        /// Stepover, mm.
+        stepover_mm: f64,
+        /// How many.
+        count: f64,
+        /// Of what.
+        what: &'static str,
+        /// The smallest stepover that will do, mm.
+        least_mm: f64,
+    },
+    /// A line leaves the mirror.
+    #[error(
+        "the mirror has no place over X {:.3} mm, Y {:.3} mm; turn the raster or take a smaller stepover",
+        at.x, at.y
+    )]
+    Lost {
+        /// X and Y.
+        at: DVec2,
+    },
+    /// A place that no pass comes over.
+    #[error(
+        "no pass cuts the mirror at X {:.3} mm, Y {:.3} mm; take a smaller stepover or a smaller ball",
+        at.x, at.y
+    )]
+    Uncut {
+        /// X and Y.
+        at: DVec2,
+    },
+    /// No pixel's place can be touched.
+    #[error("a ball of {ball_mm} mm radius fits nowhere on the mirror; take a smaller one{}", most(*least_mm))]
+    Nowhere {
+        /// Radius of the ball, mm.
+        ball_mm: f64,
+        /// The largest that fits everywhere, mm, if that is known.
+        least_mm: Option<f64>,
+    },
+}
+
+fn most(least_mm: Option<f64>) -> String {
+    least_mm.map_or(String::new(), |mm| format!(": {mm:.4} mm fits everywhere"))
+}
+
+/// `x` rounded up to two digits.
+#[must_use]
+pub fn rounded_up(x: f64) -> f64 {
+    let mut unit = 1.0;
+    while x / unit >= 100.0 {
+        unit *= 10.0;
+    }
+    while x / unit < 10.0 && unit > 1e-12 {
+        unit /= 10.0;
+    }
+    // Tenths are shown as decimals.
+    let digits = (x / unit).ceil();
+    if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn two_digits_are_never_less() {
+        for (x, up) in [(0.0123, 0.013), (0.05, 0.05), (1.01, 1.1), (123.0, 130.0), (99.5, 100.0)] {
+            assert_eq!(super::rounded_up(x), up);
+        }
+    }
+}

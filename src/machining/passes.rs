@@ -1,0 +1,430 @@
+//! The as-cut surface: at each place the lowest ball of all those that pass over it.
+//!
+//! A pass is a curve of ball centres, the mirror's places along one line of the plan plus the ball's
+//! radius along the normal, known by its points and derivatives and between them by cubics. The height of
+//! the cut under one pass is the least of C_z(t) - sqrt(R^2 - |(X, Y) - C_xy(t)|^2), found by Newton's method.
+
+use super::{MachiningError, Place, Raster, beyond, foot, touches};
+use crate::geom::{DVec2, DVec3};
+use crate::mirror::Mirror;
+use rayon::prelude::*;
+
+/// Longest step along a pass, as a share of the face's size; otherwise a stepover.
+const LONGEST: f64 = 1.0 / 200.0;
+/// Most points of all passes.
+const MOST_POINTS: f64 = 2e7;
+
+/// Ball centres along one line without a break.
+#[derive(Debug, Clone)]
+struct Pass {
+    /// What a place's part along it gives the parameter of.
+    along: DVec2,
+    /// Parameter of the first point, and the step from each to the next.
+    start: f64,
+    step: f64,
+    /// Centres and their derivatives by the parameter.
+    centres: Vec<[DVec3; 2]>,
+}
+
+/// All passes of a raster, and those that follow the ridge of a folded mirror.
+#[derive(Debug, Clone)]
+pub struct Passes {
+    raster: Raster,
+    across: DVec2,
+    /// Number of the first line; line k runs at (k + 1/2) stepovers from the axis.
+    first: i64,
+    lines: Vec<Vec<Pass>>,
+    ridge: Vec<Pass>,
+}
+
+impl Passes {
+    /// The passes of `raster` over the face that lies between the corners `lo` and `hi` of X and Y, and
+    /// one beyond its rims. Lines lie evenly on both sides of the axis, none through it. A ridge has passes of
+    /// its own: one along the bottom of a valley, where lines have a gap, and one on either side of a crest.
+    ///
+    /// # Errors
+    /// [`MachiningError::TooFine`] when there are too many, [`MachiningError::Lost`] when a line leaves the
+    /// mirror.
+    pub fn new(
+        mirror: &Mirror,
+        [lo, hi]: [DVec2; 2],
+        raster: Raster,
+    ) -> Result<Self, MachiningError> {
+        let w = raster.stepover_mm;
+        let (along, across) = (raster.along(), raster.along().perp());
+        let corners = [lo, hi, DVec2::new(lo.x, hi.y), DVec2::new(hi.x, lo.y)];
+        let range = |way: DVec2| {
+            let all = corners.map(|corner| corner.dot(way));
+            [all.into_iter().fold(f64::MAX, f64::min), all.into_iter().fold(f64::MIN, f64::max)]
+        };
+        let [t_lo, t_hi] = range(along);
+        let [u_lo, u_hi] = range(across);
+        let step = w.min(LONGEST * (hi - lo).max_element());
+        let points = (u_hi - u_lo + 4.0 * w) / w * ((t_hi - t_lo + 4.0 * w) / step);
+        if !(points <= MOST_POINTS) {
+            let least_mm = super::rounded_up(w * (points / MOST_POINTS).sqrt());
+            return Err(MachiningError::TooFine {
+                stepover_mm: w,
+                count: points,
+                what: "points of passes",
+                least_mm,
+            });
+        }
+        let first = (u_lo / w - 0.5).floor() as i64 - 1;
+        let last = (u_hi / w - 0.5).ceil() as i64 + 1;
+        let line = |k: i64| -> Result<Vec<Pass>, MachiningError> {
+            let foot = across * ((k as f64 + 0.5) * w);
+            let ends = [t_lo - 2.0 * w, t_hi + 2.0 * w];
+            line(mirror, raster, foot, along, ends, step)
+        };
+        // Gathered before the first error is looked for, which is the same on any number of threads.
+        let lines: Vec<_> = (first..=last).into_par_iter().map(line).collect();
+        let lines = lines.into_iter().collect::<Result<_, _>>()?;
+        Ok(Self { raster, across, first, lines, ridge: ridge(mirror, raster.ball_mm, step) })
+    }
+
+    /// The raster.
+    #[must_use]
+    pub fn raster(&self) -> Raster {
+        self.raster
+    }
+
+    /// How far from half way between lines `k` - 1 and `k`, that is from `k` stepovers, the cut of one meets
+    /// that of the other at `x` along them, mm; none where it does not near there.
+    #[must_use]
+    pub fn cusp(&self, x: f64, k: i64) -> Option<f64> {
+        let Raster { ball_mm, stepover_mm, .. } = self.raster;
+        let line = |k: i64| self.lines.get(usize::try_from(k - self.first).ok()?);
+        let (before, after) = (line(k - 1)?, line(k)?);
+        let height = |line: &[Pass], xy: DVec2| {
+            line.iter().filter_map(|pass| pass.height(xy, ball_mm)).reduce(f64::min)
+        };
+        let higher = |off: f64| {
+            let xy = self.raster.along() * x + self.across * (k as f64 * stepover_mm + off);
+            Some(height(before, xy)? - height(after, xy)?)
+        };
+        let [from, to] = [-0.4 * stepover_mm, 0.4 * stepover_mm];
+        let [low, high] = [higher(from)?, higher(to)?];
+        if !(low < 0.0 && high > 0.0) {
+            return None;
+        }
+        // The difference is almost straight: false position, then a step of Newton's method with the
+        // slope of the parabola through the three places.
+        let off = from + (to - from) * low / (low - high);
+        let value = higher(off)?;
+        let slope =
+            (value - low) / (off - from) + (high - value) / (to - off) - (high - low) / (to - from);
+        (slope > 0.0).then(|| (off - value / slope).clamp(from, to))
+    }
+
+    /// Height of the cut surface over (X, Y), mm; none where no pass comes.
+    #[must_use]
+    pub fn height(&self, xy: DVec2) -> Option<f64> {
+        let at = xy.dot(self.across) / self.raster.stepover_mm - 0.5;
+        // The two lines beside it and, as they may be bent or broken, the next two.
+        let near = (at.floor() as i64 - 1)..=(at.floor() as i64 + 2);
+        let lines = near.filter_map(|k| self.lines.get(usize::try_from(k - self.first).ok()?));
+        let all = lines.flatten().chain(&self.ridge);
+        let heights = all.filter_map(|pass| pass.height(xy, self.raster.ball_mm));
+        heights.reduce(f64::min)
+    }
+}
+
+/// The passes along one line: its parts on each panel, as far as the ball fits.
+fn line(
+    mirror: &Mirror,
+    raster: Raster,
+    foot: DVec2,
+    along: DVec2,
+    ends: [f64; 2],
+    step: f64,
+) -> Result<Vec<Pass>, MachiningError> {
+    let ball = raster.ball_mm;
+    let reach = 2.0 * raster.stepover_mm;
+    let place = |t: f64| Place::over(mirror, foot + along * t);
+    let counts = |t: f64| {
+        place(t).is_some_and(|place| {
+            let q = mirror.chart.coordinates(place.at).0;
+            touches(mirror, &place, ball) && beyond(&mirror.whole(), q) <= reach
+        })
+    };
+    let edge = |mut bad: f64, mut good: f64| {
+        for _ in 0..40 {
+            let middle = 0.5 * (bad + good);
+            if counts(middle) {
+                good = middle;
+            } else {
+                bad = middle;
+            }
+        }
+        good
+    };
+    let mut passes = Vec::new();
+    for [lo, hi] in stretches(mirror, foot, along, ends) {
+        // A ridge is where one panel ends and the other begins; a hair off it tells which.
+        let hair = 1e-9 * (hi - lo);
+        let (lo, hi) = (lo + hair, hi - hair);
+        let steps = ((hi - lo) / step).ceil().max(1.0) as usize;
+        let at = |k: usize| lo + (hi - lo) * k as f64 / steps as f64;
+        let good: Vec<bool> = (0..=steps).map(|k| counts(at(k))).collect();
+        let mut next = 0;
+        for run in good.chunk_by(|a, b| a == b) {
+            let (begin, end) = (next, next + run.len() - 1);
+            next += run.len();
+            if !run[0] {
+                continue;
+            }
+            let from = if begin > 0 { edge(at(begin - 1), at(begin)) } else { at(begin) };
+            let to = if end < steps { edge(at(end + 1), at(end)) } else { at(end) };
+            let steps = ((to - from) / step).ceil().max(1.0) as usize;
+            let step = (to - from) / steps as f64;
+            let centre = |k: usize| {
+                let t = from + step * k as f64;
+                let place = place(t).ok_or(MachiningError::Lost { at: foot + along * t })?;
+                Ok(centre(&place, ball, along))
+            };
+            let centres = (0..=steps).map(centre).collect::<Result<_, MachiningError>>()?;
+            passes.push(Pass { along, start: from, step, centres });
+        }
+    }
+    Ok(passes)
+}
+
+/// The parts of a line that lie on one panel each.
+fn stretches(mirror: &Mirror, foot: DVec2, along: DVec2, [lo, hi]: [f64; 2]) -> Vec<[f64; 2]> {
+    let ridge = -foot.y / along.y;
+    if mirror.folded && along.y != 0.0 && ridge > lo && ridge < hi {
+        vec![[lo, ridge], [ridge, hi]]
+    } else {
+        vec![[lo, hi]]
+    }
+}
+
+/// The centre of the ball on `place`, and its derivative as the place moves along the plan's `along`.
+fn centre(place: &Place, ball: f64, along: DVec2) -> [DVec3; 2] {
+    let g = place.stretch();
+    let turn = place.bend.times(along);
+    let steeper = place.slope.dot(turn) / g;
+    let up = (-place.slope).extend(1.0);
+    let normal = (-turn).extend(0.0) / g - up * (steeper / (g * g));
+    [place.at + place.normal() * ball, along.extend(place.slope.dot(along)) + normal * ball]
+}
+
+/// The passes along the ridge of a folded mirror, their parameter x of the chart: where it is a valley
+/// the ball touches both panels, where it is a crest first one and then the other.
+fn ridge(mirror: &Mirror, ball: f64, step: f64) -> Vec<Pass> {
+    if !mirror.folded {
+        return Vec::new();
+    }
+    let bounds = mirror.outline.bounds();
+    // Beyond both ends, as lines are.
+    let over = 4.0 * step;
+    let (start, end) = (bounds.min.x - over, bounds.max.x + over);
+    let steps = ((end - start) / step).ceil() as usize;
+    let step = (end - start) / steps as f64;
+    let centre = |k: usize| {
+        let x = start + step * k as f64;
+        let foot = foot(mirror, x, ball);
+        let place = Place::of(mirror, foot.unwrap_or(DVec2::new(x, 0.0)));
+        (foot.is_some(), place.at + place.normal() * ball)
+    };
+    let all: Vec<(bool, DVec3)> = (0..=steps).map(centre).collect();
+    let (mut passes, mut next) = (Vec::new(), 0);
+    for run in all.chunk_by(|a, b| a.0 == b.0) {
+        let start = start + step * next as f64;
+        next += run.len();
+        let last = run.len() - 1;
+        if last == 0 {
+            continue;
+        }
+        // Differences, on one side at the ends.
+        let pass = |flip: f64| {
+            let at = |k: usize| run[k].1 * DVec3::new(1.0, flip, 1.0);
+            let turn = |k: usize| {
+                let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+                (at(b) - at(a)) / (step * (b - a) as f64)
+            };
+            let centres = (0..=last).map(|k| [at(k), turn(k)]).collect();
+            Pass { along: DVec2::X, start, step, centres }
+        };
+        // In a valley the centre is over its bottom.
+        let flips = if run[0].0 { &[0.0][..] } else { &[1.0, -1.0] };
+        passes.extend(flips.iter().map(|&flip| pass(flip)));
+    }
+    passes
+}
+
+impl Pass {
+    /// Lowest Z of the balls over `xy`; none where none comes there.
+    fn height(&self, xy: DVec2, ball: f64) -> Option<f64> {
+        let last = self.centres.len() - 1;
+        let under = |centre: DVec3| {
+            let square = ball * ball - (xy - centre.truncate()).length_squared();
+            (square > 0.0).then(|| centre.z - square.sqrt())
+        };
+        // Balls that do not come there count for higher the farther they are.
+        let node = |k: usize| {
+            let centre = self.centres[k][0];
+            under(centre).unwrap_or(1e9 + (xy - centre.truncate()).length())
+        };
+        let guess = (xy.dot(self.along) - self.start) / self.step;
+        let mut k = (guess.round().max(0.0) as usize).min(last);
+        let mut least = node(k);
+        for up in [true, false] {
+            loop {
+                let next = if up { k + 1 } else { k.wrapping_sub(1) };
+                if next > last {
+                    break;
+                }
+                let height = node(next);
+                if !(height < least) {
+                    break;
+                }
+                (k, least) = (next, height);
+            }
+        }
+        if least >= 1e9 {
+            return None;
+        }
+        if last == 0 {
+            return Some(least);
+        }
+        // Newton's method between the neighbours of the lowest point.
+        let (lo, hi) = (k.saturating_sub(1) as f64, (k + 1).min(last) as f64);
+        let mut t = k as f64;
+        for _ in 0..4 {
+            let [c, d, e] = self.at(t);
+            let away = xy - c.truncate();
+            let square = ball * ball - away.length_squared();
+            if !(square > 0.0) {
+                break;
+            }
+            least = least.min(c.z - square.sqrt());
+            let (root, drift) = (square.sqrt(), away.dot(d.truncate()));
+            let slope = d.z - drift / root;
+            let bend = e.z
+                + (d.truncate().length_squared() - away.dot(e.truncate())) / root
+                + drift * drift / (root * square);
+            if !(bend > 0.0) {
+                break;
+            }
+            t = (t - slope / bend).clamp(lo, hi);
+        }
+        Some(under(self.at(t)[0]).map_or(least, |height| height.min(least)))
+    }
+
+    /// The centre at `t` steps from the first, with its first two derivatives by t.
+    fn at(&self, t: f64) -> [DVec3; 3] {
+        let k = (t.floor() as usize).min(self.centres.len() - 2);
+        let s = t - k as f64;
+        let ([a, da], [b, db]) = (self.centres[k], self.centres[k + 1]);
+        let (da, db) = (da * self.step, db * self.step);
+        // a + s (da + s (p + s q)).
+        let p = 3.0 * (b - a) - 2.0 * da - db;
+        let q = 2.0 * (a - b) + da + db;
+        [a + s * (da + s * (p + s * q)), da + s * (2.0 * p + 3.0 * s * q), 2.0 * p + 6.0 * s * q]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Outline;
+    use crate::machining::Scallop;
+    use crate::machining::place::tests::quadric;
+    use crate::num::{radians, tan};
+
+    const CORNERS: [DVec2; 2] = [DVec2::splat(-4.0), DVec2::splat(4.0)];
+
+    fn passes(terms: [f64; 3], raster: Raster) -> (Mirror, Passes) {
+        let mirror = quadric(terms, 0.0);
+        let passes = Passes::new(&mirror, CORNERS, raster).unwrap();
+        (mirror, passes)
+    }
+
+    #[test]
+    fn over_a_plane_the_cut_is_a_row_of_circles() {
+        for degrees in [0.0, 90.0, 33.0] {
+            let raster = Raster { ball_mm: 3.0, stepover_mm: 0.5, angle: radians(degrees) };
+            let (_, passes) = passes([0.0; 3], raster);
+            for k in 0..200 {
+                let xy = DVec2::new(f64::from(k % 20) * 0.4 - 3.9, f64::from(k / 20) * 0.81 - 3.9);
+                let u = xy.dot(raster.along().perp()) / 0.5;
+                let off = 0.5 * (u.ceil() - 0.5 - u);
+                let exact = 7.0 + 3.0 - (9.0 - off * off).sqrt();
+                assert!((passes.height(xy).unwrap() - exact).abs() < 1e-13, "{degrees} {xy}");
+            }
+        }
+    }
+
+    /// On bent ground the cut differs from the formula of [`Scallop`] by what is smaller by a power of
+    /// the stepover: its slope, of first order, by the second order at most.
+    #[test]
+    fn scallops_converge_to_the_formula_on_twisted_ground() {
+        for (terms, degrees) in
+            [([-0.04, 0.0, -0.02], 0.0), ([0.05, 0.03, -0.06], 20.0), ([0.02, -0.07, 0.03], 110.0)]
+        {
+            let off = |w: f64| {
+                let raster = Raster { ball_mm: 2.0, stepover_mm: w, angle: radians(degrees) };
+                let (mirror, passes) = passes(terms, raster);
+                let across = raster.along().perp();
+                let mut worst = 0.0f64;
+                for k in 0..40 {
+                    let near = DVec2::new(f64::from(k % 8) - 3.5, f64::from(k / 8) * 1.4 - 2.8);
+                    // The nearest cusp, half way between two lines.
+                    let cusp =
+                        near + across * (w * (near.dot(across) / w).round() - near.dot(across));
+                    let place = Place::of(&mirror, cusp);
+                    let left = (passes.height(cusp).unwrap() - place.at.z) / place.stretch();
+                    let scallop = Scallop::new(&place, 2.0, raster.along()).unwrap();
+                    worst = worst.max((left / scallop.height_mm(w).unwrap() - 1.0).abs());
+                }
+                worst
+            };
+            let found = [0.2, 0.1, 0.05].map(off);
+            assert!(found[2] < 0.01 && found[1] < 0.6 * found[0], "{terms:?}: {found:?}");
+            assert!(found[2] < 0.6 * found[1], "{terms:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_roof_upside_down_is_cut_to_a_fillet_of_the_balls_radius() {
+        // Z = 7 + |Y| tan(30 deg): the ball touches at |Y| = R sin 30.
+        use crate::geom::{Chart, Rect};
+        use crate::mirror::{Sheet, Surface};
+        use crate::num::legendre::Series;
+        let steep = tan(radians(30.0));
+        let series = Series::from_fn(1, 2, |_, _| 2.0 * steep);
+        let half = DVec2::new(4.0, 2.0);
+        let rect = Rect { min: DVec2::new(-4.0, 0.0), max: DVec2::splat(4.0) };
+        let mirror = Mirror {
+            surface: Surface::Tensor(Sheet {
+                series,
+                centre: DVec2::new(0.0, 2.0),
+                half,
+                scale_mm: 1.0,
+            }),
+            chart: Chart { vergence: 0.0, plane_mm: 7.0 },
+            outline: Outline::Rect(rect),
+            folded: true,
+            even: [true, false],
+        };
+        for degrees in [0.0, 90.0, 40.0] {
+            let raster = Raster { ball_mm: 2.0, stepover_mm: 0.1, angle: radians(degrees) };
+            let passes = Passes::new(&mirror, CORNERS, raster).unwrap();
+            let top = 7.0 + 2.0 / crate::num::cos(radians(30.0));
+            for k in 0..50 {
+                let xy = DVec2::new(3.9 - 0.15 * f64::from(k), 0.06 * f64::from(k) - 1.5);
+                let height = passes.height(xy).unwrap();
+                let exact = if xy.y.abs() < 1.0 {
+                    top - (4.0 - xy.y * xy.y).sqrt()
+                } else {
+                    7.0 + steep * xy.y.abs()
+                };
+                // Scallops of w^2 / 8 R on a slope of 30 degrees.
+                let above = height - exact;
+                assert!(above > -1e-12 && above < 1.4e-3, "{degrees} {xy}: {above}");
+            }
+        }
+    }
+}

@@ -1,0 +1,352 @@
+//! The whole face before a raster: how steep and hollow it is, what scallops do to its pixels, which
+//! direction is best, and which stepover keeps a budget.
+
+use super::{MachiningError, Place, Raster, Scallop, touches};
+use crate::geom::{DVec2, Outline};
+use crate::mirror::{Mirror, Surface};
+use crate::num::stats::Summary;
+use crate::num::{Dual, Scalar, degrees, radians};
+use crate::optics::{Camera, View};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Samples of the face along each axis of a panel, the rim among them.
+const SAMPLES: usize = 96;
+/// About how many pixels are looked at.
+const PIXELS: f64 = 12_000.0;
+/// Directions that are tried before the best is refined.
+const DIRECTIONS: usize = 180;
+/// Directions that differ by less than this share are as good as each other.
+const SAME: f64 = 1e-3;
+
+/// A number and where it is reached.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Extreme {
+    /// The number, in the unit of its key.
+    pub value: f64,
+    /// X, Y, Z, mm.
+    pub at_mm: [f64; 3],
+}
+
+/// What a raster leaves on the unpolished face.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figures {
+    /// Highest scallop, square to the mirror, um.
+    pub scallop_um: Extreme,
+    /// Error of the slope in the plan, root of the mean square over the pixels.
+    pub slope_rms: f64,
+    /// Its largest value.
+    pub slope_max: f64,
+    /// How far scallops displace the image, pixels; none without a projection. P95 and RMS are over the
+    /// pixels and over the scallops' slopes in each.
+    pub pixel_error_px: Option<Summary>,
+}
+
+/// The best direction of a raster by one measure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Direction {
+    /// From X towards Y, degrees in 0..180.
+    pub angle_deg: f64,
+    /// The measure there over that of the worst direction.
+    pub of_worst: f64,
+    /// Whether all directions are as good, within a thousandth.
+    pub any: bool,
+}
+
+impl Direction {
+    /// Of a mirror that has no best direction.
+    const ANY: Self = Self { angle_deg: 0.0, of_worst: 1.0, any: true };
+}
+
+/// A pixel's place, and how far the image moves for each unit of the slope along X and along Y, pixels.
+#[derive(Debug, Clone, Copy)]
+struct Pixel {
+    place: Place,
+    moves: Option<[DVec2; 2]>,
+}
+
+/// A mirror's face, sampled.
+#[derive(Debug, Clone)]
+pub struct Survey<'a> {
+    mirror: &'a Mirror,
+    face: Vec<(DVec2, Place)>,
+    pixels: Vec<Pixel>,
+    projected: bool,
+}
+
+impl<'a> Survey<'a> {
+    /// Samples the face, rim included, and every few of the camera's pixels that see it.
+    #[must_use]
+    pub fn new(mirror: &'a Mirror, camera: &Camera, view: Option<&View>) -> Self {
+        let panel = mirror.outline.samples(SAMPLES).concat();
+        let flip = DVec2::new(1.0, -1.0);
+        let images = panel.iter().map(|(q, _)| *q * flip).filter(|_| mirror.folded);
+        let places: Vec<DVec2> = panel.iter().map(|(q, _)| *q).chain(images).collect();
+        let face = places.par_iter().map(|&q| (q, Place::of(mirror, q))).collect();
+        let [columns, rows] = camera.pixels;
+        let stride = (f64::from(columns) * f64::from(rows) / PIXELS).sqrt().floor().max(1.0) as u32;
+        let row = |row: u32| {
+            let centre = move |k: u32| f64::from(k * stride + stride / 2) + 0.5;
+            let points =
+                (0..columns.div_ceil(stride)).map(centre).filter(|&x| x < f64::from(columns));
+            let y = centre(row);
+            points
+                .filter(|_| y < f64::from(rows))
+                .filter_map(|x| pixel(mirror, camera, view, camera.image_point(x, y)))
+                .collect::<Vec<_>>()
+        };
+        let pixels: Vec<Vec<Pixel>> = (0..rows.div_ceil(stride)).into_par_iter().map(row).collect();
+        Self { mirror, face, pixels: pixels.concat(), projected: view.is_some() }
+    }
+
+    /// The place of the face where `measure` is largest: the samples' best, refined by a compass search.
+    #[must_use]
+    pub fn largest(&self, measure: impl Fn(&Place) -> f64) -> (f64, Place) {
+        let whole = self.mirror.whole();
+        let first = self.face[0];
+        let start = (measure(&first.1), first);
+        let (mut most, (mut q, mut place)) = self.face.iter().fold(start, |best, &sample| {
+            let value = measure(&sample.1);
+            if value > best.0 { (value, sample) } else { best }
+        });
+        let size = whole.bounds().size().max_element();
+        let mut step = size / SAMPLES as f64;
+        while step > 1e-9 * size {
+            let ways = [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)];
+            let around = ways.into_iter().flat_map(|way| [q + way * step, q - way * step]);
+            let better = around
+                .filter(|&q| whole.contains(q))
+                .map(|q| (q, Place::of(self.mirror, q)))
+                .map(|(q, place)| (measure(&place), q, place))
+                .find(|found| found.0 > most);
+            match better {
+                Some(found) => (most, q, place) = found,
+                None => step *= 0.5,
+            }
+        }
+        (most, place)
+    }
+
+    /// Slope of the steepest place of the face, degrees from the horizontal plane.
+    #[must_use]
+    pub fn steepest_deg(&self) -> Extreme {
+        let (slope, place) = self.largest(|place| place.slope.length());
+        Extreme { value: degrees(crate::num::atan(slope)), at_mm: place.at.to_array() }
+    }
+
+    /// The least radius of curvature of a hollow normal section, mm: no larger ball fits. None where the
+    /// face is hollow in no direction.
+    #[must_use]
+    pub fn least_hollow_mm(&self) -> Option<Extreme> {
+        let (most, place) = self.largest(Place::hollow);
+        let size = self.mirror.whole().bounds().size().max_element();
+        (most * size > 1e-9).then(|| Extreme { value: 1.0 / most, at_mm: place.at.to_array() })
+    }
+
+    /// Lowest and highest Z of the face, mm.
+    #[must_use]
+    pub fn heights_mm(&self) -> [f64; 2] {
+        [-self.largest(|place| -place.at.z).0, self.largest(|place| place.at.z).0]
+    }
+
+    /// The scallops that `raster` leaves where its ball fits.
+    ///
+    /// # Errors
+    /// [`MachiningError::Apart`] when somewhere the lines are farther apart than the ball's radius (there
+    /// scallops are no small errors), [`MachiningError::Nowhere`] when the ball fits nowhere.
+    pub fn figures(&self, raster: &Raster) -> Result<Figures, MachiningError> {
+        let Raster { ball_mm, stepover_mm, .. } = *raster;
+        for (place, scallop) in self.face.iter().filter_map(|(_, place)| self.cut(place, raster)) {
+            let apart_mm = scallop.apart * stepover_mm;
+            if !(apart_mm <= scallop.radius_mm) {
+                let at = place.at.truncate();
+                return Err(MachiningError::Apart { stepover_mm, ball_mm, apart_mm, at });
+            }
+        }
+        let (highest, place) = self.largest(|place| {
+            let height = self.cut(place, raster).and_then(|(_, s)| s.height_mm(stepover_mm));
+            height.unwrap_or(f64::NEG_INFINITY)
+        });
+        let slopes = self.over_pixels(raster, |_, scallop| Some(scallop.slope(stepover_mm)));
+        let (true, Some(slopes)) = (highest.is_finite(), spread(slopes)) else {
+            let least_mm = self.least_hollow_mm().map(|least| least.value);
+            return Err(MachiningError::Nowhere { ball_mm, least_mm });
+        };
+        let scallop_um = Extreme { value: 1e3 * highest, at_mm: place.at.to_array() };
+        let pixel_error_px = spread(self.displacements(raster));
+        Ok(Figures { scallop_um, slope_rms: slopes.rms, slope_max: slopes.max, pixel_error_px })
+    }
+
+    /// The direction whose root mean square of the pixel error is least; none without a projection.
+    #[must_use]
+    pub fn best_for_pixels(&self, raster: &Raster) -> Option<Direction> {
+        let measure = |angle: f64| {
+            let all = self.displacements(&Raster { angle, ..*raster });
+            (all.iter().map(|a| a * a).sum::<f64>() / all.len() as f64).sqrt()
+        };
+        let known = self.projected && !self.pixels.is_empty();
+        known.then(|| if self.round() { Direction::ANY } else { best(measure) })
+    }
+
+    /// The direction whose highest scallop is least.
+    #[must_use]
+    pub fn best_for_height(&self, raster: &Raster) -> Direction {
+        if self.round() {
+            return Direction::ANY;
+        }
+        best(|angle| {
+            let raster = Raster { angle, ..*raster };
+            let all = self.face.iter().filter_map(|(_, place)| self.cut(place, &raster));
+            // Heights grow with W^2 / r.
+            all.map(|(_, s)| s.apart * s.apart / s.radius_mm).fold(0.0, f64::max)
+        })
+    }
+
+    /// The stepover at which 95 % of the pixels and slopes are displaced by no more than `budget_px`, mm.
+    /// Displacements are proportional to the stepover.
+    #[must_use]
+    pub fn stepover_for_pixels(&self, raster: &Raster, budget_px: f64) -> Option<f64> {
+        let p95 = spread(self.displacements(raster))?.p95;
+        Some(raster.stepover_mm * budget_px / p95)
+    }
+
+    /// The largest stepover whose scallops are no higher than `height_mm` anywhere, mm.
+    #[must_use]
+    pub fn stepover_for_height(&self, raster: &Raster, height_mm: f64) -> Option<f64> {
+        let (least, _) = self.largest(|place| {
+            let scallop = self.cut(place, raster);
+            scallop.map_or(f64::NEG_INFINITY, |(_, s)| -s.stepover_mm(height_mm))
+        });
+        least.is_finite().then_some(-least)
+    }
+
+    /// How far neighbouring points along the lines may be for a chord's slope to be off by no more than
+    /// `share` of the scallops' own, mm.
+    #[must_use]
+    pub fn along_mm(&self, raster: &Raster, share: f64) -> f64 {
+        let along = raster.along();
+        let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
+        let steps = all.map(|(place, scallop)| {
+            share * scallop.slope(raster.stepover_mm) / along.dot(place.bend.times(along)).abs()
+        });
+        steps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the mirror looks the same from all sides.
+    fn round(&self) -> bool {
+        matches!(
+            (&self.mirror.surface, self.mirror.outline),
+            (Surface::Round(_), Outline::Ring { .. })
+        )
+    }
+
+    fn cut<'b>(&self, place: &'b Place, raster: &Raster) -> Option<(&'b Place, Scallop)> {
+        let fits = touches(self.mirror, place, raster.ball_mm);
+        let scallop = fits.then(|| Scallop::new(place, raster.ball_mm, raster.along()))??;
+        Some((place, scallop))
+    }
+
+    /// The largest displacement that the scallops cause in each pixel, pixels.
+    fn displacements(&self, raster: &Raster) -> Vec<f64> {
+        let across = raster.along().perp();
+        self.over_pixels(raster, |pixel, scallop| {
+            let [x, y] = pixel.moves?;
+            Some((x * across.x + y * across.y).length() * scallop.slope(raster.stepover_mm))
+        })
+    }
+
+    fn over_pixels(
+        &self,
+        raster: &Raster,
+        of: impl Fn(&Pixel, &Scallop) -> Option<f64>,
+    ) -> Vec<f64> {
+        let value = |pixel: &Pixel| {
+            let (_, scallop) = self.cut(&pixel.place, raster)?;
+            of(pixel, &scallop).filter(|x| x.is_finite())
+        };
+        self.pixels.iter().filter_map(value).collect()
+    }
+}
+
+fn pixel(mirror: &Mirror, camera: &Camera, view: Option<&View>, image: DVec2) -> Option<Pixel> {
+    let q = mirror.under(&camera.chart, image).filter(|&q| mirror.whole().aims(q))?;
+    let place = Place::of(mirror, q);
+    let reflected = mirror.reflects(q);
+    let designed = if reflected { place.reflected() } else { place };
+    let moves = view.map(|view| {
+        let near = if reflected { DVec2::new(image.x, -image.y) } else { image };
+        let at = designed.at.to_array().map(Dual::constant);
+        let slope = [Dual::variable(designed.slope.x, 0), Dual::variable(designed.slope.y, 1)];
+        let content: [Dual<2>; 2] = view.content(&camera.chart, at, slope, near);
+        let side = if reflected { -1.0 } else { 1.0 };
+        let by = |k: usize| DVec2::new(content[0].slope[k], content[1].slope[k]) / camera.pixel_mm;
+        [by(0), by(1) * side]
+    });
+    Some(Pixel { place, moves })
+}
+
+/// RMS, P95 and maximum of what is uniform from 0 to each of the `largest`; none without any.
+fn spread(largest: Vec<f64>) -> Option<Summary> {
+    if largest.is_empty() {
+        return None;
+    }
+    let count = largest.len() as f64;
+    let rms = (largest.iter().map(|a| a * a).sum::<f64>() / (3.0 * count)).sqrt();
+    let max = largest.iter().copied().fold(0.0, f64::max);
+    let below = |t: f64| largest.iter().map(|&a| if a <= t { 1.0 } else { t / a }).sum::<f64>();
+    let [mut lo, mut hi] = [0.0, max];
+    for _ in 0..60 {
+        let middle = 0.5 * (lo + hi);
+        if below(middle) < 0.95 * count { lo = middle } else { hi = middle }
+    }
+    Some(Summary { rms, p95: hi, max })
+}
+
+/// The direction where `measure` is least: the best of many, refined between its neighbours.
+fn best(measure: impl Fn(f64) -> f64 + Sync) -> Direction {
+    let angle = |k: usize| radians(180.0 * k as f64 / DIRECTIONS as f64);
+    let all: Vec<f64> = (0..DIRECTIONS).into_par_iter().map(|k| measure(angle(k))).collect();
+    let least = (1..DIRECTIONS).fold(0, |least, k| if all[k] < all[least] { k } else { least });
+    let worst = all.iter().copied().fold(0.0, f64::max);
+    if !(all[least] < (1.0 - SAME) * worst) {
+        return Direction::ANY;
+    }
+    let step = angle(1);
+    let (mut at, mut value) = (angle(least), all[least]);
+    let mut reach = 0.5 * step;
+    // To a thousandth of a degree, which no machine tells apart.
+    while reach > 1e-3 * step {
+        let sides = [at - reach, at + reach].map(|angle| (measure(angle), angle));
+        match sides.into_iter().find(|side| side.0 < value) {
+            Some(side) => (value, at) = side,
+            None => reach *= 0.5,
+        }
+    }
+    let turned = degrees(at).rem_euclid(180.0);
+    Direction { angle_deg: turned, of_worst: value / worst, any: false }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mixture_of_uniforms_has_its_own_percentile() {
+        let one = spread(vec![2.0; 10]).unwrap();
+        assert!((one.rms - 2.0 / 3f64.sqrt()).abs() < 1e-15 && (one.p95 - 1.9).abs() < 1e-12);
+        // Half at 1, half at 10: 0.5 + 0.5 t / 10 = 0.95 at t = 9.
+        let two = spread(vec![1.0, 10.0, 1.0, 10.0]).unwrap();
+        assert!((two.p95 - 9.0).abs() < 1e-12 && two.max == 10.0);
+        assert_eq!(spread(vec![]), None);
+    }
+
+    #[test]
+    fn the_best_direction_is_found_between_the_samples() {
+        let found = best(|t| 2.0 - crate::num::cos(2.0 * (t - radians(33.4567))));
+        assert!((found.angle_deg - 33.4567).abs() < 3e-3 && !found.any, "{found:?}");
+        assert!((found.of_worst - 1.0 / 3.0).abs() < 1e-4);
+        let wrapped = best(|t| 2.0 - crate::num::cos(2.0 * (t + radians(0.3))));
+        assert!((wrapped.angle_deg - 179.7).abs() < 3e-3);
+        assert!(best(|_| 1.0).any);
+    }
+}

@@ -1,0 +1,388 @@
+//! What a ball cutter makes of a profile's mirror: the survey, the map of where the ball does not fit, and
+//! the as-cut part, written, read back and traced.
+
+use super::examine::{Evidence, examine};
+use super::files::{Folder, sha256};
+use super::observer::Clock;
+use super::{Error, Observer, Source, Stage, designed, verdict};
+use crate::design::Design;
+use crate::export::{Label, stl_bytes, write_stl};
+use crate::geom::{Contour, DVec2, Outline, Precision, TriMesh};
+use crate::machining::{
+    self, FLOOR_MM, Fillet, Gouge, MachiningError, Passes, ROWS, Raster, Survey, corners, facets,
+    foot, outlines, rounded_up,
+};
+use crate::mirror::Mirror;
+use crate::num::{degrees, radians};
+use crate::profile::{Format, Profile};
+use crate::report::{
+    AsCutFacts, BestFacts, BudgetFacts, FileFacts, GougeFacts, Machining, ProfileId, ReachFacts,
+    SCHEMA, StockFacts, below, gouge_picture,
+};
+use crate::solid::Solid;
+use std::path::Path;
+
+/// How a mirror is to be cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cutting {
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of the raster's lines in the plan, mm.
+    pub stepover_mm: f64,
+    /// Their direction from X towards Y, degrees; none for the one that is best for the pixels, or for the
+    /// scallops' height where there is no projection.
+    pub angle_deg: Option<f64>,
+    /// Pixel error that 95 % of the unpolished face may not exceed.
+    pub budget_px: Option<f64>,
+    /// Height that no scallop may exceed, um.
+    pub scallop_um: Option<f64>,
+    /// What the stock stands over the part on its sides and on top, mm.
+    pub allowance_mm: f64,
+    /// Whether the as-cut part is made.
+    pub as_cut: bool,
+}
+
+/// The most facets of an as-cut face: an STL of 200 MB.
+const MOST_FACETS: f64 = 4e6;
+/// A ball's radius over the part's size, at most.
+const LARGEST: f64 = 10.0;
+/// What chords along the lines may add to the slopes of the scallops.
+const ALONG: f64 = 0.3;
+const FILE: &str = "as-cut.stl";
+
+/// Works out what `cutting` leaves of the mirror of `source`, and writes `gouge.png`, `machining.json` and, where
+/// the ball fits, `as-cut.stl` into `out`/NAME.
+///
+/// # Errors
+/// [`enum@Error`] when it cannot be done; then nothing under `out` has changed but for new, empty folders. (A
+/// ball that does not fit and a budget that is not kept are negative verdicts.)
+pub fn machining(
+    source: &Source,
+    cutting: &Cutting,
+    out: &Path,
+    observer: &dyn Observer,
+) -> Result<Machining, Error> {
+    let profile = &source.profile;
+    let refused = |source| Error::Machining { profile: profile.name.clone(), source };
+    check(cutting, profile.part.width_mm).map_err(refused)?;
+    let clock = Clock::new(observer);
+    let folder = Folder::create(&out.join(&profile.name))?;
+    let design = clock.stage(Stage::Design, || designed(source))?;
+    let mirror = &design.mirror;
+
+    let (survey, raster, gouge, mut found) = clock.stage(Stage::Cut, || {
+        let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
+        let (best, raster) = directed(&survey, cutting);
+        let outlines = outlines(mirror);
+        let gouge = Gouge::new(mirror, corners(&outlines), cutting.ball_mm);
+        let found = surveyed(profile, &design, cutting, &survey, (best, &raster), &gouge)
+            .map_err(refused)?;
+        let note = format!("scallops of {:.3} um at most", found.scallops.scallop_um.value);
+        Ok::<_, Error>(((survey, raster, gouge, found), note))
+    })?;
+    // A valley's fillet is cut as it is; hollow ground that the ball cannot reach is not.
+    let hollow = unreached(mirror, &gouge, &found);
+    if let (true, Some(reason)) = (cutting.as_cut, &hollow) {
+        found.warnings.push(format!("the as-cut part was not made: {reason}"));
+    }
+    found.reasons.extend(hollow.clone());
+
+    let mut files = Vec::new();
+    if cutting.as_cut && hollow.is_none() {
+        let mesh = clock.stage(Stage::Mesh, || {
+            let mesh = as_cut(mirror, &survey, &raster).map_err(refused)?;
+            let note = format!("{} optical triangles", mesh.triangles.len());
+            Ok::<_, Error>((mesh, note))
+        })?;
+        let optical_triangles = mesh.triangles.len();
+        let solid = clock.stage(Stage::Solid, || close(profile, &design, mesh))?;
+        folder.holds(stl_bytes(solid.mesh().triangles.len()))?;
+        let label = Label {
+            profile: profile.name.clone(),
+            sha256: profile.sha256.clone(),
+            tolerances: format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm),
+        };
+        let staged = clock.stage(Stage::Write, || {
+            let staged = folder.stage(FILE, |mut out| write_stl(&mut out, &solid, &label))?;
+            clock.written(staged.path());
+            Ok::<_, Error>((staged, FILE.to_owned()))
+        })?;
+        drop(solid);
+        let mut evidence = examine(&clock, profile, &design, Format::Stl, staged.read()?);
+        evidence.rename(FILE.to_owned());
+        evidence.altered = evidence.file.sha256 != staged.sha256();
+        found.reasons.extend(witnessed(&evidence));
+        let errors = evidence.trace.as_ref().and_then(|trace| trace.errors.facet_error_px);
+        if errors.is_some_and(|errors| errors.rms.is_nan()) {
+            found.warnings.push(format!(
+                "{FILE}: some pixels see what has no place in the image, and no pixel error; a smaller \
+                 stepover or a larger ball turns rays less"
+            ));
+        }
+        found.files.push(evidence.file);
+        found.as_cut = evidence.trace.map(|trace| AsCutFacts { optical_triangles, trace });
+        files.push(staged);
+    }
+    found.verdict = verdict::of(&found.reasons);
+
+    clock.stage(Stage::Report, || {
+        let png = gouge_picture(&gouge, cutting.ball_mm)
+            .map_err(|error| Error::Picture(error.to_string()))?;
+        found.files.push(FileFacts {
+            name: "gouge.png".to_owned(),
+            format: "png",
+            bytes: png.len() as u64,
+            sha256: sha256(&png),
+        });
+        files.push(folder.stage("gouge.png", |out| out.write_all(&png))?);
+        let json = found.json();
+        files.push(folder.stage("machining.json", |out| out.write_all(json.as_bytes()))?);
+        let stale = found.as_cut.is_none();
+        if stale {
+            folder.clears(FILE)?;
+        }
+        for staged in files {
+            staged.publish()?;
+        }
+        if stale {
+            folder.remove(FILE)?;
+        }
+        Ok::<_, Error>(((), folder.path().display().to_string()))
+    })?;
+    Ok(found)
+}
+
+/// Holds numbers from outside to what they can mean.
+fn check(cutting: &Cutting, width_mm: f64) -> Result<(), MachiningError> {
+    let positive = "positive and finite";
+    let bad = |option, must: &str, found| {
+        Err(MachiningError::Input { option, must: must.to_owned(), found })
+    };
+    for (option, found) in [
+        ("--ball-mm", Some(cutting.ball_mm)),
+        ("--stepover-mm", Some(cutting.stepover_mm)),
+        ("--budget-px", cutting.budget_px),
+        ("--scallop-um", cutting.scallop_um),
+    ] {
+        if let Some(found) = found.filter(|x| !(*x > 0.0 && x.is_finite())) {
+            return bad(option, positive, found);
+        }
+    }
+    if !(cutting.allowance_mm >= 0.0 && cutting.allowance_mm.is_finite()) {
+        return bad("--allowance-mm", "0 or positive, and finite", cutting.allowance_mm);
+    }
+    if let Some(angle) = cutting.angle_deg.filter(|angle| !(angle.abs() <= 360.0)) {
+        return bad("--angle-deg", "within +-360", angle);
+    }
+    let largest = LARGEST * width_mm;
+    if cutting.ball_mm > largest {
+        let must = format!("at most {largest}, ten times the part's width");
+        return bad("--ball-mm", &must, cutting.ball_mm);
+    }
+    let finest = 1e-6 * width_mm;
+    if let Some((option, found)) =
+        [("--ball-mm", cutting.ball_mm), ("--stepover-mm", cutting.stepover_mm)]
+            .into_iter()
+            .find(|(_, x)| *x < finest)
+    {
+        return bad(option, &format!("at least {finest}, a millionth of the part's width"), found);
+    }
+    if cutting.stepover_mm >= 2.0 * cutting.ball_mm {
+        let must = "less than the ball's diameter";
+        return bad("--stepover-mm", must, cutting.stepover_mm);
+    }
+    Ok(())
+}
+
+/// The best directions, and the raster in the one asked for or the best to a hundredth of a degree.
+fn directed(survey: &Survey, cutting: &Cutting) -> (BestFacts, Raster) {
+    let Cutting { ball_mm, stepover_mm, .. } = *cutting;
+    let raster = Raster { ball_mm, stepover_mm, angle: 0.0 };
+    let (pixels, height) = (survey.best_for_pixels(&raster), survey.best_for_height(&raster));
+    let best = (100.0 * pixels.unwrap_or(height).angle_deg).round() / 100.0;
+    let angle = radians(cutting.angle_deg.unwrap_or(best));
+    (BestFacts { pixels, height }, Raster { angle, ..raster })
+}
+
+/// Everything but the as-cut part.
+fn surveyed(
+    profile: &Profile,
+    design: &Design,
+    cutting: &Cutting,
+    survey: &Survey,
+    (best, raster): (BestFacts, &Raster),
+    gouge: &Gouge,
+) -> Result<Machining, MachiningError> {
+    let mirror = &design.mirror;
+    let scallops = survey.figures(raster)?;
+    let fillet = Fillet::new(mirror, &design.camera, cutting.ball_mm);
+    let most = gouge.most(|_| true);
+    let budget = BudgetFacts {
+        p95_px: cutting.budget_px,
+        stepover_for_px_mm: cutting.budget_px.and_then(|px| survey.stepover_for_pixels(raster, px)),
+        scallop_um: cutting.scallop_um,
+        stepover_for_scallop_mm: cutting
+            .scallop_um
+            .and_then(|um| survey.stepover_for_height(raster, 1e-3 * um)),
+    };
+    let mut reasons = Vec::new();
+    let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
+    let digits = |mm: Option<f64>| mm.map_or("none".to_owned(), |mm| format!("{} mm", below(mm)));
+    if let Some((error, budget_px)) =
+        scallops.pixel_error_px.and_then(|e| Some((e.p95, over(e.p95, cutting.budget_px)?)))
+    {
+        reasons.push(format!(
+            "the unpolished face has a pixel error of {error:.3} px (95 % of it), over {budget_px} px; \
+             a stepover of {} keeps it",
+            digits(budget.stepover_for_px_mm)
+        ));
+    }
+    if let Some(limit) = over(scallops.scallop_um.value, cutting.scallop_um) {
+        reasons.push(format!(
+            "scallops are up to {:.3} um high, over {limit} um; a stepover of {} keeps it",
+            scallops.scallop_um.value,
+            digits(budget.stepover_for_scallop_mm)
+        ));
+    }
+    if let Some(fillet) = &fillet {
+        reasons.push(format!(
+            "the ball leaves a fillet of {:.3} mm width in the valley, which takes {:.0} pixels",
+            fillet.width_max_mm, fillet.pixels
+        ));
+    }
+    let mut warnings = Vec::new();
+    if cutting.budget_px.is_some() && design.view.is_none() {
+        warnings
+            .push("without a projection there is no pixel error to hold a budget to".to_owned());
+    }
+    let [low, high] = survey.heights_mm();
+    let foot = design.stock.as_ref().map_or(0.0, |stock| stock.top_mm);
+    Ok(Machining {
+        schema: SCHEMA,
+        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+        ball_mm: cutting.ball_mm,
+        stepover_mm: cutting.stepover_mm,
+        angle_deg: degrees(raster.angle),
+        steepest_deg: survey.steepest_deg(),
+        least_hollow_mm: survey.least_hollow_mm(),
+        gouge: GougeFacts {
+            left_max_um: most.map_or(0.0, |most| 1e3 * most.0),
+            at_mm: most.map(|most| most.1.to_array()),
+            share: gouge.share(),
+            step_mm: gouge.step,
+        },
+        fillet,
+        scallops,
+        design_pixel_error_px: design.facts.pixel_error_px,
+        best,
+        budget,
+        reach: ReachFacts { face_mm: high - low, wall_mm: high - foot },
+        stock: stock(design, high, cutting.allowance_mm),
+        as_cut: None,
+        files: Vec::new(),
+        verdict: verdict::of(&reasons),
+        reasons,
+        warnings,
+    })
+}
+
+/// The box around the part, whose highest place is at `high`.
+fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
+    let size = match design.stock.as_ref().map(|stock| stock.contour) {
+        Some(Contour::Rect { half, .. }) => 2.0 * half,
+        Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
+        None => {
+            let [lo, hi] = corners(&outlines(&design.mirror));
+            hi - lo
+        }
+    };
+    let [x, y] = [size.x, size.y].map(|side| side + 2.0 * allowance_mm);
+    let z = high + allowance_mm;
+    let (volume_mm3, part_mm3) = (x * y * z, design.volume());
+    StockFacts {
+        size_mm: [x, y, z],
+        allowance_mm,
+        volume_mm3,
+        part_mm3,
+        removed_mm3: volume_mm3 - part_mm3,
+    }
+}
+
+/// Why the ball does not reach all of the face but a valley, if so.
+fn unreached(mirror: &Mirror, gouge: &Gouge, found: &Machining) -> Option<String> {
+    let ball = found.ball_mm;
+    if let Some(least) = found.least_hollow_mm.filter(|least| !(ball <= least.value)) {
+        let [x, y, _] = least.at_mm;
+        let left = match gouge.most(|_| true) {
+            Some((left, _)) => format!(
+                "; it leaves up to {:.3} um, and something on {:.2} % of the face",
+                1e3 * left,
+                100.0 * gouge.share()
+            ),
+            None => format!("; it leaves less than {} um", 1e3 * FLOOR_MM),
+        };
+        return Some(format!(
+            "the ball of {ball} mm does not fit: at X {x:.3} mm, Y {y:.3} mm the mirror is hollow with a radius of \
+             {:.4} mm{left}",
+            least.value
+        ));
+    }
+    // Beside a valley the map is as coarse as its steps.
+    let in_valley = |at: DVec2| {
+        let x = mirror.chart.coordinates(at.extend(mirror.chart.plane_mm)).0.x;
+        let Outline::Rect(panel) = mirror.outline else { return false };
+        let foot = foot(mirror, x.clamp(panel.min.x, panel.max.x), ball);
+        foot.is_some_and(|q| at.y.abs() <= q.y.abs() + 2.0 * gouge.step)
+    };
+    let (left, at) = gouge.most(|at| !in_valley(at))?;
+    Some(format!(
+        "the ball of {ball} mm does not fit: at X {:.3} mm, Y {:.3} mm other ground is in its way, and it leaves \
+         {:.3} um",
+        at.x,
+        at.y,
+        1e3 * left
+    ))
+}
+
+/// The as-cut face.
+fn as_cut(mirror: &Mirror, survey: &Survey, raster: &Raster) -> Result<TriMesh, MachiningError> {
+    let outlines = outlines(mirror);
+    let [lo, hi] = corners(&outlines);
+    let across = raster.stepover_mm / ROWS as f64;
+    let long = (hi - lo).max_element();
+    let along = survey.along_mm(raster, ALONG).min(0.02 * long).max(across);
+    let count = facets(&outlines, raster, along);
+    if !(count <= MOST_FACETS) {
+        let stepover_mm = raster.stepover_mm;
+        let least_mm = rounded_up(stepover_mm * (1.1 * count / MOST_FACETS).sqrt());
+        return Err(MachiningError::TooFine { stepover_mm, count, what: "facets", least_mm });
+    }
+    let passes = Passes::new(mirror, [lo, hi], *raster)?;
+    machining::face(&outlines, &passes, along)
+}
+
+fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, String), Error> {
+    let solid =
+        Solid::from_face(&mesh, design.stock.as_ref(), Precision::Single).map_err(|source| {
+            Error::Solid { profile: profile.name.clone(), format: Format::Stl, source }
+        })?;
+    let note = format!("{} triangles, closed", solid.mesh().triangles.len());
+    Ok((solid, note))
+}
+
+/// What the witness has against the as-cut part.
+fn witnessed(evidence: &Evidence) -> Vec<String> {
+    let mut reasons = Vec::new();
+    if evidence.altered {
+        reasons.push(verdict::ALTERED.to_owned());
+    }
+    reasons.extend(evidence.unreadable.as_ref().map(ToString::to_string));
+    if let Some(trace) = &evidence.trace {
+        reasons.extend(trace.solid.reasons.iter().cloned());
+        let ends = [(trace.missed, "miss the part"), (trace.back_face, "meet the back of a facet")];
+        for (count, what) in ends.into_iter().filter(|(count, _)| *count > 0) {
+            reasons.push(format!("{count} of {} rays aimed at the mirror {what}", trace.rays));
+        }
+    }
+    reasons.into_iter().map(|reason| format!("{FILE}: {reason}")).collect()
+}

@@ -1,0 +1,356 @@
+//! What a ball cutter makes of a mirror, as JSON and as a summary.
+
+use super::map::{Colour, Map, viridis};
+use super::text::{digits, errors_line, figures, short, solid_line, verdict_line};
+use super::{FileFacts, ProfileId, TraceFacts, Verdict};
+use crate::machining::{Direction, Extreme, FLOOR_MM, Figures, Fillet, Gouge};
+use crate::num::log;
+use crate::num::stats::{Summary, or_null};
+use crate::raster::EncodingError;
+use anstyle::Style;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// `machining.json`, schema 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Machining {
+    /// The version of the report's schema, whose rules hold for these keys too.
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of the raster's lines in the plan, mm.
+    pub stepover_mm: f64,
+    /// Their direction, from X towards Y.
+    pub angle_deg: f64,
+    /// The steepest place of the face, degrees from the horizontal plane.
+    pub steepest_deg: Extreme,
+    /// Least radius of curvature of hollow ground, mm; none where there is none.
+    pub least_hollow_mm: Option<Extreme>,
+    /// Where the ball does not fit.
+    pub gouge: GougeFacts,
+    /// What it leaves of a valley; none where there is none.
+    pub fillet: Option<Fillet>,
+    /// Scallops of the unpolished face, where the ball fits.
+    #[serde(flatten)]
+    pub scallops: Figures,
+    /// The designed mirror against the projection, pixels.
+    #[serde(serialize_with = "or_null")]
+    pub design_pixel_error_px: Option<Summary>,
+    /// Directions of the raster.
+    pub best: BestFacts,
+    /// Stepovers for the budgets that were given.
+    pub budget: BudgetFacts,
+    /// How deep the tool goes.
+    pub reach: ReachFacts,
+    /// What the part is cut from.
+    pub stock: StockFacts,
+    /// The as-cut part as the witness saw it; none when none was made.
+    pub as_cut: Option<AsCutFacts>,
+    /// The files written but for this one.
+    pub files: Vec<FileFacts>,
+    /// Pass, or why not.
+    pub verdict: Verdict,
+    /// Every reason.
+    pub reasons: Vec<String>,
+    /// What else to know.
+    pub warnings: Vec<String>,
+}
+
+/// Where the ball does not fit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GougeFacts {
+    /// Most that it leaves, um; 0 where it fits everywhere.
+    pub left_max_um: f64,
+    /// X and Y of that, mm.
+    pub at_mm: Option<[f64; 2]>,
+    /// Share of the face's area in the plan where it leaves something.
+    pub share: f64,
+    /// Distance of the places that were looked at, mm.
+    pub step_mm: f64,
+}
+
+/// The best directions of the raster.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BestFacts {
+    /// For the root mean square of the pixel error; none without a projection.
+    pub pixels: Option<Direction>,
+    /// For the height of the highest scallop.
+    pub height: Direction,
+}
+
+/// Budgets and the stepovers that keep them, at the raster's direction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BudgetFacts {
+    /// Pixel error that 95 % of the unpolished face may not exceed.
+    pub p95_px: Option<f64>,
+    /// The largest stepover for it, mm.
+    pub stepover_for_px_mm: Option<f64>,
+    /// Height that no scallop may exceed, um.
+    pub scallop_um: Option<f64>,
+    /// The largest stepover for it, mm.
+    pub stepover_for_scallop_mm: Option<f64>,
+}
+
+/// How deep the tool goes from the mirror's highest place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ReachFacts {
+    /// To the lowest place of the face, mm.
+    pub face_mm: f64,
+    /// To the foot of the wall around it, on the flat rim or the base, mm.
+    pub wall_mm: f64,
+}
+
+/// The box that the part is cut from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StockFacts {
+    /// Along X, Y and Z, mm, with the allowance.
+    pub size_mm: [f64; 3],
+    /// What stands over the part on each side and on top, mm.
+    pub allowance_mm: f64,
+    /// Volume of the box, mm^3.
+    pub volume_mm3: f64,
+    /// Volume of the part, mm^3.
+    pub part_mm3: f64,
+    /// What is cut away, mm^3.
+    pub removed_mm3: f64,
+}
+
+/// The as-cut part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AsCutFacts {
+    /// Facets of its optical face.
+    pub optical_triangles: usize,
+    /// The witness: `pixel_error_px` against the projection, `facet_error_px` against the designed mirror, which
+    /// is what the scallops do.
+    pub trace: TraceFacts,
+}
+
+impl Machining {
+    /// `machining.json`.
+    #[must_use]
+    pub fn json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("plain keys and values");
+        text.push('\n');
+        text
+    }
+
+    /// A readable summary, styled for terminals.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_text(&mut out);
+        out
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let bold = Style::new().bold();
+        writeln!(out, "{bold}{}{bold:#}  ({})", self.profile.name, short(&self.profile.sha256))?;
+        let Self { ball_mm, stepover_mm, angle_deg, .. } = self;
+        writeln!(
+            out,
+            "  tool     ball of {ball_mm} mm radius, lines {stepover_mm} mm apart in the plan, {angle_deg:.2} \
+             deg from X"
+        )?;
+        let at = |[x, y, _]: [f64; 3]| format!("X {}, Y {} mm", micron(x), micron(y));
+        let steepest = &self.steepest_deg;
+        let hollow = self.least_hollow_mm.map_or("hollow nowhere".to_owned(), |least| {
+            format!("least hollow radius {:.3} mm at {}", least.value, at(least.at_mm))
+        });
+        writeln!(
+            out,
+            "  face     steepest {:.2} deg at {}; {hollow}",
+            steepest.value,
+            at(steepest.at_mm)
+        )?;
+        let ReachFacts { face_mm, wall_mm } = self.reach;
+        writeln!(
+            out,
+            "  reach    {face_mm:.3} mm from the top to the lowest place of the face, {wall_mm:.3} mm to the foot \
+             of its wall"
+        )?;
+        let gouge = &self.gouge;
+        match gouge.at_mm {
+            None => writeln!(out, "  fit      the ball fits everywhere")?,
+            Some([x, y]) => writeln!(
+                out,
+                "  fit      the ball leaves up to {} um, at X {}, Y {} mm, on {:.2} % of the face",
+                digits(gouge.left_max_um),
+                micron(x),
+                micron(y),
+                100.0 * gouge.share
+            )?,
+        }
+        if let Some(fillet) = &self.fillet {
+            writeln!(
+                out,
+                "  valley   fillet of {:.3} mm width ({:.3} mm mean), up to {:.3} mm high: {:.0} pixels",
+                fillet.width_max_mm, fillet.width_mean_mm, fillet.left_max_mm, fillet.pixels
+            )?;
+        }
+        let Figures { scallop_um, slope_rms, slope_max, pixel_error_px } = &self.scallops;
+        writeln!(
+            out,
+            "  scallops {} um at most, at {}; slope {} rms, {} max",
+            digits(scallop_um.value),
+            at(scallop_um.at_mm),
+            digits(*slope_rms),
+            digits(*slope_max)
+        )?;
+        match pixel_error_px {
+            Some(_) => writeln!(
+                out,
+                "  pixels   unpolished {} px; the design alone {} px",
+                figures(*pixel_error_px),
+                figures(self.design_pixel_error_px)
+            )?,
+            None => writeln!(out, "  pixels   not known without a projection")?,
+        }
+        writeln!(out, "  best     {}", self.best_line())?;
+        let BudgetFacts { p95_px, stepover_for_px_mm, scallop_um, stepover_for_scallop_mm } =
+            self.budget;
+        let budgets = [
+            (p95_px, stepover_for_px_mm, "px (95 % of the face)"),
+            (scallop_um, stepover_for_scallop_mm, "um of scallop"),
+        ];
+        for (budget, stepover, unit) in budgets {
+            if let (Some(budget), Some(stepover)) = (budget, stepover) {
+                writeln!(out, "  budget   {budget} {unit}: a stepover of {} mm", below(stepover))?;
+            }
+        }
+        let StockFacts { size_mm: [x, y, z], volume_mm3, part_mm3, removed_mm3, .. } = self.stock;
+        writeln!(
+            out,
+            "  stock    {x:.3} x {y:.3} x {z:.3} mm, {volume_mm3:.0} mm^3; the part {part_mm3:.0}, cut away \
+             {removed_mm3:.0}"
+        )?;
+        if let Some(AsCutFacts { optical_triangles, trace }) = &self.as_cut {
+            writeln!(
+                out,
+                "  as cut   {optical_triangles} optical triangles; {} of {} rays hit, {} missed, {} shadowed, {} met \
+                 a back face",
+                trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
+            )?;
+            if pixel_error_px.is_some() {
+                writeln!(out, "           {} (against the design)", errors_line(&trace.errors))?;
+            }
+            if !trace.solid.reasons.is_empty() {
+                writeln!(out, "           {}", solid_line(&trace.solid))?;
+            }
+        }
+        for file in &self.files {
+            writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
+        }
+        for reason in &self.reasons {
+            writeln!(out, "  - {reason}")?;
+        }
+        verdict_line(out, self.verdict)
+    }
+
+    fn best_line(&self) -> String {
+        let of = |direction: Direction, what: &str| {
+            if direction.any {
+                return format!("no direction is better than another for {what}");
+            }
+            format!(
+                "{:.2} deg from X for {what} ({:.3} of the worst direction's)",
+                direction.angle_deg, direction.of_worst
+            )
+        };
+        let BestFacts { pixels, height } = self.best;
+        let mut parts: Vec<String> = pixels.map(|d| of(d, "the pixel error")).into_iter().collect();
+        parts.push(of(height, "the scallops' height"));
+        if pixels.unwrap_or(height).any && height.any {
+            parts.push("a spiral about the axis does as well".into());
+        }
+        parts.join("; ")
+    }
+}
+
+/// A coordinate in mm to the micrometre, without the sign of a zero.
+fn micron(mm: f64) -> String {
+    format!("{:.3}", (mm * 1e3).round() / 1e3 + 0.0)
+}
+
+/// Four digits of a limit that must not be passed: rounded down.
+#[must_use]
+pub fn below(limit: f64) -> String {
+    let mut decimals = 3;
+    while decimals < 9 && limit * f64::from(10u32.saturating_pow(decimals)) < 1e3 {
+        decimals += 1;
+    }
+    let unit = f64::from(10u32.saturating_pow(decimals));
+    ((limit * unit).floor() / unit).to_string()
+}
+
+/// Where there is no mirror, and where the ball leaves nothing.
+const NO_MIRROR: Colour = [255; 3];
+const FITS: Colour = [200, 200, 204];
+
+/// `gouge.png`: what a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from
+/// [`FLOOR_MM`].
+///
+/// # Errors
+/// What the encoder reports.
+pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingError> {
+    let [columns, rows] = gouge.size;
+    let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
+    let most = gouge.left.iter().flatten().copied().fold(FLOOR_MM, f64::max);
+    let decades = (over(most) - 1e-9).ceil().max(1.0);
+    let colour = |left: Option<f64>| match left {
+        None => NO_MIRROR,
+        Some(..FLOOR_MM) => FITS,
+        Some(mm) => viridis(over(mm) / decades),
+    };
+    let row = |row: usize| gouge.left[row * columns..][..columns].iter();
+    // In um: tenths of a power of ten are exact.
+    let mut power = 1e4 * FLOOR_MM;
+    let mut tick = || {
+        let text = (0.1 * power).to_string();
+        power *= 10.0;
+        text
+    };
+    let map = Map {
+        pixels: [columns as u32, rows as u32],
+        colours: (0..rows).rev().flat_map(row).map(|left| colour(*left)).collect(),
+        title: format!("left by a ball of {ball_mm} mm radius, um"),
+        ramp: viridis,
+        ticks: (0..=decades as usize).map(|_| tick()).collect(),
+        keys: vec![(FITS, format!("fits: less than {} um", 1e3 * FLOOR_MM))],
+    };
+    map.png_to_scale(gouge.step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::DVec2;
+
+    #[test]
+    fn limits_are_rounded_down() {
+        for (limit, text) in [(0.123_59, "0.1235"), (12.3459, "12.345"), (0.001_239_9, "0.001239")]
+        {
+            assert_eq!(below(limit), text);
+        }
+    }
+
+    #[test]
+    fn the_map_has_y_upwards_and_the_colours_of_its_decades() {
+        let left = vec![Some(0.0), None, Some(1e-1), Some(1e-2)];
+        let gouge = Gouge { size: [2, 2], first: DVec2::ZERO, step: 0.5, left };
+        let png = gouge_picture(&gouge, 3.0).unwrap();
+        let mut reader = ::png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut rgb).unwrap();
+        let (width, cell) = (info.width as usize, 320);
+        let at = |x: usize, y: usize| {
+            let start = 3 * ((y * cell + cell / 2) * width + x * cell + cell / 2);
+            [rgb[start], rgb[start + 1], rgb[start + 2]]
+        };
+        // 100 um is three decades over 0.1 um, the upper end; 10 um are two.
+        assert_eq!([at(0, 0), at(1, 0)], [viridis(1.0), viridis(2.0 / 3.0)]);
+        assert_eq!([at(0, 1), at(1, 1)], [FITS, NO_MIRROR]);
+    }
+}
