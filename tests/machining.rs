@@ -211,7 +211,9 @@ fn as_cut_parts_with_all_that_is_around_a_mirror_are_solids() {
         let found = cut(&profile, cutting, folder.path());
         assert_eq!((found.verdict, &found.reasons[..]), (Verdict::Pass, &[][..]), "{what}");
         let trace = found.as_cut.unwrap().trace;
-        assert_eq!((trace.hit, trace.missed), (trace.rays, 0), "{what}");
+        // Scallops may shadow a few of the rays that all but graze the mirror.
+        assert_eq!((trace.missed, trace.back_face), (0, 0), "{what}");
+        assert!(trace.shadowed * 10_000 < trace.rays, "{what}: {}", trace.shadowed);
         // The annulus turns some rays to where the law has no image.
         let nowhere = trace.errors.facet_error_px.unwrap().rms.is_nan();
         let warned = found.warnings.iter().any(|w| w.contains("no place in the image"));

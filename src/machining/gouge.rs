@@ -7,15 +7,11 @@ use crate::optics::Camera;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What is no more is rounding, as a share of the ball's radius: where panels meet without an edge neither is
-/// in the way.
-const HAIR: f64 = 1e-9;
-
 /// Whether a ball that touches the mirror at `place` stays on its own side of the ridge of a folded
 /// mirror: in a valley the other panel is in the way of one that does not.
 #[must_use]
 pub fn touches(mirror: &Mirror, place: &Place, ball_mm: f64) -> bool {
-    !mirror.folded || clear(place, ball_mm) >= -HAIR * ball_mm
+    !mirror.folded || clear(place, ball_mm) >= 0.0
 }
 
 /// How far the centre of a ball on `place` is from the plane of the ridge, on the place's own side, mm.
@@ -88,7 +84,8 @@ pub fn foot(mirror: &Mirror, x: f64, ball_mm: f64) -> Option<DVec2> {
     };
     const STEPS: usize = 64;
     let share = |k: usize| k as f64 / STEPS as f64;
-    if clear(0.0) >= -HAIR * ball_mm {
+    // Where the panels meet without an edge, what is less is rounding.
+    if clear(0.0) >= -1e-9 * ball_mm {
         return None;
     }
     let Some(first) = (1..=STEPS).find(|&k| clear(share(k)) >= 0.0) else { return Some(at(1.0)) };

@@ -108,13 +108,19 @@ impl Passes {
         if !(low < 0.0 && high > 0.0) {
             return None;
         }
-        // The difference is almost straight: false position, then a step of Newton's method with the
-        // slope of the parabola through the three places.
+        // The difference is almost straight: false position, a step of Newton's method with the slope of the
+        // parabola through the three places, and one of the secant through the last two.
         let off = from + (to - from) * low / (low - high);
         let value = higher(off)?;
         let slope =
             (value - low) / (off - from) + (high - value) / (to - off) - (high - low) / (to - from);
-        (slope > 0.0).then(|| (off - value / slope).clamp(from, to))
+        if !(slope > 0.0) {
+            return None;
+        }
+        let next = (off - value / slope).clamp(from, to);
+        let left = higher(next)?;
+        let last = next - left * (next - off) / (left - value);
+        Some(if last.is_finite() { last.clamp(from, to) } else { next })
     }
 
     /// Height of the cut surface over (X, Y), mm; none where no pass comes.
