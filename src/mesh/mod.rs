@@ -4,7 +4,8 @@
 //! place (`cell`); a lattice of such cells is packed into the rim (`rim`, `pack`), triangulated by
 //! spade and improved by the model (`plane`, `net`). This coarse mesh (`draft`) is cut into facets
 //! (`subdivide`), every one of which is proven over its whole area (`proof`, `tight`); around those
-//! that fail corners are moved, edges flipped, and facets split (`refine`).
+//! that fail corners are moved and edges flipped, by what the mirror does at the corners (`corner`),
+//! and facets split where that does not do (`refine`).
 //!
 //! All of that happens in the mirror's chart, where facets are flat too (`geom::Chart`). A symmetric
 //! panel is meshed on one half or quarter, a folded mirror on one panel: displacements of the image
@@ -12,6 +13,7 @@
 
 mod budget;
 mod cell;
+mod corner;
 mod deviation;
 mod draft;
 mod ground;

@@ -2,12 +2,13 @@
 //! its image does with slopes, and the limits that rounding leaves. Facets are shaped by these;
 //! whether they hold is for the proof to say.
 
-use super::proof::largest_deviation;
+use super::deviation::{Triangle, largest_deviation};
+use super::proof::{Vertex, gradient_of};
 use super::region::Sight;
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Outline, Precision, Rect};
 use crate::mirror::Curvature;
-use crate::num::{Dual, exp};
+use crate::num::{Dual, exp, larger};
 use glam::DMat2;
 use rayon::prelude::*;
 
@@ -21,6 +22,10 @@ const LIKELY: f64 = 0.7;
 pub const SLENDER: f64 = 4.0;
 /// The least curvature in any direction, as a share of the largest, for such cells.
 const FLAT: f64 = 1.0 / (SLENDER * SLENDER);
+
+/// What of the model's excess counts beside what is known of the mirror at a facet's corners: between
+/// these, long facets do not keep what their corners say.
+const FORESEEN: f64 = 0.1;
 
 /// The model at one place.
 #[derive(Debug, Clone, Copy)]
@@ -138,6 +143,22 @@ impl Needs {
         let by_chord = chord_mm.map_or(0.0, |limit| place.chord(a, b) / (limit - place.rounding));
         let by_facet = facet_mm.map_or(0.0, |limit| place.facet_squared(a, b) / (limit * limit));
         by_chord.max(by_facet)
+    }
+
+    /// The same of a facet of which is known what the mirror does at its corners.
+    pub fn excess_of(&self, place: &Place, t: [&Vertex; 3]) -> f64 {
+        let Limits { chord_mm, facet_mm, .. } = self.limits;
+        let q = t.map(|v| v.q);
+        let by_chord = chord_mm.map_or(0.0, |limit| {
+            let [ab, bc, ca] = Triangle::new(q).curves(t.map(|v| v.gradient));
+            largest_deviation(ab, bc, ca) * place.stretch / (limit - place.rounding)
+        });
+        let by_facet = facet_mm.map_or(0.0, |limit| {
+            let flat = gradient_of(q, t.map(|v| v.h));
+            let shift = |v: &Vertex| (place.per_slope * (flat - v.gradient)).length_squared();
+            t.map(shift).into_iter().fold(0.0, larger) / (limit * limit)
+        });
+        larger(larger(by_chord, by_facet), FORESEEN * self.excess(place, q[1] - q[0], q[2] - q[0]))
     }
 
     /// The factor by which a facet with edges `a` and `b` may be enlarged; rounding included.

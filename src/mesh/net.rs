@@ -1,6 +1,7 @@
 //! A triangulation that can be improved in places: edges flipped or split, corners moved, all by
 //! the errors that the quadratic model foresees.
 
+use super::corner::Corner;
 use super::needs::{Needs, Place};
 use crate::geom::{DVec2, turn};
 use glam::DMat2;
@@ -27,12 +28,12 @@ struct Pair {
 }
 
 /// Triangles in the plane of the chart, and around each corner those that share it.
-pub struct Net<'a> {
+pub struct Net<'a, C = DVec2> {
     needs: &'a Needs,
     /// What the excess of triangles is multiplied by.
     scale: f64,
     /// Corners.
-    pub points: Vec<DVec2>,
+    pub points: Vec<C>,
     /// Counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
     /// The first place (three to a triangle) where each corner is named, and what follows each.
@@ -40,9 +41,9 @@ pub struct Net<'a> {
     next: Vec<u32>,
 }
 
-impl<'a> Net<'a> {
+impl<'a, C: Corner> Net<'a, C> {
     /// A net of triangles that are `scale` times as large as their errors count.
-    pub fn new(needs: &'a Needs, scale: f64, points: Vec<DVec2>, triangles: Vec<[u32; 3]>) -> Self {
+    pub fn new(needs: &'a Needs, scale: f64, points: Vec<C>, triangles: Vec<[u32; 3]>) -> Self {
         let (first, next) = (vec![NONE; points.len()], vec![NONE; 3 * triangles.len()]);
         let scale = 1.0 / (scale * scale);
         let mut net = Self { needs, scale, points, triangles, first, next };
@@ -53,12 +54,28 @@ impl<'a> Net<'a> {
     }
 
     /// By how much a triangle exceeds what it may be, in areas.
-    fn excess_of(&self, place: &Place, a: DVec2, b: DVec2, c: DVec2) -> f64 {
-        let (ab, ac) = (b - a, c - a);
-        if !(ab.perp_dot(ac) > 0.0) {
+    fn excess_of(&self, place: &Place, triangle: [&C; 3]) -> f64 {
+        let [a, b, c] = triangle.map(C::q);
+        if !(turn(a, b, c) > 0.0) {
             return f64::INFINITY;
         }
-        self.needs.excess(place, ab, ac) * self.scale
+        C::excess(self.needs, place, triangle) * self.scale
+    }
+
+    /// The same at its own place.
+    fn own_excess(&self, triangle: [&C; 3]) -> f64 {
+        let [a, b, c] = triangle.map(C::q);
+        self.excess_of(&self.needs.at((a + b + c) / 3.0), triangle)
+    }
+
+    /// The same of triangle `t`.
+    pub fn excess(&self, t: u32) -> f64 {
+        self.own_excess(self.triangles[t as usize].map(|v| &self.points[v as usize]))
+    }
+
+    /// Where corner `v` is.
+    pub fn q(&self, v: u32) -> DVec2 {
+        self.points[v as usize].q()
     }
 
     /// The triangles around a corner.
@@ -91,14 +108,17 @@ impl<'a> Net<'a> {
     /// The triangles beside an edge, if flipping it makes the worse one better.
     fn better_flipped(&self, edge: [u32; 2]) -> Option<Pair> {
         let pair = self.pair(edge)?;
-        let [pa, pb, pc, pd] = pair.corners.map(|v| self.points[v as usize]);
-        let areas = [turn(pa, pd, pc), turn(pd, pb, pc)];
-        if areas[0].min(areas[1]) < SLIGHT * (areas[0] + areas[1]) {
+        let [a, b, c, d] = pair.corners.map(|v| &self.points[v as usize]);
+        let [pa, pb, pc, pd] = [a, b, c, d].map(C::q);
+        let slightest = turn(pa, pd, pc).min(turn(pd, pb, pc));
+        let [abc, bad] = [turn(pa, pb, pc), turn(pb, pa, pd)];
+        if slightest < SLIGHT * (abc + bad) && slightest < abc.min(bad) {
             return None;
         }
         let place = self.needs.at(0.25 * (pa + pb + pc + pd));
-        let before = self.excess_of(&place, pa, pb, pc).max(self.excess_of(&place, pb, pa, pd));
-        let after = self.excess_of(&place, pa, pd, pc).max(self.excess_of(&place, pd, pb, pc));
+        let excess = |t| if C::EACH { self.own_excess(t) } else { self.excess_of(&place, t) };
+        let before = excess([a, b, c]).max(excess([b, a, d]));
+        let after = excess([a, d, c]).max(excess([d, b, c]));
         (after < GAIN * before).then_some(pair)
     }
 
@@ -106,7 +126,7 @@ impl<'a> Net<'a> {
     pub fn sides(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
         let edges = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         let single = edges.filter(|&edge| self.beside(edge)[1].is_none());
-        single.map(|edge| edge.map(|v| self.points[v as usize]))
+        single.map(|edge| edge.map(|v| self.q(v)))
     }
 
     /// The two triangles beside an edge, if there are two and they make a convex quadrangle.
@@ -114,7 +134,7 @@ impl<'a> Net<'a> {
         let [Some(t), Some(u)] = self.beside([a, b]) else { return None };
         let triangles = if self.runs(t, a, b) { [t, u] } else { [u, t] };
         let [c, d] = triangles.map(|t| self.third(t, a, b));
-        let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.points[v as usize]);
+        let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.q(v));
         let convex = turn(pa, pd, pc) > 0.0 && turn(pd, pb, pc) > 0.0;
         convex.then_some(Pair { triangles, corners: [a, b, c, d] })
     }
@@ -153,14 +173,15 @@ impl<'a> Net<'a> {
     }
 
     /// Where an inner corner has smaller errors around it, if one of these is over `easy`. Steps are
-    /// measured in `cell`s.
+    /// measured in `cell`s; `corner` tells what is known of a place.
     pub fn better_place(
         &self,
         v: u32,
         easy: f64,
         cell: impl FnOnce(DVec2) -> DMat2,
-    ) -> Option<DVec2> {
-        let mut ring = [[DVec2::ZERO; 2]; 16];
+        corner: impl Fn(DVec2) -> C,
+    ) -> Option<C> {
+        let mut ring = [[0; 2]; 16];
         let (mut count, mut balance) = (0, 0i64);
         for t in self.around(v) {
             let triangle = self.triangles[t as usize];
@@ -169,7 +190,7 @@ impl<'a> Net<'a> {
             if count == ring.len() {
                 return None;
             }
-            ring[count] = [b, c].map(|w| self.points[w as usize]);
+            ring[count] = [b, c];
             count += 1;
             // Around an inner corner every neighbour is once the next and once the last.
             balance +=
@@ -179,18 +200,24 @@ impl<'a> Net<'a> {
             return None;
         }
         let ring = &ring[..count];
-        let q = self.points[v as usize];
+        let own = &self.points[v as usize];
+        let q = own.q();
         let place = self.needs.at(q);
-        let each = |p: DVec2, [b, c]: [DVec2; 2]| self.excess_of(&place, p, b, c);
+        let each = |p: &C, edge: [u32; 2]| {
+            let [b, c] = edge.map(|w| &self.points[w as usize]);
+            self.excess_of(&place, [p, b, c])
+        };
         let sees = self.needs.sees();
         // Nearly the largest, and smooth. In the image, errors of neighbours differ more.
         let squared = |x: f64| x * x;
         let sharp = |x: f64| if sees { squared(x) } else { x };
         let power = |e: f64| sharp(squared(squared(e)));
-        let sum = |p: DVec2| ring.iter().map(|&edge| power(each(p, edge))).sum::<f64>();
+        let sum_of = |p: &C| ring.iter().map(|&edge| power(each(p, edge))).sum::<f64>();
+        let near = own.beside(ring.iter().map(|&[b, _]| &self.points[b as usize]));
+        let sum = |p: DVec2| sum_of(&near(p));
         let (mut worst, mut here) = (0.0, 0.0);
         for &edge in ring {
-            let excess = each(q, edge);
+            let excess = each(own, edge);
             worst = f64::max(worst, excess);
             here += power(excess);
         }
@@ -213,43 +240,43 @@ impl<'a> Net<'a> {
         if gain < HOPE * (1.0 - GAIN_BY_MOVING) * here {
             return None;
         }
-        let least = SLIGHT * ring.iter().map(|&[b, c]| turn(q, b, c)).sum::<f64>() / 3.0;
-        let slight = |p: DVec2| ring.iter().any(|&[b, c]| turn(p, b, c) < least);
-        for share in [1.0, 0.5, 0.2] {
-            let to = q + way * share;
-            if sum(to) < GAIN_BY_MOVING * here && !slight(to) {
-                return Some(to);
-            }
-        }
-        None
+        let areas = |p: DVec2| ring.iter().map(move |&[b, c]| turn(p, self.q(b), self.q(c)));
+        let slightest = |p: DVec2| areas(p).fold(f64::INFINITY, f64::min);
+        let least = (SLIGHT * areas(q).sum::<f64>() / 3.0).min(slightest(q));
+        let to = [1.0, 0.5, 0.2].into_iter().map(|share| corner(q + way * share));
+        let gains = |to: &C| sum_of(to) < GAIN_BY_MOVING * here && slightest(to.q()) >= least;
+        { to }.find(gains)
     }
 
     /// The edge of a triangle whose split in the middle leaves the smallest excess in both halves and
-    /// those of the triangle beyond.
-    pub fn best_split(&self, t: u32) -> [u32; 2] {
+    /// those of the triangle beyond, and the new corner.
+    pub fn best_split(&self, t: u32, middle: impl Fn([u32; 2]) -> C) -> ([u32; 2], C) {
         let [a, b, c] = self.triangles[t as usize];
-        let worst = |[a, b]: [u32; 2]| {
-            let [pa, pb] = [a, b].map(|v| self.points[v as usize]);
-            let middle = 0.5 * (pa + pb);
-            let place = self.needs.at(middle);
+        let worst = |[a, b]: [u32; 2], middle: &C| {
+            let place = self.needs.at(middle.q());
             let halves = |u: u32| {
-                let c = self.points[self.third(u, a, b) as usize];
-                let (a, b) = if self.runs(u, a, b) { (pa, pb) } else { (pb, pa) };
-                self.excess_of(&place, a, middle, c).max(self.excess_of(&place, middle, b, c))
+                let c = &self.points[self.third(u, a, b) as usize];
+                let (a, b) = if self.runs(u, a, b) { (a, b) } else { (b, a) };
+                let [a, b] = [a, b].map(|v| &self.points[v as usize]);
+                self.excess_of(&place, [a, middle, c]).max(self.excess_of(&place, [middle, b, c]))
             };
             self.beside([a, b]).into_iter().flatten().map(halves).fold(0.0, f64::max)
         };
-        let length = |[a, b]: [u32; 2]| self.points[a as usize].distance(self.points[b as usize]);
+        let length = |[a, b]: [u32; 2]| self.q(a).distance(self.q(b));
         let edges = [[a, b], [b, c], [c, a]];
         let longest = edges.map(length).into_iter().fold(0.0, f64::max);
-        let long = |edge| length(edge) > SHORT * longest;
-        let edges = edges.map(|edge| (if long(edge) { worst(edge) } else { f64::INFINITY }, edge));
-        let better = |x: (f64, [u32; 2]), y: (f64, [u32; 2])| if y.0 < x.0 { y } else { x };
-        edges.into_iter().reduce(better).expect("three edges").1
+        let edges = edges.map(|edge| {
+            let middle = middle(edge);
+            let long = length(edge) > SHORT * longest;
+            (if long { worst(edge, &middle) } else { f64::INFINITY }, edge, middle)
+        });
+        let better = |x: (f64, [u32; 2], C), y: (f64, [u32; 2], C)| if y.0 < x.0 { y } else { x };
+        let (_, edge, middle) = edges.into_iter().reduce(better).expect("three edges");
+        (edge, middle)
     }
 
     /// Splits an edge at a new corner; the corner.
-    pub fn split(&mut self, [a, b]: [u32; 2], at: DVec2) -> u32 {
+    pub fn split(&mut self, [a, b]: [u32; 2], at: C) -> u32 {
         let m = self.points.len() as u32;
         self.points.push(at);
         self.first.push(NONE);

@@ -72,7 +72,7 @@ fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
         active.iter().for_each(|&v| loose[v as usize] = false);
         while !active.is_empty() {
             let apart = crowd.split(&net, &mut active);
-            let place = |&v: &u32| net.better_place(v, easy, |_| frames[v as usize]);
+            let place = |&v: &u32| net.better_place(v, easy, |_| frames[v as usize], |q| q);
             let places: Vec<_> = apart.par_iter().with_min_len(CHUNK).map(place).collect();
             for (v, place) in apart.into_iter().zip(places) {
                 let Some(place) = place else { continue };

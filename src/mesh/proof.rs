@@ -22,15 +22,13 @@
 //! These bounds are quick, and near the truth where facets are small against the mirror; `tight`
 //! takes a facet apart where they are not.
 
-use super::deviation::Triangle;
+use super::deviation::{Triangle, largest_deviation};
 use super::ground::{Ground, Local};
 use super::region::{Contents, Plane, Region, Sight, second, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
 use crate::mirror::{Mirror, Point};
 use crate::num::{Interval, exp, larger};
 use crate::optics::View;
-
-pub(super) use super::deviation::largest_deviation;
 
 /// A corner of a facet with what the mirror does there.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -18,9 +18,13 @@ const MOST_GROWTH: usize = 3;
 const FEW: usize = 200_000;
 /// Rounds in which facets are split as the model would have it, and their corners moved, though
 /// that may break their neighbours.
-const EAGER: usize = 10;
+const EAGER: usize = 40;
+/// How often what changes in a round is gone over.
+const PASSES: usize = 4;
 /// Excess of the model, over which a corner of a failed facet is moved.
 const UNEASY: f64 = 0.81;
+/// Excess under which a facet that was changed is left to the proof before it is split.
+const MENDED: f64 = 0.96;
 
 /// `fine` refined until every facet keeps `limits`, and the bound reached. The face holds `copies`
 /// of it.
@@ -40,8 +44,8 @@ pub fn refine(
     let mut triangles = fine.triangles;
     if !failed.is_empty() {
         let most = MOST_GROWTH * triangles.len() + FEW;
-        let net = Net::new(draft.cells.needs, 1.0, fine.points, triangles);
-        let mut repair = Repair { proof: &proof, draft, net, vertices, changed: Vec::new() };
+        let net = Net::new(draft.cells.needs, 1.0, vertices, triangles);
+        let mut repair = Repair { proof: &proof, draft, net, changed: Vec::new() };
         let mut round = 0;
         while !failed.is_empty() {
             let facets = (repair.net.triangles.len() * copies) as f64;
@@ -57,11 +61,11 @@ pub fn refine(
             changed.sort_unstable();
             changed.dedup();
             let worst;
-            (worst, failed) = proof.of(&changed, &repair.vertices, &repair.net.triangles);
+            (worst, failed) = proof.of(&changed, &repair.net.points, &repair.net.triangles);
             bound = bound.max(worst);
             round += 1;
         }
-        (vertices, triangles) = (repair.vertices, repair.net.triangles);
+        (vertices, triangles) = (repair.net.points, repair.net.triangles);
     }
     let bound = prover.tighten(&vertices, &triangles, &limits, bound);
     let vertices = vertices.into_iter().map(|v| v.at).collect();
@@ -106,55 +110,77 @@ impl Proof<'_> {
 struct Repair<'a> {
     proof: &'a Proof<'a>,
     draft: &'a Draft<'a>,
-    net: Net<'a>,
-    vertices: Vec<Vertex>,
+    net: Net<'a, Vertex>,
     /// Facets that are no longer what was proven.
     changed: Vec<u32>,
 }
 
 impl Repair<'_> {
     fn round(&mut self, failed: &[u32], round: usize) -> Result<(), MeshError> {
-        let old = self.net.points.len() as u32;
-        let mut near: Vec<u32> = Vec::new();
         for &t in failed {
-            let corners = self.net.triangles[t as usize];
-            let facet = corners.map(|v| self.vertices[v as usize]);
+            let facet = self.net.triangles[t as usize].map(|v| self.net.points[v as usize]);
             if self.proof.limits.facet_mm.is_some() && self.proof.prover.sees_the_pole(&facet) {
                 return Err(MeshError::Pole { at: facet[0].q });
             }
-            near.extend(corners);
+        }
+        let old = self.net.points.len() as u32;
+        let corners = |net: &Net<Vertex>| -> Vec<u32> {
+            failed.iter().flat_map(|&t| net.triangles[t as usize]).collect()
+        };
+        let eager = round < EAGER;
+        if eager {
+            self.settle(corners(&self.net));
+        }
+        let mut changed = std::mem::take(&mut self.changed);
+        changed.sort_unstable();
+        for &t in failed {
+            let corners = self.net.triangles[t as usize];
             // What is new in this round has not been proven to fail.
-            if corners.iter().any(|&v| v >= old) {
+            let is_new = corners.iter().any(|&v| v >= old)
+                || (changed.binary_search(&t).is_ok() && self.net.excess(t) < MENDED);
+            if is_new {
                 continue;
             }
-            let split = self.net.points.len();
-            if round < EAGER {
-                self.split(self.net.best_split(t), t)?;
+            if eager {
+                let (edge, middle) = self.net.best_split(t, |edge| self.middle(edge));
+                self.split(edge, middle, t)?;
             } else {
-                let [a, b, c] = facet.map(|v| v.q);
+                let [a, b, c] = corners.map(|v| self.net.q(v));
                 let metric = self.draft.cells.at((a + b + c) / 3.0).inverse();
                 self.bisect(t, t, &metric)?;
             }
-            near.extend(split as u32..self.net.points.len() as u32);
         }
-        if round < EAGER {
-            near.sort_unstable();
-            near.dedup();
-            self.settle(&near);
+        self.changed.extend(changed);
+        if eager {
+            let mut near = corners(&self.net);
+            near.extend(old..self.net.points.len() as u32);
+            self.settle(near);
         }
         Ok(())
     }
 
-    /// Moves corners and flips the edges around them.
-    fn settle(&mut self, corners: &[u32]) {
+    /// Moves corners and flips the edges around them; and again at those facets that changed and
+    /// are still too large.
+    fn settle(&mut self, mut corners: Vec<u32>) {
+        for _ in 0..PASSES {
+            corners.sort_unstable();
+            corners.dedup();
+            let before = self.changed.len();
+            self.ease(&corners);
+            let changed = self.changed[before..].iter();
+            let large = changed.filter(|&&t| self.net.excess(t) > MENDED);
+            corners.clear();
+            corners.extend(large.flat_map(|&t| self.net.triangles[t as usize]));
+        }
+    }
+
+    fn ease(&mut self, corners: &[u32]) {
         let mut edges = Vec::new();
         for &v in corners {
             let cells = &self.draft.cells;
             let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
-            if let Some(q) = self.net.better_place(v, UNEASY, fine) {
-                let q = self.round_off(q);
-                self.net.points[v as usize] = q;
-                self.vertices[v as usize] = self.vertex(q);
+            if let Some(to) = self.net.better_place(v, UNEASY, fine, |q| self.vertex(q)) {
+                self.net.points[v as usize] = to;
                 self.changed.extend(self.net.around(v));
             }
             for t in self.net.around(v) {
@@ -177,23 +203,27 @@ impl Repair<'_> {
             let beyond = self.net.beside(edge).into_iter().flatten().find(|&u| u != t);
             match beyond {
                 Some(u) if self.longest(u, metric) != edge => self.bisect(u, of, metric)?,
-                _ => return self.split(edge, of),
+                _ => return self.split(edge, self.middle(edge), of),
             }
         }
     }
 
-    /// Splits an edge in the middle.
-    fn split(&mut self, edge: [u32; 2], of: u32) -> Result<(), MeshError> {
-        let [p, q] = edge.map(|v| self.net.points[v as usize]);
-        if !splits(p, q) {
-            return Err(self.floor(of));
-        }
+    /// The middle of an edge.
+    fn middle(&self, edge: [u32; 2]) -> Vertex {
+        let [p, q] = edge.map(|v| self.net.q(v));
         let is_rim = self.net.beside(edge)[1].is_none();
         let arc = if is_rim { self.draft.rim.arc_through(p, q) } else { None };
         let middle = (p + q) * 0.5;
-        let middle = self.round_off(arc.map_or(middle, |arc| arc.onto(middle)));
+        self.vertex(arc.map_or(middle, |arc| arc.onto(middle)))
+    }
+
+    /// Splits an edge in its middle, for the sake of facet `of`.
+    fn split(&mut self, edge: [u32; 2], middle: Vertex, of: u32) -> Result<(), MeshError> {
+        let [p, q] = edge.map(|v| self.net.q(v));
+        if !splits(p, q) {
+            return Err(self.floor(of));
+        }
         let v = self.net.split(edge, middle);
-        self.vertices.push(self.vertex(middle));
         self.changed.extend(self.net.around(v));
         Ok(())
     }
@@ -202,7 +232,7 @@ impl Repair<'_> {
     fn longest(&self, t: u32, metric: &DMat2) -> [u32; 2] {
         let [a, b, c] = self.net.triangles[t as usize];
         let length = |edge: [u32; 2]| {
-            let [p, q] = edge.map(|v| self.net.points[v as usize]);
+            let [p, q] = edge.map(|v| self.net.q(v));
             ((*metric * (q - p)).length_squared(), edge)
         };
         let longer = |x: (f64, [u32; 2]), y: (f64, [u32; 2])| {
@@ -212,18 +242,16 @@ impl Repair<'_> {
         edges.into_iter().reduce(longer).expect("three edges").1
     }
 
+    /// The corner at `q`, or where the file will have it.
     fn vertex(&self, q: DVec2) -> Vertex {
         let prover = self.proof.prover;
+        let q = rounding(prover, self.proof.limits)(q);
         prover.vertex(q, prover.mirror().surface.at(q))
-    }
-
-    fn round_off(&self, q: DVec2) -> DVec2 {
-        rounding(self.proof.prover, self.proof.limits)(q)
     }
 
     /// No facet as small as this one can do better.
     fn floor(&self, t: u32) -> MeshError {
-        let facet = self.net.triangles[t as usize].map(|v| &self.vertices[v as usize]);
+        let facet = self.net.triangles[t as usize].map(|v| &self.net.points[v as usize]);
         let [a, b, c] = facet.map(|v| v.q);
         MeshError::Floor {
             at: (a + b + c) / 3.0,
