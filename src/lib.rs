@@ -65,7 +65,7 @@
 //! pencil             optics, mirror
 //! unwrap             optics, mirror, raster
 //! render             optics, trace, raster
-//! tolerance          optics, mirror
+//! tolerance          optics, mirror, trace
 //! report             results of all of these
 //! pipeline           all of these, and the file system
 //! cli                pipeline, profile, report

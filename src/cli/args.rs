@@ -156,12 +156,18 @@ pub enum Command {
         /// Only make these trials, into DIR/NAME/trials-A-B.csv, for --merge
         #[arg(long)]
         part: bool,
+        /// Make trial K's imperfect part, with its pose, into DIR/NAME/replay-K/, and trace it
+        #[arg(long, value_name = "K", conflicts_with_all = ["trials", "until", "part"])]
+        replay: Option<u64>,
+        /// Leave this error out of the replayed part, such as stepover_mm
+        #[arg(long, value_name = "SOURCE", requires = "replay")]
+        without: Vec<String>,
         /// Answer by the trials of these parts, as if they had been made at once
         #[arg(
             long,
             value_name = "PART",
             num_args = 1..,
-            conflicts_with_all = ["profile", "trials", "seed", "until", "part"]
+            conflicts_with_all = ["profile", "trials", "seed", "until", "part", "replay"]
         )]
         merge: Vec<PathBuf>,
         /// Folder for results

@@ -4,8 +4,9 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Cutting, Inspection, Source, Trials, Wanted, Way, bench, blur, build, foresee, frame,
-    inspect, load, machining, render, tolerance, tolerance_merged, tolerance_part, unwrap,
+    self, Cutting, Inspection, Replayed, Source, Trials, Wanted, Way, bench, blur, build, foresee,
+    frame, inspect, load, machining, render, replay, tolerance, tolerance_merged, tolerance_part,
+    unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Aperture, Prospect, Report, Verdict, text};
@@ -112,7 +113,20 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             show(arguments, || report.text(), || report.json())?;
             Ok(PASSED)
         }
-        Command::Tolerance { profile, trials, seed, until, part, merge, out } => {
+        Command::Tolerance {
+            profile: Some(named),
+            replay: Some(trial),
+            without,
+            seed,
+            out,
+            ..
+        } => {
+            let wanted = Replayed { trial: *trial, seed: *seed, without };
+            let report = replay(named, &wanted, out, &progress)?;
+            show(arguments, || report.text(), || report.json())?;
+            Ok(code(report.verdict))
+        }
+        Command::Tolerance { profile, trials, seed, until, part, merge, out, .. } => {
             let trials = Trials { range: trials.clone(), seed: *seed, until: *until };
             let report = match profile {
                 None => tolerance_merged(merge, out, &progress)?,

@@ -9,7 +9,7 @@ mod stl;
 mod text;
 mod threemf;
 
-pub use obj::{obj_bytes, write_obj};
+pub use obj::{obj_bytes, write_obj, write_obj_bare};
 pub use read::{ReadError, Reread, ThreeMfError, read_3mf, read_obj, read_stl};
 pub use sag::{SagError, SagOff, SagPath, SagRow, compare_sag, read_sag, sag_bytes, write_sag};
 pub use stl::{stl_bytes, write_stl};

@@ -50,6 +50,22 @@ pub fn write_obj(
     out.flush()
 }
 
+/// Writes `solid` as OBJ without normals: a surface that is not the designed one has others.
+///
+/// # Errors
+/// Whatever `out` returns, flushing included.
+pub fn write_obj_bare(out: &mut impl Write, solid: &Solid, label: &Label) -> io::Result<()> {
+    let mesh = solid.mesh();
+    let (optical, body) = mesh.triangles.split_at(solid.optical());
+    header(out, label)?;
+    lines(out, &mesh.vertices, vertex)?;
+    for (name, facets) in [(OPTICAL, optical), (BODY, body)] {
+        writeln!(out, "{name}")?;
+        lines(out, facets, bare)?;
+    }
+    out.flush()
+}
+
 const OPTICAL: &str = "# optical face";
 const BODY: &str = "# skirt and base";
 

@@ -6,6 +6,7 @@
 mod chart;
 mod outline;
 mod rect;
+mod split;
 mod stock;
 mod trimesh;
 

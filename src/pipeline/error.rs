@@ -125,6 +125,17 @@ pub enum Error {
         /// Radius of the ball, mm.
         ball_radius_mm: f64,
     },
+    /// The plots cannot be drawn.
+    #[error("cannot draw the plots: {0}")]
+    Plot(String),
+    /// A trial that cannot be made into a file.
+    #[error("cannot replay a trial of {profile}: {reason}")]
+    Replay {
+        /// Profile name.
+        profile: String,
+        /// Why, and what to do about it.
+        reason: String,
+    },
     /// A part of a run that cannot be merged.
     #[error("cannot merge {}: {reason}", path.display())]
     Part {

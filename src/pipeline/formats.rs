@@ -3,7 +3,7 @@
 use crate::design::Design;
 use crate::export::{
     Label, ReadError, Reread, Size, obj_bytes, read_3mf, read_obj, read_stl, stl_bytes,
-    threemf_bytes, write_3mf, write_obj, write_stl,
+    threemf_bytes, write_3mf, write_obj, write_obj_bare, write_stl,
 };
 use crate::geom::Precision;
 use crate::mesh::Face;
@@ -42,6 +42,21 @@ pub fn write_mesh(
     match format {
         Format::Stl => write_stl(&mut out, solid, label),
         Format::Obj => write_obj(&mut out, solid, &design.mirror, face.designed, label),
+        Format::ThreeMf => write_3mf(&mut out, solid, label),
+        Format::Step | Format::Csv => unreachable!("no mesh"),
+    }
+}
+
+/// Writes a solid whose optical face is not the designed mirror.
+pub fn write_solid(
+    mut out: impl Write,
+    format: Format,
+    solid: &Solid,
+    label: &Label,
+) -> io::Result<()> {
+    match format {
+        Format::Stl => write_stl(&mut out, solid, label),
+        Format::Obj => write_obj_bare(&mut out, solid, label),
         Format::ThreeMf => write_3mf(&mut out, solid, label),
         Format::Step | Format::Csv => unreachable!("no mesh"),
     }

@@ -1,6 +1,6 @@
 //! Tolerancing: the profile's words to a question, trials to files.
 
-use super::files::{self, Folder};
+use super::files::{self, Folder, Staged};
 use super::observer::Clock;
 use super::source::{heights_beside, load};
 use super::{Error, Observer, Source, Stage, designed};
@@ -11,8 +11,8 @@ use crate::num::random::Stream;
 use crate::profile::{Profile, SagAxis};
 use crate::report::{ProfileId, ToleranceReport, read_trial, trial_columns, trial_line};
 use crate::tolerance::{
-    Compensator, Criterion, Distribution, Engine, Kind, Process, Question, Reference,
-    Source as ErrorSource, Study, Texture, Trial,
+    Compensator, Criterion, Distribution, Engine, Kind, Points, Process, Question, Reference,
+    Source as ErrorSource, Study, Texture, Trial, worst_offenders,
 };
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -31,8 +31,8 @@ pub struct Trials {
 /// About how many pixels stand for the picture.
 const SAMPLES: usize = 1000;
 
-/// Answers the profile that `named` means by `trials`, into `out`/NAME: `tolerance.json` and
-/// `trials.csv`.
+/// Answers the profile that `named` means by `trials`, into `out`/NAME: `tolerance.json`,
+/// `tolerance.html` and `trials.csv`.
 ///
 /// # Errors
 /// [`enum@Error`] when there is no such profile, it cannot be designed or has no projection, or the disk refuses.
@@ -45,7 +45,7 @@ pub fn tolerance(
     let clock = Clock::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let engine = prepared(&clock, named, &source)?;
+    let (_, engine) = prepared(&clock, named, &source)?;
     let made = traced(&clock, &engine, trials);
     concluded(&clock, &source.profile, &engine, trials.seed, &made, &folder)
 }
@@ -72,7 +72,7 @@ pub fn tolerance_part(
     let clock = Clock::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let engine = prepared(&clock, named, &source)?;
+    let (_, engine) = prepared(&clock, named, &source)?;
     let made = traced(&clock, &engine, trials);
     let Range { start, end } = trials.range;
     let name = format!("trials-{start}-{end}.csv");
@@ -113,7 +113,7 @@ pub fn tolerance_merged(
     let (_, named) = asked(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
     let source = load(&named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let engine = prepared(&clock, &named, &source)?;
+    let (_, engine) = prepared(&clock, &named, &source)?;
     let seed = seed_of(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
     let head = heading(&source.profile, &engine, seed);
     let adjustments = engine.adjustments().len();
@@ -183,7 +183,12 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
     text
 }
 
-fn prepared(clock: &Clock, named: &str, source: &Source) -> Result<Engine, Error> {
+/// The design, and what is asked of it.
+pub(super) fn prepared(
+    clock: &Clock,
+    named: &str,
+    source: &Source,
+) -> Result<(Design, Engine), Error> {
     let profile = &source.profile;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let map = match &profile.tolerance.map_file {
@@ -200,14 +205,15 @@ fn prepared(clock: &Clock, named: &str, source: &Source) -> Result<Engine, Error
         .as_ref()
         .ok_or_else(|| Error::NoProjection { work: "tolerance", profile: name() })?;
     let asked = question(profile, &design, map)?;
-    clock.stage(Stage::Sensitivities, || {
+    let engine = clock.stage(Stage::Sensitivities, || {
         let engine = Engine::new(&design.mirror, &design.camera, view, asked)
             .ok_or_else(|| Error::Unseen { profile: name() })?;
         let sources = engine.question.sources.len();
         let [pixels, expanded] = [engine.samples(), engine.expanded()];
         let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");
-        Ok((engine, note))
-    })
+        Ok::<_, Error>((engine, note))
+    })?;
+    Ok((design, engine))
 }
 
 fn traced(clock: &Clock, engine: &Engine, trials: &Trials) -> Vec<Trial> {
@@ -234,14 +240,17 @@ fn concluded(
         (study, note)
     });
     let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
-    let report = ToleranceReport::new(id, study);
+    let offenders = worst_offenders(&study);
+    let report = ToleranceReport::new(id, study, offenders);
     clock.stage(Stage::Report, || {
+        let page = report.html(&Points::new(engine, seed, trials));
+        let page = page.map_err(|error| Error::Plot(error.to_string()))?;
         let table = table(profile, engine, seed, trials);
         let trials = folder.stage("trials.csv", |out| out.write_all(table.as_bytes()))?;
         let json = report.json();
         let answers = folder.stage("tolerance.json", |out| out.write_all(json.as_bytes()))?;
-        trials.publish()?;
-        answers.publish()?;
+        let page = folder.stage("tolerance.html", |out| out.write_all(page.as_bytes()))?;
+        [trials, page, answers].into_iter().try_for_each(Staged::publish)?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

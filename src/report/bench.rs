@@ -1,9 +1,8 @@
 //! Benchmark results as JSON, CSV, a table and a plot.
 
-use plotters::coord::Shift;
+use super::plot::{Area, Failure, svg};
 use plotters::prelude::*;
 use serde::Serialize;
-use std::error::Error;
 use std::fmt::Write;
 
 /// One design, timed.
@@ -112,14 +111,10 @@ impl Bench {
     ///
     /// # Errors
     /// What the drawing library reports.
-    pub fn svg(&self) -> Result<String, Box<dyn Error>> {
+    pub fn svg(&self) -> Result<String, Failure> {
         let mut profiles: Vec<&str> = self.design.iter().map(|run| run.profile.as_str()).collect();
         profiles.dedup();
-        let mut svg = String::new();
-        {
-            let size = (1100, 420 * profiles.len().max(1) as u32);
-            let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-            root.fill(&WHITE)?;
+        svg((1100, 420 * profiles.len().max(1) as u32), |root| {
             for (area, profile) in root.split_evenly((profiles.len(), 1)).iter().zip(&profiles) {
                 let runs: Vec<&DesignRun> =
                     self.design.iter().filter(|run| run.profile == *profile).collect();
@@ -128,20 +123,19 @@ impl Bench {
                 panel(left, &runs, &format!("{profile}: ray error, mrad"), "degree", by_degree)?;
                 panel(right, &runs, "", "run time, ms", |run| run.time_ms)?;
             }
-            root.present()?;
-        }
-        Ok(svg)
+            Ok(())
+        })
     }
 }
 
 /// One chart: a line a method.
 fn panel(
-    area: &DrawingArea<SVGBackend, Shift>,
+    area: &Area,
     runs: &[&DesignRun],
     title: &str,
     across: &str,
     x: impl Fn(&DesignRun) -> f64,
-) -> Result<(), Box<dyn Error>> {
+) -> Result<(), Failure> {
     let range = |values: &mut dyn Iterator<Item = f64>| {
         let (lo, hi) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (v.min(lo), v.max(hi)));
         0.85 * lo..1.2 * hi

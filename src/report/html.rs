@@ -7,7 +7,8 @@ use super::{Report, Verdict};
 use crate::design::Spread;
 use std::fmt::Write;
 
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;\
+/// How pages look.
+pub(super) const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;\
 padding:0 1rem;color:#222}table{border-collapse:collapse;width:100%;margin:1rem 0}\
 th,td{text-align:left;vertical-align:top;padding:.3rem .6rem;border-bottom:1px solid #ddd}\
 th{font-weight:600;white-space:nowrap;width:11rem}img{max-width:100%;image-rendering:pixelated}\
@@ -23,14 +24,7 @@ pub fn html(report: &Report, summary: &str, picture: &str) -> String {
 }
 
 fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std::fmt::Result {
-    let name = escaped(&report.profile.name);
-    let verdict = match report.verdict {
-        Verdict::Pass => "pass",
-        Verdict::Fail => "fail",
-    };
-    writeln!(out, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">")?;
-    writeln!(out, "<title>Morion: {name}</title>\n<style>{STYLE}</style>")?;
-    writeln!(out, "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>")?;
+    head(out, &report.profile.name, STYLE, report.verdict)?;
     writeln!(out, "<p>{}</p>", escaped(summary))?;
     for list in [&report.reasons, &report.warnings] {
         if !list.is_empty() {
@@ -56,6 +50,23 @@ fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std:
         )?;
     }
     writeln!(out, "</table>\n</html>")
+}
+
+/// What a page begins with: its head, and a heading of the name and the verdict.
+pub(super) fn head(
+    out: &mut String,
+    name: &str,
+    style: &str,
+    verdict: Verdict,
+) -> std::fmt::Result {
+    let name = escaped(name);
+    let verdict = match verdict {
+        Verdict::Pass => "pass",
+        Verdict::Fail => "fail",
+    };
+    writeln!(out, "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">")?;
+    writeln!(out, "<title>Morion: {name}</title>\n<style>{style}</style>")?;
+    writeln!(out, "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>")
 }
 
 fn rows(report: &Report) -> Vec<(String, String)> {
@@ -119,7 +130,8 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     rows
 }
 
-fn escaped(text: &str) -> String {
+/// `text` as it may stand in a page.
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

@@ -7,10 +7,14 @@ mod html;
 mod machining;
 mod map;
 mod measured;
+mod plot;
 mod prospect;
 mod rendering;
+mod replay;
 mod text;
 mod tolerance;
+mod tolerance_page;
+mod tolerance_plots;
 mod unwrapped;
 
 pub use bench::{Bench, DesignRun};
@@ -24,6 +28,7 @@ pub use machining::{
 pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use rendering::Rendering;
+pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};
 pub use text::text;
 pub use tolerance::{ToleranceReport, read_trial, trial_columns, trial_line};
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};

@@ -2,7 +2,9 @@
 
 use super::text::{digits, short};
 use super::{ProfileId, SCHEMA, Verdict};
-use crate::tolerance::{Criterion, Distribution, Reference, SourceFacts, Statistics, Study, Trial};
+use crate::tolerance::{
+    Criterion, Distribution, Offender, Reference, SourceFacts, Statistics, Study, Trial,
+};
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 use std::fmt::Write;
@@ -17,6 +19,8 @@ pub struct ToleranceReport {
     /// The answers.
     #[serde(flatten)]
     pub study: Study,
+    /// The errors that do most alone after adjustment.
+    pub worst_offenders: Vec<Offender>,
     /// Pass or fail.
     pub verdict: Verdict,
     /// Why it fails; empty for a pass.
@@ -26,7 +30,7 @@ pub struct ToleranceReport {
 impl ToleranceReport {
     /// The report of `study`; it fails when the yield is below the target.
     #[must_use]
-    pub fn new(profile: ProfileId, study: Study) -> Self {
+    pub fn new(profile: ProfileId, study: Study, worst_offenders: Vec<Offender>) -> Self {
         let (verdict, reasons) = if study.passes {
             (Verdict::Pass, Vec::new())
         } else {
@@ -38,7 +42,7 @@ impl ToleranceReport {
             );
             (Verdict::Fail, vec![reason])
         };
-        Self { schema: SCHEMA, profile, study, verdict, reasons }
+        Self { schema: SCHEMA, profile, study, worst_offenders, verdict, reasons }
     }
 
     /// As JSON.
@@ -63,14 +67,7 @@ impl ToleranceReport {
         let bold = Style::new().bold();
         let Self { profile, study, .. } = self;
         writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
-        let criterion = match study.criterion {
-            Criterion::Rms => "RMS",
-            Criterion::P95 => "P95",
-        };
-        let reference = match study.reference {
-            Reference::Design => "the picture as designed",
-            Reference::Projection => "the projection",
-        };
+        let (criterion, reference) = (criterion(study.criterion), reference(study.reference));
         writeln!(
             out,
             "  asked    {criterion} displacement from {reference} within {} px for {} % of the parts",
@@ -92,6 +89,7 @@ impl ToleranceReport {
             digits(study.nominal.p95_px)
         )?;
         self.write_sources(out)?;
+        writeln!(out, "  worst    {}", self.offenders())?;
         writeln!(
             out,
             "  linear   RSS {} px, the trials' {} px; predicted {} +- {} px, {} px at P95; trial by \
@@ -104,8 +102,8 @@ impl ToleranceReport {
             digits(study.gap.rms_px),
             100.0 * study.gap.relative
         )?;
-        writeln!(out, "  as made  {} px", statistics(&study.as_made))?;
-        writeln!(out, "  adjusted {} px", statistics(&study.adjusted))?;
+        writeln!(out, "  as made  {} px", statistics_line(&study.as_made))?;
+        writeln!(out, "  adjusted {} px", statistics_line(&study.adjusted))?;
         for adjustment in &study.adjustments {
             let (unit, figures) = (adjustment.unit, [adjustment.sigma, adjustment.p95]);
             let [sigma, p95] = figures.map(digits);
@@ -135,6 +133,15 @@ impl ToleranceReport {
         writeln!(out, "  verdict  {style}{word}{style:#}")
     }
 
+    /// The worst offenders, on one line.
+    pub(super) fn offenders(&self) -> String {
+        const MOST: usize = 5;
+        let one =
+            |o: &Offender| format!("{} at {}: {} px", o.source, o.value, digits(o.adjusted_px));
+        let all: Vec<String> = self.worst_offenders.iter().take(MOST).map(one).collect();
+        all.join(", ")
+    }
+
     fn write_sources(&self, out: &mut String) -> std::fmt::Result {
         writeln!(
             out,
@@ -156,12 +163,7 @@ impl ToleranceReport {
             widest |= source.limit_joint_widest;
             let mark = if source.limit_joint_widest { "*" } else { "" };
             let SourceFacts { minus_px, plus_px, minus_adjusted_px, plus_adjusted_px, .. } = source;
-            let distribution = match source.distribution {
-                Distribution::Uniform => "uniform",
-                Distribution::Normal => "normal",
-                Distribution::Truncated => "truncated",
-                Distribution::Fixed => "fixed",
-            };
+            let distribution = distribution(source.distribution);
             writeln!(
                 out,
                 "  {:19} {:>10}  {distribution:9} {:>9} {:>9}   {:>9} {:>9}  {:7.2} {:>11} {:>11}",
@@ -183,8 +185,35 @@ impl ToleranceReport {
     }
 }
 
-fn statistics(s: &Statistics) -> String {
-    let named = [
+/// Which figure counts.
+pub(super) fn criterion(criterion: Criterion) -> &'static str {
+    match criterion {
+        Criterion::Rms => "RMS",
+        Criterion::P95 => "P95",
+    }
+}
+
+/// What displacements are measured from.
+pub(super) fn reference(reference: Reference) -> &'static str {
+    match reference {
+        Reference::Design => "the picture as designed",
+        Reference::Projection => "the projection",
+    }
+}
+
+/// How likely errors are.
+pub(super) fn distribution(distribution: Distribution) -> &'static str {
+    match distribution {
+        Distribution::Uniform => "uniform",
+        Distribution::Normal => "normal",
+        Distribution::Truncated => "truncated",
+        Distribution::Fixed => "fixed",
+    }
+}
+
+/// All figures with their names.
+pub(super) fn statistics(s: &Statistics) -> [(&'static str, f64); 9] {
+    [
         ("mean", s.mean_px),
         ("sigma", s.sigma_px),
         ("P50", s.p50_px),
@@ -194,8 +223,11 @@ fn statistics(s: &Statistics) -> String {
         ("P98", s.p98_px),
         ("P99", s.p99_px),
         ("worst", s.worst_px),
-    ];
-    named.map(|(name, x)| format!("{name} {}", digits(x))).join(", ")
+    ]
+}
+
+fn statistics_line(s: &Statistics) -> String {
+    statistics(s).map(|(name, x)| format!("{name} {}", digits(x))).join(", ")
 }
 
 /// The figures of trials that every line of their table begins with.

@@ -121,6 +121,21 @@ impl Solid {
         }
     }
 
+    /// The same body, larger by `factor` about the origin, with the digits of `precision`.
+    ///
+    /// # Errors
+    /// [`SolidError::Check`] when rounding makes it no solid.
+    pub fn grown(&self, factor: f64, precision: Precision) -> Result<Self, SolidError> {
+        let mut mesh = self.mesh.clone();
+        mesh.vertices.iter_mut().for_each(|v| *v = kept(*v * factor, precision));
+        let check = check(&mesh).through(self.check.holes);
+        if check.is_solid() {
+            Ok(Self { mesh, check, optical: self.optical })
+        } else {
+            Err(SolidError::Check(check))
+        }
+    }
+
     /// Vertices and facets.
     #[must_use]
     pub fn mesh(&self) -> &TriMesh {
@@ -263,6 +278,17 @@ mod tests {
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
         assert_eq!((rim(&face()).unwrap(), added(4, 0, None)), ([4, 0], 8 + 4));
+    }
+
+    #[test]
+    fn a_body_grows_about_the_origin_and_is_checked_again() {
+        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
+        let grown = solid.grown(1.5, Precision::Single).unwrap();
+        assert_eq!((grown.check().volume_mm3, grown.optical()), (27.0, 2));
+        assert_eq!(grown.mesh().vertices[2], DVec3::new(1.5, 1.5, 3.0));
+        let third = solid.grown(1.0 + 1e-4, Precision::Single).unwrap();
+        assert_eq!(third.mesh().vertices[2].x, f64::from(1.0001f32));
+        assert!(matches!(solid.grown(1e-30, Precision::Single), Err(SolidError::Check(_))));
     }
 
     #[test]

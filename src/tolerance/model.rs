@@ -5,6 +5,8 @@
 //! departure along Z over the part's X and Y), is reflected, and goes back into the world, where
 //! the view says which image point the thing it meets belongs to.
 
+mod departure;
+
 use super::field::{Field, cusp, ripple};
 use super::local::{Square, terms, value, values};
 use super::samples::FORM_TERMS;
@@ -70,11 +72,11 @@ impl<S: Scalar> Pose<S> {
         Self { turn, shift, scale: placed[placed::SCALE] + 1.0 }
     }
 
-    fn turned(&self, v: [S; 3]) -> [S; 3] {
+    pub(super) fn turned(&self, v: [S; 3]) -> [S; 3] {
         self.turn.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
     }
 
-    fn turned_back(&self, v: [S; 3]) -> [S; 3] {
+    pub(super) fn turned_back(&self, v: [S; 3]) -> [S; 3] {
         let m = &self.turn;
         [0, 1, 2].map(|k| m[0][k] * v[0] + m[1][k] * v[1] + m[2][k] * v[2])
     }
@@ -334,17 +336,7 @@ impl System {
                 }
                 _ => self.designed(at),
             };
-            let mut sum = added(designed, 1.0, form(at));
-            if let Some(wave) = state.wave {
-                sum = added(sum, 1.0, ripple(self.wave, wave, at));
-            }
-            if let (Some(map), Some(share)) = (&self.map, state.map) {
-                sum = added(sum, share, Self::mapped(map, at));
-            }
-            if let Some(tracks) = state.tracks {
-                sum = added(sum, 1.0, self.tool.cusp(tracks, at));
-            }
-            sum
+            self.textured(added(designed, 1.0, form(at)), state, at)
         };
         let (origin, along) = self.ray(sample, &state.placed);
         let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
@@ -364,7 +356,7 @@ impl System {
     }
 
     /// The camera's ray through the pixel: a point of it and its direction, of any length.
-    fn ray<S: Scalar>(&self, sample: &Sample, placed: &[S; PLACED]) -> ([S; 3], [S; 3]) {
+    pub(super) fn ray<S: Scalar>(&self, sample: &Sample, placed: &[S; PLACED]) -> ([S; 3], [S; 3]) {
         let q = sample.point;
         let far = q.length_squared() / (self.half_width * self.half_width);
         let grown = placed[placed::MAGNIFICATION] + placed[placed::DISTORTION] * far + 1.0;
@@ -382,7 +374,7 @@ impl System {
     }
 
     /// [`View::locate`] for all kinds of numbers.
-    fn place<S: Scalar>(&self, near: DVec2, at: [S; 3], leaving: [S; 3]) -> [S; 2] {
+    pub(super) fn place<S: Scalar>(&self, near: DVec2, at: [S; 3], leaving: [S; 3]) -> [S; 2] {
         let flip = if self.view.reflects(near) { -1.0 } else { 1.0 };
         let from = [at[0], at[1] * flip, at[2] - self.view.origin_mm];
         let sigma = stereo::sigma([leaving[0], leaving[1] * flip, leaving[2]]);

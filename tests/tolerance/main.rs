@@ -4,6 +4,7 @@
 mod common;
 mod physics;
 mod program;
+mod replay;
 mod statistics;
 #[path = "../support/mod.rs"]
 mod support;

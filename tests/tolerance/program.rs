@@ -1,6 +1,8 @@
 //! The command: files, streams, exit codes, and runs in parts.
 
 use crate::common::{SMALL, edited, files, folder, morion, save, told};
+use crate::{engine, fixed, question, support};
+use morion::tolerance::Kind;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -9,7 +11,7 @@ fn small() -> String {
     edited(SMALL, &[("[160, 120]", "[16, 12]")])
 }
 
-const FILES: [&str; 2] = ["tolerance.json", "trials.csv"];
+const FILES: [&str; 3] = ["tolerance.html", "tolerance.json", "trials.csv"];
 
 /// The files of a run.
 fn run(home: &Path, arguments: &[&str], expected: i32) -> BTreeMap<String, Vec<u8>> {
@@ -22,7 +24,7 @@ fn run(home: &Path, arguments: &[&str], expected: i32) -> BTreeMap<String, Vec<u
 }
 
 #[track_caller]
-fn refused(home: &Path, arguments: &[&str], words: &[&str]) {
+pub fn refused(home: &Path, arguments: &[&str], words: &[&str]) {
     let mut all = vec!["tolerance"];
     all.extend(arguments);
     let (code, out, err) = told(&morion(home, &all));
@@ -55,7 +57,98 @@ fn parts_of_any_size_make_the_bytes_of_one_run_on_any_threads() {
     refused(home, &["--merge", "torn.csv", c], &["torn.csv: its trials are not whole"]);
     std::fs::write(home.join("other.csv"), torn.replace("# seed 7", "# seed 8")).unwrap();
     refused(home, &["--merge", b, "other.csv"], &["other.csv: its profile, seed or version"]);
+    let arguments = ["tolerance", "small.toml", "--trials", "50..70", "--seed", "7", "--part"];
+    assert_eq!(told(&morion(home, &arguments)).0, 0);
+    let across = part("50-70");
+    refused(home, &["--merge", &across, b, c], &["50-70.csv: it begins with trial 50, where 60"]);
+    std::fs::remove_file(home.join(across)).unwrap();
+    save(home, &format!("{}\n# changed", small()));
+    refused(home, &["--merge", a, b, c], &["60-90.csv: its profile, seed or version"]);
+    save(home, &small());
     assert!(files(&home.join("out/small")) == kept);
+}
+
+#[test]
+fn a_run_ends_early_after_the_same_trials_on_any_threads() {
+    let design = support::designed(&support::profile(&[]));
+    let sources = vec![fixed(Kind::Slope, 2.0), fixed(Kind::Waviness, 1.0)];
+    let mut asked = question(sources.clone(), &[]);
+    asked.samples = 40;
+    let half = engine(&design, asked.clone()).trials(&sources, 3, 0..200, None);
+    let mut figures: Vec<f64> = half.iter().map(|trial| trial.after.rms_px).collect();
+    figures.sort_by(f64::total_cmp);
+    asked.budget_px = figures[120];
+    let engine = engine(&design, asked);
+    let run = |threads: usize, until: f64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| engine.trials(&sources, 3, 7..20_007, Some(until)))
+    };
+    let once = run(1, 0.05);
+    assert!(run(3, 0.05) == once);
+    let width = |count: usize| engine.yields(&once[..count]).width();
+    // At the first multiple of 500 that knows it well enough, and no sooner.
+    let count = once.len();
+    assert!(count % 500 == 0 && (1000..20_000).contains(&count), "{count}");
+    assert!(width(count) <= 0.05 && width(count - 500) > 0.05);
+    assert!(engine.trials(&sources, 3, 7..7 + count as u64, None) == once);
+    assert_eq!(run(2, 0.5).len(), 500);
+}
+
+#[test]
+fn the_page_stands_alone_and_holds_what_the_report_holds() {
+    let folder = folder();
+    let home = folder.path();
+    let name = "a<b>&\"c";
+    std::fs::write(home.join(format!("{name}.toml")), small()).unwrap();
+    let file = format!("{name}.toml");
+    let (code, out, _) = told(&morion(home, &["tolerance", &file, "--trials", "30", "-q"]));
+    assert_eq!(code, 1);
+    let made = files(&home.join("out").join(name));
+    let text = |name: &str| String::from_utf8(made[name].clone()).unwrap();
+    let (page, report) = (text("tolerance.html"), text("tolerance.json"));
+    assert!(page.contains("<h1>a&lt;b&gt;&amp;&quot;c: "), "{}", &page[..2000]);
+    for outside in ["src=", "href=", "url(", "<script", "@import"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    // Four drawings, each well-formed, with a unit on every axis.
+    let drawings: Vec<&str> =
+        page.split("<svg").skip(1).map(|d| d.split("</svg>").next().unwrap()).collect();
+    assert_eq!(drawings.len(), 4);
+    for (drawing, units) in drawings.iter().zip([["%"; 2], ["px", "%"], ["px"; 2], ["px", "%"]]) {
+        let whole = format!("<svg{drawing}</svg>");
+        let mut reader = quick_xml::Reader::from_str(&whole);
+        while !matches!(reader.read_event().unwrap(), quick_xml::events::Event::Eof) {}
+        let labelled = |unit: &&str| whole.contains(&format!(", {unit}\n</text>"));
+        assert!(units.iter().all(labelled), "{units:?}");
+    }
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let sources = report["sources"].as_array().unwrap();
+    let offenders = report["worst_offenders"].as_array().unwrap();
+    let px = |offender: &serde_json::Value| offender["adjusted_px"].as_f64().unwrap();
+    assert!(offenders.len() == 10 && offenders.is_sorted_by(|a, b| px(a) >= px(b)));
+    let worst = |s: &serde_json::Value| {
+        let of = |key: &str| s[key].as_f64().unwrap();
+        of("minus_adjusted_px").max(of("plus_adjusted_px"))
+    };
+    assert_eq!(px(&offenders[0]), sources.iter().map(worst).fold(0.0, f64::max));
+    for source in sources {
+        let key = source["source"].as_str().unwrap();
+        // Among the sensitivities and among the limits.
+        assert!(page.matches(&format!("<td>{key}</td>")).count() == 2 && out.contains(key));
+    }
+    for word in
+        ["asked ", "nominal ", "worst ", "linear ", "RSS", "as made ", "adjusted ", "yield "]
+    {
+        assert!(
+            out.contains(&format!("  {word}")) || word == "RSS" && out.contains(word),
+            "{word}"
+        );
+    }
+    for word in
+        ["sha256", "P98", "P99", "worst", "farthest", "in concert", "95 % interval", "seed 1"]
+    {
+        assert!(page.contains(word), "{word}");
+    }
 }
 
 #[test]

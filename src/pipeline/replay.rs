@@ -1,0 +1,370 @@
+//! One trial of a tolerance run as a part: its imperfect surface as files, its pose, and what the
+//! files show through its camera.
+
+use super::examine::open;
+use super::facets::{self, Facets};
+use super::files::{FileError, Folder, Staged};
+use super::formats::{precision, write_solid};
+use super::observer::Clock;
+use super::source::load;
+use super::tolerance::prepared;
+use super::{Error, Observer, Stage, verdict};
+use crate::design::Design;
+use crate::export::{Label, Reread};
+use crate::geom::{DVec3, Precision, TriMesh};
+use crate::num::stats::Summary;
+use crate::profile::{Format, Profile};
+use crate::report::{ErrorDrawn, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
+use crate::solid::{Solid, check};
+use crate::tolerance::{Criterion, Engine, Judged, Kind, Made};
+use crate::trace::Scene;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Which trial, and of what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Replayed<'a> {
+    /// Its number.
+    pub trial: u64,
+    /// What the trials are drawn from.
+    pub seed: u64,
+    /// Keys of errors that the part is made without.
+    pub without: &'a [String],
+}
+
+/// So many facets' edges go into the shortest swing of a surface.
+const PER_SWING: f64 = 12.0;
+/// Largest number of facets of the optical face.
+const MOST_FACETS: usize = 6_000_000;
+/// Facets with edges of a unit and less, halved from longer ones, on a unit of area.
+const PER_AREA: f64 = 5.0;
+/// Rounding along Z of a vertex, in units of a coordinate's last digit: where the mirror is steep
+/// that of X and Y shows too.
+const ROUNDING: f64 = 16.0;
+
+/// Makes the part of a trial of the profile that `named` means, into `out`/NAME/replay-K: the mesh
+/// files that the profile asks for, `pose.json` and `replay.json`.
+///
+/// # Errors
+/// [`enum@Error`] when there is no such profile, it cannot be designed, meshed or toleranced, an
+/// error to be left out is none of it, the surface swings too finely for a mesh, or the disk refuses.
+pub fn replay(
+    named: &str,
+    wanted: &Replayed,
+    out: &Path,
+    observer: &dyn Observer,
+) -> Result<ReplayReport, Error> {
+    let clock = Clock::new(observer);
+    let source = load(named)?;
+    let profile = &source.profile;
+    let Replayed { trial, seed, .. } = *wanted;
+    let folder = Folder::create(&out.join(&profile.name).join(format!("replay-{trial}")))?;
+    let (design, engine) = prepared(&clock, named, &source)?;
+    let mut without = left_out(profile, &engine, wanted.without)?;
+    // The file has facets of its own.
+    without.extend(sources(&engine).filter(|kind| *kind == Kind::Facets));
+    without.sort_unstable();
+    without.dedup();
+    let whole = engine.replayed(seed, trial, &[]);
+    let made = engine.replayed(seed, trial, &without);
+    let longest_edge_mm = engine.shortest(&made).map(|swing| swing / PER_SWING);
+    let fine = || too_fine(profile, &design, &engine, seed, trial, &without);
+    if longest_edge_mm.is_some_and(|edge| facets_of(&design, edge) > MOST_FACETS as f64) {
+        return Err(fine());
+    }
+
+    let Facets { made: face, formats, refused, .. } = clock.stage(Stage::Mesh, || {
+        let facets = facets::face(profile, &design)?;
+        let mesh = facets.made.mesh.clone();
+        let note = format!("{} optical triangles", mesh.triangles.len());
+        let mesh = match longest_edge_mm {
+            Some(edge) => {
+                let between = |a: DVec3, b: DVec3| middle(&design, a, b);
+                mesh.split(edge, MOST_FACETS, between).ok_or_else(fine)?
+            }
+            None => mesh,
+        };
+        let Facets { precision, formats, refused, .. } = facets;
+        let made = displaced(&engine, &made, mesh);
+        Ok::<_, Error>((Facets { made, precision, formats, refused }, note))
+    })?;
+
+    let label = Label {
+        profile: profile.name.clone(),
+        sha256: profile.sha256.clone(),
+        tolerances: format!("imperfect: trial {trial} of seed {seed}"),
+    };
+    let (mut staged, mut files) = (Vec::new(), Vec::new());
+    let mut reasons: Vec<String> = refused.into_iter().collect();
+    let smooth = engine.judged(&made);
+    for &format in &formats {
+        let closed = |source| Error::Solid { profile: profile.name.clone(), format, source };
+        let solid = clock.stage(Stage::Solid, || {
+            let solid = Solid::from_face(&face, design.stock.as_ref(), Precision::Double)
+                .and_then(|solid| solid.grown(engine.growth(&made), precision(format)))
+                .map_err(closed)?;
+            let note = format!("{} triangles, closed", solid.mesh().triangles.len());
+            Ok::<_, Error>((solid, note))
+        })?;
+        let optical = solid.optical();
+        let file =
+            super::write(&clock, &folder, format, |out| write_solid(out, format, &solid, &label))?;
+        drop(solid);
+        let subject = (&engine, &made, &design);
+        let (found, faults) = witnessed(&clock, subject, format, optical, &file, &smooth)?;
+        reasons.extend(faults);
+        files.extend(found);
+        staged.push(file);
+    }
+
+    let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
+    let errors = engine.drawn(seed, trial);
+    let kept: Vec<(Kind, f64)> =
+        errors.iter().filter(|(kind, _)| !without.contains(kind)).copied().collect();
+    let pose = pose(&engine, &made, id.clone(), (seed, trial), &kept);
+    let report = ReplayReport {
+        schema: SCHEMA,
+        profile: id,
+        seed,
+        trial,
+        samples: engine.samples(),
+        criterion: engine.question.criterion,
+        reference: engine.question.reference,
+        errors: errors
+            .iter()
+            .map(|(kind, value)| ErrorDrawn { source: kind.key(), value: *value })
+            .collect(),
+        without: without.iter().map(|kind| kind.key()).collect(),
+        repeated: engine.judged(&whole),
+        smooth,
+        longest_edge_mm,
+        files,
+        verdict: verdict::of(&reasons),
+        reasons,
+    };
+    clock.stage(Stage::Report, || {
+        let text =
+            |name: &str, text: String| folder.stage(name, |out| out.write_all(text.as_bytes()));
+        staged.push(text("pose.json", pose.json())?);
+        staged.push(text("replay.json", report.json())?);
+        let old = || Format::ALL.iter().filter(|f| f.is_mesh() && !formats.contains(f));
+        old().try_for_each(|format| folder.clears(format.file_name()))?;
+        staged.into_iter().try_for_each(Staged::publish)?;
+        old().try_for_each(|format| folder.remove(format.file_name()))?;
+        Ok::<_, FileError>(((), folder.path().display().to_string()))
+    })?;
+    Ok(report)
+}
+
+fn sources(engine: &Engine) -> impl Iterator<Item = Kind> {
+    engine.question.sources.iter().map(|source| source.kind)
+}
+
+/// The error sources that these keys name.
+fn left_out(profile: &Profile, engine: &Engine, keys: &[String]) -> Result<Vec<Kind>, Error> {
+    let kind = |key: &String| {
+        let found = sources(engine).find(|kind| kind.key() == *key);
+        found.ok_or_else(|| {
+            let known: Vec<String> = sources(engine).map(Kind::key).collect();
+            let reason = format!("{key} is none of its errors, which are {}", known.join(", "));
+            Error::Replay { profile: profile.name.clone(), reason }
+        })
+    };
+    keys.iter().map(kind).collect()
+}
+
+/// About how many facets with such edges the mirror takes.
+fn facets_of(design: &Design, edge: f64) -> f64 {
+    PER_AREA * design.mirror.whole().area() / (edge * edge)
+}
+
+/// Names the errors that swing too finely.
+fn too_fine(
+    profile: &Profile,
+    design: &Design,
+    engine: &Engine,
+    seed: u64,
+    trial: u64,
+    without: &[Kind],
+) -> Error {
+    let finest = |kind: Kind| {
+        let others: Vec<Kind> = sources(engine).filter(|other| *other != kind).collect();
+        let swing = engine.shortest(&engine.replayed(seed, trial, &others))?;
+        Some((kind, swing, facets_of(design, swing / PER_SWING)))
+    };
+    let mut fine: Vec<(Kind, f64, f64)> =
+        sources(engine).filter(|kind| !without.contains(kind)).filter_map(finest).collect();
+    fine.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let most = fine.first().map_or(0.0, |finest| finest.2);
+    // The worst one in any case.
+    let guilty = fine.iter().take_while(|f| f.2 > MOST_FACETS as f64 || f.2 == most);
+    let (words, options): (Vec<String>, Vec<String>) = guilty
+        .map(|(kind, swing, facets)| {
+            let key = kind.key();
+            let words =
+                format!("{key} swings within {swing} mm, which takes about {facets:.1e} facets");
+            (words, format!("--without {key}"))
+        })
+        .unzip();
+    let reason = format!(
+        "{}, over the {:.0e} that are made; leave it out of the part by {}",
+        words.join("; "),
+        MOST_FACETS as f64,
+        options.join(" "),
+    );
+    Error::Replay { profile: profile.name.clone(), reason }
+}
+
+/// The place of the designed mirror half way between two others.
+fn middle(design: &Design, a: DVec3, b: DVec3) -> DVec3 {
+    let mirror = &design.mirror;
+    let q = 0.5 * (mirror.chart.coordinates(a).0 + mirror.chart.coordinates(b).0);
+    mirror.place(q, &mirror.row(q.y).at(q.x))
+}
+
+/// The designed face with the form of a made one.
+fn displaced(engine: &Engine, made: &Made, mut face: TriMesh) -> TriMesh {
+    let up = |v: &mut DVec3| v.z += engine.departure(made, v.truncate());
+    face.vertices.par_iter_mut().for_each(up);
+    face
+}
+
+/// Reads a file of the made part and traces it, with reasons why it will not do.
+fn witnessed(
+    clock: &Clock,
+    (engine, made, design): (&Engine, &Made, &Design),
+    format: Format,
+    optical: usize,
+    staged: &Staged,
+    smooth: &Judged,
+) -> Result<(Option<ReplayFile>, Vec<String>), Error> {
+    let read = |reread: Reread| {
+        let solid = check(&reread.mesh).through(design.holes());
+        (reread.mesh, solid)
+    };
+    let (file, read) = open(clock, format, staged.read()?, read);
+    let name = file.name.clone();
+    let mut faults: Vec<String> = Vec::new();
+    if file.sha256 != staged.sha256() {
+        faults.push(verdict::ALTERED.into());
+    }
+    let found = match read {
+        Err(error) => {
+            faults.push(error.to_string());
+            None
+        }
+        Ok((mesh, solid)) => Some(clock.always(Stage::Trace, || {
+            faults.extend(solid.reasons());
+            let rounding_mm = rounding(&mesh, format);
+            let mut vertices: Vec<u32> =
+                mesh.triangles.iter().take(optical).flatten().copied().collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            let vertices: Vec<DVec3> =
+                vertices.iter().map(|&v| mesh.vertices[v as usize]).collect();
+            let off_surface_mm = engine.off_surface(made, &vertices);
+            let triangles = mesh.triangles.len();
+            let witnessed = engine.witness(made, &Scene::new(mesh), optical);
+            let note = format!("{name}: {} of {} rays hit", witnessed.hit, witnessed.rays);
+            let found = ReplayFile {
+                file,
+                triangles,
+                optical_triangles: optical,
+                solid,
+                off_surface_mm,
+                rounding_mm,
+                witnessed,
+            };
+            faults.extend(objections(&found, smooth, engine.question.criterion));
+            (found, note)
+        })),
+    };
+    Ok((found, faults.into_iter().map(|fault| format!("{name}: {fault}")).collect()))
+}
+
+/// What rounding to a format's digits moves a vertex along Z, mm.
+fn rounding(mesh: &TriMesh, format: Format) -> f64 {
+    let largest = mesh.bounds().map_or(0.0, |(lo, hi)| lo.abs().max(hi.abs()).max_element());
+    let digit = match precision(format) {
+        Precision::Single => 0.5 * f64::from(f32::EPSILON),
+        // The mirror itself is evaluated to some thousand times the last digit.
+        Precision::Double => 1e3 * f64::EPSILON,
+    };
+    ROUNDING * digit * largest
+}
+
+/// Why a file does not show the made surface.
+fn objections(found: &ReplayFile, smooth: &Judged, criterion: Criterion) -> Vec<String> {
+    let ReplayFile { off_surface_mm, rounding_mm, witnessed, .. } = found;
+    let mut faults = Vec::new();
+    if !(off_surface_mm <= rounding_mm) {
+        faults.push(format!(
+            "a vertex lies {off_surface_mm:.2e} mm off the made surface, over the \
+             {rounding_mm:.2e} mm of rounding"
+        ));
+    }
+    if witnessed.lost > 0 {
+        faults.push(format!(
+            "{} of {} rays are not reflected where the made surface is",
+            witnessed.lost, witnessed.rays
+        ));
+    }
+    let error = |facets: Summary| match criterion {
+        Criterion::Rms => facets.rms,
+        Criterion::P95 => facets.max,
+    };
+    let facets_px = witnessed.facet_error_px.map_or(0.0, error);
+    let shown = &witnessed.displacement;
+    for (what, shown, smooth) in
+        [("as made", shown.as_made, smooth.as_made), ("adjusted", shown.adjusted, smooth.adjusted)]
+    {
+        let (shown, smooth) = (shown.by(criterion), smooth.by(criterion));
+        // Facets that are all there is would meet their own error to rounding.
+        if !((shown - smooth).abs() <= facets_px * (1.0 + 1e-3)) {
+            faults.push(format!(
+                "{what} it shows {shown:.6} px where the made surface has {smooth:.6} px, off by \
+                 more than its facet error of {facets_px:.6} px"
+            ));
+        }
+    }
+    faults
+}
+
+/// What places the part and what the camera has, of the errors that are not left out.
+fn pose(
+    engine: &Engine,
+    made: &Made,
+    profile: ProfileId,
+    (seed, trial): (u64, u64),
+    errors: &[(Kind, f64)],
+) -> PoseFile {
+    // All keys, so that readers find them.
+    let of = |kinds: &[Kind]| {
+        let value = |kind: &Kind| errors.iter().find(|e| e.0 == *kind).map_or(0.0, |e| e.1);
+        kinds.iter().map(|kind| (kind.key(), value(kind).into())).collect()
+    };
+    PoseFile {
+        schema: SCHEMA,
+        profile,
+        seed,
+        trial,
+        part: of(&[
+            Kind::DecentreX,
+            Kind::DecentreY,
+            Kind::Despace,
+            Kind::TiltX,
+            Kind::TiltY,
+            Kind::Clocking,
+        ]),
+        world_from_file: engine.placing(made),
+        camera: of(&[
+            Kind::Magnification,
+            Kind::Telecentricity,
+            Kind::PrincipalX,
+            Kind::PrincipalY,
+            Kind::Distortion,
+        ]),
+        in_the_files: of(&[Kind::Scale, Kind::Temperature]),
+        growth: engine.growth(made),
+    }
+}

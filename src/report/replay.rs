@@ -1,0 +1,188 @@
+//! A replayed trial as JSON and as text, and its pose as JSON.
+
+use super::text::{digits, short};
+use super::{FileFacts, ProfileId, Verdict};
+use crate::num::stats::Summary;
+use crate::solid::Check;
+use crate::tolerance::{Criterion, Judged, Placing, Reference, Witnessed};
+use anstyle::{AnsiColor, Style};
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::fmt::Write;
+
+/// `replay.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReplayReport {
+    /// Version of these keys.
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// Seed of the trials.
+    pub seed: u64,
+    /// Number of the trial.
+    pub trial: u64,
+    /// Pixels that stand for the picture.
+    pub samples: usize,
+    /// Which figure counts.
+    pub criterion: Criterion,
+    /// What displacements are measured from.
+    pub reference: Reference,
+    /// All errors of the trial.
+    pub errors: Vec<ErrorDrawn>,
+    /// Those that are not in the files: the stand-in for facets, and what was left out.
+    pub without: Vec<String>,
+    /// The trial's figures, as in `trials.csv`.
+    pub repeated: Judged,
+    /// The figures of the smooth surface that the files are of, without those errors.
+    pub smooth: Judged,
+    /// Edges of the optical face are no longer than this before it is displaced, mm; none where
+    /// the mesh of the design is fine enough for everything.
+    pub longest_edge_mm: Option<f64>,
+    /// The files, read back.
+    pub files: Vec<ReplayFile>,
+    /// Whether every file is a solid, has the surface, and shows the smooth surface's figures
+    /// within its facet error.
+    pub verdict: Verdict,
+    /// Why it fails; empty for a pass.
+    pub reasons: Vec<String>,
+}
+
+/// An error of a trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ErrorDrawn {
+    /// Its key in the profile, which ends in its unit.
+    pub source: String,
+    /// Its value; of a texture its strength.
+    pub value: f64,
+}
+
+/// A file of the imperfect part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReplayFile {
+    /// The file.
+    #[serde(flatten)]
+    pub file: FileFacts,
+    /// Facets in all.
+    pub triangles: usize,
+    /// Facets of the optical face.
+    pub optical_triangles: usize,
+    /// The check of the mesh that was read.
+    pub solid: Check,
+    /// The largest distance along Z of the optical face's vertices from the made surface, mm.
+    pub off_surface_mm: f64,
+    /// What rounding to the file's digits explains, mm.
+    pub rounding_mm: f64,
+    /// What it shows.
+    #[serde(flatten)]
+    pub witnessed: Witnessed,
+}
+
+/// `pose.json`: what a file of the part cannot hold.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PoseFile {
+    /// Version of these keys.
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// Seed of the trials.
+    pub seed: u64,
+    /// Number of the trial.
+    pub trial: u64,
+    /// How the part is mounted, about the middle of its base: turns about X, then Y, then the
+    /// axis.
+    pub part: Map<String, Value>,
+    /// The same as a motion, for the file's coordinates.
+    pub world_from_file: Placing,
+    /// The camera's errors.
+    pub camera: Map<String, Value>,
+    /// Errors of size, which the files have already.
+    pub in_the_files: Map<String, Value>,
+    /// How much larger the part is by them.
+    pub growth: f64,
+}
+
+impl PoseFile {
+    /// As JSON.
+    #[must_use]
+    pub fn json(&self) -> String {
+        pretty(self)
+    }
+}
+
+fn pretty(value: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(value).expect("string keys and plain values only");
+    text.push('\n');
+    text
+}
+
+impl ReplayReport {
+    /// As JSON.
+    #[must_use]
+    pub fn json(&self) -> String {
+        pretty(self)
+    }
+
+    /// A readable summary, styled for terminals.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_text(&mut out);
+        out
+    }
+
+    fn write_text(&self, out: &mut String) -> std::fmt::Result {
+        let bold = Style::new().bold();
+        let Self { profile, .. } = self;
+        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        writeln!(
+            out,
+            "  replay   trial {} of seed {}, {} pixels",
+            self.trial, self.seed, self.samples
+        )?;
+        let errors: Vec<String> =
+            self.errors.iter().map(|e| format!("{} {}", e.source, digits(e.value))).collect();
+        for (k, line) in errors.chunks(4).enumerate() {
+            let head = if k == 0 { "errors" } else { "" };
+            writeln!(out, "  {head:8} {}", line.join(", "))?;
+        }
+        writeln!(out, "  trial    {}", figures(&self.repeated))?;
+        let without = match self.without.as_slice() {
+            [] => String::new(),
+            keys => format!("; without {}", keys.join(", ")),
+        };
+        writeln!(out, "  surface  {}{without}", figures(&self.smooth))?;
+        for ReplayFile { file, triangles, off_surface_mm, witnessed, .. } in &self.files {
+            let Witnessed { rays, hit, shadowed, beyond, .. } = witnessed;
+            let facets =
+                witnessed.facet_error_px.map_or("no".into(), |Summary { rms, max, .. }| {
+                    format!("{} rms, {} max", digits(rms), digits(max))
+                });
+            writeln!(
+                out,
+                "  {:8} {}; facet error {facets} px\n           {triangles} triangles, {hit} of \
+                 {rays} rays hit ({shadowed} shadowed), {beyond} led over the rim; \
+                 vertices within {} um of the made surface",
+                file.name,
+                figures(&witnessed.displacement),
+                digits(1e3 * off_surface_mm),
+            )?;
+        }
+        for reason in &self.reasons {
+            writeln!(out, "  - {reason}")?;
+        }
+        let (word, colour) = match self.verdict {
+            Verdict::Pass => ("pass", AnsiColor::Green),
+            Verdict::Fail => ("fail", AnsiColor::Red),
+        };
+        let style = Style::new().bold().fg_color(Some(colour.into()));
+        writeln!(out, "  verdict  {style}{word}{style:#}")
+    }
+}
+
+fn figures(judged: &Judged) -> String {
+    let Judged { as_made, adjusted } = judged;
+    let [a, b, c, d] =
+        [as_made.rms_px, as_made.p95_px, adjusted.rms_px, adjusted.p95_px].map(digits);
+    format!("as made {a} rms, {b} p95; adjusted {c} rms, {d} p95 px")
+}

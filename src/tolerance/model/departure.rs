@@ -1,0 +1,75 @@
+//! How far a made surface is from the designed one, and how finely it does so.
+
+use super::super::field::{Field, ripple};
+use super::{Sample, State, System, added};
+use crate::geom::DVec3;
+use crate::num::Scalar;
+use std::f64::consts::TAU;
+
+impl System {
+    /// `sum` and the waviness, the measured form error and the tool's tracks, height and slope.
+    pub(super) fn textured<S: Scalar>(
+        &self,
+        mut sum: [S; 3],
+        state: &State<S>,
+        at: [S; 2],
+    ) -> [S; 3] {
+        if let Some(wave) = state.wave {
+            sum = added(sum, 1.0, ripple(self.wave, wave, at));
+        }
+        if let (Some(map), Some(share)) = (&self.map, state.map) {
+            sum = added(sum, share, Self::mapped(map, at));
+        }
+        if let Some(tracks) = state.tracks {
+            sum = added(sum, 1.0, self.tool.cusp(tracks, at));
+        }
+        sum
+    }
+
+    /// Height and slope of the made surface over the designed one at (X, Y) of the part, before it
+    /// is grown.
+    pub fn departure(&self, state: &State<f64>, at: [f64; 2]) -> [f64; 3] {
+        self.textured(self.forms(&state.form, at), state, at)
+    }
+
+    /// The shortest length, mm, over which this departure swings: a period, a distance of tracks or
+    /// of a map's knots, half the mirror of a polynomial. None where there is no departure.
+    pub fn shortest(&self, state: &State<f64>) -> Option<f64> {
+        let forms = state.form.iter().zip(&self.fields).filter(|(a, _)| **a != 0.0);
+        let wave = state.wave.filter(|a| *a != [0.0; 2]).map(|_| period(self.wave));
+        let tracks = state.tracks.map(|[stepover, _]| stepover);
+        let knots = self.map.iter().filter(|_| state.map.is_some_and(|share| share != 0.0));
+        let knots = knots.flat_map(|map| map.knots().map(|knots| knots.step));
+        let forms = forms.map(|(_, field)| field.swing());
+        forms.chain(wave).chain(tracks).chain(knots).reduce(f64::min)
+    }
+}
+
+impl System {
+    /// Whether a place of the part, before it is grown, is surely on the mirror.
+    pub fn holds(&self, at: DVec3) -> bool {
+        self.mirror.whole().aims(self.mirror.chart.coordinates(at).0)
+    }
+}
+
+impl Sample {
+    /// Z where it sees the designed mirror, mm.
+    pub fn height(&self) -> f64 {
+        self.hit.z
+    }
+}
+
+impl Field {
+    /// A period, or half the mirror.
+    fn swing(&self) -> f64 {
+        match self {
+            Self::Polynomial { half: [a, b], .. } => a.min(*b),
+            Self::Cosine(k) | Self::Sine(k) => period(*k),
+        }
+    }
+}
+
+/// The wavelength of a wave vector, mm.
+fn period([x, y]: [f64; 2]) -> f64 {
+    TAU / (x * x + y * y).sqrt()
+}

@@ -1,0 +1,212 @@
+//! One trial again: the surface that a file of it must have, and what a file shows through the
+//! camera of that trial.
+
+use super::compensate::Pixels;
+use super::engine::{Engine, Made};
+use super::model::{Pose, Sample};
+use super::source::Kind;
+use crate::geom::{DVec2, DVec3, Ray};
+use crate::num::larger;
+use crate::num::random::Stream;
+use crate::num::stats::{Summary, or_null};
+use crate::optics::reflect;
+use crate::trace::{Outcome, Scene, look};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// How far each adjustment was moved, and what remains.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judged {
+    /// Figures as made.
+    pub as_made: Pixels,
+    /// Figures after adjustment.
+    pub adjusted: Pixels,
+}
+
+/// What a file of a made part shows: the camera's ray of each sample, its nearest facet, and the
+/// reflection by that.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Witnessed {
+    /// Rays.
+    pub rays: usize,
+    /// Of these, reflected by the optical face.
+    pub hit: usize,
+    /// Of those that hit, meeting the part again: taken as if it were not in the way, as in the
+    /// trials.
+    pub shadowed: usize,
+    /// Led over the mirror's rim by the errors: taken as if the made surface went on there, as in
+    /// the trials.
+    pub beyond: usize,
+    /// Not reflected by the optical face, where the made surface is.
+    pub lost: usize,
+    /// The displacements' figures.
+    pub displacement: Judged,
+    /// What the facets' own slopes displace: reflection by the facet against that by the made
+    /// surface at the same place, px. None when no ray hits.
+    #[serde(serialize_with = "or_null")]
+    pub facet_error_px: Option<Summary>,
+}
+
+/// The matrix R and the shift t, mm, of world = R part + t.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Placing {
+    /// Rows of R.
+    pub turn: [[f64; 3]; 3],
+    /// t, mm.
+    pub shift_mm: [f64; 3],
+}
+
+impl Engine {
+    /// The errors of a trial, each in its source's unit.
+    #[must_use]
+    pub fn drawn(&self, seed: u64, index: u64) -> Vec<(Kind, f64)> {
+        self.draw(&self.question.sources, &Stream { seed, trial: index })
+    }
+
+    /// The system of a trial without some of its errors; the others are as they are with them.
+    #[must_use]
+    pub fn replayed(&self, seed: u64, index: u64, without: &[Kind]) -> Made {
+        let mut values = self.drawn(seed, index);
+        values.retain(|(kind, _)| !without.contains(kind));
+        self.make(&values, Stream { seed, trial: index })
+    }
+
+    /// Figures of a made system.
+    #[must_use]
+    pub fn judged(&self, made: &Made) -> Judged {
+        self.figures_of(self.displacements(std::slice::from_ref(made)).remove(0))
+    }
+
+    fn figures_of(&self, displacement: Vec<f64>) -> Judged {
+        let (as_made, adjusted, _) = self.judge(displacement);
+        Judged { as_made, adjusted }
+    }
+
+    /// How far the made surface lies over the designed one at (X, Y) of the part, mm, before the
+    /// part is grown.
+    #[must_use]
+    pub fn departure(&self, made: &Made, at: DVec2) -> f64 {
+        self.system.departure(&made.state, at.to_array())[0]
+    }
+
+    /// The shortest length, mm, over which that swings; none where there is no departure.
+    #[must_use]
+    pub fn shortest(&self, made: &Made) -> Option<f64> {
+        self.system.shortest(&made.state)
+    }
+
+    /// How much larger a made part is, about the origin.
+    #[must_use]
+    pub fn growth(&self, made: &Made) -> f64 {
+        1.0 + made.state.placed[super::model::placed::SCALE]
+    }
+
+    /// Where the part is put.
+    #[must_use]
+    pub fn placing(&self, made: &Made) -> Placing {
+        let pose = Pose::new(&made.state.placed);
+        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|e| pose.turned(e));
+        let turn = [0, 1, 2].map(|row| columns.map(|column| column[row]));
+        Placing { turn, shift_mm: super::model::placed::SHIFT.map(|k| made.state.placed[k]) }
+    }
+
+    /// The made surface, Z and slope, at (X, Y) of the grown part.
+    fn surface(&self, made: &Made, at: DVec2) -> [f64; 3] {
+        let growth = self.growth(made);
+        let at = (at / growth).to_array();
+        let (design, more) = (self.system.designed(at), self.system.departure(&made.state, at));
+        [growth * (design[0] + more[0]), design[1] + more[1], design[2] + more[2]]
+    }
+
+    /// The largest distance along Z, mm, of `vertices` of a file from the made surface.
+    #[must_use]
+    pub fn off_surface(&self, made: &Made, vertices: &[DVec3]) -> f64 {
+        let off = |v: &DVec3| (v.z - self.surface(made, v.truncate())[0]).abs();
+        vertices.par_iter().map(off).reduce(|| 0.0, larger)
+    }
+
+    /// Whether a ray in the frame of the grown part, aimed by `sample`, meets the made surface on the
+    /// mirror: Newton's method.
+    fn meets(&self, made: &Made, sample: &Sample, ray: &Ray) -> bool {
+        const MOST_STEPS: usize = 40;
+        let mut t = (sample.height() - ray.origin.z) / ray.direction.z;
+        for _ in 0..MOST_STEPS {
+            let at = ray.at(t);
+            let [z, x, y] = self.surface(made, at.truncate());
+            let rate = ray.direction.z - ray.direction.x * x - ray.direction.y * y;
+            let step = (at.z - z) / rate;
+            t -= step;
+            if step.abs() < 1e-9 {
+                return self.system.holds(ray.at(t) / self.growth(made));
+            }
+        }
+        false
+    }
+
+    /// Traces a file's mesh, whose first `optical` facets have the surface and the size of a made
+    /// part, in its place and under its camera.
+    #[must_use]
+    pub fn witness(&self, made: &Made, scene: &Scene, optical: usize) -> Witnessed {
+        let pose = Pose::new(&made.state.placed);
+        let shift = DVec3::from_array(self.placing(made).shift_mm);
+        let out = |v: DVec3| DVec3::from_array(pose.turned(v.to_array()));
+        let back = |v: DVec3| DVec3::from_array(pose.turned_back(v.to_array()));
+        let pixel = self.system.camera.pixel_mm;
+        // Parallel rays begin above the part.
+        let parallel = self.system.camera.chart.vergence == 0.0;
+        let above = scene.bounds().map_or(0.0, |(lo, hi)| (hi - lo).length() + hi.length());
+        let above = if parallel { above } else { 0.0 };
+        let smooth = self.displacements(std::slice::from_ref(made)).remove(0);
+        let look_through = |k: usize| {
+            let sample = &self.system.samples[k];
+            let (origin, along) = self.system.ray(sample, &made.state.placed);
+            let direction = back(DVec3::from_array(along)).normalize();
+            let origin = back(DVec3::from_array(origin) - shift) - direction * above;
+            let ray = Ray { origin, direction };
+            let (outcome, hit, leaving) = look(scene, &ray);
+            let reflected = matches!(outcome, Outcome::Hit | Outcome::Shadowed(_));
+            let Some(hit) = hit.filter(|hit| reflected && (hit.facet as usize) < optical) else {
+                let (end, moved) = if self.meets(made, sample, &ray) {
+                    (End::Lost, [f64::NAN; 2])
+                } else {
+                    (End::Beyond, [smooth[2 * k], smooth[2 * k + 1]])
+                };
+                return (end, moved, None);
+            };
+            let at = ray.at(hit.t);
+            let world = (out(at) + shift).to_array();
+            let content = |leaving: DVec3| {
+                let leaving = out(leaving).to_array();
+                DVec2::from_array(self.system.place(sample.point, world, leaving))
+            };
+            let [_, x, y] = self.surface(made, at.truncate());
+            let by_surface = content(reflect(direction, DVec3::new(-x, -y, 1.0)));
+            let by_facet = content(leaving);
+            let base = DVec2::new(self.base[2 * k], self.base[2 * k + 1]);
+            let moved = base + (by_facet - sample.content) / pixel;
+            let end = if outcome == Outcome::Hit { End::Hit } else { End::Shadowed };
+            (end, moved.to_array(), Some((by_facet - by_surface).length() / pixel))
+        };
+        let seen: Vec<_> = (0..self.samples()).into_par_iter().map(look_through).collect();
+        let count = |end: End| seen.iter().filter(|s| s.0 == end).count();
+        let shadowed = count(End::Shadowed);
+        Witnessed {
+            rays: seen.len(),
+            hit: count(End::Hit) + shadowed,
+            shadowed,
+            beyond: count(End::Beyond),
+            lost: count(End::Lost),
+            displacement: self.figures_of(seen.iter().flat_map(|s| s.1).collect()),
+            facet_error_px: Summary::of(seen.iter().filter_map(|s| s.2).collect()),
+        }
+    }
+}
+
+/// What becomes of a ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    Hit,
+    Shadowed,
+    Beyond,
+    Lost,
+}
