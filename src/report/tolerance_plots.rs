@@ -75,9 +75,20 @@ fn font(size: i32) -> TextStyle<'static> {
 
 /// A number on an axis.
 fn tick(x: &f64) -> String {
-    let text = format!("{x:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if matches!(text, "" | "-0") { "0".into() } else { text.into() }
+    // Steps from a negative end meet zero to rounding.
+    if x.abs() < 1e-12 {
+        return "0".into();
+    }
+    if x.abs() < 1e-2 {
+        return format!("{x:.1e}");
+    }
+    format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').into()
+}
+
+/// What an axis has beyond both ends of its figures.
+fn room(least: f64, most: f64, study: &Study) -> f64 {
+    let room = 0.05 * (most - least);
+    if room > 1e-9 * study.budget_px { room } else { 0.05 * study.budget_px }
 }
 
 fn percents(share: &f64) -> String {
@@ -168,7 +179,7 @@ fn histogram(area: &Area, study: &Study, points: &Points) -> Result<(), Failure>
     let (lo, hi) = finite().fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
     let (lo, hi) = if lo <= hi { (lo, hi) } else { (0.0, study.budget_px) };
     let (least, most) = (lo.min(study.budget_px), hi.max(study.budget_px));
-    let room = 0.04 * (most - least).max(1e-9 * most).max(f64::MIN_POSITIVE);
+    let room = room(least, most, study);
     let width = ((hi - lo) / BINS as f64).max(1e-3 * room);
     let mut bins = [0.0; BINS];
     for x in finite() {
@@ -237,7 +248,7 @@ fn scatter(area: &Area, study: &Study, points: &Points) -> Result<(), Failure> {
     let all = || pairs().flatten().copied();
     let (lo, hi) = all().fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
     let (lo, hi) = if lo <= hi { (lo, hi) } else { (0.0, study.budget_px) };
-    let room = 0.05 * (hi - lo).max(1e-9 * hi).max(f64::MIN_POSITIVE);
+    let room = room(lo, hi, study);
     let range = lo - room..hi + room;
     let mut chart = builder(area, "Linear model against full trace")
         .build_cartesian_2d(range.clone(), range)?;
@@ -299,7 +310,8 @@ mod tests {
 
     #[test]
     fn ticks_are_short() {
-        for (x, text) in [(0.0, "0"), (-1e-17, "0"), (0.25, "0.25"), (10.0, "10"), (1e-3, "0.001")]
+        for (x, text) in
+            [(0.0, "0"), (-1e-17, "0"), (0.25, "0.25"), (10.0, "10"), (1.2e-3, "1.2e-3")]
         {
             assert_eq!(tick(&x), text);
         }
