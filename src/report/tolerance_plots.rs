@@ -149,12 +149,16 @@ fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
         chart.draw_series([bar])?;
         sum += share;
         sums.push((sum, SegmentValue::CenterOf(row)));
-        // Beside its bar, and out of the way of the sums' line.
+        // Beside its bar, and out of the way of the sums' line; inside where there is no room.
         if sum - share > 0.12 || k == 0 {
-            let beside = font(TICK).pos(Pos::new(HPos::Left, VPos::Center));
-            let gap = if k == 0 { 0.02 } else { 0.01 };
-            let at = (share + gap, SegmentValue::CenterOf(row));
-            chart.draw_series([Text::new(format!("{:.1} %", 100.0 * share), at, beside)])?;
+            let (at, side, colour) = match (k, *share) {
+                (0, share) if share > 0.8 => (share - 0.02, HPos::Right, WHITE),
+                (0, share) => (share + 0.02, HPos::Left, BLACK),
+                (_, share) => (share + 0.01, HPos::Left, BLACK),
+            };
+            let style = font(TICK).color(&colour).pos(Pos::new(side, VPos::Center));
+            let at = (at, SegmentValue::CenterOf(row));
+            chart.draw_series([Text::new(format!("{:.1} %", 100.0 * share), at, style)])?;
         }
     }
     let line = LineSeries::new(sums.clone(), RED.stroke_width(3));
