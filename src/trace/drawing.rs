@@ -2,6 +2,7 @@
 
 use super::Glimpse;
 use super::line::{Line, Plumb, Shear, crossing};
+use super::rays::Rays;
 use super::scene::Scene;
 use super::spot::{Span, Spot};
 use crate::geom::{DVec2, DVec3, TriMesh};
@@ -9,7 +10,7 @@ use crate::optics::Camera;
 use rayon::prelude::*;
 
 /// Rows that are drawn together.
-pub const ROWS: usize = 16;
+pub const ROWS: usize = 32;
 /// Facets are drawn in parts of this size, whatever the number of threads.
 const PART: usize = 1 << 14;
 /// Facets over more pixels than this are large: they are drawn last, where nothing is nearer.
@@ -41,6 +42,16 @@ struct Large {
     least: f64,
 }
 
+/// A facet that a pixel shows, as long as nothing nearer is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown {
+    pub column: usize,
+    pub row: usize,
+    /// Distance along the pixel's ray, mm.
+    pub t: f64,
+    pub facet: u32,
+}
+
 /// What some of the facets show.
 #[derive(Debug, Clone)]
 struct Part {
@@ -63,10 +74,7 @@ impl Part {
 #[derive(Debug)]
 pub struct Drawing<'a> {
     mesh: &'a TriMesh,
-    camera: &'a Camera,
-    top_mm: f64,
-    /// X of the pixels' centres by column, and Y by row, on the reference plane, mm.
-    centres: [Vec<f64>; 2],
+    rays: &'a Rays,
     /// Pixels per mm on the reference plane.
     per_mm: f64,
     /// Z where the rays start.
@@ -78,43 +86,28 @@ pub struct Drawing<'a> {
     parts: Vec<Part>,
 }
 
-/// What the pixels of a band of rows show.
-#[derive(Debug, Default)]
-pub struct Band {
-    t: Vec<f64>,
-    facets: Vec<u32>,
+/// Shows a facet where nothing nearer is shown.
+#[inline(always)]
+fn add(
+    &Met { t, spot }: &Met,
     columns: usize,
-    /// Where large facets are met.
-    large: Vec<Met>,
-}
-
-impl Band {
-    /// The pixels that show nothing.
-    pub fn missed(&self) -> impl Iterator<Item = usize> {
-        (0..).zip(&self.facets).filter(|(_, facet)| **facet == Glimpse::NO_FACET).map(|(k, _)| k)
-    }
-
-    #[inline]
-    fn pixel(&self, spot: Spot) -> usize {
-        let (_, column, row) = spot.parts();
-        usize::from(row) % ROWS * self.columns + usize::from(column)
-    }
-
-    #[inline]
-    fn add(&mut self, met: &Met) {
-        let Met { t, spot } = *met;
-        let (k, (facet, ..)) = (self.pixel(spot), spot.parts());
-        if t < self.t[k] || (t == self.t[k] && facet < self.facets[k]) {
-            (self.t[k], self.facets[k]) = (t, facet);
-        }
+    found: &mut [Glimpse],
+    show: &impl Fn(Shown) -> Glimpse,
+) {
+    let (facet, column, row) = spot.parts();
+    let [column, row] = [column, row].map(usize::from);
+    let seen = &mut found[row % ROWS * columns + column];
+    if t < seen.t || (t == seen.t && facet < seen.facet) {
+        *seen = show(Shown { column, row, t, facet });
     }
 }
 
 impl<'a> Drawing<'a> {
-    /// The picture that `camera`, with parallel rays from height `top_mm`, takes of `scene`. None
-    /// where rays start beside or below facets: those cannot be drawn.
-    pub fn new(scene: &'a Scene, camera: &'a Camera, top_mm: f64) -> Option<Self> {
+    /// The picture that `rays` give of `scene`. None where they start beside or below facets: those
+    /// cannot be drawn.
+    pub fn new(scene: &'a Scene, rays: &'a Rays) -> Option<Self> {
         let (lo, hi) = scene.bounds()?;
+        let Rays { camera, top_mm, .. } = *rays;
         let chart = camera.chart;
         let start =
             if chart.vergence == 0.0 { top_mm } else { chart.plane_mm + 1.0 / chart.vergence };
@@ -130,15 +123,9 @@ impl<'a> Drawing<'a> {
             return None;
         }
         let mesh = scene.mesh();
-        let [columns, rows] = camera.pixels.map(|n| (0..n).map(|k| f64::from(k) + 0.5));
         let mut drawing = Self {
             mesh,
-            camera,
-            top_mm,
-            centres: [
-                columns.map(|x| camera.image_point(x, 0.0).x).collect(),
-                rows.map(|y| camera.image_point(0.0, y).y).collect(),
-            ],
+            rays,
             per_mm: 1.0 / camera.pixel_mm,
             start,
             margins: [margin, 1e-9 * extent],
@@ -165,7 +152,7 @@ impl<'a> Drawing<'a> {
     /// The place of a point in the picture, pixels from the upper left corner.
     #[inline]
     fn place(&self, v: DVec3) -> DVec2 {
-        let Camera { pixels: [columns, rows], chart, .. } = *self.camera;
+        let Camera { pixels: [columns, rows], chart, .. } = self.rays.camera;
         let mut scale = self.per_mm;
         if chart.vergence != 0.0 {
             scale /= 1.0 - chart.vergence * (v.z - chart.plane_mm);
@@ -186,7 +173,7 @@ impl<'a> Drawing<'a> {
     /// The pixels whose centres the picture of a point may reach.
     #[inline]
     fn span(&self, v: DVec3) -> Span {
-        let [width, height] = self.camera.pixels;
+        let [width, height] = self.rays.camera.pixels;
         let at = self.place(v);
         let [left, right] = self.between(at.x, at.x, width).map(|k| k as i16);
         let [upper, lower] = self.between(at.y, at.y, height).map(|k| k as i16);
@@ -202,8 +189,8 @@ impl<'a> Drawing<'a> {
         triangles: &[[u32; 3]],
         line: impl Fn(f64, f64) -> S,
     ) -> Part {
-        let [xs, ys] = &self.centres;
-        let height = self.camera.pixels[1];
+        let [xs, ys] = &self.rays.centres;
+        let height = self.rays.camera.pixels[1];
         let mut large = Vec::new();
         let mut count = 0;
         spots.resize(BLOCK * LARGE, Spot::default());
@@ -285,22 +272,19 @@ impl<'a> Drawing<'a> {
         Large { facet, at: corners.map(|v| self.place(v)), rows, least }
     }
 
-    /// Draws `rows` rows from row `first`, the first of a band.
-    pub fn draw(&self, first: usize, rows: usize, band: &mut Band) {
-        let columns = self.camera.pixels[0] as usize;
-        band.columns = columns;
-        band.t.clear();
-        band.t.resize(columns * rows, f64::INFINITY);
-        band.facets.clear();
-        band.facets.resize(columns * rows, Glimpse::NO_FACET);
-        band.large.clear();
+    /// Draws a band from row `first` on over `found`, one entry a pixel, by what `show` makes of a
+    /// facet that is nearest so far.
+    pub fn draw(&self, first: usize, found: &mut [Glimpse], show: impl Fn(Shown) -> Glimpse) {
+        let columns = self.rays.camera.pixels[0] as usize;
+        let rows = found.len() / columns;
+        found.fill(Glimpse::NOTHING);
         for part in &self.parts {
-            part.of(first / ROWS).iter().for_each(|met| band.add(met));
+            part.of(first / ROWS).iter().for_each(|met| add(met, columns, found, &show));
         }
         let mut deepest = vec![f64::NEG_INFINITY; columns.div_ceil(ROWS)];
-        for line in band.t.chunks(columns) {
+        for line in found.chunks(columns) {
             for (deepest, part) in deepest.iter_mut().zip(line.chunks(ROWS)) {
-                *deepest = part.iter().copied().fold(*deepest, greater);
+                *deepest = part.iter().map(|seen| seen.t).fold(*deepest, greater);
             }
         }
         let all = deepest.iter().copied().fold(f64::NEG_INFINITY, greater);
@@ -323,36 +307,16 @@ impl<'a> Drawing<'a> {
                     continue;
                 }
                 for column in left..right {
-                    let point = DVec2::new(self.centres[0][column], self.centres[1][row]);
-                    let line = Line::new(&self.camera.ray(point, self.top_mm));
+                    let line = Line::new(&self.rays.at(column, row));
                     let [a, b, c] = corners.map(|v| line.project(v));
                     let (meets, t) = crossing(a, b, c);
                     if meets {
                         let spot = Spot::new(large.facet, column as u16, row as u16);
-                        band.large.push(Met { t, spot });
+                        add(&Met { t, spot }, columns, found, &show);
                     }
                 }
             }
         }
-        for k in 0..band.large.len() {
-            let met = band.large[k];
-            band.add(&met);
-        }
-    }
-
-    /// What each pixel of the band from row `first` on, which has been drawn, shows: its number in the
-    /// band, column and row, and the distance and facet. In the order of the facets, which lie near
-    /// each other in memory; not of pixels that show nothing.
-    pub fn seen<'b>(
-        &'b self,
-        first: usize,
-        band: &'b Band,
-    ) -> impl Iterator<Item = (usize, [u32; 2], f64, u32)> {
-        let met = self.parts.iter().flat_map(move |part| part.of(first / ROWS));
-        met.chain(&band.large).filter_map(|met| {
-            let (k, (facet, column, row)) = (band.pixel(met.spot), met.spot.parts());
-            (band.facets[k] == facet).then_some((k, [column, row].map(u32::from), met.t, facet))
-        })
     }
 
     /// The columns, from the first up to the last, where a facet may cover centres in some rows.
@@ -371,7 +335,7 @@ impl<'a> Drawing<'a> {
             left = left.min(x).min(y);
             right = right.max(x).max(y);
         }
-        self.between(left, right, self.camera.pixels[0]).map(|k| k as usize)
+        self.between(left, right, self.rays.camera.pixels[0]).map(|k| k as usize)
     }
 }
 

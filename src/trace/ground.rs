@@ -86,7 +86,8 @@ impl Bundle {
     pub fn add(&mut self, at: DVec3, direction: DVec3) {
         widen(&mut self.from, [at; 2]);
         widen(&mut self.along, [direction; 2]);
-        self.check += (at + direction).element_sum();
+        // A distance that is not finite shows in each coordinate: zero times it is no number.
+        self.check += at.z + direction.element_sum();
     }
 
     /// The distances at which a ray of the bundle can be over the box.
@@ -132,8 +133,11 @@ impl Bundle {
 /// Widens a box so that it holds another.
 #[inline]
 fn widen([least, most]: &mut [DVec3; 2], [lo, hi]: [DVec3; 2]) {
-    *least = DVec3::select(lo.cmplt(*least), lo, *least);
-    *most = DVec3::select(hi.cmpgt(*most), hi, *most);
+    // (As one machine instruction each; what is no number is left out.)
+    let lesser = |a: f64, b: f64| if a < b { a } else { b };
+    let greater = |a: f64, b: f64| if a > b { a } else { b };
+    *least = DVec3::new(lesser(lo.x, least.x), lesser(lo.y, least.y), lesser(lo.z, least.z));
+    *most = DVec3::new(greater(hi.x, most.x), greater(hi.y, most.y), greater(hi.z, most.z));
 }
 
 /// A quadtree over a closed mesh.

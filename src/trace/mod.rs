@@ -11,6 +11,7 @@ mod grid;
 mod ground;
 mod lattice;
 mod line;
+mod rays;
 mod scene;
 mod spot;
 mod sweep;

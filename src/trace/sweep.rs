@@ -4,8 +4,9 @@
 //! Every facet is drawn over the pixel centres near its picture with the same intersection, to the
 //! last bit, as the general search uses; so both answer alike.
 
-use super::drawing::{Band, Drawing, ROWS};
+use super::drawing::{Drawing, ROWS, Shown};
 use super::ground::{Bundle, Ground};
+use super::rays::Rays;
 use super::witness::{glance, reflected, shadowed};
 use super::{Hit, Outcome, Scene};
 use crate::geom::{DVec3, Ray};
@@ -131,12 +132,11 @@ impl<'a> Sweep<'a> {
 
     /// Every ray's end into `found`, row by row: one entry a pixel.
     pub fn run_into(&self, found: &mut [Glimpse]) -> Tally {
-        let means = Means::new(self);
+        let rays = Rays::new(&self.camera, self.top_mm);
+        let means = Means::new(self, &rays);
         let bands = found.par_chunks_mut(self.pixels()[0] as usize * ROWS).enumerate();
         bands
-            .map_init(Band::default, |band, (number, found)| {
-                self.trace(&means, number * ROWS, band, found)
-            })
+            .map(|(number, found)| self.trace(&means, number * ROWS, found))
             .reduce(Tally::default, Add::add)
     }
 
@@ -147,48 +147,38 @@ impl<'a> Sweep<'a> {
         out: &mut [T],
         each: impl Fn(u32, &[Glimpse], &mut [T]) + Sync,
     ) -> Tally {
-        let means = Means::new(self);
+        let rays = Rays::new(&self.camera, self.top_mm);
+        let means = Means::new(self, &rays);
         let bands = out.par_chunks_mut(self.pixels()[0] as usize * ROWS).enumerate();
-        let traced = bands.map_init(
-            || (Band::default(), Vec::new()),
-            |(band, found), (number, out)| {
-                found.resize(out.len(), Glimpse::NOTHING);
-                let tally = self.trace(&means, number * ROWS, band, found);
-                each((number * ROWS) as u32, found, out);
-                tally
-            },
-        );
+        let traced = bands.map_init(Vec::new, |found, (number, out)| {
+            found.resize(out.len(), Glimpse::NOTHING);
+            let tally = self.trace(&means, number * ROWS, found);
+            each((number * ROWS) as u32, found, out);
+            tally
+        });
         traced.reduce(Tally::default, Add::add)
     }
 
     /// Traces the rays of the band from row `first` on.
-    fn trace(&self, means: &Means, first: usize, band: &mut Band, found: &mut [Glimpse]) -> Tally {
+    fn trace(&self, means: &Means, first: usize, found: &mut [Glimpse]) -> Tally {
         let columns = self.pixels()[0] as usize;
         let mut tally = Tally::default();
         if let Some(drawing) = &means.drawing {
             tally.drawn = found.len();
-            drawing.draw(first, found.len() / columns, band);
-            band.missed().for_each(|k| found[k] = Glimpse::NOTHING);
-            for (k, [column, row], t, facet) in drawing.seen(first, band) {
-                let along = self.ray(column, row).direction;
+            drawing.draw(first, found, |Shown { column, row, t, facet }| {
+                let along = means.rays.at(column, row).direction;
                 let (outcome, direction) = reflected(self.scene, along, facet);
-                found[k] = Glimpse { outcome, facet, t, direction };
-            }
+                Glimpse { outcome, facet, t, direction }
+            });
         } else {
             tally.searched = found.len();
             for (k, found) in found.iter_mut().enumerate() {
-                *found = glance(self.scene, &self.at(first, k)).into();
+                *found =
+                    glance(self.scene, &means.rays.at(k % columns, first + k / columns)).into();
             }
         }
-        Shade { sweep: self, ground: means.ground, first, found, tally: &mut tally }.all();
+        Shade { scene: self.scene, means, columns, first, found, tally: &mut tally }.all();
         tally
-    }
-
-    /// The ray of the `k`-th pixel of a band.
-    #[inline]
-    fn at(&self, first: usize, k: usize) -> Ray {
-        let columns = self.pixels()[0] as usize;
-        self.ray((k % columns) as u32, (first + k / columns) as u32)
     }
 
     /// Whether the camera's rays start outside the mesh.
@@ -205,25 +195,27 @@ impl<'a> Sweep<'a> {
 
 /// What the rays of a sweep can be traced with.
 struct Means<'a> {
+    rays: &'a Rays,
     drawing: Option<Drawing<'a>>,
+    /// Without one, every reflected ray is followed.
     ground: Option<&'a Ground>,
 }
 
 impl<'a> Means<'a> {
-    fn new(sweep: &'a Sweep) -> Self {
+    fn new(sweep: &Sweep<'a>, rays: &'a Rays) -> Self {
         if !sweep.shortcuts {
-            return Self { drawing: None, ground: None };
+            return Self { rays, drawing: None, ground: None };
         }
         let ground = if sweep.starts_outside() { sweep.scene.ground() } else { None };
-        Self { drawing: Drawing::new(sweep.scene, &sweep.camera, sweep.top_mm), ground }
+        Self { rays, drawing: Drawing::new(sweep.scene, rays), ground }
     }
 }
 
 /// Finds which of a band's reflected rays are shadowed.
 struct Shade<'a, 'b> {
-    sweep: &'a Sweep<'a>,
-    /// Without one, every ray is followed.
-    ground: Option<&'a Ground>,
+    scene: &'a Scene,
+    means: &'a Means<'a>,
+    columns: usize,
     /// The band's first row.
     first: usize,
     found: &'b mut [Glimpse],
@@ -232,7 +224,7 @@ struct Shade<'a, 'b> {
 
 impl Shade<'_, '_> {
     fn all(&mut self) {
-        let columns = self.sweep.pixels()[0] as usize;
+        let columns = self.columns;
         let rows = self.found.len() / columns;
         for left in (0..columns).step_by(ROWS) {
             self.square([left, 0], [(left + ROWS).min(columns), rows]);
@@ -241,15 +233,14 @@ impl Shade<'_, '_> {
 
     /// The rays of the pixels from the upper left corner up to, not including, the lower right one.
     fn square(&mut self, from @ [left, upper]: [usize; 2], to @ [right, lower]: [usize; 2]) {
-        let columns = self.sweep.pixels()[0] as usize;
+        let Self { columns, means, .. } = *self;
         let mut bundle = Bundle::NONE;
         let mut reflected = 0;
         for row in upper..lower {
             for column in left..right {
                 let Glimpse { outcome, t, direction, .. } = self.found[row * columns + column];
                 if outcome == Outcome::Hit {
-                    let ray = self.sweep.ray(column as u32, (self.first + row) as u32);
-                    bundle.add(ray.at(t), direction);
+                    bundle.add(means.rays.place(column, self.first + row, t), direction);
                     reflected += 1;
                 }
             }
@@ -257,12 +248,12 @@ impl Shade<'_, '_> {
         if reflected == 0 {
             return;
         }
-        if self.ground.is_some_and(|ground| ground.frees(&bundle)) {
+        if means.ground.is_some_and(|ground| ground.frees(&bundle)) {
             self.tally.proven += reflected;
             return;
         }
         let side = (right - left).max(lower - upper);
-        if side > LEAST && self.ground.is_some() {
+        if side > LEAST && means.ground.is_some() {
             let middle = [0, 1].map(|axis| from[axis] + side / 2);
             for [x, y] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
                 let part = |k: usize, axis: usize| {
@@ -277,8 +268,8 @@ impl Shade<'_, '_> {
         for k in (upper..lower).flat_map(|row| row * columns + left..row * columns + right) {
             let Glimpse { outcome, t, facet, direction } = self.found[k];
             if outcome == Outcome::Hit {
-                let ray = self.sweep.at(self.first, k);
-                self.found[k].outcome = shadowed(self.sweep.scene, &ray, t, facet, direction);
+                let ray = means.rays.at(k % columns, self.first + k / columns);
+                self.found[k].outcome = shadowed(self.scene, &ray, t, facet, direction);
                 self.tally.followed += 1;
             }
         }
