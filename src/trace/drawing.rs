@@ -29,6 +29,8 @@ const LEAST_WAY: f64 = 1e-3;
 struct Met {
     t: f64,
     spot: Spot,
+    /// Of the facet, as long as twice its area.
+    normal: DVec3,
 }
 
 /// A large facet, its corners' places in the picture and the rows, from the first up to the last, whose centres it may
@@ -50,6 +52,8 @@ pub struct Shown {
     /// Distance along the pixel's ray, mm.
     pub t: f64,
     pub facet: u32,
+    /// Of the facet, as long as twice its area.
+    pub normal: DVec3,
 }
 
 /// What some of the facets show.
@@ -89,7 +93,7 @@ pub struct Drawing<'a> {
 /// Shows a facet where nothing nearer is shown.
 #[inline(always)]
 fn add(
-    &Met { t, spot }: &Met,
+    &Met { t, spot, normal }: &Met,
     columns: usize,
     found: &mut [Glimpse],
     show: &impl Fn(Shown) -> Glimpse,
@@ -98,7 +102,7 @@ fn add(
     let [column, row] = [column, row].map(usize::from);
     let seen = &mut found[row % ROWS * columns + column];
     if t < seen.t || (t == seen.t && facet < seen.facet) {
-        *seen = show(Shown { column, row, t, facet });
+        *seen = show(Shown { column, row, t, facet, normal });
     }
 }
 
@@ -135,7 +139,8 @@ impl<'a> Drawing<'a> {
         drawing.spans =
             mesh.vertices.par_iter().with_min_len(PART).map(|&v| drawing.span(v)).collect();
         let parts = mesh.triangles.par_chunks(PART).enumerate();
-        let part = |room: &mut (Vec<Spot>, Vec<Met>), (number, part): (usize, &[[u32; 3]])| {
+        let part = |room: &mut (Vec<Spot>, Vec<(f64, Spot)>),
+                    (number, part): (usize, &[[u32; 3]])| {
             let first = (number * PART) as u32;
             // Nothing is left of the shear of parallel rays.
             if chart.vergence == 0.0 {
@@ -184,7 +189,7 @@ impl<'a> Drawing<'a> {
     /// the reference plane.
     fn part<S: Shear>(
         &self,
-        (spots, met): &mut (Vec<Spot>, Vec<Met>),
+        (spots, met): &mut (Vec<Spot>, Vec<(f64, Spot)>),
         first: u32,
         triangles: &[[u32; 3]],
         line: impl Fn(f64, f64) -> S,
@@ -197,7 +202,7 @@ impl<'a> Drawing<'a> {
         for (first, triangles) in (first..).step_by(BLOCK).zip(triangles.chunks(BLOCK)) {
             let tries = self.spots(spots, &mut large, first, triangles);
             if met.len() < count + tries {
-                met.resize(2 * count + spots.len(), Met::default());
+                met.resize(2 * count + spots.len(), Default::default());
             }
             for &spot in &spots[..tries] {
                 let (facet, column, row) = spot.parts();
@@ -206,22 +211,23 @@ impl<'a> Drawing<'a> {
                 let [a, b, c] = triangle.map(|v| line.project(self.mesh.vertices[v as usize]));
                 let (meets, t) = crossing(a, b, c);
                 // Half of them meet: a branch would be foretold wrongly as often.
-                met[count] = Met { t, spot };
+                met[count] = (t, spot);
                 count += usize::from(meets);
             }
         }
-        let band = |met: &Met| usize::from(met.spot.parts().2) / ROWS;
+        let band = |spot: Spot| usize::from(spot.parts().2) / ROWS;
         let mut start = vec![0; (height as usize).div_ceil(ROWS) + 2];
-        for met in &met[..count] {
-            start[band(met) + 2] += 1;
+        for &(_, spot) in &met[..count] {
+            start[band(spot) + 2] += 1;
         }
         for k in 2..start.len() {
             start[k] += start[k - 1];
         }
         let mut sorted = vec![Met::default(); count];
-        for met in &met[..count] {
-            let place = &mut start[band(met) + 1];
-            sorted[*place] = *met;
+        for &(t, spot) in &met[..count] {
+            let place = &mut start[band(spot) + 1];
+            let normal = self.mesh.area_vector(spot.parts().0 as usize);
+            sorted[*place] = Met { t, spot, normal };
             *place += 1;
         }
         Part { met: sorted, start, large }
@@ -312,7 +318,8 @@ impl<'a> Drawing<'a> {
                     let (meets, t) = crossing(a, b, c);
                     if meets {
                         let spot = Spot::new(large.facet, column as u16, row as u16);
-                        add(&Met { t, spot }, columns, found, &show);
+                        let normal = self.mesh.area_vector(large.facet as usize);
+                        add(&Met { t, spot, normal }, columns, found, &show);
                     }
                 }
             }

@@ -165,9 +165,9 @@ impl<'a> Sweep<'a> {
         let mut tally = Tally::default();
         if let Some(drawing) = &means.drawing {
             tally.drawn = found.len();
-            drawing.draw(first, found, |Shown { column, row, t, facet }| {
+            drawing.draw(first, found, |Shown { column, row, t, facet, normal }| {
                 let along = means.rays.at(column, row).direction;
-                let (outcome, direction) = reflected(self.scene, along, facet);
+                let (outcome, direction) = reflected(along, normal);
                 Glimpse { outcome, facet, t, direction }
             });
         } else {

@@ -153,14 +153,14 @@ pub fn glance(scene: &Scene, ray: &Ray) -> (Outcome, Option<Hit>, DVec3) {
     let Some(hit) = scene.first(ray) else {
         return (Outcome::Missed, None, DVec3::ZERO);
     };
-    let (outcome, direction) = reflected(scene, ray.direction, hit.facet);
+    let (outcome, direction) =
+        reflected(ray.direction, scene.mesh().area_vector(hit.facet as usize));
     (outcome, Some(hit), direction)
 }
 
-/// What a facet makes of a ray that meets it, but for shadow.
+/// What a facet with a normal of any length makes of a ray that meets it, but for shadow.
 #[inline(always)]
-pub(super) fn reflected(scene: &Scene, direction: DVec3, facet: u32) -> (Outcome, DVec3) {
-    let normal = scene.mesh().area_vector(facet as usize);
+pub(super) fn reflected(direction: DVec3, normal: DVec3) -> (Outcome, DVec3) {
     if normal.dot(direction) < 0.0 {
         (Outcome::Hit, reflect(direction, normal))
     } else {
