@@ -17,7 +17,7 @@ use crate::num::{degrees, radians};
 use crate::profile::{Format, Profile};
 use crate::report::{
     AsCutFacts, BestFacts, BudgetFacts, FileFacts, GougeFacts, Machining, ProfileId, ReachFacts,
-    SCHEMA, StockFacts, below, gouge_picture,
+    SCHEMA, StockFacts, Verdict, below, gouge_picture,
 };
 use crate::solid::Solid;
 use std::path::Path;
@@ -70,22 +70,16 @@ pub fn machining(
     let design = clock.stage(Stage::Design, || designed(source))?;
     let mirror = &design.mirror;
 
-    let (survey, raster, gouge, mut found) = clock.stage(Stage::Cut, || {
-        let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
-        let (best, raster) = directed(&survey, cutting);
-        let outlines = outlines(mirror);
-        let gouge = Gouge::new(mirror, corners(&outlines), cutting.ball_mm);
-        let found = surveyed(profile, &design, cutting, &survey, (best, &raster), &gouge)
-            .map_err(refused)?;
-        let note = format!("scallops of {:.3} um at most", found.scallops.scallop_um.value);
-        Ok::<_, Error>(((survey, raster, gouge, found), note))
-    })?;
+    let (Surveyed { survey, raster, gouge, hollow }, mut found) =
+        clock.stage(Stage::Cut, || {
+            let (surveyed, found) = surveyed(profile, &design, cutting).map_err(refused)?;
+            let note = format!("scallops of {:.3} um at most", found.scallops.scallop_um.value);
+            Ok::<_, Error>(((surveyed, found), note))
+        })?;
     // A valley's fillet is cut as it is; hollow ground that the ball cannot reach is not.
-    let hollow = unreached(mirror, &gouge, &found);
     if let (true, Some(reason)) = (cutting.as_cut, &hollow) {
         found.warnings.push(format!("the as-cut part was not made: {reason}"));
     }
-    found.reasons.extend(hollow.clone());
 
     let mut files = Vec::new();
     if cutting.as_cut && hollow.is_none() {
@@ -204,26 +198,49 @@ fn directed(survey: &Survey, cutting: &Cutting) -> (BestFacts, Raster) {
     (BestFacts { pixels, height }, Raster { angle, ..raster })
 }
 
-/// Everything but the as-cut part.
-fn surveyed(
+/// Everything but the as-cut part, of a mirror as designed.
+///
+/// # Errors
+/// [`Error::Machining`] when the raster cannot be worked out.
+pub(super) fn survey(
     profile: &Profile,
     design: &Design,
     cutting: &Cutting,
-    survey: &Survey,
-    (best, raster): (BestFacts, &Raster),
-    gouge: &Gouge,
-) -> Result<Machining, MachiningError> {
+) -> Result<Machining, Error> {
+    let refused = |source| Error::Machining { profile: profile.name.clone(), source };
+    Ok(surveyed(profile, design, cutting).map_err(refused)?.1)
+}
+
+/// What the as-cut part is made by.
+struct Surveyed<'a> {
+    survey: Survey<'a>,
+    raster: Raster,
+    gouge: Gouge,
+    /// Why the ball does not reach all of the face but a valley, if so.
+    hollow: Option<String>,
+}
+
+fn surveyed<'a>(
+    profile: &Profile,
+    design: &'a Design,
+    cutting: &Cutting,
+) -> Result<(Surveyed<'a>, Machining), MachiningError> {
     let mirror = &design.mirror;
-    let scallops = survey.figures(raster)?;
+    let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
+    let (best, raster) = directed(&survey, cutting);
+    let gouge = Gouge::new(mirror, corners(&outlines(mirror)), cutting.ball_mm);
+    let scallops = survey.figures(&raster)?;
     let fillet = Fillet::new(mirror, &design.camera, cutting.ball_mm);
     let most = gouge.most(|_| true);
     let budget = BudgetFacts {
         p95_px: cutting.budget_px,
-        stepover_for_px_mm: cutting.budget_px.and_then(|px| survey.stepover_for_pixels(raster, px)),
+        stepover_for_px_mm: cutting
+            .budget_px
+            .and_then(|px| survey.stepover_for_pixels(&raster, px)),
         scallop_um: cutting.scallop_um,
         stepover_for_scallop_mm: cutting
             .scallop_um
-            .and_then(|um| survey.stepover_for_height(raster, 1e-3 * um)),
+            .and_then(|um| survey.stepover_for_height(&raster, 1e-3 * um)),
     };
     let mut reasons = Vec::new();
     let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
@@ -257,7 +274,7 @@ fn surveyed(
     }
     let [low, high] = survey.heights_mm();
     let foot = design.stock.as_ref().map_or(0.0, |stock| stock.top_mm);
-    Ok(Machining {
+    let mut found = Machining {
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         ball_mm: cutting.ball_mm,
@@ -280,10 +297,14 @@ fn surveyed(
         stock: stock(design, high, cutting.allowance_mm),
         as_cut: None,
         files: Vec::new(),
-        verdict: verdict::of(&reasons),
+        verdict: Verdict::Pass,
         reasons,
         warnings,
-    })
+    };
+    let hollow = unreached(mirror, &gouge, &found);
+    found.reasons.extend(hollow.clone());
+    found.verdict = verdict::of(&found.reasons);
+    Ok((Surveyed { survey, raster, gouge, hollow }, found))
 }
 
 /// The box around the part, whose highest place is at `high`.

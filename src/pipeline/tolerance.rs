@@ -1,6 +1,7 @@
 //! Tolerancing: the profile's words to a question, trials to files.
 
 use super::files::{self, Folder, Staged};
+use super::machining::{Cutting, survey};
 use super::observer::Clock;
 use super::source::{heights_beside, load};
 use super::{Error, Observer, Source, Stage, designed};
@@ -9,10 +10,10 @@ use crate::geom::Outline;
 use crate::mirror::{Knots, Patches};
 use crate::num::random::Stream;
 use crate::profile::{Profile, SagAxis};
-use crate::report::{ProfileId, ToleranceReport, read_trial, trial_columns, trial_line};
+use crate::report::{Machining, ProfileId, ToleranceReport, read_trial, trial_columns, trial_line};
 use crate::tolerance::{
-    Compensator, Criterion, Distribution, Engine, Kind, Points, Process, Question, Reference,
-    Source as ErrorSource, Study, Texture, Trial, worst_offenders,
+    Compensator, Criterion, Distribution, Engine, Kind, Measure, Points, Process, Question,
+    Reference, Source as ErrorSource, Study, Texture, Trial, form_of_pv, worst_offenders,
 };
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -45,9 +46,10 @@ pub fn tolerance(
     let clock = Clock::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let (_, engine) = prepared(&clock, named, &source)?;
+    let (design, engine) = prepared(&clock, named, &source)?;
+    let machining = tracks(&clock, (&source.profile, &design), &engine)?;
     let made = traced(&clock, &engine, trials);
-    concluded(&clock, &source.profile, &engine, trials.seed, &made, &folder)
+    concluded(&clock, (&source.profile, machining), &engine, trials.seed, &made, &folder)
 }
 
 /// A part of a run that goes on elsewhere.
@@ -113,7 +115,7 @@ pub fn tolerance_merged(
     let (_, named) = asked(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
     let source = load(&named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let (_, engine) = prepared(&clock, &named, &source)?;
+    let (design, engine) = prepared(&clock, &named, &source)?;
     let seed = seed_of(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
     let head = heading(&source.profile, &engine, seed);
     let adjustments = engine.adjustments().len();
@@ -148,7 +150,8 @@ pub fn tolerance_merged(
         }
         all.extend(trials);
     }
-    concluded(&clock, &source.profile, &engine, seed, &all, &folder)
+    let machining = tracks(&clock, (&source.profile, &design), &engine)?;
+    concluded(&clock, (&source.profile, machining), &engine, seed, &all, &folder)
 }
 
 /// What a part begins with; the profile as it was named follows.
@@ -228,7 +231,7 @@ fn traced(clock: &Clock, engine: &Engine, trials: &Trials) -> Vec<Trial> {
 /// Writes the answers.
 fn concluded(
     clock: &Clock,
-    profile: &Profile,
+    (profile, machining): (&Profile, Option<Machining>),
     engine: &Engine,
     seed: u64,
     trials: &[Trial],
@@ -241,7 +244,7 @@ fn concluded(
     });
     let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
     let offenders = worst_offenders(&study);
-    let report = ToleranceReport::new(id, study, offenders);
+    let report = ToleranceReport::new(id, study, offenders, machining);
     clock.stage(Stage::Report, || {
         let page = report.html(&Points::new(engine, seed, trials));
         let page = page.map_err(|error| Error::Plot(error.to_string()))?;
@@ -256,10 +259,38 @@ fn concluded(
     Ok(report)
 }
 
+/// What the ball cutter makes of the mirror as designed, where tool tracks are an error source.
+fn tracks(
+    clock: &Clock,
+    (profile, design): (&Profile, &Design),
+    engine: &Engine,
+) -> Result<Option<Machining>, Error> {
+    let Question { sources, texture, budget_px, .. } = &engine.question;
+    let Some(tracks) = sources.iter().find(|source| source.kind == Kind::ToolMarks) else {
+        return Ok(None);
+    };
+    let cutting = Cutting {
+        ball_mm: texture.ball_radius_mm,
+        stepover_mm: tracks.limit,
+        // Lines run across the direction in which they follow each other.
+        angle_deg: Some(texture.stepover_direction_deg - 90.0),
+        budget_px: Some(*budget_px),
+        scallop_um: None,
+        allowance_mm: 0.0,
+        as_cut: false,
+    };
+    clock.stage(Stage::Cut, || {
+        let found = survey(profile, design, &cutting)?;
+        let note = format!("scallops of {:.3} um at most", found.scallops.scallop_um.value);
+        Ok((Some(found), note))
+    })
+}
+
 /// What the profile asks, with what is usual where it says nothing.
 fn question(profile: &Profile, design: &Design, map: Option<Patches>) -> Result<Question, Error> {
     let asked = &profile.tolerance;
     let process = Process::named(asked.preset).expect("the profile knows the presets");
+    let form = if asked.form == "rms" { Measure::Rms } else { Measure::Pv };
     let round = matches!(design.mirror.outline, Outline::Ring { .. });
     let applies = |kind: &Kind| match kind {
         Kind::Legendre(..) => !round,
@@ -278,7 +309,11 @@ fn question(profile: &Profile, design: &Design, map: Option<Patches>) -> Result<
         let word = asked.distributions.iter().find(|v| v.0 == key).map(|v| v.1);
         ErrorSource {
             kind,
-            limit: of(&asked.limits).unwrap_or(usual),
+            // (A usual figure has few digits.)
+            limit: of(&asked.limits).unwrap_or_else(|| match form_of_pv(kind, form) {
+                1.0 => usual,
+                share => (1e3 * usual * share).round() * 1e-3,
+            }),
             distribution: word.map_or(distribution, distribution_of),
             weight: of(&asked.weights).unwrap_or(1.0),
         }
@@ -305,6 +340,7 @@ fn question(profile: &Profile, design: &Design, map: Option<Patches>) -> Result<
     }
     Ok(Question {
         sources,
+        form,
         texture,
         map,
         compensators: asked.compensators.iter().map(|word| compensator_of(word)).collect(),

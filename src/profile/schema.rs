@@ -153,6 +153,7 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
             "budget_px",
             "criterion",
             "reference",
+            "form",
             "target_yield",
             "compensators",
             "expansion_ppm_per_k",

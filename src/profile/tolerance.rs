@@ -11,6 +11,8 @@ pub struct Tolerance {
     pub criterion: &'static str,
     /// What displacements are measured from: one of [`REFERENCES`].
     pub reference: &'static str,
+    /// What the limits of form errors are: one of [`FORMS`].
+    pub form: &'static str,
     /// The share of parts that must keep the budget, inside 0 to 1.
     pub target_yield: f64,
     /// What is adjusted: some of [`COMPENSATORS`].
@@ -42,6 +44,8 @@ pub const PRESETS: [&str; 6] =
     ["precision-cnc", "spdt", "ultra-precision-cnc", "standard-cnc", "polished", "sla-print"];
 /// Figures that can be held against the budget.
 pub const CRITERIA: [&str; 2] = ["rms", "p95"];
+/// What the size of a form error can be.
+pub const FORMS: [&str; 2] = ["pv", "rms"];
 /// What displacements can be measured from.
 pub const REFERENCES: [&str; 2] = ["design", "projection"];
 /// What can be adjusted.
@@ -56,6 +60,7 @@ impl Default for Tolerance {
             budget_px: 1.0,
             criterion: CRITERIA[0],
             reference: REFERENCES[0],
+            form: FORMS[0],
             target_yield: 0.95,
             compensators: COMPENSATORS[..3].to_vec(),
             expansion_ppm_per_k: None,

@@ -148,67 +148,88 @@ impl Machining {
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let bold = Style::new().bold();
         writeln!(out, "{bold}{}{bold:#}  ({})", self.profile.name, short(&self.profile.sha256))?;
+        self.write_facts(out)?;
+        verdict_line(out, self.verdict)
+    }
+
+    /// The summary's lines between its head and its verdict.
+    pub(super) fn write_facts(&self, out: &mut String) -> std::fmt::Result {
+        for (name, value) in self.facts() {
+            writeln!(out, "  {name:8} {value}")?;
+        }
+        self.reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))
+    }
+
+    /// What there is to say, with its name; lines without one go on.
+    pub(super) fn facts(&self) -> Vec<(&'static str, String)> {
+        let mut facts = Vec::new();
         let Self { ball_mm, stepover_mm, angle_deg, .. } = self;
-        writeln!(
-            out,
-            "  tool     ball of {ball_mm} mm radius, lines {stepover_mm} mm apart in the plan, {angle_deg:.2} \
-             deg from X"
-        )?;
+        facts.push((
+            "tool",
+            format!(
+                "ball of {ball_mm} mm radius, lines {stepover_mm} mm apart in the plan, {angle_deg:.2} deg \
+                 from X"
+            ),
+        ));
         let at = |[x, y, _]: [f64; 3]| format!("X {}, Y {} mm", micron(x), micron(y));
         let steepest = &self.steepest_deg;
         let hollow = self.least_hollow_mm.map_or("hollow nowhere".to_owned(), |least| {
             format!("least hollow radius {:.3} mm at {}", least.value, at(least.at_mm))
         });
-        writeln!(
-            out,
-            "  face     steepest {:.2} deg at {}; {hollow}",
-            steepest.value,
-            at(steepest.at_mm)
-        )?;
+        let face =
+            format!("steepest {:.2} deg at {}; {hollow}", steepest.value, at(steepest.at_mm));
+        facts.push(("face", face));
         let ReachFacts { face_mm, wall_mm } = self.reach;
-        writeln!(
-            out,
-            "  reach    {face_mm:.3} mm from the top to the lowest place of the face, {wall_mm:.3} mm to the foot \
-             of its wall"
-        )?;
+        facts.push((
+            "reach",
+            format!(
+                "{face_mm:.3} mm from the top to the lowest place of the face, {wall_mm:.3} mm to the foot of \
+                 its wall"
+            ),
+        ));
         let gouge = &self.gouge;
-        match gouge.at_mm {
-            None => writeln!(out, "  fit      the ball fits everywhere")?,
-            Some([x, y]) => writeln!(
-                out,
-                "  fit      the ball leaves up to {} um, at X {}, Y {} mm, on {:.2} % of the face",
+        let fit = gouge.at_mm.map_or("the ball fits everywhere".to_owned(), |[x, y]| {
+            format!(
+                "the ball leaves up to {} um, at X {}, Y {} mm, on {:.2} % of the face",
                 digits(gouge.left_max_um),
                 micron(x),
                 micron(y),
                 100.0 * gouge.share
-            )?,
-        }
+            )
+        });
+        facts.push(("fit", fit));
         if let Some(fillet) = &self.fillet {
-            writeln!(
-                out,
-                "  valley   fillet of {:.3} mm width ({:.3} mm mean), up to {:.3} mm high: {:.0} pixels",
-                fillet.width_max_mm, fillet.width_mean_mm, fillet.left_max_mm, fillet.pixels
-            )?;
+            facts.push((
+                "valley",
+                format!(
+                    "fillet of {:.3} mm width ({:.3} mm mean), up to {:.3} mm high: {:.0} pixels",
+                    fillet.width_max_mm, fillet.width_mean_mm, fillet.left_max_mm, fillet.pixels
+                ),
+            ));
         }
         let Figures { scallop_um, slope_rms, slope_max, pixel_error_px } = &self.scallops;
-        writeln!(
-            out,
-            "  scallops {} um at most, at {}; slope {} rms, {} max",
-            digits(scallop_um.value),
-            at(scallop_um.at_mm),
-            digits(*slope_rms),
-            digits(*slope_max)
-        )?;
-        match pixel_error_px {
-            Some(_) => writeln!(
-                out,
-                "  pixels   unpolished {} px; the design alone {} px",
-                figures(*pixel_error_px),
-                figures(self.design_pixel_error_px)
-            )?,
-            None => writeln!(out, "  pixels   not known without a projection")?,
-        }
-        writeln!(out, "  best     {}", self.best_line())?;
+        facts.push((
+            "scallops",
+            format!(
+                "{} um at most, at {}; slope {} rms, {} max",
+                digits(scallop_um.value),
+                at(scallop_um.at_mm),
+                digits(*slope_rms),
+                digits(*slope_max)
+            ),
+        ));
+        facts.push((
+            "pixels",
+            match pixel_error_px {
+                Some(_) => format!(
+                    "unpolished {} px; the design alone {} px",
+                    figures(*pixel_error_px),
+                    figures(self.design_pixel_error_px)
+                ),
+                None => "not known without a projection".to_owned(),
+            },
+        ));
+        facts.push(("best", self.best_line()));
         let BudgetFacts { p95_px, stepover_for_px_mm, scallop_um, stepover_for_scallop_mm } =
             self.budget;
         let budgets = [
@@ -217,36 +238,38 @@ impl Machining {
         ];
         for (budget, stepover, unit) in budgets {
             if let (Some(budget), Some(stepover)) = (budget, stepover) {
-                writeln!(out, "  budget   {budget} {unit}: a stepover of {} mm", below(stepover))?;
+                let stepover = below(stepover);
+                facts.push(("budget", format!("{budget} {unit}: a stepover of {stepover} mm")));
             }
         }
         let StockFacts { size_mm: [x, y, z], volume_mm3, part_mm3, removed_mm3, .. } = self.stock;
-        writeln!(
-            out,
-            "  stock    {x:.3} x {y:.3} x {z:.3} mm, {volume_mm3:.0} mm^3; the part {part_mm3:.0}, cut away \
-             {removed_mm3:.0}"
-        )?;
+        facts.push((
+            "stock",
+            format!(
+                "{x:.3} x {y:.3} x {z:.3} mm, {volume_mm3:.0} mm^3; the part {part_mm3:.0}, cut away \
+                 {removed_mm3:.0}"
+            ),
+        ));
         if let Some(AsCutFacts { optical_triangles, trace }) = &self.as_cut {
-            writeln!(
-                out,
-                "  as cut   {optical_triangles} optical triangles; {} of {} rays hit, {} missed, {} shadowed, {} met \
-                 a back face",
-                trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
-            )?;
+            facts.push((
+                "as cut",
+                format!(
+                    "{optical_triangles} optical triangles; {} of {} rays hit, {} missed, {} shadowed, {} met \
+                     a back face",
+                    trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
+                ),
+            ));
             if pixel_error_px.is_some() {
-                writeln!(out, "           {} (against the design)", errors_line(&trace.errors))?;
+                facts.push(("", format!("{} (against the design)", errors_line(&trace.errors))));
             }
             if !trace.solid.reasons.is_empty() {
-                writeln!(out, "           {}", solid_line(&trace.solid))?;
+                facts.push(("", solid_line(&trace.solid)));
             }
         }
         for file in &self.files {
-            writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
+            facts.push(("file", format!("{}  {:.1} MB", file.name, file.bytes as f64 / 1e6)));
         }
-        for reason in &self.reasons {
-            writeln!(out, "  - {reason}")?;
-        }
-        verdict_line(out, self.verdict)
+        facts
     }
 
     fn best_line(&self) -> String {

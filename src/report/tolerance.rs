@@ -1,9 +1,9 @@
 //! A study of tolerances as JSON, as text and, trial by trial, as CSV.
 
 use super::text::{digits, short};
-use super::{ProfileId, SCHEMA, Verdict};
+use super::{Machining, ProfileId, SCHEMA, Verdict};
 use crate::tolerance::{
-    Criterion, Distribution, Offender, Reference, SourceFacts, Statistics, Study, Trial,
+    Criterion, Distribution, Measure, Offender, Reference, SourceFacts, Statistics, Study, Trial,
 };
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
@@ -21,6 +21,9 @@ pub struct ToleranceReport {
     pub study: Study,
     /// The errors that do most alone after adjustment.
     pub worst_offenders: Vec<Offender>,
+    /// What the ball cutter makes of the mirror as designed, where tool tracks are a source. Its own
+    /// reasons do not count here: the tracks do, in the trials.
+    pub machining: Option<Machining>,
     /// Pass or fail.
     pub verdict: Verdict,
     /// Why it fails; empty for a pass.
@@ -30,7 +33,12 @@ pub struct ToleranceReport {
 impl ToleranceReport {
     /// The report of `study`; it fails when the yield is below the target.
     #[must_use]
-    pub fn new(profile: ProfileId, study: Study, worst_offenders: Vec<Offender>) -> Self {
+    pub fn new(
+        profile: ProfileId,
+        study: Study,
+        worst_offenders: Vec<Offender>,
+        machining: Option<Machining>,
+    ) -> Self {
         let (verdict, reasons) = if study.passes {
             (Verdict::Pass, Vec::new())
         } else {
@@ -42,7 +50,7 @@ impl ToleranceReport {
             );
             (Verdict::Fail, vec![reason])
         };
-        Self { schema: SCHEMA, profile, study, worst_offenders, verdict, reasons }
+        Self { schema: SCHEMA, profile, study, worst_offenders, machining, verdict, reasons }
     }
 
     /// As JSON.
@@ -122,6 +130,10 @@ impl ToleranceReport {
             100.0 * study.yields.low,
             100.0 * study.yields.high
         )?;
+        if let Some(machining) = &self.machining {
+            writeln!(out, "  machining, unpolished:")?;
+            machining.write_facts(out)?;
+        }
         for reason in &self.reasons {
             writeln!(out, "  - {reason}")?;
         }
@@ -178,12 +190,18 @@ impl ToleranceReport {
                 limit(source.limit_joint) + mark,
             )?;
         }
+        if self.study.form == Measure::Rms {
+            writeln!(out, "  {FORM_RMS}")?;
+        }
         if widest {
             writeln!(out, "  * four times the limit, and wider than that it is not made")?;
         }
         Ok(())
     }
 }
+
+/// Said where form errors are not from peak to valley.
+pub(super) const FORM_RMS: &str = "form errors (legendre, zernike) are root mean squares";
 
 /// Which figure counts.
 pub(super) fn criterion(criterion: Criterion) -> &'static str {

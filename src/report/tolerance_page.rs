@@ -4,9 +4,9 @@ use super::ToleranceReport;
 use super::html::{STYLE, escaped, head};
 use super::plot::Failure;
 use super::text::digits;
-use super::tolerance::{criterion, distribution, reference, statistics};
+use super::tolerance::{FORM_RMS, criterion, distribution, reference, statistics};
 use super::tolerance_plots::plots;
-use crate::tolerance::{Points, SourceFacts};
+use crate::tolerance::{Measure, Points, SourceFacts};
 use std::fmt::Write;
 
 /// Beside [`STYLE`]: numbers to the right, two plots side by side, pages of A4.
@@ -58,6 +58,7 @@ impl ToleranceReport {
         self.sources(out)?;
         self.limits(out)?;
         self.trials(out)?;
+        self.cutting(out)?;
         writeln!(out, "</html>")?;
         Ok(())
     }
@@ -147,12 +148,27 @@ impl ToleranceReport {
             vec![s.source.clone(), s.unit.into(), given, weight, alone, joint]
         };
         table(out, &names, self.study.sources.iter().map(row))?;
+        if self.study.form == Measure::Rms {
+            writeln!(out, "<p>{FORM_RMS}</p>")?;
+        }
         writeln!(
             out,
             "<p>Alone: the limit at which the source uses up the budget by itself. In concert: all at \
              these limits reach the yield that is asked; * is four times the limit, and none is made \
              wider.</p>"
         )
+    }
+
+    fn cutting(&self, out: &mut String) -> std::fmt::Result {
+        let Some(machining) = &self.machining else { return Ok(()) };
+        writeln!(out, "<h2>Machining, unpolished</h2>\n<table>")?;
+        for (name, value) in machining.facts() {
+            writeln!(out, "<tr><th>{name}</th><td>{}</td></tr>", escaped(&value))?;
+        }
+        for reason in &machining.reasons {
+            writeln!(out, "<tr><th></th><td>{}</td></tr>", escaped(reason))?;
+        }
+        writeln!(out, "</table>")
     }
 
     fn trials(&self, out: &mut String) -> std::fmt::Result {

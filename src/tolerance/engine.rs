@@ -1,7 +1,7 @@
 //! From drawn errors to displacements of the picture, in full.
 
 use super::compensate::{Adjustment, Compensation, Compensator, Criterion, Pixels};
-use super::field::{Field, slope_modes};
+use super::field::{Field, Measure, slope_modes};
 use super::linear::Linear;
 use super::model::{Pose, State, System, placed};
 use super::source::{Kind, Source, Texture};
@@ -28,6 +28,8 @@ pub enum Reference {
 pub struct Question {
     /// What can be off.
     pub sources: Vec<Source>,
+    /// What the limits of form errors are.
+    pub form: Measure,
     /// Shapes of the textures.
     pub texture: Texture,
     /// A measured form error, over X and Y of the part, mm.
@@ -91,8 +93,8 @@ impl Engine {
         let (mut forms, mut fields) = (Vec::new(), Vec::new());
         for source in &question.sources {
             let field = match source.kind {
-                Kind::Legendre(i, j) => Field::legendre(i, j, centre, half),
-                Kind::Zernike(j) => Field::zernike(j, half[0]),
+                Kind::Legendre(i, j) => Field::legendre(i, j, centre, half, question.form),
+                Kind::Zernike(j) => Field::zernike(j, half[0], question.form),
                 _ => continue,
             };
             forms.push(source.kind);

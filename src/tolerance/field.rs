@@ -1,10 +1,22 @@
 //! Departures of the made surface from the designed one, along Z over (X, Y) of the part frame.
 
+use super::source::Kind;
 use crate::num::{Scalar, cos, log, sin};
+use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// A departure of unit size: of a term one millimetre peak to valley, of a wave an amplitude of
-/// one millimetre.
+/// What the size of a form error's term is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Measure {
+    /// From its highest to its lowest place.
+    Pv,
+    /// Its root mean square over the term's rectangle or disc.
+    Rms,
+}
+
+/// A departure of unit size: of a term one millimetre by its measure, of a wave an amplitude of one
+/// millimetre.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Field {
     /// Sum of c u^i v^j over (i, j, c), with (u, v) = ((x, y) - centre) / half.
@@ -22,10 +34,45 @@ pub enum Field {
     Sine([f64; 2]),
 }
 
+/// What makes P_i P_j, up to degrees of 4, one by its measure.
+fn legendre_per(i: u8, j: u8, measure: Measure) -> f64 {
+    match measure {
+        Measure::Pv => {
+            const LEAST: [f64; 5] = [1.0, -1.0, -0.5, -1.0, -3.0 / 7.0];
+            let [a, b] = [i, j].map(|n| LEAST[usize::from(n)]);
+            1.0 / (1.0 - (a * b).min(a).min(b))
+        }
+        // The mean square of P_n is 1 / (2 n + 1).
+        Measure::Rms => (f64::from(2 * i + 1) * f64::from(2 * j + 1)).sqrt(),
+    }
+}
+
+/// What makes a Zernike term of one peak to valley one by its measure.
+fn zernike_per(j: u8, measure: Measure) -> f64 {
+    match (measure, j) {
+        (Measure::Pv, _) => 1.0,
+        // Noll's own polynomials have a mean square of 1.
+        (Measure::Rms, 4) => 2.0 * 3f64.sqrt(),
+        (Measure::Rms, 5 | 6) => 2.0 * 6f64.sqrt(),
+        (Measure::Rms, 7..=10) => 4.0 * 2f64.sqrt(),
+        (Measure::Rms, _) => 1.5 * 5f64.sqrt(),
+    }
+}
+
+/// By its measure, the size of a form error that is one peak to valley; 1 for all other errors.
+#[must_use]
+pub fn form_of_pv(kind: Kind, measure: Measure) -> f64 {
+    match kind {
+        Kind::Legendre(i, j) => legendre_per(i, j, Measure::Pv) / legendre_per(i, j, measure),
+        Kind::Zernike(j) => zernike_per(j, Measure::Pv) / zernike_per(j, measure),
+        _ => 1.0,
+    }
+}
+
 impl Field {
     /// The Legendre term of degrees `i` and `j` up to 4 over a rectangle.
     #[must_use]
-    pub fn legendre(i: u8, j: u8, centre: [f64; 2], half: [f64; 2]) -> Self {
+    pub fn legendre(i: u8, j: u8, centre: [f64; 2], half: [f64; 2], measure: Measure) -> Self {
         const P: [&[f64]; 5] = [
             &[1.0],
             &[0.0, 1.0],
@@ -33,10 +80,7 @@ impl Field {
             &[0.0, -1.5, 0.0, 2.5],
             &[0.375, 0.0, -3.75, 0.0, 4.375],
         ];
-        let least: [f64; 5] = [1.0, -1.0, -0.5, -1.0, -3.0 / 7.0];
-        let (i, j) = (usize::from(i), usize::from(j));
-        let low = (least[i] * least[j]).min(least[i]).min(least[j]);
-        let per = 1.0 / (1.0 - low);
+        let (i, j, per) = (usize::from(i), usize::from(j), legendre_per(i, j, measure));
         let along = P[i].iter().enumerate();
         let terms =
             along.flat_map(|(a, p)| P[j].iter().enumerate().map(move |(b, q)| (a, b, per * p * q)));
@@ -46,7 +90,7 @@ impl Field {
     /// The Zernike term of Noll's index `j`, 4 to 11, over a disc about the axis (R. Noll, *Zernike
     /// polynomials and atmospheric turbulence*, 1976).
     #[must_use]
-    pub fn zernike(j: u8, radius: f64) -> Self {
+    pub fn zernike(j: u8, radius: f64, measure: Measure) -> Self {
         let terms: &[(usize, usize, f64)] = match j {
             4 => &[(2, 0, 1.0), (0, 2, 1.0), (0, 0, -0.5)],
             5 => &[(1, 1, 1.0)],
@@ -64,7 +108,9 @@ impl Field {
                 (0, 0, 2.0 / 3.0),
             ],
         };
-        Self::Polynomial { centre: [0.0; 2], half: [radius; 2], terms: terms.to_vec() }
+        let per = zernike_per(j, measure);
+        let terms = terms.iter().map(|&(i, j, c)| (i, j, per * c)).collect();
+        Self::Polynomial { centre: [0.0; 2], half: [radius; 2], terms }
     }
 
     /// Height and slope at a place.
@@ -146,17 +192,17 @@ mod tests {
     use crate::num::random::Stream;
     use crate::tolerance::source::scallop_height;
 
-    fn terms() -> Vec<(Field, [f64; 2])> {
+    fn terms(measure: Measure) -> Vec<(Field, [f64; 2])> {
         let (centre, half) = ([1.0, -2.0], [30.0, 20.0]);
         let degrees = [(2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (2, 2)];
-        let rect = degrees.map(|(i, j)| (Field::legendre(i, j, centre, half), half));
-        let disc = (4..=11).map(|j| (Field::zernike(j, 25.0), [25.0; 2]));
+        let rect = degrees.map(|(i, j)| (Field::legendre(i, j, centre, half, measure), half));
+        let disc = (4..=11).map(|j| (Field::zernike(j, 25.0, measure), [25.0; 2]));
         rect.into_iter().chain(disc).collect()
     }
 
     #[test]
     fn terms_have_a_peak_to_valley_of_one_and_their_slope() {
-        for (k, (field, half)) in terms().into_iter().enumerate() {
+        for (k, (field, half)) in terms(Measure::Pv).into_iter().enumerate() {
             let round = k >= 9;
             let centre = if round { [0.0; 2] } else { [1.0, -2.0] };
             let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -181,12 +227,34 @@ mod tests {
         for (both, (c, s)) in ripple(k, [a, b], at).into_iter().zip(cosine.into_iter().zip(sine)) {
             assert!((both - a * c - b * s).abs() < 1e-14);
         }
-        for field in terms().into_iter().map(|t| t.0).chain(waves) {
+        for field in terms(Measure::Pv).into_iter().map(|t| t.0).chain(waves) {
             let (x, y, h) = (7.0, -4.5, 1e-5);
             let f = |x: f64, y: f64| field.at([x, y])[0];
             let [_, f_x, f_y] = field.at([x, y]);
             assert!((f_x - (f(x + h, y) - f(x - h, y)) / (2.0 * h)).abs() < 1e-9);
             assert!((f_y - (f(x, y + h) - f(x, y - h)) / (2.0 * h)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn terms_measured_by_rms_have_one_of_one() {
+        for (k, (field, half)) in terms(Measure::Rms).into_iter().enumerate() {
+            let round = k >= 9;
+            let centre = if round { [0.0; 2] } else { [1.0, -2.0] };
+            let (mut squares, mut area) = (0.0, 0.0);
+            for (i, j) in (0..200).flat_map(|i| (0..200).map(move |j| (i, j))) {
+                let middle = |k: i32| (f64::from(k) + 0.5) / 100.0 - 1.0;
+                let (mut u, mut v) = (middle(i), middle(j));
+                let mut weight = 1.0;
+                if round {
+                    let (r, angle) = (0.5 * (u + 1.0), PI * v);
+                    (u, v, weight) = (r * cos(angle), r * sin(angle), r);
+                }
+                let f = field.at([centre[0] + u * half[0], centre[1] + v * half[1]])[0];
+                squares += weight * f * f;
+                area += weight;
+            }
+            assert!((squares / area - 1.0).abs() < 2e-3, "{k}: {}", squares / area);
         }
     }
 

@@ -29,6 +29,7 @@ mod yields;
 
 pub use compensate::{Adjustment, Compensator, Criterion, Pixels};
 pub use engine::{Engine, Made, Question, Reference};
+pub use field::{Measure, form_of_pv};
 pub use inverse::{Impact, Joint};
 pub use plots::{Offender, Points, worst_offenders};
 pub use preset::{MOUNT, Process};

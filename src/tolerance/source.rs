@@ -35,10 +35,10 @@ pub enum Kind {
     PrincipalY,
     /// Third-order radial distortion, at half the frame's width.
     Distortion,
-    /// Form error, peak to valley along Z: the Legendre term of these degrees in X and Y over the
+    /// Form error along Z, peak to valley or RMS: the Legendre term of these degrees in X and Y over the
     /// rectangle around a rectangular mirror.
     Legendre(u8, u8),
-    /// Form error, peak to valley along Z: the Zernike term of this index (Noll's) over the disc
+    /// Form error along Z, peak to valley or RMS: the Zernike term of this index (Noll's) over the disc
     /// of a round mirror.
     Zernike(u8),
     /// A measured form error, in its own heights.

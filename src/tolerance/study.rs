@@ -2,6 +2,7 @@
 
 use super::compensate::{Criterion, Pixels};
 use super::engine::{Engine, Reference};
+use super::field::Measure;
 use super::source::{Distribution, Source};
 use super::trials::{Statistics, Trial, quantile};
 use super::yields::Yield;
@@ -23,6 +24,8 @@ pub struct Study {
     pub criterion: Criterion,
     /// What displacements are measured from.
     pub reference: Reference,
+    /// What the limits of form errors are.
+    pub form: Measure,
     /// The most that it may be.
     pub budget_px: f64,
     /// The share of parts that must keep the budget.
@@ -167,6 +170,7 @@ impl Study {
             samples: engine.samples(),
             criterion: question.criterion,
             reference: question.reference,
+            form: question.form,
             budget_px: question.budget_px,
             target_yield: question.target_yield,
             nominal: engine.nominal(),

@@ -12,7 +12,8 @@ mod support;
 use morion::design::Design;
 use morion::mirror::Patches;
 use morion::tolerance::{
-    Compensator, Criterion, Distribution, Engine, Kind, Process, Question, Reference, Source,
+    Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
+    Source,
 };
 
 /// A source that is always at `limit`.
@@ -43,6 +44,7 @@ fn usual(design: &Design, process: &Process) -> Vec<Source> {
 fn question(sources: Vec<Source>, compensators: &[Compensator]) -> Question {
     Question {
         sources,
+        form: Measure::Pv,
         texture: Process::named("precision-cnc").unwrap().texture,
         map: None,
         compensators: compensators.to_vec(),

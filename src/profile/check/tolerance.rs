@@ -5,7 +5,7 @@ use toml::de::DeValue;
 use super::super::reader::Need::Optional;
 use super::super::reader::{Reader, Section};
 use super::super::tolerance::{
-    COMPENSATORS, CRITERIA, DISTRIBUTIONS, PRESETS, REFERENCES, Tolerance,
+    COMPENSATORS, CRITERIA, DISTRIBUTIONS, FORMS, PRESETS, REFERENCES, Tolerance,
 };
 use super::super::values::{number, word};
 use super::super::words::list;
@@ -33,6 +33,8 @@ pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tol
     choice("criterion", &CRITERIA, hint, &mut found.criterion);
     let hint = "errors against the picture as designed, or against the projection";
     choice("reference", &REFERENCES, hint, &mut found.reference);
+    let hint = "limits of form errors from peak to valley, or their root mean squares";
+    choice("form", &FORMS, hint, &mut found.form);
 
     let must = "a number from 0.000001 to 1000000";
     let size = |f: f64| (1e-6..=1e6).contains(&f);
