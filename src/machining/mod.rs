@@ -101,13 +101,16 @@ pub enum MachiningError {
     Nowhere {
         /// Radius of the ball, mm.
         ball_mm: f64,
-        /// The largest that fits everywhere, mm, if that is known.
+        /// The least radius of hollow ground, mm, if that is known.
         least_mm: Option<f64>,
     },
 }
 
 fn most(least_mm: Option<f64>) -> String {
-    least_mm.map_or(String::new(), |mm| format!(": {mm:.4} mm fits everywhere"))
+    let down = |mm: f64| (mm * 1e4).floor() * 1e-4;
+    least_mm.map_or(String::new(), |mm| {
+        format!(": nowhere is it hollow with a radius of less than {:.4} mm", down(mm))
+    })
 }
 
 /// `x` rounded up to two digits.

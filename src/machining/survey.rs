@@ -203,21 +203,28 @@ impl<'a> Survey<'a> {
     }
 
     /// The stepover at which 95 % of the pixels and slopes are displaced by no more than `budget_px`, mm.
-    /// Displacements are proportional to the stepover.
+    /// Displacements are proportional to the stepover. No more than the ball allows.
     #[must_use]
     pub fn stepover_for_pixels(&self, raster: &Raster, budget_px: f64) -> Option<f64> {
         let p95 = spread(self.displacements(raster))?.p95;
-        Some(raster.stepover_mm * budget_px / p95)
+        Some((raster.stepover_mm * budget_px / p95).min(self.widest_mm(raster)))
     }
 
-    /// The largest stepover whose scallops are no higher than `height_mm` anywhere, mm.
+    /// The largest stepover whose scallops are no higher than `height_mm` anywhere, mm; no more than the
+    /// ball allows.
     #[must_use]
     pub fn stepover_for_height(&self, raster: &Raster, height_mm: f64) -> Option<f64> {
         let (least, _) = self.largest(|place| {
             let scallop = self.cut(place, raster);
             scallop.map_or(f64::NEG_INFINITY, |(_, s)| -s.stepover_mm(height_mm))
         });
-        least.is_finite().then_some(-least)
+        least.is_finite().then_some((-least).min(self.widest_mm(raster)))
+    }
+
+    /// The largest stepover that [`Self::figures`] takes, mm.
+    fn widest_mm(&self, raster: &Raster) -> f64 {
+        let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
+        all.map(|(_, s)| s.radius_mm / s.apart).fold(raster.ball_mm, f64::min)
     }
 
     /// How far neighbouring points along the lines may be for a chord's slope to be off by no more than

@@ -169,9 +169,9 @@ fn check(cutting: &Cutting, width_mm: f64) -> Result<(), MachiningError> {
         return bad("--angle-deg", "within +-360", angle);
     }
     let largest = LARGEST * width_mm;
-    if cutting.ball_mm > largest {
-        let must = format!("at most {largest}, ten times the part's width");
-        return bad("--ball-mm", &must, cutting.ball_mm);
+    let lengths = [("--ball-mm", cutting.ball_mm), ("--allowance-mm", cutting.allowance_mm)];
+    if let Some((option, found)) = lengths.into_iter().find(|(_, mm)| *mm > largest) {
+        return bad(option, &format!("at most {largest}, ten times the part's width"), found);
     }
     let finest = 1e-6 * width_mm;
     if let Some((option, found)) =
