@@ -265,6 +265,8 @@ fn finite(text: &str) -> Result<f64, String> {
 
 /// Most trials of a run.
 const MOST_TRIALS: u64 = 10_000_000;
+/// The last number of a trial: as far as whole numbers of JSON go everywhere.
+const LAST_TRIAL: u64 = 1 << 53;
 
 /// A number of trials, or the numbers of some.
 fn trials(text: &str) -> Result<Range<u64>, String> {
@@ -275,6 +277,7 @@ fn trials(text: &str) -> Result<Range<u64>, String> {
     };
     match range {
         Some(range) if range.is_empty() => Err("there must be at least one".into()),
+        Some(range) if range.end > LAST_TRIAL => Err(format!("the last number is {LAST_TRIAL}")),
         Some(range) if range.end - range.start > MOST_TRIALS => {
             Err(format!("there must be at most {MOST_TRIALS} at a time; make --part after --part"))
         }

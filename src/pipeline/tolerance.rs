@@ -30,7 +30,7 @@ pub struct Trials {
 }
 
 /// About how many pixels stand for the picture.
-const SAMPLES: usize = 1000;
+const SAMPLES: usize = 1050;
 
 /// Answers the profile that `named` means by `trials`, into `out`/NAME: `tolerance.json`,
 /// `tolerance.html` and `trials.csv`.

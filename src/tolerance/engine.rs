@@ -109,7 +109,9 @@ impl Engine {
         let reach = reach(&question, camera, size);
         let map = question.map.clone();
         let parts = (mirror, camera, view);
-        let system = System::new(parts, fields, &texture, map, question.samples, reach);
+        // The picture that counts does not depend on the limits.
+        let lengths = [MOST_REACH * size, reach];
+        let system = System::new(parts, fields, &texture, map, question.samples, lengths);
         let pixel = camera.pixel_mm;
         let base = match question.reference {
             Reference::Design => vec![0.0; 2 * system.samples.len()],

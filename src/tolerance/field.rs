@@ -177,13 +177,14 @@ pub fn slope_modes(length: f64, size: f64) -> Vec<(Field, f64)> {
     (0..MODES).flat_map(mode).collect()
 }
 
-/// Tracks of a ball cutter: height over their grooves and slope along the way they follow each
-/// other, at the signed distance `from_track`.
+/// Tracks of a ball cutter, circles of some curvature, 1/mm: height over their grooves and slope along
+/// the way they follow each other, at the signed distance `from_track`. Flanks steeper than 60 degrees
+/// are not followed.
 #[inline]
-pub fn cusp<S: Scalar>(ball: f64, from_track: S) -> [S; 2] {
-    let square = from_track.square();
-    let root = (-square + ball * ball).sqrt();
-    [square / (root + ball), from_track / root]
+pub fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
+    let left = -(from_track * curvature).square() + 1.0;
+    let root = if left.centre() > 0.25 { left.sqrt() } else { S::constant(0.5) };
+    [from_track.square() * curvature / (root + 1.0), from_track * curvature / root]
 }
 
 #[cfg(test)]
@@ -288,14 +289,14 @@ mod tests {
     #[test]
     fn cusps_meet_at_the_scallop_height() {
         let (ball, stepover) = (3.0, 0.4);
-        let [height, slope] = cusp(ball, 0.5 * stepover);
+        let [height, slope] = cusp(1.0 / ball, 0.5 * stepover);
         assert!((height - scallop_height(ball, stepover)).abs() < 1e-16);
         let h = 1e-6;
-        let up = (cusp(ball, 0.2 + h)[0] - cusp(ball, 0.2 - h)[0]) / (2.0 * h);
+        let up = (cusp(1.0 / ball, 0.2 + h)[0] - cusp(1.0 / ball, 0.2 - h)[0]) / (2.0 * h);
         assert!((slope - up).abs() < 1e-9);
         // RMS slope about w / (2 sqrt 3 R).
         let n = 10_000;
-        let at = |k: usize| cusp(ball, stepover * ((k as f64 + 0.5) / n as f64 - 0.5))[1];
+        let at = |k: usize| cusp(1.0 / ball, stepover * ((k as f64 + 0.5) / n as f64 - 0.5))[1];
         let rms = ((0..n).map(|k| at(k) * at(k)).sum::<f64>() / n as f64).sqrt();
         assert!((rms / (stepover / (12.0f64.sqrt() * ball)) - 1.0).abs() < 2e-3);
     }

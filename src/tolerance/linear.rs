@@ -126,14 +126,14 @@ impl Engine {
                 Kind::Waviness => 0.125 * (form(linear.forms) + form(linear.forms + 1)),
                 Kind::ToolMarks => {
                     let way = self.system.track_way();
-                    let ball = self.question.texture.ball_radius_mm;
                     let by = |k: usize| {
                         let [_, x, y] = linear.by_form[k];
                         let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
-                        moved[0] * moved[0] + moved[1] * moved[1]
+                        let groove = self.system.samples[k].groove;
+                        groove * groove * (moved[0] * moved[0] + moved[1] * moved[1])
                     };
                     let mean = (0..self.samples()).map(by).sum::<f64>() / count;
-                    free * mean / (12.0 * ball * ball)
+                    free * mean / 12.0
                 }
                 Kind::Facets => 0.5 * free,
                 Kind::Map if self.question.map.is_some() => of(PLACED + linear.forms + 2),

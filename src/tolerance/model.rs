@@ -92,6 +92,8 @@ pub struct Sample {
     pub(super) hit: DVec3,
     pub(super) slope: [f64; 2],
     pub(super) square: Square,
+    /// Curvature that the tool's tracks have there, 1/mm.
+    pub(super) groove: f64,
     /// Height and slopes of the designed surface: degree and coefficients of polynomials, where
     /// these are it to rounding. (Derivatives of the height's would have its rounding magnified.)
     pub(super) base: Option<(usize, Vec<[f64; 3]>)>,
@@ -132,8 +134,8 @@ const LAST_STEP: f64 = 1e-8;
 
 impl System {
     /// The system of `mirror`, `camera` and `view`, with about `count` samples spread evenly over
-    /// the pixels that see the mirror; those are left out from which errors of `reach` mm lead over
-    /// the rim or the ridge. `fields` are the form errors.
+    /// the pixels that see the mirror, but `margin` mm beside the rim and the ridge; hits move by about
+    /// `reach` mm. `fields` are the form errors.
     #[must_use]
     pub fn new(
         parts: (&Mirror, &Camera, &View),
@@ -141,7 +143,7 @@ impl System {
         texture: &Texture,
         map: Option<Patches>,
         count: usize,
-        reach: f64,
+        [margin, reach]: [f64; 2],
     ) -> Self {
         let (mirror, camera, view) = (parts.0.clone(), *parts.1, parts.2.clone());
         let wave = Texture::way(texture.waviness_direction_deg)
@@ -165,7 +167,7 @@ impl System {
             tool,
             map,
         };
-        system.samples = system.spread(count, reach);
+        system.samples = system.spread(count, [margin, reach]);
         system.expand_forms();
         system
     }
@@ -185,8 +187,8 @@ impl System {
 
     /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
     pub(super) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
-        let hit = self.samples[k].hit;
-        self.tool.cusp(tracks, [hit.x, hit.y])
+        let Sample { hit, groove, .. } = self.samples[k];
+        self.tool.cusp(tracks, groove, [hit.x, hit.y])
     }
 
     /// The direction in which tracks follow each other.
@@ -232,6 +234,13 @@ impl System {
             let rise = slope(q + way * STEP) - slope(q - way * STEP);
             (rise / (2.0 * STEP)).to_array()
         })
+    }
+
+    /// Curvature of the tool's tracks at (X, Y) of the part, 1/mm; not a number off the mirror.
+    pub(super) fn groove(&self, q: DVec2) -> f64 {
+        let Some(place) = self.mirror.under(&self.sag, q) else { return f64::NAN };
+        let slope = self.mirror.slope(place, &self.mirror.row(place.y).at(place.x));
+        self.tool.curvature(slope.to_array(), self.bend(q, place))
     }
 
     /// The measured form error with derivatives.
@@ -336,7 +345,7 @@ impl System {
                 }
                 _ => self.designed(at),
             };
-            self.textured(added(designed, 1.0, form(at)), state, at)
+            self.textured(added(designed, 1.0, form(at)), state, at, sample.groove)
         };
         let (origin, along) = self.ray(sample, &state.placed);
         let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
@@ -385,10 +394,29 @@ impl System {
 }
 
 impl Tool {
-    fn cusp<S: Scalar>(&self, [stepover, phase]: [f64; 2], at: [S; 2]) -> [S; 3] {
+    /// Curvature of tracks over the mirror, of Z by the distance from the track in the plan, 1/mm, where
+    /// the mirror has slope p and second derivatives H. A ball of radius R that touches it there is over
+    /// it by half the form M = sqrt(1 + p^2) (I + p p^T) / R - H; a track is the least of all balls along
+    /// it. Zero where the ball does not fit.
+    fn curvature(&self, [p, q]: [f64; 2], bend: [[f64; 2]; 2]) -> f64 {
+        let long = (1.0 + p * p + q * q).sqrt() / self.ball;
+        let [xx, xy, yy] = [
+            long * (1.0 + p * p) - bend[0][0],
+            long * p * q - 0.5 * (bend[0][1] + bend[1][0]),
+            long * (1.0 + q * q) - bend[1][1],
+        ];
+        let [a, b] = self.way;
+        // Of the track's direction (-b, a); the least over it leaves the determinant over this.
+        let along = xx * b * b - 2.0 * xy * a * b + yy * a * a;
+        let across = (xx * yy - xy * xy) / along;
+        if along > 0.0 && across > 0.0 { across } else { 0.0 }
+    }
+
+    /// Height and slope of tracks of some curvature over the mirror.
+    fn cusp<S: Scalar>(&self, [stepover, phase]: [f64; 2], curvature: f64, at: [S; 2]) -> [S; 3] {
         let across = at[0] * self.way[0] + at[1] * self.way[1];
         let track = (across.centre() / stepover + phase).round() - phase;
-        let [height, slope] = cusp(self.ball, across - track * stepover);
+        let [height, slope] = cusp(curvature, across - track * stepover);
         [height, slope * self.way[0], slope * self.way[1]]
     }
 }

@@ -23,8 +23,9 @@ impl System {
         self.samples.iter().filter(smooth).count()
     }
 
-    /// About `count` samples, spread evenly.
-    pub(super) fn spread(&self, count: usize, reach: f64) -> Vec<Sample> {
+    /// About `count` samples, spread evenly, away from the rim by `margin` mm; hits move by about
+    /// `reach` mm.
+    pub(super) fn spread(&self, count: usize, [margin, reach]: [f64; 2]) -> Vec<Sample> {
         let [width, height] = self.camera.pixels.map(f64::from);
         let places = |spacing: f64| -> Vec<DVec2> {
             let line = |length: f64| -> Vec<f64> {
@@ -37,14 +38,15 @@ impl System {
                 let columns = columns.iter();
                 columns.map(move |&x| self.camera.image_point(x, y)).collect::<Vec<_>>()
             };
-            rows.iter().flat_map(row).filter(|&q| self.sees(q, reach).is_some()).collect()
+            rows.iter().flat_map(row).filter(|&q| self.sees(q, margin).is_some()).collect()
         };
         let even = |count: f64| (width * height / count).sqrt().max(1.0);
         let tried = even(count as f64);
         let share = places(tried).len() as f64 * tried * tried;
         let spacing = (share / count as f64).sqrt().max(1.0);
         let fitters = DEGREES.map(Fitter::new);
-        places(spacing).into_par_iter().filter_map(|q| self.sample(&fitters, q, reach)).collect()
+        let sample = |q| self.sample(&fitters, q, self.sees(q, margin)?, reach);
+        places(spacing).into_par_iter().filter_map(sample).collect()
     }
 
     /// Gives the samples polynomials of the form errors, of one degree for all.
@@ -79,19 +81,18 @@ impl System {
     }
 
     /// Where the image point `q` sees the mirror well inside its rim, as chart coordinates.
-    fn sees(&self, q: DVec2, reach: f64) -> Option<DVec2> {
+    fn sees(&self, q: DVec2, margin: f64) -> Option<DVec2> {
         let place = self.mirror.under(&self.camera.chart, q)?;
         let around = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y, DVec2::ZERO];
         let whole = self.mirror.whole();
         let inside = around.iter().all(|way| {
-            let near = place + *way * reach;
+            let near = place + *way * margin;
             whole.aims(near) && self.mirror.reflects(near) == self.mirror.reflects(place)
         });
         inside.then_some(place)
     }
 
-    fn sample(&self, fitters: &[Fitter], point: DVec2, reach: f64) -> Option<Sample> {
-        let place = self.sees(point, reach)?;
+    fn sample(&self, fitters: &[Fitter], point: DVec2, place: DVec2, reach: f64) -> Option<Sample> {
         let at = self.mirror.row(place.y).at(place.x);
         let hit = self.mirror.place(place, &at);
         let slope = self.mirror.slope(place, &at).to_array();
@@ -104,7 +105,8 @@ impl System {
         };
         let base = fitters.iter().find_map(fit);
         let content = DVec2::ZERO;
-        let mut sample = Sample { point, content, hit, slope, square, base, form: Vec::new() };
+        let (groove, form) = (self.groove(hit.truncate()), Vec::new());
+        let mut sample = Sample { point, content, hit, slope, square, groove, base, form };
         let perfect = self.perfect::<f64>();
         let pose = Pose::new(&perfect.placed);
         sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect));

@@ -128,7 +128,7 @@ impl Engine {
     ) -> Vec<Trial> {
         let batches: Vec<Range<u64>> = (range.start..range.end)
             .step_by(BATCH as usize)
-            .map(|from| from..range.end.min(from + BATCH))
+            .map(|from| from..range.end.min(from.saturating_add(BATCH)))
             .collect();
         let batch = |batch: &Range<u64>| {
             let made: Vec<Made> =

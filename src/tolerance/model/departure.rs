@@ -2,17 +2,19 @@
 
 use super::super::field::{Field, ripple};
 use super::{Sample, State, System, added};
-use crate::geom::DVec3;
+use crate::geom::{DVec2, DVec3};
 use crate::num::Scalar;
 use std::f64::consts::TAU;
 
 impl System {
-    /// `sum` and the waviness, the measured form error and the tool's tracks, height and slope.
+    /// `sum` and the waviness, the measured form error and the tool's tracks of
+    /// curvature `groove`, height and slope.
     pub(super) fn textured<S: Scalar>(
         &self,
         mut sum: [S; 3],
         state: &State<S>,
         at: [S; 2],
+        groove: f64,
     ) -> [S; 3] {
         if let Some(wave) = state.wave {
             sum = added(sum, 1.0, ripple(self.wave, wave, at));
@@ -21,7 +23,7 @@ impl System {
             sum = added(sum, share, Self::mapped(map, at));
         }
         if let Some(tracks) = state.tracks {
-            sum = added(sum, 1.0, self.tool.cusp(tracks, at));
+            sum = added(sum, 1.0, self.tool.cusp(tracks, groove, at));
         }
         sum
     }
@@ -29,7 +31,8 @@ impl System {
     /// Height and slope of the made surface over the designed one at (X, Y) of the part, before it
     /// is grown.
     pub fn departure(&self, state: &State<f64>, at: [f64; 2]) -> [f64; 3] {
-        self.textured(self.forms(&state.form, at), state, at)
+        let groove = if state.tracks.is_some() { self.groove(DVec2::from_array(at)) } else { 0.0 };
+        self.textured(self.forms(&state.form, at), state, at, groove)
     }
 
     /// The shortest length, mm, over which this departure swings: a period, a distance of tracks or
