@@ -231,7 +231,7 @@ fn tracks_displace_as_scallops_do() {
         let texture = precise().texture;
         let stepover_mm = 0.02;
         let source = fixed(Kind::ToolMarks, stepover_mm);
-        let asked = Question { samples: 2000, ..question(vec![source.clone()], &[]) };
+        let asked = Question { samples: 2000, ..question(vec![source], &[]) };
         let found = engine(&design, asked).variance(&source).sqrt();
         let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
         // Tracks that follow each other along Y run along X.
