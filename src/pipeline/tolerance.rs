@@ -125,7 +125,8 @@ pub fn tolerance_merged(
         let body = text.split_once('\n').map_or("", |(_, body)| body);
         let Some(lines) = body.strip_prefix(&head) else {
             let reason = format!(
-                "its profile, seed or version is not that of {}, or the profile has changed since",
+                "its profile, seed or version is not that of {}, or the profile or a file that it names \
+                 has changed since",
                 first.display()
             );
             return Err(fault(path, reason));
@@ -167,11 +168,14 @@ fn heading(profile: &Profile, engine: &Engine, seed: u64) -> String {
         engine.adjustments().iter().map(|a| format!("{} {}", a.name, a.unit)).collect();
     let sources: Vec<String> =
         engine.question.sources.iter().map(|source| source.kind.key()).collect();
+    // The files that a profile names are none of its bytes.
+    let marks: Vec<u8> = engine.marks().into_iter().flat_map(f64::to_le_bytes).collect();
     format!(
-        "# Morion {} trials of {}\n# sha256 {}\n# seed {seed}\n{}\n",
+        "# Morion {} trials of {}\n# sha256 {}\n# system {}\n# seed {seed}\n{}\n",
         env!("CARGO_PKG_VERSION"),
         profile.name,
         profile.sha256,
+        files::sha256(&marks),
         trial_columns(&adjustments, &sources)
     )
 }

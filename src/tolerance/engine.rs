@@ -3,7 +3,7 @@
 use super::compensate::{Adjustment, Compensation, Compensator, Criterion, Pixels};
 use super::field::{Field, Measure, slope_modes};
 use super::linear::Linear;
-use super::model::{Pose, State, System, placed};
+use super::model::{Pose, Sample, State, System, placed};
 use super::source::{Kind, Source, Texture};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{Mirror, Patches};
@@ -131,6 +131,17 @@ impl Engine {
     #[must_use]
     pub fn samples(&self) -> usize {
         self.system.samples.len()
+    }
+
+    /// Numbers that differ between systems: what each sample sees as designed, and units of the form
+    /// errors and the measured one there.
+    #[must_use]
+    pub fn marks(&self) -> Vec<f64> {
+        let of = |sample: &Sample| {
+            let units = self.system.form_units(sample).into_iter().flatten();
+            sample.content.to_array().into_iter().chain(units).collect::<Vec<f64>>()
+        };
+        self.system.samples.iter().flat_map(of).collect()
     }
 
     /// Number of them near whose hits polynomials stand for the mirror: trials do not evaluate the

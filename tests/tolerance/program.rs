@@ -68,6 +68,29 @@ fn parts_of_any_size_make_the_bytes_of_one_run_on_any_threads() {
     assert!(files(&home.join("out/small")) == kept);
 }
 
+/// The bytes of a profile do not tell which errors its map holds.
+#[test]
+fn parts_with_different_maps_are_refused() {
+    let folder = folder();
+    let home = folder.path();
+    let text = small();
+    let table = "[tolerance]\nmap_file = \"map.csv\"\n";
+    assert!(!text.contains("[tolerance]"));
+    save(home, &format!("{text}\n{table}"));
+    for (range, um) in [("0..4", 1.0), ("4..8", 2.0)] {
+        let place = |k: i32| f64::from(k) * 10.0;
+        let lines = (-4..=4).flat_map(|j| (-4..=4).map(move |i| (place(i), place(j))));
+        let lines = lines.map(|(x, y)| format!("{x},{y},{}\n", 1e-6 * um * x * y / 4.0));
+        std::fs::write(home.join("map.csv"), lines.collect::<String>()).unwrap();
+        let arguments = ["tolerance", "small.toml", "--trials", range, "--part"];
+        let (code, out, err) = told(&morion(home, &arguments));
+        assert_eq!(code, 0, "{out}{err}");
+    }
+    let parts = ["out/small/trials-0-4.csv", "out/small/trials-4-8.csv"];
+    let refusal = "trials-0-4.csv: its profile, seed or version is not that of";
+    refused(home, &["--merge", parts[1], parts[0]], &[refusal, "a file that it names"]);
+}
+
 #[test]
 fn a_run_ends_early_after_the_same_trials_on_any_threads() {
     let design = support::designed(&support::profile(&[]));
