@@ -1,6 +1,7 @@
 //! Benchmark results as JSON, CSV, a table and a plot.
 
 use super::plot::{Area, Failure, svg};
+use super::text::pretty;
 use plotters::prelude::*;
 use serde::Serialize;
 use std::fmt::Write;
@@ -52,9 +53,7 @@ impl Bench {
     /// `bench.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("plain keys and values");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// `design.csv`: the sweep, a line a design.

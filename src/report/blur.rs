@@ -2,10 +2,9 @@
 
 use super::ProfileId;
 use super::map::{Colour, Map, viridis};
-use super::text::{digits, short};
+use super::text::{digits, head_line, pretty, written};
 use crate::pencil::Quantiles;
 use crate::raster::EncodingError;
-use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -86,22 +85,16 @@ impl BlurReport {
     /// `blur.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("plain keys and values");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
         let Self { profile, spots, best, images, .. } = self;
         let digits = |x: f64| match x {
             f64::INFINITY => "infinitely far".into(),
@@ -112,7 +105,7 @@ impl BlurReport {
             let [p50, p95, max] = [q.p50, q.p95, q.max].map(digits);
             format!("{p50} p50, {p95} p95, {max} max {unit}")
         };
-        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        head_line(out, profile)?;
         let which = if self.focus_is_best { ", the best focus" } else { "" };
         let (aperture, focus) = (aperture(&self.aperture), plane(&spots.focus));
         writeln!(out, "  lens     {aperture}, focused on {focus}{which}")?;

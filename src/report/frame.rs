@@ -1,11 +1,10 @@
 //! The frame-fill check's results as JSON, CSV, text and a picture.
 
 use super::map::{Colour, Map, grey};
-use super::text::{digits, short, verdict_line};
+use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{ProfileId, Verdict};
 use crate::raster::EncodingError;
 use crate::trace::{Coverage, Fate, Frame, Range};
-use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -70,9 +69,7 @@ impl FrameReport {
     /// `frame.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("plain keys and values");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// `frame.csv`: a line a column of the sensor.
@@ -93,16 +90,12 @@ impl FrameReport {
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
         let Self { profile, frame, coverage, resolution, .. } = self;
-        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        head_line(out, profile)?;
         writeln!(
             out,
             "  frame      {:.3} % of {} x {} filled within {} px; {:+.1} % against a disc",
@@ -164,10 +157,7 @@ impl FrameReport {
             let pixels = resolution.pixels;
             writeln!(out, "    {name:26} {least:>9} {mean:>9} {most:>9} {ratio:>8} {pixels:>9}")?;
         }
-        for reason in &self.reasons {
-            writeln!(out, "  - {reason}")?;
-        }
-        verdict_line(out, self.verdict)
+        verdict_lines(out, &self.reasons, self.verdict)
     }
 
     /// `frame.png`: filled pixels grey by solid angle (`usr`, one a pixel), the others in the colour

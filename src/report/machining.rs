@@ -1,13 +1,14 @@
 //! What a ball cutter makes of a mirror, as JSON and as a summary.
 
 use super::map::{Colour, Map, viridis};
-use super::text::{digits, errors_line, figures, short, solid_line, verdict_line};
+use super::text::{
+    digits, errors_line, figures, head_line, pretty, solid_line, verdict_lines, written,
+};
 use super::{FileFacts, ProfileId, TraceFacts, Verdict};
 use crate::machining::{Direction, Extreme, FLOOR_MM, Figures, Fillet, Gouge};
 use crate::num::log;
 use crate::num::stats::{Summary, or_null};
 use crate::raster::EncodingError;
-use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -131,33 +132,27 @@ impl Machining {
     /// `machining.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("plain keys and values");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
-        writeln!(out, "{bold}{}{bold:#}  ({})", self.profile.name, short(&self.profile.sha256))?;
+        head_line(out, &self.profile)?;
         self.write_facts(out)?;
-        verdict_line(out, self.verdict)
+        verdict_lines(out, &self.reasons, self.verdict)
     }
 
-    /// The summary's lines between its head and its verdict.
+    /// The summary's lines between its head and its reasons.
     pub(super) fn write_facts(&self, out: &mut String) -> std::fmt::Result {
         for (name, value) in self.facts() {
             writeln!(out, "  {name:8} {value}")?;
         }
-        self.reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))
+        Ok(())
     }
 
     /// What there is to say, with its name; lines without one go on.

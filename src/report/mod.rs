@@ -258,9 +258,6 @@ impl Report {
     /// `report.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self)
-            .expect("a report has string keys and plain values only");
-        text.push('\n');
-        text
+        text::pretty(self)
     }
 }

@@ -1,8 +1,7 @@
 //! What a build would make, foreseen without making it.
 
-use super::text::{of_at_most, short};
+use super::text::{head_line, of_at_most, pretty, written};
 use super::{ProfileId, SCHEMA};
-use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -72,25 +71,18 @@ impl Prospect {
     /// As JSON.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self)
-            .expect("a forecast has string keys and plain values only");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
         let Self { profile, mesh, .. } = self;
-        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        head_line(out, profile)?;
         let tolerances = [(mesh.chord_um, "chord", "um"), (mesh.facet_px, "facet", "px")];
         let tolerances: Vec<String> = tolerances
             .into_iter()

@@ -1,7 +1,7 @@
 //! A picture that was rendered, in words.
 
 use super::ProfileId;
-use super::text::short;
+use super::text::{pretty, short};
 use anstyle::Style;
 use serde::Serialize;
 
@@ -28,10 +28,7 @@ impl Rendering {
     /// As JSON.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self)
-            .expect("a rendering has string keys and plain values only");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// A readable summary, styled for terminals.

@@ -1,11 +1,10 @@
 //! A replayed trial as JSON and as text, and its pose as JSON.
 
-use super::text::{digits, short};
+use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{FileFacts, ProfileId, Verdict};
 use crate::num::stats::Summary;
 use crate::solid::Check;
 use crate::tolerance::{Criterion, Judged, Placing, Reference, Witnessed};
-use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
@@ -109,12 +108,6 @@ impl PoseFile {
     }
 }
 
-fn pretty(value: &impl Serialize) -> String {
-    let mut text = serde_json::to_string_pretty(value).expect("string keys and plain values only");
-    text.push('\n');
-    text
-}
-
 impl ReplayReport {
     /// As JSON.
     #[must_use]
@@ -125,16 +118,12 @@ impl ReplayReport {
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
         let Self { profile, .. } = self;
-        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        head_line(out, profile)?;
         writeln!(
             out,
             "  replay   trial {} of seed {}, {} pixels",
@@ -168,15 +157,7 @@ impl ReplayReport {
                 digits(1e3 * off_surface_mm),
             )?;
         }
-        for reason in &self.reasons {
-            writeln!(out, "  - {reason}")?;
-        }
-        let (word, colour) = match self.verdict {
-            Verdict::Pass => ("pass", AnsiColor::Green),
-            Verdict::Fail => ("fail", AnsiColor::Red),
-        };
-        let style = Style::new().bold().fg_color(Some(colour.into()));
-        writeln!(out, "  verdict  {style}{word}{style:#}")
+        verdict_lines(out, &self.reasons, self.verdict)
     }
 }
 

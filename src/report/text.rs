@@ -1,28 +1,46 @@
 //! The terminal's summary of a report.
 
 use super::measured::{AlignmentFacts, error_line};
-use super::{ErrorFacts, Limited, Report, SagFacts, SolidFacts, StepFacts, Verdict};
+use super::{ErrorFacts, Limited, ProfileId, Report, SagFacts, SolidFacts, StepFacts, Verdict};
 use crate::design::Facts;
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::solid::Rim;
 use anstyle::{AnsiColor, Style};
+use serde::Serialize;
 use std::fmt::Write;
 
 /// A readable summary: a line a stage, the reasons, and the verdict last. Styled for terminals;
 /// an `anstream` writer strips the styles elsewhere.
 #[must_use]
 pub fn text(report: &Report) -> String {
+    written(|out| write_text(out, report))
+}
+
+/// A result as JSON of several lines.
+pub(super) fn pretty(result: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(result).expect("string keys and plain values only");
+    text.push('\n');
+    text
+}
+
+/// What `write` writes.
+pub(super) fn written(write: impl FnOnce(&mut String) -> std::fmt::Result) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
-    let _ = write_text(&mut out, report);
+    let _ = write(&mut out);
     out
 }
 
-fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
+/// The first line: which profile.
+pub(super) fn head_line(out: &mut String, profile: &ProfileId) -> std::fmt::Result {
     let bold = Style::new().bold();
+    writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))
+}
+
+fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     let Report { design, .. } = report;
-    writeln!(out, "{bold}{}{bold:#}  ({})", report.profile.name, short(&report.profile.sha256))?;
+    head_line(out, &report.profile)?;
     writeln!(
         out,
         "  design   {}; ray error {} mrad, pixel error {} px",
@@ -94,14 +112,16 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             100.0 * frame.gain_over_disc,
         )?;
     }
-    for reason in &report.reasons {
-        writeln!(out, "  - {reason}")?;
-    }
-    verdict_line(out, report.verdict)
+    verdict_lines(out, &report.reasons, report.verdict)
 }
 
-/// The last line.
-pub(super) fn verdict_line(out: &mut String, verdict: Verdict) -> std::fmt::Result {
+/// The last lines.
+pub(super) fn verdict_lines(
+    out: &mut String,
+    reasons: &[String],
+    verdict: Verdict,
+) -> std::fmt::Result {
+    reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))?;
     let (word, colour) = match verdict {
         Verdict::Pass => ("pass", AnsiColor::Green),
         Verdict::Fail => ("fail", AnsiColor::Red),

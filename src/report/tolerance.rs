@@ -1,11 +1,10 @@
 //! A study of tolerances as JSON, as text and, trial by trial, as CSV.
 
-use super::text::{digits, short};
+use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{Machining, ProfileId, SCHEMA, Verdict};
 use crate::tolerance::{
     Criterion, Distribution, Measure, Offender, Reference, SourceFacts, Statistics, Study, Trial,
 };
-use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -56,25 +55,18 @@ impl ToleranceReport {
     /// As JSON.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self)
-            .expect("a report has string keys and plain values only");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
         let Self { profile, study, .. } = self;
-        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        head_line(out, profile)?;
         let (criterion, reference) = (criterion(study.criterion), reference(study.reference));
         writeln!(
             out,
@@ -133,16 +125,9 @@ impl ToleranceReport {
         if let Some(machining) = &self.machining {
             writeln!(out, "  machining, unpolished:")?;
             machining.write_facts(out)?;
+            machining.reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))?;
         }
-        for reason in &self.reasons {
-            writeln!(out, "  - {reason}")?;
-        }
-        let (word, colour) = match self.verdict {
-            Verdict::Pass => ("pass", AnsiColor::Green),
-            Verdict::Fail => ("fail", AnsiColor::Red),
-        };
-        let style = Style::new().bold().fg_color(Some(colour.into()));
-        writeln!(out, "  verdict  {style}{word}{style:#}")
+        verdict_lines(out, &self.reasons, self.verdict)
     }
 
     /// The worst offenders, on one line.

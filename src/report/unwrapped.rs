@@ -1,9 +1,8 @@
 //! What became of a photo.
 
-use super::text::{figures, short};
+use super::text::{figures, head_line, pretty, written};
 use super::{FileFacts, ProfileId};
 use crate::num::stats::{Summary, or_null};
-use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -65,25 +64,18 @@ impl Unwrapped {
     /// As JSON.
     #[must_use]
     pub fn json(&self) -> String {
-        let mut text =
-            serde_json::to_string_pretty(self).expect("it has string keys and plain values only");
-        text.push('\n');
-        text
+        pretty(self)
     }
 
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
+        written(|out| self.write_text(out))
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let bold = Style::new().bold();
         let Self { profile, photo, panorama, .. } = self;
-        writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))?;
+        head_line(out, profile)?;
         let scale = match photo.pixels_per_sensor_pixel {
             1.0 => "as the sensor".to_owned(),
             scale => format!("{scale:.4} to one of the sensor"),
