@@ -30,7 +30,7 @@ fn compare(profile: &Profile) {
     foresaw(&what("in all"), foreseen.mesh.triangles as f64, all);
     assert_eq!(foreseen.files.len(), report.files.len());
     for (foreseen, found) in foreseen.files.iter().zip(&report.files) {
-        assert_eq!((&foreseen.name, foreseen.format), (&found.name, found.format));
+        assert_eq!((&*foreseen.name, foreseen.format), (&*found.name, &*found.format));
         foresaw(&what(&found.name), foreseen.bytes as f64, found.bytes as f64);
     }
     if profile.mesh.max_triangles.is_some() {

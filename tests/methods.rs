@@ -123,7 +123,7 @@ fn every_method_makes_the_same_mirror_where_an_exact_one_exists() {
             for k in 0..=50 {
                 let q = DVec2::X * (inner + (outer - inner) * f64::from(k) / 50.0);
                 let off = trace(&first, None, q).at - trace(&other, None, q).at;
-                let method = other.facts.method;
+                let method = &other.facts.method;
                 assert!(off.length() < 1e-9 * 60.0, "{name} {method}: {off}");
             }
         }

@@ -41,6 +41,12 @@ pub enum Command {
         /// Foresee the numbers of triangles and the sizes of the files, and write nothing
         #[arg(long)]
         dry_run: bool,
+        /// Build again even what the last build in the folder has left unchanged
+        #[arg(long, conflicts_with = "dry_run")]
+        force: bool,
+        /// Do all that could be left undone without changing a byte
+        #[arg(long, hide = true, conflicts_with = "dry_run")]
+        no_skip: bool,
     },
     /// Validate a profile, and nothing else
     Check {

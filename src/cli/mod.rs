@@ -4,9 +4,9 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Cutting, Inspection, Replayed, Source, Trials, Wanted, Way, bench, blur, build, foresee,
-    frame, inspect, load, machining, render, replay, tolerance, tolerance_merged, tolerance_part,
-    unwrap,
+    self, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, bench, blur,
+    build_with, foresee, frame, inspect, load, machining, render, replay, tolerance,
+    tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Aperture, Prospect, Report, Verdict, text};
@@ -49,14 +49,20 @@ type Failure = Box<dyn std::error::Error>;
 fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     let progress = Progress::new(arguments.quiet);
     match &arguments.command {
-        Command::Build { profiles, out, dry_run } => {
+        Command::Build { profiles, out, dry_run, force, no_skip } => {
+            let effort = match (no_skip, force) {
+                (true, _) => Effort::Most,
+                (_, true) => Effort::Afresh,
+                _ => Effort::Least,
+            };
             let sources = load_all(profiles)?;
             let (mut code, mut failures) = (PASSED, Vec::new());
             for source in &sources {
                 let done = if *dry_run {
                     foresee(source, &progress).map(|prospect| announce(arguments, &prospect))
                 } else {
-                    build(source, out, &progress).map(|report| conclude(arguments, &report))
+                    build_with(source, out, effort, &progress)
+                        .map(|report| conclude(arguments, &report))
                 };
                 match done {
                     Ok(concluded) => code = code.max(concluded?),

@@ -3,6 +3,7 @@
 use crate::pipeline::{Observer, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::time::Duration;
 
 /// Reports stages to stderr, or nothing at all.
@@ -45,6 +46,18 @@ impl Observer for Progress {
             }
             // Progress that cannot be shown is not worth failing for.
             None => drop(writeln!(std::io::stderr(), "{line}")),
+        }
+    }
+
+    fn unchanged(&self, folder: &Path) {
+        if !self.quiet {
+            let folder = folder.display();
+            // As above.
+            drop(writeln!(
+                std::io::stderr(),
+                "unchanged  {folder}: profile, program and files are as the last build left them; \
+                 --force builds again"
+            ));
         }
     }
 }

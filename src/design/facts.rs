@@ -4,16 +4,16 @@ use super::layout::Plan;
 use super::solve::Fit;
 use crate::geom::{DVec2, angle};
 use crate::mirror::Mirror;
-use crate::num::stats::{Summary, or_null};
+use crate::num::stats::{Summary, or_null, unless_null};
 use crate::optics::{Camera, View, reflect};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
 /// worst error usually is.
 pub const SAMPLES: usize = 200;
 
 /// Root mean square and maximum over the panel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Area-weighted root mean square.
     pub rms: f64,
@@ -22,10 +22,10 @@ pub struct Spread {
 }
 
 /// Figures of merit of a design.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
     /// Name of the method, as in the profile, or "given".
-    pub method: &'static str,
+    pub method: String,
     /// Whether the largest error was made small instead of the mean square.
     pub minimax: bool,
     /// Polynomial degree in each of y and z, or along the radius.
@@ -40,13 +40,13 @@ pub struct Facts {
     /// equation for A in section 4).
     pub gradient_residual: Option<f64>,
     /// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
-    #[serde(serialize_with = "spread_or_null")]
+    #[serde(serialize_with = "spread_or_null", deserialize_with = "unless_null")]
     pub curl: Option<Spread>,
     /// Angle between the direction seen and the direction wanted, mrad.
-    #[serde(serialize_with = "or_null")]
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub ray_error_mrad: Option<Summary>,
     /// The same carried back to the image, pixels.
-    #[serde(serialize_with = "or_null")]
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub pixel_error_px: Option<Summary>,
 }
 
@@ -63,7 +63,7 @@ impl Facts {
     #[must_use]
     pub fn given(degree: usize) -> Self {
         Self {
-            method: "given",
+            method: "given".into(),
             minimax: false,
             degree,
             unknowns: 0,
@@ -80,7 +80,7 @@ impl Facts {
     #[must_use]
     pub fn solved(method: &'static str, minimax: bool, degree: usize, fit: &Fit) -> Self {
         Self {
-            method,
+            method: method.into(),
             minimax,
             unknowns: fit.coefficients.len(),
             steps: fit.steps,

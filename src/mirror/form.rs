@@ -4,10 +4,10 @@ use super::Mirror;
 use crate::geom::{DVec2, DVec3, Outline, angle};
 use crate::num::least_squares::solve;
 use nalgebra::{DMatrix, DVector};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The sphere and the plane nearest to a mirror, and how far off they are.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Form {
     /// The sphere.
     pub sphere: Sphere,
@@ -16,7 +16,7 @@ pub struct Form {
 }
 
 /// A sphere that fits best: the squared distances from it sum to the least.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
     /// Radius, mm: positive where the mirror bulges towards the camera, none where it is flat.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,7 +30,7 @@ pub struct Sphere {
 }
 
 /// A plane Z = a + b X + c Y that fits best: the squared distances along Z sum to the least.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plane {
     /// Z on the axis, mm.
     pub height_mm: f64,
@@ -42,7 +42,7 @@ pub struct Plane {
 }
 
 /// How far a mirror is from a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Departure {
     /// From the lowest to the highest place, along Z, mm; none where the mirror is wider than the
     /// sphere.

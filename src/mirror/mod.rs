@@ -35,6 +35,16 @@ pub enum Surface {
 }
 
 impl Surface {
+    /// Its reflection across the line where coordinate `axis` (0 = x, 1 = y) vanishes. Splines are
+    /// never taken for even, and stay as they are.
+    fn reflected(&self, axis: usize) -> Self {
+        match self {
+            Self::Tensor(sheet) => Self::Tensor(sheet.reflected(axis)),
+            Self::Sum(round, sheet) => Self::Sum(round.clone(), sheet.reflected(axis)),
+            Self::Round(_) | Self::Patches(_) => self.clone(),
+        }
+    }
+
     /// The surface on the line of constant `y`.
     #[must_use]
     pub fn row(&self, y: f64) -> SurfaceRow<'_> {
@@ -117,6 +127,19 @@ pub struct Mirror {
 }
 
 impl Mirror {
+    /// What the mirror is seen as in each mirror image of the part in which its evenness makes it the
+    /// same: across X = 0, across Y = 0, and across both.
+    #[must_use]
+    pub fn reflections(&self) -> Vec<Self> {
+        let mut all = vec![self.clone()];
+        for axis in (0..2).filter(|&axis| self.even[axis]) {
+            let reflected =
+                |mirror: &Self| Self { surface: mirror.surface.reflected(axis), ..mirror.clone() };
+            all.extend(all.iter().map(reflected).collect::<Vec<_>>());
+        }
+        all.split_off(1)
+    }
+
     /// The outline of all panels.
     #[must_use]
     pub fn whole(&self) -> Outline {

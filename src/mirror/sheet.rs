@@ -68,6 +68,20 @@ pub struct Sheet {
 }
 
 impl Sheet {
+    /// Its reflection across the line where coordinate `axis` (0 = x, 1 = y) vanishes: terms of odd
+    /// degree in it change their sign.
+    #[must_use]
+    pub fn reflected(&self, axis: usize) -> Self {
+        let (rows, columns) = self.series.shape();
+        let series = Series::from_fn(rows, columns, |i, j| {
+            let c = self.series.coefficient(i, j);
+            if [i, j][axis] % 2 == 1 { -c } else { c }
+        });
+        let mut centre = self.centre;
+        centre[axis] = -centre[axis];
+        Self { series, centre, ..self.clone() }
+    }
+
     /// The sheet on the line of constant `y`.
     #[must_use]
     pub fn row(&self, y: f64) -> SheetRow {

@@ -1,9 +1,10 @@
 //! Summaries of error samples, summed in a fixed order.
 
-use serde::{Serialize, Serializer};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// RMS, 95th percentile and maximum of an error, in the error's own unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Root of the (weighted) mean square.
     pub rms: f64,
@@ -61,6 +62,17 @@ impl Summary {
 pub fn or_null<S: Serializer>(summary: &Option<Summary>, serializer: S) -> Result<S::Ok, S::Error> {
     let nothing = Summary { rms: f64::NAN, p95: f64::NAN, max: f64::NAN };
     summary.unwrap_or(nothing).serialize(serializer)
+}
+
+/// Reads what [`or_null`] and its like wrote: nothing where a key is null.
+///
+/// # Errors
+/// Whatever the deserializer returns.
+pub fn unless_null<'de, D: Deserializer<'de>, T: DeserializeOwned>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    let value = serde_json::Value::deserialize(deserializer)?;
+    Ok(serde_json::from_value(value).ok())
 }
 
 #[cfg(test)]

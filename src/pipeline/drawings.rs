@@ -117,7 +117,7 @@ impl Drawing<'_> {
         };
         let file = FileFacts {
             name: format.file_name().to_owned(),
-            format: format.name(),
+            format: format.name().into(),
             bytes: bytes.len() as u64,
             sha256: sha256(bytes),
         };

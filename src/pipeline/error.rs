@@ -70,6 +70,15 @@ pub enum Error {
         /// Why.
         source: MachiningError,
     },
+    /// Symmetry is no shortcut for this mirror: a fault of the program.
+    #[error(
+        "the reflection of {profile} does not have the mesh that its symmetry gives it; this is a fault \
+         of morion: please report it"
+    )]
+    Uneven {
+        /// Profile name.
+        profile: String,
+    },
     /// The body is not a solid.
     #[error("cannot close {profile} for {format}: {source}")]
     Solid {

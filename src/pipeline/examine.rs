@@ -97,7 +97,7 @@ pub fn open<T: Send>(
     });
     // The rays need the mesh alone.
     drop(bytes);
-    (FileFacts { name, format: format.name(), bytes: length, sha256 }, reread)
+    (FileFacts { name, format: format.name().into(), bytes: length, sha256 }, reread)
 }
 
 /// A mesh, and what it is as a solid.
@@ -134,6 +134,7 @@ pub fn witness(
         let scene = Scene::new(mesh);
         let table = intents(design, &scene);
         let sweep = Sweep::new(&scene, camera, above(&scene));
+        let sweep = if clock.shortcuts() { sweep } else { sweep.without_shortcuts() };
         let (witness, tally) =
             Witness::sweep(&sweep, normals.as_deref(), design.view.as_ref(), table);
         clock.traced(tally);

@@ -178,6 +178,11 @@ impl Staged {
         &self.temporary
     }
 
+    /// The name that it will have.
+    pub fn name(&self) -> &str {
+        self.target.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+    }
+
     /// SHA-256 of what was written, hexadecimal.
     pub fn sha256(&self) -> &str {
         &self.sha256
@@ -205,7 +210,8 @@ pub fn sha256(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-fn hex(bytes: &[u8]) -> String {
+/// Bytes in hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -124,7 +124,7 @@ pub fn machining(
             .map_err(|error| Error::Picture(error.to_string()))?;
         found.files.push(FileFacts {
             name: "gouge.png".to_owned(),
-            format: "png",
+            format: "png".into(),
             bytes: png.len() as u64,
             sha256: sha256(&png),
         });

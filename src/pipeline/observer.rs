@@ -1,6 +1,8 @@
 //! Progress: who watches a build, and how long its stages take.
 
+use super::last::Record;
 use crate::trace::Tally;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -75,6 +77,8 @@ pub trait Observer: Sync {
     fn end(&self, _stage: Stage, _took: Duration, _note: &str) {}
     /// A file has been written and flushed under a temporary name, and is read back next.
     fn written(&self, _path: &Path) {}
+    /// The files in this folder are what the build would write again; it ends here.
+    fn unchanged(&self, _folder: &Path) {}
 }
 
 /// Watches nothing.
@@ -83,18 +87,70 @@ pub struct Silent;
 
 impl Observer for Silent {}
 
-/// Times the stages for an observer.
+/// What a stage did of one kind, and what it could leave undone.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Work {
+    /// [`Stage::name`].
+    pub stage: String,
+    /// What is counted.
+    pub what: String,
+    /// How many were needed.
+    pub done: u64,
+    /// How many were not.
+    pub avoided: u64,
+    /// Why not.
+    pub why: String,
+}
+
+/// Times the stages for an observer, and counts their work.
 pub struct Clock<'a> {
     observer: &'a dyn Observer,
     start: Instant,
     stages: Mutex<Vec<(&'static str, f64)>>,
     rays: Mutex<Tally>,
+    work: Mutex<Vec<Work>>,
+    shortcuts: bool,
 }
 
 impl<'a> Clock<'a> {
     /// Starts now.
     pub fn new(observer: &'a dyn Observer) -> Self {
-        Self { observer, start: Instant::now(), stages: Mutex::default(), rays: Mutex::default() }
+        Self {
+            observer,
+            start: Instant::now(),
+            stages: Mutex::default(),
+            rays: Mutex::default(),
+            work: Mutex::default(),
+            shortcuts: true,
+        }
+    }
+
+    /// The same for stages that do even what they could leave undone.
+    pub fn without_shortcuts(self) -> Self {
+        Self { shortcuts: false, ..self }
+    }
+
+    /// Whether stages may leave undone what changes no result.
+    pub fn shortcuts(&self) -> bool {
+        self.shortcuts
+    }
+
+    /// Counts work of a stage: `what` it is, how much was `[done, avoided]`, and why.
+    pub fn worked(&self, stage: Stage, what: &str, [done, avoided]: [usize; 2], why: &str) {
+        let Ok(mut all) = self.work.lock() else { return };
+        let known = all.iter().position(|work| work.stage == stage.name() && work.what == what);
+        let at = known.unwrap_or_else(|| {
+            let [stage, what, why] = [stage.name(), what, why].map(str::to_owned);
+            all.push(Work { stage, what, done: 0, avoided: 0, why });
+            all.len() - 1
+        });
+        all[at].done += done as u64;
+        all[at].avoided += avoided as u64;
+    }
+
+    /// The work so far.
+    pub fn work(&self) -> Vec<Work> {
+        self.work.lock().map(|work| work.clone()).unwrap_or_default()
     }
 
     /// Runs one stage; its value comes with the note for the observer.
@@ -121,6 +177,11 @@ impl<'a> Clock<'a> {
 
     /// Counts rays that were traced.
     pub fn traced(&self, tally: Tally) {
+        let Tally { drawn, searched, proven, followed } = tally;
+        let drawing = "facets are drawn over the pixels, with the same result";
+        self.worked(Stage::Trace, "camera rays searched for", [searched, drawn], drawing);
+        let leaving = "they provably meet nothing";
+        self.worked(Stage::Trace, "reflected rays followed", [followed, proven], leaving);
         if let Ok(mut rays) = self.rays.lock() {
             *rays = *rays + tally;
         }
@@ -132,8 +193,9 @@ impl<'a> Clock<'a> {
         value
     }
 
-    /// `timings.json`: seconds per stage, in order, and in all so far; and how rays were traced.
-    pub fn json(&self) -> String {
+    /// `timings.json`: seconds per stage, in order, and in all so far; how rays were traced; and for the
+    /// next build what this one was made of, what it wrote, and the work that it did.
+    pub fn json(&self, record: &Record) -> String {
         let mut stages = serde_json::Map::new();
         for (name, seconds) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
             let before = stages.get(name).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
@@ -141,7 +203,11 @@ impl<'a> Clock<'a> {
         }
         let total = self.start.elapsed().as_secs_f64();
         let rays = self.rays.lock().map(|rays| *rays).unwrap_or_default();
-        let all = serde_json::json!({ "seconds": stages, "total_s": total, "rays": rays });
+        let Record { inputs, outputs, work } = record;
+        let all = serde_json::json!({
+            "seconds": stages, "total_s": total, "rays": rays, "work": work,
+            "inputs": inputs, "outputs": outputs,
+        });
         format!("{all:#}\n")
     }
 }

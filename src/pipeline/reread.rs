@@ -24,7 +24,7 @@ pub struct Reread {
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done.
 pub fn reread(clock: &Clock, profile: &Profile, design: &Design) -> Result<Reread, Error> {
-    let facets = clock.stage(Stage::Mesh, || meshed(profile, design))?;
+    let facets = clock.stage(Stage::Mesh, || meshed(clock, profile, design))?;
     let format = facets.formats[0];
     let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
     let failed = |reason: String| Error::Reread { profile: profile.name.clone(), reason };

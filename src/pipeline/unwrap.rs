@@ -173,6 +173,7 @@ fn publish(
             let file = folder.stage(&name, |out| out.write_all(&bytes))?;
             let sha256 = file.sha256().to_owned();
             staged.push(file);
+            let format = format.into();
             files.push(FileFacts { name, format, bytes: bytes.len() as u64, sha256 });
         }
         staged.into_iter().try_for_each(Staged::publish)?;

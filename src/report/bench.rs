@@ -12,7 +12,7 @@ pub struct DesignRun {
     /// Shipped profile.
     pub profile: String,
     /// Name of the method.
-    pub method: &'static str,
+    pub method: String,
     /// Whether the largest error was made small.
     pub minimax: bool,
     /// Polynomial degree.
@@ -189,7 +189,7 @@ mod tests {
     fn table_csv_and_plot_hold_every_run() {
         let run = |degree: usize, minimax| DesignRun {
             profile: "panoramic".into(),
-            method: "distribution",
+            method: "distribution".into(),
             minimax,
             degree,
             unknowns: degree * degree,

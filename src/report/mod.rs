@@ -36,16 +36,16 @@ pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 use crate::align::FormError;
 use crate::design::Facts;
 use crate::mirror::Form;
-use crate::num::stats::{Summary, or_null};
+use crate::num::stats::{Summary, or_null, unless_null};
 use crate::solid::Check;
 use crate::trace::Frame;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Version of the report's schema: keys may be added, never changed.
 pub const SCHEMA: u32 = 1;
 
 /// Everything that a build or a verification found out, in the shape of `report.json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// [`SCHEMA`].
     pub schema: u32,
@@ -72,14 +72,14 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<StepFacts>,
     /// The unit of a file of unknown making; absent for files that were made just now.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
     pub units: Option<UnitFacts>,
     /// How a measured part was brought into the part frame; absent when that was not asked.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
     pub alignment: Option<AlignmentFacts>,
     /// How far a measured part is from its design along its normal, um; positive where there is too
     /// much material.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
     pub form_error_um: Option<FormError>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<Frame>,
@@ -92,7 +92,7 @@ pub struct Report {
 }
 
 /// Name and fingerprint of a profile.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProfileId {
     /// Its name.
     pub name: String,
@@ -101,7 +101,7 @@ pub struct ProfileId {
 }
 
 /// Pass or fail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The part does what the profile asks.
@@ -111,7 +111,7 @@ pub enum Verdict {
 }
 
 /// A limit asked for and the bound proven.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Limited {
     /// Asked for; none when the profile sets none.
     pub limit: Option<f64>,
@@ -121,7 +121,7 @@ pub struct Limited {
 
 /// Numbers of triangles over the least possible, for the limits that are set; none where the mirror
 /// bends in one direction alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OverOptimum {
     /// Against the chord limit.
     pub chord: Option<f64>,
@@ -130,7 +130,7 @@ pub struct OverOptimum {
 }
 
 /// What the mesh reached.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeshFacts {
     /// Facets of the optical face.
     pub optical_triangles: usize,
@@ -152,7 +152,7 @@ pub struct MeshFacts {
 }
 
 /// The check of a solid.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SolidFacts {
     /// What was found.
     #[serde(flatten)]
@@ -172,12 +172,12 @@ impl SolidFacts {
 }
 
 /// A file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileFacts {
     /// Name in the output folder.
     pub name: String,
     /// Its format's name.
-    pub format: &'static str,
+    pub format: String,
     /// Length.
     pub bytes: u64,
     /// SHA-256, hexadecimal.
@@ -185,7 +185,7 @@ pub struct FileFacts {
 }
 
 /// What a sag table holds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SagFacts {
     /// Rows of X, Y, Z and normal.
     pub rows: usize,
@@ -196,7 +196,7 @@ pub struct SagFacts {
 }
 
 /// The splines of a STEP file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepFacts {
     /// Largest distance from the design, nm.
     pub fit_error_nm: f64,
@@ -205,7 +205,7 @@ pub struct StepFacts {
 }
 
 /// What the witness saw in one file.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TraceFacts {
     /// Name in the output folder.
     pub file: String,
@@ -232,7 +232,7 @@ pub struct TraceFacts {
 }
 
 /// A vertex and how far it is from where the part has its surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VertexFacts {
     /// X, Y, Z, mm.
     pub at_mm: [f64; 3],
@@ -241,16 +241,16 @@ pub struct VertexFacts {
 }
 
 /// Errors over the rays that hit; absent when none did.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFacts {
     /// Angle between the direction seen and the projection's, mrad.
-    #[serde(serialize_with = "or_null")]
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub ray_error_mrad: Option<Summary>,
     /// The same carried back to the image, pixels.
-    #[serde(serialize_with = "or_null")]
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub pixel_error_px: Option<Summary>,
     /// Image displacement against the designed mirror, pixels.
-    #[serde(serialize_with = "or_null")]
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub facet_error_px: Option<Summary>,
 }
 

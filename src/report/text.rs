@@ -144,7 +144,7 @@ pub(super) fn short(sha256: &str) -> &str {
 pub(super) fn method_line(design: &Facts) -> String {
     let Facts { method, degree, unknowns, .. } = design;
     if design.unknowns == 0 {
-        return (*method).into();
+        return method.clone();
     }
     let goal = if design.minimax { ", minimax" } else { "" };
     format!("{method}{goal} of degree {degree}, {unknowns} unknowns")

@@ -1,7 +1,7 @@
 //! What a check can find, in words.
 
 use crate::geom::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What is wrong at one place.
@@ -77,7 +77,7 @@ impl fmt::Display for Defect {
 }
 
 /// Where a mesh ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rim {
     /// Edges without a second facet.
     pub edges: usize,
@@ -86,7 +86,7 @@ pub struct Rim {
 }
 
 /// The result of checking a mesh.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// Every edge has a facet on both sides.
     pub closed: bool,

@@ -4,10 +4,10 @@
 use super::{Outcome, Seen, Witness};
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What the frame as a whole sees.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Columns and rows.
     pub pixels: [u32; 2],
@@ -63,7 +63,7 @@ impl Fate {
 }
 
 /// Numbers of lost pixels.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lost {
     /// [`Fate::Beyond`].
     pub beyond: usize,

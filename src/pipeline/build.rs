@@ -1,0 +1,276 @@
+//! A build: every stage, every file, and back from the bytes on the disk.
+
+use super::advice::Advice;
+use super::drawings::{Checked, Drawing, check_table, fitted};
+use super::examine::examine;
+use super::facets::Facets;
+use super::files::{Folder, Staged};
+use super::foresee::{check_room, least_bytes};
+use super::formats::{self, drawings, write_mesh};
+use super::last::{self, Output, Record};
+use super::observer::{Clock, Observer, Stage};
+use super::sight::{Distance, Eye, picture};
+use super::source::Source;
+use super::{Error, assemble, close, designed, label, meshed, verdict, write};
+use crate::design::Design;
+use crate::export::Label;
+use crate::export::step::Fit;
+use crate::geom::Precision;
+use crate::mesh::Face;
+use crate::mirror::{Form, Surface};
+use crate::profile::{Format, Profile};
+use crate::render::{TestWorld, World};
+use crate::report::{Limited, MeshFacts, OverOptimum, Report, SolidFacts, StepFacts, html};
+use crate::solid::Solid;
+use std::path::Path;
+
+/// Builds the profile of `source` into `out`/NAME: every stage, every file, and the report that is returned.
+///
+/// Where the files of the last build are still there and would come out the same, it does nothing more.
+///
+/// # Errors
+/// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
+/// folders.
+pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+    build_with(source, out, Effort::Least, observer)
+}
+
+/// How much of the work that changes no result is done all the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Effort {
+    /// None.
+    #[default]
+    Least,
+    /// What the last build in the folder has done already.
+    Afresh,
+    /// All of it: every copy of a symmetric mirror is meshed by itself and compared, and every ray is
+    /// searched for and followed.
+    Most,
+}
+
+/// [`build`] with more or less effort.
+///
+/// # Errors
+/// As [`build`]; and with [`Effort::Most`] when a shortcut would have changed the result.
+pub fn build_with(
+    source: &Source,
+    out: &Path,
+    effort: Effort,
+    observer: &dyn Observer,
+) -> Result<Report, Error> {
+    let profile = &source.profile;
+    let clock = Clock::new(observer);
+    let clock = if effort == Effort::Most { clock.without_shortcuts() } else { clock };
+    let asked = |format: &Format| profile.formats.contains(format);
+    let inputs = last::inputs(source);
+    if effort == Effort::Least {
+        let folder = out.join(&profile.name);
+        if let Some((report, record)) = last::unchanged(&folder, &inputs) {
+            let folder = Folder::create(&folder)?;
+            let timings = clock.json(&record);
+            folder.stage("timings.json", |out| out.write_all(timings.as_bytes()))?.publish()?;
+            observer.unchanged(folder.path());
+            return Ok(report);
+        }
+    }
+    let folder = Folder::create(&out.join(&profile.name))?;
+    folder.holds(least_bytes(profile))?;
+
+    let design = clock.stage(Stage::Design, || designed(source))?;
+    count_unknowns(&clock, &design);
+    check_table(profile, &design)?;
+    let fit = fitted(profile, &design)?;
+    check_room(&folder, profile, &design, fit.as_ref())?;
+    let facets = clock.stage(Stage::Mesh, || meshed(&clock, profile, &design))?;
+    let form = Form::of(&design.mirror);
+    let label = label(profile, &design, &facets.made);
+    let drawing =
+        Drawing { profile, design: &design, form: &form, fit: fit.as_ref(), label: &label };
+    let Meshes { mut staged, facts } =
+        write_meshes(profile, &clock, &folder, &design, &facets, &label)?;
+    for format in drawings(profile) {
+        staged.push((format, write(&clock, &folder, format, |out| drawing.write(format, out))?));
+    }
+    let Facets { made, precision, formats, refused } = facets;
+    let chord_mm = made.bound.chord_mm;
+    drop(made);
+
+    // One file at a time, so that memory does not grow with their number.
+    let (mut evidence, mut checked, mut picture) = (Vec::new(), Vec::new(), None);
+    for (format, staged) in &staged {
+        let bytes = staged.read()?;
+        if !format.is_mesh() {
+            checked.push(check(&clock, &drawing, *format, staged, bytes));
+            continue;
+        }
+        let mut found = examine(&clock, profile, &design, *format, bytes);
+        found.altered = found.file.sha256 != staged.sha256();
+        let seen = found.seen.take();
+        if let (None, Some(seen)) = (&picture, &seen) {
+            picture = Some(painted(&clock, &design, Eye::Mesh(seen))?);
+        }
+        evidence.push(found);
+    }
+    let picture = match picture {
+        Some(picture) => picture,
+        None => painted(&clock, &design, Eye::Shut)?,
+    };
+
+    let mut report = assemble(profile, &design, form, Some(facts), evidence, chord_mm);
+    let mut all: Vec<String> = refused.into_iter().chain(report.reasons).collect();
+    for Checked { file, reasons, sag } in checked {
+        all.extend(reasons.into_iter().map(|reason| format!("{}: {reason}", file.name)));
+        report.files.push(file);
+        report.sag = report.sag.or(sag);
+    }
+    report.step = fit.as_ref().map(step_facts);
+    report.verdict = verdict::of(&all);
+    report.reasons = all;
+    // What was made for the rays alone stays nowhere.
+    report.files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
+    let advice = Advice { profile, design: &design, precision };
+    let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
+    report.warnings = advice.on(report.mesh.map_or(0, |mesh| mesh.triangles), &files);
+    clock.stage(Stage::Report, || {
+        let text =
+            |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
+        let pages = [
+            folder.stage("preview.png", |out| out.write_all(&picture))?,
+            text("report.html", &html(&report, &profile.summary, "preview.png"))?,
+            text("report.json", &report.json())?,
+        ];
+        // A file of a format that is not written now would be another profile's.
+        let made =
+            |format: &Format| asked(format) && (!format.is_mesh() || formats.contains(format));
+        let old: Vec<&str> =
+            Format::ALL.iter().filter(|format| !made(format)).map(|f| f.file_name()).collect();
+        old.iter().try_for_each(|name| folder.clears(name))?;
+        let files = staged.into_iter().filter(|(format, _)| asked(format)).map(|(_, file)| file);
+        let files: Vec<Staged> = files.chain(pages).collect();
+        let unasked = Format::ALL.len() - profile.formats.len();
+        clock.worked(Stage::Write, "files", [files.len(), unasked], "not asked for");
+        let outputs =
+            files.iter().filter_map(|file| Output::of(file.path(), file.name())).collect();
+        let record = Record { inputs, outputs, work: clock.work() };
+        let timings = text("timings.json", &clock.json(&record))?;
+        // The report after all that it speaks of, and the record after the report.
+        for staged in files.into_iter().chain([timings]) {
+            staged.publish()?;
+        }
+        old.iter().try_for_each(|name| folder.remove(name))?;
+        Ok::<_, Error>(((), folder.path().display().to_string()))
+    })?;
+    Ok(report)
+}
+
+/// What the stage that closes bodies counts, and why not every file needs one of its own.
+const CLOSED: &str = "bodies closed and checked";
+const SHARED: &str = "files with as many digits share one";
+
+/// Mesh files under temporary names.
+struct Meshes {
+    staged: Vec<(Format, Staged)>,
+    /// Of the first one.
+    facts: (MeshFacts, SolidFacts),
+}
+
+/// Closes the face with the digits that each mesh format carries, and writes the files: with one
+/// solid in memory at a time.
+fn write_meshes(
+    profile: &Profile,
+    clock: &Clock,
+    folder: &Folder,
+    design: &Design,
+    facets: &Facets<Face>,
+    label: &Label,
+) -> Result<Meshes, Error> {
+    let (mut staged, mut facts) = (Vec::new(), None);
+    let mut closed: Option<(Precision, Solid)> = None;
+    for &format in &facets.formats {
+        let solid = match closed.take() {
+            Some((precision, solid)) if precision == formats::precision(format) => {
+                clock.worked(Stage::Solid, CLOSED, [0, 1], SHARED);
+                solid
+            }
+            before => {
+                drop(before);
+                clock.worked(Stage::Solid, CLOSED, [1, 0], SHARED);
+                clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?
+            }
+        };
+        facts.get_or_insert_with(|| {
+            let mesh = mesh_facts(profile, design, &facets.made, &solid);
+            (mesh, SolidFacts::new(solid.check(), design.volume()))
+        });
+        let made = (&facets.made, design);
+        let file = write(clock, folder, format, |out| write_mesh(out, format, &solid, made, label));
+        staged.push((format, file?));
+        closed = Some((formats::precision(format), solid));
+    }
+    Ok(Meshes { staged, facts: facts.expect("every build has a mesh format") })
+}
+
+/// Reads a file that is no mesh.
+fn check(
+    clock: &Clock,
+    drawing: &Drawing,
+    format: Format,
+    staged: &Staged,
+    bytes: Vec<u8>,
+) -> Checked {
+    clock.always(Stage::Read, || {
+        let mut checked = drawing.check(format, &bytes);
+        if checked.file.sha256 != staged.sha256() {
+            checked.reasons.insert(0, verdict::ALTERED.to_owned());
+        }
+        let note = format!("{}: as designed", checked.file.name);
+        let note = checked.reasons.first().cloned().unwrap_or(note);
+        (checked, note)
+    })
+}
+
+/// What the camera sees of the test world, as PNG.
+fn painted(clock: &Clock, design: &Design, eye: Eye) -> Result<Vec<u8>, Error> {
+    clock.stage(Stage::Picture, || {
+        let world = (&TestWorld::new() as &dyn World, Distance::Target);
+        let png = picture(design, eye, world, 2).to_png();
+        let png = png.map_err(|e| Error::Picture(e.to_string()))?;
+        let note = format!("{} kB", png.len() / 1000);
+        Ok((png, note))
+    })
+}
+
+/// Counts what the design's symmetry saved.
+fn count_unknowns(clock: &Clock, design: &Design) {
+    if let (Surface::Tensor(sheet), unknowns @ 1..) =
+        (&design.mirror.surface, design.facts.unknowns)
+    {
+        let (rows, columns) = sheet.series.shape();
+        // The constant is no unknown.
+        let odd = (rows * columns - 1).saturating_sub(unknowns);
+        clock.worked(Stage::Design, "coefficients solved for", [unknowns, odd], "symmetry");
+    }
+}
+
+fn step_facts(fit: &Fit) -> StepFacts {
+    StepFacts { fit_error_nm: fit.error_mm * 1e6, control_points: fit.size() }
+}
+
+fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {
+    let pixel = design.camera.pixel_mm;
+    let optical_triangles = face.mesh.triangles.len();
+    let over = |least: Option<f64>| least.map(|least| optical_triangles as f64 / least);
+    MeshFacts {
+        optical_triangles,
+        triangles: solid.mesh().triangles.len(),
+        max_triangles: profile.mesh.max_triangles,
+        vertices: solid.mesh().vertices.len(),
+        chord_um: Limited { limit: profile.mesh.chord_um, bound: face.bound.chord_mm * 1e3 },
+        facet_px: Limited { limit: profile.mesh.facet_px, bound: face.bound.facet_mm / pixel },
+        rounding_px: face.bound.rounding_mm / pixel,
+        over_optimum: OverOptimum {
+            chord: profile.mesh.chord_um.and_then(|um| over(face.optimum.chord(um * 1e-3))),
+            facet: profile.mesh.facet_px.and_then(|px| over(face.optimum.facet(px * pixel))),
+        },
+    }
+}

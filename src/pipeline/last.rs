@@ -1,0 +1,91 @@
+//! The last build in a folder: whether the next one would only repeat it.
+
+use super::files::hex;
+use super::observer::Work;
+use super::source::Source;
+use crate::profile::Format;
+use crate::report::Report;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt::{self, Write};
+use std::fs;
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+/// Why a stage had nothing to do.
+const UNCHANGED: &str = "nothing has changed since the last build in this folder";
+
+/// What a build was made of and what it left, for the next one: part of `timings.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// SHA-256 of all that its files depend on.
+    pub inputs: String,
+    /// Its files but for `timings.json` itself.
+    pub outputs: Vec<Output>,
+    /// Work of its stages.
+    pub work: Vec<Work>,
+}
+
+/// A file as it was published. One of the same length and time of change is taken for the same, as
+/// `make` does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// Name in its folder.
+    pub name: String,
+    /// Length.
+    pub bytes: u64,
+    /// When it was written, ns since 1970.
+    pub written_ns: u64,
+}
+
+impl Output {
+    /// The file at `path`, which has or will have the name `name`.
+    pub fn of(path: &Path, name: &str) -> Option<Self> {
+        let about = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;
+        let written = about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+        let written_ns = u64::try_from(written.as_nanos()).ok()?;
+        Some(Self { name: name.to_owned(), bytes: about.len(), written_ns })
+    }
+}
+
+/// SHA-256 of all that the files of a build depend on: the program's sources and `source` as it is
+/// understood.
+pub fn inputs(source: &Source) -> String {
+    struct Hashing(Sha256);
+
+    impl Write for Hashing {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            self.0.update(text);
+            Ok(())
+        }
+    }
+
+    let mut hash = Hashing(Sha256::new());
+    // Every field is in it, every number to the last digit. Hashing cannot fail.
+    let _ = write!(hash, "{} {source:?}", env!("MORION_SOURCES"));
+    hex(&hash.0.finalize())
+}
+
+/// The report of the last build in `folder` if it was made of `inputs`, its files are as it left
+/// them, and there is none of another format; and its record as that of a build which had nothing to
+/// do.
+pub fn unchanged(folder: &Path, inputs: &str) -> Option<(Report, Record)> {
+    let read = |name: &str| fs::read(folder.join(name)).ok();
+    let mut record: Record = serde_json::from_slice(&read("timings.json")?).ok()?;
+    let is_same = |output: &Output| {
+        Output::of(&folder.join(&output.name), &output.name).as_ref() == Some(output)
+    };
+    let is_foreign = |format: &Format| {
+        let name = format.file_name();
+        !record.outputs.iter().any(|output| output.name == name) && folder.join(name).exists()
+    };
+    let same = record.inputs == inputs
+        && record.outputs.iter().all(is_same)
+        && !Format::ALL.iter().any(is_foreign);
+    let report = serde_json::from_slice(&read("report.json")?).ok().filter(|_| same)?;
+    for work in &mut record.work {
+        work.avoided += std::mem::take(&mut work.done);
+        UNCHANGED.clone_into(&mut work.why);
+    }
+    Some((report, record))
+}
