@@ -210,11 +210,18 @@ pub enum Command {
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
     },
-    /// Run time against error: the shipped mirrors designed in every way, into DIR/bench/
+    /// Run time against error of design, mesh, witness and trials, into DIR/bench/
     Bench {
-        /// Few degrees, one run of each
+        /// Profile files, or names of shipped profiles [default: all shipped ones]
+        #[arg(value_name = "PROFILE")]
+        profiles: Vec<String>,
+        /// Few settings, one run of each
         #[arg(long)]
         quick: bool,
+        /// Name the cheapest settings with this RMS pixel error, and write profiles that have them into
+        /// DIR/bench/; exit code 1 where a named profile cannot reach it
+        #[arg(long, value_name = "PX", value_parser = pixels)]
+        suggest: Option<f64>,
         /// Folder for results
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,
@@ -263,6 +270,14 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn aperture(text: &str) -> Result<f64, String> {
     number(text, "a number from 1e-6 to 0.99", |x| (1e-6..=0.99).contains(&x))
+}
+
+/// Pixels, with or without their unit.
+fn pixels(text: &str) -> Result<f64, String> {
+    let number_of = text.trim().trim_end_matches("px").trim();
+    number(number_of, "a number of pixels from 1e-6 to 1e6, as in 0.5px", |x| {
+        (1e-6..=1e6).contains(&x)
+    })
 }
 
 fn finite(text: &str) -> Result<f64, String> {

@@ -4,8 +4,8 @@ mod args;
 mod progress;
 
 use crate::pipeline::{
-    self, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, bench, blur,
-    build_with, foresee, frame, inspect, load, machining, render, replay, tolerance,
+    self, Benching, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, bench,
+    blur, build_with, foresee, frame, inspect, load, machining, render, replay, tolerance,
     tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
@@ -175,10 +175,13 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             show(arguments, || found.text(), || found.json())?;
             Ok(code(found.verdict))
         }
-        Command::Bench { quick, out } => {
-            let bench = bench(out, *quick)?;
+        Command::Bench { profiles, quick, suggest, out } => {
+            let wanted =
+                Benching { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
+            let bench = bench(out, &wanted, &progress)?;
             show(arguments, || bench.text(), || bench.json())?;
-            Ok(PASSED)
+            let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
+            Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
         }
         Command::Profiles { show: None } => {
             for Shipped { name, text } in shipped() {

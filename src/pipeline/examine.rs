@@ -182,7 +182,7 @@ fn by_rim(design: &Design, scene: &Scene, witness: &Witness) -> usize {
 }
 
 /// The table of intended rays, a row of the sensor at a time.
-fn intents(design: &Design, scene: &Scene) -> impl Fn(u32) -> Vec<Intent> {
+pub fn intents(design: &Design, scene: &Scene) -> impl Fn(u32) -> Vec<Intent> {
     let Design { mirror, view, camera, .. } = design;
     let outline = mirror.whole();
     let top = above(scene);

@@ -32,7 +32,7 @@ mod verdict;
 mod verify;
 
 pub use crate::align::Unit;
-pub use bench::bench;
+pub use bench::{Benching, bench};
 pub use blur::blur;
 pub use build::{Effort, build, build_with};
 pub use error::Error;

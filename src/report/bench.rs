@@ -1,52 +1,150 @@
-//! Benchmark results as JSON, CSV, a table and a plot.
+//! Benchmark results as JSON, CSV and a table.
 
-use super::plot::{Area, Failure, svg};
-use super::text::pretty;
-use plotters::prelude::*;
+use super::text::{digits, pretty, written};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// One design, timed.
+/// One run: what a setting costs, and how far from the truth it leaves the result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DesignRun {
-    /// Shipped profile.
+pub struct Run {
+    /// Profile.
     pub profile: String,
-    /// Name of the method.
-    pub method: String,
-    /// Whether the largest error was made small.
-    pub minimax: bool,
-    /// Polynomial degree.
-    pub degree: usize,
-    /// Number of coefficients.
-    pub unknowns: usize,
-    /// Median run time on one core, ms.
+    /// What else tells curves apart, such as the method.
+    pub series: String,
+    /// In the unit of [`Sweep::setting`].
+    pub setting: f64,
+    /// Run time, ms.
     pub time_ms: f64,
-    /// Ray error, mrad.
-    pub ray_rms_mrad: f64,
-    /// Largest ray error, mrad.
-    pub ray_max_mrad: f64,
-    /// Pixel error, pixels.
+    /// In the unit of [`Sweep::error`].
+    pub error: f64,
+    /// Whether no other run of its curves' profile is both faster and nearer.
+    pub pareto: bool,
+    /// More figures, with their units in the keys.
+    pub figures: BTreeMap<&'static str, f64>,
+}
+
+/// How one quantity goes with another, y ~ x^p within each curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Order {
+    /// y against x.
+    pub of: String,
+    /// The curves.
+    pub series: String,
+    /// p, fitted to all curves at once.
+    pub order: f64,
+    /// Its standard error.
+    pub sigma: f64,
+    /// What theory says.
+    pub theory: Option<f64>,
+}
+
+/// Runs that differ in one setting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sweep {
+    /// File name without ending.
+    pub name: &'static str,
+    /// What was swept.
+    pub about: &'static str,
+    /// The setting, with its unit.
+    pub setting: &'static str,
+    /// The error, with its unit.
+    pub error: &'static str,
+    /// Curve by curve.
+    pub runs: Vec<Run>,
+    /// What was fitted.
+    pub orders: Vec<Order>,
+}
+
+/// The cheapest settings that reach a pixel error.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Suggestion {
+    /// Profile.
+    pub profile: String,
+    /// The pixel error asked for, RMS against the projection, px.
+    pub target_px: f64,
+    /// The settings; none where the design alone is farther off.
+    pub settings: Option<Settings>,
+    /// The least pixel error of any design, px.
+    pub least_px: f64,
+}
+
+/// Settings of a profile, and what came of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Settings {
+    /// Method.
+    pub method: String,
+    /// Whether the largest error is made small.
+    pub minimax: bool,
+    /// Degree.
+    pub degree: usize,
+    /// Limit of the facets' error, px.
+    pub facet_px: f64,
+    /// Optical triangles.
+    pub triangles: usize,
+    /// Pixel error of the mesh, RMS, as the witness finds it, px.
     pub pixel_rms_px: f64,
-    /// Largest pixel error, pixels.
-    pub pixel_max_px: f64,
+    /// Time of design and mesh, ms.
+    pub time_ms: f64,
+    /// The profile with these settings.
+    pub file: String,
 }
 
-impl DesignRun {
-    /// What a line of the plot has in common.
-    fn line(&self) -> String {
-        format!("{}{}", self.method, if self.minimax { ", minimax" } else { "" })
-    }
-}
-
-/// `bench.json`, schema 1.
+/// `bench.json`, schema 2.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bench {
     /// Version of these keys.
     pub schema: u32,
-    /// Error against degree and run time, method by method.
-    pub design: Vec<DesignRun>,
-    /// The shipped profiles as they are.
-    pub shipped: Vec<DesignRun>,
+    /// What was swept.
+    pub sweeps: Vec<Sweep>,
+    /// What was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub suggestions: Vec<Suggestion>,
+}
+
+impl Sweep {
+    /// A line a run.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let keys: Vec<&str> =
+            self.runs.first().map(|run| run.figures.keys().copied().collect()).unwrap_or_default();
+        let head = ["profile", "series", self.setting, "time_ms", self.error, "pareto"];
+        let mut out = [&head[..], &keys].concat().join(",") + "\n";
+        for run in &self.runs {
+            let Run { profile, series, setting, time_ms, error, pareto, figures } = run;
+            // Writing to a string cannot fail.
+            let _ = write!(out, "{profile},{series},{setting},{time_ms:.4},{error:e},{pareto}");
+            for key in &keys {
+                let _ = match figures.get(key).filter(|x| x.is_finite()) {
+                    Some(x) => write!(out, ",{x}"),
+                    None => write!(out, ","),
+                };
+            }
+            out.push('\n');
+        }
+        out
+    }
+
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        let Self { about, setting, error, .. } = self;
+        writeln!(out, "{about}  (* nothing is both faster and nearer)")?;
+        writeln!(out, "  {:22}{:26}{setting:>14}{:>12}  {error}", "profile", "", "time ms")?;
+        for run in &self.runs {
+            let Run { profile, series, setting, time_ms, error, pareto, .. } = run;
+            let star = if *pareto { " *" } else { "" };
+            let setting =
+                if setting.fract() == 0.0 { setting.to_string() } else { digits(*setting) };
+            writeln!(
+                out,
+                "  {profile:22}{series:26}{setting:>14}{time_ms:>12.2}  {error:.3e}{star}"
+            )?;
+        }
+        for Order { of, series, order, sigma, theory } in &self.orders {
+            let theory = theory.map_or(String::new(), |p| format!("; theory {p}"));
+            writeln!(out, "  {of} ^ {order:.2} +- {sigma:.2}{theory}  ({series})")?;
+        }
+        writeln!(out)
+    }
 }
 
 impl Bench {
@@ -56,156 +154,73 @@ impl Bench {
         pretty(self)
     }
 
-    /// `design.csv`: the sweep, a line a design.
-    #[must_use]
-    pub fn csv(&self) -> String {
-        let mut out = String::from(
-            "profile,method,minimax,degree,unknowns,time_ms,ray_rms_mrad,ray_max_mrad,\
-             pixel_rms_px,pixel_max_px\n",
-        );
-        for run in self.design.iter().chain(&self.shipped) {
-            let DesignRun { profile, method, minimax, degree, unknowns, time_ms, .. } = run;
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                out,
-                "{profile},{method},{minimax},{degree},{unknowns},{time_ms:.3},{:.6e},{:.6e},\
-                 {:.6e},{:.6e}",
-                run.ray_rms_mrad, run.ray_max_mrad, run.pixel_rms_px, run.pixel_max_px
-            );
-        }
-        out
-    }
-
-    /// The table for the terminal.
+    /// The tables for the terminal.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        for (title, runs) in
-            [("error against degree and run time", &self.design), ("as shipped", &self.shipped)]
-        {
-            let _ = writeln!(
-                out,
-                "{title}\n  {:22}{:28}{:>6}{:>11}{:>12}{:>12}{:>12}",
-                "profile", "method", "degree", "time ms", "ray rms", "ray max", "pixel max"
-            );
-            for run in runs {
-                let _ = writeln!(
-                    out,
-                    "  {:22}{:28}{:>6}{:>11.2}{:>12.3e}{:>12.3e}{:>12.3e}",
-                    run.profile,
-                    run.line(),
-                    run.degree,
-                    run.time_ms,
-                    run.ray_rms_mrad,
-                    run.ray_max_mrad,
-                    run.pixel_max_px
-                );
-            }
-        }
-        out
-    }
-
-    /// `design.svg`: for each profile of the sweep the largest ray error against degree (left) and
-    /// run time (right).
-    ///
-    /// # Errors
-    /// What the drawing library reports.
-    pub fn svg(&self) -> Result<String, Failure> {
-        let mut profiles: Vec<&str> = self.design.iter().map(|run| run.profile.as_str()).collect();
-        profiles.dedup();
-        svg((1100, 420 * profiles.len().max(1) as u32), |root| {
-            for (area, profile) in root.split_evenly((profiles.len(), 1)).iter().zip(&profiles) {
-                let runs: Vec<&DesignRun> =
-                    self.design.iter().filter(|run| run.profile == *profile).collect();
-                let [left, right] = &area.split_evenly((1, 2))[..] else { continue };
-                let by_degree = |run: &DesignRun| run.degree as f64;
-                panel(left, &runs, &format!("{profile}: ray error, mrad"), "degree", by_degree)?;
-                panel(right, &runs, "", "run time, ms", |run| run.time_ms)?;
-            }
-            Ok(())
+        written(|out| {
+            self.sweeps.iter().try_for_each(|sweep| sweep.write(out))?;
+            self.suggestions.iter().try_for_each(|suggestion| suggestion.write(out))
         })
     }
 }
 
-/// One chart: a line a method.
-fn panel(
-    area: &Area,
-    runs: &[&DesignRun],
-    title: &str,
-    across: &str,
-    x: impl Fn(&DesignRun) -> f64,
-) -> Result<(), Failure> {
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        let (lo, hi) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (v.min(lo), v.max(hi)));
-        0.85 * lo..1.2 * hi
-    };
-    let xs = range(&mut runs.iter().map(|run| x(run)));
-    let ys = range(&mut runs.iter().map(|run| run.ray_max_mrad));
-    let mut chart = ChartBuilder::on(area)
-        .caption(title, ("sans-serif", 18))
-        .margin(12)
-        .x_label_area_size(38)
-        .y_label_area_size(56)
-        .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .x_desc(across)
-        .y_desc("largest ray error, mrad")
-        .draw()?;
-    let mut lines: Vec<String> = Vec::new();
-    for run in runs {
-        if !lines.contains(&run.line()) {
-            lines.push(run.line());
-        }
+impl Suggestion {
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        let Self { profile, target_px, settings, least_px } = self;
+        let Some(found) = settings else {
+            return writeln!(
+                out,
+                "{profile}: no design comes nearer than {} px; {target_px} px cannot be reached",
+                digits(*least_px)
+            );
+        };
+        let Settings { method, minimax, degree, facet_px, triangles, pixel_rms_px, time_ms, file } =
+            found;
+        let goal = if *minimax { ", minimax" } else { "" };
+        writeln!(
+            out,
+            "{profile}: {method}{goal} of degree {degree}, facet_px = {facet_px}: {} px with \
+             {triangles} optical triangles in {time_ms:.0} ms -> {file}",
+            digits(*pixel_rms_px)
+        )
     }
-    for (k, line) in lines.iter().enumerate() {
-        let colour = Palette99::pick(k).to_rgba();
-        let points: Vec<(f64, f64)> = runs
-            .iter()
-            .filter(|run| run.line() == *line)
-            .map(|run| (x(run), run.ray_max_mrad))
-            .collect();
-        chart
-            .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)))?
-            .label(line)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour));
-        chart.draw_series(points.iter().map(|&at| Circle::new(at, 3, colour.filled())))?;
-    }
-    chart
-        .configure_series_labels()
-        .background_style(WHITE.mix(0.8))
-        .border_style(BLACK.mix(0.3))
-        .position(SeriesLabelPosition::UpperRight)
-        .draw()?;
-    Ok(())
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    #[test]
-    fn table_csv_and_plot_hold_every_run() {
-        let run = |degree: usize, minimax| DesignRun {
-            profile: "panoramic".into(),
-            method: "distribution".into(),
-            minimax,
-            degree,
-            unknowns: degree * degree,
-            time_ms: degree as f64,
-            ray_rms_mrad: 7.0,
-            ray_max_mrad: 30.0 / degree as f64,
-            pixel_rms_px: 1.0,
-            pixel_max_px: 4.0,
+    /// Two profiles of two curves.
+    pub fn sweep() -> Sweep {
+        let run = |profile: &str, series: &str, k: i32| Run {
+            profile: profile.into(),
+            series: series.into(),
+            setting: f64::from(k),
+            time_ms: f64::from(k * k),
+            error: 30.0 / f64::from(k),
+            pareto: k == 8,
+            figures: [("unknowns", f64::from(k)), ("ray_max_mrad", f64::NAN)].into(),
         };
-        let design = vec![run(4, false), run(8, false), run(4, true), run(8, true)];
-        let bench = Bench { schema: 1, design, shipped: vec![run(12, false)] };
-        assert_eq!(bench.csv().lines().count(), 1 + 5);
-        assert_eq!(bench.text().lines().count(), 4 + 5);
-        let svg = bench.svg().unwrap();
-        assert_eq!(svg.matches("<circle").count(), 2 * 4);
-        assert!(svg.contains("distribution, minimax") && svg.contains("run time, ms"));
-        assert_eq!(svg, bench.svg().unwrap());
+        let curve = |profile, series| [4, 8].map(|k| run(profile, series, k)).to_vec();
+        let runs = [curve("panoramic", "a"), curve("panoramic", "b"), curve("conical", "a")];
+        Sweep {
+            name: "design",
+            about: "Degree",
+            setting: "degree",
+            error: "surplus_mrad",
+            runs: runs.concat(),
+            orders: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn tables_hold_every_run() {
+        let sweep = sweep();
+        let csv = sweep.csv();
+        assert_eq!(csv.lines().count(), 1 + 6);
+        assert_eq!(csv.lines().nth(2), Some("panoramic,a,8,64.0000,3.75e0,true,,8"));
+        let bench = Bench { schema: 2, sweeps: vec![sweep], suggestions: Vec::new() };
+        assert_eq!(bench.text().lines().count(), 2 + 6 + 1);
+        assert_eq!(bench.text().matches(" *\n").count(), 3);
     }
 }

@@ -1,12 +1,14 @@
 //! Results -> bytes: JSON, CSV, HTML, pictures and the terminal's summary. It computes nothing.
 
 mod bench;
+mod bench_plots;
 mod blur;
 mod frame;
 mod html;
 mod machining;
 mod map;
 mod measured;
+mod paper;
 mod plot;
 mod prospect;
 mod rendering;
@@ -17,7 +19,7 @@ mod tolerance_page;
 mod tolerance_plots;
 mod unwrapped;
 
-pub use bench::{Bench, DesignRun};
+pub use bench::{Bench, Order, Run, Settings, Suggestion, Sweep};
 pub use blur::{Aperture, BlurReport, Focus, Images, Spots};
 pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;

@@ -1,0 +1,96 @@
+//! Degree against error: how far a design of finite degree is from the best one there is.
+
+use super::{Error, Run, Subject, Sweep, run, timed};
+use crate::design::{Facts, design};
+use crate::mirror::Surface;
+use crate::num::stats::Summary;
+use crate::profile::{Method, MethodKind, Profile, Shape};
+
+/// Every method.
+pub const METHODS: [MethodKind; 3] =
+    [MethodKind::VectorField, MethodKind::FixedSurface, MethodKind::Distribution];
+/// Degrees swept, and the one that stands for the optimum: least squares, minimax designs (which take
+/// many times as long), and in haste.
+const LEAST_SQUARES: (&[usize], usize) = (&[4, 6, 8, 10, 12, 14, 16, 20, 24], 28);
+const MINIMAX: (&[usize], usize) = (&[4, 6, 8, 10, 12, 14], 16);
+const QUICK: (&[usize], usize) = (&[4, 6, 8, 10], 12);
+
+/// Degrees of every designed mirror by every method (of round mirrors by their own: all give the same),
+/// on one core. The error is the surplus of the ray error over that of the same method at a still higher degree: RMS
+/// of least squares, the largest of minimax designs. Shapes are analytic, so it falls exponentially.
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
+    let one_core = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .map_err(|error| Error::Bench(error.to_string()))?;
+    let mut runs = Vec::new();
+    for subject in subjects {
+        let Shape::Designed(own) = subject.source.profile.shape else { continue };
+        let is_round = matches!(subject.design.mirror.surface, Surface::Round(_));
+        let methods = if is_round { &[own.kind][..] } else { &METHODS };
+        for &kind in methods {
+            for minimax in [false, true].into_iter().filter(|minimax| !(is_round && *minimax)) {
+                let of = |degree| {
+                    let shape = Shape::Designed(Method { kind, degree, minimax });
+                    Profile { shape, ..subject.source.profile.clone() }
+                };
+                let (degrees, utmost) = match (quick, minimax) {
+                    (true, _) => QUICK,
+                    (false, false) => LEAST_SQUARES,
+                    (false, true) => MINIMAX,
+                };
+                let curve = || curve(subject.name(), of, (degrees, utmost), quick);
+                runs.extend(one_core.install(curve)?);
+            }
+        }
+    }
+    Ok(Sweep {
+        name: "design",
+        about: "Degree of the design",
+        setting: "degree",
+        error: "surplus_mrad",
+        runs,
+        orders: Vec::new(),
+    })
+}
+
+fn curve(
+    name: &str,
+    of: impl Fn(usize) -> Profile,
+    (degrees, utmost): (&[usize], usize),
+    quick: bool,
+) -> Result<Vec<Run>, Error> {
+    let designed = |profile: &Profile| match design(profile, None) {
+        Ok(design) => Ok(design.facts),
+        Err(source) => Err(Error::Design { profile: name.to_owned(), source }),
+    };
+    let optimum = goal(&designed(&of(utmost))?);
+    let each = |&degree: &usize| {
+        let profile = of(degree);
+        let (time_ms, facts) = timed(quick, || designed(&profile))?;
+        let series = format!("{}{}", facts.method, if facts.minimax { ", minimax" } else { "" });
+        let surplus = (goal(&facts) - optimum).max(0.0);
+        Ok(run((name, &series), degree as f64, time_ms, surplus, figures(&facts)))
+    };
+    degrees.iter().map(each).collect()
+}
+
+/// What the method makes small, mrad.
+fn goal(facts: &Facts) -> f64 {
+    let pick = |s: Summary| if facts.minimax { s.max } else { s.rms };
+    facts.ray_error_mrad.map_or(f64::NAN, pick)
+}
+
+fn figures(facts: &Facts) -> std::collections::BTreeMap<&'static str, f64> {
+    let of = |summary: Option<Summary>| summary.map_or([f64::NAN; 2], |s| [s.rms, s.max]);
+    let [ray, pixel] = [facts.ray_error_mrad, facts.pixel_error_px].map(of);
+    [
+        ("unknowns", facts.unknowns as f64),
+        ("condition", facts.condition.unwrap_or(f64::NAN)),
+        ("ray_rms_mrad", ray[0]),
+        ("ray_max_mrad", ray[1]),
+        ("pixel_rms_px", pixel[0]),
+        ("pixel_max_px", pixel[1]),
+    ]
+    .into()
+}

@@ -1,0 +1,106 @@
+//! Limits of the mesh against the errors that are proven of it, its size, time and memory.
+
+use super::{Error, Subject, Sweep, order, run, timed};
+use crate::geom::Precision;
+use crate::mesh::{Face, Limits, forecast, mesh};
+use crate::num::{exp, log};
+use std::fs;
+
+/// Which limit governs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rule {
+    /// The image's displacement: falls as the root of the number of triangles.
+    Facet,
+    /// The height between facet and mirror: falls as their number.
+    Chord,
+}
+
+/// Numbers of triangles, about.
+const SIZES: [f64; 5] = [1e4, 3e4, 1e5, 3e5, 1e6];
+/// Times of smaller meshes are mostly overhead, and no part of the fits.
+const FITTED: f64 = 5e4;
+
+/// Meshes of 1e4 to 1e6 triangles, each within one limit alone.
+pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Error> {
+    let (name, about, unit, per_triangle) = match rule {
+        Rule::Facet => ("mesh-facet", "Facet error of the mesh", "facet_px", -0.5),
+        Rule::Chord => ("mesh-chord", "Chord error of the mesh", "chord_um", -1.0),
+    };
+    let sizes = if quick { &SIZES[..3] } else { &SIZES };
+    let mut runs = Vec::new();
+    for subject in subjects {
+        let design = &subject.design;
+        let unit_mm = match rule {
+            Rule::Facet if design.view.is_none() => continue,
+            Rule::Facet => design.camera.pixel_mm,
+            Rule::Chord => 1e-3,
+        };
+        let (mirror, chart, view) = (&design.mirror, &design.camera.chart, design.view.as_ref());
+        let fail = |source| Error::Mesh { profile: subject.name().to_owned(), source };
+        let mut limit = 1.0;
+        for &size in sizes {
+            // Twice, as the law holds for large meshes only.
+            for _ in 0..2 {
+                let seen = forecast(mirror, chart, view, limits(rule, limit * unit_mm));
+                limit *= exp(per_triangle * log(size / seen.map_err(fail)?.facets));
+            }
+            let limits = limits(rule, limit * unit_mm);
+            let before = resident("VmRSS:");
+            let peak_from_now = fs::write("/proc/self/clear_refs", "5").is_ok();
+            let first = mesh(mirror, chart, view, limits).map_err(fail)?;
+            let peak = before.zip(resident("VmHWM:")).filter(|_| peak_from_now);
+            let count = first.mesh.triangles.len() as f64;
+            let bytes = peak.map_or(f64::NAN, |(before, peak)| (peak - before) / count);
+            drop(first);
+            let (time_ms, face) = timed(quick, || mesh(mirror, chart, view, limits).map_err(fail))?;
+            let (reached, least) = match rule {
+                Rule::Facet => (face.bound.facet_mm, face.optimum.facet(limit * unit_mm)),
+                Rule::Chord => (face.bound.chord_mm, face.optimum.chord(limit * unit_mm)),
+            };
+            let figures = figures(&face, least, bytes, time_ms);
+            runs.push(run((subject.name(), ""), limit, time_ms, reached / unit_mm, figures));
+        }
+    }
+    let large: Vec<_> =
+        runs.iter().filter(|run| run.figures["triangles"] > FITTED).cloned().collect();
+    let orders = [
+        order(&large, "", ("error ~ triangles", Some(per_triangle)), |run| {
+            (run.figures["triangles"], run.error)
+        }),
+        order(&large, "", ("time ~ triangles", Some(1.0)), |run| {
+            (run.figures["triangles"], run.time_ms)
+        }),
+        order(&large, "", ("error ~ time", Some(per_triangle)), |run| (run.time_ms, run.error)),
+    ];
+    let orders = orders.into_iter().flatten().collect();
+    Ok(Sweep { name, about, setting: unit, error: unit, runs, orders })
+}
+
+fn limits(rule: Rule, limit_mm: f64) -> Limits {
+    let of = |this| (rule == this).then_some(limit_mm);
+    Limits { chord_mm: of(Rule::Chord), facet_mm: of(Rule::Facet), precision: Precision::Double }
+}
+
+fn figures(
+    face: &Face,
+    least: Option<f64>,
+    bytes: f64,
+    time_ms: f64,
+) -> std::collections::BTreeMap<&'static str, f64> {
+    let count = face.mesh.triangles.len() as f64;
+    [
+        ("triangles", count),
+        ("over_optimum", least.map_or(f64::NAN, |least| count / least)),
+        ("triangles_per_s", count / time_ms * 1e3),
+        ("peak_bytes_per_triangle", bytes),
+    ]
+    .into()
+}
+
+/// One of this process's figures of memory, bytes, where the system tells it.
+fn resident(figure: &str) -> Option<f64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix(figure))?;
+    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024.0 * kilobytes)
+}

@@ -1,0 +1,190 @@
+//! The cheapest settings that reach a pixel error.
+
+use super::design::METHODS;
+use super::{Error, Run, Subject, Sweep};
+use crate::pipeline::observer::{Clock, Silent};
+use crate::pipeline::reread::reread;
+use crate::pipeline::{designed, meshed};
+use crate::profile::{Method, Profile, Shape};
+use crate::report::{Settings, Suggestion};
+use std::time::Instant;
+use toml_edit::{DocumentMut, Item, Table, value};
+
+/// How often the facets' limit is corrected by what the witness finds.
+const TRIES: usize = 4;
+/// What is aimed at, as a share of the error allowed.
+const AIM: f64 = 0.98;
+
+/// The cheapest settings for `target_px`, by the runs of `sweeps`, proven by the witness; and the
+/// profile's text with them.
+pub fn suggest(
+    subject: &Subject,
+    sweeps: &[Sweep],
+    target_px: f64,
+) -> Result<(Suggestion, Option<String>), Error> {
+    let of = |name: &str| -> Vec<&Run> {
+        let sweep = sweeps.iter().find(|sweep| sweep.name == name);
+        let runs = sweep.map_or(&[][..], |sweep| &sweep.runs);
+        runs.iter().filter(|run| run.profile == subject.name()).collect()
+    };
+    let (designs, meshes) = (of("design"), of("mesh-facet"));
+    let design_px = |run: &Run| run.figures["pixel_rms_px"];
+    let least_px = designs.iter().map(|run| design_px(run)).fold(f64::INFINITY, f64::min);
+    let mut suggestion =
+        Suggestion { profile: subject.name().to_owned(), target_px, settings: None, least_px };
+    // By the time that the design takes and a mesh which leaves the rest of the error to facets.
+    let mut candidates: Vec<(f64, &Run, f64)> = designs
+        .iter()
+        .filter(|run| design_px(run) < AIM * target_px)
+        .filter_map(|run| {
+            let left = target_px * target_px - design_px(run) * design_px(run);
+            let facet_px = left.sqrt();
+            let nearest = |mesh: &&&Run| (mesh.setting / facet_px).max(facet_px / mesh.setting);
+            let mesh = meshes.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?;
+            let ratio = mesh.setting / facet_px;
+            Some((run.time_ms + mesh.time_ms * ratio * ratio, *run, facet_px))
+        })
+        .collect();
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, run, facet_px) in candidates {
+        if let Some((settings, method)) = reached(subject, run, facet_px, target_px)? {
+            let text = edited(&subject.text()?, &method, settings.facet_px);
+            suggestion.settings = Some(settings);
+            return Ok((suggestion, text));
+        }
+    }
+    Ok((suggestion, None))
+}
+
+/// The settings of the design `run` with facets so fine that the witness finds no more than `target_px`.
+fn reached(
+    subject: &Subject,
+    run: &Run,
+    mut facet_px: f64,
+    target_px: f64,
+) -> Result<Option<(Settings, Method)>, Error> {
+    let minimax = run.series.ends_with(", minimax");
+    let word = run.series.trim_end_matches(", minimax");
+    let Some(kind) = METHODS.into_iter().find(|kind| kind.name() == word) else {
+        return Ok(None);
+    };
+    let method = Method { kind, degree: run.setting as usize, minimax };
+    let clock = Clock::new(&Silent);
+    for _ in 0..TRIES {
+        facet_px = rounded(facet_px);
+        let mut profile =
+            Profile { shape: Shape::Designed(method), ..subject.source.profile.clone() };
+        profile.mesh.facet_px = Some(facet_px);
+        profile.mesh.max_triangles = None;
+        let source = profile.clone().into();
+        let began = Instant::now();
+        let design = designed(&source)?.0;
+        let triangles = meshed(&clock, &profile, &design)?.0.made.mesh.triangles.len();
+        let time_ms = 1e3 * began.elapsed().as_secs_f64();
+        let seen = reread(&clock, &profile, &design)?.seen.1;
+        let found = seen.summary(|seen| seen.errors.map(|errors| errors.image_mm));
+        let Some(found) = found else { return Ok(None) };
+        let pixel_rms_px = found.rms / design.camera.pixel_mm;
+        if pixel_rms_px <= target_px {
+            let settings = Settings {
+                method: word.to_owned(),
+                minimax,
+                degree: method.degree,
+                facet_px,
+                triangles,
+                pixel_rms_px,
+                time_ms,
+                file: format!("{}.toml", subject.name()),
+            };
+            return Ok(Some((settings, method)));
+        }
+        facet_px *= AIM * target_px / pixel_rms_px;
+    }
+    Ok(None)
+}
+
+/// Two digits, no larger than `x`.
+fn rounded(x: f64) -> f64 {
+    let [near, below] = [x, 0.95 * x].map(|x| format!("{x:.1e}").parse().unwrap_or(x));
+    if near <= x { near } else { below }
+}
+
+/// `text` with other settings; none where it is no table of a designed mirror.
+fn edited(text: &[u8], method: &Method, facet_px: f64) -> Option<String> {
+    let mut profile: DocumentMut = std::str::from_utf8(text).ok()?.parse().ok()?;
+    let set = |table: &mut Item, key: &str, new: Item| {
+        let decor = table.get(key).and_then(Item::as_value).map(|old| old.decor().clone());
+        table[key] = new;
+        if let (Some(decor), Some(value)) = (decor, table[key].as_value_mut()) {
+            *value.decor_mut() = decor;
+        }
+    };
+    let methods = profile.get_mut("method")?;
+    let name = method.kind.name();
+    if methods.get(name).is_none() {
+        *methods = Item::Table(Table::new());
+        methods[name] = Item::Table(Table::new());
+    }
+    let own = &mut methods[name];
+    set(own, "degree", value(method.degree as i64));
+    if method.minimax || own.get("minimax").is_some() {
+        set(own, "minimax", value(method.minimax));
+    }
+    let mesh = profile.get_mut("mesh")?;
+    set(mesh, "facet_px", value(facet_px));
+    if let Some(mesh) = mesh.as_table_like_mut() {
+        mesh.remove("max_triangles");
+    }
+    Some(profile.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::{MethodKind, shipped};
+
+    #[test]
+    fn two_digits_are_kept_downwards() {
+        for (x, exact) in [(1.0, 1.0), (0.996, 0.95), (0.1049, 0.1), (0.1051, 0.1), (37.4, 37.0)] {
+            assert_eq!(rounded(x), exact, "{x}");
+        }
+        let mut x = 1e-5;
+        while x < 1e5 {
+            x *= 1.037;
+            assert!(rounded(x) <= x && rounded(x) >= 0.89 * x, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_profile_is_edited_in_place_and_stays_valid() {
+        for shipped in shipped() {
+            let bytes = shipped.text.as_bytes();
+            let method = |kind, minimax| Method { kind, degree: 9, minimax };
+            for method in [
+                method(MethodKind::VectorField, false),
+                method(MethodKind::VectorField, true),
+                method(MethodKind::Distribution, true),
+            ] {
+                let text = edited(bytes, &method, 0.37).unwrap();
+                let before = Profile::parse(shipped.name, shipped.name, bytes).unwrap();
+                let after = Profile::parse(shipped.name, shipped.name, text.as_bytes());
+                let after = after.unwrap_or_else(|error| panic!("{error}\n{text}"));
+                assert_eq!(after.shape, Shape::Designed(method));
+                assert_eq!(after.mesh.facet_px, Some(0.37));
+                assert_eq!((after.camera, after.formats), (before.camera, before.formats));
+                let comments = |text: &str| text.matches('#').count();
+                let lost = comments(shipped.text) - comments(&text);
+                assert!(lost <= if method.kind == MethodKind::VectorField { 0 } else { 4 });
+            }
+        }
+        let given = "mirror.polynomial.terms = []\n[mesh]\nchord_um = 1\n";
+        assert!(
+            edited(
+                given.as_bytes(),
+                &Method { kind: MethodKind::VectorField, degree: 9, minimax: false },
+                1.0
+            )
+            .is_none()
+        );
+    }
+}

@@ -1,0 +1,56 @@
+//! Monte Carlo trials against the width of the yield's interval.
+
+use super::{Error, Subject, Sweep, order, run, timed};
+use crate::pipeline::observer::{Clock, Silent};
+use crate::pipeline::tolerance::prepared;
+use crate::tolerance::{Yield, quantile};
+use std::convert::Infallible;
+
+const TRIALS: [u64; 5] = [100, 300, 1000, 3000, 10_000];
+const SEED: u64 = 1;
+
+/// More and more trials, traced in full. The error is the width of the 95 % interval of the yield, at the
+/// budget that half of the parts keep: it falls as the root of their number.
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
+    let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
+    let mut runs = Vec::new();
+    for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
+        let (_, engine) = prepared(&Clock::new(&Silent), &subject.named, &subject.source)?;
+        let sources = &engine.question.sources;
+        let most = numbers.last().copied().unwrap_or_default();
+        let all = engine.trials(sources, SEED, 0..most, None);
+        let mut figures = engine.figures(&all);
+        let mut sorted = figures.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median_px = quantile(&sorted, 0.5);
+        for &number in numbers {
+            let make = || Ok::<_, Infallible>(engine.trials(sources, SEED, 0..number, None).len());
+            let Ok((time_ms, made)) = timed(true, make);
+            figures.truncate(all.len());
+            let good = figures[..made].iter().filter(|px| **px <= median_px).count();
+            let found = Yield::of(good as u64, made as u64);
+            let pixels = engine.samples() as f64;
+            let more = [
+                ("yield", found.share),
+                ("sources", sources.len() as f64),
+                ("pixels", pixels),
+                ("us_per_pixel", 1e3 * time_ms / (pixels * made as f64)),
+            ];
+            let at = (subject.name(), "");
+            runs.push(run(at, made as f64, time_ms, found.width(), more.into()));
+        }
+    }
+    let orders = [
+        order(&runs, "", ("error ~ trials", Some(-0.5)), |run| (run.setting, run.error)),
+        order(&runs, "", ("time ~ trials", Some(1.0)), |run| (run.setting, run.time_ms)),
+        order(&runs, "", ("error ~ time", Some(-0.5)), |run| (run.time_ms, run.error)),
+    ];
+    Ok(Sweep {
+        name: "trials",
+        about: "Trials of the Monte Carlo",
+        setting: "trials",
+        error: "interval_width",
+        runs,
+        orders: orders.into_iter().flatten().collect(),
+    })
+}

@@ -1,0 +1,64 @@
+//! Rays of the witness against the error of the pixel error that it finds.
+
+use super::{Error, Subject, Sweep, order, run, timed};
+use crate::design::Design;
+use crate::optics::Camera;
+use crate::pipeline::examine::intents;
+use crate::pipeline::observer::{Clock, Silent};
+use crate::pipeline::reread::reread;
+use crate::pipeline::sight::above;
+use crate::trace::{Scene, Sweep as Rays, Witness};
+use std::convert::Infallible;
+
+/// Pixels to the side, as shares of the camera's own; and those of the truth.
+const SCALES: [f64; 6] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0];
+const TRUTH: f64 = 4.0;
+
+/// Cameras of more and fewer pixels look into the mesh that the profile asks for. The error is that of
+/// the RMS pixel error (in the camera's own pixels) against the one by most rays. A facet's error is
+/// independent of its neighbours', so it falls as the root of the number of rays.
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
+    let (scales, truth) = if quick { (&SCALES[..4], 0.25 * TRUTH) } else { (&SCALES[..], TRUTH) };
+    let mut runs = Vec::new();
+    for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
+        let design = &subject.design;
+        let made = reread(&Clock::new(&Silent), &subject.source.profile, design)?;
+        let scene = &made.seen.0;
+        let look = |scale: f64| Ok::<_, Infallible>(estimate(design, scene, scale));
+        let Ok((true_px, _)) = look(truth);
+        for &scale in scales {
+            let Ok((time_ms, (px, rays))) = timed(quick, || look(scale));
+            let figures = [("rays", rays), ("pixel_rms_px", px), ("true_px", true_px)].into();
+            let error = (px - true_px).abs();
+            runs.push(run((subject.name(), ""), rays, time_ms, error, figures));
+        }
+    }
+    let half = |of| (of, Some(-0.5));
+    let orders = [
+        order(&runs, "", half("error ~ rays"), |run| (run.setting, run.error)),
+        order(&runs, "", half("error ~ time"), |run| (run.time_ms, run.error)),
+    ];
+    Ok(Sweep {
+        name: "witness",
+        about: "Rays of the witness",
+        setting: "rays",
+        error: "error_px",
+        runs,
+        orders: orders.into_iter().flatten().collect(),
+    })
+}
+
+/// The RMS pixel error as `scale` times as many pixels to the side show it, in pixels of the camera of
+/// `design`; and how many rays that took.
+fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
+    let own = &design.camera;
+    let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
+    let pixel_mm = own.pixel_mm * f64::from(own.pixels[0]) / f64::from(pixels[0]);
+    let scaled = Design { camera: Camera { pixels, pixel_mm, ..*own }, ..design.clone() };
+    let rays = Rays::new(scene, &scaled.camera, above(scene));
+    let table = intents(&scaled, scene);
+    let (witness, _) = Witness::sweep(&rays, None, design.view.as_ref(), table);
+    let found = witness.summary(|seen| seen.errors.map(|errors| errors.image_mm));
+    let rms = found.map_or(f64::NAN, |summary| summary.rms / own.pixel_mm);
+    (rms, f64::from(pixels[0]) * f64::from(pixels[1]))
+}

@@ -1,0 +1,137 @@
+//! Sweeps of a benchmark as plots of error against run time.
+
+use super::bench::{Run, Sweep};
+use super::paper::Paper;
+use super::plot::{Failure, svg};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use std::ops::Range;
+
+const SIZE: (u32, u32) = (1100, 640);
+const LETTERS: i32 = 15;
+
+impl Sweep {
+    /// Error against run time, both logarithmic: a curve a profile and series, with rings around the
+    /// runs that no other of their profile beats in both.
+    ///
+    /// # Errors
+    /// What the drawing library reports.
+    pub fn svg(&self) -> Result<String, Failure> {
+        svg(SIZE, |root| self.draw(root))
+    }
+
+    /// The same as PNG.
+    ///
+    /// # Errors
+    /// What the drawing library or the encoder reports.
+    pub fn png(&self) -> Result<Vec<u8>, Failure> {
+        let mut paper = Paper::new(SIZE);
+        {
+            let root = paper.into_drawing_area();
+            self.draw(&root)?;
+            root.present()?;
+        }
+        Ok(paper.png()?)
+    }
+
+    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), Failure>
+    where
+        B::ErrorType: 'static,
+    {
+        // What is no error has no place on a logarithmic axis.
+        let shown = |run: &&Run| run.error > 0.0 && run.error.is_finite();
+        let runs: Vec<&Run> = self.runs.iter().filter(shown).collect();
+        let font = ("sans-serif", LETTERS);
+        let mut chart = ChartBuilder::on(root)
+            .caption(self.about, ("sans-serif", 20))
+            .margin(12)
+            .margin_right(260)
+            .x_label_area_size(44)
+            .y_label_area_size(76)
+            .build_cartesian_2d(
+                around(runs.iter().map(|run| run.time_ms)).log_scale(),
+                around(runs.iter().map(|run| run.error)).log_scale(),
+            )?;
+        let power = |x: &f64| format!("{x:.0e}");
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .x_label_formatter(&power)
+            .y_label_formatter(&power)
+            .label_style(font)
+            .x_desc("run time, ms")
+            .y_desc(self.error)
+            .draw()?;
+        let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
+        profiles.dedup();
+        let (width, height) = root.dim_in_pixel();
+        let legend = width as i32 - 245;
+        let mut line = 48;
+        for (k, profile) in profiles.iter().enumerate() {
+            let colour = Palette99::pick(k).to_rgba();
+            let mut series: Vec<&str> = Vec::new();
+            for run in runs.iter().filter(|run| run.profile == *profile) {
+                if !series.contains(&&*run.series) {
+                    series.push(&run.series);
+                }
+            }
+            for (dash, series) in series.iter().enumerate() {
+                let points: Vec<(f64, f64)> = runs
+                    .iter()
+                    .filter(|run| run.profile == *profile && run.series == *series)
+                    .map(|run| (run.time_ms, run.error))
+                    .collect();
+                let stroke = colour.stroke_width(2);
+                let (ink, gap) = (12 - 2 * (dash as i32).min(4), 4 * dash as i32);
+                if dash == 0 {
+                    chart.draw_series(LineSeries::new(points.iter().copied(), stroke))?;
+                } else {
+                    chart.draw_series(DashedLineSeries::new(points.clone(), ink, gap, stroke))?;
+                }
+                chart.draw_series(points.iter().map(|&at| Circle::new(at, 2, colour.filled())))?;
+                if line < height as i32 - 20 {
+                    let name = match series.is_empty() {
+                        true => (*profile).to_owned(),
+                        false => format!("{profile}, {series}"),
+                    };
+                    root.draw(&Rectangle::new(
+                        [(legend, line + 3), (legend + 14, line + 9)],
+                        colour.filled(),
+                    ))?;
+                    root.draw(&Text::new(name, (legend + 20, line), font))?;
+                    line += 17;
+                }
+            }
+            let best = runs.iter().filter(|run| run.profile == *profile && run.pareto);
+            let ring = |run: &&Run| Circle::new((run.time_ms, run.error), 5, BLACK.stroke_width(1));
+            chart.draw_series(best.map(ring))?;
+        }
+        Ok(())
+    }
+}
+
+/// Powers of ten around all of `values`.
+fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (lo, hi) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
+    if lo < hi { 0.8 * lo..1.25 * hi } else { 0.1..10.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bench::tests::sweep;
+
+    #[test]
+    fn every_run_is_a_point_and_the_best_have_rings() {
+        let sweep = sweep();
+        let svg = sweep.svg().unwrap();
+        assert_eq!(svg.matches("<circle").count(), 6 + 3);
+        assert!(svg.contains("panoramic, b") && svg.contains("surplus_mrad"));
+        assert_eq!(svg, sweep.svg().unwrap());
+        let png = sweep.png().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut rgb).unwrap();
+        let inked = rgb.chunks(3).filter(|p| *p != [255; 3]).count();
+        assert!((5_000..100_000).contains(&inked), "{inked} pixels");
+    }
+}
