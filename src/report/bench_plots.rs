@@ -7,7 +7,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
 
-const SIZE: (u32, u32) = (1100, 640);
+const SIZE: (u32, u32) = (1200, 640);
 const LETTERS: i32 = 15;
 
 impl Sweep {
@@ -45,17 +45,22 @@ impl Sweep {
         let mut chart = ChartBuilder::on(root)
             .caption(self.about, ("sans-serif", 20))
             .margin(12)
-            .margin_right(260)
+            .margin_right(350)
             .x_label_area_size(44)
             .y_label_area_size(76)
             .build_cartesian_2d(
                 around(runs.iter().map(|run| run.time_ms)).log_scale(),
                 around(runs.iter().map(|run| run.error)).log_scale(),
             )?;
-        let power = |x: &f64| format!("{x:.0e}");
+        let power = |x: &f64| match (1e-3..1e5).contains(x) {
+            true => x.to_string(),
+            false => format!("{x:.0e}"),
+        };
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
+            .x_labels(6)
+            .y_labels(8)
             .x_label_formatter(&power)
             .y_label_formatter(&power)
             .label_style(font)
@@ -65,10 +70,11 @@ impl Sweep {
         let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
         profiles.dedup();
         let (width, height) = root.dim_in_pixel();
-        let legend = width as i32 - 245;
+        let legend = width as i32 - 335;
         let mut line = 48;
         for (k, profile) in profiles.iter().enumerate() {
-            let colour = Palette99::pick(k).to_rgba();
+            let hue = k as f64 / profiles.len() as f64;
+            let colour = HSLColor(hue, 0.9, 0.38).to_rgba();
             let mut series: Vec<&str> = Vec::new();
             for run in runs.iter().filter(|run| run.profile == *profile) {
                 if !series.contains(&&*run.series) {

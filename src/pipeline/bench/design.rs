@@ -1,6 +1,6 @@
 //! Degree against error: how far a design of finite degree is from the best one there is.
 
-use super::{Error, Run, Subject, Sweep, run, timed};
+use super::{Error, Subject, Sweep, run, timed};
 use crate::design::{Facts, design};
 use crate::mirror::Surface;
 use crate::num::stats::Summary;
@@ -16,8 +16,10 @@ const MINIMAX: (&[usize], usize) = (&[4, 6, 8, 10, 12, 14], 16);
 const QUICK: (&[usize], usize) = (&[4, 6, 8, 10], 12);
 
 /// Degrees of every designed mirror by every method (of round mirrors by their own: all give the same),
-/// on one core. The error is the surplus of the ray error over that of the same method at a still higher degree: RMS
-/// of least squares, the largest of minimax designs. Shapes are analytic, so it falls exponentially.
+/// on one core. The error is the surplus of the ray error (its RMS, of minimax designs the largest) over
+/// the least that any of the designs and some of still higher degree come to: over the optimum, as far
+/// as it is known. Shapes are analytic, so it falls exponentially, to where the method's own optimum
+/// lies.
 pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
     let one_core = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
@@ -28,20 +30,34 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
         let Shape::Designed(own) = subject.source.profile.shape else { continue };
         let is_round = matches!(subject.design.mirror.surface, Surface::Round(_));
         let methods = if is_round { &[own.kind][..] } else { &METHODS };
-        for &kind in methods {
-            for minimax in [false, true].into_iter().filter(|minimax| !(is_round && *minimax)) {
+        for minimax in [false, true].into_iter().filter(|minimax| !(is_round && *minimax)) {
+            let (degrees, utmost) = match (quick, minimax) {
+                (true, _) => QUICK,
+                (false, false) => LEAST_SQUARES,
+                (false, true) => MINIMAX,
+            };
+            let (mut curves, mut optimum) = (Vec::new(), f64::INFINITY);
+            for &kind in methods {
                 let of = |degree| {
                     let shape = Shape::Designed(Method { kind, degree, minimax });
                     Profile { shape, ..subject.source.profile.clone() }
                 };
-                let (degrees, utmost) = match (quick, minimax) {
-                    (true, _) => QUICK,
-                    (false, false) => LEAST_SQUARES,
-                    (false, true) => MINIMAX,
-                };
-                let curve = || curve(subject.name(), of, (degrees, utmost), quick);
-                runs.extend(one_core.install(curve)?);
+                optimum = optimum.min(goal(&designed(&of(utmost))?));
+                for &degree in degrees {
+                    let profile = of(degree);
+                    let once = || one_core.install(|| designed(&profile));
+                    let (time_ms, facts) = timed(quick, once)?;
+                    optimum = optimum.min(goal(&facts));
+                    curves.push((time_ms, facts));
+                }
             }
+            runs.extend(curves.iter().map(|(time_ms, facts)| {
+                let goal_word = if facts.minimax { ", minimax" } else { "" };
+                let series = format!("{}{goal_word}", facts.method);
+                let surplus = goal(facts) - optimum;
+                let at = (subject.name(), &*series);
+                run(at, facts.degree as f64, *time_ms, surplus, figures(facts))
+            }));
         }
     }
     Ok(Sweep {
@@ -54,25 +70,9 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
     })
 }
 
-fn curve(
-    name: &str,
-    of: impl Fn(usize) -> Profile,
-    (degrees, utmost): (&[usize], usize),
-    quick: bool,
-) -> Result<Vec<Run>, Error> {
-    let designed = |profile: &Profile| match design(profile, None) {
-        Ok(design) => Ok(design.facts),
-        Err(source) => Err(Error::Design { profile: name.to_owned(), source }),
-    };
-    let optimum = goal(&designed(&of(utmost))?);
-    let each = |&degree: &usize| {
-        let profile = of(degree);
-        let (time_ms, facts) = timed(quick, || designed(&profile))?;
-        let series = format!("{}{}", facts.method, if facts.minimax { ", minimax" } else { "" });
-        let surplus = (goal(&facts) - optimum).max(0.0);
-        Ok(run((name, &series), degree as f64, time_ms, surplus, figures(&facts)))
-    };
-    degrees.iter().map(each).collect()
+fn designed(profile: &Profile) -> Result<Facts, Error> {
+    let fail = |source| Error::Design { profile: profile.name.clone(), source };
+    Ok(design(profile, None).map_err(fail)?.facts)
 }
 
 /// What the method makes small, mrad.

@@ -70,8 +70,13 @@ fn reached(
     };
     let method = Method { kind, degree: run.setting as usize, minimax };
     let clock = Clock::new(&Silent);
+    let design_px = run.figures["pixel_rms_px"];
+    let mut best: Option<Settings> = None;
     for _ in 0..TRIES {
         facet_px = rounded(facet_px);
+        if best.as_ref().is_some_and(|best| facet_px <= best.facet_px) {
+            break;
+        }
         let mut profile =
             Profile { shape: Shape::Designed(method), ..subject.source.profile.clone() };
         profile.mesh.facet_px = Some(facet_px);
@@ -86,7 +91,7 @@ fn reached(
         let Some(found) = found else { return Ok(None) };
         let pixel_rms_px = found.rms / design.camera.pixel_mm;
         if pixel_rms_px <= target_px {
-            let settings = Settings {
+            best = Some(Settings {
                 method: word.to_owned(),
                 minimax,
                 degree: method.degree,
@@ -95,12 +100,13 @@ fn reached(
                 pixel_rms_px,
                 time_ms,
                 file: format!("{}.toml", subject.name()),
-            };
-            return Ok(Some((settings, method)));
+            });
         }
-        facet_px *= AIM * target_px / pixel_rms_px;
+        // What the facets add to the design's error is in proportion to their limit.
+        let added = |px: f64| (px * px - design_px * design_px).max(0.0).sqrt();
+        facet_px *= (added(AIM * target_px) / added(pixel_rms_px)).clamp(0.1, 10.0);
     }
-    Ok(None)
+    Ok(best.map(|settings| (settings, method)))
 }
 
 /// Two digits, no larger than `x`.
