@@ -15,17 +15,21 @@
 //!   no nearer to a valley than where it touches both panels ([`Gouge`], [`Fillet`]).
 //! - The **as-cut** surface is the lowest place of all balls of all lines ([`Passes`], [`face`]).
 
+mod contact;
 mod cusps;
+mod fillet;
 mod gouge;
 mod lattice;
 mod passes;
 mod place;
+mod rest;
 mod scallop;
 mod survey;
 
-pub use gouge::{FLOOR_MM, Fillet, Gouge, foot, touches};
+pub use fillet::{Fillet, foot, touches};
+pub use gouge::{FLOOR_MM, Gouge};
 pub use lattice::{ROWS, corners, face, facets, outlines};
-pub use passes::Passes;
+pub use passes::{MOST_POINTS, Passes};
 pub use place::Place;
 use place::beyond;
 pub use scallop::{Raster, Scallop};
@@ -66,7 +70,8 @@ pub enum MachiningError {
     /// The as-cut surface would have too many facets or points.
     #[error(
         "with a stepover of {stepover_mm} mm the as-cut surface takes about {count:.1e} {what}, too many; \
-         take a stepover of at least {least_mm} mm, or leave the surface out (--no-as-cut)"
+         {}leave the surface out (--no-as-cut)",
+        least_mm.map_or(String::new(), |mm| format!("take a stepover of at least {mm} mm, or "))
     )]
     TooFine {
         /// Stepover, mm.
@@ -75,8 +80,8 @@ pub enum MachiningError {
         count: f64,
         /// Of what.
         what: &'static str,
-        /// The smallest stepover that will do, mm.
-        least_mm: f64,
+        /// A stepover that will do, mm, if there is one.
+        least_mm: Option<f64>,
     },
     /// A line leaves the mirror.
     #[error(
@@ -96,21 +101,6 @@ pub enum MachiningError {
         /// X and Y.
         at: DVec2,
     },
-    /// No pixel's place can be touched.
-    #[error("a ball of {ball_mm} mm radius fits nowhere on the mirror; take a smaller one{}", most(*least_mm))]
-    Nowhere {
-        /// Radius of the ball, mm.
-        ball_mm: f64,
-        /// The least radius of hollow ground, mm, if that is known.
-        least_mm: Option<f64>,
-    },
-}
-
-fn most(least_mm: Option<f64>) -> String {
-    let down = |mm: f64| (mm * 1e4).floor() * 1e-4;
-    least_mm.map_or(String::new(), |mm| {
-        format!(": nowhere is it hollow with a radius of less than {:.4} mm", down(mm))
-    })
 }
 
 /// `x` rounded up to two digits.

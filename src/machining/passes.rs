@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Longest step along a pass, as a share of the face's size; otherwise a stepover.
 const LONGEST: f64 = 1.0 / 200.0;
 /// Most points of all passes.
-const MOST_POINTS: f64 = 2e7;
+pub const MOST_POINTS: f64 = 2e7;
 
 /// Ball centres along one line without a break.
 #[derive(Debug, Clone)]
@@ -52,23 +52,12 @@ impl Passes {
     ) -> Result<Self, MachiningError> {
         let w = raster.stepover_mm;
         let (along, across) = (raster.along(), raster.along().perp());
-        let corners = [lo, hi, DVec2::new(lo.x, hi.y), DVec2::new(hi.x, lo.y)];
-        let range = |way: DVec2| {
-            let all = corners.map(|corner| corner.dot(way));
-            [all.into_iter().fold(f64::MAX, f64::min), all.into_iter().fold(f64::MIN, f64::max)]
-        };
-        let [t_lo, t_hi] = range(along);
-        let [u_lo, u_hi] = range(across);
-        let step = w.min(LONGEST * (hi - lo).max_element());
-        let points = (u_hi - u_lo + 4.0 * w) / w * ((t_hi - t_lo + 4.0 * w) / step);
-        if !(points <= MOST_POINTS) {
-            let least_mm = super::rounded_up(w * (points / MOST_POINTS).sqrt());
-            return Err(MachiningError::TooFine {
-                stepover_mm: w,
-                count: points,
-                what: "points of passes",
-                least_mm,
-            });
+        let [[t_lo, t_hi], [u_lo, u_hi]] = [along, across].map(|way| range([lo, hi], way));
+        let step = step([lo, hi], &raster);
+        let count = Self::points([lo, hi], &raster);
+        if !(count <= MOST_POINTS) {
+            let (stepover_mm, what, least_mm) = (w, "points of passes", None);
+            return Err(MachiningError::TooFine { stepover_mm, count, what, least_mm });
         }
         let first = (u_lo / w - 0.5).floor() as i64 - 1;
         let last = (u_hi / w - 0.5).ceil() as i64 + 1;
@@ -81,6 +70,18 @@ impl Passes {
         let lines: Vec<_> = (first..=last).into_par_iter().map(line).collect();
         let lines = lines.into_iter().collect::<Result<_, _>>()?;
         Ok(Self { raster, across, first, lines, ridge: ridge(mirror, raster.ball_mm, step) })
+    }
+
+    /// How many points the passes of `raster` would have, about; no more than [`MOST_POINTS`] are made.
+    #[must_use]
+    pub fn points(corners: [DVec2; 2], raster: &Raster) -> f64 {
+        let w = raster.stepover_mm;
+        let wide = |way: DVec2| {
+            let [lo, hi] = range(corners, way);
+            hi - lo + 4.0 * w
+        };
+        let along = raster.along();
+        wide(along.perp()) / w * (wide(along) / step(corners, raster))
     }
 
     /// The raster.
@@ -134,6 +135,17 @@ impl Passes {
         let heights = all.filter_map(|pass| pass.height(xy, self.raster.ball_mm));
         heights.reduce(f64::min)
     }
+}
+
+/// The step along passes, mm.
+fn step([lo, hi]: [DVec2; 2], raster: &Raster) -> f64 {
+    raster.stepover_mm.min(LONGEST * (hi - lo).max_element())
+}
+
+/// The least and the largest part along `way` of the rectangle between two corners.
+fn range([lo, hi]: [DVec2; 2], way: DVec2) -> [f64; 2] {
+    let all = [lo, hi, DVec2::new(lo.x, hi.y), DVec2::new(hi.x, lo.y)].map(|p| p.dot(way));
+    [all.into_iter().fold(f64::MAX, f64::min), all.into_iter().fold(f64::MIN, f64::max)]
 }
 
 /// The passes along one line: its parts on each panel, as far as the ball fits.
@@ -292,9 +304,6 @@ impl Pass {
         if least >= 1e9 {
             return None;
         }
-        if last == 0 {
-            return Some(least);
-        }
         // Newton's method between the neighbours of the lowest point.
         let (lo, hi) = (k.saturating_sub(1) as f64, (k + 1).min(last) as f64);
         let mut t = k as f64;
@@ -335,9 +344,8 @@ impl Pass {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Outline;
     use crate::machining::Scallop;
-    use crate::machining::place::tests::quadric;
+    use crate::machining::place::tests::{quadric, roof};
     use crate::num::{radians, tan};
 
     const CORNERS: [DVec2; 2] = [DVec2::splat(-4.0), DVec2::splat(4.0)];
@@ -396,25 +404,8 @@ mod tests {
     #[test]
     fn a_roof_upside_down_is_cut_to_a_fillet_of_the_balls_radius() {
         // Z = 7 + |Y| tan(30 deg): the ball touches at |Y| = R sin 30.
-        use crate::geom::{Chart, Rect};
-        use crate::mirror::{Sheet, Surface};
-        use crate::num::legendre::Series;
         let steep = tan(radians(30.0));
-        let series = Series::from_fn(1, 2, |_, _| 2.0 * steep);
-        let half = DVec2::new(4.0, 2.0);
-        let rect = Rect { min: DVec2::new(-4.0, 0.0), max: DVec2::splat(4.0) };
-        let mirror = Mirror {
-            surface: Surface::Tensor(Sheet {
-                series,
-                centre: DVec2::new(0.0, 2.0),
-                half,
-                scale_mm: 1.0,
-            }),
-            chart: Chart { vergence: 0.0, plane_mm: 7.0 },
-            outline: Outline::Rect(rect),
-            folded: true,
-            even: [true, false],
-        };
+        let mirror = roof(30.0);
         for degrees in [0.0, 90.0, 40.0] {
             let raster = Raster { ball_mm: 2.0, stepover_mm: 0.1, angle: radians(degrees) };
             let passes = Passes::new(&mirror, CORNERS, raster).unwrap();

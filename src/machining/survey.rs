@@ -33,10 +33,14 @@ pub struct Extreme {
 pub struct Figures {
     /// Highest scallop, square to the mirror, um.
     pub scallop_um: Extreme,
-    /// Error of the slope in the plan, root of the mean square over the pixels.
+    /// Error of the slope in the plan, root of the mean square over the pixels; no number without any.
     pub slope_rms: f64,
     /// Its largest value.
     pub slope_max: f64,
+    /// Pixels that were looked at and see ground that the ball touches.
+    pub pixels: usize,
+    /// Those of them whose image moves by no finite number of pixels, which are left out of the pixel error.
+    pub pixels_unbounded: usize,
     /// How far scallops displace the image, pixels; none without a projection. P95 and RMS are over the
     /// pixels and over the scallops' slopes in each.
     pub pixel_error_px: Option<Summary>,
@@ -149,12 +153,12 @@ impl<'a> Survey<'a> {
         [-self.largest(|place| -place.at.z).0, self.largest(|place| place.at.z).0]
     }
 
-    /// The scallops that `raster` leaves where its ball fits.
+    /// The scallops that `raster` leaves where its ball fits; none where it fits nowhere.
     ///
     /// # Errors
     /// [`MachiningError::Apart`] when somewhere the lines are farther apart than the ball's radius (there
-    /// scallops are no small errors), [`MachiningError::Nowhere`] when the ball fits nowhere.
-    pub fn figures(&self, raster: &Raster) -> Result<Figures, MachiningError> {
+    /// scallops are no small errors).
+    pub fn figures(&self, raster: &Raster) -> Result<Option<Figures>, MachiningError> {
         let Raster { ball_mm, stepover_mm, .. } = *raster;
         for (place, scallop) in self.face.iter().filter_map(|(_, place)| self.cut(place, raster)) {
             let apart_mm = scallop.apart * stepover_mm;
@@ -167,14 +171,23 @@ impl<'a> Survey<'a> {
             let height = self.cut(place, raster).and_then(|(_, s)| s.height_mm(stepover_mm));
             height.unwrap_or(f64::NEG_INFINITY)
         });
+        if !highest.is_finite() {
+            return Ok(None);
+        }
         let slopes = self.over_pixels(raster, |_, scallop| Some(scallop.slope(stepover_mm)));
-        let (true, Some(slopes)) = (highest.is_finite(), spread(slopes)) else {
-            let least_mm = self.least_hollow_mm().map(|least| least.value);
-            return Err(MachiningError::Nowhere { ball_mm, least_mm });
-        };
-        let scallop_um = Extreme { value: 1e3 * highest, at_mm: place.at.to_array() };
-        let pixel_error_px = spread(self.displacements(raster));
-        Ok(Figures { scallop_um, slope_rms: slopes.rms, slope_max: slopes.max, pixel_error_px })
+        let displacements = self.displacements(raster);
+        let pixels = slopes.len();
+        let pixels_unbounded = if self.projected { pixels - displacements.len() } else { 0 };
+        let (slope_rms, slope_max) =
+            spread(slopes).map_or((f64::NAN, f64::NAN), |slopes| (slopes.rms, slopes.max));
+        Ok(Some(Figures {
+            scallop_um: Extreme { value: 1e3 * highest, at_mm: place.at.to_array() },
+            slope_rms,
+            slope_max,
+            pixels,
+            pixels_unbounded,
+            pixel_error_px: spread(displacements),
+        }))
     }
 
     /// The direction whose root mean square of the pixel error is least; none without a projection.
@@ -222,7 +235,8 @@ impl<'a> Survey<'a> {
     }
 
     /// The largest stepover that [`Self::figures`] takes, mm.
-    fn widest_mm(&self, raster: &Raster) -> f64 {
+    #[must_use]
+    pub fn widest_mm(&self, raster: &Raster) -> f64 {
         let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         all.map(|(_, s)| s.radius_mm / s.apart).fold(raster.ball_mm, f64::min)
     }
@@ -253,7 +267,7 @@ impl<'a> Survey<'a> {
         Some((place, scallop))
     }
 
-    /// The largest displacement that the scallops cause in each pixel, pixels.
+    /// The largest displacement that the scallops cause in each pixel that has a finite one, pixels.
     fn displacements(&self, raster: &Raster) -> Vec<f64> {
         let across = raster.along().perp();
         self.over_pixels(raster, |pixel, scallop| {

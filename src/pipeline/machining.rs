@@ -7,10 +7,10 @@ use super::observer::Clock;
 use super::{Error, Observer, Source, Stage, designed, verdict};
 use crate::design::Design;
 use crate::export::{Label, stl_bytes, write_stl};
-use crate::geom::{Contour, DVec2, Outline, Precision, TriMesh};
+use crate::geom::{Contour, DVec2, DVec3, Precision, TriMesh};
 use crate::machining::{
-    self, FLOOR_MM, Fillet, Gouge, MachiningError, Passes, ROWS, Raster, Survey, corners, facets,
-    foot, outlines, rounded_up,
+    self, FLOOR_MM, Figures, Fillet, Gouge, MOST_POINTS, MachiningError, Passes, ROWS, Raster,
+    Survey, corners, facets, outlines, rounded_up,
 };
 use crate::mirror::Mirror;
 use crate::num::{degrees, radians};
@@ -73,7 +73,7 @@ pub fn machining(
     let (Surveyed { survey, raster, gouge, hollow }, mut found) =
         clock.stage(Stage::Cut, || {
             let (surveyed, found) = surveyed(profile, &design, cutting).map_err(refused)?;
-            let note = format!("scallops of {:.3} um at most", found.scallops.scallop_um.value);
+            let note = scalloped(&found);
             Ok::<_, Error>(((surveyed, found), note))
         })?;
     // A valley's fillet is cut as it is; hollow ground that the ball cannot reach is not.
@@ -211,6 +211,13 @@ pub(super) fn survey(
     Ok(surveyed(profile, design, cutting).map_err(refused)?.1)
 }
 
+/// The stage's result in a few words.
+pub(super) fn scalloped(found: &Machining) -> String {
+    found.scallops.as_ref().map_or("the ball fits nowhere".to_owned(), |found| {
+        format!("scallops of {:.3} um at most", found.scallop_um.value)
+    })
+}
+
 /// What the as-cut part is made by.
 struct Surveyed<'a> {
     survey: Survey<'a>,
@@ -228,10 +235,13 @@ fn surveyed<'a>(
     let mirror = &design.mirror;
     let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
     let (best, raster) = directed(&survey, cutting);
-    let gouge = Gouge::new(mirror, corners(&outlines(mirror)), cutting.ball_mm);
+    let least_hollow_mm = survey.least_hollow_mm();
+    // But for rounding.
+    let tight = least_hollow_mm.filter(|least| cutting.ball_mm > least.value * (1.0 + 1e-9));
+    let hollow = tight.map(|least| DVec3::from_array(least.at_mm).truncate());
+    let gouge = Gouge::new(mirror, corners(&outlines(mirror)), cutting.ball_mm, hollow);
     let scallops = survey.figures(&raster)?;
     let fillet = Fillet::new(mirror, &design.camera, cutting.ball_mm);
-    let most = gouge.most(|_| true);
     let budget = BudgetFacts {
         p95_px: cutting.budget_px,
         stepover_for_px_mm: cutting
@@ -245,8 +255,9 @@ fn surveyed<'a>(
     let mut reasons = Vec::new();
     let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
     let digits = |mm: Option<f64>| mm.map_or("none".to_owned(), |mm| format!("{} mm", below(mm)));
+    let pixel_error_px = scallops.as_ref().and_then(|found| found.pixel_error_px);
     if let Some((error, budget_px)) =
-        scallops.pixel_error_px.and_then(|e| Some((e.p95, over(e.p95, cutting.budget_px)?)))
+        pixel_error_px.and_then(|e| Some((e.p95, over(e.p95, cutting.budget_px)?)))
     {
         reasons.push(format!(
             "the unpolished face has a pixel error of {error:.3} px (95 % of it), over {budget_px} px; \
@@ -254,10 +265,11 @@ fn surveyed<'a>(
             digits(budget.stepover_for_px_mm)
         ));
     }
-    if let Some(limit) = over(scallops.scallop_um.value, cutting.scallop_um) {
+    let highest = scallops.as_ref().map(|found| found.scallop_um.value);
+    if let Some((height, limit)) = highest.and_then(|um| Some((um, over(um, cutting.scallop_um)?)))
+    {
         reasons.push(format!(
-            "scallops are up to {:.3} um high, over {limit} um; a stepover of {} keeps it",
-            scallops.scallop_um.value,
+            "scallops are up to {height:.3} um high, over {limit} um; a stepover of {} keeps it",
             digits(budget.stepover_for_scallop_mm)
         ));
     }
@@ -272,6 +284,7 @@ fn surveyed<'a>(
         warnings
             .push("without a projection there is no pixel error to hold a budget to".to_owned());
     }
+    warnings.extend(scallops.as_ref().and_then(unseen));
     let [low, high] = survey.heights_mm();
     let foot = design.stock.as_ref().map_or(0.0, |stock| stock.top_mm);
     let mut found = Machining {
@@ -281,10 +294,11 @@ fn surveyed<'a>(
         stepover_mm: cutting.stepover_mm,
         angle_deg: degrees(raster.angle),
         steepest_deg: survey.steepest_deg(),
-        least_hollow_mm: survey.least_hollow_mm(),
+        least_hollow_mm,
         gouge: GougeFacts {
-            left_max_um: most.map_or(0.0, |most| 1e3 * most.0),
-            at_mm: most.map(|most| most.1.to_array()),
+            fits: gouge.most.is_none() && fillet.is_none() && scallops.is_some(),
+            left_max_um: gouge.most.map_or(0.0, |most| 1e3 * most.0),
+            at_mm: gouge.most.map(|most| most.1.to_array()),
             share: gouge.share(),
             step_mm: gouge.step,
         },
@@ -301,7 +315,7 @@ fn surveyed<'a>(
         reasons,
         warnings,
     };
-    let hollow = unreached(mirror, &gouge, &found);
+    let hollow = unreached(&gouge, &found, tight.is_some());
     found.reasons.extend(hollow.clone());
     found.verdict = verdict::of(&found.reasons);
     Ok((Surveyed { survey, raster, gouge, hollow }, found))
@@ -329,57 +343,79 @@ fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
     }
 }
 
-/// Why the ball does not reach all of the face but a valley, if so.
-fn unreached(mirror: &Mirror, gouge: &Gouge, found: &Machining) -> Option<String> {
+/// Why the ball does not reach all of the face but a valley, if so; `tight` where the ground is hollow with a smaller
+/// radius.
+fn unreached(gouge: &Gouge, found: &Machining, tight: bool) -> Option<String> {
     let ball = found.ball_mm;
-    if let Some(least) = found.least_hollow_mm.filter(|least| !(ball <= least.value)) {
-        let [x, y, _] = least.at_mm;
-        let left = match gouge.most(|_| true) {
-            Some((left, _)) => format!(
-                "; it leaves up to {:.3} um, and something on {:.2} % of the face",
-                1e3 * left,
-                100.0 * gouge.share()
-            ),
-            None => format!("; it leaves less than {} um", 1e3 * FLOOR_MM),
-        };
-        return Some(format!(
-            "the ball of {ball} mm does not fit: at X {x:.3} mm, Y {y:.3} mm the mirror is hollow with a radius of \
-             {:.4} mm{left}",
-            least.value
-        ));
-    }
-    // Beside a valley the map is as coarse as its steps.
-    let in_valley = |at: DVec2| {
-        let x = mirror.chart.coordinates(at.extend(mirror.chart.plane_mm)).0.x;
-        let Outline::Rect(panel) = mirror.outline else { return false };
-        let foot = foot(mirror, x.clamp(panel.min.x, panel.max.x), ball);
-        foot.is_some_and(|q| at.y.abs() <= q.y.abs() + 2.0 * gouge.step)
+    let nowhere = found.scallops.is_none();
+    let Some((left, at)) = gouge.most_beside else {
+        return nowhere.then(|| format!("the ball of {ball} mm fits nowhere on the mirror"));
     };
-    let (left, at) = gouge.most(|at| !in_valley(at))?;
-    Some(format!(
-        "the ball of {ball} mm does not fit: at X {:.3} mm, Y {:.3} mm other ground is in its way, and it leaves \
-         {:.3} um",
-        at.x,
-        at.y,
-        1e3 * left
-    ))
+    let fits = if nowhere { "fits nowhere on the mirror" } else { "does not fit" };
+    let left = if left > FLOOR_MM {
+        format!("up to {:.3} um", 1e3 * left)
+    } else {
+        format!("less than {} um", 1e3 * FLOOR_MM)
+    };
+    let share = 100.0 * gouge.share();
+    let left = format!("leaves {left}, and something on {share:.2} % of the face");
+    Some(match found.least_hollow_mm.filter(|_| tight) {
+        Some(least) => format!(
+            "the ball of {ball} mm {fits}: at X {:.3} mm, Y {:.3} mm the mirror is hollow with a radius of {:.4} mm; \
+             it {left}",
+            least.at_mm[0], least.at_mm[1], least.value
+        ),
+        None => format!(
+            "the ball of {ball} mm {fits}: at X {:.3} mm, Y {:.3} mm other ground is in its way, and it {left}",
+            at.x, at.y
+        ),
+    })
+}
+
+/// What the pixels' figures leave out.
+fn unseen(figures: &Figures) -> Option<String> {
+    let Figures { pixels, pixels_unbounded, .. } = *figures;
+    if pixels == 0 {
+        return Some(
+            "no pixel sees the mirror where the ball fits: nothing is known of pixels".to_owned(),
+        );
+    }
+    (pixels_unbounded > 0).then(|| {
+        format!(
+            "{pixels_unbounded} of the {pixels} pixels looked at are moved by no finite number of pixels, and left \
+             out of the pixel error"
+        )
+    })
 }
 
 /// The as-cut face.
 fn as_cut(mirror: &Mirror, survey: &Survey, raster: &Raster) -> Result<TriMesh, MachiningError> {
     let outlines = outlines(mirror);
     let [lo, hi] = corners(&outlines);
-    let across = raster.stepover_mm / ROWS as f64;
-    let long = (hi - lo).max_element();
-    let along = survey.along_mm(raster, ALONG).min(0.02 * long).max(across);
-    let count = facets(&outlines, raster, along);
-    if !(count <= MOST_FACETS) {
-        let stepover_mm = raster.stepover_mm;
-        let least_mm = rounded_up(stepover_mm * (1.1 * count / MOST_FACETS).sqrt());
-        return Err(MachiningError::TooFine { stepover_mm, count, what: "facets", least_mm });
+    let along = |raster: &Raster| {
+        let across = raster.stepover_mm / ROWS as f64;
+        survey.along_mm(raster, ALONG).min(0.02 * (hi - lo).max_element()).max(across)
+    };
+    let too_many = |raster: &Raster| {
+        let facets = facets(&outlines, raster, along(raster));
+        let points = Passes::points([lo, hi], raster);
+        [(facets, MOST_FACETS, "facets"), (points, MOST_POINTS, "points of passes")]
+            .into_iter()
+            .find(|(count, most, _)| !(count <= most))
+    };
+    if let Some((count, _, what)) = too_many(raster) {
+        let Raster { stepover_mm, .. } = *raster;
+        let widest_mm = survey.widest_mm(raster);
+        // The first of stepovers 5 % apart that will do.
+        let steps = std::iter::successors(Some(stepover_mm), |mm| Some(1.05 * mm));
+        let least_mm = steps
+            .map(rounded_up)
+            .take_while(|mm| *mm <= widest_mm)
+            .find(|&stepover_mm| too_many(&Raster { stepover_mm, ..*raster }).is_none());
+        return Err(MachiningError::TooFine { stepover_mm, count, what, least_mm });
     }
     let passes = Passes::new(mirror, [lo, hi], *raster)?;
-    machining::face(&outlines, &passes, along)
+    machining::face(&outlines, &passes, along(raster))
 }
 
 fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, String), Error> {

@@ -1,7 +1,7 @@
 //! Tolerancing: the profile's words to a question, trials to files.
 
 use super::files::{self, Folder, Staged};
-use super::machining::{Cutting, survey};
+use super::machining::{Cutting, scalloped, survey};
 use super::observer::Clock;
 use super::source::{heights_beside, load};
 use super::{Error, Observer, Source, Stage, designed};
@@ -285,7 +285,7 @@ fn tracks(
     };
     clock.stage(Stage::Cut, || {
         let found = survey(profile, design, &cutting)?;
-        let note = format!("scallops of {:.3} um at most", found.scallops.scallop_um.value);
+        let note = scalloped(&found);
         Ok((Some(found), note))
     })
 }

@@ -9,7 +9,7 @@ use crate::machining::{Direction, Extreme, FLOOR_MM, Figures, Fillet, Gouge};
 use crate::num::log;
 use crate::num::stats::{Summary, or_null};
 use crate::raster::EncodingError;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::fmt::Write;
 
 /// `machining.json`, schema 1.
@@ -33,9 +33,9 @@ pub struct Machining {
     pub gouge: GougeFacts,
     /// What it leaves of a valley; none where there is none.
     pub fillet: Option<Fillet>,
-    /// Scallops of the unpolished face, where the ball fits.
-    #[serde(flatten)]
-    pub scallops: Figures,
+    /// Scallops of the unpolished face, where the ball fits; none where it fits nowhere.
+    #[serde(flatten, serialize_with = "or_nulls")]
+    pub scallops: Option<Figures>,
     /// The designed mirror against the projection, pixels.
     #[serde(serialize_with = "or_null")]
     pub design_pixel_error_px: Option<Summary>,
@@ -59,9 +59,29 @@ pub struct Machining {
     pub warnings: Vec<String>,
 }
 
+/// The figures, or the same keys without values.
+fn or_nulls<S: Serializer>(figures: &Option<Figures>, serializer: S) -> Result<S::Ok, S::Error> {
+    match figures {
+        Some(figures) => figures.serialize(serializer),
+        None => {
+            const KEYS: [&str; 6] = [
+                "scallop_um",
+                "slope_rms",
+                "slope_max",
+                "pixels",
+                "pixels_unbounded",
+                "pixel_error_px",
+            ];
+            serializer.collect_map(KEYS.map(|key| (key, ())))
+        }
+    }
+}
+
 /// Where the ball does not fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct GougeFacts {
+    /// Whether it fits everywhere, in a valley too.
+    pub fits: bool,
     /// Most that it leaves, um; 0 where it fits everywhere.
     pub left_max_um: f64,
     /// X and Y of that, mm.
@@ -183,15 +203,17 @@ impl Machining {
             ),
         ));
         let gouge = &self.gouge;
-        let fit = gouge.at_mm.map_or("the ball fits everywhere".to_owned(), |[x, y]| {
-            format!(
+        let fit = match gouge.at_mm {
+            _ if gouge.fits => "the ball fits everywhere".to_owned(),
+            Some([x, y]) => format!(
                 "the ball leaves up to {} um, at X {}, Y {} mm, on {:.2} % of the face",
                 digits(gouge.left_max_um),
                 micron(x),
                 micron(y),
                 100.0 * gouge.share
-            )
-        });
+            ),
+            None => "the ball leaves next to nothing".to_owned(),
+        };
         facts.push(("fit", fit));
         if let Some(fillet) = &self.fillet {
             facts.push((
@@ -202,28 +224,7 @@ impl Machining {
                 ),
             ));
         }
-        let Figures { scallop_um, slope_rms, slope_max, pixel_error_px } = &self.scallops;
-        facts.push((
-            "scallops",
-            format!(
-                "{} um at most, at {}; slope {} rms, {} max",
-                digits(scallop_um.value),
-                at(scallop_um.at_mm),
-                digits(*slope_rms),
-                digits(*slope_max)
-            ),
-        ));
-        facts.push((
-            "pixels",
-            match pixel_error_px {
-                Some(_) => format!(
-                    "unpolished {} px; the design alone {} px",
-                    figures(*pixel_error_px),
-                    figures(self.design_pixel_error_px)
-                ),
-                None => "not known without a projection".to_owned(),
-            },
-        ));
+        self.write_scallops(&mut facts);
         facts.push(("best", self.best_line()));
         let BudgetFacts { p95_px, stepover_for_px_mm, scallop_um, stepover_for_scallop_mm } =
             self.budget;
@@ -254,7 +255,7 @@ impl Machining {
                     trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
                 ),
             ));
-            if pixel_error_px.is_some() {
+            if self.scallops.as_ref().is_some_and(|found| found.pixel_error_px.is_some()) {
                 facts.push(("", format!("{} (against the design)", errors_line(&trace.errors))));
             }
             if !trace.solid.reasons.is_empty() {
@@ -265,6 +266,43 @@ impl Machining {
             facts.push(("file", format!("{}  {:.1} MB", file.name, file.bytes as f64 / 1e6)));
         }
         facts
+    }
+
+    /// The lines on scallops and pixels.
+    fn write_scallops(&self, facts: &mut Vec<(&'static str, String)>) {
+        let Some(Figures { scallop_um, slope_rms, slope_max, pixels, pixel_error_px, .. }) =
+            self.scallops
+        else {
+            facts.push(("scallops", "none: the ball fits nowhere".to_owned()));
+            return;
+        };
+        let [x, y, _] = scallop_um.at_mm;
+        let slopes = if pixels > 0 {
+            format!("slope {} rms, {} max", digits(slope_rms), digits(slope_max))
+        } else {
+            "no pixel sees them".to_owned()
+        };
+        facts.push((
+            "scallops",
+            format!(
+                "{} um at most, at X {}, Y {} mm; {slopes}",
+                digits(scallop_um.value),
+                micron(x),
+                micron(y)
+            ),
+        ));
+        facts.push((
+            "pixels",
+            match pixel_error_px {
+                Some(_) => format!(
+                    "unpolished {} px; the design alone {} px",
+                    figures(pixel_error_px),
+                    figures(self.design_pixel_error_px)
+                ),
+                None if pixels > 0 => "not known without a projection".to_owned(),
+                None => "not known".to_owned(),
+            },
+        ));
     }
 
     fn best_line(&self) -> String {
@@ -357,7 +395,8 @@ mod tests {
     #[test]
     fn the_map_has_y_upwards_and_the_colours_of_its_decades() {
         let left = vec![Some(0.0), None, Some(1e-1), Some(1e-2)];
-        let gouge = Gouge { size: [2, 2], first: DVec2::ZERO, step: 0.5, left };
+        let (most, most_beside) = (None, None);
+        let gouge = Gouge { size: [2, 2], first: DVec2::ZERO, step: 0.5, left, most, most_beside };
         let png = gouge_picture(&gouge, 3.0).unwrap();
         let mut reader = ::png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut rgb = vec![0; reader.output_buffer_size().unwrap()];

@@ -236,7 +236,7 @@ fn tracks_displace_as_scallops_do() {
         let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
         // Tracks that follow each other along Y run along X.
         let raster = Raster { ball_mm: texture.ball_radius_mm, stepover_mm, angle: 0.0 };
-        let foreseen = survey.figures(&raster).unwrap().pixel_error_px.unwrap().rms;
+        let foreseen = survey.figures(&raster).unwrap().unwrap().pixel_error_px.unwrap().rms;
         // (The samples stay away from the rim, where scallops do most.)
         assert!((0.9..1.02).contains(&(found / foreseen)), "{name}: {found} {foreseen}");
     }
