@@ -325,7 +325,7 @@ mod tests {
             let counted = compared(&gouge, &format!("{half}"), |at| {
                 let over = centre - (ball * ball - at.y * at.y).sqrt();
                 // Beside the ends a ball comes lower from outside.
-                (at.x.abs() < 4.0 - ball).then(|| over - k * at.y * at.y)
+                (at.x.abs() < 4.0 - ball).then_some(over - k * at.y * at.y)
             });
             assert!(counted > 200, "{counted}");
         }
