@@ -35,17 +35,13 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Two independent numbers, uniform in (0, 1), of 53 bits each.
+    /// Two independent numbers, uniform in (0, 1), of 52 bits each.
     #[inline]
     #[must_use]
     pub fn pair(&self, source: u32, draw: u32) -> [f64; 2] {
         let halves = |x: u64| [x as u32, (x >> 32) as u32];
         let [lo, hi] = halves(self.trial);
         let [a, b, c, d] = philox([draw, source, lo, hi], halves(self.seed));
-        let unit = |a: u32, b: u32| {
-            let bits = ((u64::from(a) << 32) | u64::from(b)) >> 11;
-            (bits as f64 + 0.5) / (1u64 << 53) as f64
-        };
         [unit(a, b), unit(c, d)]
     }
 
@@ -55,6 +51,13 @@ impl Stream {
     pub fn normals(&self, source: u32, draw: u32) -> [f64; 2] {
         self.pair(source, draw).map(normal_quantile)
     }
+}
+
+/// A number inside (0, 1) of random bits: the middle of one of 2^52 intervals, which is exact.
+#[inline]
+fn unit(a: u32, b: u32) -> f64 {
+    let bits = ((u64::from(a) << 32) | u64::from(b)) >> 12;
+    (bits as f64 + 0.5) / (1u64 << 52) as f64
 }
 
 /// Share of the standard normal distribution below `x`.
@@ -137,6 +140,13 @@ mod tests {
         for (counter, key, block) in known {
             assert_eq!(philox(counter, key), block);
         }
+    }
+
+    #[test]
+    fn numbers_stay_inside_their_ends() {
+        let [least, most] = [0, u32::MAX].map(|bits| unit(bits, bits));
+        assert!(least > 0.0 && most < 1.0 && least == 1.0 - most, "{least:e} {most}");
+        assert!([least, most].iter().all(|p| normal_quantile(*p).is_finite()));
     }
 
     /// Quantiles to 16 digits, from 40-digit arithmetic (mpmath).

@@ -134,6 +134,14 @@ pub enum Error {
         /// Radius of the ball, mm.
         ball_radius_mm: f64,
     },
+    /// A measured form error that is none of this mirror.
+    #[error("cannot take tolerance.map_file {file}: {reason}")]
+    Map {
+        /// The file, as the profile names it.
+        file: String,
+        /// Why, and what to do about it.
+        reason: String,
+    },
     /// The plots cannot be drawn.
     #[error("cannot draw the plots: {0}")]
     Plot(String),

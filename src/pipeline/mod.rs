@@ -19,6 +19,7 @@ mod frame;
 mod last;
 mod machining;
 mod observer;
+mod question;
 mod render;
 mod replay;
 mod reread;

@@ -6,8 +6,8 @@ use super::facets::{self, Facets};
 use super::files::{FileError, Folder, Staged};
 use super::formats::{precision, write_solid};
 use super::observer::Clock;
+use super::question::{Prepared, prepared};
 use super::source::load;
-use super::tolerance::prepared;
 use super::{Error, Observer, Stage, verdict};
 use crate::design::Design;
 use crate::export::{Label, Reread};
@@ -58,8 +58,9 @@ pub fn replay(
     let source = load(named)?;
     let profile = &source.profile;
     let Replayed { trial, seed, .. } = *wanted;
-    let folder = Folder::create(&out.join(&profile.name).join(format!("replay-{trial}")))?;
-    let (design, engine) = prepared(&clock, named, &source)?;
+    let home = out.join(&profile.name);
+    let folder = Folder::create(&home.join(format!("replay-{trial}")))?;
+    let Prepared { design, engine, .. } = prepared(&clock, named, &source, &home)?;
     let mut without = left_out(profile, &engine, wanted.without)?;
     // The file has facets of its own.
     without.extend(sources(&engine).filter(|kind| *kind == Kind::Facets));
@@ -297,6 +298,10 @@ fn rounding(mesh: &TriMesh, format: Format) -> f64 {
 fn objections(found: &ReplayFile, smooth: &Judged, criterion: Criterion) -> Vec<String> {
     let ReplayFile { off_surface_mm, rounding_mm, witnessed, .. } = found;
     let mut faults = Vec::new();
+    if !smooth.as_made.kept() {
+        faults.push("the trial is lost: rays do not meet the made surface".into());
+        return faults;
+    }
     if !(off_surface_mm <= rounding_mm) {
         faults.push(format!(
             "a vertex lies {off_surface_mm:.2e} mm off the made surface, over the \

@@ -32,7 +32,7 @@ pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use rendering::Rendering;
 pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};
 pub use text::text;
-pub use tolerance::{ToleranceReport, read_trial, trial_columns, trial_line};
+pub use tolerance::{FacetsFrom, ToleranceReport, read_trial, trial_columns, trial_line};
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 
 use crate::align::FormError;

@@ -1,6 +1,7 @@
 //! A replayed trial as JSON and as text, and its pose as JSON.
 
 use super::text::{digits, head_line, pretty, verdict_lines, written};
+use super::tolerance::px;
 use super::{FileFacts, ProfileId, Verdict};
 use crate::num::stats::Summary;
 use crate::solid::Check;
@@ -163,7 +164,6 @@ impl ReplayReport {
 
 fn figures(judged: &Judged) -> String {
     let Judged { as_made, adjusted } = judged;
-    let [a, b, c, d] =
-        [as_made.rms_px, as_made.p95_px, adjusted.rms_px, adjusted.p95_px].map(digits);
+    let [a, b, c, d] = [as_made.rms_px, as_made.p95_px, adjusted.rms_px, adjusted.p95_px].map(px);
     format!("as made {a} rms, {b} p95; adjusted {c} rms, {d} p95 px")
 }

@@ -3,7 +3,8 @@
 use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{Machining, ProfileId, SCHEMA, Verdict};
 use crate::tolerance::{
-    Criterion, Distribution, Measure, Offender, Reference, SourceFacts, Statistics, Study, Trial,
+    Criterion, Distribution, Measure, Offender, Pixels, Reference, SourceFacts, Statistics, Study,
+    Trial, Unmet,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -18,6 +19,9 @@ pub struct ToleranceReport {
     /// The answers.
     #[serde(flatten)]
     pub study: Study,
+    /// Where the limit of `facets_px` comes from, if facets are a source.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub facets_from: Option<FacetsFrom>,
     /// The errors that do most alone after adjustment.
     pub worst_offenders: Vec<Offender>,
     /// What the ball cutter makes of the mirror as designed, where tool tracks are a source. Its own
@@ -29,12 +33,39 @@ pub struct ToleranceReport {
     pub reasons: Vec<String>,
 }
 
+/// Where the limit of the facets' displacement comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FacetsFrom {
+    /// The profile's `tolerance.limits`.
+    Limits,
+    /// The facet error that the witness of this profile's build found, in RMS.
+    Witness,
+    /// The profile's `mesh.facet_px`, a bound.
+    Mesh,
+}
+
+impl FacetsFrom {
+    /// In words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Limits => "facets_px as in tolerance.limits",
+            Self::Witness => "facets_px as the witness of the build beside found, of equal RMS",
+            Self::Mesh => {
+                "facets_px is mesh.facet_px, a bound; after a build into the same folder it is what the \
+                 witness finds"
+            }
+        }
+    }
+}
+
 impl ToleranceReport {
     /// The report of `study`; it fails when the yield is below the target.
     #[must_use]
     pub fn new(
         profile: ProfileId,
         study: Study,
+        facets_from: Option<FacetsFrom>,
         worst_offenders: Vec<Offender>,
         machining: Option<Machining>,
     ) -> Self {
@@ -45,11 +76,12 @@ impl ToleranceReport {
                 "{:.2} % of the parts stay within {} px, below the {} % of tolerance.target_yield",
                 100.0 * study.yields.share,
                 study.budget_px,
-                100.0 * study.target_yield
+                percent(study.target_yield)
             );
             (Verdict::Fail, vec![reason])
         };
-        Self { schema: SCHEMA, profile, study, worst_offenders, machining, verdict, reasons }
+        let schema = SCHEMA;
+        Self { schema, profile, study, facets_from, worst_offenders, machining, verdict, reasons }
     }
 
     /// As JSON.
@@ -72,7 +104,7 @@ impl ToleranceReport {
             out,
             "  asked    {criterion} displacement from {reference} within {} px for {} % of the parts",
             study.budget_px,
-            100.0 * study.target_yield,
+            percent(study.target_yield),
         )?;
         writeln!(
             out,
@@ -88,30 +120,47 @@ impl ToleranceReport {
             digits(study.nominal.rms_px),
             digits(study.nominal.p95_px)
         )?;
+        if let Some(from) = self.facets_from {
+            writeln!(out, "  facets   {}", from.words())?;
+        }
         self.write_sources(out)?;
+        if let Some(unmet) = study.no_limit_joint {
+            writeln!(
+                out,
+                "  limits   no limits in concert meet the budget: {}",
+                unmet_words(unmet)
+            )?;
+        }
         writeln!(out, "  worst    {}", self.offenders())?;
         writeln!(
             out,
-            "  linear   RSS {} px, the trials' {} px; predicted {} +- {} px, {} px at P95; trial by \
-             trial {} px off ({:.1} %)",
-            digits(study.rss_px),
-            digits(study.rms_px),
-            digits(study.linear.mean_px),
-            digits(study.linear.sigma_px),
-            digits(study.linear.p95_px),
-            digits(study.gap.rms_px),
-            100.0 * study.gap.relative
+            "  linear   RSS {} px ({} px in every part), the trials' {} px; predicted {} +- {} px, {} px \
+             at P95; trial by trial {} px off ({} %)",
+            px(study.rss_px),
+            px(study.mean_px),
+            px(study.rms_px),
+            px(study.linear.mean_px),
+            or_dash(study.linear.sigma_px),
+            px(study.linear.p95_px),
+            px(study.gap.rms_px),
+            gap_percent(study)
         )?;
         writeln!(out, "  as made  {} px", statistics_line(&study.as_made))?;
         writeln!(out, "  adjusted {} px", statistics_line(&study.adjusted))?;
         for adjustment in &study.adjustments {
-            let (unit, figures) = (adjustment.unit, [adjustment.sigma, adjustment.p95]);
-            let [sigma, p95] = figures.map(digits);
+            let (unit, sigma) = (adjustment.unit, or_dash(adjustment.sigma));
+            let [p95, far] = [adjustment.p95, adjustment.farthest].map(px);
             writeln!(
                 out,
-                "           by {:13} sigma {sigma} {unit}, 95 % within {p95}, farthest {} {unit}",
+                "           by {:13} sigma {sigma} {unit}, 95 % within {p95}, farthest {far} {unit}",
                 adjustment.name,
-                digits(adjustment.farthest)
+            )?;
+        }
+        if study.lost_trials > 0 {
+            writeln!(
+                out,
+                "  lost     {} of {} trials lose rays that do not meet the mirror; they do not keep the budget",
+                study.lost_trials, study.trials
             )?;
         }
         writeln!(
@@ -133,8 +182,7 @@ impl ToleranceReport {
     /// The worst offenders, on one line.
     pub(super) fn offenders(&self) -> String {
         const MOST: usize = 5;
-        let one =
-            |o: &Offender| format!("{} at {}: {} px", o.source, o.value, digits(o.adjusted_px));
+        let one = |o: &Offender| format!("{} at {}: {} px", o.source, o.value, px(o.adjusted_px));
         let all: Vec<String> = self.worst_offenders.iter().take(MOST).map(one).collect();
         all.join(", ")
     }
@@ -163,20 +211,23 @@ impl ToleranceReport {
             let distribution = distribution(source.distribution);
             writeln!(
                 out,
-                "  {:19} {:>10}  {distribution:9} {:>9} {:>9}   {:>9} {:>9}  {:7.2} {:>11} {:>11}",
+                "  {:19} {:>10}  {distribution:9} {:>9} {:>9}   {:>9} {:>9}  {:>7} {:>11} {:>11}",
                 source.source,
                 source.limit,
-                digits(*minus_px),
-                digits(*plus_px),
-                digits(*minus_adjusted_px),
-                digits(*plus_adjusted_px),
-                100.0 * source.share_of_variance,
+                px(*minus_px),
+                px(*plus_px),
+                px(*minus_adjusted_px),
+                px(*plus_adjusted_px),
+                share(source),
                 limit(source.limit_alone),
                 limit(source.limit_joint) + mark,
             )?;
         }
         if self.study.form == Measure::Rms {
             writeln!(out, "  {FORM_RMS}")?;
+        }
+        if self.study.sources.iter().any(|source| source.systematic) {
+            writeln!(out, "  {SYSTEMATIC}")?;
         }
         if widest {
             writeln!(out, "  * four times the limit, and wider than that it is not made")?;
@@ -187,6 +238,52 @@ impl ToleranceReport {
 
 /// Said where form errors are not from peak to valley.
 pub(super) const FORM_RMS: &str = "form errors (legendre, zernike) are root mean squares";
+
+/// Said where errors are fixed.
+pub(super) const SYSTEMATIC: &str = "fixed errors that are no textures are the same in every part: they \
+    add with their signs, have no variance, and keep their limits in concert";
+
+/// A share as a percentage, without the noise of its last digits.
+pub(super) fn percent(share: f64) -> f64 {
+    (1e8 * share).round() / 1e6
+}
+
+/// A figure of displacement.
+pub(super) fn px(x: f64) -> String {
+    match x {
+        x if !x.is_finite() => "lost".into(),
+        x if x.abs() >= 1e7 => format!("{x:.2e}"),
+        x => digits(x),
+    }
+}
+
+/// A figure that a single trial does not have.
+pub(super) fn or_dash(x: Option<f64>) -> String {
+    x.map_or("-".into(), px)
+}
+
+/// Of the variance, in percent.
+pub(super) fn share(source: &SourceFacts) -> String {
+    if source.systematic { "-".into() } else { format!("{:.2}", 100.0 * source.share_of_variance) }
+}
+
+/// How far off first derivatives are, in percent.
+pub(super) fn gap_percent(study: &Study) -> String {
+    match 100.0 * study.gap.relative {
+        x if x.is_finite() => format!("{x:.1}"),
+        _ => "lost".into(),
+    }
+}
+
+/// Why there are no limits in concert.
+pub(super) fn unmet_words(unmet: Unmet) -> &'static str {
+    match unmet {
+        Unmet::Design => "the design alone uses it up",
+        Unmet::Systematic => "the fixed errors use it up",
+        Unmet::NothingToShare => "no error that is not fixed displaces the picture",
+        Unmet::RaysLost => "rays are lost at all that were tried",
+    }
+}
 
 /// Which figure counts.
 pub(super) fn criterion(criterion: Criterion) -> &'static str {
@@ -215,22 +312,22 @@ pub(super) fn distribution(distribution: Distribution) -> &'static str {
 }
 
 /// All figures with their names.
-pub(super) fn statistics(s: &Statistics) -> [(&'static str, f64); 9] {
+pub(super) fn statistics(s: &Statistics) -> [(&'static str, String); 9] {
     [
-        ("mean", s.mean_px),
-        ("sigma", s.sigma_px),
-        ("P50", s.p50_px),
-        ("P80", s.p80_px),
-        ("P90", s.p90_px),
-        ("P95", s.p95_px),
-        ("P98", s.p98_px),
-        ("P99", s.p99_px),
-        ("worst", s.worst_px),
+        ("mean", px(s.mean_px)),
+        ("sigma", or_dash(s.sigma_px)),
+        ("P50", px(s.p50_px)),
+        ("P80", px(s.p80_px)),
+        ("P90", px(s.p90_px)),
+        ("P95", px(s.p95_px)),
+        ("P98", px(s.p98_px)),
+        ("P99", px(s.p99_px)),
+        ("worst", px(s.worst_px)),
     ]
 }
 
 fn statistics_line(s: &Statistics) -> String {
-    statistics(s).map(|(name, x)| format!("{name} {}", digits(x))).join(", ")
+    statistics(s).map(|(name, x)| format!("{name} {x}")).join(", ")
 }
 
 /// The figures of trials that every line of their table begins with.
@@ -244,12 +341,24 @@ pub fn trial_columns(adjustments: &[String], sources: &[String]) -> String {
     all.join(",")
 }
 
-/// A line of it; every number with the digits that give the same one back.
-pub fn trial_line(out: &mut String, trial: &Trial, draws: impl Iterator<Item = f64>) {
+/// What stands in the place of each figure and adjustment of a trial that loses rays.
+const LOST: &str = "lost";
+
+/// A line of it, with so many adjustments; every number with the digits that give the same one back.
+pub fn trial_line(
+    out: &mut String,
+    trial: &Trial,
+    adjustments: usize,
+    draws: impl Iterator<Item = f64>,
+) {
     let Trial { index, before, after, steps } = trial;
     let _ = write!(out, "{index}");
+    if !after.kept() {
+        (0..4 + adjustments).for_each(|_| out.extend([",", LOST]));
+    }
     let figures = [before.rms_px, before.p95_px, after.rms_px, after.p95_px];
-    for figure in figures.into_iter().chain(steps.iter().copied()).chain(draws) {
+    let figures = figures.into_iter().filter(|_| after.kept());
+    for figure in figures.chain(steps.iter().copied()).chain(draws) {
         let _ = write!(out, ",{figure}");
     }
     out.push('\n');
@@ -258,9 +367,12 @@ pub fn trial_line(out: &mut String, trial: &Trial, draws: impl Iterator<Item = f
 /// The trial of a line, with so many adjustments; none where it is no such line.
 #[must_use]
 pub fn read_trial(line: &str, adjustments: usize) -> Option<Trial> {
-    use crate::tolerance::Pixels;
     let mut words = line.split(',');
     let index = words.next()?.parse().ok()?;
+    if words.clone().take(4 + adjustments).eq(std::iter::repeat_n(LOST, 4 + adjustments)) {
+        let (before, after) = (Pixels::LOST, Pixels::LOST);
+        return Some(Trial { index, before, after, steps: Vec::new() });
+    }
     let figures: Option<Vec<f64>> =
         words.take(4 + adjustments).map(|word| word.parse().ok()).collect();
     let figures = figures.filter(|figures| figures.len() == 4 + adjustments)?;
@@ -271,7 +383,6 @@ pub fn read_trial(line: &str, adjustments: usize) -> Option<Trial> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tolerance::Pixels;
 
     #[test]
     fn lines_give_the_same_trial_back() {
@@ -280,16 +391,30 @@ mod tests {
             index: 12,
             before: pixels(0.1 + 0.2),
             after: pixels(1e-17),
-            steps: vec![-1.0 / 3.0, f64::INFINITY],
+            steps: vec![-1.0 / 3.0, 7.0],
         };
-        let mut line = String::new();
-        trial_line(&mut line, &trial, [0.25].into_iter());
-        assert_eq!(read_trial(line.trim_end(), 2), Some(trial));
+        let (before, after) = (Pixels::LOST, Pixels::LOST);
+        let lost = Trial { index: 3, before, after, steps: Vec::new() };
+        for trial in [trial, lost] {
+            let mut line = String::new();
+            trial_line(&mut line, &trial, 2, [0.25].into_iter());
+            assert_eq!(line.matches(',').count(), 7);
+            assert_eq!(read_trial(line.trim_end(), 2), Some(trial));
+        }
+        assert_eq!(read_trial("12,lost,lost,lost", 0), None);
         assert_eq!(read_trial("12,1,2,3", 0), None);
         assert_eq!(read_trial("12,1,2,3,x", 0), None);
         let columns = trial_columns(&["shift x px".into()], &["tilt_x_mrad".into()]);
         assert!(
             columns.starts_with("trial,rms_px,") && columns.ends_with("shift x px,tilt_x_mrad")
         );
+    }
+
+    #[test]
+    fn what_is_printed_is_short_and_finite() {
+        assert_eq!([0.57, 0.999, 0.95].map(percent), [57.0, 99.9, 95.0]);
+        assert_eq!([f64::INFINITY, f64::NAN].map(px), ["lost"; 2]);
+        assert_eq!(px(2.5e57), "2.50e57");
+        assert_eq!((or_dash(None), or_dash(Some(0.5))), ("-".into(), "0.500".into()));
     }
 }

@@ -4,7 +4,10 @@ use super::ToleranceReport;
 use super::html::{STYLE, escaped, head};
 use super::plot::Failure;
 use super::text::digits;
-use super::tolerance::{FORM_RMS, criterion, distribution, reference, statistics};
+use super::tolerance::{
+    FORM_RMS, SYSTEMATIC, criterion, distribution, gap_percent, or_dash, percent, px, reference,
+    share, statistics, unmet_words,
+};
 use super::tolerance_plots::plots;
 use crate::tolerance::{Measure, Points, SourceFacts};
 use std::fmt::Write;
@@ -42,8 +45,15 @@ impl ToleranceReport {
             study.trials,
             study.budget_px,
             reference(study.reference),
-            100.0 * study.target_yield
+            percent(study.target_yield)
         )?;
+        if study.lost_trials > 0 {
+            writeln!(
+                out,
+                "<p>{} of them lose rays that do not meet the mirror, and do not keep it.</p>",
+                study.lost_trials
+            )?;
+        }
         for reason in &self.reasons {
             writeln!(out, "<p class=\"fail\">{}</p>", escaped(reason))?;
         }
@@ -88,24 +98,26 @@ impl ToleranceReport {
             (
                 "root sum of squares",
                 format!(
-                    "{} px by first derivatives; {} px in the trials (both RMS)",
-                    digits(study.rss_px),
-                    digits(study.rms_px)
+                    "{} px by first derivatives, {} px of it in every part; {} px in the trials (all RMS)",
+                    px(study.rss_px),
+                    px(study.mean_px),
+                    px(study.rms_px)
                 ),
             ),
             (
                 "linear model",
                 format!(
-                    "trial by trial {} px off the full trace, {:.1} % of its mean, over {} trials",
-                    digits(study.gap.rms_px),
-                    100.0 * study.gap.relative,
+                    "trial by trial {} px off the full trace, {} % of its mean, over {} trials",
+                    px(study.gap.rms_px),
+                    gap_percent(study),
                     study.gap.trials
                 ),
             ),
             ("worst offenders", self.offenders()),
         ];
+        let facets = self.facets_from.map(|from| ("facets", from.words().to_owned()));
         writeln!(out, "<table>")?;
-        for (name, value) in rows {
+        for (name, value) in rows.into_iter().chain(facets) {
             writeln!(out, "<tr><th>{name}</th><td>{}</td></tr>", escaped(&value))?;
         }
         writeln!(out, "</table>")
@@ -127,13 +139,16 @@ impl ToleranceReport {
             "share of variance, %",
         ];
         let row = |s: &SourceFacts| {
-            let px = [s.minus_px, s.plus_px, s.minus_adjusted_px, s.plus_adjusted_px].map(digits);
+            let px = [s.minus_px, s.plus_px, s.minus_adjusted_px, s.plus_adjusted_px].map(px);
             let [a, b, c, d] = px;
-            let share = format!("{:.2}", 100.0 * s.share_of_variance);
             let kind = distribution(s.distribution).to_owned();
-            vec![s.source.clone(), s.limit.to_string(), kind, a, b, c, d, share]
+            vec![s.source.clone(), s.limit.to_string(), kind, a, b, c, d, share(s)]
         };
-        table(out, &names, self.study.sources.iter().map(row))
+        table(out, &names, self.study.sources.iter().map(row))?;
+        if self.study.sources.iter().any(|source| source.systematic) {
+            writeln!(out, "<p>{SYSTEMATIC}</p>")?;
+        }
+        Ok(())
     }
 
     fn limits(&self, out: &mut String) -> std::fmt::Result {
@@ -150,6 +165,9 @@ impl ToleranceReport {
         table(out, &names, self.study.sources.iter().map(row))?;
         if self.study.form == Measure::Rms {
             writeln!(out, "<p>{FORM_RMS}</p>")?;
+        }
+        if let Some(unmet) = self.study.no_limit_joint {
+            writeln!(out, "<p>No limits in concert meet the budget: {}.</p>", unmet_words(unmet))?;
         }
         writeln!(
             out,
@@ -182,7 +200,7 @@ impl ToleranceReport {
             ("adjusted, first derivatives", &study.linear),
         ];
         let row = |(name, s): (&str, _)| {
-            let figures = statistics(s).map(|(_, x)| digits(x));
+            let figures = statistics(s).map(|(_, x)| x);
             [name.to_owned()].into_iter().chain(figures).collect()
         };
         table(out, &names, rows.into_iter().map(row))?;
@@ -192,8 +210,8 @@ impl ToleranceReport {
         writeln!(out, "<h2>Adjustments</h2>")?;
         let names = ["adjustment", "unit", "sigma", "95 % within", "farthest"];
         let row = |a: &crate::tolerance::AdjustmentFacts| {
-            let [sigma, p95, far] = [a.sigma, a.p95, a.farthest].map(digits);
-            vec![a.name.to_owned(), a.unit.to_owned(), sigma, p95, far]
+            let [p95, far] = [a.p95, a.farthest].map(px);
+            vec![a.name.to_owned(), a.unit.to_owned(), or_dash(a.sigma), p95, far]
         };
         table(out, &names, study.adjustments.iter().map(row))
     }

@@ -1,6 +1,7 @@
 //! The plots of a study of tolerances, as SVG.
 
 use super::plot::{Area, BLUE, Failure, GREEN, RED, svg};
+use super::tolerance::percent;
 use crate::tolerance::{Criterion, Points, Study};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -35,7 +36,7 @@ pub fn plots(study: &Study, points: &Points) -> Result<[Plot; 4], Failure> {
     let figure = figure(study);
     let lost = points.figures.iter().filter(|x| !x.is_finite()).count();
     let lost = if lost == 0 { String::new() } else { format!(" {lost} trials lose rays.") };
-    let percent = 100.0 * study.target_yield;
+    let percent = percent(study.target_yield);
     Ok([
         plot(
             "What makes the variance after adjustment, by first derivatives, and its sum.".into(),
@@ -298,7 +299,7 @@ fn yields(area: &Area, study: &Study, points: &Points) -> Result<(), Failure> {
     let across = [(least, target), (most, target)];
     chart.draw_series(DashedLineSeries::new(across, 10, 7, GREEN.stroke_width(3)))?;
     let style = font(LABEL).color(&GREEN);
-    let name = format!("target {} %", 100.0 * target);
+    let name = format!("target {} %", percent(target));
     chart.draw_series([Text::new(name, (least + 0.01 * (most - least), target - 0.01), style)])?;
     let budget = study.budget_px;
     chart.draw_series([PathElement::new([(budget, 0.0), (budget, 1.0)], RED.stroke_width(3))])?;

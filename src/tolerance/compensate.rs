@@ -2,7 +2,7 @@
 //! and magnified, the mirror tilted and moved, so that least squares of displacement remain.
 
 use crate::num::larger;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// An adjustment. Focusing a camera changes its magnification, and nothing else that a displacement
 /// of content shows.
@@ -119,25 +119,44 @@ pub enum Criterion {
     P95,
 }
 
-/// RMS and P95 of a displacement over the samples, px.
+/// RMS and P95 of a displacement over the samples, px. Infinite where a ray is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pixels {
     /// Root of the mean square.
+    #[serde(serialize_with = "or_lost")]
     pub rms_px: f64,
     /// What 95 % of the samples do not exceed.
+    #[serde(serialize_with = "or_lost")]
     pub p95_px: f64,
 }
 
+/// A figure, or "lost" where rays are.
+///
+/// # Errors
+/// Whatever the serializer returns.
+pub fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::Error> {
+    if figure.is_finite() { out.serialize_f64(*figure) } else { out.serialize_str("lost") }
+}
+
 impl Pixels {
+    /// Those of a system that loses rays.
+    pub const LOST: Self = Self { rms_px: f64::INFINITY, p95_px: f64::INFINITY };
+
+    /// Whether it loses none.
+    #[must_use]
+    pub fn kept(&self) -> bool {
+        self.rms_px.is_finite()
+    }
+
     /// Of x and y of each sample; infinite where rays are lost.
     #[must_use]
     pub fn of(displacement: &[f64]) -> Self {
-        let square = |d: &[f64]| {
-            let square = d[0] * d[0] + d[1] * d[1];
-            if square.is_finite() { square } else { f64::INFINITY }
-        };
+        let square = |d: &[f64]| d[0] * d[0] + d[1] * d[1];
         let mut squares: Vec<f64> = displacement.chunks_exact(2).map(square).collect();
         let rms_px = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        if !rms_px.is_finite() {
+            return Self::LOST;
+        }
         let rank = ((0.95 * squares.len() as f64).ceil() as usize).saturating_sub(1);
         let p95_px = squares.select_nth_unstable_by(rank, f64::total_cmp).1.sqrt();
         Self { rms_px, p95_px }
@@ -198,6 +217,8 @@ mod tests {
         assert!((found.p95_px - 95.0).abs() < 1e-12);
         assert!((found.rms_px - 3383.5f64.sqrt()).abs() < 1e-12);
         field[7] = f64::NAN;
-        assert_eq!(Pixels::of(&field).rms_px, f64::INFINITY);
+        assert_eq!(Pixels::of(&field), Pixels::LOST);
+        let json = serde_json::to_string(&Pixels::of(&field)).unwrap();
+        assert_eq!(json, r#"{"rms_px":"lost","p95_px":"lost"}"#);
     }
 }

@@ -106,7 +106,7 @@ impl Engine {
         let (waves, modes): (Vec<Field>, Vec<f64>) = waves.into_iter().unzip();
         fields.extend(waves);
         let texture = question.texture;
-        let reach = reach(&question, camera, size);
+        let reach = reach(&question.sources, &question.texture, camera, size);
         let map = question.map.clone();
         let parts = (mirror, camera, view);
         // The picture that counts does not depend on the limits.
@@ -125,6 +125,24 @@ impl Engine {
         let seen = !system.samples.is_empty();
         let made = Self { question, system, modes, forms, linear, compensation, base };
         seen.then_some(made)
+    }
+
+    /// The same, ready for errors of these limits: polynomials hold where hits then go. None where
+    /// that gains nothing.
+    pub(super) fn widened(&self, sources: &[Source]) -> Option<Self> {
+        let (_, half) = extent(&self.system.mirror);
+        let size = 2.0 * half[0].max(half[1]);
+        let reach = reach(sources, &self.question.texture, &self.system.camera, size);
+        let system = self.system.widened(reach)?;
+        Some(Self {
+            question: self.question.clone(),
+            system,
+            modes: self.modes.clone(),
+            forms: self.forms.clone(),
+            linear: self.linear.clone(),
+            compensation: self.compensation.clone(),
+            base: self.base.clone(),
+        })
     }
 
     /// Number of pixels that stand for the picture.
@@ -239,10 +257,14 @@ impl Engine {
         all
     }
 
-    /// Figures before and after adjustment, and how far each adjustment was moved.
+    /// Figures before and after adjustment, and how far each adjustment was moved: none is where rays
+    /// are lost.
     #[must_use]
     pub fn judge(&self, mut displacement: Vec<f64>) -> (Pixels, Pixels, Vec<f64>) {
         let before = Pixels::of(&displacement);
+        if !before.kept() {
+            return (Pixels::LOST, Pixels::LOST, Vec::new());
+        }
         let steps = self.compensation.apply(&mut displacement);
         let after = if steps.is_empty() { before } else { Pixels::of(&displacement) };
         (before, after, steps)
@@ -287,8 +309,9 @@ pub(super) fn placed_by(kind: Kind, pixel_mm: f64, texture: &Texture) -> Option<
     })
 }
 
-/// Middle and half sides of the rectangle around the mirror in X and Y of the part.
-fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
+/// Middle and half sides, mm, of the rectangle around the mirror in X and Y of the part.
+#[must_use]
+pub fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
     let bounds = mirror.whole().bounds();
     let rim = match mirror.outline {
         Outline::Ring { outer, .. } => vec![DVec2::new(outer, 0.0)],
@@ -310,10 +333,10 @@ fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
 }
 
 /// How far, mm, hits move over the mirror, roughly.
-fn reach(question: &Question, camera: &Camera, size: f64) -> f64 {
+fn reach(sources: &[Source], texture: &Texture, camera: &Camera, size: f64) -> f64 {
     let mut square = 0.0;
-    for source in &question.sources {
-        let Some((k, unit)) = placed_by(source.kind, camera.pixel_mm, &question.texture) else {
+    for source in sources {
+        let Some((k, unit)) = placed_by(source.kind, camera.pixel_mm, texture) else {
             continue;
         };
         let lever = match k {

@@ -1,11 +1,13 @@
 //! From a budget back to limits: of each source alone, and of all together.
 
-use super::compensate::Pixels;
+use super::compensate::{Criterion, Pixels};
+use super::crossing::crossing;
 use super::engine::Engine;
 use super::source::Source;
+use super::trials::quantile;
 use super::yardstick::Yardstick;
 use crate::num::random::Stream;
-use crate::num::{exp, log};
+use serde::Serialize;
 
 /// A source at its limit, px after adjustment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,24 +29,29 @@ impl Impact {
 
 /// Patterns of a texture that its impact is the mean of.
 const PATTERNS: u64 = 16;
-/// Most steps towards a limit, and how near to the budget is enough.
-const MOST_STEPS: usize = 40;
+/// How near to the budget is enough.
 const NEAR: f64 = 1e-6;
-/// An impact below this, px, is none.
-const NOTHING_PX: f64 = 1e-9;
 /// A texture's figures are means over patterns, which change with its limit: this is near enough.
 const NEAR_TEXTURE: f64 = 5e-3;
-/// How often a limit may lead to lost rays before there is none.
-const MOST_LOST: usize = 3;
+/// A variance below this square of a length, px, is none.
+const NOTHING_PX: f64 = 1e-9;
+/// Profiles have no larger limits.
+const MOST: f64 = 1e6;
+/// The search for a limit begins no farther than where the error, as made, displaces by so many
+/// budgets.
+const FAR: f64 = 30.0;
 /// Rounds of full traces by which joint limits are found, and trials of each.
 const FULL_ROUNDS: usize = 4;
+/// Rounds of first derivatives before, where P95 counts.
+const P95_ROUNDS: usize = 2;
 const FEW: u64 = 500;
-/// Trials by first derivatives that the quantile is taken of: their yield is known to a quarter of
-/// a percent.
+/// Trials by first derivatives that the quantile is taken of: quadratic forms of an RMS know their
+/// yield to a quarter of a percent; a P95 needs the pixels of each.
 const MANY: u64 = 10_000;
+const MANY_P95: u64 = 4000;
 /// How near to the budget these come, and which change by full traces is the last.
 const EXACT: f64 = 1e-4;
-const FINE: f64 = 2e-3;
+const FINE: f64 = 4e-3;
 /// Trials from this share of them below the target on say how far first derivatives are off there.
 const BELOW_TARGET: f64 = 0.2;
 /// A joint limit is at most so many times the source's own: far from it nothing is known of what
@@ -59,6 +66,20 @@ pub struct Joint {
     /// Which of them are as wide as limits are made, four times their own, and so have less than
     /// their share of the variance.
     pub widest: Vec<bool>,
+}
+
+/// Why there are no limits that go together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unmet {
+    /// The system as designed uses up the budget.
+    Design,
+    /// With the systematic errors it does.
+    Systematic,
+    /// No other error does anything.
+    NothingToShare,
+    /// Where the budget is used up by first derivatives, rays are lost.
+    RaysLost,
 }
 
 impl Engine {
@@ -92,75 +113,74 @@ impl Engine {
         self.judge(self.base.clone()).1.by(self.question.criterion)
     }
 
-    /// The limit at which a source alone, at the worse of its signs, uses up the budget; none where
-    /// the design has done so already, where the source does nothing, or where no limit is found.
+    /// The limit at which a source alone, at the worse of its signs, or at its own if it is
+    /// systematic, uses up the budget, whatever limit it has now; none where the design has done so
+    /// already, where the source does nothing, or where rays are lost or a million of its unit is
+    /// reached before.
     #[must_use]
     pub fn limit_alone(&self, source: &Source, seed: u64) -> Option<f64> {
         let (budget, start) = (self.question.budget_px, self.unperturbed());
-        let room = (budget * budget - start * start).sqrt();
-        if !(room > 0.0) {
+        if !(start < budget) {
             return None;
         }
-        let near = if source.kind.is_texture() { NEAR_TEXTURE } else { NEAR };
-        let (mut limit, mut lost) = (source.limit, 0);
-        // As which power of the limit the figure grows, by its last two values: adjustments leave
-        // quadratic rests.
-        let (mut power, mut last) = (1.0, None);
-        for _ in 0..MOST_STEPS {
-            let figure = self.impact(source, seed, limit).worst().by(self.question.criterion);
-            if (figure / budget - 1.0).abs() < near {
-                return Some(limit);
-            }
-            let more = (figure * figure - start * start).max(0.0).sqrt();
-            if !(more > NOTHING_PX * (limit / source.limit)) {
-                return None;
-            }
-            if !more.is_finite() {
-                // Lost rays: back by halves.
-                lost += 1;
-                if lost == MOST_LOST {
-                    return None;
-                }
-                (limit, last) = (0.5 * limit, None);
-                continue;
-            }
-            if let Some((limit_before, more_before)) = last.replace((limit, more)) {
-                let found: f64 = log(more / more_before) / log(limit / limit_before);
-                power = if found.is_finite() { found.clamp(0.5, 4.0) } else { 1.0 };
-            }
-            limit *= exp(log(room / more) / power);
+        let figure = |limit: f64| {
+            let impact = self.impact(source, seed, limit);
+            let worst = if source.is_systematic() { impact.after[1] } else { impact.worst() };
+            worst.by(self.question.criterion)
+        };
+        let texture = source.kind.is_texture();
+        let room = (budget * budget - start * start).sqrt();
+        let mut first = room / self.mean_square(&source.fixed(1.0)).sqrt();
+        if !texture {
+            let made = self.make(&[(source.kind, 1.0)], Stream { seed, trial: 0 });
+            let moved = self.linear_displacement(&made);
+            let moved: Vec<f64> = moved.iter().zip(&self.base).map(|(a, b)| a - b).collect();
+            first = first.min(FAR * budget / Pixels::of(&moved).rms_px);
         }
-        None
+        let first = if first.is_finite() && first > 0.0 { first } else { source.limit };
+        let near = if texture { NEAR_TEXTURE } else { NEAR };
+        crossing(first.min(MOST), MOST, [start, budget], near, figure)
     }
 
-    /// Limits that together just reach the target yield: the variance of all is shared by the
-    /// sources' weights (in equal parts where these are equal), and the whole scaled until the
-    /// budget is the figure's quantile. The figure is a root of a sum of many squares, far from
-    /// normal, so the quantile is that of thousands of trials, from 0 on of `seed`, by first
-    /// derivatives; some hundred traced in full correct it. No limit is more than four times the
-    /// source's own, and sources that do nothing keep theirs; none where there is no room.
-    #[must_use]
-    pub fn joint(&self, seed: u64) -> Option<Joint> {
-        let variances: Vec<f64> =
-            self.question.sources.iter().map(|source| self.variance(source)).collect();
-        let acts = |variance: f64| variance.sqrt() > NOTHING_PX;
-        let pairs = || self.question.sources.iter().zip(&variances);
-        let weights: f64 = pairs().filter(|p| acts(*p.1)).map(|p| p.0.weight).sum();
-        let (budget, start) = (self.question.budget_px, self.unperturbed());
-        let room = (budget * budget - start * start).sqrt();
-        if !(room > 0.0 && weights > 0.0) {
-            return None;
+    /// Limits that together just reach the target yield: the variance of all that are no systematic
+    /// errors is shared by the sources' weights (in equal parts where these are equal), and the whole
+    /// scaled until the budget is the figure's quantile. The figure is a root of a sum of many
+    /// squares, far from normal, so the quantile is that of thousands of trials, from 0 on of
+    /// `seed`, by first derivatives; some hundred traced in full correct it. No limit is more than
+    /// four times the source's own; systematic sources and those that do nothing keep theirs.
+    ///
+    /// # Errors
+    /// [`Unmet`] where there are none.
+    pub fn joint(&self, seed: u64) -> Result<Joint, Unmet> {
+        let own = &self.question.sources;
+        let (budget, criterion) = (self.question.budget_px, self.question.criterion);
+        if !(self.unperturbed() < budget) {
+            return Err(Unmet::Design);
         }
+        let fixed = Pixels::of(&self.mean_field(own));
+        if !(fixed.by(criterion) < budget) {
+            return Err(Unmet::Systematic);
+        }
+        let variances: Vec<f64> = own.iter().map(|source| self.variance(source)).collect();
+        let acts = |variance: f64| variance.sqrt() > NOTHING_PX;
+        let pairs = || own.iter().zip(&variances);
+        let weights: f64 = pairs().filter(|p| acts(*p.1)).map(|p| p.0.weight).sum();
+        if !(weights > 0.0) {
+            return Err(Unmet::NothingToShare);
+        }
+        let share = |source: &Source, variance: f64| (source.weight / weights / variance).sqrt();
         // How much wider than its own each limit is.
         let factors = |scale: f64| -> Vec<f64> {
             let factor = |(source, &variance): (&Source, &f64)| {
-                let share = (source.weight / weights / variance).sqrt();
-                if acts(variance) { (scale * share).min(WIDEST) } else { 1.0 }
+                if acts(variance) { (scale * share(source, variance)).min(WIDEST) } else { 1.0 }
             };
             pairs().map(factor).collect()
         };
+        // Where all are as wide as they are made.
+        let least = pairs().filter(|p| acts(*p.1)).map(|(s, v)| share(s, *v)).reduce(f64::min);
+        let widest = 1.001 * WIDEST / least.unwrap_or(1.0);
         let joint = |scale: f64| -> Joint {
-            let all = self.question.sources.iter().zip(factors(scale));
+            let all = own.iter().zip(factors(scale));
             let (sources, widest) = all
                 .map(|(source, f)| (Source { limit: f * source.limit, ..*source }, f == WIDEST))
                 .unzip();
@@ -168,49 +188,79 @@ impl Engine {
         };
         let target = self.question.target_yield;
         let yardstick = Yardstick::new(self, seed, MANY);
-        let solved = |goal: f64, mut scale: f64| {
-            let (mut power, mut last): (f64, Option<(f64, f64)>) = (1.0, None);
-            for _ in 0..MOST_STEPS {
-                let figure = yardstick.reached(&factors(scale), target);
-                // All as wide as they are made, and still within the budget.
-                let ended = figure < goal && last.is_some_and(|(_, before)| figure == before);
-                if ended || (figure / goal - 1.0).abs() < EXACT {
-                    break;
-                }
-                if let Some((scale_before, figure_before)) = last.replace((scale, figure)) {
-                    let found: f64 = log(figure / figure_before) / log(scale / scale_before);
-                    power = if found.is_finite() { found.clamp(0.1, 1.0) } else { 1.0 };
-                }
-                scale *= exp(log(goal / figure) / power);
+        // The largest scale at which the share `target` has an RMS of `goal` by first derivatives.
+        let solved = |goal: f64, first: f64| {
+            let reached = |scale: f64| yardstick.reached(&factors(scale), target);
+            if reached(widest) <= goal {
+                return Ok(widest);
             }
-            scale
+            let found = crossing(first.min(widest), widest, [fixed.rms_px, goal], EXACT, reached);
+            found.ok_or(Unmet::RaysLost)
         };
-        // At first so that the root of the mean square is the budget.
-        let (mut scale, mut gap) = (room, 1.0);
+        // What errors add to the square of the figure that counts, by first derivatives: of the first
+        // trials, and of the share `target` of many.
+        let added = |figure: f64| figure * figure - fixed.by(criterion) * fixed.by(criterion);
+        let linear = |scale: f64, count: u64| -> Vec<f64> {
+            if criterion == Criterion::Rms {
+                let squares = yardstick.squares(&factors(scale), count as usize);
+                return squares.into_iter().map(f64::sqrt).collect();
+            }
+            self.figures(&self.linear_trials(&joint(scale).sources, seed, 0..count))
+        };
+        let reached = |mut figures: Vec<f64>| {
+            figures.sort_unstable_by(f64::total_cmp);
+            added(quantile(&figures, target))
+        };
+        // The same of the RMS by its quadratic form, which is quick: by their ratio the figure that
+        // counts, in full, leads to a goal for it.
+        let quick = |scale: f64| {
+            let figure = yardstick.reached(&factors(scale), target);
+            figure * figure - fixed.rms_px * fixed.rms_px
+        };
+        let room = added(budget);
+        let goal = |ratio: f64| (fixed.rms_px * fixed.rms_px + room / ratio).sqrt();
+        let (mut ratio, mut scale) = (1.0, room.sqrt());
+        if criterion == Criterion::P95 {
+            for _ in 0..P95_ROUNDS {
+                scale = solved(goal(ratio), scale)?;
+                ratio = reached(linear(scale, FEW)) / quick(scale);
+            }
+        }
+        scale = solved(goal(ratio), scale)?;
+        let wide = self.widened(&joint(scale).sources);
+        let wide = wide.as_ref().unwrap_or(self);
+        let mut lost = false;
         for _ in 0..FULL_ROUNDS {
-            scale = solved(room / gap, scale);
-            let full = self.trials(&joint(scale).sources, seed, 0..FEW, None);
-            let more = |figure: f64| (figure * figure - start * start).max(0.0);
-            let full: Vec<f64> = self.figures(&full).into_iter().map(more).collect();
-            let found = gap_at(target, &full, &yardstick.added(&factors(scale), FEW as usize));
+            let full = self.figures(&wide.trials(&joint(scale).sources, seed, 0..FEW, None));
+            let kept = full.iter().filter(|figure| figure.is_finite()).count();
+            lost = (kept as f64) < target * FEW as f64;
+            let many = linear(scale, if criterion == Criterion::Rms { MANY } else { MANY_P95 });
+            let gap = gap_at(target, added, &full, &many);
             // Away from lost rays by halves.
-            let step = if found.is_finite() { found / gap } else { 2.0 };
-            gap *= step;
-            if (step - 1.0).abs() < FINE {
+            let found =
+                if lost || !(gap > 0.0) { 4.0 * ratio } else { gap * reached(many) / quick(scale) };
+            let step = (found / ratio).sqrt();
+            ratio = found;
+            let before = scale;
+            scale = solved(goal(ratio), scale)?;
+            if scale == before || (step - 1.0).abs() < FINE {
                 break;
             }
         }
-        Some(joint(solved(room / gap, scale)))
+        if lost {
+            return Err(Unmet::RaysLost);
+        }
+        Ok(joint(scale))
     }
 }
 
-/// Root of the ratio of mean squares, of full traces to first derivatives, of the trials about and
-/// beyond the share `target`. These are picked by both alike: what they do not have in common, such
-/// as noise from sample to sample, favours neither.
-fn gap_at(target: f64, full: &[f64], linear: &[f64]) -> f64 {
-    let mut order: Vec<usize> = (0..full.len()).collect();
+/// Ratio of what is `added` by figures, in full to first derivatives, by the trials about and beyond
+/// the share `target`. These are picked by both alike: what they do not have in common, such as noise
+/// from sample to sample, favours neither. Lost ones say nothing.
+fn gap_at(target: f64, added: impl Fn(f64) -> f64, full: &[f64], linear: &[f64]) -> f64 {
+    let mut order: Vec<usize> = (0..full.len()).filter(|&k| full[k].is_finite()).collect();
     order.sort_by(|&a, &b| (full[a] * linear[a]).total_cmp(&(full[b] * linear[b])));
     let from = ((target - BELOW_TARGET).max(0.0) * order.len() as f64) as usize;
-    let sum = |of: &[f64]| order[from..].iter().map(|&k| of[k]).sum::<f64>();
-    (sum(full) / sum(linear)).sqrt()
+    let sum = |of: &[f64]| order[from..].iter().map(|&k| added(of[k])).sum::<f64>();
+    sum(full) / sum(linear)
 }

@@ -4,6 +4,7 @@ use super::engine::{Engine, Made, Question};
 use super::model::{PLACED, Pose, Sample, State, System};
 use super::source::{Kind, Source};
 use crate::num::Dual;
+use crate::num::random::Stream;
 use rayon::prelude::*;
 
 /// Columns of derivatives: x and y of each sample, px, for each internal unit of an error, in the
@@ -100,11 +101,32 @@ impl Engine {
         sum
     }
 
-    /// Mean square of the displacement, px^2, that a source causes after adjustment, by first
+    /// What all parts have in common after adjustment, by first derivatives: the displacement without
+    /// errors, and those of the systematic sources, which add with their signs. Of x and y of each
+    /// sample, px.
+    #[must_use]
+    pub fn mean_field(&self, sources: &[Source]) -> Vec<f64> {
+        let fixed = sources.iter().filter(|source| source.is_systematic());
+        let values: Vec<(Kind, f64)> = fixed.map(|source| (source.kind, source.limit)).collect();
+        // Nothing in it is drawn.
+        let made = self.make(&values, Stream { seed: 0, trial: 0 });
+        let mut field = self.linear_displacement(&made);
+        self.compensation.apply(&mut field);
+        field
+    }
+
+    /// Variance of the displacement, px^2, that a source causes after adjustment: the mean square of
+    /// a random one; none of a systematic one, which is part of the [`Engine::mean_field`].
+    #[must_use]
+    pub fn variance(&self, source: &Source) -> f64 {
+        if source.is_systematic() { 0.0 } else { self.mean_square(source) }
+    }
+
+    /// Mean square of the displacement, px^2, that a source alone causes after adjustment, by first
     /// derivatives and its distribution. Patterns finer than the distance of samples count as
     /// independent from sample to sample.
     #[must_use]
-    pub fn variance(&self, source: &Source) -> f64 {
+    pub fn mean_square(&self, source: &Source) -> f64 {
         let square = source.limit * source.limit * source.distribution.mean_square();
         let Self { linear, .. } = self;
         let count = self.samples() as f64;
@@ -144,5 +166,73 @@ impl Engine {
                 kind => super::engine::placed_by(kind, pixel, &self.question.texture)
                     .map_or(0.0, |(k, unit)| unit * unit * of(k)),
             }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::design;
+    use crate::geom::DVec2;
+    use crate::pipeline::load;
+    use crate::tolerance::{Criterion, Measure, Process, Reference};
+
+    fn length(field: &[f64]) -> f64 {
+        field.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Polynomials stand for the mirror and the form errors, and under a pinhole the mirror's second
+    /// derivatives are differences: how far that is from the mirror's own derivatives.
+    #[test]
+    fn derivatives_are_the_mirrors_own_to_what_the_readme_says() {
+        for (name, most) in [("conquistador", 1e-8), ("hyperbolic", 1e-8), ("parabolic", 1e-8)] {
+            let design = design(&load(name).unwrap().profile, None).unwrap();
+            let view = design.view.as_ref().unwrap();
+            let process = Process::ALL[2];
+            let source = |kind: Kind| {
+                let (limit, distribution) = process.usual(kind);
+                Source { kind, limit, distribution, weight: 1.0 }
+            };
+            let kinds = Kind::all().filter(|k| !matches!(k, Kind::Map | Kind::Facets));
+            let question = Question {
+                sources: kinds.map(source).collect(),
+                form: Measure::Pv,
+                texture: process.texture,
+                map: None,
+                compensators: Vec::new(),
+                criterion: Criterion::Rms,
+                reference: Reference::Design,
+                budget_px: 1.0,
+                target_yield: 0.9,
+                samples: 40,
+            };
+            let engine = Engine::new(&design.mirror, &design.camera, view, question).unwrap();
+            assert_eq!(engine.expanded(), engine.samples());
+            let mut plain = engine.system.clone();
+            for sample in &mut plain.samples {
+                (sample.base, sample.form) = (None, Vec::new());
+            }
+            let forms = engine.forms.len() + engine.modes.len();
+            let exact = Linear::new(&plain, &engine.question, forms);
+            for (k, (found, exact)) in
+                engine.linear.columns().iter().zip(exact.columns()).enumerate()
+            {
+                let off: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();
+                let off = length(&off) / length(exact).max(1e-6);
+                println!("{name} {k}: {off:e}");
+                assert!(off < most, "{name} {k}: {off:e}");
+            }
+            // Displacements of a whole trial.
+            let made = engine.trial(&engine.question.sources, 1, 3);
+            let pose = Pose::new(&made.state.placed);
+            for (sample, plain) in engine.system.samples.iter().zip(&plain.samples) {
+                let content = |system: &System, sample: &Sample| {
+                    DVec2::from_array(system.content(sample, &pose, &made.state))
+                };
+                let off = content(&engine.system, sample) - content(&engine.system, plain);
+                let off = off.length() / engine.system.camera.pixel_mm;
+                assert!(off < 1e-8, "{name} {off:e}");
+            }
+        }
     }
 }

@@ -11,6 +11,7 @@
 //! pixel sees.
 
 mod compensate;
+mod crossing;
 mod engine;
 mod field;
 mod inverse;
@@ -28,9 +29,9 @@ mod yardstick;
 mod yields;
 
 pub use compensate::{Adjustment, Compensator, Criterion, Pixels};
-pub use engine::{Engine, Made, Question, Reference};
+pub use engine::{Engine, Made, Question, Reference, extent};
 pub use field::{Measure, form_of_pv};
-pub use inverse::{Impact, Joint};
+pub use inverse::{Impact, Joint, Unmet};
 pub use plots::{Offender, Points, worst_offenders};
 pub use preset::{MOUNT, Process};
 pub use replay::{Judged, Placing, Witnessed};

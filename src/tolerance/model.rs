@@ -114,6 +114,8 @@ pub struct System {
     pub(super) mirror: Mirror,
     sag: Chart,
     half_width: f64,
+    /// How far from its own hit, mm along X and along Y, a sample's ray is followed.
+    farthest: f64,
     pub(super) fields: Vec<Field>,
     pub(super) form_degree: usize,
     /// Wave vector of the waviness, 1/mm.
@@ -154,6 +156,7 @@ impl System {
         };
         let sag = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
         let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
+        let farthest = mirror.whole().bounds().size().max_element();
         let mut system = Self {
             camera,
             view,
@@ -161,6 +164,7 @@ impl System {
             mirror,
             sag,
             half_width,
+            farthest,
             fields,
             form_degree: 0,
             wave,
@@ -170,6 +174,19 @@ impl System {
         system.samples = system.spread(count, [margin, reach]);
         system.expand_forms();
         system
+    }
+
+    /// The same with other samples, without polynomials of the form errors.
+    pub(super) fn with(&self, samples: Vec<Sample>) -> Self {
+        Self {
+            view: self.view.clone(),
+            samples,
+            mirror: self.mirror.clone(),
+            fields: self.fields.clone(),
+            form_degree: 0,
+            map: self.map.clone(),
+            ..*self
+        }
     }
 
     /// The state without errors.
@@ -256,7 +273,8 @@ impl System {
     }
 
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
-    /// where the ray is lost.
+    /// where the ray is lost: it does not meet the surface, which goes on beyond the rim, within the
+    /// mirror's size of where it does as designed.
     pub fn content<S: Scalar>(&self, sample: &Sample, pose: &Pose<S>, state: &State<S>) -> [S; 2] {
         let mut sum = [0.0; FORM_TERMS];
         let count = terms(self.form_degree);
@@ -268,7 +286,11 @@ impl System {
         // Four at a time: the sum is fetched less often.
         let (fours, rest) = state.form.as_chunks::<4>();
         let mut forms = sample.form.chunks_exact(4 * count);
-        for ([a, b, c, d], forms) in fours.iter().zip(&mut forms) {
+        for (four @ [a, b, c, d], forms) in fours.iter().zip(&mut forms) {
+            // Most errors alone have none.
+            if *four == [0.0; 4] {
+                continue;
+            }
             let (ab, cd) = forms.split_at(2 * count);
             let ((p, q), (r, s)) = (ab.split_at(count), cd.split_at(count));
             let columns = p.iter().zip(q).zip(r.iter().zip(s));
@@ -322,6 +344,7 @@ impl System {
                 _ => false,
             });
             sum = match (field, sine) {
+                (_, Some((b, _))) if *a == 0.0 && *b == 0.0 => sum,
                 (Field::Cosine(k), Some((b, _))) => added(sum, 1.0, ripple(*k, [*a, *b], at)),
                 _ if *a != 0.0 => added(sum, *a, field.at(at)),
                 _ => sum,
@@ -351,7 +374,7 @@ impl System {
         let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
         let from = pose.turned_back(from).map(|x| x / pose.scale);
         let along = pose.turned_back(along);
-        let Some((at, slope)) = meet(sample, from, along, surface) else {
+        let Some((at, slope)) = meet(sample, self.farthest, (from, along), surface) else {
             return [S::constant(f64::NAN); 2];
         };
         // d - n (2 d . n / n . n) with n = (-slope, 1).
@@ -431,12 +454,13 @@ fn is_plain<S>() -> bool {
     size_of::<S>() == size_of::<f64>()
 }
 
-/// Where a line meets `surface`, and the slope there: Newton's method from the sample's own hit.
+/// Where a line meets `surface`, and the slope there: Newton's method from the sample's own hit, no
+/// farther from that than `farthest`.
 #[inline]
 fn meet<S: Scalar>(
     sample: &Sample,
-    from: [S; 3],
-    along: [S; 3],
+    farthest: f64,
+    (from, along): ([S; 3], [S; 3]),
     surface: impl Fn([S; 2]) -> [S; 3],
 ) -> Option<([S; 3], [S; 2])> {
     let (hit, p) = (sample.hit, sample.slope);
@@ -448,6 +472,11 @@ fn meet<S: Scalar>(
     let mut last: Option<(S, [S; 2])> = None;
     for _ in 0..MOST_STEPS {
         let [x, y, z] = [0, 1, 2].map(|k| from[k] + along[k] * t);
+        // Nor is what is not a number near.
+        let near = |x: S, hit: f64| (x.centre() - hit).abs() <= farthest;
+        if !(near(x, hit.x) && near(y, hit.y)) {
+            return None;
+        }
         let [f, f_x, f_y] = surface([x, y]);
         let step = (z - f) / (along[2] - along[0] * f_x - along[1] * f_y);
         t = t - step;

@@ -1,5 +1,6 @@
 //! What pictures of a study show, and which errors hurt most.
 
+use super::compensate::or_lost;
 use super::engine::Engine;
 use super::study::{SourceFacts, Study};
 use super::trials::Trial;
@@ -13,7 +14,8 @@ pub struct Offender {
     pub source: String,
     /// The limit, with its sign where it has one.
     pub value: f64,
-    /// What it does alone after adjustment, px.
+    /// What it does alone after adjustment, px; infinite where rays are lost.
+    #[serde(serialize_with = "or_lost")]
     pub adjusted_px: f64,
 }
 

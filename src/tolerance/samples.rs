@@ -9,7 +9,12 @@ use rayon::prelude::*;
 /// farther off than this is not used.
 const DEGREES: [usize; 4] = [5, 7, 10, 14];
 const SMOOTH: f64 = 1e-12;
-/// The same for form errors of 1 mm; made ones have micrometres, the waves of a random slope
+/// Where none is near enough on a square, this share of its side is tried.
+const SMALLER: f64 = 0.25;
+/// Shares that are tried of squares that are to be wider, by every so many samples.
+const WIDER: [f64; 4] = [1.0, 0.75, 0.5, 0.3];
+const SOME: usize = 100;
+/// As [`SMOOTH`], for form errors of 1 mm; made ones have micrometres, the waves of a random slope
 /// fractions of them.
 const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
 /// Most terms of form errors.
@@ -47,6 +52,35 @@ impl System {
         let fitters = DEGREES.map(Fitter::new);
         let sample = |q| self.sample(&fitters, q, self.sees(q, margin)?, reach);
         places(spacing).into_par_iter().filter_map(sample).collect()
+    }
+
+    /// The same with larger squares, for hits that move by about `reach` mm, where polynomials are the
+    /// surface on them; none where they are not.
+    pub(super) fn widened(&self, reach: f64) -> Option<Self> {
+        let fitters = DEGREES.map(Fitter::new);
+        let fitted = |sample: &Sample, half: f64| {
+            let square = Square { half, ..sample.square };
+            self.fitted(&fitters, &square).map(|base| (square, base))
+        };
+        // Some tell of the others.
+        let some = || self.samples.iter().step_by(SOME).filter(|s| s.base.is_some());
+        let all_fit = |half: f64| some().all(|sample| fitted(sample, half).is_some());
+        let wider = |half: &f64| some().all(|sample| *half > sample.square.half);
+        let halves = WIDER.map(|share| share * reach).into_iter().filter(wider);
+        let half = halves.into_iter().find(|half| all_fit(*half))?;
+        // (Without a copy of the form errors' many coefficients.)
+        let wider = |sample: &Sample| {
+            let &Sample { point, content, hit, slope, groove, .. } = sample;
+            let (square, base) = match fitted(sample, half) {
+                Some((square, base)) => (square, Some(base)),
+                None => (sample.square, sample.base.clone()),
+            };
+            Sample { point, content, hit, slope, square, groove, base, form: Vec::new() }
+        };
+        let mut wide = self.with(self.samples.par_iter().map(wider).collect());
+        wide.expand_forms();
+        // Rather none so wide than none at all.
+        (wide.form_degree > 0).then_some(wide)
     }
 
     /// Gives the samples polynomials of the form errors, of one degree for all.
@@ -92,18 +126,26 @@ impl System {
         inside.then_some(place)
     }
 
+    /// Degree and coefficients of the designed surface on a square.
+    fn fitted(&self, fitters: &[Fitter], square: &Square) -> Option<(usize, Vec<[f64; 3]>)> {
+        fitters.iter().find_map(|fitter| {
+            let c = fitter.fit(square, |at| self.designed(at));
+            let found = |at| values(fitter.degree(), &c, square, at);
+            let smooth = off(square, found, |at| self.designed(at)) <= SMOOTH;
+            smooth.then_some((fitter.degree(), c))
+        })
+    }
+
     fn sample(&self, fitters: &[Fitter], point: DVec2, place: DVec2, reach: f64) -> Option<Sample> {
         let at = self.mirror.row(place.y).at(place.x);
         let hit = self.mirror.place(place, &at);
         let slope = self.mirror.slope(place, &at).to_array();
-        let square = Square { centre: [hit.x, hit.y], half: reach };
-        let fit = |fitter: &Fitter| {
-            let c = fitter.fit(&square, |at| self.designed(at));
-            let found = |at| values(fitter.degree(), &c, &square, at);
-            let smooth = off(&square, found, |at| self.designed(at)) <= SMOOTH;
-            smooth.then_some((fitter.degree(), c))
-        };
-        let base = fitters.iter().find_map(fit);
+        let of = |half: f64| Square { centre: [hit.x, hit.y], half };
+        let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {
+            let base = self.fitted(fitters, &square)?;
+            Some((square, Some(base)))
+        });
+        let (square, base) = fitted.unwrap_or((of(reach), None));
         let content = DVec2::ZERO;
         let (groove, form) = (self.groove(hit.truncate()), Vec::new());
         let mut sample = Sample { point, content, hit, slope, square, groove, base, form };

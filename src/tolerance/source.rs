@@ -45,7 +45,9 @@ pub enum Kind {
     Map,
     /// A ripple, peak to valley, of a known period and direction and any phase.
     Waviness,
-    /// A random slope error with a Gaussian autocorrelation, RMS of the gradient.
+    /// A random slope error with a Gaussian autocorrelation: RMS of the gradient of its height along
+    /// Z. On ground of slope g the normal turns by 1 / (1 + g^2) of that up and down the slope, and by
+    /// 1 / sqrt(1 + g^2) across it.
     Slope,
     /// Cusps that a ball cutter leaves between tracks so far apart, of any phase.
     ToolMarks,
@@ -175,7 +177,8 @@ pub enum Distribution {
     Normal,
     /// Normal, without what lies beyond the limits.
     Truncated,
-    /// Always at the limit.
+    /// Always at the limit, with its sign: a known error. Of a texture this is its strength, and the
+    /// pattern is random.
     Fixed,
 }
 
@@ -229,6 +232,19 @@ pub struct Source {
 }
 
 impl Source {
+    /// Whether it is the same in every part: fixed, and no texture. Such errors add as they are,
+    /// with their signs; they have no variance.
+    #[must_use]
+    pub fn is_systematic(&self) -> bool {
+        self.distribution == Distribution::Fixed && !self.kind.is_texture()
+    }
+
+    /// The same always at another limit.
+    #[must_use]
+    pub(super) fn fixed(&self, limit: f64) -> Self {
+        Self { limit, distribution: Distribution::Fixed, ..*self }
+    }
+
     /// Its error in a trial, in its own unit; of a texture its strength.
     #[must_use]
     pub fn draw(&self, stream: &Stream) -> f64 {

@@ -1,10 +1,11 @@
 //! Everything that is asked, answered.
 
-use super::compensate::{Criterion, Pixels};
+use super::compensate::{Criterion, Pixels, or_lost};
 use super::engine::{Engine, Reference};
 use super::field::Measure;
+use super::inverse::Unmet;
 use super::source::{Distribution, Source};
-use super::trials::{Statistics, Trial, quantile};
+use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -34,10 +35,19 @@ pub struct Study {
     pub nominal: Pixels,
     /// The sources, that with the largest impact after adjustment first.
     pub sources: Vec<SourceFacts>,
-    /// Root of the sum of mean squares, the design's included, by first derivatives.
+    /// Why there are no limits in concert, if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_limit_joint: Option<Unmet>,
+    /// RMS of what all parts have in common after adjustment: the design's displacement and those of
+    /// the systematic sources, added with their signs, by first derivatives.
+    pub mean_px: f64,
+    /// Root of the sum of its square and of the variances of the other sources.
     pub rss_px: f64,
-    /// Root of the mean square of the trials' RMS, which it predicts.
+    /// Root of the mean square of the trials' RMS, which it predicts; of those that lose no rays.
+    #[serde(serialize_with = "or_lost")]
     pub rms_px: f64,
+    /// Trials in which a sampled ray does not meet the mirror. They do not keep the budget.
+    pub lost_trials: u64,
     /// What first derivatives make of the first trials.
     pub linear: Statistics,
     /// All trials, as made.
@@ -68,19 +78,26 @@ pub struct SourceFacts {
     pub distribution: Distribution,
     /// Its weight when the budget is allotted.
     pub weight: f64,
+    /// Whether it is the same in every part, with its sign: fixed, and no texture.
+    pub systematic: bool,
     /// What it does alone at the negative limit, as made, px.
+    #[serde(serialize_with = "or_lost")]
     pub minus_px: f64,
     /// At the positive limit.
+    #[serde(serialize_with = "or_lost")]
     pub plus_px: f64,
     /// At the negative limit, after adjustment.
+    #[serde(serialize_with = "or_lost")]
     pub minus_adjusted_px: f64,
     /// At the positive limit.
+    #[serde(serialize_with = "or_lost")]
     pub plus_adjusted_px: f64,
-    /// Its share of the mean square after adjustment.
+    /// Its share of the variance after adjustment; 0 of a systematic source, which has none.
     pub share_of_variance: f64,
     /// The limit at which it alone uses up the budget; none where there is none.
     pub limit_alone: Option<f64>,
-    /// The limit that goes with those of all others at the target yield.
+    /// The limit that goes with those of all others at the target yield; its own of a systematic
+    /// source.
     pub limit_joint: Option<f64>,
     /// Whether it is as wide as joint limits are made, four times the own one: less than its share
     /// of the variance.
@@ -90,26 +107,31 @@ pub struct SourceFacts {
 /// First derivatives against the full trace, over the same trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gap {
-    /// Over so many trials.
+    /// Over so many trials, those that lose no rays.
     pub trials: u64,
-    /// Root of the mean square of the difference, px.
+    /// Root of the mean square of the difference, px; lost without such trials.
+    #[serde(serialize_with = "or_lost")]
     pub rms_px: f64,
     /// The same against the mean of the full trace.
+    #[serde(serialize_with = "or_lost")]
     pub relative: f64,
 }
 
-/// How far an adjustment was moved.
+/// How far an adjustment was moved, in the trials that lose no rays.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdjustmentFacts {
     /// Its name.
     pub name: &'static str,
     /// The unit of what follows.
     pub unit: &'static str,
-    /// Standard deviation over the trials.
-    pub sigma: f64,
+    /// Standard deviation over the trials; none of a single one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma: Option<f64>,
     /// What 95 % of the trials stay within.
+    #[serde(serialize_with = "or_lost")]
     pub p95: f64,
     /// The farthest.
+    #[serde(serialize_with = "or_lost")]
     pub farthest: f64,
 }
 
@@ -127,14 +149,11 @@ impl Study {
         let linear = engine.linear_trials(&question.sources, seed, first..first + repeated);
         let full = engine.figures(trials);
         let by_linear = engine.figures(&linear);
-        let off: f64 = by_linear.iter().zip(&full).map(|(a, b)| (a - b) * (a - b)).sum();
-        let rms_px = (off / repeated as f64).sqrt();
-        let mean = full.iter().take(by_linear.len()).sum::<f64>() / repeated as f64;
-        let gap = Gap { trials: repeated, rms_px, relative: rms_px / mean };
+        let gap = gap(&by_linear, &full);
 
         let variances: Vec<f64> = question.sources.iter().map(|s| engine.variance(s)).collect();
         let variance: f64 = variances.iter().sum();
-        let start = engine.judge(engine.base.clone()).1.rms_px;
+        let mean_px = Pixels::of(&engine.mean_field(&question.sources)).rms_px;
         let joint = engine.joint(seed);
         let facts = |(k, source): (usize, &Source)| {
             let impact = engine.impact(source, seed, source.limit);
@@ -146,14 +165,15 @@ impl Study {
                 limit: source.limit,
                 distribution: source.distribution,
                 weight: source.weight,
+                systematic: source.is_systematic(),
                 minus_px,
                 plus_px,
                 minus_adjusted_px,
                 plus_adjusted_px,
                 share_of_variance: if variance > 0.0 { variances[k] / variance } else { 0.0 },
                 limit_alone: engine.limit_alone(source, seed),
-                limit_joint: joint.as_ref().map(|joint| joint.sources[k].limit),
-                limit_joint_widest: joint.as_ref().is_some_and(|joint| joint.widest[k]),
+                limit_joint: joint.as_ref().ok().map(|joint| joint.sources[k].limit),
+                limit_joint_widest: joint.as_ref().is_ok_and(|joint| joint.widest[k]),
             }
         };
         let mut sources: Vec<SourceFacts> =
@@ -161,7 +181,9 @@ impl Study {
         let worst = |facts: &SourceFacts| facts.minus_adjusted_px.max(facts.plus_adjusted_px);
         sources.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
 
-        let square = |trial: &Trial| trial.after.rms_px * trial.after.rms_px;
+        let square = |trial: &&Trial| trial.after.rms_px * trial.after.rms_px;
+        let kept: Vec<&Trial> = trials.iter().filter(|trial| trial.after.kept()).collect();
+        let rms_px = (kept.iter().map(square).sum::<f64>() / kept.len() as f64).sqrt();
         let yields = engine.yields(trials);
         Self {
             seed,
@@ -175,31 +197,43 @@ impl Study {
             target_yield: question.target_yield,
             nominal: engine.nominal(),
             sources,
-            rss_px: (start * start + variance).sqrt(),
-            rms_px: (trials.iter().map(square).sum::<f64>() / trials.len() as f64).sqrt(),
+            no_limit_joint: joint.err(),
+            mean_px,
+            rss_px: (mean_px * mean_px + variance).sqrt(),
+            rms_px,
+            lost_trials: (trials.len() - kept.len()) as u64,
             linear: Statistics::of(by_linear),
             as_made: Statistics::of(trials.iter().map(|trial| figure(trial.before)).collect()),
             adjusted: Statistics::of(full),
             yields,
             gap,
-            adjustments: adjustments(engine, trials),
+            adjustments: adjustments(engine, &kept),
             passes: yields.share >= question.target_yield,
         }
     }
 }
 
-fn adjustments(engine: &Engine, trials: &[Trial]) -> Vec<AdjustmentFacts> {
+/// Of figures by first derivatives and of the full traces that they repeat.
+fn gap(linear: &[f64], full: &[f64]) -> Gap {
+    let pairs = || linear.iter().zip(full).filter(|(_, full)| full.is_finite());
+    let trials = pairs().count() as f64;
+    let off: f64 = pairs().map(|(a, b)| (a - b) * (a - b)).sum();
+    let rms_px = (off / trials).sqrt();
+    let mean = pairs().map(|pair| pair.1).sum::<f64>() / trials;
+    // Where nothing moves, nothing is off.
+    let relative = if rms_px == 0.0 { 0.0 } else { rms_px / mean };
+    Gap { trials: trials as u64, rms_px, relative }
+}
+
+fn adjustments(engine: &Engine, trials: &[&Trial]) -> Vec<AdjustmentFacts> {
     let facts = |(k, adjustment): (usize, &super::Adjustment)| {
         let steps = || trials.iter().map(|trial| trial.steps[k]);
-        let count = trials.len() as f64;
-        let mean = steps().sum::<f64>() / count;
-        let square = steps().map(|x| (x - mean) * (x - mean)).sum::<f64>();
         let mut far: Vec<f64> = steps().map(f64::abs).collect();
         far.sort_by(f64::total_cmp);
         AdjustmentFacts {
             name: adjustment.name,
             unit: adjustment.unit,
-            sigma: (square / (count - 1.0)).sqrt(),
+            sigma: deviation(steps()),
             p95: quantile(&far, 0.95),
             farthest: quantile(&far, 1.0),
         }

@@ -1,6 +1,6 @@
 //! Monte Carlo: many made systems, each a function of the seed and its own number.
 
-use super::compensate::Pixels;
+use super::compensate::{Pixels, or_lost};
 use super::engine::{Engine, Made};
 use super::source::Source;
 use super::yields::Yield;
@@ -18,30 +18,40 @@ pub struct Trial {
     pub before: Pixels,
     /// After adjustment.
     pub after: Pixels,
-    /// How far each adjustment was moved, in its unit.
+    /// How far each adjustment was moved, in its unit; empty where rays are lost.
     pub steps: Vec<f64>,
 }
 
-/// Mean, scatter and percentiles of a figure over the trials.
+/// Mean, scatter and percentiles of a figure over the trials. Mean and scatter are of the trials that
+/// lose no rays; those that do are the worst, infinite ones among the percentiles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Statistics {
     /// Mean.
+    #[serde(serialize_with = "or_lost")]
     pub mean_px: f64,
-    /// Standard deviation.
-    pub sigma_px: f64,
+    /// Standard deviation; none of a single trial.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_px: Option<f64>,
     /// Median.
+    #[serde(serialize_with = "or_lost")]
     pub p50_px: f64,
     /// What 80 % of the trials do not exceed.
+    #[serde(serialize_with = "or_lost")]
     pub p80_px: f64,
     /// 90 %.
+    #[serde(serialize_with = "or_lost")]
     pub p90_px: f64,
     /// 95 %.
+    #[serde(serialize_with = "or_lost")]
     pub p95_px: f64,
     /// 98 %.
+    #[serde(serialize_with = "or_lost")]
     pub p98_px: f64,
     /// 99 %.
+    #[serde(serialize_with = "or_lost")]
     pub p99_px: f64,
     /// The worst of all.
+    #[serde(serialize_with = "or_lost")]
     pub worst_px: f64,
 }
 
@@ -49,10 +59,10 @@ impl Statistics {
     /// Of one figure a trial; not a number without trials.
     #[must_use]
     pub fn of(mut figures: Vec<f64>) -> Self {
-        let count = figures.len() as f64;
-        let mean_px = figures.iter().sum::<f64>() / count;
-        let square = |x: &f64| (x - mean_px) * (x - mean_px);
-        let sigma_px = (figures.iter().map(square).sum::<f64>() / (count - 1.0)).sqrt();
+        let kept = || figures.iter().copied().filter(|x| x.is_finite());
+        let count = kept().count() as f64;
+        let mean_px = if count > 0.0 { kept().sum::<f64>() / count } else { f64::INFINITY };
+        let sigma_px = deviation(kept());
         figures.sort_by(f64::total_cmp);
         let at = |share: f64| quantile(&figures, share);
         Self {
@@ -67,6 +77,14 @@ impl Statistics {
             worst_px: at(1.0),
         }
     }
+}
+
+/// Standard deviation of a sample; none of fewer than two.
+pub(super) fn deviation(sample: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let count = sample.clone().count() as f64;
+    let mean = sample.clone().sum::<f64>() / count;
+    let squares: f64 = sample.map(|x| (x - mean) * (x - mean)).sum();
+    (count > 1.0).then(|| (squares / (count - 1.0)).sqrt())
 }
 
 /// The smallest of `sorted` that the share of them does not exceed; not a number of none.
@@ -146,7 +164,7 @@ impl Engine {
         trials.iter().map(|trial| trial.after.by(self.question.criterion)).collect()
     }
 
-    /// The share of the trials that keep the budget.
+    /// The share of the trials that keep the budget; those that lose rays do not.
     #[must_use]
     pub fn yields(&self, trials: &[Trial]) -> Yield {
         let figures = self.figures(trials);

@@ -86,7 +86,7 @@ impl Bundle {
     pub fn add(&mut self, at: DVec3, direction: DVec3) {
         widen(&mut self.from, [at; 2]);
         widen(&mut self.along, [direction; 2]);
-        // A distance that is not finite shows in each coordinate: zero times it is no number.
+        // A distance that is not finite shows in Z, of parallel rays in Z alone; a sum stays so.
         self.check += at.z + direction.element_sum();
     }
 

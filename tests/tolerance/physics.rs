@@ -284,6 +284,6 @@ fn a_measured_map_acts_as_what_it_holds() {
     };
     assert!(off(&mapped, &term) < 1e-9, "{}", off(&mapped, &term));
     assert!(off(&by_map, &by_term) < 1e-9, "{}", off(&by_map, &by_term));
-    let [a, b] = [0, 1].map(|k| engine.variance(&sources[k]));
+    let [a, b] = [0, 1].map(|k| engine.mean_square(&sources[k]));
     assert!((a / b - 1.0).abs() < 1e-9);
 }

@@ -216,6 +216,147 @@ fn the_verdict_is_the_exit_code_and_json_is_the_file() {
     assert!((mean - told).abs() < 1e-12 * told);
 }
 
+/// Limits that no system can have end soon, in words.
+#[test]
+fn absurd_limits_lose_rays_and_say_so() {
+    let folder = folder();
+    let home = folder.path();
+    let keys = Kind::all().map(|kind| kind.key()).filter(|key| {
+        !key.starts_with("zernike") && !["map_share", "stepover_mm"].contains(&&**key)
+    });
+    let limits: String = keys.map(|key| format!("{key} = 1e6\n")).collect();
+    let none = "[tolerance]\nbudget_px = 1e-3\nreference = \"projection\"\n";
+    save(home, &format!("{}\n{none}[tolerance.limits]\n{limits}", small()));
+    let (code, out, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "8"]));
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(out.contains("  lost     8 of 8 trials lose rays"), "{out}");
+    let none = "  limits   no limits in concert meet the budget: the design alone uses it up";
+    assert!(out.contains(none), "{out}");
+    let made = files(&home.join("out/small"));
+    let table = String::from_utf8(made["trials.csv"].clone()).unwrap();
+    let page = String::from_utf8(made["tolerance.html"].clone()).unwrap();
+    assert!(table.contains("\n0,lost,lost,lost,lost,lost,"), "{table}");
+    assert!(page.contains("8 of them lose rays"), "{page}");
+    for text in [&out, &table, &page] {
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+    }
+    let report: serde_json::Value = serde_json::from_slice(&made["tolerance.json"]).unwrap();
+    assert_eq!((&report["lost_trials"], &report["yield"]["share"]), (&8.into(), &0.0.into()));
+    assert_eq!(
+        (&report["adjusted"]["p95_px"], &report["rms_px"]),
+        (&"lost".into(), &"lost".into())
+    );
+    assert_eq!(report["no_limit_joint"], "design");
+    // Its lines are read again.
+    let part = ["tolerance", "small.toml", "--trials", "0..8", "--part"];
+    assert_eq!(told(&morion(home, &part)).0, 0);
+    assert!(
+        run(home, &["--merge", "out/small/trials-0-8.csv"], 1)["trials.csv"] == made["trials.csv"]
+    );
+}
+
+/// One trial has no scatter; a picture of few pixels more adjustments than equations.
+#[test]
+fn little_to_go_by_leaves_no_odd_figures() {
+    let folder = folder();
+    let home = folder.path();
+    let table = "[tolerance]\ntarget_yield = 0.57\n\
+                 compensators = [\"shift\", \"rotation\", \"magnification\", \"tilt\", \"despace\"]\n[export]";
+    for pixels in ["[16, 12]", "[4, 3]", "[3, 2]"] {
+        save(home, &edited(SMALL, &[("[160, 120]", pixels), ("[export]", table)]));
+        let (code, out, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "1"]));
+        if code == 2 {
+            assert!(pixels == "[3, 2]" && err.contains("take a camera of more pixels"), "{err}");
+            continue;
+        }
+        assert!(out.contains(" px for 57 % of the parts\n") && out.contains("sigma -,"), "{out}");
+        let report = std::fs::read_to_string(home.join("out/small/tolerance.json")).unwrap();
+        assert!(!report.contains("sigma_px\": null"), "{report}");
+        for text in [&out, &report] {
+            assert!(!text.contains("NaN") && !text.contains("inf"), "{pixels}: {text}");
+        }
+    }
+}
+
+#[test]
+fn facets_are_those_that_the_witness_of_the_same_profile_found() {
+    let folder = folder();
+    let home = folder.path();
+    let facets = |text: &str| {
+        save(home, text);
+        let (_, out, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "3"]));
+        let report = std::fs::read_to_string(home.join("out/small/tolerance.json")).expect(&err);
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        let sources = report["sources"].as_array().unwrap();
+        let source = sources.iter().find(|s| s["source"] == "facets_px").unwrap();
+        let from = report["facets_from"].as_str().unwrap().to_owned();
+        assert!(out.contains("  facets   facets_px "), "{out}");
+        (from, source["limit"].as_f64().unwrap(), source["plus_px"].as_f64().unwrap())
+    };
+    let text = small();
+    assert_eq!(facets(&text).0, "mesh");
+    save(home, &text);
+    let part = |range: &str| {
+        let arguments = ["tolerance", "small.toml", "--trials", range, "--part"];
+        assert_eq!(told(&morion(home, &arguments)).0, 0);
+    };
+    part("0..2");
+    assert!(told(&morion(home, &["build", "small.toml"])).0 < 2);
+    part("2..4");
+    let parts = ["out/small/trials-0-2.csv", "out/small/trials-2-4.csv"];
+    refused(
+        home,
+        &["--merge", parts[0], parts[1]],
+        &["the build whose facets it takes has changed"],
+    );
+    let built = std::fs::read_to_string(home.join("out/small/report.json")).unwrap();
+    let built: serde_json::Value = serde_json::from_str(&built).unwrap();
+    let traces = built["trace"].as_array().unwrap().iter();
+    let rms = traces.map(|t| t["facet_error_px"]["rms"].as_f64().unwrap()).fold(0.0, f64::max);
+    let (from, limit, px) = facets(&text);
+    assert!(from == "witness" && limit < 3.0, "{from} {limit}");
+    // Few samples, sixteen patterns.
+    assert!((limit / rms - 2f64.sqrt()).abs() < 1e-3 && (px / rms - 1.0).abs() < 0.1, "{px} {rms}");
+    let limits = "[tolerance.limits]\nfacets_px = 2\n[export]";
+    assert_eq!(facets(&edited(&text, &[("[export]", limits)])).0, "limits");
+    let other = facets(&edited(&text, &[("facet_px = 3", "facet_px = 2.5")]));
+    assert_eq!((&*other.0, other.1), ("mesh", 2.5));
+}
+
+#[test]
+fn maps_that_do_not_cover_the_mirror_are_refused() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, &edited(&small(), &[("[export]", "[tolerance]\nmap_file = \"map.csv\"\n[export]")]));
+    for (step, says) in [
+        (
+            [3, 3],
+            "map.csv: it covers X from -6 to 6 mm, and the mirror goes from -7.5000 to 7.5000 mm",
+        ),
+        ([4, 2], "map.csv: it covers Y from -4 to 4 mm, and the mirror goes from "),
+    ] {
+        let node = |k: i32| format!("{},{},0\n", step[0] * (k % 5 - 2), step[1] * (k / 5 - 2));
+        std::fs::write(home.join("map.csv"), (0..25).map(node).collect::<String>()).unwrap();
+        refused(home, &["small.toml"], &[says, "add rows or columns"]);
+    }
+}
+
+/// A name may hold anything that a file's name may.
+#[cfg(unix)]
+#[test]
+fn a_profile_with_a_line_end_in_its_name_is_merged() {
+    let folder = folder();
+    let home = folder.path();
+    let named = "two\nlines \"and\" quotes";
+    std::fs::write(home.join(format!("{named}.toml")), small()).unwrap();
+    let file = format!("{named}.toml");
+    let arguments = ["tolerance", &file, "--trials", "0..6", "--part"];
+    assert_eq!(told(&morion(home, &arguments)).0, 0);
+    let part = home.join("out").join(named).join("trials-0-6.csv");
+    let (code, out, err) = told(&morion(home, &["tolerance", "--merge", part.to_str().unwrap()]));
+    assert_eq!(code, 1, "{out}{err}");
+}
+
 #[test]
 fn wrong_usage_and_mirrors_that_aim_at_nothing_are_refused() {
     let folder = folder();

@@ -78,6 +78,7 @@ pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tol
 /// Limits, distributions and weights by source.
 fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut Tolerance) {
     let has_map = section.has("map_file");
+    let why = |key: &str| foreign(key, setting, has_map);
     if let Some(limits) = reader.section(section, "limits", Optional) {
         for key in schema::SOURCES {
             let must = "a number from 0 to 1000000";
@@ -85,11 +86,8 @@ fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut
             let allowed = |f: f64| (0.0..=1e6).contains(&f);
             let limit = number(reader, &limits, key, Optional, must, hint, allowed);
             let Some(limit) = limit else { continue };
-            if let (Some((why, hint)), true) = (foreign(key, setting, has_map), limit.value != 0.0)
-            {
-                let path = limits.path_of(key);
-                let message = format!("{path} must be left out {why}, found {}", limit.value);
-                reader.complain(limit.at, message, hint);
+            if limit.value != 0.0 {
+                refuse_foreign(reader, &limits, key, why(key));
             }
             found.limits.push((key, limit.value));
         }
@@ -100,6 +98,7 @@ fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut
             let hint = "uniform between the limits; normal with the limit at two standard \
                         deviations, truncated there or not; or fixed at the limit";
             if let Some(chosen) = word(reader, &section, key, &words, hint) {
+                refuse_foreign(reader, &section, key, why(key));
                 found.distributions.push((key, chosen));
             }
         }
@@ -110,10 +109,25 @@ fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut
             let hint = "how dear this is to hold against the others, which have 1";
             let allowed = |f: f64| (1e-6..=1e6).contains(&f);
             if let Some(f) = number(reader, &section, key, Optional, must, hint, allowed) {
+                refuse_foreign(reader, &section, key, why(key));
                 found.weights.push((key, f.value));
             }
         }
     }
+}
+
+/// Complains of what is said about an error that the mirror cannot have.
+fn refuse_foreign(
+    reader: &mut Reader,
+    table: &Section,
+    key: &str,
+    why: Option<(&'static str, &'static str)>,
+) {
+    let Some((why, hint)) = why else { return };
+    let Some(value) = reader.value(table, key, Optional, "", hint) else { return };
+    let (path, shown) = (table.path_of(key), reader.quote(value));
+    let message = format!("{path} must be left out {why}, found {shown}");
+    reader.complain(value.span().start, message, hint);
 }
 
 /// Why a mirror cannot have this error, and what to take instead.

@@ -1,0 +1,269 @@
+//! What is asked of a tolerance run: the profile's words, a measured form error, and the facet error
+//! that a build's witness found.
+
+use super::files;
+use super::observer::Clock;
+use super::source::heights_beside;
+use super::{Error, Source, Stage, designed};
+use crate::design::Design;
+use crate::geom::Outline;
+use crate::mirror::{Knots, Mirror, Patches};
+use crate::profile::{Profile, SagAxis};
+use crate::report::FacetsFrom;
+use crate::tolerance::{
+    Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
+    Source as ErrorSource, Texture, extent, form_of_pv,
+};
+use serde_json::Value;
+use std::path::Path;
+
+/// About how many pixels stand for the picture.
+const SAMPLES: usize = 1050;
+
+/// A question, ready to be answered.
+pub struct Prepared {
+    /// The design.
+    pub design: Design,
+    /// What traces it.
+    pub engine: Engine,
+    /// Where the facets' limit comes from, if they are a source.
+    pub facets_from: Option<FacetsFrom>,
+}
+
+/// The design of the profile that `named` means, and what is asked of it; a build of it in the folder
+/// `home` says what its facets do.
+pub fn prepared(
+    clock: &Clock,
+    named: &str,
+    source: &Source,
+    home: &Path,
+) -> Result<Prepared, Error> {
+    let profile = &source.profile;
+    let design = clock.stage(Stage::Design, || designed(source))?;
+    let map = match &profile.tolerance.map_file {
+        Some(file) => Some(map(named, file, &design.mirror)?),
+        None => None,
+    };
+    let name = || profile.name.clone();
+    let view = design
+        .view
+        .as_ref()
+        .ok_or_else(|| Error::NoProjection { work: "tolerance", profile: name() })?;
+    let (asked, facets_from) = question(profile, &design, map, witnessed(profile, home))?;
+    let engine = clock.stage(Stage::Sensitivities, || {
+        let engine = Engine::new(&design.mirror, &design.camera, view, asked)
+            .ok_or_else(|| Error::Unseen { profile: name() })?;
+        let sources = engine.question.sources.len();
+        let [pixels, expanded] = [engine.samples(), engine.expanded()];
+        let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");
+        Ok::<_, Error>((engine, note))
+    })?;
+    Ok(Prepared { design, engine, facets_from })
+}
+
+/// The measured form error in `file`, which must cover the mirror.
+fn map(named: &str, file: &str, mirror: &Mirror) -> Result<Patches, Error> {
+    /// A grid may end so little before the mirror, as a share of its size: rounding.
+    const SLACK: f64 = 1e-6;
+    let grid = heights_beside(named, file)?;
+    let fault = |reason: String| Error::Map { file: file.to_owned(), reason };
+    let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
+    let map = Patches::new(knots(&grid.x), knots(&grid.y), &grid.z_mm)
+        .ok_or_else(|| fault("no spline goes through its heights".into()))?;
+    let (centre, half) = extent(mirror);
+    for (k, (axis, knots)) in ["X", "Y"].into_iter().zip(map.knots()).enumerate() {
+        let [lo, hi] = [centre[k] - half[k], centre[k] + half[k]];
+        let slack = SLACK * half[k];
+        if knots.first > lo + slack || knots.last() < hi - slack {
+            return Err(fault(format!(
+                "it covers {axis} from {} to {} mm, and the mirror goes from {lo:.4} to {hi:.4} mm; \
+                 add rows or columns as far as that",
+                knots.first,
+                knots.last()
+            )));
+        }
+    }
+    Ok(map)
+}
+
+/// The limit of facets, px, that displace evenly within it as much, in RMS, as those of this
+/// profile's build in the folder `home` did; none where there is no such build.
+fn witnessed(profile: &Profile, home: &Path) -> Option<f64> {
+    let report: Value =
+        serde_json::from_slice(&files::read(&home.join("report.json")).ok()?).ok()?;
+    if report["profile"]["sha256"] != *profile.sha256 {
+        return None;
+    }
+    let traces = report["trace"].as_array()?.iter();
+    let worst = traces.filter_map(|trace| trace["facet_error_px"]["rms"].as_f64());
+    let rms = worst.reduce(f64::max).filter(|rms| *rms > 0.0)?;
+    // Evenly over a disc, the mean square is half of its radius'. (No more digits than it deserves.)
+    Some((1e4 * std::f64::consts::SQRT_2 * rms).round() / 1e4)
+}
+
+/// What the profile asks, with what is usual where it says nothing.
+fn question(
+    profile: &Profile,
+    design: &Design,
+    map: Option<Patches>,
+    witnessed: Option<f64>,
+) -> Result<(Question, Option<FacetsFrom>), Error> {
+    let asked = &profile.tolerance;
+    let process = Process::named(asked.preset).expect("the profile knows the presets");
+    let form = if asked.form == "rms" { Measure::Rms } else { Measure::Pv };
+    let round = matches!(design.mirror.outline, Outline::Ring { .. });
+    let applies = |kind: &Kind| match kind {
+        Kind::Legendre(..) => !round,
+        Kind::Zernike(_) => round,
+        Kind::Telecentricity => design.camera.chart.vergence == 0.0,
+        Kind::Map => map.is_some(),
+        _ => true,
+    };
+    let source = |kind: Kind| {
+        let key = kind.key();
+        let (usual, distribution) = match kind {
+            Kind::Facets => {
+                (witnessed.or(profile.mesh.facet_px).unwrap_or(0.0), Distribution::Fixed)
+            }
+            kind => process.usual(kind),
+        };
+        let of = |values: &[(&str, f64)]| values.iter().find(|v| v.0 == key).map(|v| v.1);
+        let word = asked.distributions.iter().find(|v| v.0 == key).map(|v| v.1);
+        ErrorSource {
+            kind,
+            // (A usual figure has few digits.)
+            limit: of(&asked.limits).unwrap_or_else(|| match form_of_pv(kind, form) {
+                1.0 => usual,
+                share => (1e3 * usual * share).round() * 1e-3,
+            }),
+            distribution: word.map_or(distribution, distribution_of),
+            weight: of(&asked.weights).unwrap_or(1.0),
+        }
+    };
+    let sources: Vec<ErrorSource> =
+        Kind::all().filter(applies).map(source).filter(|source| source.limit > 0.0).collect();
+    let facets = sources.iter().find(|source| source.kind == Kind::Facets);
+    let facets_from = facets.map(|source| {
+        let key = source.kind.key();
+        match witnessed {
+            _ if asked.limits.iter().any(|limit| limit.0 == key) => FacetsFrom::Limits,
+            Some(_) => FacetsFrom::Witness,
+            None => FacetsFrom::Mesh,
+        }
+    });
+    let usual = process.texture;
+    let texture = Texture {
+        cte_ppm_per_k: asked.expansion_ppm_per_k.unwrap_or(usual.cte_ppm_per_k),
+        waviness_period_mm: asked.waviness_period_mm.unwrap_or(usual.waviness_period_mm),
+        waviness_direction_deg: asked
+            .waviness_direction_deg
+            .unwrap_or(usual.waviness_direction_deg),
+        slope_correlation_mm: asked.slope_correlation_mm.unwrap_or(usual.slope_correlation_mm),
+        ball_radius_mm: asked.ball_radius_mm.unwrap_or(usual.ball_radius_mm),
+        stepover_direction_deg: asked
+            .stepover_direction_deg
+            .unwrap_or(usual.stepover_direction_deg),
+    };
+    let tracks = sources.iter().find(|source| source.kind == Kind::ToolMarks);
+    if let Some(tracks) = tracks.filter(|t| t.limit >= 2.0 * texture.ball_radius_mm) {
+        let (stepover_mm, ball_radius_mm) = (tracks.limit, texture.ball_radius_mm);
+        return Err(Error::Tracks { profile: profile.name.clone(), stepover_mm, ball_radius_mm });
+    }
+    let question = Question {
+        sources,
+        form,
+        texture,
+        map,
+        compensators: asked.compensators.iter().map(|word| compensator_of(word)).collect(),
+        criterion: if asked.criterion == "p95" { Criterion::P95 } else { Criterion::Rms },
+        reference: match asked.reference {
+            "projection" => Reference::Projection,
+            _ => Reference::Design,
+        },
+        budget_px: asked.budget_px,
+        target_yield: asked.target_yield,
+        samples: SAMPLES,
+    };
+    Ok((question, facets_from))
+}
+
+fn distribution_of(word: &str) -> Distribution {
+    match word {
+        "uniform" => Distribution::Uniform,
+        "normal" => Distribution::Normal,
+        "truncated" => Distribution::Truncated,
+        _ => Distribution::Fixed,
+    }
+}
+
+fn compensator_of(word: &str) -> Compensator {
+    match word {
+        "shift" => Compensator::Shift,
+        "rotation" => Compensator::Rotation,
+        "magnification" => Compensator::Magnification,
+        "tilt" => Compensator::Tilt,
+        _ => Compensator::Despace,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::shipped;
+    use crate::profile::tolerance::{COMPENSATORS, DISTRIBUTIONS, PRESETS};
+    use std::fmt::Write;
+
+    fn profile(edit: &str) -> Profile {
+        let shipped = shipped().iter().find(|p| p.name == "conquistador").unwrap();
+        let text = format!("{}\n{edit}", shipped.text);
+        Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
+    }
+
+    #[test]
+    fn every_word_of_a_profile_means_something_of_its_own() {
+        let means = |distribution: Distribution| {
+            serde_json::to_value(distribution).unwrap().as_str().unwrap().to_owned()
+        };
+        assert!(DISTRIBUTIONS.iter().all(|word| means(distribution_of(word)) == *word));
+        let means = |c: Compensator| serde_json::to_value(c).unwrap().as_str().unwrap().to_owned();
+        assert!(COMPENSATORS.iter().all(|word| means(compensator_of(word)) == *word));
+        assert_eq!(PRESETS.len(), Process::ALL.len());
+        assert!(PRESETS.iter().all(|word| Process::named(word).is_some()));
+        // Every key of an error is known to the profile, and there are no others.
+        let mut lines = String::from("[tolerance]\nmap_file = \"map.csv\"\n[tolerance.weights]\n");
+        for kind in Kind::all() {
+            let _ = writeln!(lines, "{} = 2", kind.key());
+        }
+        let read = profile(&lines).tolerance;
+        assert_eq!(read.weights.len(), Kind::all().count());
+        assert!(read.weights.iter().all(|(key, _)| Kind::of_key(key).is_some()));
+    }
+
+    #[test]
+    fn every_shipped_profile_has_24_sources_and_its_own_words_count() {
+        for shipped in shipped() {
+            let source: Source =
+                Profile::parse(shipped.name, shipped.name, shipped.text.as_bytes()).unwrap().into();
+            let (design, _) = designed(&source).unwrap();
+            let (asked, _) = question(&source.profile, &design, None, None).unwrap();
+            assert!(asked.sources.len() >= 24, "{}: {}", shipped.name, asked.sources.len());
+        }
+        let source: Source = profile(
+            "[tolerance]\npreset = \"spdt\"\nball_radius_mm = 0.7\ncriterion = \"p95\"\n\
+             compensators = [\"tilt\"]\n[tolerance.limits]\ntilt_x_mrad = 3\ntilt_y_mrad = 0\n\
+             [tolerance.distributions]\ntilt_x_mrad = \"normal\"\n",
+        )
+        .into();
+        let (design, _) = designed(&source).unwrap();
+        let (asked, _) = question(&source.profile, &design, None, None).unwrap();
+        let tilt = asked.sources.iter().find(|s| s.kind == Kind::TiltX).unwrap();
+        assert_eq!((tilt.limit, tilt.distribution), (3.0, Distribution::Normal));
+        assert!(asked.sources.iter().all(|s| s.kind != Kind::TiltY));
+        assert_eq!((asked.texture.ball_radius_mm, asked.criterion), (0.7, Criterion::P95));
+        assert_eq!(asked.compensators, [Compensator::Tilt]);
+        let wide: Source =
+            profile("[tolerance]\nball_radius_mm = 0.01\n[tolerance.limits]\nstepover_mm = 0.02\n")
+                .into();
+        assert!(matches!(question(&wide.profile, &design, None, None), Err(Error::Tracks { .. })));
+    }
+}
