@@ -230,13 +230,13 @@ mod tests {
         assert_eq!(PRESETS.len(), Process::ALL.len());
         assert!(PRESETS.iter().all(|word| Process::named(word).is_some()));
         // Every key of an error is known to the profile, and there are no others.
-        let mut lines = String::from("[tolerance]\nmap_file = \"map.csv\"\n[tolerance.weights]\n");
+        let mut lines = String::from("[tolerance]\nmap_file = \"map.csv\"\n[tolerance.limits]\n");
         for kind in Kind::all() {
-            let _ = writeln!(lines, "{} = 2", kind.key());
+            let _ = writeln!(lines, "{} = 0", kind.key());
         }
         let read = profile(&lines).tolerance;
-        assert_eq!(read.weights.len(), Kind::all().count());
-        assert!(read.weights.iter().all(|(key, _)| Kind::of_key(key).is_some()));
+        assert_eq!(read.limits.len(), Kind::all().count());
+        assert!(read.limits.iter().all(|(key, _)| Kind::of_key(key).is_some()));
     }
 
     #[test]

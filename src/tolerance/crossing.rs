@@ -30,7 +30,7 @@ pub fn crossing(
             return Some(x);
         }
         let more = found * found - start * start;
-        if more.abs() <= NOTHING * goal * NOTHING * goal {
+        if high == f64::INFINITY && more.abs() <= NOTHING * goal * NOTHING * goal {
             return None;
         }
         if found < goal {
