@@ -21,8 +21,8 @@ pub struct Arguments {
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Number of threads [default: one per core]; results do not depend on it
-    #[arg(long, global = true, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
     /// When to colour; overrides NO_COLOR
     #[arg(long, global = true, value_enum, default_value_t = Colour::Auto, value_name = "WHEN")]
     pub color: Colour,
@@ -258,6 +258,14 @@ pub enum Rows {
 fn number(text: &str, must: &str, fits: impl Fn(f64) -> bool) -> Result<f64, String> {
     let number = text.parse().ok().filter(|&x: &f64| x.is_finite() && fits(x));
     number.ok_or_else(|| format!("it must be {must}"))
+}
+
+/// Most threads: more of them than cores are of no use, and each has a stack.
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (1..=MOST_THREADS).contains(n));
+    number.ok_or_else(|| format!("it must be a whole number from 1 to {MOST_THREADS}"))
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -32,7 +32,7 @@ pub fn run() -> ExitCode {
     arguments.color.write_global();
     if let Some(threads) = arguments.threads {
         // Fails only when a pool exists already, which cannot be before the first parallel work.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
     match execute(&arguments) {
         Ok(code) => ExitCode::from(code),

@@ -42,7 +42,8 @@ pub enum SearchError {
     Undetermined(#[from] RankDeficient),
     /// The steps did not become small, or the curl is not finite.
     #[error(
-        "no convergence in {steps} steps (the last changed the law's stretch by {last_step:e})"
+        "no convergence in {steps} steps (the last changed the law's stretch by {})",
+        super::by(*last_step, "")
     )]
     NotConverged {
         /// Steps taken.

@@ -87,7 +87,8 @@ pub enum DesignError {
     /// The place of the mirror in its target surface was not found.
     #[error(
         "the place of the mirror before its target did not settle in {rounds} rounds (the last \
-         moved it by {last_step_mm:e} mm); move the target further away"
+         moved it by {}); move the target further away",
+        by(*last_step_mm, " mm")
     )]
     Unsettled {
         /// Rounds of solving and placing.
@@ -167,6 +168,14 @@ pub enum DesignError {
         /// The file, as in the profile.
         file: String,
     },
+}
+
+/// By how much a last step changed something, in words where that is no number.
+fn by(step: f64, unit: &str) -> String {
+    match step.is_finite() {
+        true => format!("{step:e}{unit}"),
+        false => "more than numbers can say".into(),
+    }
 }
 
 /// Rounds of solving and placing before giving up.
@@ -257,4 +266,21 @@ fn finished(
     };
     let stock = stock::around(profile, &mirror)?;
     Ok(Design { mirror, view, camera, stock, facts })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_without_a_number_are_told_in_words() {
+        let fit = SolveError::NotConverged { steps: 25, last_step_mm: f64::NAN };
+        let law = SearchError::NotConverged { steps: 9, last_step: f64::INFINITY };
+        let place = DesignError::Unsettled { rounds: 3, last_step_mm: f64::NAN };
+        for text in [fit.to_string(), law.to_string(), place.to_string()] {
+            assert!(text.contains("by more than numbers can say)"), "{text}");
+        }
+        let fit = SolveError::NotConverged { steps: 25, last_step_mm: 2.5e-3 };
+        assert!(fit.to_string().ends_with("changed the mirror by 2.5e-3 mm)"), "{fit}");
+    }
 }

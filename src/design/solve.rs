@@ -64,7 +64,10 @@ pub enum SolveError {
     #[error(transparent)]
     Undetermined(#[from] RankDeficient),
     /// The steps did not become small, or the residual is not finite.
-    #[error("no convergence in {steps} steps (the last changed the mirror by {last_step_mm:e} mm)")]
+    #[error(
+        "no convergence in {steps} steps (the last changed the mirror by {})",
+        super::by(*last_step_mm, " mm")
+    )]
     NotConverged {
         /// Steps taken.
         steps: usize,

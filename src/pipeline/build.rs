@@ -153,7 +153,8 @@ pub fn build_with(
             files.iter().filter_map(|file| Output::of(file.path(), file.name())).collect();
         let record = Record { inputs, outputs, work: clock.work() };
         let timings = text("timings.json", &clock.json(&record))?;
-        // The report after all that it speaks of, and the record after the report.
+        // All of one build; the report after all that it speaks of, and the record after the report.
+        let _turn = folder.turn();
         for staged in files.into_iter().chain([timings]) {
             staged.publish()?;
         }

@@ -1,15 +1,16 @@
 //! Files: the only door to the disk. Nothing appears under its own name before it is whole.
 
 use sha2::{Digest, Sha256};
-use std::io::{self, BufWriter, Write};
+use std::fs::{File, TryLockError};
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::NamedTempFile;
 use thiserror::Error;
 
 /// Reading or writing failed.
 #[derive(Debug, Error)]
-#[error("cannot {action} {}: {source}", path.display())]
+#[error("cannot {action} {}: {source}{}", path.display(), remedy(action, source))]
 pub struct FileError {
     /// What was tried.
     pub action: &'static str,
@@ -26,9 +27,35 @@ impl FileError {
     }
 }
 
+const READ: &str = "read";
+
+/// What to do about an error that the system accounts for.
+fn remedy(action: &str, source: &io::Error) -> &'static str {
+    match source.kind() {
+        // Ours say it themselves.
+        _ if source.get_ref().is_some() => "",
+        ErrorKind::PermissionDenied if action == READ => "; allow it to be read",
+        _ if action == READ => "",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "; choose a folder that can be written to with --out"
+        }
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "; make room, or choose another --out",
+        ErrorKind::FileTooLarge => {
+            "; the file system or the shell (ulimit -f) allows no file of this size"
+        }
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            "; move the file that is in the way, or choose another --out"
+        }
+        ErrorKind::IsADirectory => "; move the folder that is in the way, or choose another --out",
+        ErrorKind::NotFound => "; the folder was removed meanwhile: run the command again",
+        _ => "",
+    }
+}
+
 const PREFIX: &str = ".morion-";
 const SUFFIX: &str = ".tmp";
-/// A temporary file older than this was left by a build that was killed.
+/// Where files cannot be locked: a temporary file older than this was left by a command that was
+/// killed.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// The folder that one build writes to.
@@ -40,9 +67,16 @@ pub struct Folder {
 /// A file that is whole and flushed, but still under a temporary name beside its own.
 #[derive(Debug)]
 pub struct Staged {
-    temporary: TempPath,
+    temporary: NamedTempFile,
     target: PathBuf,
     sha256: String,
+}
+
+/// Keeps other commands from giving files in a folder their names, until it is dropped.
+#[derive(Debug)]
+#[must_use]
+pub struct Turn {
+    _folder: Option<File>,
 }
 
 /// Passes bytes on and hashes them.
@@ -86,7 +120,7 @@ impl Folder {
             mb(bytes),
             mb(free)
         );
-        let full = io::Error::new(io::ErrorKind::StorageFull, text);
+        let full = io::Error::new(ErrorKind::StorageFull, text);
         Err(FileError::new("write into the folder", &self.path)(full))
     }
 
@@ -95,15 +129,25 @@ impl Folder {
         fs4::available_space(&self.path).ok()
     }
 
-    /// Removes what killed builds left behind, as far as that is possible.
+    /// Waits for the turn to publish files that belong together. Where folders cannot be locked
+    /// there is nothing to wait for.
+    pub fn turn(&self) -> Turn {
+        Turn { _folder: self.locked(File::lock) }
+    }
+
+    fn locked(&self, lock: impl FnOnce(&File) -> io::Result<()>) -> Option<File> {
+        let folder = File::open(&self.path).ok()?;
+        lock(&folder).ok()?;
+        Some(folder)
+    }
+
+    /// Removes what killed commands left behind, as far as that is possible.
     fn sweep(&self) {
+        let _turn = self.turn();
         let Ok(entries) = std::fs::read_dir(&self.path) else { return };
         for entry in entries.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            let age =
-                entry.metadata().and_then(|m| m.modified()).ok().and_then(|t| t.elapsed().ok());
-            let abandoned = age.is_some_and(|age| age > ABANDONED);
-            if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && abandoned {
+            if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && abandoned(&entry.path()) {
                 let _ = std::fs::remove_file(entry.path());
             }
         }
@@ -113,7 +157,7 @@ impl Folder {
     pub fn clears(&self, name: &str) -> Result<(), FileError> {
         let path = self.path.join(name);
         let is_file = !path.is_dir();
-        let error = || FileError::new("remove", &path)(io::ErrorKind::IsADirectory.into());
+        let error = || FileError::new("remove", &path)(ErrorKind::IsADirectory.into());
         is_file.then_some(()).ok_or_else(error)
     }
 
@@ -121,7 +165,7 @@ impl Folder {
     pub fn remove(&self, name: &str) -> Result<(), FileError> {
         let path = self.path.join(name);
         match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
                 Err(FileError::new("remove", &path)(error))
             }
             _ => Ok(()),
@@ -142,7 +186,16 @@ impl Folder {
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        builder.tempfile_in(&self.path)
+        // No sweep comes between the two.
+        let _turn = self.locked(File::lock_shared);
+        let file = builder.tempfile_in(&self.path).map_err(|error| {
+            // Without the temporary name, which nobody has to know.
+            let plain = io::Error::from(error.kind());
+            if remedy("write", &plain).is_empty() { error } else { plain }
+        })?;
+        #[cfg(unix)]
+        let _ = file.as_file().try_lock();
+        Ok(file)
     }
 
     /// Writes a file under a temporary name, down to the disk: a full disk is an error here.
@@ -152,20 +205,20 @@ impl Folder {
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<Staged, FileError> {
         let target = self.path.join(name);
-        let run = || -> io::Result<(TempPath, String)> {
+        let run = || -> io::Result<(NamedTempFile, String)> {
             // Renaming would find this out too, when other files have their names already.
             if target.is_dir() {
-                return Err(io::ErrorKind::IsADirectory.into());
+                return Err(ErrorKind::IsADirectory.into());
             }
-            let hashing = Hashing { out: self.temporary()?, hash: Sha256::new() };
+            let file = self.temporary()?;
+            let hashing = Hashing { out: file.as_file(), hash: Sha256::new() };
             let mut out = BufWriter::with_capacity(1 << 20, hashing);
             write(&mut out)?;
-            let Hashing { out: file, hash } =
-                out.into_inner().map_err(io::IntoInnerError::into_error)?;
+            let Hashing { hash, .. } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
             // File systems may take the bytes now and find no room for them later; and a renamed
             // file must not be empty after a power cut.
             file.as_file().sync_all()?;
-            Ok((file.into_temp_path(), hex(&hash.finalize())))
+            Ok((file, hex(&hash.finalize())))
         };
         let (temporary, sha256) = run().map_err(FileError::new("write", &target))?;
         Ok(Staged { temporary, target, sha256 })
@@ -175,7 +228,7 @@ impl Folder {
 impl Staged {
     /// Where it is now.
     pub fn path(&self) -> &Path {
-        &self.temporary
+        self.temporary.path()
     }
 
     /// The name that it will have.
@@ -190,19 +243,54 @@ impl Staged {
 
     /// Its bytes, as they are on the disk now.
     pub fn read(&self) -> Result<Vec<u8>, FileError> {
-        std::fs::read(&self.temporary).map_err(FileError::new("read back", &self.target))
+        std::fs::read(self.path()).map_err(FileError::new("read back", &self.target))
     }
 
     /// Gives it its own name, replacing what was there.
     pub fn publish(self) -> Result<(), FileError> {
         let Self { temporary, target, .. } = self;
-        temporary.persist(&target).map_err(|e| FileError::new("write", &target)(e.error))
+        let published = temporary.persist(&target);
+        published.map(drop).map_err(|e| FileError::new("write", &target)(e.error))
     }
 }
 
+/// Whether the command that wrote this temporary file is no longer there.
+fn abandoned(path: &Path) -> bool {
+    let age = || path.metadata().ok()?.modified().ok()?.elapsed().ok();
+    let old = || age().is_some_and(|age| age > ABANDONED);
+    match File::open(path).map(|file| file.try_lock()) {
+        Ok(Ok(())) if cfg!(unix) => true,
+        Ok(Err(TryLockError::WouldBlock)) => false,
+        _ => old(),
+    }
+}
+
+/// Most bytes of a file that is read: twice those of the most triangles that there may be, as OBJ.
+const MOST_BYTES: u64 = 8_000_000_000;
+
 /// Reads a whole file.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
-    std::fs::read(path).map_err(FileError::new("read", path))
+    read_at_most(path, MOST_BYTES)
+}
+
+/// Reads a whole file, unless it has more bytes than that; then none of them is kept.
+pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
+    let run = || -> io::Result<Vec<u8>> {
+        let file = File::open(path)?;
+        let mut bytes = Vec::new();
+        // Devices and pipes have no length.
+        let length = file.metadata()?.len();
+        if length <= most {
+            bytes.try_reserve_exact(length as usize)?;
+            file.take(most + 1).read_to_end(&mut bytes)?;
+        }
+        if length.max(bytes.len() as u64) <= most {
+            return Ok(bytes);
+        }
+        let text = format!("it has more than {most} bytes; is it the right file?");
+        Err(io::Error::new(ErrorKind::FileTooLarge, text))
+    };
+    run().map_err(FileError::new(READ, path))
 }
 
 /// SHA-256 in hexadecimal.
@@ -229,5 +317,67 @@ mod tests {
         assert!(
             error.starts_with("cannot write into the folder ") && error.contains(" MB are free")
         );
+    }
+
+    fn names(path: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(path).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_killed_command_left_goes_and_what_another_writes_stays() {
+        let temporary = tempfile::tempdir().unwrap();
+        let path = temporary.path();
+        std::fs::write(path.join(".morion-killed.tmp"), "half a f").unwrap();
+        std::fs::write(path.join("morion-mine.tmp"), "").unwrap();
+        let folder = Folder::create(path).unwrap();
+        assert_eq!(names(path), ["morion-mine.tmp"]);
+        let staged = folder.stage("a", |out| out.write_all(b"whole")).unwrap();
+        let other = Folder::create(path).unwrap();
+        assert_eq!(staged.read().unwrap(), b"whole");
+        let turn = folder.turn();
+        staged.publish().unwrap();
+        drop(turn);
+        assert_eq!(std::fs::read(path.join("a")).unwrap(), b"whole");
+        let dropped = other.stage("b", |out| out.write_all(b"whole")).unwrap();
+        drop(dropped);
+        assert_eq!(names(path).len(), 2);
+    }
+
+    #[test]
+    fn a_file_of_too_many_bytes_is_not_read() {
+        let temporary = tempfile::tempdir().unwrap();
+        let path = temporary.path().join("file");
+        std::fs::write(&path, "12345").unwrap();
+        assert_eq!(read_at_most(&path, 5).unwrap(), b"12345");
+        let error = read_at_most(&path, 4).unwrap_err().to_string();
+        assert!(
+            error.ends_with("file: it has more than 4 bytes; is it the right file?"),
+            "{error}"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_without_an_end_is_not_read_to_the_end() {
+        assert!(read_at_most(Path::new("/dev/zero"), 1000).is_err());
+    }
+
+    #[test]
+    fn errors_of_the_system_come_with_a_remedy() {
+        let told = |action, kind: ErrorKind| {
+            FileError::new(action, Path::new("there"))(kind.into()).to_string()
+        };
+        for (kind, words) in [
+            (ErrorKind::StorageFull, "make room"),
+            (ErrorKind::ReadOnlyFilesystem, "that can be written to with --out"),
+            (ErrorKind::NotFound, "removed meanwhile"),
+            (ErrorKind::IsADirectory, "move the folder"),
+        ] {
+            let error = told("write", kind);
+            assert!(error.starts_with("cannot write there: ") && error.contains(words), "{error}");
+        }
+        assert_eq!(told(READ, ErrorKind::NotFound), "cannot read there: entity not found");
     }
 }

@@ -6,6 +6,11 @@ use crate::profile::{Complaints, GridError, Profile, SagGrid, Shape, shipped};
 use std::path::Path;
 use thiserror::Error;
 
+/// Far more bytes than a profile may have, which says so itself of those that have somewhat more.
+const MOST_TEXT: u64 = 1_000_000;
+/// Some 200 bytes for each node of the largest grid.
+const MOST_HEIGHTS: u64 = 800_000_000;
+
 /// A profile, and what is in the file that it names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
@@ -79,7 +84,7 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
         };
         return Err(SourceError::Unknown { named: named.into(), hint });
     }
-    let bytes = files::read(path)?;
+    let bytes = files::read_at_most(path, MOST_TEXT)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     if matches!(&*stem, "" | "." | "..") {
         return Err(SourceError::Nameless { named: named.into() });
@@ -94,7 +99,7 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
 /// [`SourceError`] when it cannot be read or has a fault.
 pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
     let path = Path::new(named).parent().unwrap_or(Path::new("")).join(file);
-    SagGrid::parse(&files::read(&path)?)
+    SagGrid::parse(&files::read_at_most(&path, MOST_HEIGHTS)?)
         .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })
 }
 
@@ -102,7 +107,7 @@ pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
 fn with_heights(profile: Profile, folder: &Path) -> Result<Source, SourceError> {
     let Shape::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };
     let path = folder.join(file);
-    let sag = SagGrid::parse(&files::read(&path)?)
+    let sag = SagGrid::parse(&files::read_at_most(&path, MOST_HEIGHTS)?)
         .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })?;
     Ok(Source { profile, sag: Some(sag) })
 }

@@ -1,0 +1,104 @@
+//! What a mesh of any making has to stand: being checked, traced and aligned, as `verify` does it.
+
+use morion::align::align;
+use morion::design::{Design, design};
+use morion::export::Reread;
+use morion::geom::{DVec2, DVec3, Welder};
+use morion::pipeline::{Silent, Source, verify};
+use morion::profile::Profile;
+use morion::solid::check;
+use morion::trace::{Intent, Outcome, Scene, Sweep, Witness};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+/// A part of some millimetres, soon designed and traced.
+const PART: &str = "\
+camera.orthographic.pixels = [16, 12]
+projection.cylindrical = { azimuth_deg = [-40, 40], elevation_deg = [-30, 30] }
+layout.strip = {}
+method.vector-field.degree = 4
+part = { width_mm = 8, base_mm = 2 }
+mesh.chord_um = 100
+export.formats = [\"stl\"]
+";
+
+static SOURCE: LazyLock<Source> = LazyLock::new(|| {
+    Profile::parse("part", "part.toml", PART.as_bytes()).expect("the part is a valid one").into()
+});
+static DESIGN: LazyLock<Design> =
+    LazyLock::new(|| design(&SOURCE.profile, None).expect("the part can be designed"));
+static FOLDER: LazyLock<TempDir> = LazyLock::new(|| tempfile::tempdir().expect("a folder"));
+
+/// A mesh that was read: facets of finite corners that are there, each vertex once, all in use.
+pub fn is_sound(read: &Reread) {
+    let mesh = &read.mesh;
+    assert!(!mesh.triangles.is_empty() && mesh.vertices.iter().all(|v| v.is_finite()));
+    let mut used = vec![false; mesh.vertices.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    assert!(used.iter().all(|used| *used), "a vertex of no facet");
+    let mut bits: Vec<[u64; 3]> =
+        mesh.vertices.iter().map(|v| v.to_array().map(f64::to_bits)).collect();
+    bits.sort_unstable();
+    bits.dedup();
+    assert_eq!(bits.len(), mesh.vertices.len(), "a vertex twice");
+    if let Some(normals) = &read.normals {
+        assert_eq!(normals.len(), mesh.triangles.len());
+    }
+}
+
+/// Takes a mesh that was read from `bytes` through what `verify` does; through `verify` itself, which
+/// takes a hundred times as long, now and then.
+pub fn verified(bytes: &[u8], extension: &str, read: &Reread) {
+    let found = check(&read.mesh);
+    assert!(found.defects.len() <= found.defect_count);
+    traced(read);
+    let lot = bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_mul(31).wrapping_add(*byte)) % 64;
+    if lot == 0 {
+        let path: PathBuf = FOLDER.path().join("part").with_extension(extension);
+        std::fs::write(&path, bytes).expect("the folder takes a file");
+        let report = verify(&SOURCE, &path, &Silent).expect("a mesh that is read gets a verdict");
+        assert_eq!(report.files.len(), 1);
+        let json = report.json();
+        assert!(!json.contains("NaN"), "{json}");
+    }
+    if lot < 4 {
+        // Aligned or refused.
+        let _ = align(&DESIGN.mirror, &read.mesh);
+    }
+}
+
+/// Traces what is near the part, all rays at once and one by one, which must answer alike.
+fn traced(read: &Reread) {
+    const REACH_MM: f64 = 100.0;
+    let mut near = Welder::new(0);
+    for t in 0..read.mesh.triangles.len() {
+        let corners = read.mesh.corners(t);
+        if corners.iter().all(|v| v.length() <= REACH_MM) {
+            near.add(corners);
+        }
+    }
+    let scene = Scene::new(near.finish());
+    let Some((lo, hi)) = scene.bounds() else { return };
+    let top = hi.z + (hi - lo).max_element();
+    let camera = &DESIGN.camera;
+    let table = |row: u32| -> Vec<Intent> {
+        let intent = |column: u32| {
+            let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let ray = camera.ray(point, top);
+            Intent { ray, point, aimed: true, wanted: DVec3::Z, designed: DVec2::ZERO }
+        };
+        (0..camera.pixels[0]).map(intent).collect()
+    };
+    let view = DESIGN.view.as_ref();
+    let one_by_one = Witness::trace(&scene, None, view, camera.pixels, table);
+    let (at_once, _) = Witness::sweep(&Sweep::new(&scene, camera, top), None, view, table);
+    for (a, b) in one_by_one.seen.iter().zip(&at_once.seen) {
+        let alike = match (a.outcome, b.outcome) {
+            // By whichever facet was found first.
+            (Outcome::Shadowed(_), Outcome::Shadowed(_)) => true,
+            (a, b) => a == b,
+        };
+        assert!(alike && a.at == b.at && a.direction == b.direction, "{a:?} is not {b:?}");
+    }
+}

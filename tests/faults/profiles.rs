@@ -1,0 +1,194 @@
+//! Random valid profiles, over all that a profile may say: each ends in files that pass every check,
+//! or in a refusal or a verdict that says why.
+
+mod wanted;
+
+use crate::random::each;
+use crate::times;
+use morion::pipeline::{Error, Silent, Source, Trials, build, tolerance};
+use morion::profile::{Profile, SagGrid};
+use morion::report::{Report, Verdict};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+use wanted::Wanted;
+
+/// What takes longer is shown.
+const SLOW: Duration = Duration::from_secs(5);
+
+/// Profiles that are made by one stream of random numbers.
+const STREAM: usize = 10;
+
+/// Reasons of a verdict that are the profile's, and no fault of the mesh or the files: what is asked
+/// of the mirror, and rays that no mirror of this shape can help.
+const PARDONED: [&str; 6] = [
+    " are shadowed by the part itself",
+    " of accept.",
+    "(accept.frame_filled)",
+    "pixel error is not finite",
+    "no camera ray is aimed at the mirror",
+    "single precision carries no better than ",
+];
+
+/// How a profile ended, in a word.
+fn ended(wanted: &Wanted, folder: &Path) -> Result<String, String> {
+    let Ok(profile) = Profile::parse("random", "random.toml", wanted.text.as_bytes()) else {
+        return Ok("invalid".into());
+    };
+    let sag = wanted.heights.as_ref().map(|text| SagGrid::parse(text.as_bytes()));
+    let sag = sag.transpose().map_err(|error| error.to_string())?;
+    let source = Source { profile, sag };
+    let word = match build(&source, folder, &Silent) {
+        Ok(report) => judged(&source.profile, &report, &folder.join("random"))?,
+        Err(error) => refusal(&error)?,
+    };
+    if wanted.toleranced {
+        let path = folder.join("random.toml");
+        let heights = wanted.heights.as_deref().unwrap_or("");
+        std::fs::write(folder.join("sag.csv"), heights).map_err(|error| error.to_string())?;
+        std::fs::write(&path, &wanted.text).map_err(|error| error.to_string())?;
+        let trials = Trials { range: 0..3, seed: 1, until: None };
+        if let Err(error) = tolerance(&path.display().to_string(), &trials, folder, &Silent) {
+            refusal(&error)?;
+        }
+    }
+    Ok(word)
+}
+
+/// A build that came to an end: the files are there as the report has them, and what is wrong with
+/// them is pardoned.
+fn judged(profile: &Profile, report: &Report, folder: &Path) -> Result<String, String> {
+    for file in &report.files {
+        let length = folder.join(&file.name).metadata().map_err(|error| error.to_string())?.len();
+        if length != file.bytes {
+            return Err(format!("{} has {length} bytes, not {}", file.name, file.bytes));
+        }
+    }
+    for trace in &report.trace {
+        if !trace.solid.check.is_solid() {
+            return Err(format!("{}: {:?}", trace.file, trace.solid.check));
+        }
+    }
+    if report.json().contains("NaN") {
+        return Err("a report with NaN in it".into());
+    }
+    let pardoned = |reason: &&String| PARDONED.iter().any(|words| reason.contains(words));
+    if let Some(reason) = report.reasons.iter().find(|reason| !pardoned(reason)) {
+        return Err(reason.clone());
+    }
+    match report.verdict {
+        Verdict::Pass if report.files.len() == profile.formats.len() => Ok("passed".into()),
+        Verdict::Pass => Err(format!("passed with {} files", report.files.len())),
+        Verdict::Fail if report.reasons.is_empty() => Err("failed without a reason".into()),
+        Verdict::Fail => Ok("failed by its own limits or its shape".into()),
+    }
+}
+
+/// An error that a valid profile may end in, and that says something.
+fn refusal(error: &Error) -> Result<String, String> {
+    let text = error.to_string();
+    let kind = match error {
+        Error::Design { .. } => "no design",
+        Error::Mesh { .. } | Error::Single { .. } => "no mesh",
+        Error::Step { .. } => "no splines",
+        Error::Table { .. } => "too long a table",
+        Error::NoProjection { .. } | Error::Unseen { .. } | Error::Tracks { .. } => "no tolerances",
+        _ => return Err(text),
+    };
+    if text.contains("NaN") || text.contains("inf ") || !text.contains(';') {
+        return Err(format!("no clear refusal: {text}"));
+    }
+    Ok(kind.into())
+}
+
+#[test]
+fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
+    let count = times(100, 10_000);
+    // Nothing here is to survive the loss of power.
+    let memory = Path::new("/dev/shm");
+    let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+    let endings = Mutex::new(BTreeMap::<String, usize>::new());
+    let streams: Vec<u64> = (0..count.div_ceil(STREAM) as u64).collect();
+    let faults = each(&streams, |&stream| {
+        let mut seed = [0; 32];
+        seed[..8].copy_from_slice(&stream.to_le_bytes());
+        let config = Config {
+            cases: STREAM as u32,
+            failure_persistence: None,
+            max_global_rejects: 100_000,
+            max_shrink_iters: 300,
+            ..Config::default()
+        };
+        let mut runner =
+            TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &seed));
+        let found = runner.run(&wanted::strategy(), |wanted| {
+            let folder = tempfile::tempdir_in(&place).expect("a temporary folder");
+            let begun = Instant::now();
+            let word = ended(&wanted, folder.path()).map_err(TestCaseError::fail)?;
+            if begun.elapsed() > SLOW {
+                println!("{word} after {:?}: {wanted:?}", begun.elapsed());
+            }
+            *endings.lock().expect("no panic").entry(word.clone()).or_default() += 1;
+            prop_assume!(word != "invalid");
+            Ok(())
+        });
+        let fault = found.err().map(|error| format!("stream {stream}: {error}"));
+        fault.inspect(|fault| println!("{fault}"))
+    });
+    let endings = endings.into_inner().expect("no panic");
+    println!("{endings:#?}");
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
+    assert!(faults.is_empty(), "{} of {}:\n{}", faults.len(), streams.len(), faults.join("\n\n"));
+    let share = |word: &str| endings.get(word).map_or(0.0, |n| *n as f64 / count as f64);
+    assert!(share("passed") > 0.3 && share("no design") > 0.0, "{endings:?}");
+    assert!(share("failed by its own limits or its shape") > 0.01, "{endings:?}");
+}
+
+/// Random profiles that once ended otherwise than they should have.
+mod found {
+    use super::*;
+
+    fn ends(text: &str) -> String {
+        let wanted = Wanted { text: text.to_owned(), heights: None, toleranced: false };
+        let folder = tempfile::tempdir().unwrap();
+        ended(&wanted, folder.path()).unwrap_or_else(|fault| panic!("{fault}"))
+    }
+
+    #[test]
+    fn a_mirror_without_curvature_is_not_blamed_for_rounding() {
+        // Of degree 1 each panel is a plane, and its chord error nothing.
+        let text = "\
+camera.orthographic = { pixels = [1, 1] }
+projection.table = { azimuth_deg = [-180, 180], elevation_deg = [[0.1879, -29.5], [4.7681, -30.5]] }
+layout.conquistador = { panel = \"refit\", ridge = \"crest\" }
+method.vector-field = { degree = 1 }
+[part]
+width_mm = 5.882
+base_mm = 1.881
+border_mm = 0.3799
+corner_radius_mm = 0.5417
+[mesh]
+chord_um = 18.06
+[export]
+formats = [\"obj\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
+    #[test]
+    fn a_fit_that_runs_away_says_so_in_words() {
+        let text = "\
+camera.orthographic = { pixels = [1, 1] }
+projection.table = { azimuth_deg = [-1.133, 1.133], elevation_deg = [[7.427, 25.43], [26.247, 25.07], [26.4209, 24.72], [27.0271, 24.36]], target_radius_mm = 1.096 }
+layout.strip = { fill_frame = false }
+method.fixed-surface = { degree = 2, minimax = false }
+part = { width_mm = 1, base_mm = 0.5218 }
+mesh.facet_px = 1.397
+export.formats = [\"stl\"]
+";
+        assert_eq!(ends(text), "no design");
+    }
+}
