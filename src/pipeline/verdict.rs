@@ -4,7 +4,7 @@ use super::examine::Evidence;
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Outline, Stock};
-use crate::profile::Profile;
+use crate::profile::{Format, Profile};
 use crate::report::{TraceFacts, Verdict};
 
 /// Why a file does not pass that is another than was written.
@@ -12,6 +12,9 @@ pub const ALTERED: &str = "the bytes on the disk are not those that were written
 
 /// What rounding to double precision may move a vertex by, as a share of its coordinates, or a volume.
 const ROUNDING: f64 = 1e-12;
+/// What rounding to single precision may change a volume by, as a share of it: half a unit of the
+/// last of 24 digits along each axis, and a little.
+const ROUNDING_SINGLE: f64 = 4.0 / (1 << 24) as f64;
 
 /// Pass, unless there is a reason.
 pub fn of(reasons: &[String]) -> Verdict {
@@ -40,6 +43,9 @@ pub fn reasons(
         }
         if let Some(trace) = &evidence.trace {
             if !evidence.measured {
+                let is_double = evidence.file.format == Format::Obj.name();
+                let rounding = if is_double { ROUNDING } else { ROUNDING_SINGLE };
+                let volume_tolerance = volume_tolerance + rounding * design.volume();
                 shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
             }
             rays(trace, evidence.by_rim).into_iter().for_each(&mut blame);
@@ -67,7 +73,7 @@ pub fn reasons(
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
     let outline = design.mirror.whole();
     let stock = design.stock.as_ref().map_or(0.0, Stock::chords_mm3);
-    let faces = outline.area() * chord_mm + stock + ROUNDING * design.volume();
+    let faces = outline.area() * chord_mm + stock;
     match outline {
         Outline::Rect(_) => faces,
         // Chords that cut EDGE of the radius take 4/3 of that share of the disc.

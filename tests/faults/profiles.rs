@@ -106,7 +106,7 @@ fn refusal(error: &Error) -> Result<String, String> {
 
 #[test]
 fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
-    let count = times(100, 10_000);
+    let count = times(60, 10_000);
     // Nothing here is to survive the loss of power.
     let memory = Path::new("/dev/shm");
     let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
@@ -174,6 +174,27 @@ corner_radius_mm = 0.5417
 chord_um = 18.06
 [export]
 formats = [\"obj\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
+    #[test]
+    fn nor_for_what_single_precision_does_to_its_sides() {
+        let text = "\
+camera.orthographic = { pixels = [7, 1] }
+projection.table = { azimuth_deg = [-2.441, 2.441], elevation_deg = [[1.104, 21.35], [5.616, 21.07], [10.933, 20.78], [13.762, 20.5], [14.2444, 20.21]] }
+layout.strip = { fill_frame = false }
+method.vector-field = { degree = 1, minimax = false }
+[part]
+width_mm = 1.568
+base_mm = 1.497
+border_mm = 0.3519
+rim_mm = 1.177
+marks_mm = [[-0.96, 0, 0.1]]
+[mesh]
+facet_px = 49.25
+[export]
+formats = [\"stl\", \"3mf\"]
 ";
         assert_eq!(ends(text), "passed");
     }
