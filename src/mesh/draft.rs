@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 /// Coarse triangles of the meshed part, about: so many that few of them are at the rim, and that
 /// curvature hardly changes within one.
-const COARSE: f64 = 9_500.0;
+const COARSE: f64 = 13_000.0;
 /// From so many coarse triangles on half as many to the side are tried first.
 const TRIAL: f64 = 6_000.0;
 /// By how much too large the facets of a trial are found, whose cells are twice as strained.
@@ -28,9 +28,9 @@ const COSTLY: f64 = 1.04;
 const REDRAWS: usize = 3;
 /// Facets that come of the repair of one that is hardly too large. (Where all places are alike, all
 /// facets fail together.)
-const REPAIR: f64 = 2.0;
+const REPAIR: f64 = 4.0;
 /// Facets that are proven to find the size.
-const SAMPLES: usize = 1200;
+const SAMPLES: usize = 2000;
 
 /// What a proof of some facets says of a draft's size.
 #[derive(Debug, Clone, Copy, Default)]
@@ -46,11 +46,6 @@ impl Judgement {
     fn is_good(&self) -> bool {
         self.cost <= COSTLY * self.least
     }
-}
-
-/// The mean of what cells take along the axes.
-fn mean(taken: DVec2) -> f64 {
-    (taken.x * taken.y).sqrt()
 }
 
 /// A coarse mesh of the meshed part of a mirror.
@@ -108,22 +103,15 @@ impl<'a> Trial<'a> {
         if first.cells.parts == cells.parts && first.found.is_good() {
             return Ok(first);
         }
-        let strained = if first.cells.parts == cells.parts { 1.0 } else { STRAINED };
-        let aim = mean(first.cells.taken()) * first.found.scale * strained;
+        cells.rescale(first.found.scale * STRAINED * AIM);
         drop(first);
-        cells.rescale(aim);
         let mut draft = draw(&cells)?;
         let mut found = draft.found;
         for _ in 0..REDRAWS {
             if found.is_good() {
                 break;
             }
-            let before = cells.taken();
-            cells.rescale(mean(before) * found.scale);
-            // Whole numbers of cells may leave no other size.
-            if cells.taken().abs_diff_eq(before, 1e-9) {
-                break;
-            }
+            cells.rescale(cells.aim() * found.scale);
             let next = draw(&cells)?;
             found = next.found;
             if next.facets() < draft.facets() {

@@ -2,7 +2,7 @@
 //!
 //! A quadratic model of the mirror and of its image (`needs`) says which lattice cell suits each
 //! place (`cell`); a lattice of such cells is packed into the rim (`rim`, `pack`), triangulated by
-//! spade and improved by the model (`plane`, `net`, `crowd`). This coarse mesh (`draft`) is cut into facets
+//! spade and improved by the model (`plane`, `net`). This coarse mesh (`draft`) is cut into facets
 //! (`subdivide`), every one of which is proven over its whole area (`proof`, `tight`); around those
 //! that fail corners are moved and edges flipped, by what the mirror does at the corners (`corner`),
 //! and facets split where that does not do (`refine`).
@@ -14,7 +14,6 @@
 mod budget;
 mod cell;
 mod corner;
-mod crowd;
 mod deviation;
 mod draft;
 mod ground;
@@ -181,15 +180,10 @@ pub fn mesh(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Face, MeshError> {
-    let made = || {
-        drafted(mirror, camera, view, limits, |prover, draft| {
-            let fine = subdivide(draft, rounding(prover, limits));
-            refine(prover, draft, fine, copies(mirror), limits)
-        })
-    };
-    // From a thread of the pool, the others are reached more quickly.
-    let (made, optimum) = rayon::join(made, || Optimum::new(mirror, camera, view));
-    let (mut mesh, bound) = made?;
+    let (mut mesh, bound) = drafted(mirror, camera, view, limits, |prover, draft| {
+        let fine = subdivide(draft, rounding(prover, limits));
+        refine(prover, draft, fine, copies(mirror), limits)
+    })?;
     for axis in [0, 1] {
         if mirror.even[axis] {
             mesh = mesh.with_reflection(axis);
@@ -199,8 +193,7 @@ pub fn mesh(
     if mirror.folded {
         mesh = mesh.with_reflection(1);
     }
-
-    Ok(Face { mesh, designed, bound, optimum })
+    Ok(Face { mesh, designed, bound, optimum: Optimum::new(mirror, camera, view) })
 }
 
 /// How large a mesh will be.
@@ -225,16 +218,14 @@ pub fn forecast(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Forecast, MeshError> {
-    let made = |_: &Prover, draft: &Draft| {
+    drafted(mirror, camera, view, limits, |_, draft| {
         // Sides on which the part meets its reflection are inside the face.
         let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
         let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
         let copies = copies(mirror);
         let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
         Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
-    };
-    // From a thread of the pool, the others are reached more quickly.
-    rayon::scope(|_| drafted(mirror, camera, view, limits, made))
+    })
 }
 
 /// What is made of the draft of a mesh.

@@ -1,6 +1,5 @@
 //! A triangulation that can be improved in places: edges flipped or split, corners moved, all by
-//! the errors that follow from what is known of the corners (`corner`): of the coarse mesh those
-//! of the quadratic model, of facets what the mirror does there.
+//! the errors that the quadratic model foresees.
 
 use super::corner::Corner;
 use super::needs::{Needs, Place};
@@ -17,7 +16,7 @@ const HOPE: f64 = 0.5;
 const STEP: f64 = 0.06;
 
 /// Share of the area of two triangles, or of three around a corner, under which one of them is a
-/// sliver: what is foreseen does not mind slivers that lie right, but rounding does.
+/// sliver: the model does not mind slivers that lie right, but rounding does.
 const SLIGHT: f64 = 0.12;
 /// Share of a triangle's longest edge under which an edge is not split.
 const SHORT: f64 = 0.55;

@@ -7,12 +7,13 @@ use rayon::prelude::*;
 
 /// Facets a thread looks at at a time; fixed, so that results do not depend on the thread count.
 const CHUNK: usize = 512;
-/// The same of a few, at least.
-const FEW: usize = 32;
+/// From so many facets on one in so many tells whether bounds are loose.
+const MANY: usize = 32_768;
+const SAMPLE: usize = 8;
 /// Facets that are taken apart before what they reach decides about the others.
-const BATCH: usize = 32;
+const BATCH: usize = 64;
 /// Batches after which the bound is left as it is where taking facets apart takes long.
-const SLOW_BATCHES: usize = 64;
+const SLOW_BATCHES: usize = 32;
 
 /// What quick bounds say of some facets: of each error the largest bound, and what is reached.
 #[derive(Debug, Clone, Copy, Default)]
@@ -37,7 +38,7 @@ impl Quick {
 impl Prover<'_> {
     /// Bounds over all `facets` (numbers of `vertices`), each of which keeps `limits` and, as is
     /// known already, `known`: within some per cent of errors that are reached, as far as facets
-    /// can be taken apart for it. Some of the facets that may have large errors are `largest`.
+    /// can be taken apart for it.
     #[must_use]
     pub fn tighten(
         &self,
@@ -45,18 +46,20 @@ impl Prover<'_> {
         facets: &[[u32; 3]],
         limits: &Limits,
         known: Bound,
-        largest: &[u32],
     ) -> Bound {
         let mesh = Mesh { prover: self, vertices, facets };
-        // Mostly, what is known is near what one of these reaches.
-        let some = largest.par_iter().with_min_len(FEW).map(|&t| mesh.quick(&facets[t as usize]));
-        let reached = some.reduce(Quick::default, Quick::max).reached;
-        let near = |kind: Kind| {
-            let (bound, reached) = (kind.of(&known), kind.of_both(reached));
-            self.is_near(&Found { bound, reached })
-        };
-        if near(Kind::Chord) && near(Kind::Facet) {
-            return known;
+        if facets.len() > MANY {
+            // Fine meshes: what is known is near what some of them reach.
+            let some = |k: usize| mesh.quick(&facets[SAMPLE * k]);
+            let some = (0..facets.len() / SAMPLE).into_par_iter().with_min_len(CHUNK).map(some);
+            let reached = some.reduce(Quick::default, Quick::max).reached;
+            let near = |kind: Kind| {
+                let (bound, reached) = (kind.of(&known), kind.of_both(reached));
+                self.is_near(&Found { bound, reached })
+            };
+            if near(Kind::Chord) && near(Kind::Facet) {
+                return known;
+            }
         }
         let chunks: Vec<Chunk> = facets.par_chunks(CHUNK).map(|chunk| mesh.chunk(chunk)).collect();
         let all = chunks.iter().map(|chunk| chunk.all).fold(Quick::default(), Quick::max);
@@ -66,8 +69,7 @@ impl Prover<'_> {
                 (kind.of(&bound).min(kind.of(&known)), kind.of_both(all.reached));
             let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
             let near = self.is_near(&Found { bound: quick, reached });
-            let found =
-                if near { quick } else { mesh.largest(kind, &chunks, [quick, ceiling], reached) };
+            let found = if near { quick } else { mesh.largest(kind, &chunks, reached, ceiling) };
             kind.set(&mut bound, found);
         }
         bound
@@ -103,13 +105,7 @@ impl<'a> Mesh<'a> {
 
     /// A bound of one error, of which `reached` is reached: the facets whose quick bounds are well
     /// over that are taken apart, the largest first.
-    fn largest(
-        &self,
-        kind: Kind,
-        chunks: &[Chunk],
-        [known, ceiling]: [f64; 2],
-        mut reached: f64,
-    ) -> f64 {
+    fn largest(&self, kind: Kind, chunks: &[Chunk], mut reached: f64, ceiling: f64) -> f64 {
         let least = NOTHING * self.prover.mirror().outline.bounds().size().max_element();
         let enough = |reached: f64| ((1.0 + LOOSE) * reached).max(least).min(ceiling);
         let is_loose = |bound: f64| !(bound <= enough(reached));
@@ -134,18 +130,13 @@ impl<'a> Mesh<'a> {
         let slow = kind == Kind::Facet && !self.prover.plain;
         let most = if slow { SLOW_BATCHES } else { usize::MAX };
         for (k, batch) in loose.chunks(BATCH).enumerate() {
-            if self.prover.is_near(&Found { bound: known, reached }) {
-                return known;
-            }
             let goal = enough(reached).max(rest);
             if batch[0].0 <= goal || k == most {
                 return rest.max(batch[0].0).min(ceiling);
             }
             let look = |&(quick, t): &(f64, usize)| {
                 let near = |found: &Found| {
-                    found.bound <= goal
-                        || (self.prover.is_near(found) && found.bound <= ceiling)
-                        || self.prover.is_near(&Found { bound: known, reached: found.reached })
+                    found.bound <= goal || (self.prover.is_near(found) && found.bound <= ceiling)
                 };
                 self.prover.search(self.corners(&self.facets[t]), kind, quick, near)
             };
