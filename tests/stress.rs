@@ -31,6 +31,8 @@ fn missing(value: &Value, path: &str, found: &mut Vec<String>) {
         // What a profile may leave open, or a mirror not have.
         Value::Null if path.ends_with(".limit") || path.contains(".over_optimum") => (),
         Value::Null if path.ends_with(".worst_vertex") => (),
+        // Where no pixel is filled.
+        Value::Null if path.starts_with(".frame.") => (),
         Value::Null => found.push(path.to_owned()),
         Value::Object(all) => {
             all.iter().for_each(|(k, v)| missing(v, &format!("{path}.{k}"), found))
@@ -64,7 +66,8 @@ fn right_or_refused(what: &str, text: &str) -> Result<Report, String> {
     missing(&serde_json::from_str(&report.json()).unwrap(), "", &mut nothing);
     // Where no ray is aimed at the mirror there is nothing to say of rays, and the verdict is negative.
     assert!(nothing.is_empty() || !seen, "{what}: {nothing:?}");
-    assert!(seen || report.reasons[0].ends_with("no camera ray is aimed at the mirror"), "{what}");
+    let blind = |reason: &String| reason.ends_with("no camera ray is aimed at the mirror");
+    assert!(seen || report.reasons.iter().any(blind), "{what}: {:?}", report.reasons);
     for bound in [mesh.chord_um, mesh.facet_px] {
         assert!(bound.limit.is_none_or(|limit| bound.bound <= limit), "{what}: {bound:?}");
     }
@@ -98,7 +101,7 @@ fn pixel_rms(report: &Report) -> f64 {
 fn parts_from_a_micron_to_a_kilometre_are_alike() {
     let at = |width: f64| {
         let size = format!("width_mm = {width}\nbase_mm = {}", (width / 5.0).max(1e-3));
-        let chord = format!("chord_um = {}", width * 50.0 / 15.0);
+        let chord = format!("chord_um = {}", width * 10.0 / 15.0);
         let text = tiny(&[("width_mm = 15\nbase_mm = 2", &size), ("chord_um = 50", &chord)]);
         pixel_rms(&right_or_refused(&size, &text).unwrap())
     };
