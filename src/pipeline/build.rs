@@ -116,6 +116,9 @@ pub fn build_with(
         None => painted(&clock, &design, Eye::Shut)?,
     };
 
+    // What the disk made of the bytes may be otherwise the next time.
+    let altered = evidence.iter().any(|found| found.altered);
+    let inputs = if altered { String::new() } else { inputs };
     let mut report = assemble(profile, &design, form, Some(facts), evidence, chord_mm);
     let mut all: Vec<String> = refused.into_iter().chain(report.reasons).collect();
     for Checked { file, reasons, sag } in checked {

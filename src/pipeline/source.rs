@@ -7,7 +7,7 @@ use std::path::Path;
 use thiserror::Error;
 
 /// Far more bytes than a profile may have, which says so itself of those that have somewhat more.
-const MOST_TEXT: u64 = 1_000_000;
+const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
 
