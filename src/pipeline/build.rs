@@ -140,8 +140,8 @@ pub fn build_with(
         let pages = [
             folder.stage("preview.png", |out| out.write_all(&picture))?,
             text("report.html", &html(&report, &profile.summary, "preview.png"))?,
-            text("report.json", &report.json())?,
         ];
+        let last = text("report.json", &report.json())?;
         // A file of a format that is not written now would be another profile's.
         let made =
             |format: &Format| asked(format) && (!format.is_mesh() || formats.contains(format));
@@ -151,14 +151,15 @@ pub fn build_with(
         let files = staged.into_iter().filter(|(format, _)| asked(format)).map(|(_, file)| file);
         let files: Vec<Staged> = files.chain(pages).collect();
         let unasked = Format::ALL.len() - profile.formats.len();
-        clock.worked(Stage::Write, "files", [files.len(), unasked], "not asked for");
-        let outputs =
-            files.iter().filter_map(|file| Output::of(file.path(), file.name())).collect();
+        clock.worked(Stage::Write, "files", [files.len() + 1, unasked], "not asked for");
+        let output = |file: &Staged| Output::of(file.path(), file.name());
+        let outputs = files.iter().chain([&last]).filter_map(output).collect();
         let record = Record { inputs, outputs, work: clock.work() };
         let timings = text("timings.json", &clock.json(&record))?;
-        // All of one build; the report after all that it speaks of, and the record after the report.
+        // All of one build; the report last: where it is new, all that it speaks of is, and before it is
+        // the record matches nothing.
         let _turn = folder.turn();
-        for staged in files.into_iter().chain([timings]) {
+        for staged in files.into_iter().chain([timings, last]) {
             staged.publish()?;
         }
         old.iter().try_for_each(|name| folder.remove(name))?;
