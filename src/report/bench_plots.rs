@@ -53,7 +53,8 @@ impl Sweep {
                 around(runs.iter().map(|run| run.error)).log_scale(),
             )?;
         let power = |x: &f64| match (1e-3..1e5).contains(x) {
-            true => x.to_string(),
+            // Ticks are off their round numbers by roundings.
+            true => format!("{x:.0e}").parse().unwrap_or(*x).to_string(),
             false => format!("{x:.0e}"),
         };
         chart
