@@ -139,6 +139,23 @@ impl SheetRow {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_reflection_is_the_sheet_at_reflected_places() {
+        let series = Series::from_fn(5, 4, |i, j| f64::from(1 + (7 * i + 3 * j) as u32 % 5));
+        let (centre, half) = (DVec2::new(2.0, -3.0), DVec2::new(10.0, 7.0));
+        let sheet = Sheet { series, centre, half, scale_mm: 0.3 };
+        for (axis, sign) in [DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0)].into_iter().enumerate() {
+            let reflected = sheet.reflected(axis);
+            for q in [DVec2::new(0.5, 0.25), DVec2::new(-6.0, 2.0), DVec2::new(7.5, -8.0)] {
+                let (there, here) = (reflected.at(sign * q), sheet.at(q));
+                assert!((there.f - here.f).abs() < 1e-13, "{axis} {q}");
+                assert!((there.slope - sign * here.slope).length() < 1e-13, "{axis} {q}");
+                // It is no even one.
+                assert!((reflected.at(q).f - here.f).abs() > 1e-3, "{axis} {q}");
+            }
+        }
+    }
+
     /// f = 0.02 x^2 y on a rectangle off the origin, as a Legendre series.
     fn sheet() -> Sheet {
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));

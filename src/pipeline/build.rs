@@ -36,10 +36,9 @@ pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Rep
 }
 
 /// How much of the work that changes no result is done all the same.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// None.
-    #[default]
     Least,
     /// What the last build in the folder has done already.
     Afresh,

@@ -28,15 +28,13 @@ pub struct Run {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Order {
     /// y against x.
-    pub of: String,
-    /// The curves.
-    pub series: String,
+    pub of: &'static str,
     /// p, fitted to all curves at once.
     pub order: f64,
     /// Its standard error.
     pub sigma: f64,
     /// What theory says.
-    pub theory: Option<f64>,
+    pub theory: f64,
 }
 
 /// Runs that differ in one setting.
@@ -139,9 +137,8 @@ impl Sweep {
                 "  {profile:22}{series:26}{setting:>14}{time_ms:>12.2}  {error:.3e}{star}"
             )?;
         }
-        for Order { of, series, order, sigma, theory } in &self.orders {
-            let theory = theory.map_or(String::new(), |p| format!("; theory {p}"));
-            writeln!(out, "  {of} ^ {order:.2} +- {sigma:.2}{theory}  ({series})")?;
+        for Order { of, order, sigma, theory } in &self.orders {
+            writeln!(out, "  {of} ^ {order:.2} +- {sigma:.2}; theory {theory}")?;
         }
         writeln!(out)
     }

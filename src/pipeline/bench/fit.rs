@@ -16,19 +16,19 @@ pub fn mark_pareto(runs: &mut [Run]) {
     runs.iter_mut().zip(best).for_each(|(run, best)| run.pareto = best);
 }
 
-/// The order p of y ~ x^p within each curve of `runs`, fitted by least squares to all curves at once,
-/// each with a constant of its own; none without two points on one curve.
+/// The order p of y ~ x^p within each profile's curve, fitted by least squares to all of `runs` at once,
+/// each curve with a constant of its own; none without two points on one curve.
 pub fn order(
     runs: &[Run],
-    series: &str,
-    (of, theory): (&str, Option<f64>),
+    of: &'static str,
+    theory: f64,
     point: impl Fn(&Run) -> (f64, f64),
 ) -> Option<Order> {
     let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
     profiles.dedup();
     let (mut centred, mut freedom) = (Vec::new(), 0usize);
     for profile in profiles {
-        let curve = runs.iter().filter(|run| run.profile == profile && run.series == series);
+        let curve = runs.iter().filter(|run| run.profile == profile);
         let logs: Vec<(f64, f64)> = curve
             .map(&point)
             .filter(|&(x, y)| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite())
@@ -45,8 +45,7 @@ pub fn order(
     let left: f64 = centred.iter().map(|(x, y)| (y - order * x) * (y - order * x)).sum();
     // One of the degrees of freedom is the order's own.
     let sigma = (left / (freedom.max(2) - 1) as f64 / xx).sqrt();
-    let (of, series) = (of.to_owned(), series.to_owned());
-    (xx > 0.0).then_some(Order { of, series, order, sigma, theory })
+    (xx > 0.0).then_some(Order { of, order, sigma, theory })
 }
 
 #[cfg(test)]
@@ -73,12 +72,12 @@ mod tests {
     fn orders_are_found_within_curves_of_any_height() {
         for exact in [-2.0, -0.5, 0.0, 1.0] {
             let runs = runs(&[("a", 1.0), ("b", 1e6), ("c", 1e-4)], exact);
-            let found = order(&runs, "s", ("", None), |run| (run.setting, run.time_ms)).unwrap();
+            let found = order(&runs, "", exact, |run| (run.setting, run.time_ms)).unwrap();
             assert!((found.order - exact).abs() < 1e-9 && found.sigma < 1e-7, "{found:?}");
         }
         let single = &runs(&[("a", 1.0)], 1.0)[..1];
-        assert!(order(single, "s", ("", None), |run| (run.setting, run.time_ms)).is_none());
-        assert!(order(single, "t", ("", None), |run| (run.setting, run.time_ms)).is_none());
+        assert!(order(single, "", 1.0, |run| (run.setting, run.time_ms)).is_none());
+        assert!(order(&[], "", 1.0, |run| (run.setting, run.time_ms)).is_none());
     }
 
     #[test]

@@ -64,13 +64,11 @@ pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Err
     let large: Vec<_> =
         runs.iter().filter(|run| run.figures["triangles"] > FITTED).cloned().collect();
     let orders = [
-        order(&large, "", ("error ~ triangles", Some(per_triangle)), |run| {
+        order(&large, "error ~ triangles", per_triangle, |run| {
             (run.figures["triangles"], run.error)
         }),
-        order(&large, "", ("time ~ triangles", Some(1.0)), |run| {
-            (run.figures["triangles"], run.time_ms)
-        }),
-        order(&large, "", ("error ~ time", Some(per_triangle)), |run| (run.time_ms, run.error)),
+        order(&large, "time ~ triangles", 1.0, |run| (run.figures["triangles"], run.time_ms)),
+        order(&large, "error ~ time", per_triangle, |run| (run.time_ms, run.error)),
     ];
     let orders = orders.into_iter().flatten().collect();
     Ok(Sweep { name, about, setting: unit, error: unit, runs, orders })

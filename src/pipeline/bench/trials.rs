@@ -22,31 +22,32 @@ pub fn sweep(subjects: &[Subject], folder: &Path, quick: bool) -> Result<Sweep, 
         let sources = &engine.question.sources;
         let most = numbers.last().copied().unwrap_or_default();
         let all = engine.trials(sources, SEED, 0..most, None);
-        let mut figures = engine.figures(&all);
+        let figures = engine.figures(&all);
         let mut sorted = figures.clone();
         sorted.sort_by(f64::total_cmp);
         let median_px = quantile(&sorted, 0.5);
         for &number in numbers {
-            let make = || Ok::<_, Infallible>(engine.trials(sources, SEED, 0..number, None).len());
-            let Ok((time_ms, made)) = timed(true, make);
-            figures.truncate(all.len());
-            let good = figures[..made].iter().filter(|px| **px <= median_px).count();
-            let found = Yield::of(good as u64, made as u64);
+            let make = || Ok::<_, Infallible>(engine.trials(sources, SEED, 0..number, None));
+            let Ok((time_ms, _)) = timed(true, make);
+            // The first trials are the same in every run.
+            let good = figures.iter().take(number as usize).filter(|px| **px <= median_px).count();
+            let found = Yield::of(good as u64, number);
+            let number = number as f64;
             let pixels = engine.samples() as f64;
             let more = [
                 ("yield", found.share),
                 ("sources", sources.len() as f64),
                 ("pixels", pixels),
-                ("us_per_pixel", 1e3 * time_ms / (pixels * made as f64)),
+                ("us_per_pixel", 1e3 * time_ms / (pixels * number)),
             ];
             let at = (subject.name(), "");
-            runs.push(run(at, made as f64, time_ms, found.width(), more.into()));
+            runs.push(run(at, number, time_ms, found.width(), more.into()));
         }
     }
     let orders = [
-        order(&runs, "", ("error ~ trials", Some(-0.5)), |run| (run.setting, run.error)),
-        order(&runs, "", ("time ~ trials", Some(1.0)), |run| (run.setting, run.time_ms)),
-        order(&runs, "", ("error ~ time", Some(-0.5)), |run| (run.time_ms, run.error)),
+        order(&runs, "error ~ trials", -0.5, |run| (run.setting, run.error)),
+        order(&runs, "time ~ trials", 1.0, |run| (run.setting, run.time_ms)),
+        order(&runs, "error ~ time", -0.5, |run| (run.time_ms, run.error)),
     ];
     Ok(Sweep {
         name: "trials",

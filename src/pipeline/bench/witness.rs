@@ -33,10 +33,9 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
             runs.push(run((subject.name(), ""), rays, time_ms, error, figures));
         }
     }
-    let half = |of| (of, Some(-0.5));
     let orders = [
-        order(&runs, "", half("error ~ rays"), |run| (run.setting, run.error)),
-        order(&runs, "", half("error ~ time"), |run| (run.time_ms, run.error)),
+        order(&runs, "error ~ rays", -0.5, |run| (run.setting, run.error)),
+        order(&runs, "error ~ time", -0.5, |run| (run.time_ms, run.error)),
     ];
     Ok(Sweep {
         name: "witness",
