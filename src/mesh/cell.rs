@@ -11,15 +11,19 @@ use super::needs::{Needs, Place, SLENDER};
 use crate::geom::{DVec2, Outline};
 use glam::DMat2;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Growth of neighbouring cells.
 const GRADE: f64 = 0.3;
 /// Largest cell, in sizes of the domain.
 const LARGEST: f64 = 1.0;
-/// Steps between nodes along the domain's sides.
+/// Steps between nodes along the domain's sides, and while the kind of lattice is chosen.
 const SIDE: usize = 48;
+const ROUGH_SIDE: usize = 24;
 /// Half of atan(1/2): its cosine and sine.
 const TURN: DVec2 = DVec2::new(0.973_248_989_474_818_7, 0.229_752_920_547_268_07);
+/// Nodes that a thread looks at at a time, at least.
+const CHUNK: usize = 64;
 const SIN_60: f64 = 0.866_025_403_784_438_6;
 const SQUARE: [DVec2; 4] = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
 const HEXAGON: [DVec2; 6] = [
@@ -167,10 +171,14 @@ pub struct Cells<'a> {
     /// Fine cells to the side of one of these.
     pub parts: usize,
     aim: f64,
+    /// Steps between nodes along the domain's sides.
+    side: usize,
     /// What suits the nodes alone, as they are asked.
-    alone: Vec<Alone>,
+    alone: Arc<Vec<Alone>>,
     /// The fine lattice's at the nodes.
     nodes: Vec<DMat2>,
+    /// Between each four nodes, bilinear: at the first, and what x, y and x y add.
+    between: Arc<Vec<[DMat2; 4]>>,
     fit: DVec2,
 }
 
@@ -189,26 +197,16 @@ impl<'a> Cells<'a> {
     /// The cells of the kind of which the fewest will do, `aim` times as large as the limits allow
     /// facets of the quadratic model to be.
     pub fn new(needs: &'a Needs, outline: &Outline, aim: f64, most: f64) -> Self {
-        let make = |kind: Kind| {
-            let nodes: Vec<DVec2> = needs.domain().grid(SIDE, SIDE).map(|(q, _)| q).collect();
-            let alone = |&q: &DVec2| {
-                let place = needs.at(q);
-                let shape = kind.shape(&place);
-                let size = shape.determinant().abs().sqrt();
-                Alone { shape, size, room: kind.room(needs, &place, &shape) }
-            };
-            let alone = nodes.par_iter().map(alone).collect();
-            let mut cells =
-                Self { needs, kind, parts: 1, aim, alone, nodes: Vec::new(), fit: DVec2::ONE };
-            cells.grade();
-            let count = cells.count(outline);
-            (cells, count)
-        };
-        let better = |a: (Self, f64), b: (Self, f64)| if b.1 < a.1 { b } else { a };
+        let rough =
+            |&kind: &Kind| (kind, Self::graded(needs, kind, aim, ROUGH_SIDE).count(outline));
+        let better = |a: (Kind, f64), b: (Kind, f64)| if b.1 < a.1 { b } else { a };
         let kinds: &[Kind] = if needs.sees() { &Kind::ALL } else { &Kind::BLIND };
-        let made: Vec<_> = kinds.par_iter().copied().map(make).collect();
-        let (mut cells, count) = made.into_iter().reduce(better).expect("there are kinds");
-        cells.parts = ((count / most).sqrt().round() as usize).max(1);
+        let counts: Vec<_> = kinds.par_iter().map(rough).collect();
+        let (kind, _) = counts.into_iter().reduce(better).expect("there are kinds");
+        let mut cells = Self::graded(needs, kind, aim, SIDE);
+        let count = cells.count(outline);
+        // Up to 1.7 times as many where they need not be cut, half as many where in two to the side.
+        cells.parts = (((count / most).sqrt() - 0.3).ceil() as usize).max(1);
         if cells.parts > 1 {
             cells.grade();
         }
@@ -216,9 +214,38 @@ impl<'a> Cells<'a> {
         cells
     }
 
+    /// The cells of one kind, as they come; not yet ready to be looked up between nodes.
+    fn graded(needs: &'a Needs, kind: Kind, aim: f64, side: usize) -> Self {
+        let nodes: Vec<DVec2> = needs.domain().grid(side, side).map(|(q, _)| q).collect();
+        let alone = |&q: &DVec2| {
+            let place = needs.at(q);
+            let shape = kind.shape(&place);
+            let size = shape.determinant().abs().sqrt();
+            Alone { shape, size, room: kind.room(needs, &place, &shape) }
+        };
+        let mut cells = Self {
+            needs,
+            kind,
+            parts: 1,
+            aim,
+            side,
+            alone: Arc::new(nodes.par_iter().with_min_len(CHUNK).map(alone).collect()),
+            nodes: Vec::new(),
+            between: Arc::default(),
+            fit: DVec2::ONE,
+        };
+        cells.grade();
+        cells
+    }
+
     /// The share of the limits that facets of the model take.
     pub fn aim(&self) -> f64 {
         self.aim
+    }
+
+    /// The same with what fitting whole numbers of cells to the sides changed, along each axis.
+    pub fn taken(&self) -> DVec2 {
+        self.fit * self.aim
     }
 
     /// Takes `by` times as many fine cells to the side of each.
@@ -244,7 +271,7 @@ impl<'a> Cells<'a> {
     /// About how many fine facets cover the outline's part in the domain.
     pub fn count(&self, outline: &Outline) -> f64 {
         let domain = self.needs.domain();
-        let nodes = domain.grid(SIDE, SIDE).zip(&self.nodes);
+        let nodes = domain.grid(self.side, self.side).zip(&self.nodes);
         let inside = nodes.filter(|((q, _), _)| outline.contains(*q));
         let area = |cell: &DMat2| cell.determinant().abs() * self.kind.area();
         inside.map(|((_, share), cell)| 2.0 * share / area(cell)).sum()
@@ -253,12 +280,10 @@ impl<'a> Cells<'a> {
     /// The map from unit steps to those of the lattice at `q`.
     pub fn at(&self, q: DVec2) -> DMat2 {
         let (k, f) = self.corner(q);
-        let own = self.nodes[k];
-        let [right, up, across] =
-            [k + 1, k + SIDE + 1, k + SIDE + 2].map(|k| self.turned(self.nodes[k], &own));
-        let low = own + (right - own) * f.x;
-        let high = up + (across - up) * f.x;
-        DMat2::from_diagonal(self.fit * self.parts as f64) * (low + (high - low) * f.y)
+        let [own, by_x, by_y, by_both] = &self.between[k];
+        let cell = *own + *by_x * f.x + (*by_y + *by_both * f.x) * f.y;
+        let scale = self.fit * self.parts as f64;
+        DMat2::from_cols(cell.x_axis * scale, cell.y_axis * scale)
     }
 
     /// The same, turned about so that it continues `before`.
@@ -285,20 +310,20 @@ impl<'a> Cells<'a> {
         step.min(self.aim * self.parts as f64 * self.needs.edge_room(&place, way))
     }
 
-    /// The node before `q`, and how far `q` is on the way to the next ones.
+    /// Between which nodes `q` is, and how far on the way from the first to the others.
     fn corner(&self, q: DVec2) -> (usize, DVec2) {
-        let (domain, last) = (self.needs.domain(), SIDE as f64);
+        let (domain, last) = (self.needs.domain(), self.side as f64);
         let share =
             ((q - domain.min) / domain.size() * last).clamp(DVec2::ZERO, DVec2::splat(last));
         // Truncation is floor for what is not negative, and quicker.
-        let [i, j] = share.to_array().map(|x| (x as usize).min(SIDE - 1));
-        (j * (SIDE + 1) + i, share - DVec2::new(i as f64, j as f64))
+        let [i, j] = share.to_array().map(|x| (x as usize).min(self.side - 1));
+        (j * self.side + i, share - DVec2::new(i as f64, j as f64))
     }
 
     /// Limits the cells so that neighbours are of similar size.
     fn grade(&mut self) {
         const SLACK: f64 = 1.05;
-        let width = SIDE + 1;
+        let (side, width) = (self.side, self.side + 1);
         let domain = self.needs.domain();
         let parts = self.parts as f64;
         let cap = LARGEST * domain.size().min_element() / parts;
@@ -307,27 +332,31 @@ impl<'a> Cells<'a> {
             if size < cap { size } else { cap }
         };
         let mut table: Vec<f64> = self.alone.iter().map(size).collect();
-        let step = domain.size() / SIDE as f64;
-        let grow = DVec2::new(step.x, step.y) * (GRADE / parts);
-        for forward in [true, false, true, false] {
-            let last = table.len() - 1;
-            for k in 0..=last {
-                let k = if forward { k } else { last - k };
-                let (i, j) = (k % width, k / width);
-                let mut least = table[k];
-                if i > 0 {
-                    least = least.min(table[k - 1] + grow.x);
-                }
-                if i < SIDE {
-                    least = least.min(table[k + 1] + grow.x);
-                }
-                if j > 0 {
-                    least = least.min(table[k - width] + grow.y);
-                }
-                if j < SIDE {
-                    least = least.min(table[k + width] + grow.y);
-                }
-                table[k] = least;
+        let grow = domain.size() / side as f64 * (GRADE / parts);
+        let less = |a: f64, b: f64| if a < b { a } else { b };
+        let limit = |table: &mut [f64], i: usize, j: usize| {
+            let k = j * width + i;
+            let mut least = table[k];
+            if i > 0 {
+                least = less(table[k - 1] + grow.x, least);
+            }
+            if i < side {
+                least = less(table[k + 1] + grow.x, least);
+            }
+            if j > 0 {
+                least = less(table[k - width] + grow.y, least);
+            }
+            if j < side {
+                least = less(table[k + width] + grow.y, least);
+            }
+            table[k] = least;
+        };
+        for _ in 0..2 {
+            for j in 0..width {
+                (0..width).for_each(|i| limit(&mut table, i, j));
+            }
+            for j in (0..width).rev() {
+                (0..width).rev().for_each(|i| limit(&mut table, i, j));
             }
         }
         let node = |(alone, largest): (&Alone, f64)| {
@@ -341,10 +370,22 @@ impl<'a> Cells<'a> {
         self.nodes = self.alone.iter().zip(table).map(node).collect();
     }
 
-    /// Shrinks the cells by a little so that whole numbers fit along the domain's lower and left
-    /// sides.
+    /// Makes the cells ready to be looked up, and smaller by so little that whole numbers of them fit
+    /// along the domain's lower and left sides.
     fn settle(&mut self) {
         const STEPS: usize = 64;
+        const FITTED: f64 = 1e-9;
+        let side = self.side;
+        let between = |k: usize| {
+            let k = k / side * (side + 1) + k % side;
+            let own = self.nodes[k];
+            let [right, up, across] =
+                [k + 1, k + side + 1, k + side + 2].map(|k| self.turned(self.nodes[k], &own));
+            [own, right - own, up - own, across - up - (right - own)]
+        };
+        let places = (0..side * side).into_par_iter().with_min_len(CHUNK);
+        self.between = Arc::new(places.map(between).collect());
+        self.fit = DVec2::ONE;
         let domain = self.needs.domain();
         let size = domain.size();
         let count = |way: DVec2, length: f64| -> f64 {
@@ -357,6 +398,8 @@ impl<'a> Cells<'a> {
                 .sum()
         };
         let (x, y) = (count(DVec2::X, size.x), count(DVec2::Y, size.y));
-        self.fit = DVec2::new(x / x.ceil().max(1.0), y / y.ceil().max(1.0));
+        // What has been fitted already is not to grow by one for its rounding.
+        let whole = |x: f64| (x - FITTED).ceil().max(1.0);
+        self.fit = DVec2::new(x / whole(x), y / whole(y));
     }
 }

@@ -6,7 +6,7 @@ use crate::geom::{DVec2, DVec3};
 use glam::{DMat3, Vec3Swizzles};
 
 /// What a net knows of a corner.
-pub trait Corner: Copy {
+pub trait Corner: Copy + Send + Sync {
     /// Whether every triangle is asked at its own place, lest flips go round in circles.
     const EACH: bool;
 
@@ -72,6 +72,110 @@ impl Corner for Vertex {
             let bend = DVec2::new(hessian.xy().dot(d), hessian.yz().dot(d));
             let h = own.h + (own.gradient + bend * 0.5).dot(d);
             Self { q, h, gradient: own.gradient + bend, ..own }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{Chart, Outline, Precision, Rect};
+    use crate::mesh::region::Sight;
+    use crate::mesh::{Limits, Prover};
+    use crate::mirror::{Mirror, Sheet, Surface};
+    use crate::num::legendre::Series;
+    use crate::num::sample::Draws;
+
+    const HALF_MM: f64 = 10.0;
+    const TOP: Chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+
+    /// The mirror of height a x^2 + b x y + c y^2 + d x^3.
+    fn mirror([a, b, c, d]: [f64; 4]) -> Mirror {
+        // u^2 = (2 P2 + 1) / 3 and u^3 = (2 P3 + 3 P1) / 5.
+        let (square, cube) = (HALF_MM * HALF_MM, HALF_MM * HALF_MM * HALF_MM);
+        let series = Series::from_fn(4, 3, |i, j| match (i, j) {
+            (0, 0) => (a + c) * square / 3.0,
+            (2, 0) => a * square * 2.0 / 3.0,
+            (0, 2) => c * square * 2.0 / 3.0,
+            (1, 1) => b * square,
+            (1, 0) => d * cube * 0.6,
+            (3, 0) => d * cube * 0.4,
+            _ => 0.0,
+        });
+        let half = DVec2::splat(HALF_MM);
+        let sheet = Sheet { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
+        Mirror {
+            surface: Surface::Tensor(sheet),
+            chart: TOP,
+            outline: Outline::Rect(Rect { min: -half, max: half }),
+            folded: false,
+            even: [false; 2],
+        }
+    }
+
+    const LIMITS: Limits =
+        Limits { chord_mm: Some(1e-3), facet_mm: None, precision: Precision::Double };
+
+    fn vertices(mirror: &Mirror, at: [DVec2; 3]) -> [Vertex; 3] {
+        let prover = Prover::new(mirror, &TOP, None, Precision::Double);
+        at.map(|q| prover.vertex(q, mirror.surface.at(q)))
+    }
+
+    /// A triangle of about 1 mm.
+    fn triangle(r: &mut Draws) -> [DVec2; 3] {
+        let at = DVec2::new(r.inside([-8.0, 8.0]), r.inside([-8.0, 8.0]));
+        let corner = |way: DVec2, r: &mut Draws| at + way + 0.3 * DVec2::new(r.unit(), r.unit());
+        [corner(DVec2::ZERO, r), corner(DVec2::X, r), corner(DVec2::Y, r)]
+    }
+
+    #[test]
+    fn model_and_mirror_agree_where_the_model_is_exact_and_only_there() {
+        let mut r = Draws::new(5);
+        for (form, exact) in [([0.02, 0.01, 0.03, 0.0], true), ([0.02, 0.01, -0.03, 1e-3], false)] {
+            let mirror = mirror(form);
+            let sight = Sight { mirror: &mirror, camera: TOP, view: None };
+            let needs = Needs::new(&sight, mirror.outline.bounds(), LIMITS);
+            let mut farthest = 0.0f64;
+            for _ in 0..100 {
+                let at = triangle(&mut r);
+                let known = vertices(&mirror, at);
+                // The model of the first corner's place.
+                let place = needs.at(at[0]);
+                let by_model = DVec2::excess(&needs, &place, at.each_ref());
+                let by_mirror = Vertex::excess(&needs, &place, known.each_ref());
+                assert!(by_model > 1.0, "{by_model}");
+                farthest = farthest.max((by_mirror / by_model - 1.0).abs());
+            }
+            println!("{form:?}: off by {farthest:e}");
+            assert_eq!(farthest < 1e-9, exact, "{farthest:e}");
+        }
+    }
+
+    #[test]
+    fn a_corner_beside_another_is_foreseen_with_an_error_of_third_order() {
+        let mut r = Draws::new(6);
+        let ring = [DVec2::X, DVec2::new(0.4, 0.9), DVec2::NEG_X, DVec2::new(-0.3, -1.1)];
+        for cubic in [0.0, 1e-3] {
+            let mirror = mirror([0.02, 0.01, -0.03, cubic]);
+            let at = |q: DVec2| vertices(&mirror, [q; 3])[0];
+            for _ in 0..50 {
+                let q = DVec2::new(r.inside([-8.0, 8.0]), r.inside([-8.0, 8.0]));
+                let step = DVec2::new(r.inside([-0.1, 0.1]), r.inside([-0.1, 0.1]));
+                let off = |size: f64| {
+                    let neighbours = ring.map(|way| at(q + way * size));
+                    let foreseen = at(q).beside(neighbours.iter())(q + step * size);
+                    let found = at(q + step * size);
+                    assert_eq!(foreseen.q, found.q);
+                    [(foreseen.h - found.h).abs(), foreseen.gradient.distance(found.gradient)]
+                };
+                let [far, near] = [off(1.0), off(0.5)];
+                // h''' = 6e-3 / mm^2, and gradients tell h'' with what it changes over the ring.
+                let (height, gradient) = (cubic * 0.1 * 0.1 * 6.0, cubic * 0.15 * 6.0 * 1.2);
+                assert!(far[0] <= height + 1e-12 && far[1] <= gradient + 1e-12, "{far:?}");
+                if cubic > 0.0 && far[1] > 1e-6 {
+                    assert!((near[1] / far[1] - 0.25).abs() < 1e-3, "{far:?} {near:?}");
+                }
+            }
         }
     }
 }

@@ -2,10 +2,11 @@
 //!
 //! A quadratic model of the mirror and of its image (`needs`) says which lattice cell suits each
 //! place (`cell`); a lattice of such cells is packed into the rim (`rim`, `pack`), triangulated by
-//! spade and improved by the model (`plane`, `net`). This coarse mesh (`draft`) is cut into facets
-//! (`subdivide`), every one of which is proven over its whole area (`proof`, `tight`); around those
-//! that fail corners are moved and edges flipped, by what the mirror does at the corners (`corner`),
-//! and facets split where that does not do (`refine`).
+//! spade and improved by the model (`plane`, `net`, `crowd`). This coarse mesh (`draft`) is cut into
+//! facets (`subdivide`), every one of which is proven over its whole area (`proof`, `tight`); around
+//! those that fail corners are moved and edges flipped, by what the mirror does at the corners
+//! (`corner`), and facets split where that does not do (`refine`). At last the largest of the bounds
+//! are looked at again (`tighten`).
 //!
 //! All of that happens in the mirror's chart, where facets are flat too (`geom::Chart`). A symmetric
 //! panel is meshed on one half or quarter, a folded mirror on one panel: displacements of the image
@@ -14,6 +15,7 @@
 mod budget;
 mod cell;
 mod corner;
+mod crowd;
 mod deviation;
 mod draft;
 mod ground;
@@ -66,6 +68,12 @@ impl Limits {
     pub fn hold(&self, bound: &Bound) -> bool {
         self.chord_mm.is_none_or(|limit| bound.chord_mm <= limit)
             && self.facet_mm.is_none_or(|limit| bound.facet_mm <= limit)
+    }
+
+    /// Whether chord and facet errors that are reached may be within both.
+    fn allow(&self, [chord, facet]: [f64; 2]) -> bool {
+        self.chord_mm.is_none_or(|limit| chord <= limit)
+            && self.facet_mm.is_none_or(|limit| facet <= limit)
     }
 }
 
@@ -180,10 +188,15 @@ pub fn mesh(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Face, MeshError> {
-    let (mut mesh, bound) = drafted(mirror, camera, view, limits, |prover, draft| {
-        let fine = subdivide(draft, rounding(prover, limits));
-        refine(prover, draft, fine, copies(mirror), limits)
-    })?;
+    let made = || {
+        drafted(mirror, camera, view, limits, |prover, draft| {
+            let fine = subdivide(draft, rounding(prover, limits));
+            refine(prover, draft, fine, copies(mirror), limits)
+        })
+    };
+    // From a thread of the pool, the others are reached more quickly.
+    let (made, optimum) = rayon::join(made, || Optimum::new(mirror, camera, view));
+    let (mut mesh, bound) = made?;
     for axis in [0, 1] {
         if mirror.even[axis] {
             mesh = mesh.with_reflection(axis);
@@ -193,7 +206,7 @@ pub fn mesh(
     if mirror.folded {
         mesh = mesh.with_reflection(1);
     }
-    Ok(Face { mesh, designed, bound, optimum: Optimum::new(mirror, camera, view) })
+    Ok(Face { mesh, designed, bound, optimum })
 }
 
 /// How large a mesh will be.
@@ -218,14 +231,16 @@ pub fn forecast(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Forecast, MeshError> {
-    drafted(mirror, camera, view, limits, |_, draft| {
+    let made = |_: &Prover, draft: &Draft| {
         // Sides on which the part meets its reflection are inside the face.
         let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
         let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
         let copies = copies(mirror);
         let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
         Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
-    })
+    };
+    // From a thread of the pool, the others are reached more quickly.
+    rayon::scope(|_| drafted(mirror, camera, view, limits, made))
 }
 
 /// What is made of the draft of a mesh.

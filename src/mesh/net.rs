@@ -1,5 +1,6 @@
 //! A triangulation that can be improved in places: edges flipped or split, corners moved, all by
-//! the errors that the quadratic model foresees.
+//! the errors that follow from what is known of the corners (`corner`): of the coarse mesh those
+//! of the quadratic model, of facets what the mirror does there.
 
 use super::corner::Corner;
 use super::needs::{Needs, Place};
@@ -16,7 +17,7 @@ const HOPE: f64 = 0.5;
 const STEP: f64 = 0.06;
 
 /// Share of the area of two triangles, or of three around a corner, under which one of them is a
-/// sliver: the model does not mind slivers that lie right, but rounding does.
+/// sliver: what is foreseen does not mind slivers that lie right, but rounding does.
 const SLIGHT: f64 = 0.12;
 /// Share of a triangle's longest edge under which an edge is not split.
 const SHORT: f64 = 0.55;
@@ -152,10 +153,10 @@ impl<'a, C: Corner> Net<'a, C> {
 
     /// Flips the given edges, and those around the ones that were, until none gains; the triangles
     /// that changed are reported.
-    pub fn flip_all(&mut self, mut edges: Vec<[u32; 2]>, mut changed: impl FnMut(u32)) -> usize {
+    pub fn flip_all(&mut self, mut edges: Vec<[u32; 2]>, mut changed: impl FnMut(u32)) {
         // Every flip gains, but by how much depends on the place that is asked.
         let most = 20 * edges.len() + 100;
-        let (mut flips, mut seen) = (0, 0);
+        let mut seen = 0;
         while let Some(edge) = edges.pop() {
             seen += 1;
             if seen > most {
@@ -163,13 +164,11 @@ impl<'a, C: Corner> Net<'a, C> {
             }
             let Some(pair) = self.better_flipped(edge) else { continue };
             let [t, u] = self.turn(pair);
-            flips += 1;
             changed(t);
             changed(u);
             let ([a, d, c], [_, b, _]) = (self.triangles[t as usize], self.triangles[u as usize]);
             edges.extend([[a, d], [d, b], [b, c], [c, a]]);
         }
-        flips
     }
 
     /// Where an inner corner has smaller errors around it, if one of these is over `easy`. Steps are

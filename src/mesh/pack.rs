@@ -108,6 +108,10 @@ impl Packing {
                 return Err(from);
             }
             for (k, &way) in ways.iter().enumerate() {
+                if self.links[i][k] != NONE {
+                    continue;
+                }
+                let back = (k + ways.len() / 2) % ways.len();
                 // Where cells turn, the one half-way leads nearer to the neighbour.
                 let cell = if turns { cells.following(from + own * way * 0.5, &own) } else { own };
                 let q = from + cell * way;
@@ -121,12 +125,17 @@ impl Packing {
                                 self.cells[j] = cells.following(self.points[j], &own);
                                 queue.push_back(j);
                             }
+                            let same_back = if i < self.fixed { SAME_ON_RIM } else { SAME };
+                            if distance < same_back && is_alike(&own, &self.cells[j]) {
+                                self.links[j][back] = i as u32;
+                            }
                         }
                     }
                     None if rim.is_clear(q, &cell, CLEARANCE) => {
                         let j = self.push(q, cells.following(q, &own), bins);
                         self.active[j] = true;
                         self.links[i][k] = j as u32;
+                        self.links[j][back] = i as u32;
                         queue.push_back(j);
                     }
                     None => {}
@@ -203,6 +212,13 @@ impl Packing {
         let size = a.x_axis.length_squared() + a.y_axis.length_squared();
         if turned > 0.5 * size { (a + b) * 0.5 } else { a }
     }
+}
+
+/// Whether two cells are turned the same way about, so that a way back is the way.
+fn is_alike(a: &DMat2, b: &DMat2) -> bool {
+    let size = |m: &DMat2| m.x_axis.length_squared() + m.y_axis.length_squared();
+    let same = a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis);
+    same > 0.0 && same * same > 0.75 * size(a) * size(b)
 }
 
 /// Half-sizes of the box around the image of the unit circle.

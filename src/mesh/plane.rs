@@ -3,21 +3,19 @@
 
 use super::MeshError;
 use super::cell::Cells;
+use super::crowd::{Crowd, flip_all};
 use super::net::Net;
 use super::pack::{Packing, extent};
 use super::rim::Rim;
 use crate::geom::DVec2;
 use crate::num::{exp, log};
 use glam::DMat2;
-use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
 
 /// Rounds of flips and moves.
 const ROUNDS: usize = 8;
 /// Excess, in shares of what is aimed at, from which on corners are moved.
 const UNEASY: f64 = 1.04;
-/// Corners or edges a thread looks at at a time, at least.
-const CHUNK: usize = 32;
 
 /// Triangulates a packing inside its rim, which the first points are.
 pub fn triangulate<'a>(
@@ -55,13 +53,13 @@ fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
         .filter(|[a, b]| a < b)
         .collect();
     let mut active: Vec<u32> = (0..net.points.len() as u32).collect();
-    let mut crowd = Crowd { near: vec![0; net.points.len()], passes: 0 };
+    let mut crowd = Crowd::default();
     // What has changed since it was last looked at.
     let mut loose = vec![false; net.points.len()];
     let mut stale = vec![false; net.triangles.len()];
     for _ in 0..ROUNDS {
         let mut touched = Vec::new();
-        flip(&mut net, std::mem::take(&mut edges), |t| touched.push(t));
+        flip_all(&mut net, std::mem::take(&mut edges), |t| touched.push(t));
         for t in touched {
             for v in net.triangles[t as usize] {
                 if !std::mem::replace(&mut loose[v as usize], true) {
@@ -70,18 +68,10 @@ fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
             }
         }
         active.iter().for_each(|&v| loose[v as usize] = false);
-        while !active.is_empty() {
-            let apart = crowd.split(&net, &mut active);
-            let place = |&v: &u32| net.better_place(v, easy, |_| frames[v as usize], |q| q);
-            let places: Vec<_> = apart.par_iter().with_min_len(CHUNK).map(place).collect();
-            for (v, place) in apart.into_iter().zip(places) {
-                let Some(place) = place else { continue };
-                net.points[v as usize] = place;
-                for t in net.around(v) {
-                    stale[t as usize] = true;
-                }
-            }
-        }
+        let better = |net: &Net, v: u32| net.better_place(v, easy, |_| frames[v as usize], |q| q);
+        crowd.move_all(&mut net, std::mem::take(&mut active), better, |net, v| {
+            net.around(v).for_each(|t| stale[t as usize] = true);
+        });
         for (t, stale) in stale.iter_mut().enumerate() {
             if std::mem::take(stale) {
                 let [a, b, c] = net.triangles[t];
@@ -97,43 +87,8 @@ fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
             break;
         }
     }
-    flip(&mut net, edges, |_| {});
+    flip_all(&mut net, edges, |_| {});
     net
-}
-
-/// Flips those of the edges that gain, and what is then to flip around them.
-fn flip(net: &mut Net, edges: Vec<[u32; 2]>, changed: impl FnMut(u32)) {
-    let gains = |edge: &[u32; 2]| net.gains_by_flipping(*edge);
-    let edges = edges.into_par_iter().with_min_len(CHUNK).filter(gains).collect();
-    net.flip_all(edges, changed);
-}
-
-/// Picks corners that are no neighbours, so that each can be moved without the others.
-struct Crowd {
-    /// The last pass in which a neighbour of the corner was picked.
-    near: Vec<u32>,
-    passes: u32,
-}
-
-impl Crowd {
-    /// Takes such corners out of `corners`.
-    fn split(&mut self, net: &Net, corners: &mut Vec<u32>) -> Vec<u32> {
-        self.passes += 1;
-        let mut apart = Vec::with_capacity(corners.len() / 2);
-        corners.retain(|&v| {
-            if self.near[v as usize] == self.passes {
-                return true;
-            }
-            for t in net.around(v) {
-                for w in net.triangles[t as usize] {
-                    self.near[w as usize] = self.passes;
-                }
-            }
-            apart.push(v);
-            false
-        });
-        apart
-    }
 }
 
 /// Scales of the axes that make the cells about as long as wide.

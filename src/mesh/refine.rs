@@ -1,10 +1,12 @@
 //! Proof and repair: every facet is asked for its bounds; around those that fail corners are moved
 //! and edges flipped, and, where that does not do, split, until none fails.
 
+use super::crowd::{Crowd, flip_all};
 use super::draft::{Draft, rounding};
 use super::net::Net;
 use super::proof::{Bound, Prover, Vertex};
 use super::subdivide::Fine;
+use super::tighten::Mesh;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
 use glam::DMat2;
@@ -16,13 +18,15 @@ const CHUNK: usize = 256;
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
 const MOST_GROWTH: usize = 3;
 const FEW: usize = 200_000;
-/// Rounds in which facets are split as the model would have it, and their corners moved, though
-/// that may break their neighbours.
+/// Rounds in which facets are split where what is known of their corners would have it, and these
+/// moved, though that may break their neighbours.
 const EAGER: usize = 40;
 /// How often what changes in a round is gone over.
 const PASSES: usize = 4;
-/// Excess of the model, over which a corner of a failed facet is moved.
+/// Excess foreseen by what the mirror does at the corners, over which one of a failed facet is moved.
 const UNEASY: f64 = 0.81;
+/// Facets a thread looks at at a time in a repair, at least.
+const FEW_FACETS: usize = 64;
 /// Excess under which a facet that was changed is left to the proof before it is split.
 const MENDED: f64 = 0.96;
 
@@ -40,12 +44,13 @@ pub fn refine(
         fine.points.par_iter().with_min_len(CHUNK).map(evaluate).collect();
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
     let proof = Proof { prover, limits };
-    let (mut bound, mut failed) = proof.of(&all, &vertices, &fine.triangles);
+    let Proven { mut bounds, mut failed, mut largest } = proof.of(&all, &vertices, &fine.triangles);
     let mut triangles = fine.triangles;
     if !failed.is_empty() {
         let most = MOST_GROWTH * triangles.len() + FEW;
         let net = Net::new(draft.cells.needs, 1.0, vertices, triangles);
-        let mut repair = Repair { proof: &proof, draft, net, changed: Vec::new() };
+        let (changed, crowd) = (Vec::new(), Crowd::default());
+        let mut repair = Repair { proof: &proof, draft, net, changed, crowd };
         let mut round = 0;
         while !failed.is_empty() {
             let facets = (repair.net.triangles.len() * copies) as f64;
@@ -60,14 +65,19 @@ pub fn refine(
             changed.extend(&failed);
             changed.sort_unstable();
             changed.dedup();
-            let worst;
-            (worst, failed) = proof.of(&changed, &repair.net.points, &repair.net.triangles);
-            bound = bound.max(worst);
+            let found = proof.of(&changed, &repair.net.points, &repair.net.triangles);
+            bounds.resize(repair.net.triangles.len(), Bound::NEVER);
+            for (t, bound) in changed.into_iter().zip(found.bounds) {
+                bounds[t as usize] = bound;
+            }
+            largest.extend(found.largest);
+            failed = found.failed;
             round += 1;
         }
         (vertices, triangles) = (repair.net.points, repair.net.triangles);
     }
-    let bound = prover.tighten(&vertices, &triangles, &limits, bound);
+    let mesh = Mesh { prover, vertices: &vertices, facets: &triangles };
+    let bound = mesh.bound(&bounds, &largest, &limits);
     let vertices = vertices.into_iter().map(|v| v.at).collect();
     Ok((TriMesh { vertices, triangles }, bound))
 }
@@ -77,33 +87,57 @@ struct Proof<'a> {
     limits: Limits,
 }
 
+/// What the proof of some facets tells.
+#[derive(Default)]
+struct Proven {
+    /// Of each.
+    bounds: Vec<Bound>,
+    /// Of each chunk of those that keep the limits, the ones with the largest errors at corners and
+    /// edges.
+    largest: Vec<u32>,
+    /// The others.
+    failed: Vec<u32>,
+}
+
 impl Proof<'_> {
-    /// Of the given facets the worst bound of those that keep the limits, and the others.
-    fn of(&self, facets: &[u32], vertices: &[Vertex], triangles: &[[u32; 3]]) -> (Bound, Vec<u32>) {
+    /// The corner at `q`, or where the file will have it.
+    fn vertex(&self, q: DVec2) -> Vertex {
+        let q = rounding(self.prover, self.limits)(q);
+        self.prover.vertex(q, self.prover.mirror().surface.at(q))
+    }
+
+    /// Proves the given facets.
+    fn of(&self, facets: &[u32], vertices: &[Vertex], triangles: &[[u32; 3]]) -> Proven {
         let chunk = |facets: &[u32]| {
-            let (mut worst, mut failed) = (Bound::default(), Vec::new());
+            let mut proven = Proven::default();
+            let mut largest = [(0.0, None); 2];
             for &t in facets {
                 let facet = triangles[t as usize].map(|v| &vertices[v as usize]);
-                let mut bound = self.prover.bound(facet);
-                if !self.limits.hold(&bound) {
+                let (mut bound, reached) = self.prover.estimate(facet);
+                if !self.limits.hold(&bound) && self.limits.allow(reached) {
                     bound = self.prover.settle(facet, bound, &self.limits);
                 }
+                proven.bounds.push(bound);
                 if self.limits.hold(&bound) {
-                    worst = worst.max(bound);
+                    for (largest, reached) in largest.iter_mut().zip(reached) {
+                        if reached > largest.0 {
+                            *largest = (reached, Some(t));
+                        }
+                    }
                 } else {
-                    failed.push(t);
+                    proven.failed.push(t);
                 }
             }
-            (worst, failed)
+            proven.largest.extend(largest.into_iter().filter_map(|(_, t)| t));
+            proven
         };
         let chunks: Vec<_> = facets.par_chunks(CHUNK).map(chunk).collect();
-        chunks.into_iter().fold(
-            (Bound::default(), Vec::new()),
-            |(worst, mut all), (bound, failed)| {
-                all.extend(failed);
-                (worst.max(bound), all)
-            },
-        )
+        chunks.into_iter().fold(Proven::default(), |mut all, chunk| {
+            all.bounds.extend(chunk.bounds);
+            all.largest.extend(chunk.largest);
+            all.failed.extend(chunk.failed);
+            all
+        })
     }
 }
 
@@ -113,6 +147,7 @@ struct Repair<'a> {
     net: Net<'a, Vertex>,
     /// Facets that are no longer what was proven.
     changed: Vec<u32>,
+    crowd: Crowd,
 }
 
 impl Repair<'_> {
@@ -167,31 +202,37 @@ impl Repair<'_> {
             corners.dedup();
             let before = self.changed.len();
             self.ease(&corners);
-            let changed = self.changed[before..].iter();
-            let large = changed.filter(|&&t| self.net.excess(t) > MENDED);
+            let mut changed = self.changed.split_off(before);
+            changed.sort_unstable();
+            changed.dedup();
+            let net = &self.net;
+            let is_large = |t: &u32| net.excess(*t) > MENDED;
+            let large = changed.par_iter().with_min_len(FEW_FACETS).copied().filter(is_large);
+            let large: Vec<u32> = large.collect();
             corners.clear();
-            corners.extend(large.flat_map(|&t| self.net.triangles[t as usize]));
+            corners.extend(large.into_iter().flat_map(|t| net.triangles[t as usize]));
+            self.changed.extend(changed);
         }
     }
 
     fn ease(&mut self, corners: &[u32]) {
-        let mut edges = Vec::new();
-        for &v in corners {
-            let cells = &self.draft.cells;
-            let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
-            if let Some(to) = self.net.better_place(v, UNEASY, fine, |q| self.vertex(q)) {
-                self.net.points[v as usize] = to;
-                self.changed.extend(self.net.around(v));
-            }
-            for t in self.net.around(v) {
-                let [a, b, c] = self.net.triangles[t as usize];
-                edges.extend([sorted(a, b), sorted(b, c), sorted(c, a)]);
-            }
-        }
+        let Self { proof, draft, net, changed, crowd } = self;
+        let cells = &draft.cells;
+        let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
+        let better =
+            |net: &Net<Vertex>, v: u32| net.better_place(v, UNEASY, fine, |q| proof.vertex(q));
+        crowd.move_all(net, corners.to_vec(), better, |net, v| changed.extend(net.around(v)));
+        let mut near: Vec<u32> = corners.iter().flat_map(|&v| net.around(v)).collect();
+        near.sort_unstable();
+        near.dedup();
+        let sides = |t: u32| {
+            let [a, b, c] = net.triangles[t as usize];
+            [sorted(a, b), sorted(b, c), sorted(c, a)]
+        };
+        let mut edges: Vec<[u32; 2]> = near.into_iter().flat_map(sides).collect();
         edges.sort_unstable();
         edges.dedup();
-        let changed = &mut self.changed;
-        self.net.flip_all(edges, |t| changed.push(t));
+        flip_all(net, edges, |t| changed.push(t));
     }
 
     /// Splits the longest edge of facet `t`, for the sake of facet `of`, by Rivara's rule: an edge
@@ -214,7 +255,7 @@ impl Repair<'_> {
         let is_rim = self.net.beside(edge)[1].is_none();
         let arc = if is_rim { self.draft.rim.arc_through(p, q) } else { None };
         let middle = (p + q) * 0.5;
-        self.vertex(arc.map_or(middle, |arc| arc.onto(middle)))
+        self.proof.vertex(arc.map_or(middle, |arc| arc.onto(middle)))
     }
 
     /// Splits an edge in its middle, for the sake of facet `of`.
@@ -240,13 +281,6 @@ impl Repair<'_> {
         };
         let edges = [sorted(a, b), sorted(b, c), sorted(c, a)].map(length);
         edges.into_iter().reduce(longer).expect("three edges").1
-    }
-
-    /// The corner at `q`, or where the file will have it.
-    fn vertex(&self, q: DVec2) -> Vertex {
-        let prover = self.proof.prover;
-        let q = rounding(prover, self.proof.limits)(q);
-        prover.vertex(q, prover.mirror().surface.at(q))
     }
 
     /// No facet as small as this one can do better.

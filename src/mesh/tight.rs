@@ -143,15 +143,16 @@ impl Prover<'_> {
     pub(super) fn bound_roughly(&self, t: [&Vertex; 3], limits: &Limits) -> Bound {
         const SPLITS: usize = 12;
         const WELL_BELOW: f64 = 0.7;
-        let mut bound = self.bound(t);
+        let (mut bound, reached) = self.estimate(t);
         if bound == Bound::NEVER {
             return bound;
         }
         for kind in [Kind::Chord, Kind::Facet] {
             let Some(limit) = kind.limit(limits) else { continue };
-            if !(kind.of(&bound) <= WELL_BELOW * limit) {
+            let quick = Found { bound: kind.of(&bound), reached: kind.of_both(reached) };
+            if !(quick.bound <= WELL_BELOW * limit || self.is_near(&quick)) {
                 let mut left = SPLITS;
-                let found = self.search(t, kind, kind.of(&bound), |found| {
+                let found = self.search(t, kind, quick.bound, |found| {
                     left -= 1;
                     left == 0 || found.bound <= WELL_BELOW * limit || self.is_near(found)
                 });

@@ -59,38 +59,41 @@ fn add_scaled(to: &mut [f64], from: &[f64], factor: f64) {
     }
 }
 
+/// Turns the `length` Bernstein coefficients at the head of `p` into those of one degree more.
+fn elevate(p: &mut [f64], length: usize) {
+    let share = 1.0 / length as f64;
+    p[length] = p[length - 1];
+    for i in (1..length).rev() {
+        let left = i as f64 * share;
+        p[i] = (1.0 - left) * p[i] + left * p[i - 1];
+    }
+}
+
 /// Bernstein coefficients on [lo, hi], all of degree `count` - 1, of P_0 ... P_{count-1}: entry
 /// [k * count + i] is the i-th coefficient of P_k. Every step is a convex combination but for the
 /// recurrence itself.
 fn conversion(count: usize, lo: f64, hi: f64) -> Vec<f64> {
-    // Coefficients of p times (alpha (1 - t) + beta t), one degree higher.
-    let times = |p: &[f64], alpha: f64, beta: f64| -> Vec<f64> {
-        let degree = p.len() as f64;
-        (0..=p.len())
-            .map(|i| {
-                let left = if i < p.len() { (degree - i as f64) * alpha * p[i] } else { 0.0 };
-                let right = if i > 0 { i as f64 * beta * p[i - 1] } else { 0.0 };
-                (left + right) / degree
-            })
-            .collect()
-    };
-    let mut legendre: Vec<Vec<f64>> = vec![vec![1.0]];
+    let mut table = vec![0.0; count * count];
+    table[0] = 1.0;
+    let mut older = vec![0.0; count];
     for k in 1..count {
-        let grown = times(&legendre[k - 1], lo, hi);
-        let older = if k < 2 {
-            vec![0.0; k + 1]
-        } else {
-            times(&times(&legendre[k - 2], 1.0, 1.0), 1.0, 1.0)
-        };
-        let (n, m) = ((2 * k - 1) as f64, (k - 1) as f64);
-        legendre.push(grown.iter().zip(&older).map(|(g, o)| (n * g - m * o) / k as f64).collect());
-    }
-    let mut table = Vec::with_capacity(count * count);
-    for mut p in legendre {
-        while p.len() < count {
-            p = times(&p, 1.0, 1.0);
+        let (done, now) = table.split_at_mut(k * count);
+        if k > 1 {
+            older.copy_from_slice(&done[(k - 2) * count..(k - 1) * count]);
+            elevate(&mut older, k - 1);
+            elevate(&mut older, k);
         }
-        table.extend(p);
+        let last = &done[(k - 1) * count..];
+        // x P_{k-1}, of one degree more.
+        let (n, m, degree) = ((2 * k - 1) as f64, (k - 1) as f64, k as f64);
+        for i in 0..=k {
+            let left = if i < k { (degree - i as f64) * lo * last[i] } else { 0.0 };
+            let right = if i > 0 { i as f64 * hi * last[i - 1] } else { 0.0 };
+            now[i] = (n * ((left + right) / degree) - m * older[i]) / degree;
+        }
+    }
+    for (k, p) in table.chunks_exact_mut(count).enumerate() {
+        (k + 1..count).for_each(|length| elevate(p, length));
     }
     table
 }

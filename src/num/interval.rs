@@ -132,22 +132,30 @@ impl Interval {
         }
     }
 
-    /// From the four products (or quotients) of ends. A zero end holds, whatever underflowed, if
-    /// the factors' `signs` say so.
-    #[inline]
-    fn from_products(p: [f64; 4], signs: impl FnOnce() -> (bool, bool)) -> Self {
+    /// From the four products (or quotients) of the ends of `a` and `b`.
+    #[inline(always)]
+    fn from_products(p: [f64; 4], a: Self, b: Self) -> Self {
         let less = |a: f64, b: f64| if a < b { a } else { b };
         let more = |a: f64, b: f64| if a > b { a } else { b };
         let lo = less(less(p[0], p[1]), less(p[2], p[3]));
         let hi = more(more(p[0], p[1]), more(p[2], p[3]));
         // The sum is finite only if all are.
-        if (lo != 0.0) & (hi != 0.0) & (p[0] + p[1] + (p[2] + p[3])).is_finite() {
-            return Self { lo: down(lo), hi: up(hi) };
+        if (lo != 0.0) & (hi != 0.0) & ((p[0] + p[1] + (p[2] + p[3])).abs() < f64::INFINITY) {
+            Self { lo: down(lo), hi: up(hi) }
+        } else {
+            Self::from_special_products(p, [lo, hi], a, b)
         }
+    }
+
+    /// The same where an end is zero or there is none. A zero end holds, whatever underflowed, if
+    /// the factors' signs say so.
+    #[cold]
+    #[inline(never)]
+    fn from_special_products(p: [f64; 4], [lo, hi]: [f64; 2], a: Self, b: Self) -> Self {
         if p.iter().any(|p| p.is_nan()) {
             return Self::WHOLE;
         }
-        let (not_negative, not_positive) = signs();
+        let (not_negative, not_positive) = a.signs(b);
         Self {
             lo: if lo == 0.0 && not_negative { 0.0 } else { lo.next_down() },
             hi: if hi == 0.0 && not_positive { 0.0 } else { hi.next_up() },
@@ -217,7 +225,7 @@ impl Mul for Interval {
     fn mul(self, other: Self) -> Self {
         let (a, b) = (self, other);
         let products = [a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi];
-        Self::from_products(products, || a.signs(b))
+        Self::from_products(products, a, b)
     }
 }
 
@@ -233,7 +241,7 @@ impl Div for Interval {
             return Self::ZERO;
         }
         let quotients = [a.lo / b.lo, a.lo / b.hi, a.hi / b.lo, a.hi / b.hi];
-        Self::from_products(quotients, || a.signs(b))
+        Self::from_products(quotients, a, b)
     }
 }
 
