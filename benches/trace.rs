@@ -25,6 +25,7 @@ const USAGE: &str = "\
 cargo bench --bench trace -- [OPTIONS]
 
     --profile NAME  shipped profile or profile file [default: conquistador]
+    --stl FILE      the profile's mirror as a build wrote it [default: made in memory]
     --runs K        the fastest counts [default: 9]
     --dump FOLDER   mesh, rays and what became of them for other programs, as plain little-endian
                     numbers: vertices.f64, triangles.u32, rays.f64 (origin, direction), found.f64
@@ -34,19 +35,21 @@ cargo bench --bench trace -- [OPTIONS]
 
 struct Options {
     profile: String,
+    stl: Option<String>,
     runs: usize,
     dump: Option<String>,
 }
 
 impl Options {
     fn parse() -> Result<Self, String> {
-        let mut options = Self { profile: "conquistador".into(), runs: 9, dump: None };
+        let mut options = Self { profile: "conquistador".into(), stl: None, runs: 9, dump: None };
         let mut arguments = std::env::args().skip(1);
         let mut measured = false;
         while let Some(name) = arguments.next() {
             let mut value = || arguments.next().ok_or(format!("{name} needs a value"));
             match name.as_str() {
                 "--profile" => options.profile = value()?,
+                "--stl" => options.stl = Some(value()?),
                 "--runs" => {
                     let runs = value()?;
                     options.runs = runs.parse().map_err(|_| format!("{runs} is no number"))?;
@@ -70,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{complaint}");
         std::process::exit(2)
     });
-    let (design, mesh) = made(&options.profile)?;
+    let (design, mesh) = made(&options.profile, options.stl.as_deref())?;
     let [columns, rows] = design.camera.pixels;
     println!("{}: {} triangles, {columns} x {rows} rays", options.profile, mesh.triangles.len());
     let top = mesh.bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element());
@@ -124,11 +127,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The mesh of the STL file that the profile makes, as it is read back.
-fn made(profile: &str) -> Result<(Design, TriMesh), Box<dyn Error>> {
+/// The mesh of the STL file that the profile makes, or of one that was written, as it is read back.
+fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn Error>> {
     let source = load(profile)?;
     let profile = &source.profile;
     let design = design(profile, source.sag.as_ref())?;
+    if let Some(stl) = stl {
+        return Ok((design, read_stl(&fs::read(stl)?)?.mesh));
+    }
     let limits = Limits {
         chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
         facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),

@@ -39,14 +39,15 @@ class Bench:
     def __init__(self, root, target, runs, surface):
         self.root, self.target, self.runs, self.surface = root, target, runs, surface
         self.morion = target / "release" / "morion"
-        subprocess.run(["cargo", "build", "--quiet", "--release", "--locked"], cwd=root, check=True)
+        build = ["cargo", "build", "--quiet", "--release", "--locked"]
+        subprocess.run(build, cwd=root, check=True)
 
     def cargo_bench(self, name, *arguments):
         """The benchmark's own process, as it was built by cargo."""
-        return ["cargo", "bench", "--quiet", "--locked", "--bench", name, "--", *map(str, arguments)]
+        return ["cargo", "bench", "--quiet", "--locked", "--bench", name, "--", *arguments]
 
     def peer(self, script, *arguments):
-        return [sys.executable, HERE / script, *map(str, arguments)]
+        return [sys.executable, HERE / script, *arguments]
 
     def turns(self, programs):
         """What each program returned, run by run; Morion, the first, must not fail.
@@ -69,21 +70,21 @@ class Bench:
                 print(f"run {run + 1}: {name}: {said}", file=sys.stderr)
         return made
 
-    def process(self, command, **more):
+    def process(self, command):
         """Wall time of a whole process, start-up and all, and what it printed."""
+        command = list(map(str, command))
+        quiet = {"capture_output": True, "text": True, "stdin": subprocess.DEVNULL}
         start = time.perf_counter()
-        done = subprocess.run(
-            list(map(str, command)), capture_output=True, text=True, stdin=subprocess.DEVNULL, cwd=self.root, **more
-        )
+        done = subprocess.run(command, cwd=self.root, **quiet)
         seconds = time.perf_counter() - start
         if done.returncode != 0:
             last = (done.stderr.strip() or done.stdout.strip()).splitlines()[-1:]
             raise Failed(f"{Path(command[0]).name} ended with {done.returncode}: {' '.join(last)}")
         return seconds, done.stdout
 
-    def said(self, command, **more):
+    def said(self, command):
         """The same with the JSON object that it printed last."""
-        seconds, printed = self.process(command, **more)
+        seconds, printed = self.process(command)
         return seconds, json.loads(printed.splitlines()[-1])
 
 
@@ -98,10 +99,6 @@ def installed(job, peers):
     return found
 
 
-def median(made):
-    return statistics.median(seconds for seconds, _ in made)
-
-
 def heading(runs):
     model = platform.processor()
     cpuinfo = Path("/proc/cpuinfo")
@@ -110,16 +107,16 @@ def heading(runs):
         model = found[1] if found else model
     cores, load = len(os.sched_getaffinity(0)), os.getloadavg()[2]
     return (
-        f"{model or platform.machine()}, {cores} logical cores, {date.today()}, {runs} runs each in turns, "
-        f"mean load of the last 15 minutes {load:.1f}\n"
+        f"{model or platform.machine()}, {cores} logical cores, {date.today()}, "
+        f"{runs} runs each in turns, mean load of the last 15 minutes {load:.1f}\n"
     )
 
 
 def figures(seconds):
     """Median, with the least and the greatest."""
-    middle = statistics.median(seconds)
-    digits = 3 if middle >= 0.1 else 4
-    return f"{middle:.{digits}f} ({min(seconds):.{digits}f} to {max(seconds):.{digits}f})"
+    digits = 3 if statistics.median(seconds) >= 0.1 else 4
+    middle, low, high = statistics.median(seconds), min(seconds), max(seconds)
+    return f"{middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
 def table(rows):
@@ -129,10 +126,8 @@ def table(rows):
     ]
     for row in rows:
         ratio = statistics.median(row.theirs) / statistics.median(row.ours)
+        ratio = f"{ratio:.1f}" if ratio < 20 else f"{ratio:.0f}"
         both = row.both if row.agrees else f"DIFFERENT: {row.both}"
-        lines.append(
-            f"| {row.job} | {row.peer} | {figures(row.theirs)} | {figures(row.ours)} | **{ratio:.2g}** | {both} |"
-            if ratio < 10
-            else f"| {row.job} | {row.peer} | {figures(row.theirs)} | {figures(row.ours)} | **{ratio:.0f}** | {both} |"
-        )
+        times = f"{figures(row.theirs)} | {figures(row.ours)}"
+        lines.append(f"| {row.job} | {row.peer} | {times} | **{ratio}** | {both} |")
     return "\n".join(lines)

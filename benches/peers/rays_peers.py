@@ -85,7 +85,10 @@ class Mitsuba:
                 drjit.set_thread_count(1)
                 drjit.eval(mitsuba.Float(0) + 1)
             except Exception as error:
-                print(f"no LLVM for Mitsuba (Debian: apt-get install libllvm15): {error}", file=sys.stderr)
+                print(
+                    f"no LLVM for Mitsuba (Debian: apt-get install libllvm15): {error}",
+                    file=sys.stderr,
+                )
                 mitsuba.set_variant("scalar_rgb")
         self.name, self.mi, self.dr = mitsuba.variant(), mitsuba, drjit
         mesh = mitsuba.Mesh("part", len(vertices), len(triangles))
@@ -99,7 +102,9 @@ class Mitsuba:
         ray = self.mi.Ray3f
         if self.name.startswith("scalar"):
             return [ray(o, d) for o, d in zip(origins.tolist(), directions.tolist(), strict=True)]
-        rays = ray(*(self.mi.Point3f(np.ascontiguousarray(v.T, np.float32)) for v in (origins, directions)))
+        rays = ray(
+            *(self.mi.Point3f(np.ascontiguousarray(v.T, np.float32)) for v in (origins, directions))
+        )
         self.dr.eval(rays)
         self.dr.sync_thread()
         return rays
@@ -133,7 +138,12 @@ def main():
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     vertices, triangles, rays, found = read(folder)
     origins, directions = rays[:, :3], rays[:, 3:]
-    outcome, facet, distance, leaving = found[:, 0], found[:, 1].astype(int), found[:, 2], found[:, 3:]
+    outcome, facet, distance, leaving = (
+        found[:, 0],
+        found[:, 1].astype(int),
+        found[:, 2],
+        found[:, 3:],
+    )
     size = np.abs(vertices).max()
 
     kind = {"embree": Embree, "mitsuba": Mitsuba}[program]

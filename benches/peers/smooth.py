@@ -22,10 +22,12 @@ NEAR_RAD = 1e-9
 # Noll's terms 6, 7 and 11 of the freeform mirror, mm.
 FREEFORM = {6: 0.3, 7: 0.1, 11: 0.05}
 DRAWN = {"decentre_x_um": 50, "decentre_y_um": 50, "tilt_x_mrad": 0.5, "tilt_y_mrad": 0.5}
-NOT_DRAWN = (
-    "despace_um clocking_mrad scale_ppm temperature_k magnification_ppm telecentricity_mrad principal_x_px "
-    "principal_y_px distortion_ppm waviness_um slope_mrad stepover_mm facets_px"
-).split() + [f"zernike_{j}_um" for j in range(4, 12)]
+NOT_DRAWN = [
+    *("despace_um", "clocking_mrad", "scale_ppm", "temperature_k", "magnification_ppm"),
+    *("telecentricity_mrad", "principal_x_px", "principal_y_px", "distortion_ppm"),
+    *("waviness_um", "slope_mrad", "stepover_mm", "facets_px"),
+    *(f"zernike_{j}_um" for j in range(4, 12)),
+]
 # Of the mirror's size: pixels that see a place so near the rim stand for nothing.
 MARGIN = 0.02
 # Of the radius: as far from a disc's rim rays are aimed.
@@ -53,11 +55,15 @@ def system(profile, zernike):
     """What the peers are told: lengths in mm, the part's frame."""
     radius = 0.5 * profile["part"]["width_mm"]
     # tan(psi / 2) = r / h at the rim.
-    focal = radius / math.tan(0.5 * math.radians(profile["projection"]["parabolic"]["outer_polar_deg"]))
+    focal = radius / math.tan(
+        0.5 * math.radians(profile["projection"]["parabolic"]["outer_polar_deg"])
+    )
     departure = polynomial(zernike, radius)
     # The lowest place of both mirrors lies on the rim, at the base's height.
     angle = np.linspace(0, 2 * math.pi, 1_000_000, endpoint=False)
-    rim = np.polynomial.polynomial.polyval2d(radius * np.cos(angle), radius * np.sin(angle), departure)
+    rim = np.polynomial.polynomial.polyval2d(
+        radius * np.cos(angle), radius * np.sin(angle), departure
+    )
     vertex = profile["part"]["base_mm"] + radius**2 / (2 * focal) - rim.min()
     noll = [zernike.get(j, 0.0) for j in range(max(zernike, default=0) + 1)]
     width, height = profile["camera"]["orthographic"]["pixels"]
@@ -100,7 +106,9 @@ def profile_with(text, mirror):
     lines = ["[tolerance]", "compensators = []", "[tolerance.limits]"]
     lines += [f"{key} = {limit}" for key, limit in limits.items()]
     if mirror is not None:
-        terms = [[int(i), int(j), float(mirror[i, j])] for i, j in zip(*np.nonzero(mirror), strict=True)]
+        terms = [
+            [int(i), int(j), float(mirror[i, j])] for i, j in zip(*np.nonzero(mirror), strict=True)
+        ]
         lines = ["[mirror.polynomial]", f"terms = {json.dumps(terms)}", *lines]
         head, rest = text.split("[method.vector-field]")
         text = head + rest[rest.index("[part]") :]
@@ -128,7 +136,17 @@ def traced(bench, name, shipped, zernike):
     profile.write_text(profile_with(shipped, mirror))
     described.write_text(json.dumps(told))
     trials = folder / name / f"trials-0-{TRIALS}.csv"
-    command = [bench.morion, "tolerance", profile, "--trials", f"0..{TRIALS}", "--part", "--out", folder, "--quiet"]
+    command = [
+        bench.morion,
+        "tolerance",
+        profile,
+        "--trials",
+        f"0..{TRIALS}",
+        "--part",
+        "--out",
+        folder,
+        "--quiet",
+    ]
 
     def theirs(peer):
         arguments = described, trials, peer, folder / f"{name}-{peer}.npz"
@@ -154,11 +172,12 @@ def traced(bench, name, shipped, zernike):
         both = (
             f"{name}: {TRIALS} trials of decentre and tilt at {count} pixels: RMS displacement "
             f"{pair[1]:.6f} +- {spread[1]:.6f} px, Morion {pair[0]:.6f} +- {spread[0]:.6f}; "
-            f"no trial differs by more than {off:.0e} rad"
+            f"differing by no more than {off:.0e} rad in any"
         )
         if not zernike:
             r = np.hypot(*pixels(told).T)
             psi = np.arctan2(np.hypot(*found["directions"][:, :2].T), found["directions"][:, 2])
-            both += f"; as designed within {np.abs(psi - 2 * np.arctan(r / told['focal_mm'])).max():.0e} rad of the law"
+            off_law = np.abs(psi - 2 * np.arctan(r / told["focal_mm"])).max()
+            both += f"; as designed within {off_law:.0e} rad of the law"
         rows.append(Row("smooth", peer, seconds[peer], seconds["morion"], both, off <= NEAR_RAD))
     return rows

@@ -79,7 +79,15 @@ class Optiland:
         count = len(points)
         top, none = np.full(count, system["top_mm"]), np.zeros(count)
         # Intensity and wavelength, um, are asked for.
-        self.rays = [*points.T, top, none, none, np.full(count, -1.0), np.ones(count), np.full(count, 0.55)]
+        self.rays = [
+            *points.T,
+            top,
+            none,
+            none,
+            np.full(count, -1.0),
+            np.ones(count),
+            np.full(count, 0.55),
+        ]
 
     def directions(self, shift, tilt):
         place = self.surface.geometry.cs
@@ -90,7 +98,8 @@ class Optiland:
 
 
 def main():
-    system = json.loads(open(sys.argv[1]).read())
+    with open(sys.argv[1]) as file:
+        system = json.load(file)
     with open(sys.argv[2]) as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
         axes = ["decentre_x_um", "decentre_y_um", "tilt_x_mrad", "tilt_y_mrad"]

@@ -10,11 +10,13 @@ FORMULAS = {
     "bowl": lambda x, y: (x * x + y * y) / 1000,
     "saddle": lambda x, y: (x * x - y * y) / 1000,
     "bowl-16-to-1": lambda x, y: x * x / 250 + y * y / 4000,
-    "mixed": lambda x, y: x * x / 600
-    - y * y / 1500
-    + 3e-6 * x**3
-    + 2e-6 * x * y * y
-    + 0.02 * np.sin(x / 8) * np.cos(y / 11),
+    "mixed": lambda x, y: (
+        x * x / 600
+        - y * y / 1500
+        + 3e-6 * x**3
+        + 2e-6 * x * y * y
+        + 0.02 * np.sin(x / 8) * np.cos(y / 11)
+    ),
 }
 SAMPLES = 12
 BLOCK = 20_000

@@ -59,7 +59,9 @@ def facet_for(wanted, triangles_at, start=1.0, tries=12):
 
 def job(bench):
     shipped = (bench.root / "profiles" / "conquistador.toml").read_text()
-    if not installed("whole", {"scipy": "scipy", "trimesh": "trimesh", "Embree": "embreex"}).keys() >= {
+    if not installed(
+        "whole", {"scipy": "scipy", "trimesh": "trimesh", "Embree": "embreex"}
+    ).keys() >= {
         "scipy",
         "trimesh",
         "Embree",
@@ -80,7 +82,9 @@ def job(bench):
 
         facet_px, _ = facet_for(TRIANGLES, triangles_at)
         profile.write_text(profile_with(shipped, facet_px))
-        command = bench.peer("python_stack.py", folder / "peer.stl", "--optical-triangles", TRIANGLES)
+        command = bench.peer(
+            "python_stack.py", folder / "peer.stl", "--optical-triangles", TRIANGLES
+        )
         made = bench.turns({"morion": ours, "python stack": lambda: bench.said(command)})
 
     if "python stack" not in made:
@@ -96,5 +100,12 @@ def job(bench):
         f"pixel error {rms[0]:.3f} and {rms[1]:.3f} px RMS; the peer without its start-up {stages:.3f} s"
     )
     agrees = abs(counts[1] / counts[0] - 1) <= 2 * NEAR and abs(rms[1] / rms[0] - 1) <= 0.05
-    row = Row("whole", "numpy, scipy, trimesh, Embree", seconds["python stack"], seconds["morion"], both, agrees)
+    row = Row(
+        "whole",
+        "numpy, scipy, trimesh, Embree",
+        seconds["python stack"],
+        seconds["morion"],
+        both,
+        agrees,
+    )
     return [row], None
