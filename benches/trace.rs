@@ -133,7 +133,8 @@ fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn E
     let profile = &source.profile;
     let design = design(profile, source.sag.as_ref())?;
     if let Some(stl) = stl {
-        return Ok((design, read_stl(&fs::read(stl)?)?.mesh));
+        let bytes = fs::read(stl).map_err(|error| format!("{stl}: {error}"))?;
+        return Ok((design, read_stl(&bytes)?.mesh));
     }
     let limits = Limits {
         chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),

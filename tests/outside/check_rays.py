@@ -164,6 +164,7 @@ def main():
             corners, rays, seen, figures, wrong = one(out, name)
             if place == 0:
                 wrong += must_fail(corners, rays, seen)
+                figures += ", altered files fail"
         except Exception as error:
             figures, wrong = "unreadable", [f"{type(error).__name__}: {error}"]
         verdict = "FAILED; " + "; ".join(wrong) if wrong else "ok"
