@@ -163,8 +163,9 @@ def main():
         try:
             corners, rays, seen, figures, wrong = one(out, name)
             if place == 0:
-                wrong += must_fail(corners, rays, seen)
-                figures += ", altered files fail"
+                blind = must_fail(corners, rays, seen)
+                wrong += blind
+                figures += "" if blind else ", altered files fail"
         except Exception as error:
             figures, wrong = "unreadable", [f"{type(error).__name__}: {error}"]
         verdict = "FAILED; " + "; ".join(wrong) if wrong else "ok"
