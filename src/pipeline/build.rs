@@ -66,7 +66,7 @@ pub fn build_with(
         let folder = out.join(&profile.name);
         if let Some((report, record)) = last::unchanged(&folder, &inputs) {
             let folder = Folder::create(&folder)?;
-            let timings = clock.json(&record);
+            let timings = record.json(&clock);
             folder.stage("timings.json", |out| out.write_all(timings.as_bytes()))?.publish()?;
             observer.unchanged(folder.path());
             return Ok(report);
@@ -154,7 +154,7 @@ pub fn build_with(
         let output = |file: &Staged| Output::of(file.path(), file.name());
         let outputs = files.iter().chain([&last]).filter_map(output).collect();
         let record = Record { inputs, outputs, work: clock.work() };
-        let timings = text("timings.json", &clock.json(&record))?;
+        let timings = text("timings.json", &record.json(&clock))?;
         // All of one build; the report last: where it is new, all that it speaks of is, and before it is
         // the record matches nothing.
         let _turn = folder.turn();

@@ -1,7 +1,7 @@
 //! The last build in a folder: whether the next one would only repeat it.
 
 use super::files::hex;
-use super::observer::Work;
+use super::observer::{Clock, Work};
 use super::source::Source;
 use crate::profile::Format;
 use crate::report::Report;
@@ -24,6 +24,16 @@ pub struct Record {
     pub outputs: Vec<Output>,
     /// Work of its stages.
     pub work: Vec<Work>,
+}
+
+impl Record {
+    /// `timings.json`: with the times of the build that this is of.
+    pub fn json(&self, clock: &Clock) -> String {
+        let mut all = clock.timings(&self.work);
+        all["inputs"] = self.inputs.as_str().into();
+        all["outputs"] = serde_json::json!(self.outputs);
+        format!("{all:#}\n")
+    }
 }
 
 /// A file as it was published. One of the same length and time of change is taken for the same, as

@@ -1,8 +1,9 @@
 //! Progress: who watches a build, and how long its stages take.
 
-use super::last::Record;
+use crate::tolerance;
 use crate::trace::Tally;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -107,7 +108,6 @@ pub struct Clock<'a> {
     observer: &'a dyn Observer,
     start: Instant,
     stages: Mutex<Vec<(&'static str, f64)>>,
-    rays: Mutex<Tally>,
     work: Mutex<Vec<Work>>,
     shortcuts: bool,
 }
@@ -119,7 +119,6 @@ impl<'a> Clock<'a> {
             observer,
             start: Instant::now(),
             stages: Mutex::default(),
-            rays: Mutex::default(),
             work: Mutex::default(),
             shortcuts: true,
         }
@@ -182,8 +181,12 @@ impl<'a> Clock<'a> {
         self.worked(Stage::Trace, "camera rays searched for", [searched, drawn], drawing);
         let leaving = "they provably meet nothing";
         self.worked(Stage::Trace, "reflected rays followed", [followed, proven], leaving);
-        if let Ok(mut rays) = self.rays.lock() {
-            *rays = *rays + tally;
+    }
+
+    /// Counts what tracing made systems took in a stage.
+    pub fn toleranced(&self, stage: Stage, tally: tolerance::Tally) {
+        for (piece, counts) in tally.pieces() {
+            self.worked(stage, piece.what(), counts.map(|n| n as usize), piece.why());
         }
     }
 
@@ -193,21 +196,14 @@ impl<'a> Clock<'a> {
         value
     }
 
-    /// `timings.json`: seconds per stage, in order, and in all so far; how rays were traced; and for the
-    /// next build what this one was made of, what it wrote, and the work that it did.
-    pub fn json(&self, record: &Record) -> String {
-        let mut stages = serde_json::Map::new();
+    /// Seconds per stage, in order, and in all so far, and `work`.
+    pub fn timings(&self, work: &[Work]) -> Value {
+        let mut stages = Map::new();
         for (name, seconds) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
-            let before = stages.get(name).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+            let before = stages.get(name).and_then(Value::as_f64).unwrap_or(0.0);
             stages.insert(name.into(), (before + seconds).into());
         }
         let total = self.start.elapsed().as_secs_f64();
-        let rays = self.rays.lock().map(|rays| *rays).unwrap_or_default();
-        let Record { inputs, outputs, work } = record;
-        let all = serde_json::json!({
-            "seconds": stages, "total_s": total, "rays": rays, "work": work,
-            "inputs": inputs, "outputs": outputs,
-        });
-        format!("{all:#}\n")
+        serde_json::json!({ "seconds": stages, "total_s": total, "work": work })
     }
 }

@@ -53,6 +53,7 @@ pub fn prepared(
     let engine = clock.stage(Stage::Sensitivities, || {
         let engine = Engine::new(&design.mirror, &design.camera, view, asked)
             .ok_or_else(|| Error::Unseen { profile: name() })?;
+        clock.toleranced(Stage::Sensitivities, engine.worked());
         let sources = engine.question.sources.len();
         let [pixels, expanded] = [engine.samples(), engine.expanded()];
         let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");

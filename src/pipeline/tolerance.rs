@@ -27,7 +27,7 @@ pub struct Trials {
 }
 
 /// Answers the profile that `named` means by `trials`, into `out`/NAME: `tolerance.json`,
-/// `tolerance.html` and `trials.csv`.
+/// `tolerance.html`, `trials.csv` and `tolerance-timings.json`.
 ///
 /// # Errors
 /// [`enum@Error`] when there is no such profile, it cannot be designed or has no projection, or the disk refuses.
@@ -147,6 +147,7 @@ pub fn tolerance_merged(
         }
         all.extend(trials);
     }
+    clock.worked(Stage::Trials, TRIALS, [0, all.len()], "the parts hold them");
     let machining = tracks(&clock, (&source.profile, &asked.design), engine)?;
     concluded(&clock, (&source.profile, machining), &asked, seed, &all, &folder)
 }
@@ -196,10 +197,17 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
     text
 }
 
+/// What the stage of trials counts.
+const TRIALS: &str = "trials";
+
 fn traced(clock: &Clock, engine: &Engine, trials: &Trials) -> Vec<Trial> {
     let Trials { range, seed, until } = trials.clone();
     clock.always(Stage::Trials, || {
+        let asked = (range.end - range.start) as usize;
         let made = engine.trials(&engine.question.sources, seed, range, until);
+        clock.toleranced(Stage::Trials, engine.worked());
+        let enough = "the yield is known well enough";
+        clock.worked(Stage::Trials, TRIALS, [made.len(), asked - made.len()], enough);
         let note = format!("{} trials", made.len());
         (made, note)
     })
@@ -216,6 +224,7 @@ fn concluded(
 ) -> Result<ToleranceReport, Error> {
     let study = clock.always(Stage::Budget, || {
         let study = Study::new(engine, seed, trials);
+        clock.toleranced(Stage::Budget, engine.worked());
         let note = format!("yield {:.2} %", 100.0 * study.yields.share);
         (study, note)
     });
@@ -230,7 +239,10 @@ fn concluded(
         let json = report.json();
         let answers = folder.stage("tolerance.json", |out| out.write_all(json.as_bytes()))?;
         let page = folder.stage("tolerance.html", |out| out.write_all(page.as_bytes()))?;
-        [trials, page, answers].into_iter().try_for_each(Staged::publish)?;
+        let timings = format!("{:#}\n", clock.timings(&clock.work()));
+        let timings =
+            folder.stage("tolerance-timings.json", |out| out.write_all(timings.as_bytes()))?;
+        [trials, page, timings, answers].into_iter().try_for_each(Staged::publish)?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

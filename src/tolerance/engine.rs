@@ -5,6 +5,7 @@ use super::field::{Field, Measure, slope_modes};
 use super::linear::Linear;
 use super::model::{Pose, Sample, State, System, placed};
 use super::source::{Kind, Source, Texture};
+use super::tally::{Piece, Tally};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{Mirror, Patches};
 use crate::num::random::Stream;
@@ -169,6 +170,12 @@ impl Engine {
         self.system.expanded()
     }
 
+    /// The work of this engine, and of those made of it, since it was last asked for.
+    #[must_use]
+    pub fn worked(&self) -> Tally {
+        self.system.counter.take()
+    }
+
     /// Image points of these pixels, and where the content belongs that they see as designed, mm.
     pub fn places(&self) -> impl Iterator<Item = (DVec2, DVec2)> {
         self.system.samples.iter().map(|sample| (sample.point, sample.content))
@@ -245,15 +252,25 @@ impl Engine {
         let poses: Vec<Pose<f64>> = made.iter().map(|m| Pose::new(&m.state.placed)).collect();
         let per = 1.0 / self.system.camera.pixel_mm;
         let mut all: Vec<Vec<f64>> = made.iter().map(|_| self.base.clone()).collect();
+        let is_perfect: Vec<bool> = made.iter().map(|m| m.state.is_perfect()).collect();
+        let mut tally = Tally::default();
         // Sample by sample: what belongs to one stays in the cache.
         for (k, sample) in self.system.samples.iter().enumerate() {
-            for ((made, pose), out) in made.iter().zip(&poses).zip(&mut all) {
-                let content = self.system.content(sample, pose, &made.state);
+            let systems = made.iter().zip(&poses).zip(&is_perfect);
+            for (((made, pose), is_perfect), out) in systems.zip(&mut all) {
                 let noise = made.noise(k);
-                out[2 * k] += (content[0] - sample.content.x) * per + noise[0];
-                out[2 * k + 1] += (content[1] - sample.content.y) * per + noise[1];
+                let mut moved = [0.0; 2];
+                if *is_perfect {
+                    tally.count(Piece::Rays, [0, 1]);
+                } else {
+                    let content = self.system.content(sample, pose, &made.state, &mut tally);
+                    moved = [content[0] - sample.content.x, content[1] - sample.content.y];
+                }
+                out[2 * k] += moved[0] * per + noise[0];
+                out[2 * k + 1] += moved[1] * per + noise[1];
             }
         }
+        self.system.counter.add(tally);
         all
     }
 

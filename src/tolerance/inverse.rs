@@ -4,6 +4,7 @@ use super::compensate::{Criterion, Pixels};
 use super::crossing::crossing;
 use super::engine::Engine;
 use super::source::Source;
+use super::tally::Piece;
 use super::trials::quantile;
 use super::yardstick::Yardstick;
 use crate::num::random::Stream;
@@ -205,6 +206,7 @@ impl Engine {
                 let squares = yardstick.squares(&factors(scale), count as usize);
                 return squares.into_iter().map(f64::sqrt).collect();
             }
+            self.system.counter.count(Piece::LimitTrials, [0, count as usize]);
             self.figures(&self.linear_trials(&joint(scale).sources, seed, 0..count))
         };
         let reached = |mut figures: Vec<f64>| {
@@ -231,6 +233,7 @@ impl Engine {
         let wide = wide.as_ref().unwrap_or(self);
         let mut lost = false;
         for _ in 0..FULL_ROUNDS {
+            self.system.counter.count(Piece::LimitTrials, [FEW as usize, 0]);
             let full = self.figures(&wide.trials(&joint(scale).sources, seed, 0..FEW, None));
             let kept = full.iter().filter(|figure| figure.is_finite()).count();
             lost = (kept as f64) < target * FEW as f64;

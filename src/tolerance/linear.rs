@@ -3,6 +3,7 @@
 use super::engine::{Engine, Made, Question};
 use super::model::{PLACED, Pose, Sample, State, System};
 use super::source::{Kind, Source};
+use super::tally::{Piece, Tally};
 use crate::num::Dual;
 use crate::num::random::Stream;
 use rayon::prelude::*;
@@ -24,14 +25,21 @@ impl Linear {
         let count = PLACED + forms + 2 + usize::from(question.map.is_some());
         let per = 1.0 / system.camera.pixel_mm;
         let of = |sample: &Sample| -> (Vec<[f64; 2]>, [[f64; 2]; 3]) {
+            let mut tally = Tally::default();
             let mut state = system.perfect::<Dual<PLACED>>();
             state.placed = std::array::from_fn(|k| Dual::variable(0.0, k));
-            let [x, y] = system.content(sample, &Pose::new(&state.placed), &state);
+            let [x, y] = system.content(sample, &Pose::new(&state.placed), &state, &mut tally);
             let placed = (0..PLACED).map(|k| [x.slope[k] * per, y.slope[k] * per]);
             // What is added to the surface acts through its height and slope at the hit.
-            let by = system.by_form(sample).map(|by| by.map(|x| x * per));
-            let units = system.form_units(sample).into_iter();
-            let formed = units.map(|unit| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum()));
+            let by = system.by_form(sample, &mut tally).map(|by| by.map(|x| x * per));
+            let units = system.form_units(sample);
+            let done = PLACED + by.len();
+            let avoided = units.len().saturating_sub(by.len());
+            tally.count(Piece::Derivatives, [done, avoided]);
+            system.counter.add(tally);
+            let formed = units
+                .into_iter()
+                .map(|unit| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum()));
             (placed.chain(formed).collect(), by)
         };
         let all: Vec<_> = system.samples.par_iter().map(of).collect();
@@ -226,7 +234,8 @@ mod tests {
         let pose = Pose::new(&made.state.placed);
         for (sample, plain) in engine.system.samples.iter().zip(&plain.samples) {
             let content = |system: &System, sample: &Sample| {
-                DVec2::from_array(system.content(sample, &pose, &made.state))
+                let tally = &mut Tally::default();
+                DVec2::from_array(system.content(sample, &pose, &made.state, tally))
             };
             let off = content(&engine.system, sample) - content(&engine.system, plain);
             let off = off.length() / engine.system.camera.pixel_mm;

@@ -6,16 +6,20 @@
 //! the view says which image point the thing it meets belongs to.
 
 mod departure;
+mod tool;
 
-use super::field::{Field, cusp, ripple};
+use super::field::{Field, ripple};
 use super::local::{Square, terms, value, values};
 use super::samples::FORM_TERMS;
 use super::source::Texture;
+use super::tally::{Counter, Piece, Tally};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::mirror::{Mirror, Patches};
 use crate::num::{Dual, Scalar};
 use crate::optics::{Camera, View, stereo};
 use std::f64::consts::TAU;
+use std::sync::Arc;
+use tool::Tool;
 
 /// Numbers that say how mirror and camera are placed.
 pub const PLACED: usize = 12;
@@ -47,6 +51,18 @@ pub struct State<S> {
     /// From tool track to track, mm, and where between two tracks the origin lies, in [0, 1), if
     /// there are any.
     pub tracks: Option<[f64; 2]>,
+}
+
+impl State<f64> {
+    /// Whether mirror and rays are as designed.
+    pub fn is_perfect(&self) -> bool {
+        let none = |x: f64| x == 0.0;
+        self.placed.into_iter().all(none)
+            && self.form.iter().copied().all(none)
+            && self.wave.into_iter().flatten().all(none)
+            && self.map.is_none_or(none)
+            && self.tracks.is_none()
+    }
 }
 
 /// Part to world: turned by `turn`, after growth, then shifted.
@@ -122,12 +138,8 @@ pub struct System {
     wave: [f64; 2],
     tool: Tool,
     map: Option<Patches>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Tool {
-    ball: f64,
-    way: [f64; 2],
+    /// Of this system and all that are made of it.
+    pub(super) counter: Arc<Counter>,
 }
 
 /// Most steps of Newton's method, and a step, mm, after which the place is known to rounding.
@@ -170,6 +182,7 @@ impl System {
             wave,
             tool,
             map,
+            counter: Arc::default(),
         };
         system.samples = system.spread(count, [margin, reach]);
         system.expand_forms();
@@ -185,6 +198,7 @@ impl System {
             fields: self.fields.clone(),
             form_degree: 0,
             map: self.map.clone(),
+            counter: Arc::clone(&self.counter),
             ..*self
         }
     }
@@ -275,20 +289,31 @@ impl System {
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
     /// where the ray is lost: it does not meet the surface, which goes on beyond the rim, within the
     /// mirror's size of where it does as designed.
-    pub fn content<S: Scalar>(&self, sample: &Sample, pose: &Pose<S>, state: &State<S>) -> [S; 2] {
+    pub fn content<S: Scalar>(
+        &self,
+        sample: &Sample,
+        pose: &Pose<S>,
+        state: &State<S>,
+        tally: &mut Tally,
+    ) -> [S; 2] {
+        tally.count(Piece::Rays, [1, 0]);
         let mut sum = [0.0; FORM_TERMS];
         let count = terms(self.form_degree);
         if sample.form.is_empty() {
             let forms = |at: [S; 2]| self.forms(&state.form, at);
-            return self.seen(sample, pose, state, forms);
+            let zeros = state.form.iter().filter(|a| **a == 0.0).count();
+            tally.count(Piece::Forms, [state.form.len() - zeros, zeros]);
+            return self.seen(sample, pose, state, tally, forms);
         }
         let sum = &mut sum[..count];
         // Four at a time: the sum is fetched less often.
         let (fours, rest) = state.form.as_chunks::<4>();
         let mut forms = sample.form.chunks_exact(4 * count);
+        let mut avoided = 0;
         for (four @ [a, b, c, d], forms) in fours.iter().zip(&mut forms) {
             // Most errors alone have none.
             if *four == [0.0; 4] {
+                avoided += 4;
                 continue;
             }
             let (ab, cd) = forms.split_at(2 * count);
@@ -301,8 +326,9 @@ impl System {
         for (a, form) in rest.iter().zip(forms.remainder().chunks_exact(count)) {
             sum.iter_mut().zip(form).for_each(|(sum, c)| *sum += a * c);
         }
+        tally.count(Piece::Forms, [state.form.len() - avoided, avoided]);
         let (degree, sum) = (self.form_degree, &*sum);
-        self.seen(sample, pose, state, |at| {
+        self.seen(sample, pose, state, tally, |at| {
             if sample.square.holds(at) {
                 value(degree, sum, &sample.square, at)
             } else {
@@ -313,11 +339,12 @@ impl System {
 
     /// How content moves, mm, with a height of 1 mm and a slope of 1 along X and along Y added to
     /// the designed surface where `sample` sees it: x and y of each.
-    pub(super) fn by_form(&self, sample: &Sample) -> [[f64; 2]; 3] {
+    pub(super) fn by_form(&self, sample: &Sample, tally: &mut Tally) -> [[f64; 2]; 3] {
         let state = self.perfect::<Dual<3>>();
         let pose = Pose::new(&state.placed);
         let plane = [0, 1, 2].map(|k| Dual::<3>::variable(0.0, k));
-        let [x, y] = self.seen(sample, &pose, &state, |at| {
+        tally.count(Piece::Rays, [1, 0]);
+        let [x, y] = self.seen(sample, &pose, &state, tally, |at| {
             let [dx, dy] = [at[0] - sample.hit.x, at[1] - sample.hit.y];
             [plane[0] + plane[1] * dx + plane[2] * dy, plane[1], plane[2]]
         });
@@ -359,14 +386,19 @@ impl System {
         sample: &Sample,
         pose: &Pose<S>,
         state: &State<S>,
+        tally: &mut Tally,
         form: impl Fn([S; 2]) -> [S; 3],
     ) -> [S; 2] {
         let surface = |at: [S; 2]| {
             let designed = match &sample.base {
                 Some((degree, c)) if sample.square.holds(at) => {
+                    tally.count(Piece::Surface, [0, 1]);
                     values(*degree, c, &sample.square, at)
                 }
-                _ => self.designed(at),
+                _ => {
+                    tally.count(Piece::Surface, [1, 0]);
+                    self.designed(at)
+                }
             };
             self.textured(added(designed, 1.0, form(at)), state, at, sample.groove)
         };
@@ -416,34 +448,6 @@ impl System {
     }
 }
 
-impl Tool {
-    /// Curvature of tracks over the mirror, of Z by the distance from the track in the plan, 1/mm, where
-    /// the mirror has slope p and second derivatives H. A ball of radius R that touches it there is over
-    /// it by half the form M = sqrt(1 + p^2) (I + p p^T) / R - H; a track is the least of all balls along
-    /// it. Zero where the ball does not fit.
-    fn curvature(&self, [p, q]: [f64; 2], bend: [[f64; 2]; 2]) -> f64 {
-        let long = (1.0 + p * p + q * q).sqrt() / self.ball;
-        let [xx, xy, yy] = [
-            long * (1.0 + p * p) - bend[0][0],
-            long * p * q - 0.5 * (bend[0][1] + bend[1][0]),
-            long * (1.0 + q * q) - bend[1][1],
-        ];
-        let [a, b] = self.way;
-        // Of the track's direction (-b, a); the least over it leaves the determinant over this.
-        let along = xx * b * b - 2.0 * xy * a * b + yy * a * a;
-        let across = (xx * yy - xy * xy) / along;
-        if along > 0.0 && across > 0.0 { across } else { 0.0 }
-    }
-
-    /// Height and slope of tracks of some curvature over the mirror.
-    fn cusp<S: Scalar>(&self, [stepover, phase]: [f64; 2], curvature: f64, at: [S; 2]) -> [S; 3] {
-        let across = at[0] * self.way[0] + at[1] * self.way[1];
-        let track = (across.centre() / stepover + phase).round() - phase;
-        let [height, slope] = cusp(curvature, across - track * stepover);
-        [height, slope * self.way[0], slope * self.way[1]]
-    }
-}
-
 #[inline]
 fn added<S: Scalar>(sum: [S; 3], a: f64, [f, x, y]: [S; 3]) -> [S; 3] {
     [sum[0] + f * a, sum[1] + x * a, sum[2] + y * a]
@@ -461,7 +465,7 @@ fn meet<S: Scalar>(
     sample: &Sample,
     farthest: f64,
     (from, along): ([S; 3], [S; 3]),
-    surface: impl Fn([S; 2]) -> [S; 3],
+    mut surface: impl FnMut([S; 2]) -> [S; 3],
 ) -> Option<([S; 3], [S; 2])> {
     let (hit, p) = (sample.hit, sample.slope);
     // The tangent plane there.

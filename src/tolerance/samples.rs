@@ -2,8 +2,10 @@
 
 use super::local::{Fitter, Square, off, terms, value, values};
 use super::model::{Pose, Sample, System};
+use super::tally::{Piece, Tally};
 use crate::geom::DVec2;
 use rayon::prelude::*;
+use std::cell::Cell;
 
 /// Degrees of polynomials that are tried for the designed surface. One whose height, mm, or slope is
 /// farther off than this is not used.
@@ -128,12 +130,19 @@ impl System {
 
     /// Degree and coefficients of the designed surface on a square.
     fn fitted(&self, fitters: &[Fitter], square: &Square) -> Option<(usize, Vec<[f64; 3]>)> {
-        fitters.iter().find_map(|fitter| {
-            let c = fitter.fit(square, |at| self.designed(at));
+        let calls = Cell::new(0);
+        let designed = |at| {
+            calls.set(calls.get() + 1);
+            self.designed(at)
+        };
+        let found = fitters.iter().find_map(|fitter| {
+            let c = fitter.fit(square, designed);
             let found = |at| values(fitter.degree(), &c, square, at);
-            let smooth = off(square, found, |at| self.designed(at)) <= SMOOTH;
+            let smooth = off(square, found, designed) <= SMOOTH;
             smooth.then_some((fitter.degree(), c))
-        })
+        });
+        self.counter.count(Piece::Surface, [calls.get(), 0]);
+        found
     }
 
     fn sample(&self, fitters: &[Fitter], point: DVec2, place: DVec2, reach: f64) -> Option<Sample> {
@@ -151,7 +160,9 @@ impl System {
         let mut sample = Sample { point, content, hit, slope, square, groove, base, form };
         let perfect = self.perfect::<f64>();
         let pose = Pose::new(&perfect.placed);
-        sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect));
+        let mut tally = Tally::default();
+        sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect, &mut tally));
+        self.counter.add(tally);
         sample.content.is_finite().then_some(sample)
     }
 }

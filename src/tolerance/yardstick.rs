@@ -4,9 +4,11 @@
 use super::compensate::Compensation;
 use super::engine::{Engine, Made};
 use super::source::{Kind, Source};
+use super::tally::{Counter, Piece};
 use super::trials::quantile;
 use crate::num::random::Stream;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Trials, and what any factors on their sources' limits make of them.
 #[derive(Debug, Clone)]
@@ -17,6 +19,7 @@ pub struct Yardstick {
     forms: Vec<Vec<f64>>,
     /// Mean square without errors, px^2.
     base: f64,
+    counter: Arc<Counter>,
 }
 
 impl Yardstick {
@@ -76,7 +79,8 @@ impl Yardstick {
             form
         };
         let forms = (0..count).into_par_iter().map(form).collect();
-        Self { sources: sources.len(), forms, base: mean(&base, &base) }
+        let counter = Arc::clone(&engine.system.counter);
+        Self { sources: sources.len(), forms, base: mean(&base, &base), counter }
     }
 
     /// The mean squares, px^2, of the first `count` trials, where each source's limit is multiplied
@@ -94,7 +98,9 @@ impl Yardstick {
             }
             sum.max(0.0)
         };
-        self.forms[..count.min(self.forms.len())].par_iter().map(of).collect()
+        let forms = &self.forms[..count.min(self.forms.len())];
+        self.counter.count(Piece::LimitTrials, [0, forms.len()]);
+        forms.par_iter().map(of).collect()
     }
 
     /// What the share `target` of all trials does not exceed, px.

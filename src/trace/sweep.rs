@@ -12,7 +12,6 @@ use super::{Hit, Outcome, Scene};
 use crate::geom::{DVec3, Ray};
 use crate::optics::Camera;
 use rayon::prelude::*;
-use serde::Serialize;
 use std::ops::Add;
 
 /// Side of the smallest squares of pixels whose reflected rays are proven free together; the largest
@@ -53,7 +52,7 @@ impl From<(Outcome, Option<Hit>, DVec3)> for Glimpse {
 }
 
 /// How many rays were traced, and how.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tally {
     /// Camera rays whose facet was drawn.
     pub drawn: usize,

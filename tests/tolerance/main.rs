@@ -8,6 +8,7 @@ mod replay;
 mod statistics;
 #[path = "../support/mod.rs"]
 mod support;
+mod work;
 
 use morion::design::Design;
 use morion::mirror::Patches;

@@ -1,0 +1,46 @@
+//! Tracks of a ball cutter.
+
+use super::super::field::cusp;
+use crate::num::Scalar;
+
+/// The tool.
+#[derive(Debug, Clone, Copy)]
+pub struct Tool {
+    /// Radius of the ball, mm.
+    pub ball: f64,
+    /// The direction in which tracks follow each other.
+    pub way: [f64; 2],
+}
+
+impl Tool {
+    /// Curvature of tracks over the mirror, of Z by the distance from the track in the plan, 1/mm, where
+    /// the mirror has slope p and second derivatives H. A ball of radius R that touches it there is over
+    /// it by half the form M = sqrt(1 + p^2) (I + p p^T) / R - H; a track is the least of all balls along
+    /// it. Zero where the ball does not fit.
+    pub fn curvature(&self, [p, q]: [f64; 2], bend: [[f64; 2]; 2]) -> f64 {
+        let long = (1.0 + p * p + q * q).sqrt() / self.ball;
+        let [xx, xy, yy] = [
+            long * (1.0 + p * p) - bend[0][0],
+            long * p * q - 0.5 * (bend[0][1] + bend[1][0]),
+            long * (1.0 + q * q) - bend[1][1],
+        ];
+        let [a, b] = self.way;
+        // Of the track's direction (-b, a); the least over it leaves the determinant over this.
+        let along = xx * b * b - 2.0 * xy * a * b + yy * a * a;
+        let across = (xx * yy - xy * xy) / along;
+        if along > 0.0 && across > 0.0 { across } else { 0.0 }
+    }
+
+    /// Height and slope of tracks of some curvature over the mirror.
+    pub fn cusp<S: Scalar>(
+        &self,
+        [stepover, phase]: [f64; 2],
+        curvature: f64,
+        at: [S; 2],
+    ) -> [S; 3] {
+        let across = at[0] * self.way[0] + at[1] * self.way[1];
+        let track = (across.centre() / stepover + phase).round() - phase;
+        let [height, slope] = cusp(curvature, across - track * stepover);
+        [height, slope * self.way[0], slope * self.way[1]]
+    }
+}
