@@ -38,6 +38,55 @@ fn curl_of_the_papers_law_has_its_closed_form() {
     assert!(near.made().facts.curl.unwrap().max > 1e-3);
 }
 
+/// What is measured of a law that has a mirror is rounding, and known to be no more than that; what
+/// is measured of one that has none is far more.
+#[test]
+fn a_curl_of_nothing_is_told_from_rounding_at_every_size() {
+    for width_mm in [1e-3, 0.37, 60.0, 1e3, 1e6] {
+        let far = |law| Wish { width_mm, ..Wish::panoramic(law, 6) };
+        let near = |wish: Wish| Wish { camera: pinhole(2.5 * width_mm), ..wish };
+        let about = |wish: Wish| wish.before(&World::Cylinder(1.5 * width_mm).key());
+        let round = || {
+            let law = "[projection.equiangular]\nouter_polar_deg = 110";
+            Wish { width_mm, ..Wish::round(oracle::ORTHOGRAPHIC, law, 0.0, 16) }
+        };
+        // A land has a micrometre at least.
+        let ring = || {
+            let (law, width_mm) =
+                ("inner_polar_deg = 60\nouter_polar_deg = 120", width_mm.max(4e-3));
+            let camera = pinhole(2.5 * width_mm);
+            let law = format!("[projection.cylinder]\n{law}");
+            let ring = Wish { width_mm, ..Wish::round(&camera, &law, 0.25 * width_mm, 16) };
+            ring.before(&World::Cylinder(1.5 * width_mm).key())
+        };
+        let curl = |wish: Wish| wish.made().facts.curl.unwrap();
+        for (what, wish) in [
+            ("Mercator", far("mercator")),
+            ("round", round()),
+            ("round, pinhole", near(round())),
+            ("ring, pinhole, near", ring()),
+        ] {
+            let found = curl(wish);
+            println!("{width_mm} {what}: {found:?}");
+            assert!(found.rms <= found.max && found.max <= found.rounding, "{what}: {found:?}");
+            // No more than a few hundred roundings, nor times what they came to.
+            let ulp = f64::EPSILON * found.condition;
+            assert!(found.rounding < 2e3 * ulp && found.condition < 10.0, "{what}: {found:?}");
+            assert!(found.rounding < 2e3 * found.max, "{what}: {found:?}");
+        }
+        for (what, wish) in [
+            ("cylindrical", far("cylindrical")),
+            ("equal area", far("equal-area")),
+            ("Mercator, pinhole", near(far("mercator"))),
+            ("Mercator, near", about(far("mercator"))),
+        ] {
+            let found = curl(wish);
+            println!("{width_mm} {what}: {found:?}");
+            assert!(found.max > 1e9 * found.rounding && found.rounding > 0.0, "{what}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn more_degrees_never_leave_more_and_the_problem_stays_well_conditioned() {
     for wish in [Wish::panoramic("cylindrical", 0), Wish::conquistador("cylindrical", 0)] {

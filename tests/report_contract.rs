@@ -145,6 +145,8 @@ fn the_report_has_every_key_with_its_type() {
             ("design.gradient_residual", Number),
             ("design.curl.rms", Number),
             ("design.curl.max", Number),
+            ("design.curl.condition", Number),
+            ("design.curl.rounding", Number),
             ("form.sphere.radius_mm", Number),
             ("form.sphere.pv_mm", Number),
             ("form.sphere.largest_mm", Number),

@@ -5,20 +5,25 @@ use super::solve::Fit;
 use crate::geom::{DVec2, angle};
 use crate::mirror::Mirror;
 use crate::num::stats::{Summary, or_null, unless_null};
-use crate::optics::{Camera, View, reflect};
+use crate::optics::{Camera, CurlBounds, View, reflect};
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
 /// worst error usually is.
 pub const SAMPLES: usize = 200;
 
-/// Root mean square and maximum over the panel.
+/// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub struct Curl {
     /// Area-weighted root mean square.
     pub rms: f64,
     /// Largest magnitude.
     pub max: f64,
+    /// What relative errors of the field's derivatives are multiplied with to be errors of the curl,
+    /// at most: the sum of their magnitudes, of which it is the rest.
+    pub condition: f64,
+    /// The most that rounding can have made of it, proven by intervals.
+    pub rounding: f64,
 }
 
 /// Figures of merit of a design.
@@ -39,9 +44,9 @@ pub struct Facts {
     /// Integral of |grad F - s|^2 over the domain of the fit, in the paper's units (paper,
     /// equation for A in section 4).
     pub gradient_residual: Option<f64>,
-    /// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
-    #[serde(serialize_with = "spread_or_null", deserialize_with = "unless_null")]
-    pub curl: Option<Spread>,
+    /// Whether an exact mirror exists.
+    #[serde(serialize_with = "curl_or_null", deserialize_with = "unless_null")]
+    pub curl: Option<Curl>,
     /// Angle between the direction seen and the direction wanted, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub ray_error_mrad: Option<Summary>,
@@ -50,12 +55,11 @@ pub struct Facts {
     pub pixel_error_px: Option<Summary>,
 }
 
-/// A spread with its keys, all null when there is none: readers find the keys either way.
-fn spread_or_null<S: Serializer>(
-    spread: &Option<Spread>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    spread.unwrap_or(Spread { rms: f64::NAN, max: f64::NAN }).serialize(serializer)
+/// A curl with its keys, all null when there is none: readers find the keys either way.
+fn curl_or_null<S: Serializer>(curl: &Option<Curl>, serializer: S) -> Result<S::Ok, S::Error> {
+    let none = f64::NAN;
+    let none = Curl { rms: none, max: none, condition: none, rounding: none };
+    curl.unwrap_or(none).serialize(serializer)
 }
 
 impl Facts {
@@ -126,21 +130,43 @@ fn errors(mirror: &Mirror, camera: &Camera, view: &View) -> Option<(Summary, Sum
     Some((Summary::weighted(rays)?, Summary::weighted(shifts)?))
 }
 
-fn curl(mirror: &Mirror, camera: &Camera, view: &View) -> Spread {
-    let (mut square, mut area, mut max) = (0.0, 0.0, 0.0f64);
-    let unit = view.projection.scale_mm();
-    for line in mirror.outline.samples(SAMPLES / 2) {
+/// Every so many places along and across, the curl's rounding is bounded.
+const BOUNDED: usize = 5;
+
+fn curl(mirror: &Mirror, camera: &Camera, view: &View) -> Curl {
+    let (mut square, mut area, mut worst) = (0.0, 0.0, (0.0f64, None));
+    let (unit, chart) = (view.projection.scale_mm(), &camera.chart);
+    let mut bounded = Vec::new();
+    for (row, line) in mirror.outline.samples(SAMPLES / 2).into_iter().enumerate() {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        for ((q, weight), point) in line.into_iter().zip(mirror.along(&places)) {
-            let (image, f) = camera.chart.coordinates(mirror.place(q, &point));
-            let curl = unit * view.curl(&camera.chart, image, f);
+        for (k, ((q, weight), point)) in line.into_iter().zip(mirror.along(&places)).enumerate() {
+            let (image, f) = chart.coordinates(mirror.place(q, &point));
+            let curl = view.curl(chart, image, f);
             square += weight * curl * curl;
             area += weight;
             // A law may have no derivative on the axis itself.
-            max = if curl.abs() <= max { max } else { curl.abs() };
+            if curl.abs() > worst.0 {
+                worst = (curl.abs(), Some((image, f)));
+            }
+            if row % BOUNDED == 0 && k % BOUNDED == 0 && curl.is_finite() {
+                bounded.push((image, f));
+            }
         }
     }
-    Spread { rms: f64::sqrt(square / area), max }
+    let (mut condition, mut rounding) = (0.0f64, 0.0f64);
+    for (image, f) in bounded.into_iter().chain(worst.1) {
+        let CurlBounds { range, condition: here } = view.curl_bounds(chart, image, f);
+        let curl = view.curl(chart, image, f);
+        rounding = rounding.max(curl - range.lo).max(range.hi - curl);
+        condition = condition.max(here);
+    }
+    let rms = f64::sqrt(square / area);
+    Curl {
+        rms: unit * rms,
+        max: unit * worst.0,
+        condition: unit * condition,
+        rounding: unit * rounding,
+    }
 }
 
 /// The integral of |grad F - s|^2 that a fit leaves, in the paper's units.

@@ -21,7 +21,7 @@ mod surface;
 mod trial;
 
 pub use best::SearchError;
-pub use facts::{Facts, Spread};
+pub use facts::{Curl, Facts};
 pub use solve::SolveError;
 
 use crate::geom::{Outline, Stock};

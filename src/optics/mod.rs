@@ -17,7 +17,7 @@ pub use law::Law;
 pub use radial::{RadialLaw, Rims};
 pub use strip::Strip;
 pub use target::Target;
-pub use view::{Fold, Projection, View};
+pub use view::{CurlBounds, Fold, Projection, View};
 
 use crate::geom::DVec3;
 

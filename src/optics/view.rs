@@ -7,7 +7,7 @@
 use super::field::Field;
 use super::{RadialLaw, Strip, Target, stereo};
 use crate::geom::{Chart, DVec2, DVec3};
-use crate::num::{Dual, Scalar};
+use crate::num::{Dual, Interval, Jet2, Scalar};
 use std::f64::consts::TAU;
 
 /// G: which direction of the world, from the target's origin, an image point of the designed panel
@@ -102,6 +102,16 @@ impl Fold {
     }
 }
 
+/// What is known of [`View::curl`] at a place, 1/mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurlBounds {
+    /// Surely holds the exact one: bounds of every rounding.
+    pub range: Interval,
+    /// The sum of the magnitudes of the field's derivatives, of which the curl is what is left where
+    /// they cancel: their relative errors are multiplied with it.
+    pub condition: f64,
+}
+
 /// Everything that the picture is meant to show: a projection of a target surface, on one panel or
 /// on a panel and its reflection in the plane Y = 0 (a mirror reflected in a plane sees the
 /// reflected world).
@@ -149,6 +159,27 @@ impl View {
         let s: [Dual<3>; 2] = self.field(chart, [x, y], h);
         let along = std::array::from_fn(|k| s.map(|s| s.slope[k]));
         self.under(chart).curl(q.to_array(), f, s.map(|s| s.value), along)
+    }
+
+    /// What is known of the curl at a place.
+    #[must_use]
+    pub fn curl_bounds(&self, chart: &Chart, q: DVec2, f: f64) -> CurlBounds {
+        let [x, y, h] = [q.x, q.y, f].map(Interval::point);
+        let flat = Jet2::flat;
+        let (in_x, in_y) = (Jet2::variable_x(x), Jet2::variable_y(y));
+        let s = self.field(chart, [in_x, in_y], flat(h));
+        let by_h = match self.target {
+            Target::Infinity => [flat(Interval::point(0.0)); 2],
+            _ => self.field(chart, [flat(x), flat(y)], Jet2::variable_x(h)),
+        };
+        let along =
+            [s.map(|s| s.gradient[0]), s.map(|s| s.gradient[1]), by_h.map(|s| s.gradient[0])];
+        let (under, s) = (self.under(chart), s.map(|s| s.value));
+        let [in_x, in_y, [f, g]] = along;
+        let all = [in_x[0], in_x[1], in_y[0], in_y[1], s[1] * f, s[0] * g];
+        let size: f64 = all.iter().map(|derivative| derivative.magnitude()).sum();
+        let unit = under.curl_unit([x, y], h, s).mignitude();
+        CurlBounds { range: under.curl([x, y], h, s, along), condition: size / unit }
     }
 
     /// The slope field's camera and target.
@@ -210,7 +241,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::{atan2, radians, wrap_turn};
+    use crate::num::{atan2, cos, radians, sin, wrap_turn};
     use crate::optics::{Law, Rims, reflect};
 
     fn strip(law: Law) -> Projection {
@@ -307,6 +338,64 @@ mod tests {
         }
         let q = DVec2::new(12.0, 9.0);
         assert!(exact(strip(Law::Cylindrical), cylinder).curl(&chart, q, 0.0).abs() > 1e-5);
+    }
+
+    /// Under parallel rays and far away, with azimuth a and elevation e, it is sin a (e' - cos e) / 2.
+    #[test]
+    fn bounds_of_the_curl_hold_its_closed_form_and_are_near_it() {
+        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        for scale_mm in [1e-4, 0.3, 19.0, 1e6] {
+            for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
+                let strip = Strip { law: law.clone(), scale_mm, azimuth: 0.1, z: 0.0 };
+                let projection = Projection::Strip(strip);
+                let view =
+                    View { projection, target: Target::Infinity, origin_mm: 0.0, fold: None };
+                for k in 0..400 {
+                    let (x, z) = (f64::from(k % 20) * 0.3 - 3.0, f64::from(k / 20) * 0.05 - 0.5);
+                    let q = DVec2::new(x, z) * scale_mm;
+                    // cos e and de/dz, z being what the law makes of it.
+                    let z = q.y / scale_mm;
+                    let (c, slope) = match law {
+                        Law::Cylindrical => (1.0 / (1.0 + z * z).sqrt(), 1.0 / (1.0 + z * z)),
+                        Law::Mercator => (0.0, 0.0),
+                        Law::Equirectangular => (cos(z), 1.0),
+                        _ => ((1.0 - z * z).sqrt(), 1.0 / (1.0 - z * z).sqrt()),
+                    };
+                    let exact = 0.5 * sin(q.x / scale_mm + 0.1) * (slope - c) / scale_mm;
+                    let CurlBounds { range, condition } = view.curl_bounds(&chart, q, 0.0);
+                    let ulp = f64::EPSILON * condition;
+                    let room = Interval::new(range.lo - 2.0 * ulp, range.hi + 2.0 * ulp);
+                    assert!(room.contains(exact), "{law:?} {q}: {exact:e} {range:?}");
+                    assert!(range.contains(exact) || law != Law::Mercator, "{q}: {range:?}");
+                    assert!(range.contains(view.curl(&chart, q, 0.0)), "{law:?} {q}: {range:?}");
+                    assert!(range.width() < 100.0 * ulp, "{law:?} {q}: {range:?} {ulp:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_of_the_curl_tell_exact_mirrors_from_others() {
+        let mut most = 0.0f64;
+        for target in [Target::Infinity, Target::Cylinder { radius_mm: 70.0 }] {
+            for chart in charts() {
+                for q in points() {
+                    let mut of = |projection| {
+                        let view = View { projection, target, origin_mm: 3.0, fold: None };
+                        let CurlBounds { range, condition } = view.curl_bounds(&chart, q, 1.0);
+                        let ulps = range.width() / (f64::EPSILON * condition);
+                        most = most.max(ulps);
+                        assert!(ulps < 1e4, "{view:?} {q}: {ulps}");
+                        range
+                    };
+                    assert!(of(ring()).contains(0.0), "{target:?} {chart:?} {q}");
+                    let turned = q.x.abs() > 1.0;
+                    let other = of(strip(Law::Cylindrical));
+                    assert!(!turned || !other.contains(0.0), "{target:?} {chart:?} {q} {other:?}");
+                }
+            }
+        }
+        println!("{most:.0} roundings at most");
     }
 
     #[test]

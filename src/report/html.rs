@@ -4,7 +4,7 @@ use super::text::{
     figures, form_line, limited, method_line, of_at_most, sag_line, solid_line, step_line,
 };
 use super::{Report, Verdict};
-use crate::design::Spread;
+use crate::design::Curl;
 use std::fmt::Write;
 
 /// How pages look.
@@ -78,7 +78,13 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     let number = |x: Option<f64>| x.map_or("none".into(), |x| format!("{x:.9e}"));
     row("condition of the fit", number(design.condition));
     row("gradient residual", number(design.gradient_residual));
-    let curl = |c: Spread| format!("{:.4e} rms, {:.4e} max", c.rms, c.max);
+    let curl = |c: Curl| {
+        let Curl { rms, max, condition, rounding } = c;
+        format!(
+            "{rms:.4e} rms, {max:.4e} max, of which rounding at most {rounding:.1e}; condition \
+             {condition:.1}"
+        )
+    };
     row("curl of the field", design.curl.map_or("none".into(), curl));
     row("design: ray error, mrad", figures(design.ray_error_mrad));
     row("design: pixel error, px", figures(design.pixel_error_px));
