@@ -15,6 +15,9 @@ const ROUNDING: f64 = 1e-12;
 /// What rounding to single precision may change a volume by, as a share of it: half a unit of the
 /// last of 24 digits along each axis, and a little.
 const ROUNDING_SINGLE: f64 = 4.0 / (1 << 24) as f64;
+/// What it may move a vertex by, as a share of its largest coordinate: the length of half a unit along
+/// each axis.
+const ROUNDING_VERTEX: f64 = 1.733 / (1 << 24) as f64;
 
 /// Pass, unless there is a reason.
 pub fn of(reasons: &[String]) -> Verdict {
@@ -44,9 +47,12 @@ pub fn reasons(
         if let Some(trace) = &evidence.trace {
             if !evidence.measured {
                 let is_double = evidence.file.format == Format::Obj.name();
-                let rounding = if is_double { ROUNDING } else { ROUNDING_SINGLE };
+                let [rounding, moved] = match is_double {
+                    true => [ROUNDING; 2],
+                    false => [ROUNDING_SINGLE, ROUNDING_VERTEX],
+                };
                 let volume_tolerance = volume_tolerance + rounding * design.volume();
-                shape(trace, volume_tolerance, chord_mm).into_iter().for_each(&mut blame);
+                shape(trace, volume_tolerance, chord_mm, moved).into_iter().for_each(&mut blame);
             }
             rays(trace, evidence.by_rim).into_iter().for_each(&mut blame);
             // A measured part's slopes are judged by the picture, not by the limit for facets.
@@ -107,7 +113,7 @@ pub fn form(
     })
 }
 
-fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String> {
+fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64, moved: f64) -> Vec<String> {
     let solid = &trace.solid;
     let mut reasons = solid.reasons.clone();
     let off = solid.check.volume_mm3 - solid.volume_expected_mm3;
@@ -119,7 +125,7 @@ fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64) -> Vec<String
         ));
     }
     // A mirror without curvature has no chord error; coordinates are rounded all the same.
-    let rounding = |at: [f64; 3]| ROUNDING * at.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let rounding = |at: [f64; 3]| moved * at.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if let Some(vertex) = trace.worst_vertex
         && !(vertex.off_mm <= chord_mm + rounding(vertex.at_mm))
     {

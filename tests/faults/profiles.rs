@@ -199,6 +199,28 @@ formats = [\"stl\", \"3mf\"]
         assert_eq!(ends(text), "passed");
     }
 
+    /// The tip of its mark lies half a unit of the last digit off.
+    #[test]
+    fn nor_for_what_it_does_to_a_mark() {
+        let text = "\
+camera.orthographic = { pixels = [9, 1] }
+projection.table = { azimuth_deg = [-4.42, 4.42], elevation_deg = [[1.104, 25.69], [5.616, 23.24], [10.933, 20.79], [13.762, 18.33], [14.2444, 15.88]] }
+layout.strip = { fill_frame = false }
+method.vector-field = { degree = 1 }
+[part]
+width_mm = 8.045
+base_mm = 7.681
+border_mm = 1.805
+rim_mm = 6.039
+marks_mm = [[-4.925, 0, 0.1337]]
+[mesh]
+facet_px = 49.25
+[export]
+formats = [\"obj\", \"stl\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
     #[test]
     fn a_fit_that_runs_away_says_so_in_words() {
         let text = "\
