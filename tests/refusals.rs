@@ -104,7 +104,7 @@ fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
                 let edits =
                     [("cylindrical", law), ("degree = 12", degree), ("[-30, 30]", elevation)];
                 let what = format!("{law}, {degree}, {elevation}");
-                let profile = with_limits(profile(&edits), None, Some(20.0));
+                let profile = with_limits(profile(&edits), None, Some(60.0));
                 let Ok(design) = design(&profile, None) else {
                     refused += 1;
                     continue;
