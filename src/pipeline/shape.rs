@@ -4,7 +4,9 @@
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Stock};
 use crate::mirror::{Mirror, MirrorRow};
+use crate::num::{cos, sin};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// Vertices that a thread handles at a time; fixed, so that results do not depend on the threads.
 const CHUNK: usize = 16_384;
@@ -14,11 +16,11 @@ const CHUNK: usize = 16_384;
 pub fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)> {
     let Design { mirror, stock, .. } = design;
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
+    let land = land(mirror);
     vertices
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk, vertices)| {
-            let land = land(mirror);
             let mut row = (0.0, mirror.row(0.0));
             let mut worst = (chunk * CHUNK, 0.0);
             for (k, &v) in vertices.iter().enumerate() {
@@ -35,11 +37,20 @@ pub fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)>
         .reduce_with(farther)
 }
 
-/// Radius and height of the land inside a ring.
-fn land(mirror: &Mirror) -> Option<(f64, f64)> {
+/// Directions in which a land's rim is looked at.
+const WAYS: usize = 64;
+
+/// Radius of the land inside a ring, and its heights: those of its rim, which may not be flat.
+fn land(mirror: &Mirror) -> Option<(f64, [f64; 2])> {
     let Outline::Ring { inner, .. } = mirror.outline else { return None };
-    let rim = rim(mirror, DVec2::X, inner);
-    (inner > 0.0).then_some((rim.x, rim.z))
+    let way = |k: usize| {
+        let angle = TAU * k as f64 / WAYS as f64;
+        DVec2::new(cos(angle), sin(angle))
+    };
+    let heights = (0..WAYS).map(|k| rim(mirror, way(k), inner).z);
+    let range =
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], z| [lo.min(z), hi.max(z)]);
+    (inner > 0.0).then(|| (rim(mirror, DVec2::X, inner).x, range))
 }
 
 /// The mirror's point in direction `way` at `reach` mm of the chart from the axis.
@@ -53,7 +64,7 @@ fn distance(
     row: &MirrorRow,
     q: DVec2,
     v: DVec3,
-    land: Option<(f64, f64)>,
+    land: Option<(f64, [f64; 2])>,
     stock: Option<&Stock>,
 ) -> f64 {
     let outline = mirror.whole();
@@ -63,13 +74,13 @@ fn distance(
         Outline::Rect(rect) => (q - rect.min).min(rect.max - q).min_element(),
         Outline::Ring { outer, .. } => outer - q.length(),
     };
-    if let (true, Some((radius, z))) = (inside >= 0.0, land)
+    if let (true, Some((radius, [lo, hi]))) = (inside >= 0.0, land)
         && v.truncate().length() <= radius
     {
         if let Some(stock) = stock.filter(|stock| stock.land.is_some()) {
             return on_mirror.min(stock.distance(v, f64::NEG_INFINITY, true));
         }
-        return on_mirror.min((v.z - z).abs()).min(v.z.abs());
+        return on_mirror.min((lo - v.z).max(v.z - hi).max(0.0)).min(v.z.abs());
     }
     // Most vertices are on the mirror, and there nothing else is asked.
     if inside >= 0.0 && on_mirror <= 1e-9 * outline.bounds().size().max_element() {

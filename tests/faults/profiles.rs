@@ -221,6 +221,20 @@ formats = [\"obj\", \"stl\"]
         assert_eq!(ends(text), "passed");
     }
 
+    /// The land's middle is as high as its rim is in the mean.
+    #[test]
+    fn nor_a_land_whose_rim_is_not_flat() {
+        let text = "\
+camera.orthographic = { pixels = [9, 9] }
+layout.annulus.inner_width_mm = 0.3027
+mirror.polynomial = { radius_mm = 0.55, conic = -1.869, terms = [[2, 0, -0.01888], [0, 0, -0.002055]] }
+part = { width_mm = 1, base_mm = 0.3357 }
+mesh.chord_um = 0.2
+export.formats = [\"3mf\", \"stl\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
     #[test]
     fn a_fit_that_runs_away_says_so_in_words() {
         let text = "\
