@@ -120,12 +120,28 @@ impl Sweep {
 /// Powers of ten around all of `values`.
 fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (lo, hi) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
-    if lo < hi { 0.8 * lo..1.25 * hi } else { 0.1..10.0 }
+    if lo > 0.0 && lo < hi { decade(lo)..10.0 * decade(hi) } else { 0.1..10.0 }
+}
+
+/// The largest power of ten that is not over `x`.
+fn decade(x: f64) -> f64 {
+    let digits = format!("{x:e}");
+    let power = digits.split_once('e').map_or("0", |(_, power)| power);
+    format!("1e{power}").parse().unwrap_or(1.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::bench::tests::sweep;
+
+    #[test]
+    fn axes_run_from_decade_to_decade() {
+        let around = |values: &[f64]| super::around(values.iter().copied());
+        assert_eq!(around(&[0.0123, 9.99]), 0.01..10.0);
+        assert_eq!(around(&[3.0, 2.0, 7.5]), 1.0..10.0);
+        assert_eq!(around(&[1e-14, 250.0]), 1e-14..1000.0);
+        assert_eq!(around(&[]), 0.1..10.0);
+    }
 
     #[test]
     fn every_run_is_a_point_and_the_best_have_rings() {
