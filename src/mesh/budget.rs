@@ -3,7 +3,7 @@
 //! The number falls as the limit is loosened, nearly as a power of it. Forecasts aim; meshes
 //! tell by how much the forecasts are off, and the next aim allows for that.
 
-use super::{Face, Forecast, Limits, MeshError, Optimum, forecast, mesh};
+use super::{Face, Forecast, Limits, MeshError, Mesher, Optimum};
 use crate::geom::{Chart, Precision};
 use crate::mirror::Mirror;
 use crate::optics::View;
@@ -72,12 +72,13 @@ impl Budget<'_> {
         let most = self.triangles as f64;
         let usual = if self.triangles < SMALL { SMALL_MESHES } else { MESHES };
         let mut bracket = self.bracket();
-        let mut limit = self.limit_of(&self.aim()?);
+        let mut mesher = self.mesher();
+        let mut limit = self.limit_of(&self.aim(&mut mesher)?);
         let mut best: Option<Face> = None;
         // How often in a row there were too many triangles, or too few.
         let (mut streak, mut before) = (0, None);
         for made in 1.. {
-            let count = match mesh(self.mirror, self.camera, self.view, self.limits(limit)) {
+            let count = match mesher.mesh(self.limits(limit)) {
                 Ok(face) => {
                     let count = face.mesh.triangles.len() + self.closing.counted(&face);
                     if count <= self.triangles {
@@ -115,7 +116,7 @@ impl Budget<'_> {
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
     pub fn foresee(&self) -> Result<Plan, MeshError> {
-        let plan = self.aim()?;
+        let plan = self.aim(&mut self.mesher())?;
         let least = self.foreseen(&plan.forecast);
         // A forecast may be off by some.
         if least > 1.1 * self.triangles as f64 {
@@ -125,7 +126,7 @@ impl Budget<'_> {
     }
 
     /// The limit at which a forecast comes nearest to the budget, or the loosest.
-    fn aim(&self) -> Result<Plan, MeshError> {
+    fn aim(&self, mesher: &mut Mesher) -> Result<Plan, MeshError> {
         let target = AIM * self.triangles as f64;
         let mut bracket = self.bracket();
         let mut limit = bracket.clamp(self.guess());
@@ -133,7 +134,7 @@ impl Budget<'_> {
         let mut plan: Option<(Plan, f64)> = None;
         for _ in 0..FORECASTS {
             let limits = self.limits(limit);
-            let count = match forecast(self.mirror, self.camera, self.view, limits) {
+            let count = match mesher.forecast(limits) {
                 Ok(forecast) => {
                     let count = self.foreseen(&forecast);
                     // Until one fits, the one that is nearest to it.
@@ -154,6 +155,10 @@ impl Budget<'_> {
         }
         let plan = plan.map(|(plan, _)| plan);
         plan.ok_or(MeshError::Few { most: self.triangles, least: usize::MAX })
+    }
+
+    fn mesher(&self) -> Mesher<'_> {
+        Mesher::new(self.mirror, self.camera, self.view)
     }
 
     fn foreseen(&self, forecast: &Forecast) -> f64 {

@@ -188,25 +188,7 @@ pub fn mesh(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Face, MeshError> {
-    let made = || {
-        drafted(mirror, camera, view, limits, |prover, draft| {
-            let fine = subdivide(draft, rounding(prover, limits));
-            refine(prover, draft, fine, copies(mirror), limits)
-        })
-    };
-    // From a thread of the pool, the others are reached more quickly.
-    let (made, optimum) = rayon::join(made, || Optimum::new(mirror, camera, view));
-    let (mut mesh, bound) = made?;
-    for axis in [0, 1] {
-        if mirror.even[axis] {
-            mesh = mesh.with_reflection(axis);
-        }
-    }
-    let designed = mesh.triangles.len();
-    if mirror.folded {
-        mesh = mesh.with_reflection(1);
-    }
-    Ok(Face { mesh, designed, bound, optimum })
+    Mesher::new(mirror, camera, view).mesh(limits)
 }
 
 /// How large a mesh will be.
@@ -231,37 +213,80 @@ pub fn forecast(
     view: Option<&View>,
     limits: Limits,
 ) -> Result<Forecast, MeshError> {
-    let made = |_: &Prover, draft: &Draft| {
-        // Sides on which the part meets its reflection are inside the face.
-        let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
-        let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
-        let copies = copies(mirror);
-        let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
-        Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
-    };
-    // From a thread of the pool, the others are reached more quickly.
-    rayon::scope(|_| drafted(mirror, camera, view, limits, made))
+    Mesher::new(mirror, camera, view).forecast(limits)
 }
 
-/// What is made of the draft of a mesh.
-fn drafted<T>(
-    mirror: &Mirror,
-    camera: &Chart,
-    view: Option<&View>,
-    limits: Limits,
-    make: impl FnOnce(&Prover, &Draft) -> Result<T, MeshError>,
-) -> Result<T, MeshError> {
-    assert!(view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
-    let domain = domain(mirror);
-    let sight = Sight { mirror, camera: *camera, view };
-    let needs = Needs::new(&sight, domain, limits);
-    // Neither keeps all threads busy.
-    let (prover, trial) = rayon::join(
-        || Prover::over(domain, sight, limits.precision),
-        || Trial::new(mirror, &needs, domain, copies(mirror)),
-    );
-    let draft = trial?.judged(&prover, limits)?;
-    make(&prover, &draft)
+/// Meshes and foresees by several limits: what is known of the mirror is found out once.
+struct Mesher<'a> {
+    sight: Sight<'a>,
+    prover: Option<Prover<'a>>,
+}
+
+impl<'a> Mesher<'a> {
+    fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a View>) -> Self {
+        Self { sight: Sight { mirror, camera: *camera, view }, prover: None }
+    }
+
+    /// See [`mesh`].
+    fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
+        let Sight { mirror, camera, view } = self.sight;
+        let made = || {
+            self.drafted(limits, |prover, draft| {
+                let fine = subdivide(draft, rounding(prover, limits));
+                refine(prover, draft, fine, copies(mirror), limits)
+            })
+        };
+        // From a thread of the pool, the others are reached more quickly.
+        let (made, optimum) = rayon::join(made, || Optimum::new(mirror, &camera, view));
+        let (mut mesh, bound) = made?;
+        for axis in [0, 1] {
+            if mirror.even[axis] {
+                mesh = mesh.with_reflection(axis);
+            }
+        }
+        let designed = mesh.triangles.len();
+        if mirror.folded {
+            mesh = mesh.with_reflection(1);
+        }
+        Ok(Face { mesh, designed, bound, optimum })
+    }
+
+    /// See [`forecast`].
+    fn forecast(&mut self, limits: Limits) -> Result<Forecast, MeshError> {
+        let mirror = self.sight.mirror;
+        let made = |_: &Prover, draft: &Draft| {
+            // Sides on which the part meets its reflection are inside the face.
+            let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
+            let is_rim =
+                |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
+            let copies = copies(mirror);
+            let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
+            Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
+        };
+        // From a thread of the pool, the others are reached more quickly.
+        rayon::scope(|_| self.drafted(limits, made))
+    }
+
+    /// What is made of the draft of a mesh.
+    fn drafted<T>(
+        &mut self,
+        limits: Limits,
+        make: impl FnOnce(&Prover, &Draft) -> Result<T, MeshError>,
+    ) -> Result<T, MeshError> {
+        let sight = self.sight;
+        assert!(sight.view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
+        let domain = domain(sight.mirror);
+        let needs = Needs::new(&sight, domain, limits);
+        let known = self.prover.take().filter(|prover| prover.precision == limits.precision);
+        // Neither keeps all threads busy.
+        let (prover, trial) = rayon::join(
+            || known.unwrap_or_else(|| Prover::over(domain, sight, limits.precision)),
+            || Trial::new(sight.mirror, &needs, domain, copies(sight.mirror)),
+        );
+        let prover = self.prover.insert(prover);
+        let draft = trial?.judged(prover, limits)?;
+        make(prover, &draft)
+    }
 }
 
 /// How many times the face holds what is meshed.
