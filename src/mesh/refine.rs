@@ -17,7 +17,7 @@ const CHUNK: usize = 256;
 /// Most facets for every one proposed, and some for small proposals: past these, splitting does not
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
 const MOST_GROWTH: usize = 3;
-const FEW: usize = 200_000;
+const FEW: usize = 40_000;
 /// Rounds in which facets are split where what is known of their corners would have it, and these
 /// moved, though that may break their neighbours.
 const EAGER: usize = 40;
