@@ -4,6 +4,7 @@ mod common;
 
 use common::{SMALL, files, folder, morion, save, told};
 use serde_json::Value;
+use std::collections::BTreeSet;
 
 const SWEEPS: [&str; 5] = ["design", "mesh-facet", "mesh-chord", "witness", "trials"];
 
@@ -23,6 +24,9 @@ fn sweeps_are_tables_and_plots_and_lead_to_settings_that_hold() {
         let runs = sweep["runs"].as_array().unwrap();
         let csv = String::from_utf8(made[&format!("{name}.csv")].clone()).unwrap();
         assert_eq!(csv.lines().count(), runs.len() + 1, "{csv}");
+        let titles: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+        let different: BTreeSet<&&str> = titles.iter().collect();
+        assert_eq!(different.len(), titles.len(), "{titles:?}");
         assert!(made[&format!("{name}.png")].starts_with(b"\x89PNG"));
         let svg = String::from_utf8(made[&format!("{name}.svg")].clone()).unwrap();
         let best = |run: &&Value| run["pareto"] == true;

@@ -22,9 +22,9 @@ const FITTED: f64 = 5e4;
 
 /// Meshes of 1e4 to 1e6 triangles, each within one limit alone.
 pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Error> {
-    let (name, about, unit, per_triangle) = match rule {
-        Rule::Facet => ("mesh-facet", "Facet error of the mesh", "facet_px", -0.5),
-        Rule::Chord => ("mesh-chord", "Chord error of the mesh", "chord_um", -1.0),
+    let (name, about, [setting, error], per_triangle) = match rule {
+        Rule::Facet => ("mesh-facet", "Facet error of the mesh", ["facet_px", "bound_px"], -0.5),
+        Rule::Chord => ("mesh-chord", "Chord error of the mesh", ["chord_um", "bound_um"], -1.0),
     };
     let sizes = if quick { &SIZES[..3] } else { &SIZES };
     let mut runs = Vec::new();
@@ -71,7 +71,7 @@ pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Err
         order(&large, "error ~ time", per_triangle, |run| (run.time_ms, run.error)),
     ];
     let orders = orders.into_iter().flatten().collect();
-    Ok(Sweep { name, about, setting: unit, error: unit, runs, orders })
+    Ok(Sweep { name, about, setting, error, runs, orders })
 }
 
 fn limits(rule: Rule, limit_mm: f64) -> Limits {

@@ -28,7 +28,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
         let Ok((true_px, _)) = look(truth);
         for &scale in scales {
             let Ok((time_ms, (px, rays))) = timed(quick, || look(scale));
-            let figures = [("rays", rays), ("pixel_rms_px", px), ("true_px", true_px)].into();
+            let figures = [("pixel_rms_px", px), ("true_px", true_px)].into();
             let error = (px - true_px).abs();
             runs.push(run((subject.name(), ""), rays, time_ms, error, figures));
         }
