@@ -89,7 +89,8 @@ fn reached(
         let seen = reread(&clock, &profile, &design)?.seen.1;
         let found = seen.summary(|seen| seen.errors.map(|errors| errors.image_mm));
         let Some(found) = found else { return Ok(None) };
-        let pixel_rms_px = found.rms / design.camera.pixel_mm;
+        // As a report has it.
+        let pixel_rms_px = found.scaled(1.0 / design.camera.pixel_mm).rms;
         if pixel_rms_px <= target_px {
             best = Some(Settings {
                 method: word.to_owned(),
