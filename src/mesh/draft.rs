@@ -102,11 +102,11 @@ impl<'a> Trial<'a> {
             return Err(MeshError::TooMany { facets, most: MOST_FACETS });
         }
         needs.outlast_tilting(&mirror.outline, |place| cells.sides(place))?;
-        let mut coarse = cells.clone();
+        let (mut coarse, usual) = (cells.clone(), usual(cells.kind));
         if count > TRIAL {
             coarse.coarsen(2);
-        } else {
-            coarse.rescale(AIM * usual(cells.kind));
+        } else if usual < 1.0 {
+            coarse.rescale(AIM * usual);
         }
         let first = Draft::new(mirror, domain, coarse)?;
         Ok(Self { cells, domain, first })

@@ -17,7 +17,7 @@ const CHUNK: usize = 256;
 /// Most facets for every one proposed, and some for small proposals: past these, splitting does not
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
 const MOST_GROWTH: usize = 3;
-const FEW: usize = 40_000;
+const SPARE: usize = 40_000;
 /// Rounds in which facets are split where what is known of their corners would have it, and these
 /// moved, though that may break their neighbours.
 const EAGER: usize = 40;
@@ -26,7 +26,7 @@ const PASSES: usize = 4;
 /// Excess foreseen by what the mirror does at the corners, over which one of a failed facet is moved.
 const UNEASY: f64 = 0.81;
 /// Facets a thread looks at at a time in a repair, at least.
-const FEW_FACETS: usize = 64;
+const FEW: usize = 64;
 /// Excess under which a facet that was changed is left to the proof before it is split.
 const MENDED: f64 = 0.96;
 
@@ -47,7 +47,7 @@ pub fn refine(
     let Proven { mut bounds, mut failed, mut largest } = proof.of(&all, &vertices, &fine.triangles);
     let mut triangles = fine.triangles;
     if !failed.is_empty() {
-        let most = MOST_GROWTH * triangles.len() + FEW;
+        let most = MOST_GROWTH * triangles.len() + SPARE;
         let net = Net::new(draft.cells.needs, 1.0, vertices, triangles);
         let (changed, crowd) = (Vec::new(), Crowd::default());
         let mut repair = Repair { proof: &proof, draft, net, changed, crowd };
@@ -207,7 +207,7 @@ impl Repair<'_> {
             changed.dedup();
             let net = &self.net;
             let is_large = |t: &u32| net.excess(*t) > MENDED;
-            let large = changed.par_iter().with_min_len(FEW_FACETS).copied().filter(is_large);
+            let large = changed.par_iter().with_min_len(FEW).copied().filter(is_large);
             let large: Vec<u32> = large.collect();
             corners.clear();
             corners.extend(large.into_iter().flat_map(|t| net.triangles[t as usize]));

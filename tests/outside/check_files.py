@@ -20,6 +20,7 @@ import lib3mf
 import manifold3d
 import numpy as np
 import trimesh
+from verdicts import told
 
 # Share of the STL's bytes that a 3MF may take.
 PACKED = 0.3
@@ -106,18 +107,9 @@ def complaints(path):
 
 
 def main():
-    failed = False
-    for path in map(pathlib.Path, sys.argv[1:]):
-        try:
-            figures, wrong = complaints(path)
-        except Exception as error:
-            figures, wrong = "unreadable", [f"{type(error).__name__}: {error}"]
-        verdict = "FAILED; " + "; ".join(wrong) if wrong else "ok"
-        print(f"python: {path}: {figures}: {verdict}")
-        failed |= bool(wrong)
     if not sys.argv[1:]:
         sys.exit(__doc__)
-    sys.exit(1 if failed else 0)
+    sys.exit(told("python", map(pathlib.Path, sys.argv[1:]), complaints))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ import tomllib
 import numpy as np
 from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
+from verdicts import told
 
 NEAR = 1e-5  # rad, between directions
 SHARE = 8 * 2.0**-24  # of the coordinates: single precision's rounding
@@ -158,20 +159,17 @@ def must_fail(corners, rays, seen):
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
-    out, failed = pathlib.Path(sys.argv[1]), False
-    for place, name in enumerate(sys.argv[2:]):
-        try:
-            corners, rays, seen, figures, wrong = one(out, name)
-            if place == 0:
-                blind = must_fail(corners, rays, seen)
-                wrong += blind
-                figures += "" if blind else ", altered files fail"
-        except Exception as error:
-            figures, wrong = "unreadable", [f"{type(error).__name__}: {error}"]
-        verdict = "FAILED; " + "; ".join(wrong) if wrong else "ok"
-        print(f"embree: {name}: {figures}: {verdict}")
-        failed |= bool(wrong)
-    sys.exit(1 if failed else 0)
+    out, names = pathlib.Path(sys.argv[1]), sys.argv[2:]
+
+    def complaints(name):
+        corners, rays, seen, figures, wrong = one(out, name)
+        if name == names[0]:
+            blind = must_fail(corners, rays, seen)
+            wrong += blind
+            figures += "" if blind else ", altered files fail"
+        return figures, wrong
+
+    sys.exit(told("embree", names, complaints))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID, TopAbs_VERTEX
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
+from verdicts import told
 
 VOLUME = 1e-7  # relative
 GAP = 1.0000001e-7  # mm
@@ -134,16 +135,7 @@ def complaints(path):
 def main():
     if not sys.argv[1:]:
         sys.exit(__doc__)
-    failed = False
-    for path in sys.argv[1:]:
-        try:
-            figures, wrong = complaints(path)
-        except Exception as error:
-            figures, wrong = "unreadable", [f"{type(error).__name__}: {error}"]
-        verdict = "FAILED; " + "; ".join(wrong) if wrong else "ok"
-        print(f"opencascade: {path}: {figures}: {verdict}")
-        failed |= bool(wrong)
-    sys.exit(1 if failed else 0)
+    sys.exit(told("opencascade", sys.argv[1:], complaints))
 
 
 if __name__ == "__main__":
