@@ -109,7 +109,7 @@ impl<'a> Target<'a> {
     fn inside(&self, p: DVec3, margin: f64) -> Option<DVec2> {
         let chart = &self.mirror.chart;
         // Points beside or behind a pinhole are on no ray.
-        if !(1.0 - chart.vergence * (p.z - chart.plane_mm) > 0.05) {
+        if !(chart.shrink(p.z) > 0.05) {
             return None;
         }
         let q = chart.coordinates(p).0;

@@ -102,7 +102,7 @@ fn in_image(mirror: &Mirror, camera: &Camera, radius: f64) -> f64 {
     if radius == 0.0 {
         return 0.0;
     }
-    radius / (1.0 - camera.chart.vergence * (mirror.rim_mm(radius) - camera.chart.plane_mm))
+    radius / camera.chart.shrink(mirror.rim_mm(radius))
 }
 
 /// The surface of a formula, and its degree.

@@ -198,8 +198,9 @@ impl SagPath {
         let Extent { lo, hi, radius } = Extent::of(mirror);
         match *self {
             Self::Raster { pitch_mm, step_mm } => {
+                // Not the edges alone: those of a mirror whose sides are curved hardly meet it.
                 let [columns, rows] = [(hi - lo).x / step_mm, (hi - lo).y / pitch_mm]
-                    .map(|steps| ((steps * (1.0 - 1e-12)).ceil() as usize).max(1));
+                    .map(|steps| ((steps * (1.0 - 1e-12)).ceil() as usize).max(2));
                 let at = |k: usize, n: usize, lo: f64, hi: f64| match k {
                     _ if k == n => hi,
                     _ => lo + (hi - lo) * (k as f64 / n as f64),

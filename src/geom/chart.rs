@@ -48,8 +48,14 @@ impl Chart {
     #[must_use]
     pub fn coordinates(&self, p: DVec3) -> (DVec2, f64) {
         let up = p.z - self.plane_mm;
-        let shrink = 1.0 - self.vergence * up;
-        (p.truncate() / shrink, up * (-self.vergence * up).log_over())
+        (p.truncate() / self.shrink(p.z), up * (-self.vergence * up).log_over())
+    }
+
+    /// How wide the view is at a height, by its width in the chart's plane.
+    #[inline]
+    #[must_use]
+    pub fn shrink(&self, z: f64) -> f64 {
+        1.0 - self.vergence * (z - self.plane_mm)
     }
 
     /// h of height `f`, mm.

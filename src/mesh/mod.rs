@@ -108,9 +108,9 @@ pub enum MeshError {
     /// Facets miss a limit that splitting them does not bring nearer, or that single precision is too
     /// coarse for.
     #[error(
-        "at X {:.4} mm, Y {:.4} mm a facet of {size_mm:.1e} mm still has a bound of {:.3e} mm \
-         (chord) and {:.3e} mm (image); loosen chord_um or facet_px, or keep the elevation range \
-         further from +-90 degrees", at.x, at.y, bound.chord_mm, bound.facet_mm
+        "at X {:.4} mm, Y {:.4} mm a facet of {size_mm:.1e} mm still has a bound of {} (chord) and \
+         {} (image); loosen chord_um or facet_px, or keep the elevation range further from \
+         +-90 degrees", at.x, at.y, proven(bound.chord_mm), proven(bound.facet_mm)
     )]
     Floor {
         /// Where.
@@ -164,6 +164,11 @@ pub enum MeshError {
         /// spade's account.
         reason: String,
     },
+}
+
+/// A bound in words.
+fn proven(mm: f64) -> String {
+    if mm.is_finite() { format!("{mm:.3e} mm") } else { "none".to_owned() }
 }
 
 /// Errors that are not kept, as words.

@@ -10,8 +10,10 @@ const FEW: usize = 32;
 /// Facets that are taken apart before what they reach decides about the others; fixed, so that
 /// results do not depend on the thread count.
 const BATCH: usize = 32;
-/// Batches after which the bound is left as it is where taking facets apart takes long.
+/// Batches after which the bound is left as it is where taking facets apart takes long, and splits
+/// after which that of one is.
 const SLOW_BATCHES: usize = 64;
+const SLOW_SPLITS: usize = 48;
 
 /// A mesh whose facets are proven.
 pub struct Mesh<'a> {
@@ -77,7 +79,7 @@ impl<'a> Mesh<'a> {
         }
         loose.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let slow = kind == Kind::Facet && !self.prover.plain;
-        let most = if slow { SLOW_BATCHES } else { usize::MAX };
+        let [most, splits] = if slow { [SLOW_BATCHES, SLOW_SPLITS] } else { [usize::MAX; 2] };
         for (k, batch) in loose.chunks(BATCH).enumerate() {
             if is_near(reached) {
                 return known;
@@ -87,8 +89,11 @@ impl<'a> Mesh<'a> {
                 return rest.max(batch[0].0).min(known);
             }
             let look = |&(quick, t): &(f64, u32)| {
+                let mut left = splits;
                 let near = |found: &Found| {
-                    found.bound <= goal
+                    left -= 1;
+                    left == 0
+                        || found.bound <= goal
                         || (self.prover.is_near(found) && found.bound <= ceiling)
                         || is_near(found.reached)
                 };

@@ -228,11 +228,14 @@ impl Mirror {
         let size = self.outline.bounds().size().max_element();
         let mut height = 0.0;
         for _ in 0..32 {
-            let (at, f) = self.chart.coordinates(camera.point(q, height));
+            let on_ray = camera.point(q, height);
+            let (at, f) = self.chart.coordinates(on_ray);
             let point = self.row(at.y).at(at.x);
-            // Along the ray the image point drifts by the view's tangent for each mm of height.
+            // Along the ray the image point drifts by the view's tangent for each mm of height, and
+            // heights of the two charts grow as views shrink towards their pinholes.
             let drift = q * camera.vergence - at * self.chart.vergence;
-            let step = (point.f - f) / (1.0 + point.slope.dot(drift));
+            let growth = self.chart.shrink(on_ray.z) / camera.shrink(on_ray.z);
+            let step = growth * (point.f - f) / (1.0 + point.slope.dot(drift));
             height += step;
             if step.abs() <= 1e-13 * size {
                 return Some(at);

@@ -158,7 +158,8 @@ impl Drawing<'_> {
         let off = compare_sag(&rows, &self.design.mirror);
         let mut reasons = Vec::new();
         if rows.is_empty() {
-            reasons.push("it holds no rows".to_owned());
+            let remedy = "take a smaller pitch_mm and step_mm";
+            reasons.push(format!("it holds no rows, all beside the mirror; {remedy}"));
         }
         if !(off.height_mm <= LAST_DIGIT) {
             reasons.push(format!(

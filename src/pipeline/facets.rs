@@ -4,7 +4,7 @@
 use super::Error;
 use super::formats::{meshes, precision};
 use crate::design::Design;
-use crate::geom::{Outline, Precision};
+use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
     Budget, Closing, Face, Forecast, Limits, MeshError, Plan, forecast as forecast_within, mesh,
 };
@@ -157,23 +157,59 @@ fn refusal(
     let chord = chord_mm.map(|mm| ("chord_um", mm * 1e3));
     let facet = facet_mm.map(|mm| ("facet_px", mm / design.camera.pixel_mm));
     let reached: Vec<_> = chord.into_iter().chain(facet).collect();
-    let figures: Vec<String> =
-        reached.iter().map(|&(key, value)| format!("{key} {}", digits(value))).collect();
-    let keys: Vec<&str> = reached.iter().map(|(key, _)| *key).collect();
+    Some(unwritten(single, &reached, at))
+}
+
+/// That there are no files of the formats in `single`, because at `at` facets `reached` no more: what
+/// limits they bring their bounds down to, and what can be done.
+fn unwritten(single: &[Format], reached: &[(&str, f64)], at: DVec2) -> String {
+    let figure = |&(key, value): &(&str, f64)| {
+        if value.is_finite() {
+            format!("{key} {}", digits(value))
+        } else {
+            format!("no {key} at all")
+        }
+    };
+    let figures: Vec<String> = reached.iter().map(figure).collect();
+    let finite = reached.iter().filter(|(_, value)| value.is_finite());
+    let keys: Vec<&str> = finite.map(|(key, _)| *key).collect();
+    let loosen =
+        if keys.is_empty() { String::new() } else { format!("loosen {} or ", keys.join(" and ")) };
     let names: Vec<&str> = single.iter().map(|format| format.file_name()).collect();
     let was = if single.len() == 1 { "was" } else { "were" };
-    Some(format!(
+    format!(
         "{} {was} not written: single precision reaches {} at X {:.4} mm, Y {:.4} mm; \
-         loosen {} or export obj alone",
+         {loosen}export obj alone",
         names.join(" and "),
         figures.join(", "),
         at.x,
         at.y,
-        if keys.is_empty() { "the limits".to_owned() } else { keys.join(" and ") },
-    ))
+    )
 }
 
 /// Three digits or so.
 fn digits(x: f64) -> String {
     if (1e-2..1e4).contains(&x) { format!("{x:.3}") } else { format!("{x:.2e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_bound_is_not_to_be_loosened() {
+        let said = |reached: &[(&str, f64)]| {
+            unwritten(&[Format::Stl, Format::ThreeMf], reached, DVec2::new(58.34694, -0.4649))
+        };
+        assert_eq!(
+            said(&[("facet_px", f64::INFINITY)]),
+            "mirror.stl and mirror.3mf were not written: single precision reaches no facet_px at all \
+             at X 58.3469 mm, Y -0.4649 mm; export obj alone"
+        );
+        assert_eq!(
+            said(&[("chord_um", 0.25), ("facet_px", f64::INFINITY)]),
+            "mirror.stl and mirror.3mf were not written: single precision reaches chord_um 0.250, \
+             no facet_px at all at X 58.3469 mm, Y -0.4649 mm; loosen chord_um or export obj alone"
+        );
+    }
 }

@@ -102,7 +102,7 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     // Between mirror and pinhole the image is smaller than on the reference plane.
     let chart = design.camera.chart;
     let image_mm = above(scene).min(chart.plane_mm + 0.5 / chart.vergence);
-    let shrink = 1.0 - chart.vergence * (image_mm - chart.plane_mm);
+    let shrink = chart.shrink(image_mm);
     let step = |k: i32| f64::from(2 * k + 1) / f64::from(STEPS) - 1.0;
     let row = |y: i32| (0..STEPS).map(|x| half_mm * DVec2::new(step(x), step(y))).collect();
     let points: Vec<Vec<DVec2>> = (0..STEPS).map(row).collect();

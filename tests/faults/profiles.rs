@@ -24,13 +24,16 @@ const STREAM: usize = 10;
 
 /// Reasons of a verdict that are the profile's, and no fault of the mesh or the files: what is asked
 /// of the mirror, and rays that no mirror of this shape can help.
-const PARDONED: [&str; 6] = [
+const PARDONED: [&str; 9] = [
     " are shadowed by the part itself",
     " of accept.",
     "(accept.frame_filled)",
     "pixel error is not finite",
+    "facet error is not finite",
     "no camera ray is aimed at the mirror",
+    "; take a smaller pitch_mm and step_mm",
     "single precision carries no better than ",
+    " not written: single precision reaches ",
 ];
 
 /// How a profile ended, in a word.
@@ -111,7 +114,9 @@ fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
     let memory = Path::new("/dev/shm");
     let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
     let endings = Mutex::new(BTreeMap::<String, usize>::new());
-    let streams: Vec<u64> = (0..count.div_ceil(STREAM) as u64).collect();
+    // Hours of work can be taken up again.
+    let first = std::env::var("MORION_STREAM").map_or(0, |n| n.parse().expect("a number"));
+    let streams: Vec<u64> = (first..count.div_ceil(STREAM) as u64).collect();
     let faults = each(&streams, |&stream| {
         let mut seed = [0; 32];
         seed[..8].copy_from_slice(&stream.to_le_bytes());
@@ -120,6 +125,7 @@ fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
             failure_persistence: None,
             max_global_rejects: 100_000,
             max_shrink_iters: 300,
+            max_shrink_time: 20_000,
             ..Config::default()
         };
         let mut runner =
@@ -146,7 +152,8 @@ fn every_valid_profile_ends_in_sound_files_or_a_clear_refusal() {
     println!("{endings:#?}");
     let faults: Vec<String> = faults.into_iter().flatten().collect();
     assert!(faults.is_empty(), "{} of {}:\n{}", faults.len(), streams.len(), faults.join("\n\n"));
-    let share = |word: &str| endings.get(word).map_or(0.0, |n| *n as f64 / count as f64);
+    let ran = (streams.len() * STREAM) as f64;
+    let share = |word: &str| endings.get(word).map_or(0.0, |n| *n as f64 / ran);
     assert!(share("passed") > 0.3 && share("no design") > 0.0, "{endings:?}");
     assert!(share("failed by its own limits or its shape") > 0.01, "{endings:?}");
 }
@@ -237,6 +244,43 @@ mesh.chord_um = 0.2
 export.formats = [\"3mf\", \"stl\"]
 ";
         assert_eq!(ends(text), "passed");
+    }
+
+    /// Half-way up to the pinhole the views of the camera and of the table shrink unlike each other.
+    #[test]
+    fn a_table_of_a_mirror_near_its_pinhole_has_rows() {
+        let text = "\
+camera.pinhole = { pixels = [1, 1], focal_px = 0.15, distance_mm = 0.5 }
+projection.best = { azimuth_deg = [-168.75, 168.75], elevation_deg = [24.72, 26.28] }
+layout.strip = { fill_frame = false }
+method.vector-field = { degree = 3, minimax = false }
+part = { width_mm = 1, base_mm = 0.02067 }
+mesh = { chord_um = 0.3704, facet_px = 19.08 }
+[export]
+formats = [\"step\", \"obj\", \"csv\"]
+sag = { path = \"raster\", pitch_mm = 0.2556, step_mm = 0.1113 }
+";
+        assert_eq!(ends(text), "passed");
+    }
+
+    /// It is narrower than the table's lines lie apart, and its sides are bent.
+    #[test]
+    fn a_table_of_a_sliver_has_its_middle() {
+        let text = "\
+camera.pinhole = { pixels = [50, 14], focal_px = 205, distance_mm = 12.88 }
+projection.equal-area = { azimuth_deg = [-180, 180], elevation_deg = [-17.25, -10.89] }
+layout.strip = { fill_frame = false }
+method.vector-field = { degree = 9, minimax = false }
+part = { width_mm = 1, base_mm = 0.5001 }
+mesh.facet_px = 9.369
+[export]
+formats = [\"obj\", \"csv\"]
+sag = { path = \"raster\", pitch_mm = 0.06348, step_mm = 0.0397 }
+";
+        let folder = tempfile::tempdir().unwrap();
+        let profile = Profile::parse("random", "random.toml", text.as_bytes()).unwrap();
+        let report = build(&Source::from(profile), folder.path(), &Silent).unwrap();
+        assert!(report.sag.as_ref().is_some_and(|sag| sag.rows > 9), "{:?}", report.sag);
     }
 
     #[test]
