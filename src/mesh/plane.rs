@@ -11,6 +11,7 @@ use crate::geom::DVec2;
 use crate::num::{exp, log};
 use glam::DMat2;
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
+use std::collections::HashSet;
 
 /// Rounds of flips and moves.
 const ROUNDS: usize = 8;
@@ -24,7 +25,12 @@ pub fn triangulate<'a>(
     cells: &Cells<'a>,
 ) -> Result<Net<'a>, MeshError> {
     let stretch = stretch(&packing.cells);
-    let scaled = packing.points.iter().map(|&q| q * stretch);
+    // Of points in one place spade would keep one, and number all after it anew.
+    let mut met = HashSet::new();
+    let mut is_new = |q: DVec2| met.insert((q * stretch + 0.0).to_array().map(f64::to_bits));
+    let both = packing.points.into_iter().zip(packing.cells);
+    let (points, frames): (Vec<_>, Vec<_>) = both.filter(|(q, _)| is_new(*q)).unzip();
+    let scaled = points.iter().map(|&q| q * stretch);
     let scaled = scaled.map(|q| Point2::new(q.x, q.y)).collect();
     let refuse = |reason: InsertionError| MeshError::Point {
         x: f64::NAN,
@@ -40,8 +46,8 @@ pub fn triangulate<'a>(
         .filter(|&triangle| rim.keeps(triangle))
         .map(|triangle| triangle.map(|v| v as u32))
         .collect();
-    let net = Net::new(cells.needs, cells.parts as f64, packing.points, triangles);
-    Ok(improve(net, cells, &packing.cells))
+    let net = Net::new(cells.needs, cells.parts as f64, points, triangles);
+    Ok(improve(net, cells, &frames))
 }
 
 fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {

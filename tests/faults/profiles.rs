@@ -283,6 +283,21 @@ sag = { path = \"raster\", pitch_mm = 0.06348, step_mm = 0.0397 }
         assert!(report.sag.as_ref().is_some_and(|sag| sag.rows > 9), "{:?}", report.sag);
     }
 
+    /// Two points of its packing fall on one place.
+    #[test]
+    fn a_crowded_packing_has_no_two_points_in_one_place() {
+        let text = "\
+camera.orthographic = { pixels = [14, 1] }
+projection.table = { azimuth_deg = [-180, 180], elevation_deg = [[4.234, -9.567], [4.5791, -9.843], [4.693, -10.12], [13.332, -10.39], [21.335, -10.67]] }
+layout.conquistador = { panel = \"refit\", ridge = \"valley\", fill_frame = false }
+method.vector-field = { degree = 5, minimax = false }
+part = { width_mm = 1.153, base_mm = 0.02368 }
+mesh = { chord_um = 14.02, facet_px = 5.608 }
+export.formats = [\"3mf\"]
+";
+        assert_eq!(ends(text), "no mesh");
+    }
+
     #[test]
     fn a_fit_that_runs_away_says_so_in_words() {
         let text = "\
