@@ -153,8 +153,9 @@ impl<'a> Trial<'a> {
 impl<'a> Draft<'a> {
     /// The part `domain` of `mirror` covered with `cells`.
     fn new(mirror: &Mirror, domain: Rect, cells: Cells<'a>) -> Result<Self, MeshError> {
-        let rim = Rim::new(mirror, domain, &cells);
-        let packing = Packing::new(&cells, &rim).map_err(|at| MeshError::Pole { at })?;
+        let crowded = |at| MeshError::Pole { at };
+        let rim = Rim::new(mirror, domain, &cells).map_err(crowded)?;
+        let packing = Packing::new(&cells, &rim).map_err(crowded)?;
         let net = plane::triangulate(packing, &rim, &cells)?;
         Ok(Self { cells, rim, net, found: Judgement::default() })
     }

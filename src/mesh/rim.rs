@@ -11,6 +11,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Places per side where cells are turned into steps.
 const PLACES: usize = 128;
+/// Most points of a side: far more than drafts aim at.
+const MOST: f64 = 1e5;
 
 /// The part of a circle about the axis that bounds the meshed part of a mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +61,7 @@ impl Arc {
         p.normalize() * self.radius
     }
 
-    fn points(&self, cells: &Cells) -> Vec<DVec2> {
+    fn points(&self, cells: &Cells) -> Option<Vec<DVec2>> {
         let [from, to] = self.ends;
         let step = |share: f64| {
             let angle = from + (to - from) * share;
@@ -67,11 +69,11 @@ impl Arc {
             let chord = cells.step(DVec2::new(c, s) * self.radius, DVec2::new(-s, c));
             (chord / self.radius).min(Self::widest() * cells.parts as f64)
         };
-        let mut angles = steps(from, to, step);
+        let mut angles = steps(from, to, step)?;
         if self.closed {
             angles.pop();
         }
-        angles.into_iter().map(|angle| self.at(angle)).collect()
+        Some(angles.into_iter().map(|angle| self.at(angle)).collect())
     }
 }
 
@@ -93,8 +95,9 @@ pub struct Rim {
 }
 
 impl Rim {
-    /// The rim of the part `domain` of `mirror`, with points one cell apart.
-    pub fn new(mirror: &Mirror, domain: Rect, cells: &Cells) -> Self {
+    /// The rim of the part `domain` of `mirror`, with points one cell apart; where a side begins along
+    /// which cells are too small for that.
+    pub fn new(mirror: &Mirror, domain: Rect, cells: &Cells) -> Result<Self, DVec2> {
         let mut rim = Self {
             domain,
             outline: mirror.outline,
@@ -106,19 +109,19 @@ impl Rim {
         };
         for [a, b] in rim.lines(mirror) {
             let step = |share: f64| cells.step(a + (b - a) * share, b - a);
-            for share in steps(0.0, 1.0, step) {
+            for share in steps(0.0, 1.0, step).ok_or(a)? {
                 rim.push(if share == 1.0 { b } else { a + (b - a) * share }, 0);
             }
         }
         for (k, arc) in rim.arcs.clone().into_iter().enumerate() {
-            let on: Vec<usize> =
-                arc.points(cells).into_iter().map(|q| rim.push(q, k as u8 + 1)).collect();
+            let points = arc.points(cells).ok_or(arc.at(arc.ends[0]))?;
+            let on: Vec<usize> = points.into_iter().map(|q| rim.push(q, k as u8 + 1)).collect();
             rim.edges.extend(on.windows(2).map(|w| [w[0], w[1]]));
             if arc.closed {
                 rim.edges.push([on[on.len() - 1], on[0]]);
             }
         }
-        rim
+        Ok(rim)
     }
 
     /// The straight sides.
@@ -212,12 +215,15 @@ impl Rim {
 }
 
 /// Places from `lo` to `hi`, both included, a whole number of `step`s (which depend on the share of
-/// the way) apart.
-fn steps(lo: f64, hi: f64, step: impl Fn(f64) -> f64) -> Vec<f64> {
+/// the way) apart. None where these are too small.
+fn steps(lo: f64, hi: f64, step: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
     let width = 1.0 / PLACES as f64;
     let rates: Vec<f64> =
         (0..PLACES).map(|k| width * (hi - lo) / step((k as f64 + 0.5) * width)).collect();
     let total: f64 = rates.iter().sum();
+    if !(total <= MOST) {
+        return None;
+    }
     // What is a whole number but for rounding is one.
     let whole = (total - 1e-6).ceil().max(1.0);
     let (mut places, mut reached, mut next) = (vec![lo], 0.0, 1.0);
@@ -229,5 +235,5 @@ fn steps(lo: f64, hi: f64, step: impl Fn(f64) -> f64) -> Vec<f64> {
         reached += rate;
     }
     places.push(hi);
-    places
+    Some(places)
 }

@@ -162,6 +162,9 @@ fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<String> {
     reasons
 }
 
+/// What the witness's own arithmetic may add to an error: that of a plane's facets is nothing else.
+const ROUNDING_PX: f64 = 1e-9;
+
 fn limits(
     profile: &Profile,
     trace: &TraceFacts,
@@ -193,7 +196,7 @@ fn limits(
     ]
     .into_iter()
     .filter_map(|(what, found, limit, key)| match (found?, limit) {
-        (found, Some(limit)) if !(found <= limit) => {
+        (found, Some(limit)) if !(found <= limit + ROUNDING_PX) => {
             Some(format!("{what} {found:.3} px, over the {limit} px of {key}"))
         }
         (found, None) if !found.is_finite() => Some(format!("{what} is not finite")),

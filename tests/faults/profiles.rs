@@ -298,6 +298,35 @@ export.formats = [\"3mf\"]
         assert_eq!(ends(text), "no mesh");
     }
 
+    /// Its cells shrink to nothing at the rim.
+    #[test]
+    fn a_rim_of_boundless_cells_is_refused() {
+        let text = "\
+camera.orthographic = { pixels = [5, 3] }
+projection.cylinder = { inner_polar_deg = 23.91, outer_polar_deg = 88.07, target_plane_mm = 34.03 }
+layout.annulus.inner_width_mm = 1.171
+method.fixed-surface = { degree = 8, minimax = false }
+part = { width_mm = 1.499, base_mm = 0.221 }
+mesh.max_triangles = 105
+export.formats = [\"stl\"]
+";
+        assert_eq!(ends(text), "no mesh");
+    }
+
+    #[test]
+    fn nor_a_plane_for_what_the_witness_rounds() {
+        let text = "\
+camera.orthographic = { pixels = [2, 5] }
+projection.cylindrical = { azimuth_deg = [-76.85, 76.85], elevation_deg = [13.39, 22.81] }
+layout.strip = { fill_frame = false }
+method.fixed-surface = { degree = 1, minimax = false }
+part = { width_mm = 1.123, base_mm = 0.1696 }
+mesh.max_triangles = 1278
+export.formats = [\"step\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
     #[test]
     fn a_fit_that_runs_away_says_so_in_words() {
         let text = "\
