@@ -102,7 +102,7 @@ pub fn build_with(
             checked.push(check(&clock, &drawing, *format, staged, bytes));
             continue;
         }
-        let mut found = examine(&clock, profile, &design, *format, bytes);
+        let mut found = examine(&clock, profile, &design, *format, bytes, chord_mm);
         found.altered = found.file.sha256 != staged.sha256();
         let seen = found.seen.take();
         if let (None, Some(seen)) = (&picture, &seen) {

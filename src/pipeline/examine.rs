@@ -59,17 +59,19 @@ impl Evidence {
     }
 }
 
-/// Reads, checks and traces the bytes of a mesh file against `design`.
+/// Reads, checks and traces the bytes of a mesh file against `design`, from which its facets may be
+/// `chord_mm` off.
 pub fn examine(
     clock: &Clock,
     profile: &Profile,
     design: &Design,
     format: Format,
     bytes: Vec<u8>,
+    chord_mm: f64,
 ) -> Evidence {
     let (file, read) = open(clock, format, bytes, |reread| checked(design, reread));
     match read {
-        Ok(checked) => witness(clock, profile, design, file, checked),
+        Ok(checked) => witness(clock, profile, design, file, checked, chord_mm),
         Err(error) => Evidence::unreadable(file, error),
     }
 }
@@ -119,20 +121,21 @@ pub fn checked(design: &Design, reread: Reread) -> Checked {
     Checked { reread, solid, vertex }
 }
 
-/// Traces a mesh.
+/// Traces a mesh whose facets may be `chord_mm` off the design.
 pub fn witness(
     clock: &Clock,
     profile: &Profile,
     design: &Design,
     file: FileFacts,
     checked: Checked,
+    chord_mm: f64,
 ) -> Evidence {
     let Checked { reread: Reread { mesh, normals }, solid, vertex } = checked;
     let name = file.name.clone();
     let camera = &design.camera;
     clock.always(Stage::Trace, || {
         let scene = Scene::new(mesh);
-        let table = intents(design, &scene);
+        let table = intents(design, &scene, chord_mm);
         let sweep = Sweep::new(&scene, camera, above(&scene));
         let sweep = if clock.shortcuts() { sweep } else { sweep.without_shortcuts() };
         let (witness, tally) =
@@ -181,10 +184,18 @@ fn by_rim(design: &Design, scene: &Scene, witness: &Witness) -> usize {
     witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
 
-/// The table of intended rays, a row of the sensor at a time.
-pub fn intents(design: &Design, scene: &Scene) -> impl Fn(u32) -> Vec<Intent> {
+/// The table of intended rays, a row of the sensor at a time. Rays that may pass by the rim of facets
+/// `chord_mm` off the mirror are not aimed at it.
+pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) -> Vec<Intent> {
     let Design { mirror, view, camera, .. } = design;
     let outline = mirror.whole();
+    // The mirror's own camera sees the rim of the facets where the mirror's is.
+    let off_mm = if camera.chart == mirror.chart { 0.0 } else { chord_mm };
+    let beside = move |at: DVec3, along: DVec3, normal: DVec3| {
+        let step = along * (off_mm * normal.z / along.dot(normal));
+        let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
+        !(aims(at + step) && aims(at - step))
+    };
     let top = above(scene);
     move |row| {
         let image_point =
@@ -197,7 +208,11 @@ pub fn intents(design: &Design, scene: &Scene) -> impl Fn(u32) -> Vec<Intent> {
         let designed = mirror.along(&places);
         let intent = |((point, place), designed): ((DVec2, DVec2), Point)| {
             let ray = camera.ray(point, top);
-            let aimed = outline.aims(place);
+            let mut aimed = outline.aims(place);
+            if aimed && off_mm > 0.0 {
+                let normal = mirror.normal(place, &designed);
+                aimed = !beside(mirror.place(place, &designed), ray.direction, normal);
+            }
             let mut intent = Intent { ray, point, aimed, wanted: DVec3::Z, designed: DVec2::ZERO };
             if let (true, Some(view)) = (aimed, view) {
                 let at = mirror.place(place, &designed);

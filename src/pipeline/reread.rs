@@ -36,8 +36,9 @@ pub fn reread(clock: &Clock, profile: &Profile, design: &Design) -> Result<Rerea
         let note = format!("{}, {:.1} MB in memory", format.file_name(), bytes.len() as f64 / 1e6);
         Ok::<_, Error>((bytes, note))
     })?;
+    let chord_mm = facets.made.bound.chord_mm;
     drop((facets, solid));
-    let evidence = examine(clock, profile, design, format, bytes);
+    let evidence = examine(clock, profile, design, format, bytes, chord_mm);
     match (evidence.seen, evidence.unreadable) {
         (Some(seen), _) => Ok(Reread { format, frame: evidence.frame, seen }),
         (None, reason) => {

@@ -67,6 +67,8 @@ pub fn inspect(
     };
     let design = clock.stage(Stage::Design, || designed(source))?;
     let form = Form::of(&design.mirror);
+    // A file of unknown making has no proven bound; its shape is held to the profile's limit.
+    let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
 
     let (mut units, mut alignment, mut far) = (None, None, 0);
     let (file, read) = open(&clock, format, bytes, |mut reread| {
@@ -95,7 +97,7 @@ pub fn inspect(
                 alignment = Some(AlignmentFacts::new(&found));
             }
             far = leave_far(&mut reread, &design);
-            witness(&clock, profile, &design, file, checked(&design, reread))
+            witness(&clock, profile, &design, file, checked(&design, reread), chord_mm)
         }
     };
     evidence.measured = folder.is_some();
@@ -107,8 +109,6 @@ pub fn inspect(
             (seen.outcome != Outcome::Missed).then_some(seen.at)
         })
     });
-    // A file of unknown making has no proven bound; its shape is held to the profile's limit.
-    let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
     let mut report = assemble(profile, &design, form, None, vec![evidence], chord_mm);
     report.units = units;
     if far > 0 {

@@ -327,6 +327,19 @@ export.formats = [\"step\"]
         assert_eq!(ends(text), "passed");
     }
 
+    /// The rim of its facets lies lower than its own, and rays aslant pass by.
+    #[test]
+    fn nor_a_given_mirror_for_rays_that_graze_its_rim() {
+        let text = "\
+camera.pinhole = { pixels = [11, 2], focal_px = 3.992, distance_mm = 0.5 }
+mirror.polynomial = { radius_mm = -5.947, conic = -1.855 }
+part = { width_mm = 1, base_mm = 0.04003, height_mm = 1.51 }
+mesh.chord_um = 1.199
+export.formats = [\"stl\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
     #[test]
     fn a_fit_that_runs_away_says_so_in_words() {
         let text = "\

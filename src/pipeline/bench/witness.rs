@@ -55,7 +55,7 @@ fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
     let pixel_mm = own.pixel_mm * f64::from(own.pixels[0]) / f64::from(pixels[0]);
     let scaled = Design { camera: Camera { pixels, pixel_mm, ..*own }, ..design.clone() };
     let rays = Rays::new(scene, &scaled.camera, above(scene));
-    let table = intents(&scaled, scene);
+    let table = intents(&scaled, scene, 0.0);
     let (witness, _) = Witness::sweep(&rays, None, design.view.as_ref(), table);
     let found = witness.summary(|seen| seen.errors.map(|errors| errors.image_mm));
     let rms = found.map_or(f64::NAN, |summary| summary.rms / own.pixel_mm);
