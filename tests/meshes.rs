@@ -22,7 +22,9 @@ fn outcome(case: &Case) -> Outcome {
         Err(MeshError::Floor { .. } | MeshError::Single { .. }) => {
             return Outcome::Refused("limits under what digits allow");
         }
-        Err(MeshError::Pole { .. }) => return Outcome::Refused("a look along the axis"),
+        Err(MeshError::Pole { .. } | MeshError::Crowded { .. }) => {
+            return Outcome::Refused("a look along the axis");
+        }
         Err(error @ (MeshError::Point { .. } | MeshError::Few { .. })) => {
             return Outcome::Wrong(error.to_string());
         }

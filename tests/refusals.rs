@@ -25,7 +25,7 @@ fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {
             assert!(solid.is_ok(), "{what}: {}", solid.unwrap_err());
         }
         Err(MeshError::TooMany { facets, most }) => assert!(facets > most, "{what}: {facets}"),
-        Err(MeshError::Floor { at, size_mm, bound }) => {
+        Err(MeshError::Floor { at, size_mm, bound, .. }) => {
             assert!(at.is_finite() && size_mm.is_finite(), "{what}: {at} {size_mm}");
             assert!(!limits.hold(bound), "{what}: {bound:?} keeps {limits:?}");
         }
@@ -36,7 +36,9 @@ fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {
             let exceeds = over(chord_mm, limits.chord_mm) || over(facet_mm, limits.facet_mm);
             assert!(at.is_finite() && exceeds, "{what}: {chord_mm:?} {facet_mm:?} of {limits:?}");
         }
-        Err(MeshError::Pole { at }) => assert!(at.is_finite(), "{what}: {at}"),
+        Err(MeshError::Pole { at } | MeshError::Crowded { at }) => {
+            assert!(at.is_finite(), "{what}: {at}")
+        }
         Err(error) => panic!("{what}: {error}"),
     }
 }

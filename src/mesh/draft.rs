@@ -2,6 +2,7 @@
 //! of the size at which the fewest will do.
 
 use super::cell::{Cells, Kind};
+use super::doubt::{Doubt, Shrunk};
 use super::needs::Needs;
 use super::net::Net;
 use super::pack::Packing;
@@ -33,6 +34,14 @@ const REPAIR: f64 = 3.0;
 const YIELD: f64 = 1.0;
 /// Facets that are proven to find the size, at least half as many.
 const SAMPLES: usize = 1200;
+/// Facets that come of each, past which it is looked closer whether splitting does any good; the share
+/// of facets that it makes worse from which on it does not; and how many more facets come of it, for
+/// neighbours that are split along.
+const DOUBTFUL: f64 = 1.3;
+const HOPELESS: f64 = 0.01;
+const ALONG: f64 = 1.2;
+/// Facets of which the proof takes seconds.
+const MANY: f64 = 1e6;
 
 /// By how much smaller than the model has them facets of a draft mostly come out right: squares
 /// suffer where cells turn.
@@ -83,6 +92,7 @@ pub struct Trial<'a> {
     /// The cells of the draft that is wanted.
     cells: Cells<'a>,
     domain: Rect,
+    copies: usize,
     first: Draft<'a>,
 }
 
@@ -109,12 +119,12 @@ impl<'a> Trial<'a> {
             coarse.rescale(AIM * usual);
         }
         let first = Draft::new(mirror, domain, coarse)?;
-        Ok(Self { cells, domain, first })
+        Ok(Self { cells, domain, copies, first })
     }
 
     /// A draft of the size at which, as far as proofs of some facets tell, the fewest will do.
     pub fn judged(self, prover: &Prover, limits: Limits) -> Result<Draft<'a>, MeshError> {
-        let Self { mut cells, domain, first } = self;
+        let Self { mut cells, domain, copies, first } = self;
         let draw = |cells: &Cells<'a>| {
             Ok::<_, MeshError>(
                 Draft::new(prover.mirror(), domain, cells.clone())?.judged(prover, limits),
@@ -122,7 +132,7 @@ impl<'a> Trial<'a> {
         };
         let first = first.judged(prover, limits);
         if first.cells.parts == cells.parts && first.found.is_good() {
-            return Ok(first);
+            return first.undoubted(prover, limits, copies);
         }
         let strained = if first.cells.parts == cells.parts { 1.0 } else { STRAINED };
         let aim = mean(first.cells.taken()) * first.found.scale * strained;
@@ -146,14 +156,14 @@ impl<'a> Trial<'a> {
                 draft = next;
             }
         }
-        Ok(draft)
+        draft.undoubted(prover, limits, copies)
     }
 }
 
 impl<'a> Draft<'a> {
     /// The part `domain` of `mirror` covered with `cells`.
     fn new(mirror: &Mirror, domain: Rect, cells: Cells<'a>) -> Result<Self, MeshError> {
-        let crowded = |at| MeshError::Pole { at };
+        let crowded = |at| MeshError::Crowded { at };
         let rim = Rim::new(mirror, domain, &cells).map_err(crowded)?;
         let packing = Packing::new(&cells, &rim).map_err(crowded)?;
         let net = plane::triangulate(packing, &rim, &cells)?;
@@ -173,7 +183,9 @@ impl<'a> Draft<'a> {
 
     /// The same, judged by the proof of one facet of each of some triangles.
     fn judged(mut self, prover: &Prover, limits: Limits) -> Self {
-        let mut excess = self.sample(prover, limits);
+        let (doubt, facets) = (Doubt::new(prover, limits), self.samples().collect::<Vec<_>>());
+        let excess = facets.par_iter().map(|&facet| doubt.excess(facet, 1.0));
+        let mut excess: Vec<f64> = excess.collect();
         excess.sort_by(f64::total_cmp);
         let count = excess.len();
         // Repairing a facet costs as it is too large.
@@ -195,23 +207,70 @@ impl<'a> Draft<'a> {
         self
     }
 
-    /// By how much the proof finds facets larger than they may be.
-    fn sample(&self, prover: &Prover, limits: Limits) -> Vec<f64> {
+    /// The same, unless many of its facets would have to be split, and that is seen to do no good or
+    /// to make too many of them.
+    fn undoubted(self, prover: &Prover, limits: Limits, copies: usize) -> Result<Self, MeshError> {
+        if self.found.growth <= DOUBTFUL {
+            return Ok(self);
+        }
+        // Of few facets each will be asked soon enough.
+        if limits.facet_mm.is_some() && self.drawn() > MANY {
+            self.keeps_off_the_pole(prover)?;
+        }
+        let doubt = Doubt::new(prover, limits);
+        let facets: Vec<[DVec2; 3]> = self.samples().collect();
+        let shrunk: Vec<Shrunk> = facets.par_iter().map(|&facet| doubt.shrink(facet)).collect();
+        let worsens = |(facet, shrunk): (&[DVec2; 3], &Shrunk)| {
+            (*shrunk == Shrunk::Worsens).then(|| (doubt.excess(*facet, 1.0), *facet))
+        };
+        let worse: Vec<_> = facets.iter().zip(&shrunk).filter_map(worsens).collect();
+        if worse.len() as f64 > HOPELESS * facets.len() as f64 {
+            let (_, worst) = worse.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("some");
+            return Err(doubt.floor(worst));
+        }
+        // What is not settled is not counted.
+        let parts = |shrunk: &Shrunk| if let Shrunk::Holds(parts) = *shrunk { parts } else { 1.0 };
+        let growth = shrunk.iter().map(parts).sum::<f64>() / shrunk.len() as f64;
+        let facets = self.drawn() * ALONG * growth * copies as f64;
+        if facets > MOST_FACETS {
+            return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+        }
+        Ok(self)
+    }
+
+    /// Whether no facet is near places where the mirror may look along its axis.
+    fn keeps_off_the_pole(&self, prover: &Prover) -> Result<(), MeshError> {
+        let sees = |t: &[u32; 3]| {
+            let mut parts = vec![(t.map(|v| self.net.points[v as usize]), 1)];
+            while let Some(([a, b, c], size)) = parts.pop() {
+                let vertices = [a, b, c].map(|q| prover.vertex(q, prover.mirror().surface.at(q)));
+                if !prover.sees_the_pole(&vertices) {
+                    continue;
+                }
+                if size >= self.cells.parts {
+                    return Some(a);
+                }
+                let [ab, bc, ca] = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
+                let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+                parts.extend(quarters.map(|part| (part, 2 * size)));
+            }
+            None
+        };
+        match self.net.triangles.par_iter().find_map_first(sees) {
+            Some(at) => Err(MeshError::Pole { at }),
+            None => Ok(()),
+        }
+    }
+
+    /// One facet of each of some triangles.
+    fn samples(&self) -> impl Iterator<Item = [DVec2; 3]> {
         let step = self.net.triangles.len().div_ceil(SAMPLES);
         let share = 1.0 / self.cells.parts as f64;
-        let round = rounding(prover, limits);
-        let each = |t: &[u32; 3]| {
+        self.net.triangles.iter().step_by(step).map(move |t| {
             let corners = t.map(|v| self.net.points[v as usize]);
             let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let vertices = corners.map(|p| {
-                let q = round(centre + (p - centre) * share);
-                prover.vertex(q, prover.mirror().surface.at(q))
-            });
-            let bound = prover.bound_roughly(vertices.each_ref(), &limits);
-            let chord = limits.chord_mm.map_or(0.0, |limit| (bound.chord_mm / limit).sqrt());
-            chord.max(limits.facet_mm.map_or(0.0, |limit| bound.facet_mm / limit))
-        };
-        self.net.triangles.par_iter().step_by(step).map(each).collect()
+            corners.map(|p| centre + (p - centre) * share)
+        })
     }
 }
 

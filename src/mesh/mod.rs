@@ -2,11 +2,11 @@
 //!
 //! A quadratic model of the mirror and of its image (`needs`) says which lattice cell suits each
 //! place (`cell`); a lattice of such cells is packed into the rim (`rim`, `pack`), triangulated by
-//! spade and improved by the model (`plane`, `net`, `crowd`). This coarse mesh (`draft`) is cut into
-//! facets (`subdivide`), every one of which is proven over its whole area (`proof`, `tight`); around
-//! those that fail corners are moved and edges flipped, by what the mirror does at the corners
-//! (`corner`), and facets split where that does not do (`refine`). At last the largest of the bounds
-//! are looked at again (`tighten`).
+//! spade and improved by the model (`plane`, `net`, `crowd`). This coarse mesh (`draft`), if it is seen
+//! to lead somewhere (`doubt`), is cut into facets (`subdivide`), every one of which is proven over
+//! its whole area (`proof`, `tight`); around those that fail corners are moved and edges flipped, by
+//! what the mirror does at the corners (`corner`), and facets split where that does not do (`refine`).
+//! At last the largest of the bounds are looked at again (`tighten`).
 //!
 //! All of that happens in the mirror's chart, where facets are flat too (`geom::Chart`). A symmetric
 //! panel is meshed on one half or quarter, a folded mirror on one panel: displacements of the image
@@ -17,6 +17,7 @@ mod cell;
 mod corner;
 mod crowd;
 mod deviation;
+mod doubt;
 mod draft;
 mod ground;
 mod needs;
@@ -48,6 +49,8 @@ use region::Sight;
 use subdivide::subdivide;
 use thiserror::Error;
 
+/// Most points of a coarse mesh, and of each of its sides: ten times what is aimed at.
+const CROWDED: usize = 100_000;
 /// Largest number of facets of the whole face: about 15 GB in all stages.
 const MOST_FACETS: f64 = 4e7;
 
@@ -119,6 +122,8 @@ pub enum MeshError {
         size_mm: f64,
         /// What could be proven there.
         bound: Bound,
+        /// Whether double precision would do better there.
+        digits: bool,
     },
     /// Rounding to single precision alone keeps facets from a limit.
     #[error(
@@ -151,6 +156,16 @@ pub enum MeshError {
          alone", at.x, at.y
     )]
     Pole {
+        /// Where.
+        at: DVec2,
+    },
+    /// The sizes of facets that the limits ask for are so unlike that a coarse mesh of them has no end.
+    #[error(
+        "near X {:.4} mm, Y {:.4} mm the limits ask for facets that are boundlessly smaller than \
+         elsewhere; narrow the elevation range or keep it further from +-90 degrees, or give \
+         chord_um alone", at.x, at.y
+    )]
+    Crowded {
         /// Where.
         at: DVec2,
     },

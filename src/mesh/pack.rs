@@ -4,6 +4,7 @@
 //! point is near. Where cells turn or change in size the lattice gets dislocations, rows that
 //! begin or end: no lattice without them follows all cells.
 
+use super::CROWDED;
 use super::cell::Cells;
 use super::rim::Rim;
 use crate::geom::DVec2;
@@ -23,8 +24,6 @@ const CLEARANCE: f64 = 0.25;
 /// Farther than this from every point a place has been left out.
 const COVERED: f64 = 1.3;
 const NONE: u32 = u32::MAX;
-/// Most points: far more than drafts aim at.
-const MOST: usize = 100_000;
 /// Rounds of relaxation, and how far beyond the mean of its neighbours a point goes.
 const ROUNDS: usize = 25;
 const BEYOND: f64 = 1.5;
@@ -104,7 +103,7 @@ impl Packing {
         let (ways, turns) = (cells.kind.ways(), cells.kind.turns());
         while let Some(i) = queue.pop_front() {
             let (from, own) = (self.points[i], self.cells[i]);
-            if self.points.len() > MOST {
+            if self.points.len() > CROWDED {
                 return Err(from);
             }
             for (k, &way) in ways.iter().enumerate() {

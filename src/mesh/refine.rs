@@ -2,6 +2,7 @@
 //! and edges flipped, and, where that does not do, split, until none fails.
 
 use super::crowd::{Crowd, flip_all};
+use super::doubt::Doubt;
 use super::draft::{Draft, rounding};
 use super::net::Net;
 use super::proof::{Bound, Prover, Vertex};
@@ -283,15 +284,10 @@ impl Repair<'_> {
         edges.into_iter().reduce(longer).expect("three edges").1
     }
 
-    /// No facet as small as this one can do better.
+    /// Facet `t` is not split.
     fn floor(&self, t: u32) -> MeshError {
-        let facet = self.net.triangles[t as usize].map(|v| &self.net.points[v as usize]);
-        let [a, b, c] = facet.map(|v| v.q);
-        MeshError::Floor {
-            at: (a + b + c) / 3.0,
-            size_mm: a.distance(b).max(b.distance(c)).max(c.distance(a)),
-            bound: self.proof.prover.bound(facet),
-        }
+        let Proof { prover, limits } = self.proof;
+        Doubt::new(prover, *limits).floor(self.net.triangles[t as usize].map(|v| self.net.q(v)))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The rim of the meshed part of a mirror: straight sides, arcs, and the points on them.
 
+use super::CROWDED;
 use super::cell::Cells;
 use super::pack::extent;
 use crate::geom::{DVec2, Outline, Rect, turn};
@@ -11,8 +12,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Places per side where cells are turned into steps.
 const PLACES: usize = 128;
-/// Most points of a side: far more than drafts aim at.
-const MOST: f64 = 1e5;
 
 /// The part of a circle about the axis that bounds the meshed part of a mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -221,7 +220,7 @@ fn steps(lo: f64, hi: f64, step: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
     let rates: Vec<f64> =
         (0..PLACES).map(|k| width * (hi - lo) / step((k as f64 + 0.5) * width)).collect();
     let total: f64 = rates.iter().sum();
-    if !(total <= MOST) {
+    if !(total <= CROWDED as f64) {
         return None;
     }
     // What is a whole number but for rounding is one.

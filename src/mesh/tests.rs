@@ -1,6 +1,7 @@
 //! Whole meshes of every kind of mirror, sampled against their proven bounds by independent code.
 
-use super::{Bound, Face, Limits, Prover, Vertex, mesh};
+use super::doubt::{Doubt, Shrunk};
+use super::{Bound, Face, Limits, MeshError, Prover, Vertex, mesh};
 use crate::geom::{Chart, DVec2, DVec3, Outline, Precision, Rect, turn};
 use crate::mirror::{Mirror, Round, Sheet, Surface};
 use crate::num::legendre::{Series, values};
@@ -259,6 +260,33 @@ fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
         }
     }
     assert!(largest > 0.9, "{largest}");
+}
+
+#[test]
+fn what_rounding_tilts_is_the_worse_the_smaller_it_is() {
+    let Case { mirror, camera, view } = conformal();
+    let corner = mirror.outline.bounds().centre() + DVec2::new(0.7, 0.3);
+    let facet = |size: f64| [DVec2::ZERO, DVec2::X, DVec2::Y].map(|step| corner + step * size);
+    for precision in [Precision::Single, Precision::Double] {
+        let limits = Limits { chord_mm: None, facet_mm: Some(0.01), precision };
+        let prover = Prover::new(&mirror, &camera, Some(&view), precision);
+        let doubt = Doubt::new(&prover, limits);
+        // Facet errors are as the size.
+        let [once, twice] = [0.3, 0.6].map(|size| match doubt.shrink(facet(size)) {
+            Shrunk::Holds(parts) => parts,
+            other => panic!("{other:?}"),
+        });
+        assert!((3.5..4.5).contains(&(twice / once)), "{once} {twice}");
+        let wants_digits = |size: f64| match doubt.floor(facet(size)) {
+            MeshError::Floor { digits, .. } => digits,
+            other => panic!("{other}"),
+        };
+        assert!(!wants_digits(0.3));
+        let is_single = precision == Precision::Single;
+        let tiny = if is_single { Shrunk::Worsens } else { Shrunk::Holds(1.0) };
+        assert_eq!(doubt.shrink(facet(3e-4)), tiny);
+        assert_eq!(wants_digits(3e-4), is_single);
+    }
 }
 
 #[test]

@@ -208,17 +208,16 @@ pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) ->
         let designed = mirror.along(&places);
         let intent = |((point, place), designed): ((DVec2, DVec2), Point)| {
             let ray = camera.ray(point, top);
-            let mut aimed = outline.aims(place);
-            if aimed && off_mm > 0.0 {
-                let normal = mirror.normal(place, &designed);
-                aimed = !beside(mirror.place(place, &designed), ray.direction, normal);
+            let (wanted, shown) = (DVec3::Z, DVec2::ZERO);
+            let mut intent = Intent { ray, point, aimed: false, wanted, designed: shown };
+            if !outline.aims(place) {
+                return intent;
             }
-            let mut intent = Intent { ray, point, aimed, wanted: DVec3::Z, designed: DVec2::ZERO };
-            if let (true, Some(view)) = (aimed, view) {
-                let at = mirror.place(place, &designed);
+            let (at, normal) = (mirror.place(place, &designed), mirror.normal(place, &designed));
+            intent.aimed = off_mm == 0.0 || !beside(at, ray.direction, normal);
+            if let (true, Some(view)) = (intent.aimed, view) {
                 intent.wanted = view.wanted(point, at);
-                let direction = reflect(ray.direction, mirror.normal(place, &designed));
-                intent.designed = view.locate(at, direction, point);
+                intent.designed = view.locate(at, reflect(ray.direction, normal), point);
             }
             intent
         };

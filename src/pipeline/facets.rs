@@ -120,21 +120,15 @@ fn at_precision<T>(
     };
     let Some(reason) = refusal(profile, design, &single, &error) else { return Err(fail(error)) };
     let others: Vec<Format> = formats.into_iter().filter(|f| !single.contains(f)).collect();
-    let is_single = matches!(error, MeshError::Single { .. });
-    if is_single && others.is_empty() {
+    if others.is_empty() {
         return Err(Error::Single { profile: profile.name.clone(), reason });
     }
     let precision = Precision::Double;
-    match make(precision) {
-        Ok(_) if others.is_empty() => Err(Error::Single { profile: profile.name.clone(), reason }),
-        Ok(made) => Ok(Facets { made, precision, formats: others, refused: Some(reason) }),
-        // More digits do not help, so they are not what is wanting.
-        Err(_) if !is_single => Err(fail(error)),
-        Err(other) => Err(fail(other)),
-    }
+    let made = make(precision).map_err(fail)?;
+    Ok(Facets { made, precision, formats: others, refused: Some(reason) })
 }
 
-/// Why there are no files of the formats in `single`, if `error` may be due to that precision.
+/// Why there are no files of the formats in `single`, if `error` is due to that precision.
 fn refusal(
     profile: &Profile,
     design: &Design,
@@ -143,7 +137,7 @@ fn refusal(
 ) -> Option<String> {
     let (at, chord_mm, facet_mm) = match *error {
         MeshError::Single { at, chord_mm, facet_mm } => (at, chord_mm, facet_mm),
-        MeshError::Floor { at, bound, .. } => {
+        MeshError::Floor { at, bound, digits: true, .. } => {
             let limits = limits(profile, design, Precision::Single);
             let missed = |bound: f64, limit: Option<f64>| {
                 limit.is_some_and(|limit| !(bound <= limit)).then_some(bound)

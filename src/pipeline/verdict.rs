@@ -162,7 +162,7 @@ fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<String> {
     reasons
 }
 
-/// What the witness's own arithmetic may add to an error: that of a plane's facets is nothing else.
+/// What the witness's own arithmetic may add to a facet error: a plane's is nothing else.
 const ROUNDING_PX: f64 = 1e-9;
 
 fn limits(
@@ -179,24 +179,27 @@ fn limits(
             "facet error",
             errors.facet_error_px.filter(|_| facets).map(|e| e.max),
             profile.mesh.facet_px.or(proven_px),
+            ROUNDING_PX,
             if profile.mesh.facet_px.is_some() { "mesh.facet_px" } else { "the mesh's bound" },
         ),
         (
             "RMS pixel error",
             pixel.map(|e| e.rms),
             accept.pixel_error_rms_px,
+            0.0,
             "accept.pixel_error_rms_px",
         ),
         (
             "largest pixel error",
             pixel.map(|e| e.max),
             accept.pixel_error_max_px,
+            0.0,
             "accept.pixel_error_max_px",
         ),
     ]
     .into_iter()
-    .filter_map(|(what, found, limit, key)| match (found?, limit) {
-        (found, Some(limit)) if !(found <= limit + ROUNDING_PX) => {
+    .filter_map(|(what, found, limit, rounding, key)| match (found?, limit) {
+        (found, Some(limit)) if !(found <= limit + rounding) => {
             Some(format!("{what} {found:.3} px, over the {limit} px of {key}"))
         }
         (found, None) if !found.is_finite() => Some(format!("{what} is not finite")),

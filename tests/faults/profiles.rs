@@ -313,6 +313,47 @@ export.formats = [\"stl\"]
         assert_eq!(ends(text), "no mesh");
     }
 
+    /// Facets by the million, of which most fail and are split in vain.
+    #[test]
+    fn what_splitting_cannot_mend_is_refused_before_it_is_made() {
+        for (pixels, method, table, part, limits, formats, said) in [
+            (
+                "[5, 21]",
+                "fixed-surface = { degree = 8",
+                "azimuth_deg = [-3.1375, 3.1375], elevation_deg = [[0.9258, -2], \
+                 [20.7758, -2.204], [25.8758, -2.408], [27.3388, -2.613]], target_plane_mm = -35.76",
+                "width_mm = 8.871, base_mm = 0.7925",
+                "facet_px = 1.27",
+                "\"3mf\"",
+                "single precision reaches facet_px",
+            ),
+            (
+                "[19, 14]",
+                "distribution = { degree = 5",
+                "azimuth_deg = [-180, 180], elevation_deg = [[3.113, -21.66], [9.295, -22.12], [9.8184, -22.58], \
+                 [14.3644, -23.04], [14.7346, -23.5]], target_radius_mm = 1063",
+                "width_mm = 201.4, base_mm = 19.8",
+                "chord_um = 402, facet_px = 2.116",
+                "\"stl\", \"obj\"",
+                "over the 4e7 that fit in memory",
+            ),
+        ] {
+            let text = format!(
+                "camera.orthographic = {{ pixels = {pixels} }}\n\
+                 projection.table = {{ {table} }}\n\
+                 layout.strip = {{ fill_frame = false }}\n\
+                 method.{method}, minimax = false }}\n\
+                 part = {{ {part} }}\n\
+                 mesh = {{ {limits} }}\n\
+                 export.formats = [{formats}]\n"
+            );
+            let profile = Profile::parse("random", "random.toml", text.as_bytes()).unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            let error = build(&Source { profile, sag: None }, folder.path(), &Silent).unwrap_err();
+            assert!(error.to_string().contains(said), "{error}");
+        }
+    }
+
     #[test]
     fn nor_a_plane_for_what_the_witness_rounds() {
         let text = "\

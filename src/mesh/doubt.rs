@@ -1,0 +1,108 @@
+//! Whether splitting a facet that is too large does any good, found out before the work: what is
+//! proven of it as it shrinks.
+
+use super::draft::rounding;
+use super::proof::{Bound, Prover};
+use super::{Limits, MeshError};
+use crate::geom::{DVec2, Precision};
+
+/// Halvings that are tried.
+const HALVINGS: u32 = 5;
+/// Excess over which no corner that rounds well helps.
+const BEYOND_LUCK: f64 = 1.5;
+
+/// Proofs of shrinking facets by some limits.
+pub struct Doubt<'a> {
+    prover: &'a Prover<'a>,
+    limits: Limits,
+}
+
+/// What becomes of a facet that shrinks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shrunk {
+    /// It keeps the limits, about so many times as small in area.
+    Holds(f64),
+    /// It errs the more the smaller it is: rounding tilts it.
+    Worsens,
+    /// Neither is seen.
+    Unsettled,
+}
+
+impl<'a> Doubt<'a> {
+    pub fn new(prover: &'a Prover<'a>, limits: Limits) -> Self {
+        Self { prover, limits }
+    }
+
+    /// By how much a facet, shrunk `by` a factor towards its middle, is larger than it may be.
+    pub fn excess(&self, facet: [DVec2; 3], by: f64) -> f64 {
+        let bound = self.bound(facet, by);
+        let limits = &self.limits;
+        let chord = limits.chord_mm.map_or(0.0, |limit| (bound.chord_mm / limit).sqrt());
+        chord.max(limits.facet_mm.map_or(0.0, |limit| bound.facet_mm / limit))
+    }
+
+    fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {
+        let middle = middle(facet);
+        let round = rounding(self.prover, self.limits);
+        let vertices = facet.map(|p| {
+            let q = round(middle + (p - middle) * by);
+            self.prover.vertex(q, self.prover.mirror().surface.at(q))
+        });
+        self.prover.bound_roughly(vertices.each_ref(), &self.limits)
+    }
+
+    /// What becomes of a facet as it is halved again and again.
+    pub fn shrink(&self, facet: [DVec2; 3]) -> Shrunk {
+        let (mut least, mut growths) = (f64::INFINITY, 0);
+        for halvings in 0..=HALVINGS {
+            let parts = f64::from(1 << halvings);
+            let excess = self.excess(facet, 1.0 / parts);
+            if excess <= 1.0 {
+                let parts = parts * excess;
+                return Shrunk::Holds((parts * parts).max(1.0));
+            }
+            growths = if excess >= least && excess < f64::INFINITY { growths + 1 } else { 0 };
+            // Once may be chance.
+            if growths >= 2 && least > BEYOND_LUCK {
+                return Shrunk::Worsens;
+            }
+            least = least.min(excess);
+        }
+        Shrunk::Unsettled
+    }
+
+    /// Whether the facet, which splitting does not help, would hold in double precision.
+    fn wants_digits(&self, facet: [DVec2; 3]) -> bool {
+        if self.limits.precision == Precision::Double || self.holds(facet) {
+            return false;
+        }
+        let prover = Prover { precision: Precision::Double, ..self.prover.clone() };
+        let limits = Limits { precision: Precision::Double, ..self.limits };
+        Doubt::new(&prover, limits).holds(facet)
+    }
+
+    fn holds(&self, facet: [DVec2; 3]) -> bool {
+        matches!(self.shrink(facet), Shrunk::Holds(_))
+    }
+
+    /// Why a facet that was to be split is not.
+    pub fn floor(&self, facet: [DVec2; 3]) -> MeshError {
+        let [a, b, c] = facet;
+        // A longer look may show that the facet itself was good enough.
+        let mut bound = self.bound(facet, 1.0);
+        if self.limits.hold(&bound) {
+            let vertex = |q: DVec2| self.prover.vertex(q, self.prover.mirror().surface.at(q));
+            bound = self.prover.bound(facet.map(vertex).each_ref());
+        }
+        MeshError::Floor {
+            at: middle(facet),
+            size_mm: a.distance(b).max(b.distance(c)).max(c.distance(a)),
+            bound,
+            digits: self.wants_digits(facet),
+        }
+    }
+}
+
+fn middle([a, b, c]: [DVec2; 3]) -> DVec2 {
+    (a + b + c) / 3.0
+}
