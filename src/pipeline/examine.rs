@@ -208,8 +208,8 @@ pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) ->
         let designed = mirror.along(&places);
         let intent = |((point, place), designed): ((DVec2, DVec2), Point)| {
             let ray = camera.ray(point, top);
-            let (wanted, shown) = (DVec3::Z, DVec2::ZERO);
-            let mut intent = Intent { ray, point, aimed: false, wanted, designed: shown };
+            let (wanted, aimed) = (DVec3::Z, false);
+            let mut intent = Intent { ray, point, aimed, wanted, designed: DVec2::ZERO };
             if !outline.aims(place) {
                 return intent;
             }

@@ -7,8 +7,11 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
 
-const SIZE: (u32, u32) = (1200, 640);
+const SIZE: (u32, u32) = (1240, 640);
 const LETTERS: i32 = 15;
+/// Room for the names of curves, and for a piece of each before it, pixels.
+const NAMES: i32 = 375;
+const PIECE: i32 = 28;
 
 impl Sweep {
     /// Error against run time, both logarithmic: a curve a profile and series, with rings around the
@@ -45,7 +48,7 @@ impl Sweep {
         let mut chart = ChartBuilder::on(root)
             .caption(self.about, ("sans-serif", 20))
             .margin(12)
-            .margin_right(350)
+            .margin_right(NAMES + 15)
             .x_label_area_size(44)
             .y_label_area_size(76)
             .build_cartesian_2d(
@@ -71,7 +74,7 @@ impl Sweep {
         let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
         profiles.dedup();
         let (width, height) = root.dim_in_pixel();
-        let legend = width as i32 - 335;
+        let legend = width as i32 - NAMES;
         let mut line = 48;
         for (k, profile) in profiles.iter().enumerate() {
             let hue = k as f64 / profiles.len() as f64;
@@ -101,11 +104,12 @@ impl Sweep {
                         true => (*profile).to_owned(),
                         false => format!("{profile}, {series}"),
                     };
-                    root.draw(&Rectangle::new(
-                        [(legend, line + 3), (legend + 14, line + 9)],
-                        colour.filled(),
-                    ))?;
-                    root.draw(&Text::new(name, (legend + 20, line), font))?;
+                    for at in (0..PIECE).step_by((ink + gap) as usize) {
+                        let end = if dash == 0 { PIECE } else { PIECE.min(at + ink) };
+                        let dash = [(legend + at, line + 5), (legend + end, line + 8)];
+                        root.draw(&Rectangle::new(dash, colour.filled()))?;
+                    }
+                    root.draw(&Text::new(name, (legend + PIECE + 6, line), font))?;
                     line += 17;
                 }
             }
@@ -143,6 +147,27 @@ mod tests {
         assert_eq!(around(&[]), 0.1..10.0);
     }
 
+    /// Rows of pixels.
+    fn pixels(png: Vec<u8>) -> Vec<Vec<[u8; 3]>> {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut rgb).unwrap();
+        let (pixels, _) = rgb.as_chunks::<3>();
+        pixels.chunks(super::SIZE.0 as usize).map(<[_]>::to_vec).collect()
+    }
+
+    #[test]
+    fn the_longest_name_is_not_cut_off() {
+        let mut sweep = sweep();
+        for run in &mut sweep.runs {
+            run.profile = "conquistador".into();
+            run.series = "fixed-surface, minimax".into();
+        }
+        let rows = pixels(sweep.png().unwrap());
+        let is_white = |row: &Vec<[u8; 3]>| row[row.len() - 5..].iter().all(|p| *p == [255; 3]);
+        assert!(rows.iter().all(is_white));
+    }
+
     #[test]
     fn every_run_is_a_point_and_the_best_have_rings() {
         let sweep = sweep();
@@ -150,11 +175,8 @@ mod tests {
         assert_eq!(svg.matches("<circle").count(), 6 + 3);
         assert!(svg.contains("panoramic, b") && svg.contains("surplus_mrad"));
         assert_eq!(svg, sweep.svg().unwrap());
-        let png = sweep.png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
-        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut rgb).unwrap();
-        let inked = rgb.chunks(3).filter(|p| *p != [255; 3]).count();
+        let rows = pixels(sweep.png().unwrap());
+        let inked = rows.concat().into_iter().filter(|p| *p != [255; 3]).count();
         assert!((5_000..100_000).contains(&inked), "{inked} pixels");
     }
 }
