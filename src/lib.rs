@@ -79,6 +79,7 @@
 //! about what a machine makes of the file, but for the geometry of an ideal ball ([`machining`]).
 
 pub mod align;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod design;
 pub mod export;

@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::fmt::Write;
 
 /// A readable summary: a line a stage, the reasons, and the verdict last. Styled for terminals;
-/// an `anstream` writer strips the styles elsewhere.
+/// a writer that knows its terminal strips the styles elsewhere.
 #[must_use]
 pub fn text(report: &Report) -> String {
     written(|out| write_text(out, report))
