@@ -1,0 +1,69 @@
+//! The benchmark of run time against error: its files, what it fits, and what it suggests.
+
+use crate::support::builds::{SMALL, files, folder, morion, save, told};
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+const SWEEPS: [&str; 5] = ["design", "mesh-facet", "mesh-chord", "witness", "trials"];
+
+#[test]
+fn sweeps_are_tables_and_plots_and_lead_to_settings_that_hold() {
+    let folder = folder();
+    save(folder.path(), SMALL);
+    let arguments = ["bench", "small.toml", "--quick", "--suggest", "1.5px", "--format", "json"];
+    let (code, out, err) = told(&morion(folder.path(), &arguments));
+    assert_eq!(code, 0, "{err}");
+    let made = files(&folder.path().join("out/bench"));
+    assert_eq!(made["bench.json"], out.as_bytes());
+    let bench: Value = serde_json::from_str(&out).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value}"));
+    for (sweep, name) in bench["sweeps"].as_array().unwrap().iter().zip(SWEEPS) {
+        assert_eq!(sweep["name"], name);
+        let runs = sweep["runs"].as_array().unwrap();
+        let csv = String::from_utf8(made[&format!("{name}.csv")].clone()).unwrap();
+        assert_eq!(csv.lines().count(), runs.len() + 1, "{csv}");
+        let titles: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+        let different: BTreeSet<&&str> = titles.iter().collect();
+        assert_eq!(different.len(), titles.len(), "{titles:?}");
+        assert!(made[&format!("{name}.png")].starts_with(b"\x89PNG"));
+        let svg = String::from_utf8(made[&format!("{name}.svg")].clone()).unwrap();
+        let best = |run: &&Value| run["pareto"] == true;
+        let drawn = |run: &&Value| number(&run["error"]) > 0.0;
+        let [points, rings] =
+            [runs.iter().filter(drawn).count(), runs.iter().filter(drawn).filter(best).count()];
+        assert!(rings > 0 && svg.matches("<circle").count() == points + rings, "{name}");
+        assert!(
+            runs.iter().all(|run| number(&run["time_ms"]) > 0.0 && number(&run["error"]) >= 0.0)
+        );
+    }
+    let order = |name: &str, of: &str| {
+        let sweep = bench["sweeps"].as_array().unwrap().iter().find(|s| s["name"] == name).unwrap();
+        let found = sweep["orders"].as_array().unwrap().iter().find(|order| order["of"] == of);
+        found.map(|order| (number(&order["order"]), number(&order["theory"])))
+    };
+    let (found, theory) = order("trials", "error ~ trials").unwrap();
+    assert!((found - theory).abs() < 0.02, "{found}");
+
+    // The suggested profile does what was said of it.
+    let found = &bench["suggestions"][0]["settings"];
+    let said = number(&found["pixel_rms_px"]);
+    assert!(said <= 1.5 && found["file"] == "small.toml", "{found}");
+    let (code, out, err) =
+        told(&morion(folder.path(), &["build", "out/bench/small.toml", "--format", "json"]));
+    let report: Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{code} {err}"));
+    assert_eq!(number(&report["trace"][0]["pixel_error_px"]["rms"]), said);
+    assert_eq!(report["mesh"]["optical_triangles"], found["triangles"]);
+}
+
+#[test]
+fn an_error_below_every_design_is_a_negative_verdict() {
+    let folder = folder();
+    save(folder.path(), SMALL);
+    let arguments = ["bench", "small.toml", "--quick", "--suggest", "0.001"];
+    let (code, out, err) = told(&morion(folder.path(), &arguments));
+    assert_eq!(code, 1, "{err}");
+    assert!(out.contains("small: no design comes nearer than "), "{out}");
+    assert!(!folder.path().join("out/bench/small.toml").exists());
+    let (code, _, err) = told(&morion(folder.path(), &["bench", "--suggest", "half"]));
+    assert!(code == 2 && err.contains("0.5px"), "{err}");
+}

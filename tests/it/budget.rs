@@ -1,0 +1,172 @@
+//! A number of triangles instead of limits: never exceeded, and used well.
+
+use crate::support;
+use crate::support::builds::{SMALL, files, folder, morion, save, told};
+use crate::support::small_but;
+use morion::design::Design;
+use morion::geom::Precision;
+use morion::mesh::{Budget, Closing, Face, Forecast, MeshError};
+use morion::profile::{Profile, shipped};
+use morion::solid::{Solid, added, rim};
+use rayon::prelude::*;
+use serde_json::Value;
+
+/// Counts what a solid adds.
+struct Closed;
+
+impl Closing for Closed {
+    fn foreseen(&self, forecast: &Forecast) -> f64 {
+        3.0 * forecast.rim
+    }
+
+    fn counted(&self, face: &Face) -> usize {
+        let [outer, hole] = rim(&face.mesh).unwrap();
+        added(outer, hole, None)
+    }
+}
+
+/// The same with as many facets around the mirror as holes in a rim may take.
+struct Drilled;
+
+const AROUND: usize = 3000;
+
+impl Closing for Drilled {
+    fn foreseen(&self, forecast: &Forecast) -> f64 {
+        Closed.foreseen(forecast) + AROUND as f64
+    }
+
+    fn counted(&self, face: &Face) -> usize {
+        Closed.counted(face) + AROUND
+    }
+}
+
+fn within(design: &Design, triangles: usize, precision: Precision) -> Result<Face, MeshError> {
+    let Design { mirror, camera, view, .. } = design;
+    let (camera, view) = (&camera.chart, view.as_ref());
+    Budget { mirror, camera, view, precision, triangles, closing: &Closed }.mesh()
+}
+
+/// Facets of the solid that `face` becomes.
+fn closed(face: &Face) -> usize {
+    Solid::from_face(&face.mesh, None, Precision::Single).unwrap().mesh().triangles.len()
+}
+
+#[test]
+fn every_shipped_mirror_uses_its_budget_and_never_more() {
+    shipped().par_iter().for_each(|profile| {
+        let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes()).unwrap();
+        let design = support::designed(&profile);
+        let mut finer = f64::INFINITY;
+        for triangles in [4_000, 30_000] {
+            let face = within(&design, triangles, Precision::Single).unwrap();
+            let (what, found) = (&profile.name, closed(&face));
+            println!("{what}: {found} of {triangles}, {:?}", face.bound);
+            assert!(found <= triangles, "{what}: {found} of {triangles}");
+            assert!(found as f64 >= 0.9 * triangles as f64, "{what}: {found} of {triangles}");
+            assert!(face.bound.facet_mm < finer, "{what}");
+            finer = face.bound.facet_mm;
+        }
+    });
+}
+
+#[test]
+fn small_budgets_are_kept_too() {
+    let design = support::designed(&support::shipped("panoramic"));
+    let mut before = 0;
+    for triangles in [100, 150, 317, 500, 1000, 2000, 2001, 3500] {
+        let face = within(&design, triangles, Precision::Single).unwrap();
+        let found = closed(&face);
+        assert!(found <= triangles, "{found} of {triangles}");
+        assert!(triangles < 2000 || 10 * found >= 9 * triangles, "{found} of {triangles}");
+        // Budgets that hardly differ may be used as well as each other.
+        assert!(10 * found >= 9 * before, "{found} of {triangles} after {before}");
+        before = found;
+    }
+}
+
+#[test]
+fn a_budget_below_the_coarsest_mesh_is_refused_with_a_number_that_does() {
+    let design = support::designed(&support::shipped("hyperbolic"));
+    let Err(MeshError::Few { most: 100, least }) = within(&design, 100, Precision::Single) else {
+        panic!("not refused");
+    };
+    assert_eq!(closed(&within(&design, least, Precision::Single).unwrap()), least);
+}
+
+/// The first limit that is tried is far too strict where most of the triangles are not the mirror's.
+#[test]
+fn the_fewest_triangles_are_foreseen() {
+    let Design { mirror, camera, view, .. } = &support::designed(&support::shipped("hyperbolic"));
+    let (camera, view) = (&camera.chart, view.as_ref());
+    let (precision, triangles) = (Precision::Single, AROUND + 50);
+    let budget = Budget { mirror, camera, view, precision, triangles, closing: &Drilled };
+    let least = |error: MeshError| match error {
+        MeshError::Few { least, .. } => least as f64,
+        error => panic!("{error}"),
+    };
+    let made = least(budget.mesh().map(|face| closed(&face)).unwrap_err());
+    let foreseen = least(budget.foresee().map(|plan| plan.forecast).unwrap_err());
+    assert!((0.8..1.25).contains(&(foreseen / made)), "{foreseen} for {made}");
+}
+
+#[test]
+fn a_budget_beyond_what_single_precision_carries_is_used_as_far_as_it_goes() {
+    let edits = [("base_mm = 5", "base_mm = 100000")];
+    let mut profile = support::profile(&edits);
+    let design = support::designed(&profile);
+    let face = within(&design, 100_000, Precision::Single).unwrap();
+    assert!(closed(&face) <= 100_000);
+    // Much finer is refused.
+    profile.mesh.facet_px = Some(face.bound.facet_mm / design.camera.pixel_mm / 4.0);
+    assert!(support::meshed(&profile, &design).is_err());
+}
+
+#[test]
+fn without_a_projection_the_chord_is_what_the_budget_buys() {
+    let text = "camera.orthographic.pixels = [640, 480]
+part = { width_mm = 60, height_mm = 40, base_mm = 5 }
+mirror.polynomial.radius_mm = -100
+mesh.max_triangles = 5000
+export.formats = [\"stl\"]
+";
+    let folder = folder();
+    save(folder.path(), text);
+    let (code, out, err) = told(&morion(folder.path(), &["build", "small.toml", "--quiet"]));
+    assert_eq!((code, &*err), (0, ""), "{out}");
+    let report = &files(&folder.path().join("out/small"))["report.json"];
+    let report: Value = serde_json::from_slice(report).unwrap();
+    let triangles = report["mesh"]["triangles"].as_u64().unwrap();
+    assert!((4500..=5000).contains(&triangles), "{triangles}");
+    assert!(report["mesh"]["chord_um"]["limit"].is_null());
+    assert!(report["mesh"]["chord_um"]["bound"].as_f64().unwrap() < 10.0);
+}
+
+#[test]
+fn a_build_tells_the_tolerances_that_it_reached() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, &small_but("chord_um = 20\nfacet_px = 3\n", "max_triangles = 20000\n"));
+    let (code, out, err) = told(&morion(home, &["build", "small.toml", "--quiet"]));
+    assert_eq!((code, &*err), (0, ""), "{out}");
+    assert!(out.contains(" in all, of at most 20000); chord "), "{out}");
+    let made = files(&home.join("out/small"));
+    let report: Value = serde_json::from_slice(&made["report.json"]).unwrap();
+    let mesh = &report["mesh"];
+    assert_eq!((&report["verdict"], &mesh["max_triangles"]), (&"pass".into(), &20000.into()));
+    let triangles = mesh["triangles"].as_u64().unwrap();
+    assert!((18_000..=20_000).contains(&triangles), "{triangles}");
+    for key in ["chord_um", "facet_px"] {
+        assert!(mesh[key].as_object().unwrap()["limit"].is_null());
+        assert!(mesh[key]["bound"].as_f64().unwrap() > 0.0);
+    }
+    let most = report["trace"][0]["facet_error_px"]["max"].as_f64().unwrap();
+    assert!(most <= mesh["facet_px"]["bound"].as_f64().unwrap(), "{most}");
+
+    // Files of the same profile can be verified.
+    let arguments = ["verify", "out/small/mirror.stl", "--profile", "small.toml", "--quiet"];
+    assert_eq!(told(&morion(home, &arguments)).0, 0);
+
+    save(home, &SMALL.replace("chord_um = 20\nfacet_px = 3", "max_triangles = 100"));
+    let arguments = ["build", "small.toml", "--quiet", "--dry-run"];
+    assert_eq!(told(&morion(home, &arguments)).0, 0);
+}

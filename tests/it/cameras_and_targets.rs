@@ -1,0 +1,271 @@
+//! Strips and round mirrors before both cameras and all targets, ray by ray on plain vectors.
+
+use crate::support::oracle::{
+    self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, rims, trace,
+};
+use morion::geom::{DVec2, DVec3};
+use morion::num::{cos, log, sin, tan};
+use std::f64::consts::PI;
+
+const FAR: f64 = f64::INFINITY;
+
+fn strip(law: &str) -> Strip<'_> {
+    Strip {
+        law,
+        azimuth_deg: [-90.0, 200.0],
+        elevation_deg: [-20.0, 45.0],
+        distance: FAR,
+        target: World::Far,
+    }
+}
+
+fn agree(found: f64, exact: f64, share: f64) -> bool {
+    (found - exact).abs() <= share * exact.abs()
+}
+
+/// That the facts of a design are its errors by definition.
+#[track_caller]
+fn check_facts(strip: &Strip, degree: usize) -> Errors {
+    let design = strip.wish(degree).made();
+    let own = strip.errors(&design, 100);
+    let facts = &design.facts;
+    let (ray, pixel) = (facts.ray_error_mrad.unwrap(), facts.pixel_error_px.unwrap());
+    let what = format!("{} {} {:?}", strip.law, strip.distance, strip.target);
+    println!("{what}: {own:?} {ray:?} {pixel:?}");
+    assert!(agree(ray.rms, own.ray_mrad[0], 1e-9), "{what}: {ray:?} {own:?}");
+    assert!(agree(ray.max, own.ray_mrad[1], 3e-3), "{what}: {ray:?} {own:?}");
+    assert!(agree(pixel.rms, own.pixel_px[0], 1e-9), "{what}: {pixel:?} {own:?}");
+    assert!(agree(pixel.max, own.pixel_px[1], 3e-3), "{what}: {pixel:?} {own:?}");
+    own
+}
+
+#[test]
+fn errors_of_strips_are_those_of_the_laws_definitions() {
+    for law in ["cylindrical", "equirectangular", "equal-area"] {
+        for distance in [FAR, 250.0] {
+            check_facts(&Strip { distance, ..strip(law) }, 12);
+        }
+    }
+    check_facts(&Strip { distance: 250.0, ..strip("mercator") }, 12);
+}
+
+#[test]
+fn errors_before_finite_targets_are_those_of_their_definitions() {
+    let up = Strip { elevation_deg: [20.0, 60.0], azimuth_deg: [-50.0, 40.0], ..strip("mercator") };
+    for law in ["cylindrical", "mercator", "equal-area"] {
+        for distance in [FAR, 250.0] {
+            for target in [World::Cylinder(80.0), World::Cylinder(3000.0)] {
+                check_facts(&Strip { distance, target, ..strip(law) }, 10);
+            }
+            check_facts(&Strip { law, distance, target: World::Plane(200.0), ..up }, 10);
+        }
+    }
+    let down = Strip { elevation_deg: [-60.0, -20.0], ..up };
+    check_facts(&Strip { target: World::Plane(-150.0), ..down }, 10);
+}
+
+#[test]
+fn the_mercator_strip_sees_exactly_what_it_should() {
+    let strip = strip("mercator");
+    let design = strip.wish(24).made();
+    let paper = strip.paper(&design);
+    let mut worst: f64 = 0.0;
+    for (q, _) in oracle::gauss_grid(oracle::panel(&design), 40) {
+        worst = worst.max(strip.error(&design, &paper, q)[0]);
+        assert!((trace(&design, None, q).seen.length() - 1.0).abs() < 1e-14);
+    }
+    assert!(worst < 1e-9, "{worst:e}");
+    // The folded one too, its other panel seeing the world upside down: the image turned by half
+    // a turn about the middle of the frame shows the azimuth mirrored in the ridge.
+    let design = Wish::conquistador("mercator", 20).made();
+    let [min, max] = oracle::panel(&design);
+    assert_eq!(min.y, 0.0);
+    for (q, _) in oracle::gauss_grid([min, max], 20) {
+        // Half a turn over the width, and as much elevation on either side of the horizon.
+        let scale = 60.0 / PI;
+        let z = (q.y - 0.5 * (max.y - min.y)) / scale;
+        let wanted = oracle::direction(q.x / scale, oracle::elevation("mercator", z));
+        let flip = DVec3::new(1.0, -1.0, 1.0);
+        let below = trace(&design, None, q * flip.truncate()).seen;
+        assert!((trace(&design, None, q).seen - wanted).length() < 1e-9, "{q}");
+        assert!((below - wanted * flip).length() < 1e-9, "{q}");
+    }
+}
+
+/// Where a round mirror's rays must meet a target: height over the origin on a cylinder, distance
+/// from the axis on a plane.
+fn check_round(name: &str, distance: f64, inner_mm: f64, psi_deg: [f64; 2], world: World) {
+    let mut law = format!("[projection.{name}]\nouter_polar_deg = {:?}", psi_deg[1]);
+    if psi_deg[0] > 0.0 {
+        law += &format!("\ninner_polar_deg = {:?}", psi_deg[0]);
+    }
+    let camera = if distance.is_finite() { pinhole(distance) } else { oracle::ORTHOGRAPHIC.into() };
+    let design = Wish::round(&camera, &law, inner_mm, 36).before(&world.key()).made();
+    let eye = eye(&design, distance);
+    let [inner, outer] = rims(&design);
+    // The area-mean over the image of the height (of the logarithm of the depth).
+    let depth = |r: f64| {
+        let z = trace(&design, None, DVec2::X * r).at.z - design.mirror.chart.plane_mm;
+        if eye.is_some() { log(1.0 - z / distance) } else { z }
+    };
+    let mean = 2.0 * integral(inner, outer, |r| r * depth(r)) / (outer * outer - inner * inner);
+    let mean = if eye.is_some() { distance * (1.0 - morion::num::exp(mean)) } else { mean };
+    let origin = design.view.as_ref().unwrap().origin_mm;
+    assert!((origin - design.mirror.chart.plane_mm - mean).abs() < 1e-9, "{name} {origin}");
+    let [psi0, psi1] = psi_deg.map(rad);
+    let mut worst: f64 = 0.0;
+    for k in 1..=40 {
+        let r = inner + (outer - inner) * f64::from(k) / 40.0;
+        let t = (r - inner) / (outer - inner);
+        let t2 = (r * r - inner * inner) / (outer * outer - inner * inner);
+        let psi = match name {
+            "equiangular" if eye.is_some() => {
+                let [t0, t1, t] = [inner, outer, r].map(|r| morion::num::atan(r / distance));
+                psi0 + (psi1 - psi0) * (t - t0) / (t1 - t0)
+            }
+            "equiangular" | "tangent-proportional" => psi0 + (psi1 - psi0) * t,
+            "area-proportional" => psi0 + (psi1 - psi0) * t2,
+            "equi-areal" => oracle::acos(cos(psi0) + (cos(psi1) - cos(psi0)) * t2),
+            "plane" => morion::num::atan(tan(psi1) * r / outer),
+            "cylinder" => {
+                let cot = 1.0 / tan(psi0) + (1.0 / tan(psi1) - 1.0 / tan(psi0)) * t;
+                0.5 * PI - morion::num::atan(cot)
+            }
+            "conical" => {
+                let [t1, t] = [outer, r].map(|r| morion::num::atan(r / distance));
+                psi1 - t1 + t
+            }
+            _ => panic!("{name}"),
+        };
+        for a in [0.4, 2.9, 5.0] {
+            let way = DVec2::new(cos(a), sin(a));
+            let Trace { at, seen, .. } = trace(&design, eye, way * r);
+            let from = at - DVec3::Z * origin;
+            let exact = world.point((way * sin(psi)).extend(cos(psi)));
+            worst = worst.max((world.hit(from, seen) - exact).length() / exact.length());
+        }
+        if let World::Cylinder(radius) = world {
+            // What Gaechter and Pajdla ask for, in their words: equal steps, equal heights.
+            let hit = |r: f64| {
+                let Trace { at, seen, .. } = trace(&design, eye, DVec2::X * r);
+                world.hit(at, seen).z
+            };
+            let linear = hit(inner) + (hit(outer) - hit(inner)) * t;
+            assert!(name != "cylinder" || (hit(r) - linear).abs() < 1e-9 * radius);
+        }
+    }
+    println!("{name} {distance} {world:?}: {worst:e} in {} steps", design.facts.steps);
+    assert!(worst < 1e-9, "{name} {distance} {world:?}: {worst:e}");
+    let curl = design.facts.curl.unwrap().max;
+    assert!(curl <= 1e-12, "{name} {distance} {world:?}: curl {curl:e}");
+}
+
+#[test]
+fn round_mirrors_before_finite_targets_are_exact() {
+    for distance in [FAR, 100.0] {
+        let inner = 16.0;
+        for radius in [100.0, 500.0] {
+            let world = World::Cylinder(radius);
+            check_round("cylinder", distance, inner, [60.0, 120.0], world);
+            check_round("equiangular", distance, inner, [50.0, 110.0], world);
+            check_round("tangent-proportional", distance, inner, [50.0, 110.0], world);
+            check_round("area-proportional", distance, inner, [40.0, 100.0], world);
+            check_round("equi-areal", distance, inner, [50.0, 110.0], world);
+        }
+        for height in [150.0, 2000.0] {
+            let world = World::Plane(height);
+            check_round("plane", distance, 0.0, [0.0, 50.0], world);
+            check_round("plane", distance, inner, [0.0, 50.0], world);
+            check_round("equi-areal", distance, 0.0, [0.0, 60.0], world);
+        }
+        check_round("equi-areal", distance, inner, [120.0, 150.0], World::Plane(-300.0));
+    }
+    check_round("conical", 100.0, 16.0, [0.0, 100.0], World::Cylinder(200.0));
+}
+
+/// The largest difference of two mirrors' heights over the same image points, of the width.
+fn apart(a: &Wish, b: &Wish) -> f64 {
+    let (a, b) = (a.made(), b.made());
+    let area = a.mirror.outline.bounds();
+    let mut worst: f64 = 0.0;
+    for k in 0..31 * 31 {
+        let q = area.min + area.size() * DVec2::new(f64::from(k % 31), f64::from(k / 31)) / 30.0;
+        if a.mirror.outline.contains(q) && b.mirror.outline.contains(q) {
+            let z = [&a, &b].map(|d| trace(d, None, q).at.z - d.mirror.chart.plane_mm);
+            worst = worst.max((z[0] - z[1]).abs());
+        }
+    }
+    worst / 60.0
+}
+
+#[test]
+fn a_far_pinhole_is_an_orthographic_camera() {
+    let round = |law: &str, inner: f64| Wish::round(oracle::ORTHOGRAPHIC, law, inner, 24);
+    let folded = Wish {
+        layout: "[layout.conquistador]\npanel = \"section\"\nridge = \"valley\"".into(),
+        ..Wish::panoramic("cylindrical", 12)
+    };
+    let wishes = [
+        Wish::panoramic("cylindrical", 12),
+        folded,
+        Wish { method: "distribution", ..Wish::panoramic("mercator", 8) },
+        round("[projection.equiangular]\nouter_polar_deg = 120", 0.0),
+        round("[projection.cylinder]\ninner_polar_deg = 60\nouter_polar_deg = 120", 16.0),
+        round("[projection.plane]\nouter_polar_deg = 60", 0.0),
+        round("[projection.equi-areal]\nouter_polar_deg = 110", 0.0).before(""),
+        round("[projection.cylinder]\ninner_polar_deg = 60\nouter_polar_deg = 120", 16.0)
+            .before("target_radius_mm = 300"),
+    ];
+    for wish in wishes {
+        let points: Vec<(f64, f64)> = [1e2, 1e3, 1e4, 1e5]
+            .map(|widths| (widths, Wish { camera: pinhole(60.0 * widths), ..wish.clone() }))
+            .map(|(widths, far)| (widths, apart(&wish, &far)))
+            .to_vec();
+        let order = order(&points);
+        println!("{} {}: {order} {points:?}", wish.projection, wish.layout);
+        assert!((order + 1.0).abs() < 0.05, "{}: {order} {points:?}", wish.projection);
+        assert!(points[2].1 < 1e-3);
+    }
+    // A hyperboloid becomes the paraboloid.
+    let parabolic = round("[projection.parabolic]\nouter_polar_deg = 100", 0.0);
+    let points = [1e2, 1e3, 1e4, 1e5].map(|widths| {
+        let law = "[projection.hyperbolic]\nouter_polar_deg = 100";
+        let far = Wish::round(&pinhole(60.0 * widths), law, 0.0, 24);
+        (widths, apart(&parabolic, &far))
+    });
+    assert!((order(&points) + 1.0).abs() < 0.05, "{points:?}");
+}
+
+#[test]
+fn a_far_target_is_at_infinity() {
+    let wishes = [
+        (Wish::panoramic("cylindrical", 12), "radius"),
+        (Wish::conquistador("mercator", 12), "radius"),
+        (Wish { camera: pinhole(200.0), ..Wish::panoramic("equal-area", 10) }, "radius"),
+        (Wish { method: "fixed-surface", ..Wish::panoramic("cylindrical", 8) }, "radius"),
+        (
+            Wish::round(
+                &pinhole(100.0),
+                "[projection.cylinder]\ninner_polar_deg = 60\nouter_polar_deg = 120",
+                16.0,
+                24,
+            ),
+            "radius",
+        ),
+        (
+            Wish::round(oracle::ORTHOGRAPHIC, "[projection.plane]\nouter_polar_deg = 60", 0.0, 24),
+            "plane",
+        ),
+    ];
+    for (wish, kind) in wishes {
+        let points = [1e4, 1e5, 1e6, 1e7].map(|reach: f64| {
+            let near = wish.clone().before(&format!("target_{kind}_mm = {reach:?}"));
+            (reach, apart(&wish, &near))
+        });
+        let order = order(&points);
+        println!("{}: {order} {points:?}", wish.projection);
+        assert!((order + 1.0).abs() < 0.01, "{}: {order} {points:?}", wish.projection);
+        let foreseen = points[2].1 / 10.0;
+        assert!(agree(points[3].1, foreseen, 1e-2), "{}: {points:?}", wish.projection);
+    }
+}

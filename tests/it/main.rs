@@ -1,0 +1,47 @@
+//! The tests of the library and the program, one module for each subject: `cargo test --test it
+//! tolerance::` runs those of one.
+//!
+//! With `MORION_THOROUGH=1` in the environment some of them take many more cases and hours.
+
+mod align;
+mod architecture;
+mod bench;
+mod broken_profiles;
+mod budget;
+mod cameras_and_targets;
+mod damage;
+mod design_accuracy;
+mod determinism;
+mod dry_run;
+mod economy;
+mod frame;
+mod given_mirrors;
+mod machining;
+mod manners;
+mod mesh_tolerance;
+mod meshes;
+mod methods;
+mod numerics;
+mod packed;
+mod part;
+mod part_refusals;
+mod profile_checks;
+mod profile_combinations;
+mod proof;
+mod random_profiles;
+mod refusals;
+mod render;
+mod report_contract;
+mod round_mirrors;
+mod sag_table;
+mod shipped;
+mod single_precision;
+mod step;
+mod stress;
+mod support;
+mod tolerance;
+mod tracing;
+mod unchanged;
+mod unwrap;
+mod volume;
+mod witness_physics;

@@ -1,0 +1,39 @@
+//! Every shipped profile builds, and passes.
+
+use crate::support::builds;
+use morion::pipeline::{Silent, build, load};
+use morion::profile::shipped;
+use morion::report::Verdict;
+
+/// What a shipped mirror's report must say, beside the verdict.
+fn passes(name: &str) {
+    let source = load(name).unwrap_or_else(|error| panic!("{error}"));
+    let folder = builds::folder();
+    let report =
+        build(&source, folder.path(), &Silent).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert_eq!(report.verdict, Verdict::Pass, "{name}: {:?}", report.reasons);
+    let (mesh, solid) = (report.mesh.unwrap(), report.solid.unwrap());
+    println!("{name}: {} triangles, over the optimum {:?}", mesh.triangles, mesh.over_optimum);
+    // A cone bends in one direction alone, where the theory has no bound.
+    let over = mesh.over_optimum.facet;
+    assert_eq!(over.is_none(), name == "conical");
+    assert!(over.is_none_or(|over| over >= 1.0), "{name}: {over:?} of the least");
+    assert_eq!((solid.check.euler, solid.check.components), (2, 1), "{name}");
+    for trace in &report.trace {
+        assert_eq!((trace.hit, trace.missed, trace.shadowed), (trace.rays, 0, 0), "{name}");
+        let errors = trace.errors.facet_error_px.unwrap();
+        assert!(errors.max <= mesh.facet_px.bound && errors.max > 0.8, "{name}: {errors:?}");
+    }
+    // A mirror that exists has no error of its own, and its problem no curl.
+    let exact = !["panoramic", "conquistador"].contains(&name);
+    let (pixel, curl) = (report.design.pixel_error_px.unwrap(), report.design.curl.unwrap());
+    assert_eq!(exact, pixel.max < 1e-6, "{name}: {pixel:?}");
+    assert_eq!(exact, curl.max < 1e-12, "{name}: {curl:?}");
+}
+
+#[test]
+fn every_shipped_profile_passes() {
+    for profile in shipped() {
+        passes(profile.name);
+    }
+}

@@ -1,0 +1,312 @@
+//! Monte Carlo against the linear model, budgets fed forward, and the same bits in every order.
+
+use super::{engine, fixed, question, usual, with_map};
+use crate::support::{designed, shipped};
+use morion::mirror::{Knots, Patches};
+use morion::tolerance::{
+    Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source, Study,
+    Trial, Unmet, quantile,
+};
+
+const ALL: [Compensator; 3] =
+    [Compensator::Shift, Compensator::Rotation, Compensator::Magnification];
+
+fn process() -> &'static Process {
+    Process::named("ultra-precision-cnc").unwrap()
+}
+
+fn trials(engine: &Engine, seed: u64, count: u64) -> Vec<Trial> {
+    engine.trials(&engine.question.sources, seed, 0..count, None)
+}
+
+fn rms(trials: &[Trial]) -> f64 {
+    let square: f64 = trials.iter().map(|t| t.after.rms_px * t.after.rms_px).sum();
+    (square / trials.len() as f64).sqrt()
+}
+
+#[test]
+fn the_root_of_the_sum_of_squares_is_that_of_the_trials() {
+    for (name, compensators) in
+        [("conquistador", &ALL[..]), ("conquistador", &[]), ("hyperbolic", &ALL), ("conical", &[])]
+    {
+        let design = designed(&shipped(name));
+        let sources = usual(&design, process());
+        let engine = engine(&design, question(sources, compensators));
+        let found = rms(&trials(&engine, 4, 1500));
+        let foreseen = rss(&engine);
+        assert!((foreseen / found - 1.0).abs() < 0.05, "{name} {foreseen} {found}");
+    }
+}
+
+/// What first derivatives say of the trials' RMS: the square of what all have in common, and the
+/// variances of the rest.
+fn rss(engine: &Engine) -> f64 {
+    let sources = &engine.question.sources;
+    let mean = Pixels::of(&engine.mean_field(sources)).rms_px;
+    let variance: f64 = sources.iter().map(|source| engine.variance(source)).sum();
+    (mean * mean + variance).sqrt()
+}
+
+/// Fixed errors have a sign and add with it, to each other and to what the design is off by.
+#[test]
+fn systematic_errors_add_with_their_signs() {
+    // A decentred mirror under a decentred sensor, each with a displacement like the other's.
+    let design = designed(&shipped("conical"));
+    let mut sources = vec![fixed(Kind::DecentreX, 50.0), fixed(Kind::PrincipalX, 1.0)];
+    let squares = |engine: &Engine| -> f64 {
+        engine.question.sources.iter().map(|source| engine.mean_square(source)).sum()
+    };
+    let alone = engine(&design, question(sources.clone(), &[]));
+    let found = rms(&trials(&alone, 4, 3));
+    assert!((rss(&alone) / found - 1.0).abs() < 1e-3, "{} {found}", rss(&alone));
+    let unsigned = squares(&alone).sqrt();
+    assert!((unsigned / found - 1.0).abs() > 0.1, "{unsigned} {found}");
+    sources.extend(usual(&design, process()).into_iter().filter(|s| s.kind != Kind::DecentreX));
+    sources.retain(|s| s.kind != Kind::PrincipalX || s.is_systematic());
+    let all = engine(&design, question(sources, &ALL));
+    let found = rms(&trials(&all, 4, 600));
+    assert!((rss(&all) / found - 1.0).abs() < 0.05, "{} {found}", rss(&all));
+
+    // A measured bend against a projection that the design does not meet.
+    let design = designed(&shipped("conquistador"));
+    let knots = |reach: f64| Knots { first: -reach, step: reach / 20.0, count: 41 };
+    let (x, y) = (knots(32.0), knots(24.0));
+    let heights: Vec<f64> = (0..41 * 41)
+        .map(|k| {
+            let [u, v] = [x.first + x.step * (k % 41) as f64, y.first + y.step * (k / 41) as f64];
+            2e-6 * u * u - 1e-6 * u * v
+        })
+        .collect();
+    let map = Patches::new(x, y, &heights).unwrap();
+    let (tilt, share) = (fixed(Kind::TiltX, 0.4), fixed(Kind::Map, 20.0));
+    for (sources, near) in [
+        (vec![share, tilt], 1e-2),
+        ([vec![share, tilt], vec![usual(&design, process())[1]]].concat(), 0.05),
+    ] {
+        let asked = Question { reference: Reference::Projection, ..question(sources, &ALL[..2]) };
+        let engine = engine(&design, with_map(asked, map.clone()));
+        let found = rms(&trials(&engine, 4, 300));
+        assert!((rss(&engine) / found - 1.0).abs() < near, "{} {found}", rss(&engine));
+        let nominal = engine.unperturbed();
+        let unsigned = (squares(&engine) + nominal * nominal).sqrt();
+        assert!((unsigned / found - 1.0).abs() > 0.02, "{unsigned} {found}");
+    }
+}
+
+/// Limits in concert leave systematic errors as they are, and say why where there are none.
+#[test]
+fn systematic_errors_use_up_their_part_of_the_budget() {
+    let design = designed(&shipped("conquistador"));
+    let mut sources = usual(&design, process());
+    let tilt = sources.iter().position(|s| s.kind == Kind::TiltX).unwrap();
+    sources[tilt] = fixed(Kind::TiltX, 2.5);
+    let asked = |sources: &[Source], budget_px| Question {
+        budget_px,
+        samples: 60,
+        ..question(sources.to_vec(), &ALL)
+    };
+    let before = engine(&design, asked(&sources, 1.0));
+    let joint = before.joint(3).unwrap();
+    assert!(joint.sources[tilt] == sources[tilt] && !joint.widest[tilt]);
+    assert_eq!(before.variance(&sources[tilt]), 0.0);
+    let after = engine(&design, asked(&joint.sources, 1.0));
+    let mut figures = after.figures(&trials(&after, 3, 2000));
+    figures.sort_by(f64::total_cmp);
+    let reached = quantile(&figures, 0.9);
+    assert!((reached - 1.0).abs() < 0.01, "{reached}");
+    // Alone it is at its own sign.
+    let limit = before.limit_alone(&sources[tilt], 3).unwrap();
+    let alone = engine(&design, asked(&[fixed(Kind::TiltX, limit)], 1.0));
+    assert!((rms(&trials(&alone, 3, 1)) - 1.0).abs() < 1e-3, "{limit}");
+
+    let none = |sources: &[Source], budget| engine(&design, asked(sources, budget)).joint(3).err();
+    assert_eq!(none(&sources, 0.3), Some(Unmet::Systematic));
+    assert_eq!(none(&sources[tilt..=tilt], 1.0), Some(Unmet::NothingToShare));
+    let asked = Question { reference: Reference::Projection, ..asked(&sources, 0.3) };
+    assert_eq!(engine(&design, asked).joint(3).err(), Some(Unmet::Design));
+}
+
+/// A trial in which a ray does not meet the mirror is lost: it fails, and figures are of the others.
+#[test]
+fn lost_trials_fail_and_leave_finite_figures() {
+    let design = designed(&shipped("conquistador"));
+    let mut sources = usual(&design, process());
+    sources[0].limit = 8e4;
+    let asked = Question { budget_px: 1e4, samples: 60, ..question(sources, &ALL) };
+    let engine = engine(&design, asked);
+    let all = trials(&engine, 4, 60);
+    let study = Study::new(&engine, 4, &all);
+    let lost = all.iter().filter(|trial| !trial.after.kept()).count();
+    assert!((1..60).contains(&lost), "{lost}");
+    assert!(all.iter().all(|trial| trial.after.kept() != trial.steps.is_empty()));
+    assert_eq!((study.lost_trials, study.gap.trials), (lost as u64, 60 - lost as u64));
+    assert!(study.yields.share <= 1.0 - lost as f64 / 60.0);
+    let finite = [study.rms_px, study.adjusted.mean_px, study.gap.rms_px, study.adjustments[0].p95];
+    assert!(finite.iter().all(|x| x.is_finite()), "{study:?}");
+    let json = serde_json::to_value(&study).unwrap();
+    assert_eq!(
+        (&json["adjusted"]["worst_px"], json["gap"]["rms_px"].is_number()),
+        (&"lost".into(), true)
+    );
+    let told =
+        ["adjusted", "as_made", "linear", "gap", "adjustments"].map(|key| json[key].to_string());
+    assert!(told.iter().all(|told| !told.contains("null")), "{told:?}");
+}
+
+#[test]
+fn a_study_tells_sources_by_their_impact() {
+    let design = designed(&shipped("hyperbolic"));
+    let sources = usual(&design, process());
+    let engine = engine(&design, Question { samples: 40, ..question(sources, &ALL) });
+    let study = Study::new(&engine, 4, &trials(&engine, 4, 100));
+    let shares: f64 = study.sources.iter().map(|s| s.share_of_variance).sum();
+    assert!((shares - 1.0).abs() < 1e-12);
+    let impacts = study.sources.iter().map(|s| s.minus_adjusted_px.max(s.plus_adjusted_px));
+    assert!(impacts.is_sorted_by(|a, b| a >= b));
+    assert!((study.rss_px / study.rms_px - 1.0).abs() < 0.1, "{study:?}");
+    assert_eq!((study.trials, study.gap.trials, study.sources.len()), (100, 100, 24));
+}
+
+/// Trial by trial, but for tracks: hits move by more than their distance, into another part of the
+/// same pattern.
+#[test]
+fn first_derivatives_foresee_every_trial() {
+    for name in ["conquistador", "hyperbolic"] {
+        let design = designed(&shipped(name));
+        let mut sources = usual(&design, process());
+        sources.retain(|source| source.kind != Kind::ToolMarks);
+        let engine = engine(&design, Question { samples: 60, ..question(sources, &ALL) });
+        let full = trials(&engine, 4, 200);
+        let linear = engine.linear_trials(&engine.question.sources, 4, 0..200);
+        for (full, linear) in full.iter().zip(&linear) {
+            let (a, b) = (full.after.rms_px, linear.after.rms_px);
+            assert!((a / b - 1.0).abs() < 0.03, "{name} {}: {a} {b}", full.index);
+        }
+    }
+}
+
+#[test]
+fn trials_do_not_depend_on_threads_or_on_their_company() {
+    let design = designed(&shipped("conquistador"));
+    let engine = engine(&design, question(usual(&design, process()), &ALL));
+    let all = trials(&engine, 9, 130);
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert!(pool.install(|| trials(&engine, 9, 130)) == all);
+    }
+    let part = |range| engine.trials(&engine.question.sources, 9, range, None);
+    let parts = [part(0..1), part(1..64), part(64..130)].concat();
+    assert!(parts == all);
+    // A trial's own system, rebuilt from its number alone.
+    let made = engine.trial(&engine.question.sources, 9, 77);
+    let (before, after, steps) =
+        engine.judge(engine.displacements(std::slice::from_ref(&made)).remove(0));
+    assert_eq!((before, after, &steps), (all[77].before, all[77].after, &all[77].steps));
+    // A source more changes none of the others' draws.
+    let fewer: Vec<Source> = engine.question.sources[1..].to_vec();
+    let rest = engine.trial(&fewer, 9, 77);
+    assert_eq!(rest.state.form, made.state.form);
+    assert_eq!(rest.state.placed[1..], made.state.placed[1..]);
+}
+
+#[test]
+fn trials_end_when_the_yield_is_known_well_enough() {
+    let design = designed(&shipped("conquistador"));
+    let asked = Question { samples: 40, ..question(usual(&design, process()), &ALL) };
+    let engine = engine(&design, asked);
+    let until = |width| engine.trials(&engine.question.sources, 1, 0..3000, Some(width));
+    let (some, most) = (until(0.09), until(1e-6));
+    assert!(some.len() % 500 == 0 && some.len() < most.len(), "{}", some.len());
+    assert!(engine.yields(&some).width() <= 0.09);
+    assert!(most.len() == 3000 && most[..some.len()] == some);
+}
+
+#[test]
+fn limits_fed_forward_hit_the_budget() {
+    use Criterion::{P95, Rms};
+    for (name, reference, criterion) in [
+        ("conquistador", Reference::Design, Rms),
+        ("hyperbolic", Reference::Projection, Rms),
+        ("conquistador", Reference::Projection, P95),
+        ("conical", Reference::Design, P95),
+    ] {
+        let design = designed(&shipped(name));
+        let sources = usual(&design, process());
+        let budget = if reference == Reference::Projection && criterion == P95 { 3.0 } else { 1.0 };
+        let asked = Question {
+            reference,
+            criterion,
+            budget_px: budget,
+            samples: 150,
+            ..question(sources, &ALL)
+        };
+        let name = &format!("{name} {criterion:?}");
+        let before = engine(&design, asked.clone());
+        for source in &asked.sources {
+            let Some(limit) = before.limit_alone(source, 3) else { continue };
+            let reached = before.impact(source, 3, limit).worst().by(criterion);
+            assert!((reached / budget - 1.0).abs() < 0.01, "{name} {source:?} {limit}");
+            // However far off its own limit is.
+            if [Kind::TiltX, Kind::Scale].contains(&source.kind) {
+                let tiny = Source { limit: 1e-9, ..*source };
+                assert_eq!(before.limit_alone(&tiny, 3), Some(limit), "{name}");
+            }
+        }
+        let joint = before.joint(3).unwrap();
+        // As if they were written into the profile.
+        let after = engine(&design, Question { sources: joint.sources.clone(), ..asked.clone() });
+        let forward = |seed, count| after.trials(&joint.sources, seed, 0..count, None);
+        let mut figures = after.figures(&forward(3, 4000));
+        figures.sort_by(f64::total_cmp);
+        let reached = quantile(&figures, 0.9);
+        assert!((reached / budget - 1.0).abs() < 0.01, "{name}: {reached}");
+        // Other parts keep it as often as was asked, as far as their number can tell.
+        let holds = |seed| {
+            let found = after.yields(&forward(seed, 600));
+            found.low <= 0.9 && 0.9 <= found.high
+        };
+        let held = (20..28).filter(|&seed| holds(seed)).count();
+        assert!(held >= 7, "{name}: {held}");
+        // Equal weights, equal shares, but for what is not widened further.
+        let most = joint.sources.iter().map(|source| before.variance(source)).fold(0.0, f64::max);
+        for (k, (own, source)) in before.question.sources.iter().zip(&joint.sources).enumerate() {
+            let share = before.variance(source) / most;
+            let widest = joint.widest[k];
+            assert!(
+                !widest || (share < 1.0 && source.limit == 4.0 * own.limit),
+                "{name} {source:?}"
+            );
+            assert!((share - 1.0).abs() < 1e-9 || widest || share < 1e-15, "{name} {source:?}");
+        }
+    }
+}
+
+#[test]
+fn dear_sources_get_more_of_the_budget() {
+    let design = designed(&shipped("conquistador"));
+    let mut sources = usual(&design, process());
+    sources[3].weight = 5.0;
+    let engine = engine(&design, question(sources, &[]));
+    let joint = engine.joint(3).unwrap();
+    let [dear, cheap] = [3, 4].map(|k| engine.variance(&joint.sources[k]));
+    assert!((dear / cheap - 5.0).abs() < 1e-9);
+}
+
+/// Errors that know nothing of each other add up: a rough surface under facets is never better than
+/// a smooth one.
+#[test]
+fn random_slope_on_facets_never_improves_the_figure() {
+    for name in ["conquistador", "conical"] {
+        let design = designed(&shipped(name));
+        let mut last = 0.0;
+        for slope in [0.0, 0.05, 0.1, 0.2, 0.5] {
+            let sources = vec![fixed(Kind::Facets, 1.0), fixed(Kind::Slope, slope)];
+            let engine = engine(&design, question(sources.clone(), &ALL));
+            let found = rms(&trials(&engine, 2, 400));
+            let exact = (engine.variance(&sources[0]) + engine.variance(&sources[1])).sqrt();
+            assert!(found > last, "{name} {slope}: {found} {last}");
+            assert!((found / exact - 1.0).abs() < 0.02, "{name} {slope}: {found} {exact}");
+            last = found;
+        }
+    }
+}

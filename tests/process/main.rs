@@ -1,0 +1,20 @@
+//! The process and its limits: builds that are killed, disks that refuse, and requests that no memory
+//! holds.
+//!
+//! With `MORION_THOROUGH=1` builds are killed at 200 moments.
+
+mod absurd;
+#[path = "../it/support/builds.rs"]
+mod builds;
+#[cfg(unix)]
+mod disk;
+#[cfg(unix)]
+#[path = "../it/support/draws.rs"]
+mod draws;
+#[cfg(unix)]
+mod kills;
+#[cfg(unix)]
+#[path = "../it/support/thorough.rs"]
+mod thorough;
+#[cfg(unix)]
+mod whole;

@@ -1,0 +1,96 @@
+//! Folders with two complete builds, and whether what is in one is whole.
+
+use crate::builds::{self, SMALL, command, edited, files, morion, save, told};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+
+pub type Files = BTreeMap<String, Vec<u8>>;
+
+/// Two complete builds of profiles of the same name that differ in every lasting file.
+pub struct Home {
+    folder: tempfile::TempDir,
+    pub old: Files,
+    pub new: Files,
+}
+
+impl Home {
+    /// The old build in `out`, the new one in `new`.
+    pub fn new() -> Self {
+        let folder = builds::folder();
+        let home = folder.path();
+        save(home, SMALL);
+        let other = [("degree = 8", "degree = 6"), ("facet_px = 3", "facet_px = 2.9")];
+        save(&home.join("other"), &edited(SMALL, &other));
+        let build = |profile: &str, out: &str| {
+            let arguments = ["build", profile, "--out", out, "--quiet"];
+            let (code, _, err) = told(&morion(home, &arguments));
+            assert_eq!(code, 0, "{err}");
+            files(&home.join(out).join("small"))
+        };
+        let (old, new) = (build("small.toml", "out"), build("other/small.toml", "new"));
+        assert!(old.keys().eq(new.keys()) && old.iter().all(|(name, bytes)| new[name] != *bytes));
+        Self { folder, old, new }
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Where both are built.
+    pub fn made(&self) -> PathBuf {
+        self.path().join("out/small")
+    }
+
+    /// Starts the new build over the old one.
+    pub fn start(&self) -> Child {
+        self.start_of("other/small.toml")
+    }
+
+    pub fn start_of(&self, profile: &str) -> Child {
+        let mut command = command(self.path());
+        command.args(["build", profile, "--quiet"]).stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    }
+
+    /// Brings the old build back.
+    pub fn put_back(&self) {
+        let made = self.made();
+        std::fs::remove_dir_all(&made).unwrap();
+        std::fs::create_dir(&made).unwrap();
+        self.old.iter().for_each(|(name, bytes)| std::fs::write(made.join(name), bytes).unwrap());
+    }
+
+    /// Every file is the whole old or the whole new one; the report is new only if all are.
+    /// Returns how many are new.
+    #[track_caller]
+    pub fn all_whole(&self) -> usize {
+        let mut found = files(&self.made());
+        found.retain(|name, _| !is_temporary(name));
+        assert!(found.keys().eq(self.old.keys()), "{:?}", found.keys());
+        let timings = String::from_utf8(found["timings.json"].clone()).unwrap();
+        assert!(timings.starts_with('{') && timings.ends_with("}\n"), "{timings}");
+        let renewed = |name: &str| {
+            let (found, old) = (&found[name], &self.old[name]);
+            // Timings are never the same twice.
+            let is_new = *found == self.new[name] || name == "timings.json";
+            assert!(found == old || is_new, "half {name}");
+            found != old
+        };
+        let count = found.keys().filter(|name| renewed(name)).count();
+        assert!(!renewed("report.json") || count == found.len(), "report before its files");
+        count
+    }
+}
+
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(".morion-") && name.ends_with(".tmp")
+}
+
+/// How many files under temporary names there are.
+pub fn temporary(folder: &Path) -> usize {
+    let entries = std::fs::read_dir(folder).unwrap();
+    entries
+        .filter(|entry| is_temporary(&entry.as_ref().unwrap().file_name().to_string_lossy()))
+        .count()
+}
