@@ -1,10 +1,10 @@
 //! Broken profiles: each is refused with exactly the complaints that are written down beside it.
 
+use crate::support::builds::{folder, morion};
+use morion::profile::Profile;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-use morion::profile::Profile;
+use std::process::Output;
 
 /// A broken profile and the complaints it must draw.
 struct Fixture {
@@ -13,13 +13,13 @@ struct Fixture {
     expected: String,
 }
 
-fn folder() -> PathBuf {
+fn broken() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/broken")
 }
 
 /// Every `.expected` file with its profile; the one too large to keep is made here.
 fn fixtures() -> Vec<Fixture> {
-    let mut fixtures: Vec<Fixture> = fs::read_dir(folder())
+    let mut fixtures: Vec<Fixture> = fs::read_dir(broken())
         .expect("the fixtures are there")
         .map(|entry| entry.expect("a readable entry").path())
         .filter(|path| path.extension().is_some_and(|e| e == "expected"))
@@ -28,7 +28,7 @@ fn fixtures() -> Vec<Fixture> {
             let file = format!("{stem}.toml");
             let bytes = match stem.as_ref() {
                 "megabyte-of-brackets" => vec![b'['; 1 << 20],
-                _ => fs::read(folder().join(&file)).expect("a profile beside its expectation"),
+                _ => fs::read(broken().join(&file)).expect("a profile beside its expectation"),
             };
             let expected = fs::read_to_string(&path).expect("UTF-8");
             Fixture { file, bytes, expected: expected.trim_end().to_owned() }
@@ -36,15 +36,6 @@ fn fixtures() -> Vec<Fixture> {
         .collect();
     fixtures.sort_by(|a, b| a.file.cmp(&b.file));
     fixtures
-}
-
-fn build(directory: &Path, profile: &str, out: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_morion"))
-        .current_dir(directory)
-        .args(["build", profile, "--out"])
-        .arg(out)
-        .output()
-        .expect("morion starts")
 }
 
 /// What is wrong with a refusal: it must exit with 2, say nothing on stdout, say `expected` on
@@ -75,7 +66,7 @@ fn faults(output: &Output, out: &Path, expected: &[&str]) -> Vec<String> {
 
 #[test]
 fn every_profile_here_has_an_expectation_and_there_are_many() {
-    let profiles = fs::read_dir(folder())
+    let profiles = fs::read_dir(broken())
         .expect("the fixtures are there")
         .map(|entry| entry.expect("a readable entry").path())
         .filter(|path| path.extension().is_some_and(|e| e == "toml"));
@@ -103,12 +94,12 @@ fn the_library_complains_exactly_as_expected() {
 
 #[test]
 fn the_program_complains_exactly_as_expected_and_writes_nothing() {
-    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let scratch = folder();
     let mut wrong = Vec::new();
     for fixture in fixtures() {
         fs::write(scratch.path().join(&fixture.file), &fixture.bytes).expect("a writable scratch");
         let out = scratch.path().join("out");
-        let output = build(scratch.path(), &fixture.file, &out);
+        let output = morion(scratch.path(), &["build", &fixture.file]);
         for fault in faults(&output, &out, &[&fixture.expected]) {
             wrong.push(format!("{}: {fault}", fixture.file));
         }
@@ -118,19 +109,19 @@ fn the_program_complains_exactly_as_expected_and_writes_nothing() {
 
 #[test]
 fn a_folder_is_no_profile() {
-    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let scratch = folder();
     fs::create_dir(scratch.path().join("folder.toml")).expect("a writable scratch");
     let out = scratch.path().join("out");
-    let output = build(scratch.path(), "folder.toml", &out);
+    let output = morion(scratch.path(), &["build", "folder.toml"]);
     let faults = faults(&output, &out, &["folder.toml"]);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 #[test]
 fn a_file_that_is_not_there_is_named() {
-    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let scratch = folder();
     let out = scratch.path().join("out");
-    let output = build(scratch.path(), "absent.toml", &out);
+    let output = morion(scratch.path(), &["build", "absent.toml"]);
     let faults = faults(&output, &out, &["absent.toml"]);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }

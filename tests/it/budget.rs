@@ -6,7 +6,7 @@ use crate::support::small_but;
 use morion::design::Design;
 use morion::geom::Precision;
 use morion::mesh::{Budget, Closing, Face, Forecast, MeshError};
-use morion::profile::{Profile, shipped};
+use morion::profile::shipped;
 use morion::solid::{Solid, added, rim};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -54,8 +54,7 @@ fn closed(face: &Face) -> usize {
 #[test]
 fn every_shipped_mirror_uses_its_budget_and_never_more() {
     shipped().par_iter().for_each(|profile| {
-        let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes()).unwrap();
-        let design = support::designed(&profile);
+        let design = support::designed(&support::shipped(profile.name));
         let mut finer = f64::INFINITY;
         for triangles in [4_000, 30_000] {
             let face = within(&design, triangles, Precision::Single).unwrap();

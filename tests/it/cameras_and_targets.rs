@@ -1,9 +1,10 @@
 //! Strips and round mirrors before both cameras and all targets, ray by ray on plain vectors.
 
 use crate::support::oracle::{
-    self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, rims, trace,
+    self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, trace,
 };
-use morion::geom::{DVec2, DVec3};
+use crate::support::{panel, rims};
+use morion::geom::{DVec2, DVec3, Rect};
 use morion::num::{cos, log, sin, tan};
 use std::f64::consts::PI;
 
@@ -70,7 +71,7 @@ fn the_mercator_strip_sees_exactly_what_it_should() {
     let design = strip.wish(24).made();
     let paper = strip.paper(&design);
     let mut worst: f64 = 0.0;
-    for (q, _) in oracle::gauss_grid(oracle::panel(&design), 40) {
+    for (q, _) in oracle::gauss_grid(panel(&design), 40) {
         worst = worst.max(strip.error(&design, &paper, q)[0]);
         assert!((trace(&design, None, q).seen.length() - 1.0).abs() < 1e-14);
     }
@@ -78,9 +79,9 @@ fn the_mercator_strip_sees_exactly_what_it_should() {
     // The folded one too, its other panel seeing the world upside down: the image turned by half
     // a turn about the middle of the frame shows the azimuth mirrored in the ridge.
     let design = Wish::conquistador("mercator", 20).made();
-    let [min, max] = oracle::panel(&design);
+    let Rect { min, max } = panel(&design);
     assert_eq!(min.y, 0.0);
-    for (q, _) in oracle::gauss_grid([min, max], 20) {
+    for (q, _) in oracle::gauss_grid(Rect { min, max }, 20) {
         // Half a turn over the width, and as much elevation on either side of the horizon.
         let scale = 60.0 / PI;
         let z = (q.y - 0.5 * (max.y - min.y)) / scale;

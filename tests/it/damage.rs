@@ -1,6 +1,6 @@
 //! A file damaged between writing and reading: the verdict says fail, and names what is wrong.
 
-use crate::support::builds::{SMALL, command, files, folder, morion, profile, save, told};
+use crate::support::builds::{SMALL, command, files, folder, morion, parsed, save, told};
 use crate::support::small_but;
 use morion::export::{Reread, read_obj, read_stl};
 use morion::geom::DVec3;
@@ -27,7 +27,7 @@ impl<F: Fn(Vec<u8>) -> Vec<u8> + Sync> Observer for Vandal<F> {
 }
 
 fn small(formats: &str) -> Profile {
-    profile(&small_but("formats = [\"stl\", \"obj\"]", formats))
+    parsed(&small_but("formats = [\"stl\", \"obj\"]", formats))
 }
 
 /// The report of a build whose only file is damaged. What is on the disk afterwards is what the
@@ -183,7 +183,7 @@ fn whole(formats: &str) -> Vec<u8> {
 fn with_a_number_of_triangles_the_witness_is_held_to_what_was_proven() {
     let text = small_but("chord_um = 20\nfacet_px = 3", "max_triangles = 5000");
     let text = text.replace("formats = [\"stl\", \"obj\"]", STL);
-    let (source, out) = (profile(&text).into(), folder());
+    let (source, out) = (parsed(&text).into(), folder());
     let lift = Vandal(|bytes| lifted(bytes, usize::MAX));
     let report = build(&source, out.path(), &lift).unwrap();
     reason(&report, &["mirror.stl: facet error ", " px of the mesh's bound"]);
@@ -303,7 +303,7 @@ fn only_one_damaged_file_of_two_is_blamed() {
         }
     }
     let folder = folder();
-    let report = build(&profile(SMALL).into(), folder.path(), &SpoilObj).unwrap();
+    let report = build(&parsed(SMALL).into(), folder.path(), &SpoilObj).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     assert!(report.reasons.iter().all(|reason| reason.starts_with("mirror.obj: ")));
     let traced: Vec<&str> = report.trace.iter().map(|trace| &*trace.file).collect();
@@ -344,7 +344,7 @@ fn a_moved_vertex_fails_where_no_ray_goes_and_no_facet_limit_is_set() {
     let base = *read.mesh.vertices.iter().find(|v| v.z == 0.0 && v.x > 1.0).unwrap();
     let (_, inner) = inner(&read);
     let by_chord = small_but("formats = [\"stl\", \"obj\"]", STL);
-    let by_chord = profile(&by_chord.replace("facet_px = 3", ""));
+    let by_chord = parsed(&by_chord.replace("facet_px = 3", ""));
     assert_eq!(by_chord.mesh.facet_px, None);
     let folder = folder();
     let path = folder.path().join("moved.stl");
@@ -428,6 +428,6 @@ fn errors_that_are_not_finite_fail_without_any_limit_on_them() {
         .replace("degree = 8", "degree = 1")
         .replace("facet_px = 3", "")
         .replace("formats = [\"stl\", \"obj\"]", STL);
-    let report = build(&profile(&text).into(), folder().path(), &Silent).unwrap();
+    let report = build(&parsed(&text).into(), folder().path(), &Silent).unwrap();
     reason(&report, &["largest pixel error is not finite"]);
 }

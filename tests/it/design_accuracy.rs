@@ -1,8 +1,9 @@
 //! The vector-field design against closed forms and an independent one-dimensional solution.
 
-use crate::support::oracle::{self, Wish, gauss_grid, panel, shrink};
+use crate::support::oracle::{self, Wish, gauss_grid, shrink};
+use crate::support::{builds::parsed, panel, shipped_text};
 use morion::design::Design;
-use morion::geom::DVec2;
+use morion::geom::{DVec2, Rect};
 use morion::num::{asin, cos, cosh, degrees, exp, hypot, quadrature::gauss_legendre, sinh};
 use std::f64::consts::PI;
 
@@ -124,12 +125,12 @@ fn a_section_is_cut_out_of_the_full_turns_mirror() {
     // Crest: the middle of the panel looks to azimuth 0, as the panorama's does; twice as wide a
     // panorama with the same law is the mirror it is cut from.
     let section = folded("cylindrical", "section", "crest", 12);
-    let [min, max] = panel(&section);
+    let Rect { min, max } = panel(&section);
     let top = degrees(oracle::elevation("cylindrical", 0.5 * (max.y - min.y) * PI / 60.0));
     let whole = Wish::strip("cylindrical", [-180.0, 180.0], [-top, top], 12);
     let whole = Wish { width_mm: 120.0, ..whole }.made();
     let middle = DVec2::new(0.0, 0.5 * (min.y + max.y));
-    for (q, _) in gauss_grid([min, max], 12) {
+    for (q, _) in gauss_grid(Rect { min, max }, 12) {
         let [a, b] = [section.mirror.row(q.y).at(q.x), {
             let q = q - middle;
             whole.mirror.row(q.y).at(q.x)
@@ -143,7 +144,7 @@ fn a_section_is_cut_out_of_the_full_turns_mirror() {
 fn fill_frame_gives_the_filled_elevation_range() {
     for (law, expected) in [("cylindrical", 30.50), ("mercator", 32.0)] {
         let design = folded(law, "refit", "crest", 8);
-        let [min, max] = panel(&design);
+        let Rect { min, max } = panel(&design);
         assert!((design.mirror.whole().bounds().size() - DVec2::new(60.0, 45.0)).length() < 1e-5);
         assert!(min.y == 0.0 && (max - min - DVec2::new(60.0, 22.5)).length() < 1e-5);
         let view = design.view.unwrap();
@@ -158,7 +159,7 @@ fn fill_frame_gives_the_filled_elevation_range() {
         layout: "[layout.strip]\nfill_frame = true".into(),
         ..Wish::panoramic("cylindrical", 8)
     };
-    let [min, max] = panel(&filled.made());
+    let Rect { min, max } = panel(&filled.made());
     assert!((max - min - DVec2::new(60.0, 45.0)).length() < 1e-5);
 }
 
@@ -195,7 +196,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
     let text =
         Wish { width_mm: 1e6, ..Wish::strip("cylindrical", [-90.0, 200.0], [-30.0, 30.0], 12) };
     let text = text.text().replace("base_mm = 62500.0", "base_mm = 0.001");
-    let mirror = morion::design::design(&oracle::parse(&text), None).unwrap().mirror;
+    let mirror = morion::design::design(&parsed(&text), None).unwrap().mirror;
     let row = mirror.row(mirror.outline.bounds().min.y);
     let near_180 = |x: f64| mirror.place(DVec2::ZERO, &row.at(x)).z;
     // Least near azimuth 180, which no even division of the range meets.
@@ -206,7 +207,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
 #[test]
 fn the_base_is_as_thick_as_asked_under_every_kind_of_mirror() {
     for name in ["panoramic", "conquistador", "conformal", "hyperbolic", "cylinder", "conical"] {
-        let design = morion::design::design(&oracle::parse(&oracle::shipped(name)), None).unwrap();
+        let design = morion::design::design(&parsed(shipped_text(name)), None).unwrap();
         let area = design.mirror.outline.bounds();
         let mut least = f64::INFINITY;
         for k in 0..401 * 401 {

@@ -1,7 +1,7 @@
 //! What a dry run foresees, held against what a build makes.
 
 use crate::support::builds::{self, SMALL, edited, folder, morion, save, told};
-use crate::support::small_but;
+use crate::support::{self, small_but};
 use morion::pipeline::{Silent, build, foresee};
 use morion::profile::{Format, MeshLimits, Profile, shipped};
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ fn compare(profile: &Profile) {
 #[test]
 fn forecasts_of_the_shipped_mirrors_are_near() {
     shipped().par_iter().for_each(|profile| {
-        let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes()).unwrap();
+        let profile = support::shipped(profile.name);
         let usual = MeshLimits::default();
         for (mesh, formats) in [
             (MeshLimits { facet_px: Some(3.0), ..usual }, &Format::ALL[..]),
@@ -57,7 +57,7 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
 
 #[test]
 fn the_length_of_an_stl_is_foreseen_to_the_byte() {
-    let foreseen = foresee(&builds::profile(SMALL).into(), &Silent).unwrap();
+    let foreseen = foresee(&builds::parsed(SMALL).into(), &Silent).unwrap();
     assert_eq!(foreseen.files[0].bytes, 84 + 50 * foreseen.mesh.triangles as u64);
 }
 

@@ -1,8 +1,7 @@
 //! The program's manners: what goes to which stream, exit codes, and disks that refuse.
 
 use crate::support::builds::{SMALL, command, files, folder, morion, save, told};
-use crate::support::small_but;
-use std::path::Path;
+use crate::support::{refused, small_but};
 use std::process::Stdio;
 
 const ESCAPE: char = '\x1b';
@@ -15,18 +14,6 @@ const STAGES: [&str; 12] = [
 /// A profile that builds, with a verdict that must be negative.
 fn too_strict() -> String {
     small_but("pixel_error_max_px = 5", "pixel_error_max_px = 0.01")
-}
-
-/// Runs the program in `folder` and expects it to be unable: exit 2, nothing on stdout, one
-/// message that holds all of `words`.
-#[track_caller]
-fn unable(folder: &Path, arguments: &[&str], words: &[&str]) {
-    let (code, out, err) = told(&morion(folder, arguments));
-    assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
-    assert_eq!(err.matches("error: ").count(), 1, "{err}");
-    for word in words {
-        assert!(err.contains(word), "no {word:?} in {err}");
-    }
 }
 
 #[test]
@@ -94,10 +81,10 @@ fn a_negative_verdict_exits_with_1_and_its_figures() {
 fn a_name_that_is_no_profile_exits_with_2_and_a_suggestion() {
     let folder = folder();
     let out = folder.path();
-    unable(out, &["build", "conquistadro"], &["conquistadro", "did you mean conquistador?"]);
-    unable(out, &["check", "zebra"], &["zebra: no such file", "morion profiles"]);
-    unable(out, &["profiles", "--show", "zebra"], &["zebra", "morion profiles"]);
-    unable(out, &["build", "."], &["cannot read ."]);
+    refused(out, &["build", "conquistadro"], &["conquistadro", "did you mean conquistador?"]);
+    refused(out, &["check", "zebra"], &["zebra: no such file", "morion profiles"]);
+    refused(out, &["profiles", "--show", "zebra"], &["zebra", "morion profiles"]);
+    refused(out, &["build", "."], &["cannot read ."]);
     assert!(files(out).is_empty());
 }
 
@@ -133,9 +120,9 @@ fn faults_in_any_profile_stop_all_work() {
     save(home, SMALL);
     save(&home.join("other"), SMALL);
     let twice = ["build", "small.toml", "other/small.toml"];
-    unable(home, &twice, &["other/small.toml: another profile is called small too"]);
+    refused(home, &twice, &["other/small.toml: another profile is called small too"]);
     std::fs::write(home.join("faulty.toml"), small_but("degree = 8", "degree = 80")).unwrap();
-    unable(home, &["build", "small.toml", "faulty.toml"], &["faulty.toml:16:10: ", "80"]);
+    refused(home, &["build", "small.toml", "faulty.toml"], &["faulty.toml:16:10: ", "80"]);
     assert!(!home.join("out").exists());
 }
 
@@ -151,7 +138,7 @@ fn a_place_that_cannot_be_written_to_is_named_and_nothing_is_written() {
         [("file", "file/small"), ("file/below", "file/below/small"), ("out", "out/small")]
     {
         let arguments = ["build", "small.toml", "--quiet", "--out", out];
-        unable(home, &arguments, &["cannot create the folder ", named]);
+        refused(home, &arguments, &["cannot create the folder ", named]);
     }
     assert_eq!(std::fs::read(home.join("file")).unwrap(), b"mine");
     assert_eq!(std::fs::read(home.join("out/small")).unwrap(), b"mine too");
@@ -167,7 +154,7 @@ fn a_folder_in_the_place_of_a_file_is_named_and_the_other_files_stay() {
         let made = home.join("out/small");
         std::fs::create_dir_all(made.join(taken)).unwrap();
         std::fs::write(made.join("mirror.stl"), "an earlier one").unwrap();
-        unable(home, &["build", "small.toml", "--quiet"], &["cannot write ", taken]);
+        refused(home, &["build", "small.toml", "--quiet"], &["cannot write ", taken]);
         assert!(std::fs::read(made.join("mirror.stl")).unwrap() == b"an earlier one", "{taken}");
         assert_eq!(std::fs::read_dir(&made).unwrap().count(), 2, "{taken}");
     }

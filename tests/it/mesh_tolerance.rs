@@ -3,11 +3,11 @@
 //!
 //! The true errors are sampled here from the mirror itself, with nothing of the proof.
 
-use crate::support::{designed, limits, meshed, profile, sag, shipped};
+use crate::support::{designed, limits, meshed, profile, sag, shipped, with_limits};
 use morion::design::Design;
 use morion::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
 use morion::mesh::{Bound, Face, Limits, Prover};
-use morion::profile::{MeshLimits, Profile};
+use morion::profile::Profile;
 use morion::solid::Solid;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -246,11 +246,6 @@ fn is_symmetric(mesh: &TriMesh, flip: DVec3) -> bool {
         facets
     };
     facets(DVec3::ONE) == facets(flip)
-}
-
-fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64>) -> Profile {
-    profile.mesh = MeshLimits { chord_um, facet_px, ..MeshLimits::default() };
-    profile
 }
 
 const SHIPPED: [&str; 3] = ["panoramic", "conquistador", "conformal"];

@@ -1,8 +1,7 @@
 //! The three methods against what they are meant to make small, and reflected worlds.
 
-use crate::support::oracle::{
-    self, Strip, Trace, Wish, World, gauss_grid, panel, parse, rims, shipped, trace,
-};
+use crate::support::oracle::{self, Strip, Trace, Wish, World, gauss_grid, trace};
+use crate::support::{builds::parsed, panel, rims, shipped_text};
 use morion::design::{Design, design};
 use morion::geom::{DVec2, DVec3};
 use morion::mirror::Surface;
@@ -101,7 +100,7 @@ fn each_method_is_at_the_bottom_of_its_own_measure() {
 #[test]
 fn every_method_makes_the_same_mirror_where_an_exact_one_exists() {
     for name in oracle::round() {
-        let text = shipped(name);
+        let text = shipped_text(name);
         let target = match name {
             "cylinder" => "# target_radius_mm = 500",
             _ => "outer_polar_deg",
@@ -111,7 +110,7 @@ fn every_method_makes_the_same_mirror_where_an_exact_one_exists() {
         assert!(name != "cylinder" || !text.contains(target));
         let [first, others @ ..] = METHODS.map(|method| {
             design(
-                &parse(&text.replace("[method.vector-field]", &format!("[method.{method}]"))),
+                &parsed(&text.replace("[method.vector-field]", &format!("[method.{method}]"))),
                 None,
             )
             .unwrap()
@@ -166,12 +165,12 @@ fn minimax_brings_the_papers_mirrors_below_their_limits() {
     {
         let made = |method: &str, minimax: bool| {
             let mut text =
-                shipped(name).replace("[method.vector-field]", &format!("[method.{method}]"));
+                shipped_text(name).replace("[method.vector-field]", &format!("[method.{method}]"));
             assert!(text.contains("# minimax = true"), "{name}");
             if minimax {
                 text = text.replace("# minimax = true", "minimax = true");
             }
-            design(&parse(&text), None).unwrap().facts
+            design(&parsed(&text), None).unwrap().facts
         };
         let ray = |method, minimax| made(method, minimax).ray_error_mrad.unwrap().max;
         let pixel = |method, minimax| made(method, minimax).pixel_error_px.unwrap().max;

@@ -1,8 +1,9 @@
 //! Numerics of the design: existence, optima, extremes, scales.
 
 use crate::support::oracle::{self, Strip, Wish, World, gauss_grid, pinhole, shrink};
+use crate::support::{builds::parsed, shipped_text};
 use morion::design::Design;
-use morion::geom::DVec2;
+use morion::geom::{DVec2, Rect};
 use morion::mirror::Surface;
 use morion::num::{hypot, sin};
 use std::f64::consts::PI;
@@ -17,7 +18,7 @@ fn curl_of_the_papers_law_has_its_closed_form() {
         let e = shrink(z);
         (sin(y) * (e - e / hypot(1.0, z)) / (1.0 + e * e)).abs()
     };
-    let area = [DVec2::new(-PI, -reach), DVec2::new(PI, reach)];
+    let area = Rect { min: DVec2::new(-PI, -reach), max: DVec2::new(PI, reach) };
     for (p, weight) in gauss_grid(area, 60) {
         square += weight * curl(p.x, p.y) * curl(p.x, p.y);
     }
@@ -296,12 +297,12 @@ fn size_does_not_matter() {
 #[test]
 fn more_degrees_never_leave_more_of_round_mirrors() {
     for name in oracle::round() {
-        let text = oracle::shipped(name);
+        let text = shipped_text(name);
         let at = text.find("degree = ").unwrap();
         let mut last = f64::INFINITY;
         for degree in [1, 2, 3, 5, 8, 12, 20, 30, 40] {
             let text = format!("{}degree = {degree} #{}", &text[..at], &text[at + 9..]);
-            let facts = match morion::design::design(&oracle::parse(&text), None) {
+            let facts = match morion::design::design(&parsed(&text), None) {
                 Ok(design) => design.facts,
                 Err(error) => {
                     // Coarse mirrors see what this law shows nowhere: inside of the centre.

@@ -1,6 +1,6 @@
 //! 3MF: what is written, what is read, and what a stranger's file may look like.
 
-use crate::support::builds::{SMALL, folder, morion, profile, save, told};
+use crate::support::builds::{SMALL, folder, morion, parsed, save, told};
 use crate::support::small_but;
 use morion::export::{ReadError, read_3mf, read_stl};
 use morion::geom::{DVec3, TriMesh};
@@ -76,7 +76,7 @@ fn volume(mesh: &TriMesh) -> f64 {
 #[test]
 fn a_3mf_is_the_stl_in_a_third_of_its_bytes() {
     let folder = folder();
-    let report = build(&profile(&three_formats()).into(), folder.path(), &Silent).unwrap();
+    let report = build(&parsed(&three_formats()).into(), folder.path(), &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
     let names: Vec<&str> = report.trace.iter().map(|trace| &*trace.file).collect();
     assert_eq!(names, ["mirror.stl", "mirror.3mf", "mirror.obj"]);
@@ -101,7 +101,7 @@ fn a_3mf_is_the_stl_in_a_third_of_its_bytes() {
 #[test]
 fn a_3mf_says_who_made_it_for_what() {
     let folder = folder();
-    let report = build(&profile(&three_formats()).into(), folder.path(), &Silent).unwrap();
+    let report = build(&parsed(&three_formats()).into(), folder.path(), &Silent).unwrap();
     let packed = std::fs::read(folder.path().join("small/mirror.3mf")).unwrap();
     let model = part(&packed, MODEL);
     assert!(model.contains("<model unit=\"millimeter\""));
@@ -119,7 +119,7 @@ fn a_3mf_says_who_made_it_for_what() {
 #[test]
 fn names_cannot_become_markup() {
     let folder = folder();
-    let mut profile = profile(&three_formats());
+    let mut profile = parsed(&three_formats());
     profile.name = "a&b <c> \"d\" \u{e9}".into();
     build(&profile.clone().into(), folder.path(), &Silent).unwrap();
     let packed = std::fs::read(folder.path().join(&profile.name).join("mirror.3mf")).unwrap();
@@ -150,7 +150,7 @@ fn a_3mf_of_another_making_is_read_and_verified() {
     );
     let path = home.join("theirs.3MF");
     std::fs::write(&path, of_model(&model)).unwrap();
-    let report = verify(&profile(SMALL).into(), &path, &Silent).unwrap();
+    let report = verify(&parsed(SMALL).into(), &path, &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
     assert_eq!(report.files[0].format, "3mf");
 }
@@ -244,7 +244,7 @@ impl Observer for Vandal {
 
 #[test]
 fn a_damaged_3mf_fails_and_is_named() {
-    let only = profile(&small_but("[\"stl\", \"obj\"]", "[\"3mf\"]"));
+    let only = parsed(&small_but("[\"stl\", \"obj\"]", "[\"3mf\"]"));
     for percent in [5, 40, 90] {
         let folder = folder();
         let report = build(&only.clone().into(), folder.path(), &Vandal(percent)).unwrap();
@@ -259,7 +259,7 @@ fn a_damaged_3mf_fails_and_is_named() {
 #[test]
 fn nothing_is_removed_where_not_all_can_be() {
     let folder = folder();
-    let with = |formats: &str| profile(&small_but("[\"stl\", \"obj\"]", formats));
+    let with = |formats: &str| parsed(&small_but("[\"stl\", \"obj\"]", formats));
     build(&with("[\"obj\"]").into(), folder.path(), &Silent).unwrap();
     let home = folder.path().join("small");
     std::fs::create_dir(home.join("mirror.step")).unwrap();

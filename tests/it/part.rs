@@ -1,8 +1,8 @@
 //! Parts with a flat rim, rounded corners, holes and marks: closed, of the volume of their closed
 //! forms, everything where the profile puts it, and passed by the witness.
 
-use crate::support::builds::folder;
-use crate::support::parts::{CONQUISTADOR, case, cases, parsed};
+use crate::support::builds::{folder, parsed};
+use crate::support::parts::{CONQUISTADOR, case, cases};
 use crate::support::{designed, meshed};
 use morion::design::Design;
 use morion::export::{read_obj, read_stl};

@@ -1,8 +1,9 @@
 //! What does not fit around a mirror is refused with its place; what is not refused closes.
 
+use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::meshed;
-use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP, parsed};
+use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP};
 use morion::design::{DesignError, design};
 use morion::export::step::{FitError, fit};
 use morion::geom::Precision;

@@ -1,5 +1,7 @@
 //! Profiles that are valid, profiles at the edge of it, and text that is no profile at all.
 
+use crate::support::least::{strip_of, with};
+use crate::support::shipped_text;
 use morion::profile::{
     Accept, Camera, Format, Layout, MeshLimits, Method, MethodKind, PanelSource, Part, Profile,
     Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target, Tolerance,
@@ -7,28 +9,9 @@ use morion::profile::{
 };
 use proptest::prelude::*;
 
-/// The least that is a profile, with the edits of one test.
-fn with(edits: &[(&str, &str)]) -> Result<Profile, String> {
-    let mut text = "\
-camera.orthographic.pixels = [640, 480]
-projection.cylindrical = { azimuth_deg = [-180, 180], elevation_deg = [-30, 30] }
-layout.conquistador = {}
-method.vector-field.degree = 12
-part = { width_mm = 60, base_mm = 5 }
-mesh.chord_um = 2
-export.formats = [\"stl\"]
-"
-    .to_owned();
-    for (old, new) in edits {
-        assert!(text.contains(old), "{old}");
-        text = text.replace(old, new);
-    }
-    Profile::parse("least", "least.toml", text.as_bytes()).map_err(|c| c.to_string())
-}
-
 #[test]
 fn the_shipped_conquistador_is_the_papers() {
-    let text = shipped().iter().find(|s| s.name == "conquistador").expect("shipped").text;
+    let text = shipped_text("conquistador");
     let profile = Profile::parse("c", "c.toml", text.as_bytes()).expect("valid");
     assert_eq!(
         profile,
@@ -96,13 +79,6 @@ fn a_sag_table_has_a_path_and_spacings_or_usual_ones() {
             1,
             "{complaints}"
         );
-    }
-}
-
-fn strip_of(profile: &Profile) -> &StripProjection {
-    match &profile.projection {
-        Some(Projection::Strip(strip)) => strip,
-        other => panic!("{other:?}"),
     }
 }
 

@@ -1,35 +1,10 @@
 //! Valid combinations of camera, projection, layout, shape and part, and the types they come to.
 
+use crate::support::least::{strip_of, with};
 use morion::profile::{
-    Camera, Conic, Layout, Method, MethodKind, Polynomial, Profile, Projection, RadialLaw,
-    RadialProjection, Shape, StripLaw, StripProjection, Target, Term,
+    Camera, Conic, Layout, Method, MethodKind, Polynomial, Projection, RadialLaw, RadialProjection,
+    Shape, StripLaw, StripProjection, Target, Term,
 };
-
-/// The least that is a profile, with the edits of one test.
-fn with(edits: &[(&str, &str)]) -> Result<Profile, String> {
-    let mut text = "\
-camera.orthographic.pixels = [640, 480]
-projection.cylindrical = { azimuth_deg = [-180, 180], elevation_deg = [-30, 30] }
-layout.conquistador = {}
-method.vector-field.degree = 12
-part = { width_mm = 60, base_mm = 5 }
-mesh.chord_um = 2
-export.formats = [\"stl\"]
-"
-    .to_owned();
-    for (old, new) in edits {
-        assert!(text.contains(old), "{old}");
-        text = text.replace(old, new);
-    }
-    Profile::parse("least", "least.toml", text.as_bytes()).map_err(|c| c.to_string())
-}
-
-fn strip_of(profile: &Profile) -> &StripProjection {
-    match &profile.projection {
-        Some(Projection::Strip(strip)) => strip,
-        other => panic!("{other:?}"),
-    }
-}
 
 const STRIP: (&str, &str) = ("layout.conquistador", "layout.strip");
 const DISC: (&str, &str) = ("layout.conquistador = {}", "layout.disc = {}");

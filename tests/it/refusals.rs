@@ -1,16 +1,11 @@
 //! Limits and sizes at the far ends: a face within its limits, or a typed refusal, and soon.
 
-use crate::support::{self, designed, limits, meshed, profile, shipped};
+use crate::support::{self, designed, limits, meshed, profile, shipped, with_limits};
 use morion::design::design;
 use morion::geom::Precision;
 use morion::mesh::{Face, MeshError};
-use morion::profile::{MeshLimits, Profile};
+use morion::profile::Profile;
 use morion::solid::Solid;
-
-fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64>) -> Profile {
-    profile.mesh = MeshLimits { chord_um, facet_px, ..MeshLimits::default() };
-    profile
-}
 
 /// A face, if there is one, is finite, within its limits and closes; a refusal has figures.
 fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {

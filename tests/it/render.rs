@@ -1,7 +1,7 @@
 //! What `morion render` shows, against closed forms of where it belongs.
 
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
-use crate::support::{designed, shipped};
+use crate::support::{designed, refused, shipped};
 use morion::geom::{DVec2, DVec3};
 use morion::num::{asinh, radians, tan};
 use morion::raster::{Raster, srgb};
@@ -352,12 +352,7 @@ fn what_cannot_be_rendered_is_told_and_nothing_is_written() {
         (&["chessboard", "--square-mm", "nan"], &["--square-mm", "millimetres from 1e-6"]),
     ] {
         let all = [&["render", "conformal", "--smooth", "--scene"], arguments].concat();
-        let (code, out, err) = told(&morion(home, &all));
-        assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
-        assert_eq!(err.matches("error: ").count(), 1, "{err}");
-        for word in words {
-            assert!(err.contains(word), "no {word:?} in {err}");
-        }
+        refused(home, &all, words);
     }
     assert_eq!(std::fs::read_dir(home).unwrap().count(), before);
     let (code, _, err) = told(&morion(home, &["render", "conformal"]));

@@ -1,6 +1,6 @@
 //! What other programs read: the keys of the reports, and every digit of the mesh files.
 
-use crate::support::builds::{SMALL, edited, files, folder, morion, profile, save, told};
+use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::{small_but, small_strip};
 use morion::design::{Design, design};
 use morion::export::{Reread, read_obj, read_stl};
@@ -18,7 +18,7 @@ struct Built {
 }
 
 fn built(text: &str) -> Built {
-    let (profile, folder) = (profile(text), folder());
+    let (profile, folder) = (parsed(text), folder());
     let report = build(&profile.clone().into(), folder.path(), &Silent).unwrap();
     let files = files(&folder.path().join("small"));
     Built { design: design(&profile, None).unwrap(), report, files }
@@ -462,7 +462,7 @@ fn the_second_panel_is_the_first_in_the_mirror_and_shares_the_ridge() {
 #[test]
 fn the_profile_allows_what_the_report_passes() {
     let built = built(SMALL);
-    let accept = profile(SMALL).accept;
+    let accept = parsed(SMALL).accept;
     assert_eq!(built.report.verdict, Verdict::Pass);
     for trace in &built.report.trace {
         let errors = trace.errors.pixel_error_px.unwrap();

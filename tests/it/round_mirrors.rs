@@ -1,8 +1,7 @@
 //! Round mirrors against the literature's closed forms, or quadratures of the law's definition.
 
-use crate::support::oracle::{
-    self, Wish, acos, eye, integral, parse, pinhole, polar, rad, rims, shipped, trace,
-};
+use crate::support::oracle::{self, Wish, acos, eye, integral, pinhole, polar, rad, trace};
+use crate::support::{builds::parsed, rims, shipped_text};
 use morion::design::{Design, DesignError, design};
 use morion::geom::{DVec2, DVec3};
 use morion::num::{atan, atan2, cos, exp, hypot, log, sin, tan};
@@ -33,7 +32,7 @@ const SHIPPED: [Round; 9] = [
 
 impl Round {
     fn design(&self) -> Design {
-        design(&parse(&shipped(self.name)), None).unwrap()
+        design(&parsed(shipped_text(self.name)), None).unwrap()
     }
 
     /// theta of image radius `r`.

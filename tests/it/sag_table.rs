@@ -1,11 +1,11 @@
 //! The sag table, held against closed forms that are written down here, and the mirror's form.
 
-use crate::support::builds::{SMALL, edited, files, folder, profile, save};
-use crate::support::small_but;
+use crate::support::builds::{SMALL, edited, files, folder, parsed, save};
+use crate::support::{shipped_text, small_but};
 use morion::geom::{DVec2, DVec3, Outline, angle};
 use morion::num::hypot;
 use morion::pipeline::{Observer, Silent, build, load};
-use morion::profile::{Profile, shipped};
+use morion::profile::Profile;
 use morion::report::{Report, Verdict};
 use std::path::Path;
 use tempfile::TempDir;
@@ -51,7 +51,7 @@ fn made(profile: &Profile) -> Made {
 
 fn sphere(sag: &str) -> Profile {
     let text = format!("{SPHERE}export.formats = [\"stl\", \"csv\"]\n{sag}");
-    profile(&text)
+    parsed(&text)
 }
 
 /// Z and the normal of the given sphere: base under its lowest point, the rim.
@@ -136,13 +136,12 @@ fn the_header_says_what_the_table_is_of() {
 /// A cone's slope is the same everywhere, and the hyperboloid is written down by its foci.
 #[test]
 fn tables_of_both_panels_and_of_pinhole_mirrors_lie_on_their_designs() {
-    let text = |name: &str| shipped().iter().find(|s| s.name == name).unwrap().text;
     let sources = [
-        ("small", SMALL, [161, 121]),
-        ("small", text("hyperbolic"), [1, 1]),
-        ("small", text("conical"), [1, 1]),
+        (SMALL, [161, 121]),
+        (shipped_text("hyperbolic"), [1, 1]),
+        (shipped_text("conical"), [1, 1]),
     ];
-    for (name, text, [columns, rows]) in sources {
+    for (text, [columns, rows]) in sources {
         let text = text.replace("formats = [\"stl\", \"obj\"]", "formats = [\"csv\"]");
         let text = if rows > 1 {
             format!("{text}\n[export.sag]\npitch_mm = 0.0937501\nstep_mm = 0.0937501\n")
@@ -150,7 +149,7 @@ fn tables_of_both_panels_and_of_pinhole_mirrors_lie_on_their_designs() {
             text.replace("chord_um = 2 ", "chord_um = 20 ")
                 .replace("facet_px = 1 ", "facet_px = 9 ")
         };
-        let profile = Profile::parse(name, name, text.as_bytes()).unwrap();
+        let profile = parsed(&text);
         let made = made(&profile);
         let mirror = morion::design::design(&profile, None).unwrap().mirror;
         let outline = mirror.whole();
@@ -185,7 +184,7 @@ fn tables_of_both_panels_and_of_pinhole_mirrors_lie_on_their_designs() {
 #[test]
 fn a_table_alone_is_proven_by_a_mesh_that_does_not_stay() {
     let text = small_but("[\"stl\", \"obj\"]", "[\"csv\"]");
-    let made = made(&profile(&text));
+    let made = made(&parsed(&text));
     let report = &made.report;
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
     assert!(report.trace[0].hit > 19_000 && report.frame.as_ref().unwrap().filled > 0.99);
@@ -206,7 +205,7 @@ fn a_table_of_too_many_places_is_refused() {
         )
     };
     let folder = folder();
-    let long = profile(&plate(1, 4000, ""));
+    let long = parsed(&plate(1, 4000, ""));
     let error = build(&long.into(), folder.path(), &Silent).unwrap_err().to_string();
     assert!(error.contains("1.6e8 places, over 2e7; raise export.sag.pitch_mm"), "{error}");
     let spiral = "export.sag = { path = \"spiral\", pitch_mm = 0.1, step_mm = 0.1 }\n";
@@ -230,7 +229,7 @@ fn a_table_can_be_given_back_as_a_mirror() {
             ("[-180, 180]", "[-80, 80]"),
         ],
     );
-    let first = made(&profile(&strip));
+    let first = made(&parsed(&strip));
     let folder = folder();
     let last = first.rows.last().unwrap();
     let given = format!(
@@ -278,7 +277,7 @@ fn a_table_that_is_not_the_design_any_more_fails() {
 fn a_given_sphere_departs_from_no_sphere_and_a_paraboloid_does() {
     let of = |mirror: &str| {
         let text = format!("{}export.formats = [\"stl\"]\n", SPHERE.replace("conic = 0", mirror));
-        build(&profile(&text).into(), folder().path(), &Silent).unwrap().form
+        build(&parsed(&text).into(), folder().path(), &Silent).unwrap().form
     };
     let round = of("conic = 0").sphere;
     assert!((round.radius_mm.unwrap() / 80.0 - 1.0).abs() < 1e-9, "{round:?}");

@@ -1,6 +1,6 @@
 //! Whole builds at the far ends of every scale: a right file, or a refusal that leaves none.
 
-use crate::support::builds::{SMALL, edited, files, folder, profile};
+use crate::support::builds::{SMALL, edited, files, folder, parsed};
 use morion::pipeline::{Silent, Source, build};
 use morion::report::Report;
 use serde_json::Value;
@@ -44,7 +44,7 @@ fn missing(value: &Value, path: &str, found: &mut Vec<String>) {
 /// proven of it, and seen so by the witness; or why there is none, and then there is nothing.
 fn right_or_refused(what: &str, text: &str) -> Result<Report, String> {
     let folder = folder();
-    let source = Source::from(profile(text));
+    let source = Source::from(parsed(text));
     let made = build(&source, folder.path(), &Silent);
     let left = folder.path().join("small");
     let report = match made {

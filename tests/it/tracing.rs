@@ -1,7 +1,9 @@
 //! The witness's rays: shortcuts change no answer, no ray slips between facets, and hits are those
 //! of exact arithmetic.
 
-use crate::support::parts::{case, parsed};
+use crate::support::builds::parsed;
+use crate::support::draws::Draws;
+use crate::support::parts::case;
 use crate::support::{designed, meshed, profile, shipped};
 use morion::geom::{Chart, DVec3, Precision, Ray, TriMesh};
 use morion::optics::Camera;
@@ -12,10 +14,7 @@ use rayon::prelude::*;
 
 /// Numbers in [0, 1), the same for the same `k` (splitmix64).
 fn random(k: u64) -> f64 {
-    let mut z = k.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    Draws::new(k).unit()
 }
 
 fn above(scene: &Scene) -> f64 {

@@ -4,7 +4,7 @@
 use crate::support::builds::{
     self, SMALL, assert_same, command, edited, files, folder, lasting, morion, save, told,
 };
-use crate::support::small_but;
+use crate::support::{shipped_text, small_but};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -104,7 +104,7 @@ fn whatever_has_changed_is_built_again() {
 fn a_profile_changed_in_memory_is_another_one() {
     let folder = folder();
     let build = |chord_um| {
-        let mut profile = builds::profile(SMALL);
+        let mut profile = builds::parsed(SMALL);
         profile.mesh.chord_um = Some(chord_um);
         let source = morion::pipeline::Source::from(profile);
         let report = morion::pipeline::build(&source, folder.path(), &morion::pipeline::Silent);
@@ -116,8 +116,8 @@ fn a_profile_changed_in_memory_is_another_one() {
 #[test]
 fn no_shortcut_changes_a_byte() {
     let valley = small_but("\"crest\"", "\"valley\"");
-    let round = morion::profile::shipped().iter().find(|profile| profile.name == "hyperbolic");
-    let round = edited(round.unwrap().text, &[("\"stl\", \"obj\"", "\"stl\", \"obj\", \"csv\"")]);
+    let round =
+        edited(shipped_text("hyperbolic"), &[("\"stl\", \"obj\"", "\"stl\", \"obj\", \"csv\"")]);
     for (text, copies) in [(SMALL, 2), (&valley, 2), (&round, 4)] {
         let (short, long) = (folder(), folder());
         let short = build(short.path(), text, &[]);

@@ -1,6 +1,7 @@
 //! The witness against physics, against a tracer that knows none of its grids, and against the
 //! design.
 
+use crate::support::builds::folder;
 use crate::support::{designed, meshed, profile, shipped};
 use morion::design::Design;
 use morion::export::{Label, read_obj, write_obj};
@@ -187,7 +188,7 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
 }
 
 fn built(profile: &Profile) -> Report {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     build(&profile.clone().into(), folder.path(), &Silent).unwrap_or_else(|error| panic!("{error}"))
 }
 

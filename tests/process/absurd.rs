@@ -1,9 +1,9 @@
 //! Requests that no memory holds: refused at once, and before any memory is asked for.
 
-use crate::builds::{SMALL, edited, folder, save, told};
+use crate::builds::{SMALL, command, edited, folder, save, told};
 use std::fs::File;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Duration;
 
 /// Of the processors, whatever else they do.
@@ -35,8 +35,8 @@ impl Needs {
 /// Asserts that a request is answered with `code` and all of `words`, soon and with little memory.
 #[track_caller]
 fn refused(home: &Path, arguments: &[&str], code: i32, words: &[&str]) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_morion"));
-    command.current_dir(home).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut command = command(home);
+    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     let mut needs = Needs::default();
     // What matters takes tens of milliseconds: to look every one of them is enough.

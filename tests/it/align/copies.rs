@@ -1,33 +1,18 @@
 //! Copies of our own parts as others would hand them over: moved, noisy, thinned out, with holes.
 
+use crate::support::builds::parsed;
+use crate::support::draws::Draws;
 use crate::support::{designed, meshed};
 use morion::align::Pose;
 use morion::design::Design;
 use morion::geom::{DVec2, DVec3, Outline, Precision, TriMesh};
 use morion::num::{cos, log, radians, sin};
-use morion::profile::Profile;
 use morion::solid::Solid;
 
-/// Pseudo-random numbers, the same every time.
-pub struct Draws(u64);
-
 impl Draws {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
-    }
-
-    /// Uniform in (0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-    }
-
     /// Of the standard normal distribution (Box and Muller).
     pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * log(self.unit())).sqrt();
+        let radius = (-2.0 * log(1.0 - self.unit())).sqrt();
         radius * cos(2.0 * std::f64::consts::PI * self.unit())
     }
 
@@ -115,8 +100,7 @@ pub struct Part {
 
 impl Part {
     pub fn new(name: &'static str, text: &str) -> Self {
-        let profile = Profile::parse("part", "part.toml", text.as_bytes());
-        let profile = profile.unwrap_or_else(|complaints| panic!("{complaints}\n{text}"));
+        let profile = parsed(text);
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
         let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), Precision::Double).unwrap();

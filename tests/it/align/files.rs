@@ -1,12 +1,14 @@
 //! Files of other makers through the whole program: units, form error, verdict, files, exit codes.
 
-use super::copies::{Draws, Part, kept, moved, profile_text};
+use super::copies::{Part, kept, moved, profile_text};
+use crate::support::builds::{folder, morion, told};
+use crate::support::draws::Draws;
+use crate::support::refused;
 use morion::geom::TriMesh;
 use morion::num::cos;
 use morion::pipeline::{Inspection, Silent, Unit, inspect, load};
 use morion::report::{Report, Verdict, text};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Limits that the design keeps with little to spare, and such that large facets keep too.
 const TIGHT: [f64; 2] = [1.2, 5.5];
@@ -78,7 +80,7 @@ const STEPS: usize = 320;
 #[test]
 fn a_known_form_error_is_reported_and_judged_by_what_it_does() {
     let part = Part::conquistador();
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let home = folder.path();
     let mut draws = Draws::new(9);
     let plain = home.join("plain.stl");
@@ -156,7 +158,7 @@ fn a_known_form_error_is_reported_and_judged_by_what_it_does() {
 #[test]
 fn a_facet_far_away_does_not_hinder() {
     let part = Part::conquistador();
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let file = folder.path().join("far.stl");
     let mut mesh = part.solid.clone();
     let first = mesh.vertices.len() as u32;
@@ -177,7 +179,7 @@ fn a_facet_far_away_does_not_hinder() {
 #[test]
 fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
     let part = Part::conquistador();
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let profile = folder.path().join("small.toml");
     // The chords of the copy's own facets are 20 um.
     let text = format!("mesh.chord_um = 25\n{}", profile_text("conquistador"));
@@ -200,7 +202,7 @@ fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
 #[test]
 fn units_are_found_or_taken_as_told() {
     let part = Part::conquistador();
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let home = folder.path();
     let mut draws = Draws::new(4);
     for (k, unit) in Unit::ALL.into_iter().enumerate() {
@@ -232,7 +234,7 @@ fn units_are_found_or_taken_as_told() {
 #[test]
 fn normals_of_the_file_turn_with_it() {
     let part = Part::conquistador();
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let home = folder.path();
     let pose = Draws::new(6).pose(20.0, 0.2, part.width());
     let clean = part.scan(120);
@@ -262,7 +264,7 @@ fn normals_of_the_file_turn_with_it() {
 #[test]
 fn the_program_aligns_and_says_what_it_cannot() {
     let part = Part::conquistador();
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let home = folder.path();
     profile(home, WIDE);
     let pose = Draws::new(8).pose(12.0, 0.1, part.width());
@@ -270,13 +272,8 @@ fn the_program_aligns_and_says_what_it_cannot() {
     let whole = part.scan(80);
     let patch = kept(&whole, |t| whole.corners(t)[0].x > 25.0);
     std::fs::write(home.join("patch.stl"), stl(&patch, 1.0)).unwrap();
-    let morion = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_morion"));
-        command.current_dir(home).env_remove("NO_COLOR").args(arguments);
-        let output = command.args(["--profile", "small.toml"]).output().unwrap();
-        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-        (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
-    };
+    let profile = ["--profile", "small.toml"];
+    let morion = |arguments: &[&str]| told(&morion(home, &[arguments, &profile].concat()));
     let (code, out, err) = morion(&["verify", "scan.stl", "--align", "--threads", "1"]);
     assert_eq!(code, 0, "{out}{err}");
     assert!(
@@ -292,9 +289,7 @@ fn the_program_aligns_and_says_what_it_cannot() {
     assert!(first == ["report.json", "form_error.png"].map(made));
 
     let unable = |arguments: &[&str], words: &[&str]| {
-        let (code, out, err) = morion(arguments);
-        assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
-        words.iter().for_each(|word| assert!(err.contains(word), "no {word:?} in {err}"));
+        refused(home, &[arguments, &profile].concat(), words);
     };
     unable(
         &["verify", "patch.stl", "--align", "--out", "new"],

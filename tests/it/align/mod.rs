@@ -3,7 +3,8 @@
 mod copies;
 mod files;
 
-use copies::{Draws, Part, decimated, holed, moved, noisy, shipped_like, spiked};
+use crate::support::draws::Draws;
+use copies::{Part, decimated, holed, moved, noisy, shipped_like, spiked};
 use morion::align::{AlignError, Alignment, Pose, align};
 use morion::geom::{DVec3, TriMesh};
 

@@ -1,7 +1,7 @@
 //! What fills the frame, and what does not.
 
 use crate::support::builds::{self, SMALL, edited, files, folder, morion, save, told};
-use crate::support::small_strip;
+use crate::support::{refused, small_strip};
 use serde_json::Value;
 use std::path::Path;
 
@@ -196,9 +196,7 @@ export.formats = [\"stl\"]
             "it must be a number from -1e9 to 1e9",
         ),
     ] {
-        let (code, out, err) = told(&morion(home, arguments));
-        assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
-        assert!(err.contains(word), "{arguments:?}: {err}");
+        refused(home, arguments, &[word]);
         assert!(!home.join("out").exists(), "{arguments:?}");
     }
 }

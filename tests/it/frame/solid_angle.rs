@@ -1,13 +1,11 @@
 //! The solid angle of a pixel.
 
-use crate::support::builds;
-use crate::support::{designed, profile, shipped};
+use crate::support::{designed, profile, rims, shipped, shipped_but};
 use morion::design::Design;
-use morion::geom::{DVec2, Outline};
+use morion::geom::DVec2;
 use morion::num::{cos, radians, sin, tan, tanh};
 use morion::optics::Projection;
 use morion::pencil::over_sensor;
-use morion::profile::Profile;
 use std::f64::consts::{PI, TAU};
 
 /// Solid angle of every pixel, sr, and the pixels' image points.
@@ -26,20 +24,6 @@ fn pixels(design: &Design) -> Vec<(DVec2, f64)> {
     pixels.filter_map(|(k, sr)| Some((point(k), sr?))).collect()
 }
 
-/// A shipped profile with a part of its text replaced.
-fn edited(name: &str, edits: &[(&str, &str)]) -> Profile {
-    let text = morion::profile::shipped().iter().find(|p| p.name == name).unwrap().text;
-    let text = builds::edited(text, edits);
-    Profile::parse(name, name, text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
-}
-
-fn radius(design: &Design) -> [f64; 2] {
-    match design.mirror.outline {
-        Outline::Ring { inner, outer } => [inner, outer],
-        Outline::Rect(_) => panic!("not round"),
-    }
-}
-
 /// Every pixel against `exact`, sr per mm^2 at a radius.
 #[track_caller]
 fn agree(design: &Design, tolerance: f64, exact: impl Fn(f64) -> f64) {
@@ -53,8 +37,8 @@ fn agree(design: &Design, tolerance: f64, exact: impl Fn(f64) -> f64) {
 
 #[test]
 fn a_paraboloid_has_the_density_of_the_stereographic_projection() {
-    let design = designed(&edited("parabolic", &[("[480, 480]", "[96, 96]")]));
-    let rate = tan(radians(50.0)) / radius(&design)[1];
+    let design = designed(&shipped_but("parabolic", &[("[480, 480]", "[96, 96]")]));
+    let rate = tan(radians(50.0)) / rims(&design)[1];
     agree(&design, 1e-9, |r| {
         let scale = 2.0 * rate / (1.0 + rate * rate * r * r);
         scale * scale
@@ -63,8 +47,8 @@ fn a_paraboloid_has_the_density_of_the_stereographic_projection() {
 
 #[test]
 fn the_equi_areal_mirror_is_uniform() {
-    let design = designed(&edited("equi-areal", &[("[480, 480]", "[96, 96]")]));
-    let outer = radius(&design)[1];
+    let design = designed(&shipped_but("equi-areal", &[("[480, 480]", "[96, 96]")]));
+    let outer = rims(&design)[1];
     let exact = TAU * (1.0 - cos(radians(110.0))) / (PI * outer * outer);
     agree(&design, 1e-7, |_| exact);
 }
@@ -76,8 +60,8 @@ fn a_target_nearby_is_seen_from_its_origin() {
         let text = format!("outer_polar_deg = 120{target} #");
         let edits = [("[480, 480]", "[96, 96]"), ("focal_px = 800", "focal_px = 160")];
         let edits = [&edits[..], &[("outer_polar_deg = 120", &*text)]].concat();
-        let design = designed(&edited("cylinder", &edits));
-        let [inner, outer] = radius(&design);
+        let design = designed(&shipped_but("cylinder", &edits));
+        let [inner, outer] = rims(&design);
         let cot = |deg: f64| 1.0 / tan(radians(deg));
         let rate = (cot(60.0) - cot(120.0)) / (outer - inner);
         agree(&design, 1e-6, |r| {

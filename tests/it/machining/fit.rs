@@ -13,7 +13,7 @@ use serde_json::Value;
 #[test]
 fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     let folder = folder();
-    let profile = builds::profile(&small_but("\"crest\"", "\"valley\""));
+    let profile = builds::parsed(&small_but("\"crest\"", "\"valley\""));
     let cutting =
         Cutting { ball_mm: 0.5, stepover_mm: 0.1, as_cut: true, angle_deg: Some(0.0), ..CUTTING };
     let found = cut(&profile, cutting, folder.path());
@@ -34,7 +34,7 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     assert!((left / fillet.left_max_mm - 1.0).abs() < 1e-3 && at.y == 0.0, "{left} {fillet:?}");
     assert_eq!(gouge.most_beside, None);
     // Ridges that stand out, and those that flatten towards their ends, are none.
-    for crest in [builds::profile(SMALL), load("conformal").unwrap().profile] {
+    for crest in [builds::parsed(SMALL), load("conformal").unwrap().profile] {
         let design = morion::design::design(&crest, None).unwrap();
         assert_eq!(Fillet::new(&design.mirror, &design.camera, 0.1 * crest.part.width_mm), None);
     }

@@ -26,12 +26,12 @@ fn given(outline: &str, formula: &str) -> Profile {
         "camera.orthographic.pixels = [64, 48]\n{outline}\nmirror.polynomial = {{ {formula} }}\n\
          mesh.chord_um = 5\nexport.formats = [\"stl\"]\n"
     );
-    builds::profile(&text)
+    builds::parsed(&text)
 }
 
 /// A ring that lies between the centres of pixels.
 fn unseen_profile() -> Profile {
-    builds::profile(
+    builds::parsed(
         "camera.orthographic.pixels = [8, 6]\nlayout.annulus.inner_width_mm = 23.2\n\
          part = { width_mm = 24, base_mm = 3 }\nmirror.polynomial = { radius_mm = -40, conic = 0 }\n\
          mesh.chord_um = 5\nexport.formats = [\"stl\"]\n",

@@ -1,6 +1,7 @@
 //! The command: arguments, streams and files.
 
 use crate::support::builds::{self, SMALL, files, folder, morion, save, told};
+use crate::support::refused;
 use morion::geom::DVec3;
 use serde_json::Value;
 
@@ -28,11 +29,7 @@ fn numbers_without_sense_are_refused_before_anything_is_written() {
         (&["--ball-mm", "1"], &["--stepover-mm"]),
     ] {
         let all = [&["machining", "small.toml", "-q"][..], arguments].concat();
-        let (code, out, err) = told(&morion(home, &all));
-        assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
-        for word in words {
-            assert!(err.contains(word), "no {word:?} in {err}");
-        }
+        refused(home, &all, words);
         let made = home.join("out/small");
         assert!(!made.exists() || files(&made).is_empty(), "{arguments:?}");
     }

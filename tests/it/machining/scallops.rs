@@ -1,8 +1,8 @@
 //! What a ball cutter leaves of a mirror that it fits into.
 
 use super::{CUTTING, DISC, RECTANGLE, cut, given, unseen_profile};
-use crate::support::builds::{self, SMALL, edited, folder};
-use crate::support::parts::{case, parsed};
+use crate::support::builds::{self, SMALL, edited, folder, parsed};
+use crate::support::parts::case;
 use morion::design::design;
 use morion::geom::DVec2;
 use morion::machining::{Passes, Place, Raster, Survey, corners, outlines};
@@ -92,7 +92,7 @@ fn the_witness_finds_the_pixel_error_that_was_foreseen() {
         ("width_mm = 15", "width_mm = 16"),
     ];
     let shares = |text: &str, angle_deg, stepover_mm| {
-        let profile = builds::profile(text);
+        let profile = builds::parsed(text);
         let angle_deg = Some(angle_deg);
         let cutting = Cutting { ball_mm: 2.0, angle_deg, stepover_mm, as_cut: true, ..CUTTING };
         let found = cut(&profile, cutting, folder.path());
@@ -126,7 +126,7 @@ fn the_witness_finds_the_pixel_error_that_was_foreseen() {
 
 #[test]
 fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
-    let (folder, profile) = (folder(), builds::profile(SMALL));
+    let (folder, profile) = (folder(), builds::parsed(SMALL));
     let asked = Cutting { budget_px: Some(0.5), scallop_um: Some(0.4), ..CUTTING };
     let first = cut(&profile, asked, folder.path());
     assert_eq!((first.verdict, first.reasons.len()), (Verdict::Fail, 2), "{:?}", first.reasons);
@@ -156,7 +156,7 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
 
 #[test]
 fn the_best_direction_is_the_least_of_all_and_round_mirrors_have_none() {
-    let profile = builds::profile(SMALL);
+    let profile = builds::parsed(SMALL);
     let design = design(&profile, None).unwrap();
     let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
     let raster = |angle_deg| Raster { ball_mm: 1.0, stepover_mm: 0.137, angle: radians(angle_deg) };

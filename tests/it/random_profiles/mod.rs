@@ -3,6 +3,7 @@
 
 mod wanted;
 
+use crate::support::builds::folder;
 use crate::support::random::each;
 use crate::support::times;
 use morion::pipeline::{Error, Silent, Source, Trials, build, foresee, tolerance};
@@ -164,7 +165,7 @@ mod found {
 
     fn ends(text: &str) -> String {
         let wanted = Wanted { text: text.to_owned(), heights: None, toleranced: false };
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         ended(&wanted, folder.path()).unwrap_or_else(|fault| panic!("{fault}"))
     }
 
@@ -277,7 +278,7 @@ mesh.facet_px = 9.369
 formats = [\"obj\", \"csv\"]
 sag = { path = \"raster\", pitch_mm = 0.06348, step_mm = 0.0397 }
 ";
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         let profile = Profile::parse("random", "random.toml", text.as_bytes()).unwrap();
         let report = build(&Source::from(profile), folder.path(), &Silent).unwrap();
         assert!(report.sag.as_ref().is_some_and(|sag| sag.rows > 9), "{:?}", report.sag);

@@ -1,5 +1,6 @@
 //! Parts beyond the shipped ones: every outline, camera and kind of surface, and material around.
 
+use crate::support::builds::parsed;
 use crate::support::{designed, profile, shipped};
 use morion::design::design;
 use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Stock};
@@ -14,9 +15,9 @@ pub struct Case {
     pub stock: Option<Stock>,
 }
 
-pub fn parse(text: &str) -> Profile {
-    let text = format!("{text}mesh.chord_um = 20\nexport.formats = [\"stl\"]\n");
-    Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}\n{text}"))
+/// A profile whose mesh does not matter.
+pub fn unmeshed(text: &str) -> Profile {
+    parsed(&format!("{text}mesh.chord_um = 20\nexport.formats = [\"stl\"]\n"))
 }
 
 const CAMERA: (&str, &str) = (
@@ -78,7 +79,7 @@ pub fn cases() -> Vec<Case> {
         cases.push(bare(name, designed(&profile(edits)).mirror));
     }
     for (name, text) in GIVEN {
-        let profile = parse(&format!("camera.orthographic.pixels = [96, 96]\n{text}"));
+        let profile = unmeshed(&format!("camera.orthographic.pixels = [96, 96]\n{text}"));
         cases.push(bare(name, design(&profile, None).unwrap().mirror));
     }
     for (name, text) in [
@@ -88,7 +89,7 @@ pub fn cases() -> Vec<Case> {
         let text = format!(
             "camera.orthographic.pixels = [96, 96]\nmirror.grid.file = \"sag.csv\"\n{text}"
         );
-        let mirror = design(&parse(&text), Some(&wavy())).unwrap().mirror;
+        let mirror = design(&unmeshed(&text), Some(&wavy())).unwrap().mirror;
         cases.push(bare(name, mirror));
     }
     let stocked = [

@@ -7,8 +7,9 @@ mod cases;
 mod reading;
 mod shape;
 
+use crate::support::draws::Draws;
 use crate::support::shipped;
-use cases::{Case, cases, footprint, parse};
+use cases::{Case, cases, footprint, unmeshed};
 use morion::design::design;
 use morion::export::Label;
 use morion::export::step::{Fit, FitError, fit, write_step};
@@ -258,7 +259,7 @@ fn faces_are_the_mirror_to_what_is_said() {
         let file = File::parse(&bytes);
         let said = format!("splines within {:.2} nm of the design", fit.error_mm * 1e6);
         assert!(file.header.contains(&said));
-        let mut draws = Draws(7);
+        let mut draws = Draws::new(7);
         let mut worst = 0.0f64;
         let mut panels = 0;
         for face in file.all("ADVANCED_FACE") {
@@ -267,8 +268,8 @@ fn faces_are_the_mirror_to_what_is_said() {
                     panels += 1;
                     let [inner, outer] = axis.ends();
                     for _ in 0..4000 {
-                        let p = height(&axis, &points, inner + (outer - inner) * draws.next());
-                        let turn = 2.0 * PI * draws.next();
+                        let p = height(&axis, &points, inner + (outer - inner) * draws.unit());
+                        let turn = 2.0 * PI * draws.unit();
                         let way = DVec2::new(morion::num::cos(turn), morion::num::sin(turn));
                         let off = from_mirror(&case.mirror, (way * p.x).extend(p.z));
                         worst = worst.max(off.unwrap_or(0.0));
@@ -285,8 +286,8 @@ fn faces_are_the_mirror_to_what_is_said() {
                     let mut inside = 0;
                     for _ in 0..4000 {
                         let q = DVec2::new(
-                            u[0] + (u[1] - u[0]) * draws.next(),
-                            v[0] + (v[1] - v[0]) * draws.next(),
+                            u[0] + (u[1] - u[0]) * draws.unit(),
+                            v[0] + (v[1] - v[0]) * draws.unit(),
                         );
                         if let Outline::Ring { .. } = case.mirror.outline {
                             // Beyond the rim there is no mirror.
@@ -370,22 +371,22 @@ const GRID: &str = "camera.orthographic.pixels = [96, 96]\nmirror.grid.file = \"
 
 #[test]
 fn a_rough_grid_is_met_on_its_own_knots_and_a_smooth_one_on_fewer() {
-    let mut draws = Draws(3);
-    let rough = heights(41, 30.0, |_| draws.next());
-    let found = fit(&design(&parse(GRID), Some(&rough)).unwrap().mirror).unwrap();
+    let mut draws = Draws::new(3);
+    let rough = heights(41, 30.0, |_| draws.unit());
+    let found = fit(&design(&unmeshed(GRID), Some(&rough)).unwrap().mirror).unwrap();
     // Forty steps across 60 mm, of which 45 mm are thirty; and three more coefficients.
     assert_eq!(found.size(), [43, 33]);
     assert!(found.error_mm < 1e-9);
     let smooth = heights(241, 30.0, |q| -0.01 * q.length_squared());
-    let found = fit(&design(&parse(GRID), Some(&smooth)).unwrap().mirror).unwrap();
+    let found = fit(&design(&unmeshed(GRID), Some(&smooth)).unwrap().mirror).unwrap();
     assert!(found.size().iter().all(|&n| n < 20) && found.error_mm < 2e-6, "{:?}", found.size());
 }
 
 #[test]
 fn what_no_reasonable_spline_meets_is_refused_with_what_was_reached() {
-    let mut draws = Draws(5);
-    let rough = heights(601, 30.0, |_| 0.01 * draws.next());
-    let mirror = design(&parse(GRID), Some(&rough)).unwrap().mirror;
+    let mut draws = Draws::new(5);
+    let rough = heights(601, 30.0, |_| 0.01 * draws.unit());
+    let mirror = design(&unmeshed(GRID), Some(&rough)).unwrap().mirror;
     match fit(&mirror) {
         Err(FitError::Rough { reached_mm, spans: [400, 400] }) => {
             assert!((1e-4..1e-2).contains(&reached_mm), "{reached_mm}");
@@ -400,15 +401,4 @@ fn a_round_mirror_that_hangs_over_is_refused() {
     let mirror = design(&shipped("hyperbolic"), None).unwrap().mirror;
     let near = Mirror { chart: Chart { vergence: 0.06, ..mirror.chart }, ..mirror };
     assert_eq!(fit(&near).err(), Some(FitError::Overhang));
-}
-
-/// Numbers in [0, 1), the same every time.
-struct Draws(u64);
-
-impl Draws {
-    fn next(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
 }

@@ -51,11 +51,9 @@ pub fn edited(text: &str, edits: &[(&str, &str)]) -> String {
 }
 
 /// Reads a profile called `small`.
-pub fn profile(text: &str) -> Profile {
-    match Profile::parse("small", "small.toml", text.as_bytes()) {
-        Ok(profile) => profile,
-        Err(complaints) => panic!("{complaints}"),
-    }
+pub fn parsed(text: &str) -> Profile {
+    Profile::parse("small", "small.toml", text.as_bytes())
+        .unwrap_or_else(|complaints| panic!("{complaints}\n{text}"))
 }
 
 /// A folder that goes when it is dropped.

@@ -1,7 +1,8 @@
-//! Profiles and faces that several test files make.
+//! What the tests share: profiles, designs and faces that several of them make, and the program.
 
 pub mod builds;
 pub mod draws;
+pub mod least;
 pub mod oracle;
 pub mod parts;
 pub mod random;
@@ -10,12 +11,13 @@ mod thorough;
 
 pub use thorough::times;
 
-use builds::{SMALL, edited};
+use builds::{SMALL, edited, morion, parsed, told};
 use morion::design::{Design, design};
 use morion::geom::{DVec2, Outline, Precision, Rect};
 use morion::mesh::{Face, Limits, MeshError, mesh};
 use morion::pipeline::load;
-use morion::profile::Profile;
+use morion::profile::{MeshLimits, Profile};
+use std::path::Path;
 
 /// The small profile with one edit.
 pub fn small_but(from: &str, to: &str) -> String {
@@ -29,9 +31,20 @@ pub fn small_strip() -> String {
     edited(SMALL, &[(conquistador, "[layout.strip]\n"), ("frame_filled = 0.99\n", "")])
 }
 
+/// Asserts that the program, run in `folder`, ends in one error that says all of `words`.
+#[track_caller]
+pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let (code, out, err) = told(&morion(folder, arguments));
+    assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
+    assert_eq!(err.matches("error: ").count(), 1, "{err}");
+    for word in words {
+        assert!(err.contains(word), "{arguments:?}: no {word:?} in {err}");
+    }
+}
+
 /// A small full-turn panorama, with the edits of one case: each names a text and what replaces it.
 pub fn profile(edits: &[(&str, &str)]) -> Profile {
-    let mut text = "\
+    let text = "\
 camera.orthographic.pixels = [640, 480]
 projection.cylindrical = { azimuth_deg = [-180, 180], elevation_deg = [-30, 30] }
 layout.strip = {}
@@ -39,13 +52,8 @@ method.vector-field.degree = 12
 part = { width_mm = 60, base_mm = 5 }
 mesh = { facet_px = 4 }
 export.formats = [\"stl\"]
-"
-    .to_owned();
-    for (old, new) in edits {
-        assert!(text.contains(old), "{old}");
-        text = text.replace(old, new);
-    }
-    Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
+";
+    parsed(&edited(text, edits))
 }
 
 /// A shipped profile.
@@ -53,11 +61,30 @@ pub fn shipped(name: &str) -> Profile {
     load(name).unwrap_or_else(|error| panic!("{error}")).profile
 }
 
+/// A shipped profile's text.
+pub fn shipped_text(name: &str) -> &'static str {
+    let found = morion::profile::shipped().iter().find(|profile| profile.name == name);
+    found.unwrap_or_else(|| panic!("no {name} is shipped")).text
+}
+
+/// A shipped profile with edits.
+pub fn shipped_but(name: &str, edits: &[(&str, &str)]) -> Profile {
+    Profile { name: name.into(), ..parsed(&edited(shipped_text(name), edits)) }
+}
+
 /// The rectangle of a panel.
 pub fn panel(design: &Design) -> Rect {
     match design.mirror.outline {
         Outline::Rect(rect) => rect,
         ring => panic!("{ring:?} is no rectangle"),
+    }
+}
+
+/// Inner and outer image radius of a round mirror.
+pub fn rims(design: &Design) -> [f64; 2] {
+    match design.mirror.outline {
+        Outline::Ring { inner, outer } => [inner, outer],
+        rect => panic!("{rect:?} is not round"),
     }
 }
 
@@ -78,6 +105,12 @@ pub fn limits(profile: &Profile, design: &Design) -> Limits {
         facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
         precision: Precision::Single,
     }
+}
+
+/// The profile with these limits alone.
+pub fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64>) -> Profile {
+    profile.mesh = MeshLimits { chord_um, facet_px, ..MeshLimits::default() };
+    profile
 }
 
 /// The face that keeps the profile's limits, if there is one.

@@ -1,11 +1,11 @@
 //! What the tests of designs share: profiles in a few words, and optics written anew from the
 //! literature (DESIGN 3.1 and 3.2) on plain vectors and angles.
 
+use super::{builds::parsed, panel, shipped};
 use morion::design::{Design, DesignError, design};
-use morion::geom::{DVec2, DVec3, Outline};
+use morion::geom::{DVec2, DVec3, Rect};
 use morion::num::quadrature::gauss_legendre;
 use morion::num::{asinh, atan, atan2, cos, exp, log, sin, sinh, tan};
-use morion::profile::Profile;
 use std::f64::consts::PI;
 
 pub const ORTHOGRAPHIC: &str = "[camera.orthographic]\npixels = [640, 480]";
@@ -88,7 +88,7 @@ impl Wish {
     }
 
     pub fn design(&self) -> Result<Design, DesignError> {
-        design(&parse(&self.text()), None)
+        design(&parsed(&self.text()), None)
     }
 
     pub fn made(&self) -> Design {
@@ -96,43 +96,16 @@ impl Wish {
     }
 }
 
-pub fn parse(text: &str) -> Profile {
-    Profile::parse("test", "test.toml", text.as_bytes())
-        .unwrap_or_else(|complaints| panic!("{complaints}\n{text}"))
-}
-
 /// The shipped round mirrors.
 pub fn round() -> impl Iterator<Item = &'static str> {
     let names = morion::profile::shipped().iter().map(|profile| profile.name);
     names.filter(|name| {
-        matches!(parse(&shipped(name)).projection, Some(morion::profile::Projection::Radial(_)))
+        matches!(shipped(name).projection, Some(morion::profile::Projection::Radial(_)))
     })
 }
 
-/// A shipped profile's text.
-pub fn shipped(name: &str) -> String {
-    let path = format!("{}/profiles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(path).unwrap()
-}
-
-/// The rectangle of a strip's panel.
-pub fn panel(design: &Design) -> [DVec2; 2] {
-    match design.mirror.outline {
-        Outline::Rect(rect) => [rect.min, rect.max],
-        Outline::Ring { .. } => panic!("a round mirror"),
-    }
-}
-
-/// Inner and outer image radius of a round mirror.
-pub fn rims(design: &Design) -> [f64; 2] {
-    match design.mirror.outline {
-        Outline::Ring { inner, outer } => [inner, outer],
-        Outline::Rect(_) => panic!("a straight mirror"),
-    }
-}
-
 /// Points of a rectangle with the weights of a Gauss rule, sum 1.
-pub fn gauss_grid([min, max]: [DVec2; 2], n: usize) -> Vec<(DVec2, f64)> {
+pub fn gauss_grid(Rect { min, max }: Rect, n: usize) -> Vec<(DVec2, f64)> {
     let (nodes, weights) = gauss_legendre(n);
     let (mid, half) = (0.5 * (min + max), 0.5 * (max - min));
     let mut grid = Vec::with_capacity(n * n);
@@ -224,7 +197,7 @@ pub struct Paper {
 impl Paper {
     /// Of the strip `width_mm` wide over the given angles.
     pub fn new(design: &Design, law: &str, azimuth_deg: [f64; 2], elevation_deg: [f64; 2]) -> Self {
-        let [min, max] = panel(design);
+        let Rect { min, max } = panel(design);
         let z = elevation_deg.map(|e| row_of(law, rad(e)));
         let span = rad(azimuth_deg[1] - azimuth_deg[0]);
         Self {
@@ -386,7 +359,7 @@ impl Strip<'_> {
             let even = DVec2::new((k % (n + 1)) as f64, (k / (n + 1)) as f64) / n as f64;
             for part in [even, DVec2::from_array(even.to_array().map(|t| 0.5 - 0.5 * cos(PI * t)))]
             {
-                let error = self.error(design, &paper, area[0] + (area[1] - area[0]) * part);
+                let error = self.error(design, &paper, area.min + area.size() * part);
                 (0..2).for_each(|k| max[k] = max[k].max(error[k]));
             }
         }

@@ -1,7 +1,5 @@
 //! Profiles of parts with a flat rim, of every layout.
 
-use morion::profile::Profile;
-
 pub const STRIP: &str = "
 camera.orthographic.pixels = [640, 480]
 projection.cylindrical = { azimuth_deg = [-90, 90], elevation_deg = [-20, 20] }
@@ -54,13 +52,12 @@ pub const PLAIN: &str = "width_mm = 60, base_mm = 12, border_mm = 8";
 pub const ROUNDED: &str =
     "width_mm = 60, base_mm = 12, border_mm = 8, corner_radius_mm = 6, rim_mm = 3";
 /// Four holes and three marks beside a rectangle 60 mm wide.
-pub const SIDES: &str =
-    "width_mm = 60, base_mm = 12, border_mm = 9, corner_radius_mm = 4, rim_mm = 3.1,
-    holes_mm = [[34.5, 3, 3.3], [-34.5, 5, 3.3], [-34.5, -4, 4], [34.5, -4, 5.5]],
+pub const SIDES: &str = "width_mm = 60, base_mm = 12, border_mm = 9, corner_radius_mm = 4, rim_mm = 3.1, \
+    holes_mm = [[34.5, 3, 3.3], [-34.5, 5, 3.3], [-34.5, -4, 4], [34.5, -4, 5.5]], \
     marks_mm = [[34.5, 7, 1], [-34.5, 9, 1.5], [-34.5, 0, 0.7]]";
 /// The same around a circle.
-pub const AROUND: &str = "width_mm = 60, base_mm = 12, border_mm = 9, rim_mm = 3.1,
-    holes_mm = [[34.5, 3, 3.3], [-34.5, 5, 3.3], [0, -35, 4], [0, 35, 5.5]],
+pub const AROUND: &str = "width_mm = 60, base_mm = 12, border_mm = 9, rim_mm = 3.1, \
+    holes_mm = [[34.5, 3, 3.3], [-34.5, 5, 3.3], [0, -35, 4], [0, 35, 5.5]], \
     marks_mm = [[24, 24, 1], [-24, 24, 1.5], [-24, -24, 0.7]]";
 
 /// The case's name, its profile without the part and the part.
@@ -86,12 +83,6 @@ pub fn cases() -> Vec<(&'static str, String)> {
         with("given, rounded", GIVEN, &format!("{ROUNDED}, height_mm = 40")),
         with("given, holes", GIVEN, &format!("{SIDES}, height_mm = 40")),
     ]
-}
-
-pub fn parsed(text: &str) -> Profile {
-    // Inline tables stand on one line.
-    let text = text.replace(",\n   ", ",");
-    Profile::parse("part", "part.toml", text.as_bytes()).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
 /// The profile of one case.

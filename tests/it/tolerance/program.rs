@@ -26,11 +26,7 @@ fn run(home: &Path, arguments: &[&str], expected: i32) -> BTreeMap<String, Vec<u
 
 #[track_caller]
 pub fn refused(home: &Path, arguments: &[&str], words: &[&str]) {
-    let mut all = vec!["tolerance"];
-    all.extend(arguments);
-    let (code, out, err) = told(&morion(home, &all));
-    assert_eq!((code, &*out), (2, ""), "{arguments:?}: {err}");
-    assert!(words.iter().all(|word| err.contains(word)), "{words:?}: {err}");
+    support::refused(home, &[&["tolerance"], arguments].concat(), words);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The command: its files, its figures and its refusals.
 
 use crate::support::builds::{files, folder, morion, told};
+use crate::support::refused;
 use morion::raster::Raster;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -216,11 +217,7 @@ fn the_number_of_threads_does_not_show() {
 #[track_caller]
 fn unable(home: &Path, arguments: &str, words: &[&str]) {
     let all: Vec<&str> = ["unwrap", "-q"].into_iter().chain(arguments.split(' ')).collect();
-    let (code, out, err) = told(&morion(home, &all));
-    assert_eq!((code, &*out), (2, ""), "{arguments}: {err}");
-    for word in words {
-        assert!(err.contains(word), "no {word:?} in {err}");
-    }
+    refused(home, &all, words);
 }
 
 #[test]

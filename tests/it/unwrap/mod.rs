@@ -3,13 +3,13 @@
 
 mod files;
 
-use crate::support;
-use crate::support::builds;
+use crate::support::builds::{SMALL, edited, parsed};
+use crate::support::{self, shipped_text};
 use morion::design::Design;
 use morion::geom::{DVec2, DVec3};
 use morion::num::{atan2, cos, degrees, sin, wrap_turn};
 use morion::optics::{Law, reflect};
-use morion::profile::{Profile, shipped};
+use morion::profile::Profile;
 use morion::raster::Raster;
 use morion::trace::{Outcome, Scene, glance};
 use morion::unwrap::{Finder, Map, Optics, Panorama, cuts};
@@ -105,12 +105,11 @@ fn optics(design: &Design) -> Optics<'_> {
 
 /// A shipped profile with half as many pixels along each side, and edits.
 fn half(name: &str, edits: &[(&str, &str)]) -> Profile {
-    let text = shipped().iter().find(|profile| profile.name == name).unwrap().text;
-    let text = builds::edited(text, edits)
+    let text = edited(shipped_text(name), edits)
         .replace("[640, 480]", "[320, 240]")
         .replace("[480, 480]", "[240, 240]")
         .replace("focal_px = 800", "focal_px = 400");
-    Profile::parse(name, name, text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
+    Profile { name: name.into(), ..parsed(&text) }
 }
 
 const NEAR: (&str, &str) =
@@ -129,7 +128,6 @@ mirror.polynomial = { radius_mm = -32, conic = -1, terms = [[3, 0, 1e-5]] }
 mesh.chord_um = 20
 export.formats = [\"stl\"]
 ";
-    let given = Profile::parse("given", "given.toml", given.as_bytes()).unwrap();
     let pinhole = support::profile(&[
         ("camera.orthographic.pixels = [640, 480]", pinhole),
         ("azimuth_deg = [-180, 180]", "azimuth_deg = [-90, 150]"),
@@ -145,7 +143,7 @@ export.formats = [\"stl\"]
         (half("parabolic", &[]), 0.0),
         (half("hyperbolic", &[]), 0.0),
         (half("cylinder", &[near_ring]), 0.0),
-        (given, 0.0),
+        (parsed(given), 0.0),
     ]
 }
 
@@ -259,7 +257,7 @@ fn the_map_is_the_inverse_of_the_ray_trace_and_misses_nothing() {
 
 #[test]
 fn facets_move_content_by_no_more_than_their_bound() {
-    let profile = builds::profile(&builds::SMALL.replace("facet_px = 3", "facet_px = 0.5"));
+    let profile = parsed(&SMALL.replace("facet_px = 3", "facet_px = 0.5"));
     let design = support::designed(&profile);
     let face = support::meshed(&profile, &design).unwrap();
     let bound = face.bound.facet_mm / design.camera.pixel_mm;
