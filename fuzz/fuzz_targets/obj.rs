@@ -1,25 +1,9 @@
-//! OBJ text.
 #![no_main]
 
+mod lot;
+#[path = "../properties/mesh.rs"]
 mod mesh;
+#[path = "../properties/obj.rs"]
+mod obj;
 
-use libfuzzer_sys::fuzz_target;
-use morion::export::read_obj;
-use morion::geom::TriMesh;
-
-fuzz_target!(|bytes: &[u8]| {
-    let Ok(read) = read_obj(bytes) else { return };
-    mesh::is_sound(&read);
-    let again = read_obj(text(&read.mesh).as_bytes());
-    assert_eq!(again.expect("a mesh that was read can be read again").mesh, read.mesh);
-    mesh::verified(bytes, "obj", &read);
-});
-
-fn text(mesh: &TriMesh) -> String {
-    let vertices = mesh.vertices.iter().map(|v| format!("v {} {} {}\n", v.x, v.y, v.z));
-    let facets = mesh.triangles.iter().map(|t| {
-        let [a, b, c] = t.map(|v| v + 1);
-        format!("f {a} {b} {c}\n")
-    });
-    vertices.chain(facets).collect()
-}
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| obj::holds(bytes, lot::of(bytes)));

@@ -1,30 +1,9 @@
-//! STL bytes, binary or text.
 #![no_main]
 
+mod lot;
+#[path = "../properties/mesh.rs"]
 mod mesh;
+#[path = "../properties/stl.rs"]
+mod stl;
 
-use libfuzzer_sys::fuzz_target;
-use morion::export::read_stl;
-use morion::geom::TriMesh;
-
-fuzz_target!(|bytes: &[u8]| {
-    let Ok(read) = read_stl(bytes) else { return };
-    mesh::is_sound(&read);
-    let again = read_stl(&binary(&read.mesh)).expect("a mesh that was read can be read again");
-    assert_eq!(again.mesh, read.mesh);
-    mesh::verified(bytes, "stl", &read);
-});
-
-/// The mesh as binary STL: its coordinates are single-precision numbers, as they come from one.
-fn binary(mesh: &TriMesh) -> Vec<u8> {
-    let mut bytes = vec![b' '; 80];
-    bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
-    for t in 0..mesh.triangles.len() {
-        bytes.extend([0; 12]);
-        for corner in mesh.corners(t) {
-            bytes.extend(corner.as_vec3().to_array().iter().flat_map(|x| x.to_le_bytes()));
-        }
-        bytes.extend([0; 2]);
-    }
-    bytes
-}
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| stl::holds(bytes, lot::of(bytes)));

@@ -15,6 +15,7 @@ mod determinism;
 mod dry_run;
 mod economy;
 mod frame;
+mod fuzzed;
 mod given_mirrors;
 mod machining;
 mod manners;

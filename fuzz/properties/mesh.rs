@@ -8,9 +8,8 @@ use morion::pipeline::{Silent, Source, verify};
 use morion::profile::Profile;
 use morion::solid::check;
 use morion::trace::{Intent, Outcome, Scene, Sweep, Witness};
-use std::path::PathBuf;
 use std::sync::LazyLock;
-use tempfile::TempDir;
+use tempfile::tempdir;
 
 /// A part of some millimetres, soon designed and traced.
 const PART: &str = "\
@@ -28,7 +27,6 @@ static SOURCE: LazyLock<Source> = LazyLock::new(|| {
 });
 static DESIGN: LazyLock<Design> =
     LazyLock::new(|| design(&SOURCE.profile, None).expect("the part can be designed"));
-static FOLDER: LazyLock<TempDir> = LazyLock::new(|| tempfile::tempdir().expect("a folder"));
 
 /// A mesh that was read: facets of finite corners that are there, each vertex once, all in use.
 pub fn is_sound(read: &Reread) {
@@ -47,15 +45,15 @@ pub fn is_sound(read: &Reread) {
     }
 }
 
-/// Takes a mesh that was read from `bytes` through what `verify` does; through `verify` itself, which
-/// takes a hundred times as long, now and then.
-pub fn verified(bytes: &[u8], extension: &str, read: &Reread) {
+/// Takes a mesh that was read from `bytes` through what `verify` does; of lot 0 through `verify` itself,
+/// which takes a hundred times as long.
+pub fn verified(bytes: &[u8], extension: &str, read: &Reread, lot: u8) {
     let found = check(&read.mesh);
     assert!(found.defects.len() <= found.defect_count);
     traced(read);
-    let lot = bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_mul(31).wrapping_add(*byte)) % 64;
     if lot == 0 {
-        let path: PathBuf = FOLDER.path().join("part").with_extension(extension);
+        let folder = tempdir().expect("a folder");
+        let path = folder.path().join("part").with_extension(extension);
         std::fs::write(&path, bytes).expect("the folder takes a file");
         let report = verify(&SOURCE, &path, &Silent).expect("a mesh that is read gets a verdict");
         assert_eq!(report.files.len(), 1);
