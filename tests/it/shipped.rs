@@ -1,16 +1,12 @@
 //! Every shipped profile builds, and passes.
 
-use crate::support::builds;
-use morion::pipeline::{Silent, build, load};
+use crate::support::shipped_builds;
 use morion::profile::shipped;
 use morion::report::Verdict;
 
 /// What a shipped mirror's report must say, beside the verdict.
 fn passes(name: &str) {
-    let source = load(name).unwrap_or_else(|error| panic!("{error}"));
-    let folder = builds::folder();
-    let report =
-        build(&source, folder.path(), &Silent).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let report = shipped_builds::report(name);
     assert_eq!(report.verdict, Verdict::Pass, "{name}: {:?}", report.reasons);
     let (mesh, solid) = (report.mesh.unwrap(), report.solid.unwrap());
     println!("{name}: {} triangles, over the optimum {:?}", mesh.triangles, mesh.over_optimum);

@@ -6,6 +6,7 @@ pub mod least;
 pub mod oracle;
 pub mod parts;
 pub mod random;
+pub mod shipped_builds;
 pub mod surfaces;
 mod thorough;
 

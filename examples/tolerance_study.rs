@@ -1,0 +1,40 @@
+//! How well a mirror must be made: the yield by five processes, and what to hold tighter.
+//!
+//! `cargo run --release --example tolerance_study -- conquistador`
+
+use morion::pipeline::{Silent, Trials, tolerance};
+use morion::profile::shipped;
+use morion::tolerance::SourceFacts;
+
+const PROCESSES: [&str; 5] =
+    ["spdt", "ultra-precision-cnc", "precision-cnc", "standard-cnc", "sla-print"];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let name = std::env::args().nth(1).unwrap_or_else(|| "conquistador".into());
+    let text = shipped().iter().find(|profile| profile.name == name);
+    let text = text.ok_or_else(|| format!("{name} is not shipped"))?.text;
+    let folder = tempfile::tempdir()?;
+    let trials = Trials { range: 0..400, seed: 1, until: None };
+    println!(
+        "{name}: displacement of the picture and yield at 1 px RMS, of {} parts",
+        trials.range.end
+    );
+    for process in PROCESSES {
+        let path = folder.path().join(format!("{process}.toml"));
+        std::fs::write(
+            &path,
+            format!("{text}\n[tolerance]\npreset = \"{process}\"\nbudget_px = 1\n"),
+        )?;
+        let path = path.to_string_lossy();
+        let study = tolerance(&path, &trials, folder.path(), &Silent)?.study;
+        let share = |source: &&SourceFacts| source.share_of_variance;
+        let worst = study.sources.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        println!(
+            "  {process:<20} P95 {:>7.3} px   yield {:>5.1} %   most: {}",
+            study.adjusted.p95_px,
+            100.0 * study.yields.share,
+            worst.map_or("-", |source| &source.source),
+        );
+    }
+    Ok(())
+}
