@@ -46,7 +46,7 @@ impl Ties {
     }
 
     /// What they are for the mirror that was found: the inner rim has its radius in space, and the
-    /// area-mean of the height sits at the target's origin (DESIGN 3.1).
+    /// area-mean of the height sits at the target's origin (docs/theory.md, T14).
     #[must_use]
     pub fn after(&self, profile: &Profile, plan: &Plan, mirror: &Mirror) -> Self {
         let Outline::Ring { inner, outer } = plan.domain else { return *self };

@@ -23,8 +23,8 @@ impl Residual<2> for VectorField<'_> {
 
 /// The ray error as a vector: the chord between the directions seen and wanted is the distance of
 /// their stereographic coordinates, measured on the sphere. Under a vertical ray to a far target
-/// the coordinates are the slopes (DESIGN 3.1): this is the vector field's residual, weighted by
-/// what a slope error does to the ray.
+/// the coordinates are the slopes (docs/theory.md, T7): this is the vector field's residual,
+/// weighted by what a slope error does to the ray (T8, T27).
 pub struct RayError<'a> {
     /// The camera.
     pub chart: &'a Chart,

@@ -1,6 +1,6 @@
 //! The lattice cell that suits each place: how large, how long, and which way round.
 //!
-//! With vertices on the mirror the fewest facets are (DESIGN's bounds): on bowls equilateral
+//! With vertices on the mirror the fewest facets are (docs/theory.md, T42 to T44): on bowls equilateral
 //! triangles in the metric of the curvature; on saddles, for the chord, squares in that metric,
 //! turned from the principal directions by half of atan(1/2), for then all four edges of a square
 //! and both of its diagonals reach the tolerance at once; on saddles, for the image, right

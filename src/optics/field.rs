@@ -16,8 +16,9 @@ pub struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// The field s (DESIGN 3.1) at height `f` mm over image point `q` where direction `wanted` from
-    /// the target's origin is to be seen. For targets at infinity it does not depend on f.
+    /// The field s (docs/theory.md, T12) at height `f` mm over image point `q` where direction
+    /// `wanted` from the target's origin is to be seen. For targets at infinity it does not depend
+    /// on f.
     #[inline]
     pub fn towards<S: Scalar>(&self, q: [S; 2], f: S, wanted: [S; 2]) -> [S; 2] {
         let seen = match self.target {

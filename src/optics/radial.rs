@@ -8,7 +8,8 @@
 use crate::geom::DVec2;
 use crate::num::{Scalar, atan, sin, tan};
 
-/// The law of the radii (DESIGN 3.2). Lengths are mm on the reference plane, angles radians.
+/// The law of the radii (docs/theory.md, T19). Lengths are mm on the reference plane, angles
+/// radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RadialLaw {
     /// Nayar: t = r * rate. The paraboloid, single viewpoint, orthographic.

@@ -4,8 +4,8 @@
 //! |sigma| = 1 at the horizon, infinite straight down; |sigma| = tan(psi / 2) = exp(-m) for the
 //! polar angle psi and the isometric latitude m (tan(elevation) = sinh m). Reflection turns the
 //! direction to the camera by half a turn about the normal, which in these coordinates is a Moebius
-//! map; under a vertical ray it is sigma = -slope (DESIGN 3.1). No form here cancels near either
-//! pole.
+//! map (docs/theory.md, T6); under a vertical ray it is sigma = -slope (T7). No form here cancels
+//! near either pole.
 
 use crate::geom::DVec3;
 use crate::num::Scalar;

@@ -135,8 +135,8 @@ impl View {
         self.target.aim(self.relative(at), self.projection.wanted(q))
     }
 
-    /// The field s(q, f) that the chart slope of an exact mirror equals (DESIGN 3.1). For targets
-    /// at infinity it does not depend on f.
+    /// The field s(q, f) that the chart slope of an exact mirror equals (docs/theory.md, T12). For
+    /// targets at infinity it does not depend on f.
     #[inline]
     pub fn field<S: Scalar>(&self, chart: &Chart, q: [S; 2], f: S) -> [S; 2] {
         self.under(chart).towards(q, f, self.projection.wanted(q))

@@ -20,7 +20,7 @@ use crate::mesh::Face;
 use crate::mirror::{Form, Surface};
 use crate::profile::{Format, Profile};
 use crate::render::{TestWorld, World};
-use crate::report::{Limited, MeshFacts, OverOptimum, Report, SolidFacts, StepFacts, html};
+use crate::report::{Limited, MeshFacts, OverOptimum, Reason, Report, SolidFacts, StepFacts, html};
 use crate::solid::Solid;
 use std::path::Path;
 
@@ -119,9 +119,9 @@ pub fn build_with(
     let altered = evidence.iter().any(|found| found.altered);
     let inputs = if altered { String::new() } else { inputs };
     let mut report = assemble(profile, &design, form, Some(facts), evidence, chord_mm);
-    let mut all: Vec<String> = refused.into_iter().chain(report.reasons).collect();
+    let mut all: Vec<Reason> = refused.into_iter().chain(report.reasons).collect();
     for Checked { file, reasons, sag } in checked {
-        all.extend(reasons.into_iter().map(|reason| format!("{}: {reason}", file.name)));
+        all.extend(reasons.into_iter().map(|reason| reason.of_file(&file.name)));
         report.files.push(file);
         report.sag = report.sag.or(sag);
     }
@@ -225,10 +225,10 @@ fn check(
     clock.always(Stage::Read, || {
         let mut checked = drawing.check(format, &bytes);
         if checked.file.sha256 != staged.sha256() {
-            checked.reasons.insert(0, verdict::ALTERED.to_owned());
+            checked.reasons.insert(0, verdict::altered());
         }
         let note = format!("{}: as designed", checked.file.name);
-        let note = checked.reasons.first().cloned().unwrap_or(note);
+        let note = checked.reasons.first().map_or(note, ToString::to_string);
         (checked, note)
     })
 }

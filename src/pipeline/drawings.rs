@@ -8,7 +8,7 @@ use crate::export::step::{Fit, fit, write_step};
 use crate::export::{Counting, Label, SagPath, compare_sag, read_sag, sag_bytes, write_sag};
 use crate::mirror::{Departure, Form};
 use crate::profile::{self, Format, Profile};
-use crate::report::{FileFacts, SagFacts};
+use crate::report::{FileFacts, Reason, ReasonKind, SagFacts};
 use std::io::{self, Write};
 
 /// What such files are drawn from.
@@ -68,7 +68,7 @@ pub struct Checked {
     /// The file.
     pub file: FileFacts,
     /// What is wrong with it, each without the file's name.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
     /// The sag table's figures, if it is one that can be read.
     pub sag: Option<SagFacts>,
 }
@@ -125,11 +125,12 @@ impl Drawing<'_> {
     }
 
     /// Nobody here reads STEP: the bytes must be those that the splines give.
-    fn check_step(&self, bytes: &[u8]) -> Vec<String> {
+    fn check_step(&self, bytes: &[u8]) -> Vec<Reason> {
         let mut again = Vec::with_capacity(bytes.len());
         let written = self.write(Format::Step, &mut again);
         let same = written.is_ok() && again == bytes;
-        if same { Vec::new() } else { vec!["it is not what the design gives".to_owned()] }
+        let off = || Reason::new(ReasonKind::OffDesign, "it is not what the design gives");
+        if same { Vec::new() } else { vec![off()] }
     }
 
     fn notes(&self) -> Vec<String> {
@@ -150,28 +151,33 @@ impl Drawing<'_> {
         ]
     }
 
-    fn check_sag(&self, bytes: &[u8]) -> (Vec<String>, Option<SagFacts>) {
+    fn check_sag(&self, bytes: &[u8]) -> (Vec<Reason>, Option<SagFacts>) {
         let rows = match read_sag(bytes) {
             Ok(rows) => rows,
-            Err(error) => return (vec![error.to_string()], None),
+            Err(error) => {
+                return (vec![Reason::new(ReasonKind::Unreadable, error.to_string())], None);
+            }
         };
         let off = compare_sag(&rows, &self.design.mirror);
         let mut reasons = Vec::new();
         if rows.is_empty() {
             let remedy = "take a smaller pitch_mm and step_mm";
-            reasons.push(format!("it holds no rows, all beside the mirror; {remedy}"));
+            let sentence = format!("it holds no rows, all beside the mirror; {remedy}");
+            reasons.push(Reason::new(ReasonKind::EmptyTable, sentence));
         }
         if !(off.height_mm <= LAST_DIGIT) {
-            reasons.push(format!(
+            let sentence = format!(
                 "a height is {:.3e} mm off the design, over {LAST_DIGIT:e} mm",
                 off.height_mm
-            ));
+            );
+            reasons.push(Reason::new(ReasonKind::OffDesign, sentence));
         }
         if !(off.normal_rad <= LAST_DIGIT) {
-            reasons.push(format!(
+            let sentence = format!(
                 "a normal is {:.3e} rad off the design, over {LAST_DIGIT:e} rad",
                 off.normal_rad
-            ));
+            );
+            reasons.push(Reason::new(ReasonKind::OffDesign, sentence));
         }
         let facts = SagFacts {
             rows: rows.len(),

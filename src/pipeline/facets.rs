@@ -9,6 +9,7 @@ use crate::mesh::{
     Budget, Closing, Face, Forecast, Limits, MeshError, Plan, forecast as forecast_within, mesh,
 };
 use crate::profile::{Format, Profile};
+use crate::report::{Reason, ReasonKind};
 use crate::solid::{added, rim};
 
 /// What is made or foreseen for the files that can have it.
@@ -21,7 +22,7 @@ pub struct Facets<T> {
     /// The mesh formats of which files are written.
     pub formats: Vec<Format>,
     /// Why there are no files in single precision although they are asked for.
-    pub refused: Option<String>,
+    pub refused: Option<Reason>,
 }
 
 /// The face that the profile asks for.
@@ -125,7 +126,8 @@ fn at_precision<T>(
     }
     let precision = Precision::Double;
     let made = make(precision).map_err(fail)?;
-    Ok(Facets { made, precision, formats: others, refused: Some(reason) })
+    let refused = Some(Reason::new(ReasonKind::SinglePrecision, reason));
+    Ok(Facets { made, precision, formats: others, refused })
 }
 
 /// Why there are no files of the formats in `single`, if `error` is due to that precision.

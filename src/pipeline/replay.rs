@@ -96,7 +96,7 @@ pub fn replay(
         tolerances: format!("imperfect: trial {trial} of seed {seed}"),
     };
     let (mut staged, mut files) = (Vec::new(), Vec::new());
-    let mut reasons: Vec<String> = refused.into_iter().collect();
+    let mut reasons: Vec<String> = refused.into_iter().map(String::from).collect();
     let smooth = engine.judged(&made);
     for &format in &formats {
         let closed = |source| Error::Solid { profile: profile.name.clone(), format, source };

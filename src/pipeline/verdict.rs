@@ -5,7 +5,7 @@ use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Outline, Stock};
 use crate::profile::{Format, Profile};
-use crate::report::{TraceFacts, Verdict};
+use crate::report::{Reason, ReasonKind, TraceFacts, Verdict};
 
 /// Why a file does not pass that is another than was written.
 pub const ALTERED: &str = "the bytes on the disk are not those that were written";
@@ -19,8 +19,13 @@ const ROUNDING_SINGLE: f64 = 4.0 / (1 << 24) as f64;
 /// each axis.
 const ROUNDING_VERTEX: f64 = 1.733 / (1 << 24) as f64;
 
+/// [`ALTERED`].
+pub fn altered() -> Reason {
+    Reason::new(ReasonKind::Altered, ALTERED)
+}
+
 /// Pass, unless there is a reason.
-pub fn of(reasons: &[String]) -> Verdict {
+pub fn of<T>(reasons: &[T]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
@@ -32,17 +37,17 @@ pub fn reasons(
     evidence: &[Evidence],
     chord_mm: f64,
     proven_px: Option<f64>,
-) -> Vec<String> {
+) -> Vec<Reason> {
     let volume_tolerance = volume_tolerance(design, chord_mm);
     let mut reasons = Vec::new();
     for evidence in evidence {
         let name = &evidence.file.name;
-        let mut blame = |reason: String| reasons.push(format!("{name}: {reason}"));
+        let mut blame = |reason: Reason| reasons.push(reason.of_file(name));
         if evidence.altered {
-            blame(ALTERED.into());
+            blame(altered());
         }
         if let Some(error) = &evidence.unreadable {
-            blame(error.to_string());
+            blame(Reason::new(ReasonKind::Unreadable, error.to_string()));
         }
         if let Some(trace) = &evidence.trace {
             if !evidence.measured {
@@ -62,13 +67,14 @@ pub fn reasons(
         if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
             && !(frame.filled >= least)
         {
-            blame(format!(
+            let sentence = format!(
                 "{:.3} % of the frame see their part of the world within {} px, {:.3} % are \
                      accepted (accept.frame_filled)",
                 100.0 * frame.filled,
                 frame.tolerance_px,
                 100.0 * least
-            ));
+            );
+            blame(Reason::new(ReasonKind::FrameFilled, sentence));
         }
     }
     reasons
@@ -98,7 +104,7 @@ pub fn form(
     design: &Design,
     error: Option<&FormError>,
     limit_um: f64,
-) -> Option<String> {
+) -> Option<Reason> {
     let accept = &profile.accept;
     let limited = accept.pixel_error_rms_px.or(accept.pixel_error_max_px).is_some();
     if limited && design.view.is_some() {
@@ -106,23 +112,26 @@ pub fn form(
     }
     let pv = error.map_or(f64::NAN, |error| error.without_outliers.pv);
     (!(pv <= limit_um)).then(|| {
-        format!(
+        let sentence = format!(
             "form error {pv:.3} um PV without outliers, over {limit_um} um (mesh.chord_um); give \
              accept.pixel_error_max_px to judge it by the picture"
-        )
+        );
+        Reason::new(ReasonKind::FormError, sentence)
     })
 }
 
-fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64, moved: f64) -> Vec<String> {
+fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64, moved: f64) -> Vec<Reason> {
     let solid = &trace.solid;
-    let mut reasons = solid.reasons.clone();
+    let not_solid = |sentence: &String| Reason::new(ReasonKind::NotSolid, sentence);
+    let mut reasons: Vec<Reason> = solid.reasons.iter().map(not_solid).collect();
     let off = solid.check.volume_mm3 - solid.volume_expected_mm3;
     if !(off.abs() <= volume_tolerance) {
-        reasons.push(format!(
+        let sentence = format!(
             "volume {:.4} mm^3 where the design has {:.4}, off by {off:.4}, over the {:.4} that the \
              chord error explains",
             solid.check.volume_mm3, solid.volume_expected_mm3, volume_tolerance
-        ));
+        );
+        reasons.push(Reason::new(ReasonKind::Volume, sentence));
     }
     // A mirror without curvature has no chord error; coordinates are rounded all the same.
     let rounding = |at: [f64; 3]| moved * at.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -130,33 +139,35 @@ fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64, moved: f64) -
         && !(vertex.off_mm <= chord_mm + rounding(vertex.at_mm))
     {
         let [x, y, z] = vertex.at_mm;
-        reasons.push(format!(
+        let sentence = format!(
             "the vertex ({x}, {y}, {z}) is {:.6} mm off the designed part, over {chord_mm:.6} mm",
             vertex.off_mm
-        ));
+        );
+        reasons.push(Reason::new(ReasonKind::OffSurface, sentence));
     }
     reasons
 }
 
-fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<String> {
+fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<Reason> {
     let mut reasons = Vec::new();
     if trace.rays == 0 {
-        reasons.push("no camera ray is aimed at the mirror".into());
+        let sentence = "no camera ray is aimed at the mirror";
+        reasons.push(Reason::new(ReasonKind::NothingAimed, sentence));
     }
-    for (count, what) in [
-        (trace.missed, "miss the part"),
-        (trace.shadowed, "are shadowed by the part itself"),
-        (trace.back_face, "meet the back of a facet"),
+    for (kind, count, what) in [
+        (ReasonKind::Missed, trace.missed, "miss the part"),
+        (ReasonKind::Shadowed, trace.shadowed, "are shadowed by the part itself"),
+        (ReasonKind::BackFace, trace.back_face, "meet the back of a facet"),
     ] {
         if count > 0 {
-            let mut reason = format!("{count} of {} rays aimed at the mirror {what}", trace.rays);
-            if what.contains("shadowed") && by_rim > 0 {
-                reason += &format!(
+            let mut sentence = format!("{count} of {} rays aimed at the mirror {what}", trace.rays);
+            if kind == ReasonKind::Shadowed && by_rim > 0 {
+                sentence += &format!(
                     ", {by_rim} of them by its flat rim: lower part.rim_mm, raise base_mm or narrow \
                      border_mm"
                 );
             }
-            reasons.push(reason);
+            reasons.push(Reason::new(kind, sentence));
         }
     }
     reasons
@@ -170,12 +181,13 @@ fn limits(
     trace: &TraceFacts,
     proven_px: Option<f64>,
     facets: bool,
-) -> Vec<String> {
+) -> Vec<Reason> {
     let errors = &trace.errors;
     let accept = &profile.accept;
     let pixel = errors.pixel_error_px;
     [
         (
+            ReasonKind::FacetError,
             "facet error",
             errors.facet_error_px.filter(|_| facets).map(|e| e.max),
             profile.mesh.facet_px.or(proven_px),
@@ -183,6 +195,7 @@ fn limits(
             if profile.mesh.facet_px.is_some() { "mesh.facet_px" } else { "the mesh's bound" },
         ),
         (
+            ReasonKind::PixelError,
             "RMS pixel error",
             pixel.map(|e| e.rms),
             accept.pixel_error_rms_px,
@@ -190,6 +203,7 @@ fn limits(
             "accept.pixel_error_rms_px",
         ),
         (
+            ReasonKind::PixelError,
             "largest pixel error",
             pixel.map(|e| e.max),
             accept.pixel_error_max_px,
@@ -198,11 +212,14 @@ fn limits(
         ),
     ]
     .into_iter()
-    .filter_map(|(what, found, limit, rounding, key)| match (found?, limit) {
+    .filter_map(|(kind, what, found, limit, rounding, key)| match (found?, limit) {
         (found, Some(limit)) if !(found <= limit + rounding) => {
-            Some(format!("{what} {found:.3} px, over the {limit} px of {key}"))
+            let sentence = format!("{what} {found:.3} px, over the {limit} px of {key}");
+            Some(Reason::new(kind, sentence))
         }
-        (found, None) if !found.is_finite() => Some(format!("{what} is not finite")),
+        (found, None) if !found.is_finite() => {
+            Some(Reason::new(ReasonKind::NotFinite, format!("{what} is not finite")))
+        }
         _ => None,
     })
     .collect()

@@ -10,7 +10,7 @@ use crate::export::Reread;
 use crate::geom::Welder;
 use crate::mirror::Form;
 use crate::profile::Format;
-use crate::report::{AlignmentFacts, Report, UnitFacts, form_picture};
+use crate::report::{AlignmentFacts, Reason, ReasonKind, Report, UnitFacts, form_picture};
 use crate::trace::Outcome;
 use std::path::{Path, PathBuf};
 
@@ -117,7 +117,7 @@ pub fn inspect(
         if folder.is_some() {
             report.warnings.push(format!("{name}: {all}"));
         } else {
-            report.reasons.push(format!("{name}: {all}"));
+            report.reasons.push(Reason::new(ReasonKind::FarFacets, all).of_file(&name));
             report.verdict = verdict::of(&report.reasons);
         }
     }
@@ -141,7 +141,7 @@ pub fn inspect(
     if let Some(folder) = folder {
         let form = report.form_error_um.as_ref();
         let reason = verdict::form(profile, &design, form, 1e3 * chord_mm);
-        report.reasons.extend(reason.map(|reason| format!("{name}: {reason}")));
+        report.reasons.extend(reason.map(|reason| reason.of_file(&name)));
         report.verdict = verdict::of(&report.reasons);
         publish(&clock, &folder, map.as_ref(), &report)?;
     }

@@ -26,7 +26,9 @@ pub fn html(report: &Report, summary: &str, picture: &str) -> String {
 fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std::fmt::Result {
     head(out, &report.profile.name, STYLE, report.verdict)?;
     writeln!(out, "<p>{}</p>", escaped(summary))?;
-    for list in [&report.reasons, &report.warnings] {
+    let reasons: Vec<&str> = report.reasons.iter().map(|reason| &**reason).collect();
+    let warnings: Vec<&str> = report.warnings.iter().map(String::as_str).collect();
+    for list in [reasons, warnings] {
         if !list.is_empty() {
             writeln!(out, "<ul>")?;
             for line in list {

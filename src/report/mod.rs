@@ -11,6 +11,7 @@ mod measured;
 mod paper;
 mod plot;
 mod prospect;
+mod reason;
 mod rendering;
 mod replay;
 mod text;
@@ -29,6 +30,7 @@ pub use machining::{
 };
 pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
+pub use reason::{Reason, ReasonKind};
 pub use rendering::Rendering;
 pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};
 pub use text::text;
@@ -88,7 +90,7 @@ pub struct Report {
     /// Pass or fail.
     pub verdict: Verdict,
     /// Why it fails, each with figures; empty for a pass.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
     /// What may be a nuisance later, and what to do about it; no part of the verdict.
     pub warnings: Vec<String>,
 }

@@ -8,7 +8,7 @@ use crate::num::stats::Summary;
 use crate::solid::Rim;
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// A readable summary: a line a stage, the reasons, and the verdict last. Styled for terminals;
 /// a writer that knows its terminal strips the styles elsewhere.
@@ -118,7 +118,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
 /// The last lines.
 pub(super) fn verdict_lines(
     out: &mut String,
-    reasons: &[String],
+    reasons: &[impl Display],
     verdict: Verdict,
 ) -> std::fmt::Result {
     reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))?;

@@ -9,7 +9,7 @@ use morion::export::{read_obj, read_stl};
 use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Precision, Stock};
 use morion::pipeline::{Silent, Source, build, foresee};
 use morion::profile::{Format, Spot};
-use morion::report::{Report, Verdict};
+use morion::report::{Reason, Report, Verdict};
 use morion::solid::{Solid, added, rim};
 use std::f64::consts::PI;
 
@@ -244,7 +244,7 @@ fn a_rim_in_the_way_is_named() {
     let (report, _folder) =
         built(&format!("{CONQUISTADOR}part = {{ width_mm = 60, base_mm = 2, border_mm = 20 }}\n"));
     assert_eq!(report.verdict, Verdict::Fail);
-    let named = |r: &String| r.contains("by its flat rim: lower part.rim_mm");
+    let named = |r: &Reason| r.contains("by its flat rim: lower part.rim_mm");
     assert!(report.reasons.iter().any(named), "{:?}", report.reasons);
 }
 

@@ -269,7 +269,7 @@ fn a_table_that_is_not_the_design_any_more_fails() {
     let report = build(&sphere("").into(), folder.path(), &Vandal).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     let [altered, normal] = &report.reasons[..] else { panic!("{:?}", report.reasons) };
-    assert_eq!(altered, "sag.csv: the bytes on the disk are not those that were written");
+    assert_eq!(&**altered, "sag.csv: the bytes on the disk are not those that were written");
     assert!(normal.starts_with("sag.csv: a normal is ") && normal.contains(" rad off the design"));
 }
 
