@@ -149,7 +149,8 @@ fn parts_pass_and_holes_and_marks_are_where_they_were_asked_for() {
         let upper =
             |s: &Spot| if s.x_mm.abs().max(s.y_mm.abs()) < 8.0 { land } else { border.rim_mm };
         for format in profile.formats {
-            let bytes = std::fs::read(folder.path().join(format!("part/mirror.{format}"))).unwrap();
+            let bytes =
+                std::fs::read(folder.path().join(format!("small/mirror.{format}"))).unwrap();
             let (mesh, digits) = match format {
                 Format::Stl => (read_stl(&bytes).unwrap().mesh, 4e-6),
                 _ => (read_obj(&bytes).unwrap().mesh, 1e-13),
@@ -195,7 +196,7 @@ fn a_vertex_off_the_stock_fails() {
     let text = case("pinhole, holes");
     let source = Source { profile: parsed(&text), sag: None };
     let (_, folder) = built(&text);
-    let bytes = std::fs::read(folder.path().join("part/mirror.obj")).unwrap();
+    let bytes = std::fs::read(folder.path().join("small/mirror.obj")).unwrap();
     let plain = String::from_utf8(bytes).unwrap();
     let verified = |text: &str| {
         let path = folder.path().join("moved.obj");
@@ -231,7 +232,7 @@ fn a_part_without_its_holes_is_not_the_part() {
     let text = case("strip, holes");
     let (_, folder) = built(&case("strip, plain"));
     let source = Source { profile: parsed(&text), sag: None };
-    let path = folder.path().join("part/mirror.stl");
+    let path = folder.path().join("small/mirror.stl");
     let report = morion::pipeline::verify(&source, &path, &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     let euler = "Euler characteristic 2 instead of -6: its through holes are not 4";
