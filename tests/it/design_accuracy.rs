@@ -151,7 +151,7 @@ fn fill_frame_gives_the_filled_elevation_range() {
         let top = view.wanted(DVec2::new(0.0, max.y), morion::geom::DVec3::ZERO);
         let elevation = degrees(asin(top.z));
         assert!((elevation - expected).abs() < 0.05, "{law} {elevation}");
-        // Exactly 3 pi / 16 of the law's coordinate (DESIGN 3.5).
+        // Exactly 3 pi / 16 of the law's coordinate (docs/theory.md, T37).
         let exact = degrees(oracle::elevation(law, 3.0 * PI / 16.0));
         assert!((elevation - exact).abs() < 1e-5, "{law} {elevation}");
     }

@@ -23,7 +23,7 @@ fn measures(strip: &Strip, design: &Design, grid: &[(DVec2, f64)]) -> [f64; 3] {
         let Trace { at, normal, .. } = trace(design, eye, q);
         let camera = eye.map_or(DVec3::Z, |eye| (eye - at).normalize());
         let w = (strip.wanted(design, &paper, q, at) + camera).normalize();
-        // DESIGN 3.1 with d = (q / distance, -1) and F = -f / distance.
+        // docs/theory.md, T12 in terms of F, with d = (q / distance, -1) and F = -f / distance.
         let d = (q / strip.distance).extend(-1.0);
         let slope = |n: DVec3| n.truncate() / n.dot(d);
         let shift = strip.error(design, &paper, q)[1];

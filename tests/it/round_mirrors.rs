@@ -81,7 +81,7 @@ impl Round {
         [z2, hypot(r, z) - r / sin(psi)]
     }
 
-    /// Z over the outer rim at image radius `r`, from DESIGN 3.2's one rule by quadrature.
+    /// Z over the outer rim at image radius `r`, from the rule of docs/theory.md, T18, by quadrature.
     fn sag(&self, r: f64, inner: f64) -> f64 {
         let outer = 0.5 * WIDTH;
         if self.distance.is_infinite() {

@@ -1,5 +1,5 @@
 //! What the tests of designs share: profiles in a few words, and optics written anew from the
-//! literature (DESIGN 3.1 and 3.2) on plain vectors and angles.
+//! literature (docs/theory.md, T5 and T17 to T20) on plain vectors and angles.
 
 use super::{builds::parsed, panel, shipped};
 use morion::design::{Design, DesignError, design};
@@ -166,7 +166,7 @@ pub fn rad(degrees: f64) -> f64 {
     degrees * (PI / 180.0)
 }
 
-/// Elevation of row z of a strip's law, and back (DESIGN 3.2).
+/// Elevation of row z of a strip's law, and back (docs/theory.md, T17).
 pub fn elevation(law: &str, z: f64) -> f64 {
     match law {
         "cylindrical" => atan(z),
