@@ -32,7 +32,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let Some(form) = &report.form_error_um {
         println!("form error: {:.3} um from peak to valley", form.all.pv);
     }
-    println!("verdict:    {:?} {}", report.verdict, report.reasons.join("; "));
+    println!("verdict:    {:?}", report.verdict);
+    for reason in &report.reasons {
+        println!("            {reason}");
+    }
     Ok(())
 }
 
