@@ -8,9 +8,9 @@
 //! X, Y = q exp(-k f)        Z = plane + (1 - exp(-k f)) / k        (k = 0: X, Y = q, Z = plane + f)
 //! ```
 //!
-//! which is o + exp(F) d with F = -k f (docs/theory.md, T9): one formula for both cameras. In (q, h)
-//! with h = (exp(k f) - 1) / k the map is projective, so a plane stays a plane and a flat facet is
-//! linear interpolation of h.
+//! which is o + exp(F) d with F = -k f (docs/theory.md, T9): one formula for both cameras. In
+//! (q, h) with h = (exp(k f) - 1) / k the map is projective, so a plane stays a plane and a flat
+//! facet is linear interpolation of h.
 
 use super::{DVec2, DVec3, Ray};
 use crate::num::Scalar;

@@ -15,8 +15,8 @@
 //! lines are W = w g / sqrt(1 + (p . a)^2) apart (w / cos of the slope across the feed, where there is
 //! none along it), and the scallop is that of a ball of radius r over a plane, 1/r = 1/R + k - R t^2 / (1 + R m),
 //! where k and m are the mirror's normal curvatures across and along the line, positive where it bulges
-//! towards the tool, and t its torsion along it (docs/theory.md, T75): 1/(1/R + k) where the line follows
-//! a line of curvature.
+//! towards the tool, and t its torsion along it (docs/theory.md, T75): 1/(1/R + k) where the line
+//! follows a line of curvature.
 
 use super::Place;
 use crate::geom::DVec2;

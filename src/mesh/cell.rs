@@ -1,9 +1,9 @@
 //! The lattice cell that suits each place: how large, how long, and which way round.
 //!
-//! With vertices on the mirror the fewest facets are (docs/theory.md, T42 to T44): on bowls equilateral
-//! triangles in the metric of the curvature; on saddles, for the chord, squares in that metric,
-//! turned from the principal directions by half of atan(1/2), for then all four edges of a square
-//! and both of its diagonals reach the tolerance at once; on saddles, for the image, right
+//! With vertices on the mirror the fewest facets are (docs/theory.md, T42 to T44): on bowls
+//! equilateral triangles in the metric of the curvature; on saddles, for the chord, squares in that
+//! metric, turned from the principal directions by half of atan(1/2), for then all four edges of a
+//! square and both of its diagonals reach the tolerance at once; on saddles, for the image, right
 //! triangles with legs along the directions that are conjugate in the curvature and perpendicular
 //! in the image, for then a facet shows what the mirror shows in the middle of its longest edge.
 

@@ -220,6 +220,24 @@ mod tests {
         }
     }
 
+    /// `docs/profile.md` has a row for each key, and no other.
+    #[test]
+    fn the_page_of_keys_has_them_all() {
+        let page = include_str!("../../docs/profile.md");
+        let rows = page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+        let mut told: Vec<String> = rows.map(|(key, _)| key.to_owned()).collect();
+        let path = |table: &str, key: &str| match table {
+            "" => key.to_owned(),
+            table => format!("{table}.{key}"),
+        };
+        let all = TABLES.iter().flat_map(|(table, keys)| keys.iter().map(|key| path(table, key)));
+        let is_table = |path: &str| TABLES.iter().any(|(table, _)| *table == path);
+        let mut known: Vec<String> = all.filter(|path| !is_table(path)).collect();
+        told.sort();
+        known.sort();
+        assert_eq!(told, known);
+    }
+
     #[test]
     fn usual_keys_leave_the_rare_ones_out() {
         assert_eq!(usual_keys("part"), ["width_mm", "base_mm"]);
