@@ -25,6 +25,7 @@ mod meshes;
 mod methods;
 mod numerics;
 mod packed;
+mod pages;
 mod part;
 mod part_refusals;
 mod profile_checks;

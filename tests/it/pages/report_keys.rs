@@ -1,0 +1,180 @@
+//! The tables of keys in the pages about reports, against what the commands write.
+
+use crate::support::builds::{SMALL, edited, folder, morion, told};
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+const REPORT: &str = include_str!("../../../docs/report.md");
+const STUDIES: &str = include_str!("../../../docs/report-studies.md");
+const TOLERANCE: &str = include_str!("../../../docs/report-tolerance.md");
+
+/// The round mirror under a pinhole.
+const ROUND: &str = "\
+camera.pinhole = { pixels = [120, 120], focal_px = 200, distance_mm = 40 }
+projection.hyperbolic.outer_polar_deg = 110
+layout.disc = {}
+method.vector-field.degree = 16
+part = { width_mm = 20, base_mm = 2 }
+mesh.facet_px = 3
+export.formats = [\"stl\"]
+";
+/// A mirror that is given, without a projection.
+const GIVEN: &str = "\
+camera.orthographic.pixels = [160, 120]
+mirror.polynomial = { radius_mm = -40, conic = 0 }
+part = { width_mm = 15, height_mm = 11, base_mm = 2 }
+mesh.chord_um = 5
+export.formats = [\"stl\"]
+";
+
+/// Runs in a folder of their own, and the JSON values that they made.
+struct Runs(tempfile::TempDir);
+
+impl Runs {
+    fn new() -> Self {
+        let runs = Self(folder());
+        let formats = ("[\"stl\", \"obj\"]", "[\"stl\", \"obj\", \"3mf\", \"step\", \"csv\"]");
+        let budget = ("chord_um = 20\nfacet_px = 3", "max_triangles = 20000");
+        let valley = ("ridge = \"crest\"", "ridge = \"valley\"");
+        // No limits of errors keep a budget that the design itself exceeds.
+        let unmet = "\n[tolerance]\nbudget_px = 0.01\nreference = \"projection\"\n";
+        for (name, text) in [
+            ("all", edited(SMALL, &[formats])),
+            ("budget", edited(SMALL, &[budget, ("\"stl\", \"obj\"", "\"obj\", \"csv\"")])),
+            ("valley", edited(SMALL, &[valley]) + unmet),
+            ("given", GIVEN.into()),
+            ("round", ROUND.into()),
+        ] {
+            std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
+        }
+        runs
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// The JSON that a command prints.
+    #[track_caller]
+    fn printed(&self, command: &str) -> Value {
+        let mut arguments: Vec<&str> = command.split(' ').collect();
+        arguments.extend(["--format", "json", "--quiet"]);
+        let (code, out, err) = told(&morion(self.0.path(), &arguments));
+        assert!(code < 2, "{command}: {err}");
+        serde_json::from_str(&out).unwrap_or_else(|error| panic!("{command}: {error}\n{out}"))
+    }
+
+    #[track_caller]
+    fn file(&self, name: &str) -> Value {
+        serde_json::from_slice(&std::fs::read(self.path(name)).unwrap()).unwrap()
+    }
+
+    /// Leaves out the last tenth of an STL's facets.
+    fn open(&self, stl: &str, scan: &Path) {
+        let mut bytes = std::fs::read(self.path(stl)).unwrap();
+        let facets = (bytes.len() - 84) / 50 * 9 / 10;
+        bytes.truncate(84 + 50 * facets);
+        bytes[80..84].copy_from_slice(&(facets as u32).to_le_bytes());
+        std::fs::write(scan, bytes).unwrap();
+    }
+}
+
+/// The keys of the tables below `heading` of a page. Brackets at the end tell of arrays.
+fn documented(page: &str, heading: &str) -> BTreeSet<String> {
+    let (_, after) = page.split_once(heading).unwrap_or_else(|| panic!("no {heading:?}"));
+    let section = after.find("\n#").map_or(after, |end| &after[..end]);
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+    rows.map(|(key, _)| key.trim_end_matches("[]").to_owned()).collect()
+}
+
+/// Adds the keys of the leaves of a value, and whether all of a key were null or empty.
+fn collect(value: &Value, path: &str, keys: &mut BTreeMap<String, bool>) {
+    match value {
+        Value::Object(object) if !object.is_empty() => {
+            for (key, value) in object {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                collect(value, &path, keys);
+            }
+        }
+        Value::Array(array) if !array.is_empty() => {
+            array.iter().for_each(|value| collect(value, &format!("{path}[]"), keys));
+        }
+        leaf => {
+            let empty = matches!(leaf, Value::Null | Value::Object(_) | Value::Array(_));
+            *keys.entry(path.trim_end_matches("[]").to_owned()).or_insert(true) &= empty;
+        }
+    }
+}
+
+/// Asserts that the tables below these headings have each key of `values`, and no other.
+#[track_caller]
+fn hold(page: &str, headings: &[&str], values: &[Value]) {
+    let told: BTreeSet<String> =
+        headings.iter().flat_map(|heading| documented(page, heading)).collect();
+    let mut made = BTreeMap::new();
+    values.iter().for_each(|value| collect(value, "", &mut made));
+    let above = |key: &str| {
+        told.iter().any(|k| k.starts_with(key) && k[key.len()..].starts_with(['.', '[']))
+    };
+    let missing =
+        made.iter().filter(|(key, empty)| !(told.contains(*key) || **empty && above(key)));
+    let missing: Vec<&String> = missing.map(|(key, _)| key).collect();
+    assert!(missing.is_empty(), "{headings:?} have no row for {missing:?}");
+    let idle: Vec<&String> = told.iter().filter(|key| !made.contains_key(*key)).collect();
+    assert!(idle.is_empty(), "{headings:?} have rows for {idle:?}, which no run wrote");
+}
+
+#[test]
+fn the_page_of_reports_has_every_key() {
+    let runs = Runs::new();
+    let mut reports: Vec<Value> = ["all", "budget", "valley", "given", "round"]
+        .map(|name| runs.printed(&format!("build {name}.toml")))
+        .into();
+    runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
+    reports.push(runs.printed("verify scan.stl --profile round.toml --align"));
+    reports.push(runs.printed("verify out/all/mirror.obj --profile all.toml"));
+    let headings = ["## `report.json` of a build", "## `report.json` of a verified file"];
+    hold(REPORT, &headings, &reports);
+    hold(REPORT, &["## `timings.json`"], &[runs.file("out/all/timings.json")]);
+    let plans = ["all", "budget"].map(|name| runs.printed(&format!("build {name}.toml --dry-run")));
+    hold(REPORT, &["### `morion build --dry-run`"], &plans);
+    let render = runs.printed("render round.toml --scene grid");
+    hold(REPORT, &["### `morion render`"], &[render]);
+    let photo = "unwrap out/round/render-grid.png --profile round.toml --map";
+    let unwrapped = [
+        runs.printed(&format!("{photo} npy")),
+        runs.printed(&format!("{photo} exr")),
+        runs.printed("unwrap out/all/preview.png --profile all.toml --cuts"),
+    ];
+    hold(REPORT, &["### `morion unwrap`"], &unwrapped);
+}
+
+#[test]
+fn the_page_of_studies_has_every_key() {
+    let runs = Runs::new();
+    let frames = ["all", "round"].map(|name| runs.printed(&format!("frame {name}.toml")));
+    hold(STUDIES, &["## `frame.json`"], &frames);
+    let blur =
+        ["blur all.toml --na 0.01", "blur round.toml --pupil-mm 1"].map(|it| runs.printed(it));
+    hold(STUDIES, &["## `blur.json`"], &blur);
+    let cut = [
+        "machining all.toml --ball-mm 1 --stepover-mm 0.3",
+        "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
+    ];
+    hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
+    let bench = runs.printed("bench all.toml --quick --suggest 3px");
+    hold(STUDIES, &["## `bench.json`"], &[bench]);
+}
+
+#[test]
+fn the_page_of_tolerances_has_every_key() {
+    let runs = Runs::new();
+    let study = runs.printed("tolerance valley.toml --trials 30");
+    hold(TOLERANCE, &["## `tolerance.json`"], &[study]);
+    let timings = runs.file("out/valley/tolerance-timings.json");
+    hold(TOLERANCE, &["## `tolerance-timings.json`"], &[timings]);
+    let replay = runs.printed("tolerance all.toml --replay 3 --without stepover_mm");
+    hold(TOLERANCE, &["## `replay.json`"], &[replay]);
+    hold(TOLERANCE, &["## `pose.json`"], &[runs.file("out/all/replay-3/pose.json")]);
+}
