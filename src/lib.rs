@@ -47,10 +47,11 @@
 //!                unwrap <- [photo]
 //! ```
 //!
-//! Which module may use which; everything below [`profile`] may use [`num`], and from [`optics`] on
-//! [`geom`] too:
+//! Which module may use which; everything below [`profile`] may use [`num`] and `parallel`, the one
+//! door to threads, and from [`optics`] on [`geom`] too:
 //!
 //! ```text
+//! parallel
 //! num                profile              raster
 //! geom
 //! optics
@@ -89,6 +90,7 @@ pub mod mesh;
 pub mod mirror;
 pub mod num;
 pub mod optics;
+mod parallel;
 pub mod pencil;
 pub mod pipeline;
 pub mod profile;

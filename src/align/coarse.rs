@@ -6,7 +6,7 @@ use super::target::Target;
 use super::{Patch, Pose};
 use crate::geom::DVec3;
 use crate::num::radians;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Vertices that take part.
 const POINTS: usize = 600;
@@ -40,7 +40,7 @@ pub fn coarse(patches: &[Patch], target: &Target) -> Pose {
     let mut best = (Pose::IDENTITY, 0.0);
     for batch in starts.chunks(BATCH) {
         let found: Vec<(Pose, f64)> =
-            batch.par_iter().map(|&start| descend(&points, target, start)).collect();
+            parallel::map_slice(batch, 1, |&start| descend(&points, target, start));
         for found in found {
             if found.1 > BETTER * best.1 {
                 best = found;

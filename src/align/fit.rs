@@ -4,8 +4,8 @@
 use super::target::{Foot, Target};
 use super::{Free, Patch, Pose};
 use crate::geom::DVec3;
+use crate::parallel;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
-use rayon::prelude::*;
 
 /// Vertices that a thread handles at a time; fixed, so that sums do not depend on the threads.
 const CHUNK: usize = 4096;
@@ -47,7 +47,7 @@ pub fn residuals(
         let patch = patch.moved(pose);
         Residual::new(&patch, &foot(patch.at)?)
     };
-    patches.par_iter().with_min_len(CHUNK).map(residual).collect()
+    parallel::map_slice(patches, CHUNK, residual)
 }
 
 /// Tukey's biweight: 1 for no distance, 0 from `reach` on.
@@ -85,14 +85,16 @@ impl Equations {
             }
             sums
         };
-        let parts: Vec<Self> = residuals.par_chunks(CHUNK).map(sum).collect();
-        parts.into_iter().fold(Self::zero(), |mut all, part| {
-            all.matrix += part.matrix;
-            all.side += part.side;
-            all.weight += part.weight;
-            all.squares += part.squares;
-            all
-        })
+        parallel::map_chunks(residuals, CHUNK, sum).into_iter().fold(
+            Self::zero(),
+            |mut all, part| {
+                all.matrix += part.matrix;
+                all.side += part.side;
+                all.weight += part.weight;
+                all.squares += part.squares;
+                all
+            },
+        )
     }
 
     fn zero() -> Self {

@@ -4,7 +4,7 @@ use super::OUTLIER;
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
 use crate::optics::Camera;
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 
 /// Departures from the design along its normal, one a sensor pixel.
@@ -55,7 +55,7 @@ impl FormMap {
         let [columns, rows] = camera.pixels;
         let outline = mirror.whole();
         let mut mm = vec![f64::NAN; columns as usize * rows as usize];
-        mm.par_chunks_mut((columns as usize).max(1)).enumerate().for_each(|(row, line)| {
+        parallel::map_chunks_mut(&mut mm, (columns as usize).max(1), |row, line| {
             let place = |column: u32| {
                 let q = camera.image_point(f64::from(column) + 0.5, row as f64 + 0.5);
                 mirror.under(&camera.chart, q).filter(|q| outline.aims(*q))

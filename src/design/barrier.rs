@@ -2,7 +2,7 @@
 
 use super::basis::Local;
 use crate::num::streaming_qr::dot;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Columns of a panel.
 const WIDE: usize = 4;
@@ -68,23 +68,19 @@ impl Panels {
     pub fn curvature(&self, roots: &[Root]) -> Vec<Vec<f64>> {
         // Where nothing depends on F itself two rows a place suffice.
         let first = usize::from(roots.iter().all(|l| l.iter().all(|row| row[0] == 0.0)));
-        let weighted: Vec<Vec<[f64; WIDE]>> = self
-            .panels
-            .par_iter()
-            .map(|panel| {
-                let mut rows = Vec::with_capacity(panel.len() * (3 - first));
-                for (d, l) in panel.iter().zip(roots) {
-                    rows.extend((first..3).map(|q| -> [f64; WIDE] {
-                        std::array::from_fn(|k| {
-                            l[0][q] * d[0][k] + l[1][q] * d[1][k] + l[2][q] * d[2][k]
-                        })
-                    }));
-                }
-                rows
-            })
-            .collect();
+        let weighted = parallel::map_slice(&self.panels, 1, |panel| {
+            let mut rows = Vec::with_capacity(panel.len() * (3 - first));
+            for (d, l) in panel.iter().zip(roots) {
+                rows.extend((first..3).map(|q| -> [f64; WIDE] {
+                    std::array::from_fn(|k| {
+                        l[0][q] * d[0][k] + l[1][q] * d[1][k] + l[2][q] * d[2][k]
+                    })
+                }));
+            }
+            rows
+        });
         let mut matrix: Vec<Vec<f64>> = (0..self.unknowns).map(|i| vec![0.0; i + 1]).collect();
-        matrix.par_chunks_mut(WIDE).enumerate().for_each(|(p, block)| {
+        parallel::map_chunks_mut(&mut matrix, WIDE, |p, block| {
             for q in 0..=p {
                 let tile = product(&weighted[p], &weighted[q]);
                 for (row, tile) in block.iter_mut().zip(tile) {

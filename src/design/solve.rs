@@ -10,7 +10,7 @@ use crate::num::Scalar;
 use crate::num::condition::{condition_number, lengths};
 use crate::num::least_squares::RankDeficient;
 use crate::num::streaming_qr::{Rows, StreamingQr};
-use rayon::prelude::*;
+use crate::parallel;
 use thiserror::Error;
 
 /// Places whose rows enter the QR together.
@@ -205,8 +205,8 @@ impl<const N: usize> Sample<N> {
 
     /// The residual at every place.
     pub fn all(basis: &Basis, residual: &impl Residual<N>, locals: &[Local]) -> Vec<Self> {
-        let at = |(k, &local): (usize, &Local)| Self::new(residual, basis.at(k), local);
-        locals.par_iter().enumerate().with_min_len(BLOCK).map(at).collect()
+        let at = |k: usize| Self::new(residual, basis.at(k), locals[k]);
+        parallel::map(locals.len(), BLOCK, at)
     }
 
     /// |r|^2.

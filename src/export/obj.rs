@@ -4,8 +4,8 @@ use super::text::lines;
 use super::{Label, Size};
 use crate::geom::{DVec2, DVec3, Precision};
 use crate::mirror::Mirror;
+use crate::parallel;
 use crate::solid::Solid;
-use rayon::prelude::*;
 use std::io::{self, Write};
 
 /// Writes `solid` as OBJ. The first `solid.optical()` facets carry the normals of `mirror` at
@@ -158,5 +158,5 @@ fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
         let unit = |(&q, point)| mirror.normal(q, &point).normalize() + DVec3::ZERO;
         line.iter().zip(points).map(unit).collect::<Vec<_>>()
     };
-    lines.par_iter().map(evaluate).collect::<Vec<_>>().concat()
+    parallel::map_slice(&lines, 1, evaluate).concat()
 }

@@ -6,7 +6,7 @@ use super::text::{Counting, lines};
 use crate::geom::{Chart, DVec2, DVec3, Outline, angle};
 use crate::mirror::Mirror;
 use crate::num::{cos, larger, sin};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::PI;
 use std::io::{self, Write};
 use thiserror::Error;
@@ -130,8 +130,7 @@ impl<W: Write> Rows<'_, W> {
 
     fn flush(&mut self) -> io::Result<()> {
         let pending = std::mem::take(&mut self.pending);
-        let found: Vec<Vec<SagRow>> =
-            pending.par_iter().map(|line| on_mirror(self.mirror, line)).collect();
+        let found = parallel::map_slice(&pending, 1, |line| on_mirror(self.mirror, line));
         lines(self.out, &found.concat(), row)
     }
 }
@@ -357,7 +356,7 @@ pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagOff {
             [larger(height, up), larger(turned, turn)]
         })
     };
-    let chunks: Vec<[f64; 2]> = found.par_chunks(TURN).map(worst).collect();
+    let chunks = parallel::map_chunks(found, TURN, worst);
     let [height_mm, normal_rad] =
         chunks.into_iter().fold([0.0, 0.0], |a, b| [larger(a[0], b[0]), larger(a[1], b[1])]);
     SagOff { height_mm, normal_rad }

@@ -1,6 +1,6 @@
 //! Lines of text, many at a time, and how long they are.
 
-use rayon::prelude::*;
+use crate::parallel;
 use std::io::{self, Write};
 
 /// Lines formatted by a thread at a time.
@@ -19,8 +19,7 @@ pub fn lines<T: Sync>(
     };
     // A few chunks at a time, so that the text of a large file is never in memory as a whole.
     for group in items.chunks(16 * CHUNK) {
-        let texts: Vec<_> = group.par_chunks(CHUNK).map(format).collect();
-        for text in texts {
+        for text in parallel::map_chunks(group, CHUNK, format) {
             out.write_all(&text?)?;
         }
     }

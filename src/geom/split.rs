@@ -1,7 +1,7 @@
 //! Finer meshes: edges are split until none is too long.
 
 use super::{DVec3, TriMesh};
-use rayon::prelude::*;
+use crate::parallel;
 
 impl TriMesh {
     /// The same mesh, with edges split until none is longer than `longest` mm: each at the place
@@ -18,30 +18,30 @@ impl TriMesh {
         loop {
             let Self { vertices, triangles } = &mut self;
             let length = |a: u32, b: u32| (vertices[a as usize] - vertices[b as usize]).length();
-            let mut edges: Vec<[u32; 2]> = triangles
-                .par_iter()
-                .flat_map_iter(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-                .filter(|&[a, b]| length(a, b) > longest)
-                .map(|[a, b]| [a.min(b), a.max(b)])
-                .collect();
+            let mut edges: Vec<[u32; 2]> = parallel::gather(triangles.len(), 1, |part| {
+                let edges = triangles[part].iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+                let long = edges.filter(|&[a, b]| length(a, b) > longest);
+                long.map(|[a, b]| [a.min(b), a.max(b)]).collect()
+            });
             if triangles.len() + edges.len() > most {
                 return None;
             }
-            edges.par_sort_unstable();
+            parallel::sort_unstable_by(&mut edges, Ord::cmp);
             edges.dedup();
             if edges.is_empty() {
                 return Some(self);
             }
             let first = vertices.len() as u32;
             let at = |v: u32| vertices[v as usize];
-            let middles: Vec<DVec3> =
-                edges.par_iter().map(|&[a, b]| between(at(a), at(b))).collect();
+            let middles = parallel::map_slice(&edges, 1, |&[a, b]| between(at(a), at(b)));
             vertices.extend(middles);
             let middle = |a: u32, b: u32| {
                 edges.binary_search(&[a.min(b), a.max(b)]).ok().map(|k| first + k as u32)
             };
             let cut = |&triangle: &[u32; 3]| cut(triangle, vertices, middle);
-            let finer = triangles.par_iter().flat_map_iter(cut).collect();
+            let finer = parallel::gather(triangles.len(), 1, |part| {
+                triangles[part].iter().flat_map(cut).collect()
+            });
             *triangles = finer;
         }
     }

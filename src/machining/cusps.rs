@@ -5,7 +5,7 @@
 
 use super::Passes;
 use crate::geom::{DVec2, turn};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// How far the cusps are from half way between their lines, at places along these.
 pub struct Cusps {
@@ -32,7 +32,7 @@ impl Cusps {
             let x = (first[0] + (n % places) as i64) as f64 * along_mm;
             passes.cusp(x, first[1] + (n / places) as i64).unwrap_or(0.0)
         };
-        let off = (0..places * cusps).into_par_iter().map(off).collect();
+        let off = parallel::map(places * cusps, 1, off);
         Self { stepover_mm, along_mm, first, places, off }
     }
 

@@ -5,7 +5,7 @@ use super::rest::lowest;
 use super::{Place, touches};
 use crate::geom::DVec2;
 use crate::mirror::Mirror;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// What a ball from above leaves on the face: the closing of the mirror by the ball (the lowest places that it
 /// reaches anywhere without cutting into the mirror), less the mirror. Places are those of a grid over X and Y, what
@@ -44,20 +44,15 @@ impl Gouge {
         let half = (lo.abs().max(hi.abs()) / step).floor() + 1.0;
         let [columns, rows] = [2 * half.x as usize + 1, 2 * half.y as usize + 1];
         let first = -half * step;
-        let places: Vec<Option<Place>> = (0..columns * rows)
-            .into_par_iter()
-            .map(|k| over_face(mirror, node(first, step, columns, k)))
-            .collect();
+        let places =
+            parallel::map(columns * rows, 1, |k| over_face(mirror, node(first, step, columns, k)));
         let heights = places.iter().map(|place| place.map_or(f64::NAN, |p| p.at.z)).collect();
         let ground = Ground::new(mirror, ball_mm, step, first, [columns, rows], heights);
         let lay = Lay::new(&ground);
-        let left: Vec<Option<f64>> = places
-            .par_iter()
-            .map(|place| {
-                let left = lay.left(&(*place)?);
-                Some(if left > FLOOR_MM { left } else { 0.0 })
-            })
-            .collect();
+        let left = parallel::map_slice(&places, 1, |place| {
+            let left = lay.left(&(*place)?);
+            Some(if left > FLOOR_MM { left } else { 0.0 })
+        });
         let mut found =
             Self { size: [columns, rows], first, step, left, most: None, most_beside: None };
         let reached = |place: &Place| touches(mirror, place, ball_mm);
@@ -139,10 +134,9 @@ impl<'a> Lay<'a> {
         let reach = (ground.ball_mm / ground.step).ceil() as usize;
         let [columns, rows] = ground.size.map(|count| count + 2 * reach);
         let mut lay = Self { ground, reach, columns, rows, centres: Vec::new() };
-        lay.centres = (0..columns * rows)
-            .into_par_iter()
-            .map(|k| ground.over_nodes(node(lay.first(), ground.step, columns, k)))
-            .collect();
+        lay.centres = parallel::map(columns * rows, 1, |k| {
+            ground.over_nodes(node(lay.first(), ground.step, columns, k))
+        });
         lay
     }
 

@@ -10,7 +10,7 @@ use super::{MachiningError, Passes, Place, Raster};
 use crate::geom::{DVec2, Outline, TriMesh, turn};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::TAU;
 
 /// Rows to a stepover.
@@ -121,8 +121,7 @@ pub fn face(
     let x = places.concat();
     straighten(&x, &straight, &mut y, &triangles);
     let place = |k: usize| along * x[k] + across * y[k] + DVec2::ZERO;
-    let heights: Vec<Option<f64>> =
-        (0..x.len()).into_par_iter().map(|k| passes.height(place(k))).collect();
+    let heights = parallel::map(x.len(), 1, |k| passes.height(place(k)));
     let vertex = |(k, height): (usize, Option<f64>)| {
         let at = place(k);
         height.map(|z| at.extend(z)).ok_or(MachiningError::Uncut { at })

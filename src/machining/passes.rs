@@ -7,7 +7,7 @@
 use super::{MachiningError, Place, Raster, beyond, foot, touches};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Longest step along a pass, as a share of the face's size; otherwise a stepover.
 const LONGEST: f64 = 1.0 / 200.0;
@@ -67,7 +67,8 @@ impl Passes {
             line(mirror, raster, foot, along, ends, step)
         };
         // Gathered before the first error is looked for, which is the same on any number of threads.
-        let lines: Vec<_> = (first..=last).into_par_iter().map(line).collect();
+        let count = (last - first + 1).max(0) as usize;
+        let lines = parallel::map(count, 1, |k| line(first + k as i64));
         let lines = lines.into_iter().collect::<Result<_, _>>()?;
         Ok(Self { raster, across, first, lines, ridge: ridge(mirror, raster.ball_mm, step) })
     }

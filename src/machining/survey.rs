@@ -7,7 +7,7 @@ use crate::mirror::{Mirror, Surface};
 use crate::num::stats::Summary;
 use crate::num::{Dual, Scalar, degrees, radians};
 use crate::optics::{Camera, View};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 
 /// Samples of the face along each axis of a panel, the rim among them.
@@ -86,20 +86,20 @@ impl<'a> Survey<'a> {
         let flip = DVec2::new(1.0, -1.0);
         let images = panel.iter().map(|(q, _)| *q * flip).filter(|_| mirror.folded);
         let places: Vec<DVec2> = panel.iter().map(|(q, _)| *q).chain(images).collect();
-        let face = places.par_iter().map(|&q| (q, Place::of(mirror, q))).collect();
+        let face = parallel::map_slice(&places, 1, |&q| (q, Place::of(mirror, q)));
         let [columns, rows] = camera.pixels;
         let stride = (f64::from(columns) * f64::from(rows) / PIXELS).sqrt().floor().max(1.0) as u32;
-        let row = |row: u32| {
+        let row = |row: usize| {
             let centre = move |k: u32| f64::from(k * stride + stride / 2) + 0.5;
             let points =
                 (0..columns.div_ceil(stride)).map(centre).filter(|&x| x < f64::from(columns));
-            let y = centre(row);
+            let y = centre(row as u32);
             points
                 .filter(|_| y < f64::from(rows))
                 .filter_map(|x| pixel(mirror, camera, view, camera.image_point(x, y)))
                 .collect::<Vec<_>>()
         };
-        let pixels: Vec<Vec<Pixel>> = (0..rows.div_ceil(stride)).into_par_iter().map(row).collect();
+        let pixels = parallel::map(rows.div_ceil(stride) as usize, 1, row);
         Self { mirror, face, pixels: pixels.concat(), projected: view.is_some() }
     }
 
@@ -326,7 +326,7 @@ fn spread(largest: Vec<f64>) -> Option<Summary> {
 /// The direction where `measure` is least: the best of many, refined between its neighbours.
 fn best(measure: impl Fn(f64) -> f64 + Sync) -> Direction {
     let angle = |k: usize| radians(180.0 * k as f64 / DIRECTIONS as f64);
-    let all: Vec<f64> = (0..DIRECTIONS).into_par_iter().map(|k| measure(angle(k))).collect();
+    let all = parallel::map(DIRECTIONS, 1, |k| measure(angle(k)));
     let least = (1..DIRECTIONS).fold(0, |least, k| if all[k] < all[least] { k } else { least });
     let worst = all.iter().copied().fold(0.0, f64::max);
     if !(all[least] < (1.0 - SAME) * worst) {

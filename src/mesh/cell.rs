@@ -9,8 +9,8 @@
 
 use super::needs::{Needs, Place, SLENDER};
 use crate::geom::{DVec2, Outline};
+use crate::parallel;
 use glam::DMat2;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Growth of neighbouring cells.
@@ -201,7 +201,7 @@ impl<'a> Cells<'a> {
             |&kind: &Kind| (kind, Self::graded(needs, kind, aim, ROUGH_SIDE).count(outline));
         let better = |a: (Kind, f64), b: (Kind, f64)| if b.1 < a.1 { b } else { a };
         let kinds: &[Kind] = if needs.sees() { &Kind::ALL } else { &Kind::BLIND };
-        let counts: Vec<_> = kinds.par_iter().map(rough).collect();
+        let counts = parallel::map_slice(kinds, 1, rough);
         let (kind, _) = counts.into_iter().reduce(better).expect("there are kinds");
         let mut cells = Self::graded(needs, kind, aim, SIDE);
         let count = cells.count(outline);
@@ -229,7 +229,7 @@ impl<'a> Cells<'a> {
             parts: 1,
             aim,
             side,
-            alone: Arc::new(nodes.par_iter().with_min_len(CHUNK).map(alone).collect()),
+            alone: Arc::new(parallel::map_slice(&nodes, CHUNK, alone)),
             nodes: Vec::new(),
             between: Arc::default(),
             fit: DVec2::ONE,
@@ -383,8 +383,7 @@ impl<'a> Cells<'a> {
                 [k + 1, k + side + 1, k + side + 2].map(|k| self.turned(self.nodes[k], &own));
             [own, right - own, up - own, across - up - (right - own)]
         };
-        let places = (0..side * side).into_par_iter().with_min_len(CHUNK);
-        self.between = Arc::new(places.map(between).collect());
+        self.between = Arc::new(parallel::map(side * side, CHUNK, between));
         self.fit = DVec2::ONE;
         let domain = self.needs.domain();
         let size = domain.size();

@@ -3,7 +3,7 @@
 
 use super::corner::Corner;
 use super::net::Net;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Corners or edges a thread looks at at a time, at least.
 const CHUNK: usize = 32;
@@ -28,7 +28,7 @@ impl Crowd {
         while !corners.is_empty() {
             let apart = self.split(net, &mut corners);
             let place = |&v: &u32| better(net, v);
-            let places: Vec<_> = apart.par_iter().with_min_len(CHUNK).map(place).collect();
+            let places = parallel::map_slice(&apart, CHUNK, place);
             for (v, place) in apart.into_iter().zip(places) {
                 if let Some(place) = place {
                     net.points[v as usize] = place;
@@ -63,6 +63,8 @@ impl Crowd {
 /// changed are reported.
 pub fn flip_all<C: Corner>(net: &mut Net<C>, edges: Vec<[u32; 2]>, changed: impl FnMut(u32)) {
     let gains = |edge: &[u32; 2]| net.gains_by_flipping(*edge);
-    let edges: Vec<_> = edges.into_par_iter().with_min_len(CHUNK).filter(gains).collect();
+    let edges = parallel::gather(edges.len(), CHUNK, |part| {
+        edges[part].iter().copied().filter(gains).collect()
+    });
     net.flip_all(edges, changed);
 }

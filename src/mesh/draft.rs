@@ -12,7 +12,7 @@ use super::rim::Rim;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, Precision, Rect};
 use crate::mirror::Mirror;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Coarse triangles of the meshed part, about: so many that few of them are at the rim, and that
 /// curvature hardly changes within one.
@@ -184,8 +184,7 @@ impl<'a> Draft<'a> {
     /// The same, judged by the proof of one facet of each of some triangles.
     fn judged(mut self, prover: &Prover, limits: Limits) -> Self {
         let (doubt, facets) = (Doubt::new(prover, limits), self.samples().collect::<Vec<_>>());
-        let excess = facets.par_iter().map(|&facet| doubt.excess(facet, 1.0));
-        let mut excess: Vec<f64> = excess.collect();
+        let mut excess = parallel::map_slice(&facets, 1, |&facet| doubt.excess(facet, 1.0));
         excess.sort_by(f64::total_cmp);
         let count = excess.len();
         // Repairing a facet costs as it is too large.
@@ -219,7 +218,7 @@ impl<'a> Draft<'a> {
         }
         let doubt = Doubt::new(prover, limits);
         let facets: Vec<[DVec2; 3]> = self.samples().collect();
-        let shrunk: Vec<Shrunk> = facets.par_iter().map(|&facet| doubt.shrink(facet)).collect();
+        let shrunk = parallel::map_slice(&facets, 1, |&facet| doubt.shrink(facet));
         let worsens = |(facet, shrunk): (&[DVec2; 3], &Shrunk)| {
             (*shrunk == Shrunk::Worsens).then(|| (doubt.excess(*facet, 1.0), *facet))
         };
@@ -256,7 +255,11 @@ impl<'a> Draft<'a> {
             }
             None
         };
-        match self.net.triangles.par_iter().find_map_first(sees) {
+        let triangles = &self.net.triangles;
+        let seen = parallel::gather(triangles.len(), 1, |part| {
+            triangles[part].iter().find_map(sees).into_iter().collect()
+        });
+        match seen.into_iter().next() {
             Some(at) => Err(MeshError::Pole { at }),
             None => Ok(()),
         }

@@ -42,6 +42,7 @@ pub use proof::{Bound, Prover, Vertex};
 use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::View;
+use crate::parallel;
 use draft::{Draft, Trial, rounding};
 use needs::Needs;
 use refine::refine;
@@ -257,7 +258,7 @@ impl<'a> Mesher<'a> {
             })
         };
         // From a thread of the pool, the others are reached more quickly.
-        let (made, optimum) = rayon::join(made, || Optimum::new(mirror, &camera, view));
+        let (made, optimum) = parallel::join(made, || Optimum::new(mirror, &camera, view));
         let (mut mesh, bound) = made?;
         for axis in [0, 1] {
             if mirror.even[axis] {
@@ -284,7 +285,7 @@ impl<'a> Mesher<'a> {
             Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
         };
         // From a thread of the pool, the others are reached more quickly.
-        rayon::scope(|_| self.drafted(limits, made))
+        parallel::join(|| self.drafted(limits, made), || ()).0
     }
 
     /// What is made of the draft of a mesh.
@@ -299,7 +300,7 @@ impl<'a> Mesher<'a> {
         let needs = Needs::new(&sight, domain, limits);
         let known = self.prover.take().filter(|prover| prover.precision == limits.precision);
         // Neither keeps all threads busy.
-        let (prover, trial) = rayon::join(
+        let (prover, trial) = parallel::join(
             || known.unwrap_or_else(|| Prover::over(domain, sight, limits.precision)),
             || Trial::new(sight.mirror, &needs, domain, copies(sight.mirror)),
         );

@@ -9,8 +9,8 @@ use super::{Limits, MeshError};
 use crate::geom::{DVec2, Outline, Precision, Rect};
 use crate::mirror::Curvature;
 use crate::num::{Dual, exp, larger};
+use crate::parallel;
 use glam::DMat2;
-use rayon::prelude::*;
 
 /// Cells per side of the table.
 const CELLS: usize = 48;
@@ -99,7 +99,7 @@ impl Needs {
         let outline = &sight.mirror.outline;
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
         let place = |&q: &DVec2| place(sight, into(outline, q), limits.precision);
-        Self { domain, table: nodes.par_iter().map(place).collect(), limits }
+        Self { domain, table: parallel::map_slice(&nodes, 1, place), limits }
     }
 
     /// Whether the image limits anything.

@@ -10,8 +10,8 @@ use super::subdivide::Fine;
 use super::tighten::Mesh;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
+use crate::parallel;
 use glam::DMat2;
-use rayon::prelude::*;
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
 const CHUNK: usize = 256;
@@ -41,8 +41,7 @@ pub fn refine(
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
     let evaluate = |&q: &DVec2| prover.vertex(q, prover.mirror().surface.at(q));
-    let mut vertices: Vec<Vertex> =
-        fine.points.par_iter().with_min_len(CHUNK).map(evaluate).collect();
+    let mut vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, evaluate);
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
     let proof = Proof { prover, limits };
     let Proven { mut bounds, mut failed, mut largest } = proof.of(&all, &vertices, &fine.triangles);
@@ -132,7 +131,7 @@ impl Proof<'_> {
             proven.largest.extend(largest.into_iter().filter_map(|(_, t)| t));
             proven
         };
-        let chunks: Vec<_> = facets.par_chunks(CHUNK).map(chunk).collect();
+        let chunks = parallel::map_chunks(facets, CHUNK, chunk);
         chunks.into_iter().fold(Proven::default(), |mut all, chunk| {
             all.bounds.extend(chunk.bounds);
             all.largest.extend(chunk.largest);
@@ -208,8 +207,9 @@ impl Repair<'_> {
             changed.dedup();
             let net = &self.net;
             let is_large = |t: &u32| net.excess(*t) > MENDED;
-            let large = changed.par_iter().with_min_len(FEW).copied().filter(is_large);
-            let large: Vec<u32> = large.collect();
+            let large = parallel::gather(changed.len(), FEW, |part| {
+                changed[part].iter().copied().filter(is_large).collect()
+            });
             corners.clear();
             corners.extend(large.into_iter().flat_map(|t| net.triangles[t as usize]));
             self.changed.extend(changed);

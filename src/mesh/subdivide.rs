@@ -5,7 +5,7 @@ use super::draft::Draft;
 use super::net::Net;
 use super::rim::{Arc, Rim};
 use crate::geom::DVec2;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// A triangulation of points, neighbours near each other in both lists.
 pub struct Fine {
@@ -32,7 +32,7 @@ pub fn subdivide(draft: &Draft, round: impl Fn(DVec2) -> DVec2 + Sync) -> Fine {
         fine.points.iter_mut().for_each(|point| *point = round(*point));
         fine
     };
-    let cut: Vec<Fine> = pieces.par_chunks(CHUNK).map(cut).collect();
+    let cut = parallel::map_chunks(&pieces, CHUNK, cut);
     let (points, triangles): (Vec<_>, Vec<_>) =
         cut.into_iter().map(|fine| (fine.points, fine.triangles)).unzip();
     Fine { points: points.concat(), triangles: triangles.concat() }
@@ -49,7 +49,9 @@ fn in_rows(plane: &Net) -> Vec<usize> {
     let band = |c: DVec2| ((c.y - lo.y) / (hi.y - lo.y).max(f64::MIN_POSITIVE) * bands) as u32;
     let mut order: Vec<(u32, f64, usize)> =
         centres.iter().enumerate().map(|(t, &c)| (band(c), c.x, t)).collect();
-    order.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    parallel::sort_unstable_by(&mut order, |a, b| {
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
+    });
     order.into_iter().map(|(_, _, t)| t).collect()
 }
 
@@ -184,5 +186,5 @@ fn neighbours(plane: &Net) -> Vec<[u32; 3]> {
             plane.beside(side).into_iter().flatten().find(|&u| u as usize != t).unwrap_or(NONE)
         })
     };
-    (0..plane.triangles.len()).into_par_iter().with_min_len(CHUNK).map(beyond).collect()
+    parallel::map(plane.triangles.len(), CHUNK, beyond)
 }

@@ -3,7 +3,7 @@
 use super::Limits;
 use super::proof::{Bound, Prover, Vertex};
 use super::tight::{Found, Kind, LOOSE, NOTHING};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Facets a thread looks at at a time, at least.
 const FEW: usize = 32;
@@ -32,12 +32,12 @@ impl<'a> Mesh<'a> {
     pub fn bound(&self, bounds: &[Bound], largest: &[u32], limits: &Limits) -> Bound {
         let mut bound = bounds.iter().copied().fold(Bound::default(), Bound::max);
         // Mostly, that is near what one of these reaches.
-        let reached = largest.par_iter().with_min_len(FEW).map(|&t| {
+        let reached = parallel::map_slice(largest, FEW, |&t| {
             let (_, reached) = self.prover.estimate(self.corners(t));
             reached
         });
         let more = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-        let reached = reached.reduce(|| [0.0; 2], more);
+        let reached = reached.into_iter().fold([0.0; 2], more);
         for kind in [Kind::Chord, Kind::Facet] {
             let known = kind.of(&bound);
             let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
@@ -99,8 +99,7 @@ impl<'a> Mesh<'a> {
                 };
                 self.prover.search(self.corners(t), kind, quick, near)
             };
-            let found: Vec<Found> = batch.par_iter().map(look).collect();
-            for one in found {
+            for one in parallel::map_slice(batch, 1, look) {
                 (rest, reached) = (rest.max(one.bound), reached.max(one.reached));
             }
         }

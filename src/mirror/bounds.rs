@@ -6,7 +6,7 @@
 use super::{Sheet, Surface};
 use crate::geom::{DVec2, Rect};
 use crate::num::{Interval, bernstein};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Cells per side: fine enough that the bounds are within a few per cent of the local values.
 const CELLS: usize = 32;
@@ -84,7 +84,7 @@ impl Cells<Bounds> {
             let [lo, hi] = self.corners(k);
             bounds(lo, hi)
         };
-        (0..CELLS * CELLS).into_par_iter().map(cell).collect()
+        parallel::map(CELLS * CELLS, 1, cell)
     }
 }
 
@@ -129,7 +129,7 @@ impl<T> Cells<T> {
             let (i, j) = (k % count / parts, k / count / parts);
             derive(cells.corners(k), &self.values[j * self.count + i])
         };
-        cells.values = (0..count * count).into_par_iter().map(value).collect();
+        cells.values = parallel::map(count * count, 1, value);
         cells
     }
 }
@@ -170,9 +170,9 @@ fn tensor(sheet: &Sheet, cells: &Cells<Bounds>) -> Vec<Bounds> {
         let (point, c) = (sheet.at(0.5 * (lo + hi)), sheet.curvature(0.5 * (lo + hi)));
         [point.f, point.slope.x, point.slope.y, c.xx, c.xy, c.yy]
     };
-    let (third, middles): (_, Vec<[f64; 6]>) = rayon::join(
+    let (third, middles): (_, Vec<[f64; 6]>) = parallel::join(
         || third_derivatives(sheet, &u, &v),
-        || (0..CELLS * CELLS).into_par_iter().map(middle).collect(),
+        || parallel::map(CELLS * CELLS, 1, middle),
     );
     let off: [f64; 6] =
         std::array::from_fn(|i| OFF * middles.iter().map(|m| m[i].abs()).fold(0.0, f64::max));
@@ -208,9 +208,9 @@ fn third_derivatives(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Vec<Interval>; 4] 
         let ranges = bernstein::ranges(&series, u, v);
         ranges.into_iter().map(|[lo, hi]| Interval::new(lo, hi) * unit).collect()
     };
-    let ((a, b), (c, d)) = rayon::join(
-        || rayon::join(|| ranges(0), || ranges(1)),
-        || rayon::join(|| ranges(2), || ranges(3)),
+    let ((a, b), (c, d)) = parallel::join(
+        || parallel::join(|| ranges(0), || ranges(1)),
+        || parallel::join(|| ranges(2), || ranges(3)),
     );
     [a, b, c, d]
 }

@@ -3,7 +3,7 @@
 use super::{Bounds, Curvature, Point, Union};
 use crate::geom::DVec2;
 use crate::num::Interval;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Evenly spaced places along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,7 +170,7 @@ impl Patches {
             return None;
         }
         let mut nodes: Vec<Node> = values.iter().map(|&f| [f, 0.0, 0.0, 0.0]).collect();
-        nodes.par_chunks_mut(x.count).for_each(|row| slopes(row, 1, 0, 1));
+        parallel::map_chunks_mut(&mut nodes, x.count, |_, row| slopes(row, 1, 0, 1));
         slopes(&mut nodes, x.count, 0, 2);
         slopes(&mut nodes, x.count, 1, 3);
         Some(Self { x, y, nodes })

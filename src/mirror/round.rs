@@ -5,7 +5,7 @@ use super::{Bounds, Curvature, Point};
 use crate::geom::{DVec2, Outline};
 use crate::num::legendre::{Jet, Row, Series};
 use crate::num::{Interval, Scalar, bernstein};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Rings that a thread bounds at a time.
 const RUN: usize = 32;
@@ -133,8 +133,8 @@ impl Round {
         let third = self.series.derivative_u().derivative_u().derivative_u();
         let run = |edges: &[f64]| bernstein::ranges(&third, edges, &[-1.0, 1.0]);
         let starts: Vec<usize> = (0..edges.len() - 1).step_by(RUN).collect();
-        let runs = starts.par_iter().map(|&k| run(&edges[k..(k + RUN + 1).min(edges.len())]));
-        let third: Vec<[f64; 2]> = runs.collect::<Vec<_>>().concat();
+        let run = |&k: &usize| run(&edges[k..(k + RUN + 1).min(edges.len())]);
+        let third: Vec<[f64; 2]> = parallel::map_slice(&starts, 1, run).concat();
         let jets: Vec<Jet> =
             edges.windows(2).map(|ring| self.row.jet(0.5 * (ring[0] + ring[1]))).collect();
         let values = |jet: &Jet| [jet.f, jet.gradient[0], jet.hessian[0]];

@@ -4,7 +4,7 @@ use super::{Mirror, Point, Surface};
 use crate::geom::{DVec2, DVec3, Outline};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{asin, cos, sin};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Gauss nodes per direction: exact for every polynomial sag up to degree 120, and far beyond
@@ -77,8 +77,8 @@ impl Mirror {
             (Outline::Rect(panel), _) => {
                 let along = self.nodes(0, panel.min.x, panel.max.x);
                 let across = self.nodes(1, panel.min.y, panel.max.y);
-                let rows = across.into_par_iter().map(|(y, w)| w * self.line(y, &along, of));
-                rows.collect::<Vec<f64>>().iter().sum()
+                let rows = parallel::map_slice(&across, 1, |&(y, w)| w * self.line(y, &along, of));
+                rows.iter().sum()
             }
             (Outline::Ring { inner, outer }, Surface::Round(_)) => {
                 let row = self.row(0.0);
@@ -102,11 +102,11 @@ impl Mirror {
         let breaks = self.breaks(1, -radius, radius);
         let breaks: Vec<f64> = breaks.into_iter().map(angle).collect();
         let count = (ACROSS / (breaks.len() - 1)).max(2);
-        let chords = composite(&breaks, count).into_par_iter().map(|(angle, w)| {
+        let chords = parallel::map_slice(&composite(&breaks, count), 1, |&(angle, w)| {
             let half = radius * cos(angle);
             w * half * self.line(radius * sin(angle), &self.nodes(0, -half, half), of)
         });
-        chords.collect::<Vec<f64>>().iter().sum()
+        chords.iter().sum()
     }
 
     /// The integral along a line of constant y.

@@ -2,7 +2,7 @@
 //! memory of the triangle, with the same bits for any number of threads.
 
 use super::least_squares::RankDeficient;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Reflections made before they are applied to the columns to their right.
 const PANEL: usize = 16;
@@ -76,7 +76,7 @@ impl StreamingQr {
             }
             let (head, tail) = a.split_at_mut(last * count);
             let panel = &head[first * count..];
-            let update = |(column, r): (&mut [f64], &mut [f64])| {
+            let update = |_, (column, r): &mut (&mut [f64], &mut [f64])| {
                 for (k, v) in panel.chunks_exact(count).enumerate() {
                     if scale[k] != 0.0 {
                         reflect(v, scale[k], &mut r[first + k], column);
@@ -84,14 +84,10 @@ impl StreamingQr {
                 }
             };
             let triangle = &mut self.r[last * n..];
-            if tail.len() * PANEL > WORTH_THREADS * 4 {
-                tail.par_chunks_exact_mut(count)
-                    .with_min_len(8)
-                    .zip(triangle.par_chunks_exact_mut(n))
-                    .for_each(update);
-            } else {
-                tail.chunks_exact_mut(count).zip(triangle.chunks_exact_mut(n)).for_each(update);
-            }
+            let mut columns: Vec<_> =
+                tail.chunks_exact_mut(count).zip(triangle.chunks_exact_mut(n)).collect();
+            let few = columns.len() * count * PANEL <= WORTH_THREADS * 4;
+            parallel::for_each_mut(&mut columns, if few { usize::MAX } else { 8 }, update);
         }
         let b = &a[n * count..];
         self.left += dot(b, b);

@@ -4,7 +4,7 @@ use super::Pencil;
 use crate::geom::DVec2;
 use crate::mirror::Mirror;
 use crate::optics::{Camera, View};
-use rayon::prelude::*;
+use crate::parallel;
 use std::ops::Range;
 
 /// What `each` makes of the pencil of every pixel centre in `columns` and `rows`, row by row; none
@@ -26,8 +26,8 @@ pub fn over_sensor<T: Send>(
         }
         Pencil::new(&camera.chart, view, image, &mirror.quadric(place)).map(|p| each(&p))
     };
-    let row = |row: u32| columns.clone().map(|column| pixel(column, row)).collect::<Vec<_>>();
-    rows.into_par_iter().flat_map_iter(row).collect()
+    let row = |row: u32| columns.clone().map(move |column| pixel(column, row));
+    parallel::gather(rows.len(), 1, |part| part.flat_map(|k| row(rows.start + k as u32)).collect())
 }
 
 /// For each of the first half of `count` columns or rows of a symmetric picture, the middle one

@@ -1,7 +1,7 @@
 //! Blur ellipses, and the focus that makes most of them small.
 
 use super::Pencil;
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 
 /// Pixels that the first search for the best focus looks at, its steps, and those of the second.
@@ -122,7 +122,7 @@ pub fn quantiles(mut samples: Vec<f64>) -> Option<Quantiles> {
 #[must_use]
 pub fn best_focus(spots: &[Spot], least: f64) -> Option<f64> {
     let p95 = |spots: &[&Spot], phi: f64| {
-        let lengths = spots.par_iter().with_min_len(4096).map(|spot| spot.length(phi)).collect();
+        let lengths = parallel::map_slice(spots, 4096, |spot| spot.length(phi));
         quantiles(lengths).map_or(f64::NAN, |quantiles| quantiles.p95)
     };
     let range = spots.iter().map(Spot::middle).fold(None, |range: Option<[f64; 2]>, phi| {

@@ -10,6 +10,7 @@ use crate::export::{ReadError, Reread};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Point;
 use crate::optics::reflect;
+use crate::parallel;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
@@ -94,7 +95,7 @@ pub fn open<T: Send>(
         (reread.map(then), note)
     };
     let (reread, sha256) = clock.always(Stage::Read, || {
-        let ((reread, note), sha256) = rayon::join(read, || sha256(&bytes));
+        let ((reread, note), sha256) = parallel::join(read, || sha256(&bytes));
         ((reread, sha256), note)
     });
     // The rays need the mesh alone.
@@ -236,10 +237,10 @@ fn trace_facts(
         let summary = |pick: fn(Errors) -> f64, unit: f64| {
             witness.summary(|seen| errors(seen).map(pick)).map(|s| s.scaled(unit))
         };
-        let (ray_error_mrad, (pixel_error_px, facet_error_px)) = rayon::join(
+        let (ray_error_mrad, (pixel_error_px, facet_error_px)) = parallel::join(
             || summary(|e| e.ray, 1e3),
             || {
-                rayon::join(
+                parallel::join(
                     || summary(|e| e.image_mm, 1.0 / pixel_mm),
                     || summary(|e| e.facet_mm, 1.0 / pixel_mm),
                 )

@@ -8,11 +8,11 @@ use super::reread::{Reread, reread};
 use super::{Error, Observer, Source, Stage, designed, verdict};
 use crate::design::{Design, design};
 use crate::optics::Camera;
+use crate::parallel;
 use crate::pencil::{Pencil, over_sensor, weights};
 use crate::profile::{self, Layout, Profile, shipped};
 use crate::report::{FrameReport, ProfileId, Resolution, RoundMirror};
 use crate::trace::{Coverage, Range};
-use rayon::prelude::*;
 use std::path::Path;
 
 /// Share of the frame to be filled where neither the user nor the profile asks for one.
@@ -145,7 +145,7 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
         let resolution = resolution(usr.into_iter().zip(both));
         Ok(RoundMirror { profile: profile.name.clone(), resolution })
     };
-    rounds.par_iter().map(row).collect()
+    parallel::map_slice(&rounds, 1, row).into_iter().collect()
 }
 
 /// The camera of a mirror that fills its square sensor, with a sensor of `side` pixels.

@@ -13,12 +13,12 @@ use crate::design::Design;
 use crate::export::{Label, Reread};
 use crate::geom::{DVec3, Precision, TriMesh};
 use crate::num::stats::Summary;
+use crate::parallel;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorDrawn, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
 use crate::solid::{Solid, check};
 use crate::tolerance::{Criterion, Engine, Judged, Kind, Made};
 use crate::trace::Scene;
-use rayon::prelude::*;
 use std::path::Path;
 
 /// Which trial, and of what.
@@ -225,8 +225,8 @@ fn middle(design: &Design, a: DVec3, b: DVec3) -> DVec3 {
 
 /// The designed face with the form of a made one.
 fn displaced(engine: &Engine, made: &Made, mut face: TriMesh) -> TriMesh {
-    let up = |v: &mut DVec3| v.z += engine.departure(made, v.truncate());
-    face.vertices.par_iter_mut().for_each(up);
+    let up = |_, v: &mut DVec3| v.z += engine.departure(made, v.truncate());
+    parallel::for_each_mut(&mut face.vertices, 1, up);
     face
 }
 

@@ -5,7 +5,7 @@ use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Stock};
 use crate::mirror::{Mirror, MirrorRow};
 use crate::num::{cos, sin};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::TAU;
 
 /// Vertices that a thread handles at a time; fixed, so that results do not depend on the threads.
@@ -17,24 +17,22 @@ pub fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)>
     let Design { mirror, stock, .. } = design;
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     let land = land(mirror);
-    vertices
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(|(chunk, vertices)| {
-            let mut row = (0.0, mirror.row(0.0));
-            let mut worst = (chunk * CHUNK, 0.0);
-            for (k, &v) in vertices.iter().enumerate() {
-                let q = mirror.chart.coordinates(v).0;
-                // Meshes list rows of equal Y together, and a row is costly to begin.
-                if row.0 != q.y {
-                    row = (q.y, mirror.row(q.y));
-                }
-                let off = distance(mirror, &row.1, q, v, land, stock.as_ref());
-                worst = farther(worst, (chunk * CHUNK + k, off));
+    let chunks: Vec<_> = vertices.chunks(CHUNK).enumerate().collect();
+    let worst = parallel::map_slice(&chunks, 1, |&(chunk, vertices)| {
+        let mut row = (0.0, mirror.row(0.0));
+        let mut worst = (chunk * CHUNK, 0.0);
+        for (k, &v) in vertices.iter().enumerate() {
+            let q = mirror.chart.coordinates(v).0;
+            // Meshes list rows of equal Y together, and a row is costly to begin.
+            if row.0 != q.y {
+                row = (q.y, mirror.row(q.y));
             }
-            worst
-        })
-        .reduce_with(farther)
+            let off = distance(mirror, &row.1, q, v, land, stock.as_ref());
+            worst = farther(worst, (chunk * CHUNK + k, off));
+        }
+        worst
+    });
+    worst.into_iter().reduce(farther)
 }
 
 /// Directions in which a land's rim is looked at.

@@ -5,9 +5,9 @@ use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
 use crate::mirror::Point;
 use crate::optics::reflect;
+use crate::parallel;
 use crate::render::{Canvas, Picture, Seen as Painted, World};
 use crate::trace::{Outcome, Scene, Witness, glance};
-use rayon::prelude::*;
 
 /// A mesh, ready for more rays, and what became of those sent so far.
 pub type Seen = (Scene, Witness);
@@ -93,9 +93,9 @@ pub fn picture(
                 ends.into_iter().map(painted).collect()
             };
             let columns: Vec<f64> = (0..width).map(|x| f64::from(x) + 0.5).collect();
-            let rows = (0..height).into_par_iter();
-            let centres: Vec<Painted> =
-                rows.flat_map_iter(|y| row(f64::from(y) + 0.5, &columns)).collect();
+            let centres = parallel::gather(height as usize, 1, |rows| {
+                rows.flat_map(|y| row(y as f64 + 0.5, &columns)).collect()
+            });
             let see = |x: f64, y: f64| row(y, &[x])[0];
             Picture::paint(&canvas, world, &centres, see)
         }

@@ -1,6 +1,6 @@
 //! Pictures: supersampled at edges in linear light, coded as sRGB, written as PNG.
 
-use rayon::prelude::*;
+use crate::parallel;
 
 use super::World;
 use crate::geom::Ray;
@@ -79,11 +79,7 @@ impl Picture {
             Seen::Missed => missed,
             Seen::BackFace => back_face,
         };
-        let coarse: Vec<[f32; 3]> = centres
-            .par_iter()
-            .with_min_len(4096)
-            .map(|&seen| light(seen, canvas.pixel_rad))
-            .collect();
+        let coarse = parallel::map_slice(centres, 4096, |&seen| light(seen, canvas.pixel_rad));
         let footprint = canvas.pixel_rad / f64::from(canvas.samples_per_side.max(1));
         Self::refined(canvas, &coarse, |x, y| light(see(x, y), footprint))
     }
@@ -127,8 +123,7 @@ impl Picture {
                 || (y + 1 < height && differs(x, y + 1))
         };
         let mut rgb = vec![0; 3 * width * height];
-        let rows = rgb.par_chunks_exact_mut((3 * width).max(3)).enumerate();
-        let edges = rows.map(|(y, row)| {
+        let edges = parallel::map_chunks_mut(&mut rgb, (3 * width).max(3), |y, row| {
             let mut edges = 0;
             for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
                 let edge = side > 1 && is_edge(x, y);
@@ -140,7 +135,7 @@ impl Picture {
             }
             edges
         });
-        let samples = edges.sum::<u64>() * u64::from(side * side) + coarse.len() as u64;
+        let samples = edges.iter().sum::<u64>() * u64::from(side * side) + coarse.len() as u64;
         Self { width: canvas.width, height: canvas.height, rgb, samples }
     }
 

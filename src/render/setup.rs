@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
+use crate::parallel;
 
 use super::picture::{Canvas, Picture};
 use super::shade::{Lights, Matter};
@@ -68,8 +68,10 @@ impl Setup<'_> {
         let [width, height] = PIXELS;
         let canvas = Canvas { width, height, samples_per_side: SAMPLES, pixel_rad: footprint };
         let centre = |k| [k % width, k / width].map(|n: u32| f64::from(n) + 0.5);
-        let places = (0..width * height).into_par_iter().map(centre);
-        let coarse: Vec<[f32; 3]> = places.map(|[x, y]| light(x, y)).collect();
+        let coarse = parallel::map((width * height) as usize, 1, |k| {
+            let [x, y] = centre(k as u32);
+            light(x, y)
+        });
         Picture::refined(&canvas, &coarse, light)
     }
 

@@ -1,6 +1,6 @@
 //! Shaded views of a part: from the camera, from the foot of the picture, and three quarters.
 
-use rayon::prelude::*;
+use crate::parallel;
 
 use super::picture::{Canvas, Picture};
 use super::shade::{Lights, Matter};
@@ -89,9 +89,11 @@ pub fn views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> P
         samples_per_side: SAMPLES,
         pixel_rad: 0.0,
     };
-    let places = (0..canvas.width * canvas.height).into_par_iter();
     let centre = |k| [k % canvas.width, k / canvas.width].map(|n| f64::from(n) + 0.5);
-    let coarse: Vec<[f32; 3]> = places.map(centre).map(|[x, y]| light(x, y)).collect();
+    let coarse = parallel::map((canvas.width * canvas.height) as usize, 1, |k| {
+        let [x, y] = centre(k as u32);
+        light(x, y)
+    });
     Picture::refined(&canvas, &coarse, light)
 }
 

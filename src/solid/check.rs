@@ -6,7 +6,8 @@
 
 use super::{Check, Defect, Rim};
 use crate::geom::TriMesh;
-use rayon::prelude::*;
+use crate::parallel;
+use std::ops::Range;
 
 /// Defects reported in full; more of them are only counted.
 const REPORTED: usize = 8;
@@ -17,13 +18,13 @@ const CHUNK: usize = 16_384;
 /// without through holes, unless [`Check::through`] says otherwise.
 #[must_use]
 pub fn check(mesh: &TriMesh) -> Check {
-    let ((fans, single), ((mut defects, volume_mm3), components)) = rayon::join(
+    let ((fans, single), ((mut defects, volume_mm3), components)) = parallel::join(
         || {
             let fans = Fans::new(mesh);
             let single = fans.all_single();
             (fans, single)
         },
-        || rayon::join(|| (degenerate_facets(mesh), volume(mesh)), || components(mesh)),
+        || parallel::join(|| (degenerate_facets(mesh), volume(mesh)), || components(mesh)),
     );
     let (mut closed, mut oriented, mut manifold) = (true, true, true);
     if !single {
@@ -65,7 +66,8 @@ pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
         let edges = [(a, b), (b, c), (c, a)].into_iter();
         edges.filter(|&(from, to)| !fans.has(to, from)).collect::<Vec<_>>()
     };
-    mesh.triangles.par_iter().with_min_len(CHUNK).flat_map_iter(open).collect()
+    let triangles = &mesh.triangles;
+    parallel::gather(triangles.len(), CHUNK, |part| triangles[part].iter().flat_map(open).collect())
 }
 
 fn rim(mesh: &TriMesh) -> Rim {
@@ -142,7 +144,8 @@ impl Fans {
     }
 
     fn all_single(&self) -> bool {
-        (0..self.start.len() - 1).into_par_iter().with_min_len(CHUNK).all(|v| self.single(v))
+        let single = |mut part: Range<usize>| vec![part.all(|v| self.single(v))];
+        parallel::gather(self.start.len() - 1, CHUNK, single).into_iter().all(|single| single)
     }
 }
 
@@ -151,12 +154,10 @@ fn degenerate_facets(mesh: &TriMesh) -> Vec<Defect> {
         let area = mesh.area_vector(t).length_squared();
         !(area > 0.0 && area.is_finite())
     };
-    (0..mesh.triangles.len())
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .filter(is_empty)
-        .map(|facet| Defect::Degenerate { facet, at: mesh.corners(facet)[0] })
-        .collect()
+    let defect = |facet| Defect::Degenerate { facet, at: mesh.corners(facet)[0] };
+    parallel::gather(mesh.triangles.len(), CHUNK, |part| {
+        part.filter(is_empty).map(defect).collect()
+    })
 }
 
 /// Undirected edges with their facets and directions, sorted.
@@ -239,19 +240,13 @@ fn components(mesh: &TriMesh) -> usize {
 
 /// Enclosed volume by the divergence theorem, summed in fixed chunks.
 fn volume(mesh: &TriMesh) -> f64 {
-    let sums: Vec<f64> = mesh
-        .triangles
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            chunk
-                .iter()
-                .map(|t| {
-                    let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
-                    a.dot(b.cross(c))
-                })
-                .sum()
-        })
-        .collect();
+    let six_fold = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+        a.dot(b.cross(c))
+    };
+    let sums = parallel::map_chunks(&mesh.triangles, CHUNK, |chunk| -> f64 {
+        chunk.iter().map(six_fold).sum()
+    });
     sums.iter().sum::<f64>() / 6.0
 }
 

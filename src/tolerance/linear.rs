@@ -6,7 +6,7 @@ use super::source::{Kind, Source};
 use super::tally::{Piece, Tally};
 use crate::num::Dual;
 use crate::num::random::Stream;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Columns of derivatives: x and y of each sample, px, for each internal unit of an error, in the
 /// order placing numbers, form errors, waviness' cosine and sine, map.
@@ -42,7 +42,7 @@ impl Linear {
                 .map(|unit| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum()));
             (placed.chain(formed).collect(), by)
         };
-        let all: Vec<_> = system.samples.par_iter().map(of).collect();
+        let all: Vec<_> = parallel::map_slice(&system.samples, 1, of);
         let column = |k: usize| all.iter().flat_map(|(columns, _)| columns[k]).collect();
         Self {
             columns: (0..count).map(column).collect(),

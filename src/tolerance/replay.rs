@@ -10,8 +10,8 @@ use crate::num::larger;
 use crate::num::random::Stream;
 use crate::num::stats::{Summary, or_null};
 use crate::optics::reflect;
+use crate::parallel;
 use crate::trace::{Outcome, Scene, look};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// How far each adjustment was moved, and what remains.
@@ -122,7 +122,7 @@ impl Engine {
     #[must_use]
     pub fn off_surface(&self, made: &Made, vertices: &[DVec3]) -> f64 {
         let off = |v: &DVec3| (v.z - self.surface(made, v.truncate())[0]).abs();
-        vertices.par_iter().map(off).reduce(|| 0.0, larger)
+        parallel::map_slice(vertices, 1, off).into_iter().fold(0.0, larger)
     }
 
     /// Whether a ray in the frame of the grown part, aimed by `sample`, meets the made surface on the
@@ -187,7 +187,7 @@ impl Engine {
             let end = if outcome == Outcome::Hit { End::Hit } else { End::Shadowed };
             (end, moved.to_array(), Some((by_facet - by_surface).length() / pixel))
         };
-        let seen: Vec<_> = (0..self.samples()).into_par_iter().map(look_through).collect();
+        let seen: Vec<_> = parallel::map(self.samples(), 1, look_through);
         let count = |end: End| seen.iter().filter(|s| s.0 == end).count();
         let shadowed = count(End::Shadowed);
         Witnessed {

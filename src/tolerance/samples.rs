@@ -4,7 +4,7 @@ use super::local::{Fitter, Square, off, terms, value, values};
 use super::model::{Pose, Sample, System};
 use super::tally::{Piece, Tally};
 use crate::geom::DVec2;
-use rayon::prelude::*;
+use crate::parallel;
 use std::cell::Cell;
 
 /// Degrees of polynomials that are tried for the designed surface. One whose height, mm, or slope is
@@ -52,8 +52,9 @@ impl System {
         let share = places(tried).len() as f64 * tried * tried;
         let spacing = (share / count as f64).sqrt().max(1.0);
         let fitters = DEGREES.map(Fitter::new);
-        let sample = |q| self.sample(&fitters, q, self.sees(q, margin)?, reach);
-        places(spacing).into_par_iter().filter_map(sample).collect()
+        let sample = |&q: &DVec2| self.sample(&fitters, q, self.sees(q, margin)?, reach);
+        let places = places(spacing);
+        parallel::gather(places.len(), 1, |part| places[part].iter().filter_map(sample).collect())
     }
 
     /// The same with larger squares, for hits that move by about `reach` mm, where polynomials are the
@@ -79,7 +80,7 @@ impl System {
             };
             Sample { point, content, hit, slope, square, groove, base, form: Vec::new() }
         };
-        let mut wide = self.with(self.samples.par_iter().map(wider).collect());
+        let mut wide = self.with(parallel::map_slice(&self.samples, 1, wider));
         wide.expand_forms();
         // Rather none so wide than none at all.
         (wide.form_degree > 0).then_some(wide)
@@ -106,9 +107,8 @@ impl System {
             if self.samples.first().is_some_and(|sample| expanded(sample, &fitter).is_none()) {
                 continue;
             }
-            let all: Option<Vec<_>> =
-                self.samples.par_iter().map(|sample| expanded(sample, &fitter)).collect();
-            if let Some(all) = all {
+            let expanded = |k: usize| expanded(&self.samples[k], &fitter);
+            if let Some(all) = parallel::try_map(self.samples.len(), 1, expanded) {
                 self.samples.iter_mut().zip(all).for_each(|(sample, form)| sample.form = form);
                 self.form_degree = degree;
                 return;

@@ -7,7 +7,7 @@ use super::inverse::Unmet;
 use super::source::{Distribution, Source};
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 
 /// The answers. Figures in px are those of the criterion, over the samples.
@@ -176,8 +176,8 @@ impl Study {
                 limit_joint_widest: joint.as_ref().is_ok_and(|joint| joint.widest[k]),
             }
         };
-        let mut sources: Vec<SourceFacts> =
-            question.sources.par_iter().enumerate().map(facts).collect();
+        let mut sources =
+            parallel::map(question.sources.len(), 1, |k| facts((k, &question.sources[k])));
         let worst = |facts: &SourceFacts| facts.minus_adjusted_px.max(facts.plus_adjusted_px);
         sources.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
 

@@ -5,7 +5,7 @@ use super::engine::{Engine, Made};
 use super::source::Source;
 use super::yields::Yield;
 use crate::num::random::Stream;
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -155,7 +155,7 @@ impl Engine {
             let trial = |(index, (before, after, steps))| Trial { index, before, after, steps };
             batch.clone().zip(judged).map(trial).collect::<Vec<Trial>>()
         };
-        batches.par_iter().flat_map_iter(batch).collect()
+        parallel::gather(batches.len(), 1, |part| batches[part].iter().flat_map(batch).collect())
     }
 
     /// The figures that count, of each trial.

@@ -7,7 +7,7 @@ use super::source::{Kind, Source};
 use super::tally::{Counter, Piece};
 use super::trials::quantile;
 use crate::num::random::Stream;
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::Arc;
 
 /// Trials, and what any factors on their sources' limits make of them.
@@ -33,18 +33,18 @@ impl Yardstick {
             compensation.apply(&mut column);
             column
         };
-        let columns: Vec<Vec<f64>> = linear.columns().par_iter().map(adjusted).collect();
+        let columns: Vec<Vec<f64>> = parallel::map_slice(linear.columns(), 1, adjusted);
         let base = adjusted(&engine.base);
         let mean =
             |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / samples;
         let row = |a: &Vec<f64>| columns.iter().map(|b| mean(a, b)).collect();
-        let products: Vec<Vec<f64>> = columns.par_iter().map(row).collect();
+        let products: Vec<Vec<f64>> = parallel::map_slice(&columns, 1, row);
         let with_base: Vec<f64> = columns.iter().map(|a| 2.0 * mean(a, &base)).collect();
         let sources = &engine.question.sources;
         let unit = |source: &Source| engine.mean_square(&source.fixed(1.0));
         let units: Vec<f64> = sources.iter().map(unit).collect();
-        let form = |trial: u64| {
-            let stream = Stream { seed, trial };
+        let form = |trial: usize| {
+            let stream = Stream { seed, trial: trial as u64 };
             let drawn = engine.draw(sources, &stream);
             // Columns and amplitudes of each source; what is independent from sample to sample has
             // none.
@@ -78,7 +78,7 @@ impl Yardstick {
             }
             form
         };
-        let forms = (0..count).into_par_iter().map(form).collect();
+        let forms = parallel::map(count as usize, 1, form);
         let counter = Arc::clone(&engine.system.counter);
         Self { sources: sources.len(), forms, base: mean(&base, &base), counter }
     }
@@ -100,7 +100,7 @@ impl Yardstick {
         };
         let forms = &self.forms[..count.min(self.forms.len())];
         self.counter.count(Piece::LimitTrials, [0, forms.len()]);
-        forms.par_iter().map(of).collect()
+        parallel::map_slice(forms, 1, of)
     }
 
     /// What the share `target` of all trials does not exceed, px.

@@ -10,7 +10,7 @@ use super::{Fate, Seen, Witness};
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, Fold, Projection, View};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -107,18 +107,18 @@ impl Coverage {
         view: &View,
         width_mm: f64,
     ) -> Self {
-        let angles = |(seen, fate): (&Seen, &Fate)| {
+        let angles = |k: usize| {
+            let seen: &Seen = &witness.seen[k];
             let shown = || view.shown(seen.at, seen.direction);
             let angles = |d: DVec3| [atan2(d.x, d.y), asin(d.z.clamp(-1.0, 1.0))];
-            (*fate == Fate::Filled).then(|| angles(shown()))
+            (fates[k] == Fate::Filled).then(|| angles(shown()))
         };
-        let angles = witness.seen.par_iter().zip(fates).map(angles).collect();
+        let angles = parallel::map(witness.seen.len(), 1, angles);
         let panorama = Panorama { camera, view, angles };
         let [width, height] = camera.pixels;
-        let around = (0..height).into_par_iter().map(|row| union(panorama.around(row)));
-        let covered = union(around.collect::<Vec<_>>().concat());
-        let columns: Vec<Column> =
-            (0..width).into_par_iter().map(|column| panorama.column(column)).collect();
+        let around = parallel::map(height as usize, 1, |row| union(panorama.around(row as u32)));
+        let covered = union(around.concat());
+        let columns = parallel::map(width as usize, 1, |column| panorama.column(column as u32));
         let over = |end: usize| {
             let ends: Vec<f64> =
                 columns.iter().filter_map(|c| c.elevation_deg).map(|e| e[end]).collect();
@@ -230,7 +230,7 @@ impl Panorama<'_> {
         }
         let height = self.camera.pixels[1];
         let ends: Vec<Option<[f64; 4]>> =
-            (0..height).into_par_iter().map(|row| self.ends(row)).collect();
+            parallel::map(height as usize, 1, |row| self.ends(row as u32));
         let seam = |edges: &'static str, gaps: &[f64]| {
             let range = Range::of(gaps)?;
             let (gap_px, gap_deg) = (range.scaled(1.0 / pixel), range.scaled(degrees(1.0)));

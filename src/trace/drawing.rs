@@ -7,7 +7,7 @@ use super::scene::Scene;
 use super::spot::{Span, Spot};
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
-use rayon::prelude::*;
+use crate::parallel::{self, Scratch};
 
 /// Rows that are drawn together.
 pub const ROWS: usize = 32;
@@ -136,11 +136,10 @@ impl<'a> Drawing<'a> {
             spans: vec![],
             parts: vec![],
         };
-        drawing.spans =
-            mesh.vertices.par_iter().with_min_len(PART).map(|&v| drawing.span(v)).collect();
-        let parts = mesh.triangles.par_chunks(PART).enumerate();
+        drawing.spans = parallel::map_slice(&mesh.vertices, PART, |&v| drawing.span(v));
+        let parts: Vec<_> = mesh.triangles.chunks(PART).enumerate().collect();
         let part = |room: &mut (Vec<Spot>, Vec<(f64, Spot)>),
-                    (number, part): (usize, &[[u32; 3]])| {
+                    &(number, part): &(usize, &[[u32; 3]])| {
             let first = (number * PART) as u32;
             // Nothing is left of the shear of parallel rays.
             if chart.vergence == 0.0 {
@@ -150,7 +149,8 @@ impl<'a> Drawing<'a> {
                 drawing.part(room, first, part, ray)
             }
         };
-        drawing.parts = parts.map_init(Default::default, part).collect();
+        let scratch = Scratch::default();
+        drawing.parts = parallel::map_slice(&parts, 1, |one| scratch.with(|room| part(room, one)));
         Some(drawing)
     }
 

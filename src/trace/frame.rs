@@ -3,7 +3,7 @@
 
 use super::{Outcome, Seen, Witness};
 use crate::num::{asin, atan2, degrees, wrap_turn};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::{Deserialize, Serialize};
 
 /// What the frame as a whole sees.
@@ -140,7 +140,7 @@ pub fn fates(
             Outcome::Missed => Fate::Missed,
         }
     };
-    witness.seen.par_iter().enumerate().map(fate).collect()
+    parallel::map(witness.seen.len(), 1, |k| fate((k, &witness.seen[k])))
 }
 
 impl Frame {
@@ -154,10 +154,8 @@ impl Frame {
         let radius = 0.5 * width.min(height);
         let disc = std::f64::consts::PI * radius * radius;
         let range = |angle: fn(&Seen) -> f64| {
-            let widest = filled
-                .par_iter()
-                .map(|seen| [angle(seen); 2])
-                .reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+            let angles = parallel::map_slice(&filled, 1, |seen| [angle(seen); 2]);
+            let widest = angles.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
             widest.map(|range| range.map(degrees))
         };
         Self {

@@ -7,7 +7,7 @@
 
 use super::lattice::{Course, Lattice, Layer, Range};
 use crate::geom::{DVec2, DVec3, Ray, TriMesh};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Lattices in the pyramid.
 const LEVELS: usize = 3;
@@ -49,11 +49,8 @@ impl Grid {
 
         let (finest, coarsest) = (&levels[0], &levels[LEVELS - 1]);
         let corners = |t: u32| mesh.corners(t as usize).map(|v| v - origin.extend(0.0));
-        let spans: Vec<_> = (0..mesh.triangles.len() as u32)
-            .into_par_iter()
-            .with_min_len(1 << 14)
-            .map(|t| finest.span(corners(t)))
-            .collect();
+        let spans =
+            parallel::map(mesh.triangles.len(), 1 << 14, |t| finest.span(corners(t as u32)));
         let most = STEP.pow(LEVELS as u32 - 1) as u32;
         let (small, large): (Vec<_>, Vec<_>) = (0..)
             .zip(&spans)
@@ -64,7 +61,7 @@ impl Grid {
             .map(|(t, span)| (t, span.map(|corner| corner.map(|k| k / most))))
             .collect();
         let (small, large) =
-            rayon::join(|| finest.layer(&small, corners), || coarsest.layer(&large, corners));
+            parallel::join(|| finest.layer(&small, corners), || coarsest.layer(&large, corners));
         let mut ranges: [Vec<Range>; LEVELS] = Default::default();
         for level in 1..LEVELS {
             let below = if level == 1 { &small.ranges } else { &ranges[level - 1] };

@@ -8,7 +8,7 @@
 
 use super::closed::closed;
 use crate::geom::{DVec2, DVec3, TriMesh};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Facets per smallest cell that the tree aims at.
 const CROWD: f64 = 64.0;
@@ -166,7 +166,7 @@ impl Ground {
             return None;
         }
         let (levels, closed) =
-            rayon::join(|| levels(mesh, origin, cell, hi.truncate()), || closed(mesh));
+            parallel::join(|| levels(mesh, origin, cell, hi.truncate()), || closed(mesh));
         closed.then_some(Self { origin, levels, margin })
     }
 
@@ -208,8 +208,8 @@ fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
     let empty = || -> Vec<Vec<Facets>> {
         sizes.iter().map(|(_, [columns, rows])| vec![[NONE; 3]; columns * rows]).collect()
     };
-    let parts = mesh.triangles.par_chunks(PART.max(mesh.triangles.len().div_ceil(4)));
-    let sorted = parts.map(|part| {
+    let size = PART.max(mesh.triangles.len().div_ceil(4));
+    let sorted = parallel::map_chunks(&mesh.triangles, size, |part| {
         let mut own = empty();
         for triangle in part {
             let corners = triangle.map(|v| mesh.vertices[v as usize]);
@@ -217,7 +217,7 @@ fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
         }
         own
     });
-    let own = sorted.reduce_with(|mut a, b| {
+    let own = sorted.into_iter().reduce(|mut a, b| {
         for (a, b) in a.iter_mut().flatten().zip(b.iter().flatten()) {
             gather(a, b);
         }

@@ -1,7 +1,7 @@
 //! One lattice of square cells: sorting facets into it, and walking along a ray through it.
 
 use crate::geom::{DVec2, DVec3, Ray};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Bands of rows that are filled side by side; fixed, whatever the number of threads.
 const BANDS: usize = 8;
@@ -128,7 +128,7 @@ impl Lattice {
             }
             layer
         };
-        let bands: Vec<Layer> = (0..BANDS).into_par_iter().map(fill).collect();
+        let bands: Vec<Layer> = parallel::map(BANDS, 1, fill);
         let mut whole = Layer { start: vec![0], ..Layer::default() };
         for band in bands {
             let before = whole.facets.len() as u32;

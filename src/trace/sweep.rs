@@ -11,7 +11,7 @@ use super::witness::{glance, reflected, shadowed};
 use super::{Hit, Outcome, Scene};
 use crate::geom::{DVec3, Ray};
 use crate::optics::Camera;
-use rayon::prelude::*;
+use crate::parallel::{self, Scratch};
 use std::ops::Add;
 
 /// Side of the smallest squares of pixels whose reflected rays are proven free together; the largest
@@ -133,10 +133,11 @@ impl<'a> Sweep<'a> {
     pub fn run_into(&self, found: &mut [Glimpse]) -> Tally {
         let rays = Rays::new(&self.camera, self.top_mm);
         let means = Means::new(self, &rays);
-        let bands = found.par_chunks_mut(self.pixels()[0] as usize * ROWS).enumerate();
-        bands
-            .map(|(number, found)| self.trace(&means, number * ROWS, found))
-            .reduce(Tally::default, Add::add)
+        let tallies =
+            parallel::map_chunks_mut(found, self.pixels()[0] as usize * ROWS, |number, found| {
+                self.trace(&means, number * ROWS, found)
+            });
+        tallies.into_iter().fold(Tally::default(), Add::add)
     }
 
     /// Traces bands of rows side by side. `each` gets the number of the first row, what became of
@@ -148,14 +149,18 @@ impl<'a> Sweep<'a> {
     ) -> Tally {
         let rays = Rays::new(&self.camera, self.top_mm);
         let means = Means::new(self, &rays);
-        let bands = out.par_chunks_mut(self.pixels()[0] as usize * ROWS).enumerate();
-        let traced = bands.map_init(Vec::new, |found, (number, out)| {
+        let scratch = Scratch::default();
+        let band = |number: usize, out: &mut [T], found: &mut Vec<Glimpse>| {
             found.resize(out.len(), Glimpse::NOTHING);
             let tally = self.trace(&means, number * ROWS, found);
             each((number * ROWS) as u32, found, out);
             tally
-        });
-        traced.reduce(Tally::default, Add::add)
+        };
+        let tallies =
+            parallel::map_chunks_mut(out, self.pixels()[0] as usize * ROWS, |number, out| {
+                scratch.with(|found| band(number, out, found))
+            });
+        tallies.into_iter().fold(Tally::default(), Add::add)
     }
 
     /// Traces the rays of the band from row `first` on.

@@ -5,7 +5,7 @@ use super::{Hit, Scene};
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
 use crate::optics::{View, reflect};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// What a camera ray is meant to do: an entry of the table handed to the witness.
 #[derive(Debug, Clone, Copy)]
@@ -97,8 +97,7 @@ impl Witness {
         table: impl Fn(u32) -> Vec<Intent> + Sync,
     ) -> Self {
         let mut seen = vec![Seen::NOTHING; columns as usize * rows as usize];
-        let lines = seen.par_chunks_mut(columns as usize).enumerate();
-        lines.for_each(|(row, line)| {
+        parallel::map_chunks_mut(&mut seen, columns as usize, |row, line| {
             for (seen, intent) in line.iter_mut().zip(table(row as u32)) {
                 let found = Glimpse::from(look(scene, &intent.ray));
                 *seen = judge(scene, normals, view, &intent, &found);

@@ -4,8 +4,8 @@ use super::cuts::{Piece, pieces};
 use super::line::line;
 use super::{Finder, Found, Optics, Panorama, UnwrapError};
 use crate::num::stats::Summary;
+use crate::parallel;
 use crate::raster::Raster;
-use rayon::prelude::*;
 
 /// A pixel of the panorama is averaged over at most so many places of the photo along each side.
 const MOST_SAMPLES: usize = 16;
@@ -59,7 +59,7 @@ impl Map {
             };
             found.into_iter().map(place).collect()
         };
-        let rows: Vec<Vec<_>> = (0..height).into_par_iter().map(row).collect();
+        let rows: Vec<Vec<_>> = parallel::map(height, 1, row);
         let (places, off): (Vec<_>, Vec<_>) = rows.into_iter().flatten().unzip();
         Ok(Self {
             size: panorama.size,
@@ -111,7 +111,7 @@ impl Map {
             }
             sum.map(|sum| sum / (count * count) as f32)
         };
-        let rgb = (0..width * height).into_par_iter().map(pixel).collect();
+        let rgb = parallel::map(width * height, 1, pixel);
         Raster { width, height, rgb }
     }
 

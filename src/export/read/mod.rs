@@ -5,7 +5,7 @@ mod threemf;
 pub use threemf::{ThreeMfError, read_3mf};
 
 use crate::geom::{DVec3, TriMesh, Welder};
-use rayon::prelude::*;
+use crate::parallel;
 use std::io::{self, Cursor};
 use thiserror::Error;
 
@@ -72,7 +72,7 @@ pub fn read_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
     // `stl_io` reads one number after another.
     let number = |at: &[u8]| f64::from(f32::from_le_bytes([at[0], at[1], at[2], at[3]]));
     let corner = |at: &[u8]| DVec3::new(number(at), number(&at[4..]), number(&at[8..]));
-    let part = |(k, part): (usize, &[u8])| {
+    let part = |&(k, part): &(usize, &[u8])| {
         let mut welder = Welder::new(PART);
         for (index, facet) in part.chunks_exact(FACET).enumerate() {
             let corners = [corner(&facet[12..]), corner(&facet[24..]), corner(&facet[36..])];
@@ -80,8 +80,8 @@ pub fn read_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
         }
         Ok(welder.finish())
     };
-    let parts: Vec<Result<TriMesh, ReadError>> =
-        bytes[HEAD..].par_chunks(PART * FACET).enumerate().map(part).collect();
+    let parts: Vec<_> = bytes[HEAD..].chunks(PART * FACET).enumerate().collect();
+    let parts: Vec<Result<TriMesh, ReadError>> = parallel::map_slice(&parts, 1, part);
     let mesh = Welder::join(parts.into_iter().collect::<Result<_, _>>()?);
     Ok(Reread { mesh: not_empty(mesh)?, normals: None })
 }

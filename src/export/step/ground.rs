@@ -7,7 +7,7 @@
 use super::FitError;
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
 use crate::mirror::{Mirror, Surface};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// How far the parameters of a round mirror reach beyond its rim: a rim curve should not touch the
 /// edge of its surface.
@@ -117,7 +117,7 @@ impl<'a> Ground<'a> {
         let from = if self.is_round() { inner } else { 0.0 };
         let step = (rim - from) / STEPS as f64;
         let at = |rho: f64| self.radius(rho).ok_or(FitError::Overhang);
-        let table = (0..=STEPS).into_par_iter().map(|k| at(from + step * k as f64));
+        let table = parallel::try_map(STEPS + 1, 1, |k| self.radius(from + step * k as f64));
         let inwards = -0.02 * (rim - from) * (rim + from);
         let mut slopes = [at(rim)?.1 / (2.0 * rim); Beyond::TERMS - 1];
         for (k, slope) in slopes.iter_mut().enumerate().skip(1) {
@@ -125,7 +125,7 @@ impl<'a> Ground<'a> {
             *slope = at(rho)?.1 / (2.0 * rho);
         }
         Ok(Radial {
-            table: table.collect::<Result<_, _>>()?,
+            table: table.ok_or(FitError::Overhang)?,
             from,
             step,
             outside: Beyond::new(rim, at(rim)?.0, inwards, slopes),
@@ -151,7 +151,7 @@ impl<'a> Ground<'a> {
             }
             row
         };
-        let mut rows: Vec<_> = vs[..high].par_iter().map(row).collect();
+        let mut rows: Vec<_> = parallel::map_slice(&vs[..high], 1, row);
         for k in (0..vs.len() - high).rev() {
             let flip = |p: &DVec3| DVec3::new(p.x, -p.y, p.z);
             rows.push(rows[k].iter().map(flip).collect());

@@ -1,7 +1,7 @@
 //! Cubic splines on clamped knots: of one variable, and their tensor products.
 
 use crate::geom::{DVec2, DVec3};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Samples of one span, on [0, 1] without the right end, and their weights: Lobatto's rule, whose
 /// ends meet the neighbours'.
@@ -172,7 +172,7 @@ impl Net {
             let line: Vec<DVec3> = (0..u.count()).map(|i| sum(self.line(i), j, &b)).collect();
             along_u.iter().map(|(i, a)| sum(&line, *i, a)).collect()
         };
-        vs.par_iter().map(row).collect()
+        parallel::map_slice(vs, 1, row)
     }
 }
 

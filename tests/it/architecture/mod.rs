@@ -12,23 +12,24 @@ const ALL_ABOVE: &[&str] = &["..."];
 
 /// Each module and what it may use, lowest first.
 const TABLE: &[(&str, &[&str])] = &[
-    ("num", &[]),
+    ("parallel", &[]),
+    ("num", &["parallel"]),
     ("profile", &[]),
-    ("geom", &["num"]),
+    ("geom", &["num", "parallel"]),
     ("raster", &["num"]),
     ("optics", &["geom", "num"]),
-    ("mirror", &["geom", "num"]),
-    ("design", &["profile", "optics", "mirror", "num", "geom"]),
-    ("mesh", &["mirror", "optics", "geom", "num"]),
-    ("solid", &["geom", "num"]),
-    ("export", &["solid", "mirror", "geom", "num"]),
-    ("trace", &["geom", "optics", "num"]),
-    ("align", &["mirror", "optics", "geom", "num"]),
-    ("tolerance", &["mirror", "optics", "trace", "geom", "num"]),
-    ("machining", &["mirror", "optics", "trace", "geom", "num"]),
-    ("pencil", &["mirror", "optics", "geom", "num"]),
-    ("render", &["trace", "optics", "geom", "raster", "num"]),
-    ("unwrap", &["mirror", "optics", "raster", "geom", "num"]),
+    ("mirror", &["geom", "num", "parallel"]),
+    ("design", &["profile", "optics", "mirror", "num", "geom", "parallel"]),
+    ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),
+    ("solid", &["geom", "num", "parallel"]),
+    ("export", &["solid", "mirror", "geom", "num", "parallel"]),
+    ("trace", &["geom", "optics", "num", "parallel"]),
+    ("align", &["mirror", "optics", "geom", "num", "parallel"]),
+    ("tolerance", &["mirror", "optics", "trace", "geom", "num", "parallel"]),
+    ("machining", &["mirror", "optics", "trace", "geom", "num", "parallel"]),
+    ("pencil", &["mirror", "optics", "geom", "num", "parallel"]),
+    ("render", &["trace", "optics", "geom", "raster", "num", "parallel"]),
+    ("unwrap", &["mirror", "optics", "raster", "geom", "num", "parallel"]),
     ("report", ALL_ABOVE),
     ("pipeline", ALL_ABOVE),
     ("cli", &["pipeline", "profile", "report"]),
@@ -38,6 +39,8 @@ const TABLE: &[(&str, &[&str])] = &[
 /// The witness knows nothing of the design, in its tests too.
 const TRACE_NEVER: &[&str] = &["mirror", "design", "mesh", "solid", "export"];
 
+/// The threads' library, beside `parallel`: the size of the pool.
+const MAY_NAME_RAYON: &[&str] = &["parallel", "pipeline", "cli"];
 const MAY_TOUCH_THE_SYSTEM: &[&str] = &["pipeline", "cli", "main"];
 const MAX_LINES: usize = 500;
 
@@ -79,7 +82,14 @@ fn path_complaints(
         };
         out.push(format!("{file}:{line}: {module} -> {name}: {why}"));
     }
-    if MAY_TOUCH_THE_SYSTEM.contains(&module) || all_test {
+    if all_test {
+        return out;
+    }
+    if !MAY_NAME_RAYON.contains(&module) {
+        let named = names_under(source, &["rayon"], 0).into_iter().filter(|used| !used.in_test);
+        out.extend(named.map(|used| format!("{file}:{}: {module} -> rayon: forbidden", used.line)));
+    }
+    if MAY_TOUCH_THE_SYSTEM.contains(&module) {
         return out;
     }
     for used in names_under(source, &["std"], 0) {
