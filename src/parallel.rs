@@ -189,7 +189,8 @@ mod tests {
                     assert_eq!(map_slice(&expected, min, |x| *x), expected);
                     let sums = expected.chunks(min).map(|chunk| chunk.iter().sum());
                     let sums: Vec<usize> = sums.collect();
-                    assert_eq!(map_chunks(&expected, min, |chunk| chunk.iter().sum()), sums);
+                    let sum = |chunk: &[usize]| chunk.iter().sum::<usize>();
+                    assert_eq!(map_chunks(&expected, min, sum), sums);
                     let mut items = expected.clone();
                     let found = map_chunks_mut(&mut items, min, |k, chunk| {
                         chunk.iter_mut().for_each(|x| *x += k);

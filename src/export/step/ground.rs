@@ -117,7 +117,7 @@ impl<'a> Ground<'a> {
         let from = if self.is_round() { inner } else { 0.0 };
         let step = (rim - from) / STEPS as f64;
         let at = |rho: f64| self.radius(rho).ok_or(FitError::Overhang);
-        let table = parallel::try_map(STEPS + 1, 1, |k| self.radius(from + step * k as f64));
+        let at_step = |k: usize| self.radius(from + step * k as f64);
         let inwards = -0.02 * (rim - from) * (rim + from);
         let mut slopes = [at(rim)?.1 / (2.0 * rim); Beyond::TERMS - 1];
         for (k, slope) in slopes.iter_mut().enumerate().skip(1) {
@@ -125,7 +125,7 @@ impl<'a> Ground<'a> {
             *slope = at(rho)?.1 / (2.0 * rho);
         }
         Ok(Radial {
-            table: table.ok_or(FitError::Overhang)?,
+            table: parallel::try_map(STEPS + 1, 1, at_step).ok_or(FitError::Overhang)?,
             from,
             step,
             outside: Beyond::new(rim, at(rim)?.0, inwards, slopes),
