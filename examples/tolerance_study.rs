@@ -1,4 +1,4 @@
-//! How well a mirror must be made: the yield by five processes, and what to hold tighter.
+//! How well a mirror must be made: the yield by each process, and what to hold tighter.
 //!
 //! `cargo run --release --example tolerance_study -- conquistador`
 
@@ -6,8 +6,8 @@ use morion::pipeline::{Silent, Trials, tolerance};
 use morion::profile::shipped;
 use morion::tolerance::SourceFacts;
 
-const PROCESSES: [&str; 5] =
-    ["spdt", "ultra-precision-cnc", "precision-cnc", "standard-cnc", "sla-print"];
+const PROCESSES: [&str; 6] =
+    ["spdt", "polished", "ultra-precision-cnc", "precision-cnc", "standard-cnc", "sla-print"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = std::env::args().nth(1).unwrap_or_else(|| "conquistador".into());

@@ -81,12 +81,12 @@ fn random_meshes_are_sound() {
     all(&some(160));
 }
 
-/// Of the ten thousand only every fiftieth, but for a thorough run.
+/// Of the ten thousand only every two hundredth, but for a thorough run.
 #[test]
 fn ten_thousand_random_meshes_are_sound() {
     let cases = some(1300);
     assert!(cases.len() >= 10_000, "{}", cases.len());
-    let share: Vec<(Kind, u64)> = cases.into_iter().step_by(times(50, 1)).collect();
+    let share: Vec<(Kind, u64)> = cases.into_iter().step_by(times(200, 1)).collect();
     all(&share);
 }
 
