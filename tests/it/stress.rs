@@ -1,6 +1,7 @@
 //! Whole builds at the far ends of every scale: a right file, or a refusal that leaves none.
 
 use crate::support::builds::{SMALL, edited, files, folder, parsed};
+use crate::support::times;
 use morion::pipeline::{Silent, Source, build};
 use morion::report::{Reason, Report};
 use serde_json::Value;
@@ -112,9 +113,14 @@ fn parts_from_a_micron_to_a_kilometre_are_alike() {
 
 #[test]
 fn elevations_up_to_the_poles() {
-    let mut made = 0;
-    for law in ["cylindrical", "mercator", "equirectangular", "equal-area"] {
-        for range in ["[-89.9, 89.9]", "[0, 89.9]", "[-89.9, -45]", "[89, 89.9]", "[-0.01, 0.01]"] {
+    let (mut asked, mut made) = (0, 0);
+    let ranges = ["[-89.9, 89.9]", "[0, 89.9]", "[-89.9, -45]", "[89, 89.9]", "[-0.01, 0.01]"];
+    for (k, law) in
+        ["cylindrical", "mercator", "equirectangular", "equal-area"].into_iter().enumerate()
+    {
+        // Every other one, but for a thorough run.
+        for range in ranges.into_iter().skip(k % 2).step_by(times(2, 1)) {
+            asked += 1;
             let text = tiny(
                 &[
                     ("cylindrical", law),
@@ -128,7 +134,7 @@ fn elevations_up_to_the_poles() {
             made += usize::from(right_or_refused(&format!("{law} {range}"), &text).is_ok());
         }
     }
-    assert!((6..20).contains(&made), "{made} made");
+    assert!((asked / 3..asked).contains(&made), "{made} of {asked} made");
 }
 
 #[test]
@@ -153,7 +159,7 @@ fn frames_a_hundred_times_as_long_as_wide() {
 fn degrees_from_2_to_40_by_every_method() {
     for method in ["vector-field", "fixed-surface", "distribution"] {
         let mut last = f64::INFINITY;
-        for degree in [2, 3, 5, 10, 20, 40] {
+        for degree in [2, 3, 5, 10, 20, 40].into_iter().rev().step_by(times(2, 1)).rev() {
             let degree = format!("degree = {degree}");
             let what = format!("{method} {degree}");
             let text = tiny(&[("vector-field", method), ("degree = 8", &degree)]);
