@@ -40,13 +40,11 @@ pub fn blur(
     })?;
     let folder = Folder::create(&out.join(&profile.name))?;
     clock.stage(Stage::Report, || {
-        let files = [
+        let files = vec![
             folder.stage("blur.png", |out| out.write_all(&png))?,
             folder.stage("blur.json", |out| out.write_all(report.json().as_bytes()))?,
         ];
-        for staged in files {
-            staged.publish()?;
-        }
+        folder.replace(files, &[])?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

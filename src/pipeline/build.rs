@@ -146,7 +146,6 @@ pub fn build_with(
             |format: &Format| asked(format) && (!format.is_mesh() || formats.contains(format));
         let old: Vec<&str> =
             Format::ALL.iter().filter(|format| !made(format)).map(|f| f.file_name()).collect();
-        old.iter().try_for_each(|name| folder.clears(name))?;
         let files = staged.into_iter().filter(|(format, _)| asked(format)).map(|(_, file)| file);
         let files: Vec<Staged> = files.chain(pages).collect();
         let unasked = Format::ALL.len() - profile.formats.len();
@@ -155,13 +154,9 @@ pub fn build_with(
         let outputs = files.iter().chain([&last]).filter_map(output).collect();
         let record = Record { inputs, outputs, work: clock.work() };
         let timings = text("timings.json", &record.json(&clock))?;
-        // All of one build; the report last: where it is new, all that it speaks of is, and before it is
-        // the record matches nothing.
-        let _turn = folder.turn();
-        for staged in files.into_iter().chain([timings, last]) {
-            staged.publish()?;
-        }
-        old.iter().try_for_each(|name| folder.remove(name))?;
+        // The report last: where it is new, all that it speaks of is, and before it is the record
+        // matches nothing.
+        folder.replace(files.into_iter().chain([timings, last]).collect(), &old)?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

@@ -131,7 +131,7 @@ impl Folder {
 
     /// Waits for the turn to publish files that belong together. Where folders cannot be locked
     /// there is nothing to wait for.
-    pub fn turn(&self) -> Turn {
+    fn turn(&self) -> Turn {
         Turn { _folder: self.locked(File::lock) }
     }
 
@@ -154,7 +154,7 @@ impl Folder {
     }
 
     /// Finds out whether [`Folder::remove`] could not do its work.
-    pub fn clears(&self, name: &str) -> Result<(), FileError> {
+    fn clears(&self, name: &str) -> Result<(), FileError> {
         let path = self.path.join(name);
         let is_file = !path.is_dir();
         let error = || FileError::new("remove", &path)(ErrorKind::IsADirectory.into());
@@ -162,7 +162,7 @@ impl Folder {
     }
 
     /// Removes a file of an earlier build, if there is one.
-    pub fn remove(&self, name: &str) -> Result<(), FileError> {
+    fn remove(&self, name: &str) -> Result<(), FileError> {
         let path = self.path.join(name);
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -170,6 +170,19 @@ impl Folder {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Gives files that belong together their names, in their order, and removes those that are `stale`.
+    /// The old ones that speak of others go first: a command that is killed leaves files of one set, or
+    /// a folder without a report.
+    pub fn replace(&self, files: Vec<Staged>, stale: &[&str]) -> Result<(), FileError> {
+        stale.iter().try_for_each(|name| self.clears(name))?;
+        let _turn = self.turn();
+        for staged in files.iter().rev().filter(|staged| staged.speaks_of_others()) {
+            self.remove(staged.name())?;
+        }
+        files.into_iter().try_for_each(Staged::publish)?;
+        stale.iter().try_for_each(|name| self.remove(name))
     }
 
     /// Where it is.
@@ -234,6 +247,11 @@ impl Staged {
     /// The name that it will have.
     pub fn name(&self) -> &str {
         self.target.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+    }
+
+    /// Whether it holds figures of other files of its set.
+    fn speaks_of_others(&self) -> bool {
+        [".json", ".html"].iter().any(|end| self.name().ends_with(end))
     }
 
     /// SHA-256 of what was written, hexadecimal.

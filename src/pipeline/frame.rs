@@ -84,14 +84,12 @@ pub fn frame(
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
-        let files = [
+        let files = vec![
             folder.stage("frame.png", |out| out.write_all(&png))?,
             text("frame.csv", &report.csv())?,
             text("frame.json", &report.json())?,
         ];
-        for staged in files {
-            staged.publish()?;
-        }
+        folder.replace(files, &[])?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

@@ -133,16 +133,8 @@ pub fn machining(
         files.push(folder.stage("gouge.png", |out| out.write_all(&png))?);
         let json = found.json();
         files.push(folder.stage("machining.json", |out| out.write_all(json.as_bytes()))?);
-        let stale = found.as_cut.is_none();
-        if stale {
-            folder.clears(FILE)?;
-        }
-        for staged in files {
-            staged.publish()?;
-        }
-        if stale {
-            folder.remove(FILE)?;
-        }
+        let stale = if found.as_cut.is_none() { &[FILE][..] } else { &[] };
+        folder.replace(files, stale)?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(found)

@@ -148,10 +148,9 @@ pub fn replay(
             |name: &str, text: String| folder.stage(name, |out| out.write_all(text.as_bytes()));
         staged.push(text("pose.json", pose.json())?);
         staged.push(text("replay.json", report.json())?);
-        let old = || Format::ALL.iter().filter(|f| f.is_mesh() && !formats.contains(f));
-        old().try_for_each(|format| folder.clears(format.file_name()))?;
-        staged.into_iter().try_for_each(Staged::publish)?;
-        old().try_for_each(|format| folder.remove(format.file_name()))?;
+        let old = Format::ALL.iter().filter(|f| f.is_mesh() && !formats.contains(f));
+        let stale: Vec<&str> = old.map(|format| format.file_name()).collect();
+        folder.replace(staged, &stale)?;
         Ok::<_, FileError>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

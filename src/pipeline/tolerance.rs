@@ -1,6 +1,6 @@
 //! Tolerancing: trials to files, at once or in parts.
 
-use super::files::{self, Folder, Staged};
+use super::files::{self, Folder};
 use super::machining::{Cutting, scalloped, survey};
 use super::observer::Clock;
 use super::question::{Prepared, prepared};
@@ -242,7 +242,7 @@ fn concluded(
         let timings = format!("{:#}\n", clock.timings(&clock.work()));
         let timings =
             folder.stage("tolerance-timings.json", |out| out.write_all(timings.as_bytes()))?;
-        [trials, page, timings, answers].into_iter().try_for_each(Staged::publish)?;
+        folder.replace(vec![trials, page, timings, answers], &[])?;
         Ok::<_, Error>(((), folder.path().display().to_string()))
     })?;
     Ok(report)

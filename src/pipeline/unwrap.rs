@@ -176,7 +176,7 @@ fn publish(
             let format = format.into();
             files.push(FileFacts { name, format, bytes: bytes.len() as u64, sha256 });
         }
-        staged.into_iter().try_for_each(Staged::publish)?;
+        folder.replace(staged, &[])?;
         Ok::<_, Error>((files, folder.path().display().to_string()))
     })
 }

@@ -215,18 +215,14 @@ fn publish(
             form_picture(map, report.form_error_um.as_ref())
                 .map_err(|error| Error::Picture(error.to_string()))
         });
-        let mut files = Vec::new();
+        let (mut files, mut stale) = (Vec::new(), Vec::new());
         match picture.transpose()? {
             Some(png) => files.push(folder.stage(MAP, |out| out.write_all(&png))?),
-            None => folder.clears(MAP)?,
+            None => stale.push(MAP),
         }
-        let nothing = files.is_empty();
         let text = report.json();
         files.push(folder.stage("report.json", |out| out.write_all(text.as_bytes()))?);
-        files.into_iter().try_for_each(files::Staged::publish)?;
-        if nothing {
-            folder.remove(MAP)?;
-        }
+        folder.replace(files, &stale)?;
         Ok(((), folder.path().display().to_string()))
     })
 }
