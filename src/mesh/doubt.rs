@@ -1,8 +1,8 @@
 //! Whether splitting a facet that is too large does any good, found out before the work: what is
 //! proven of it as it shrinks.
 
-use super::draft::rounding;
 use super::proof::{Bound, Prover};
+use super::written::Corners;
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Precision};
 
@@ -43,11 +43,8 @@ impl<'a> Doubt<'a> {
 
     fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {
         let middle = middle(facet);
-        let round = rounding(self.prover, self.limits);
-        let vertices = facet.map(|p| {
-            let q = round(middle + (p - middle) * by);
-            self.prover.vertex(q, self.prover.mirror().surface.at(q))
-        });
+        let corners = Corners::new(self.prover);
+        let vertices = facet.map(|p| corners.near(middle + (p - middle) * by));
         self.prover.bound_roughly(vertices.each_ref(), &self.limits)
     }
 

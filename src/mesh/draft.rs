@@ -10,7 +10,7 @@ use super::plane;
 use super::proof::Prover;
 use super::rim::Rim;
 use super::{Limits, MOST_FACETS, MeshError};
-use crate::geom::{DVec2, Precision, Rect};
+use crate::geom::{DVec2, Rect};
 use crate::mirror::Mirror;
 use crate::parallel;
 
@@ -275,12 +275,4 @@ impl<'a> Draft<'a> {
             corners.map(|p| centre + (p - centre) * share)
         })
     }
-}
-
-/// Points as the file will have them: under parallel rays single-precision numbers, if that is its
-/// precision.
-pub fn rounding(prover: &Prover, limits: Limits) -> impl Fn(DVec2) -> DVec2 + Copy + use<> {
-    let parallel = prover.mirror().chart.vergence == 0.0;
-    let single = parallel && limits.precision == Precision::Single;
-    move |q| if single { q.as_vec2().as_dvec2() } else { q }
 }

@@ -34,6 +34,7 @@ mod subdivide;
 mod tests;
 mod tight;
 mod tighten;
+mod written;
 
 pub use budget::{Budget, Closing, Plan};
 pub use optimum::Optimum;
@@ -43,7 +44,7 @@ use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::View;
 use crate::parallel;
-use draft::{Draft, Trial, rounding};
+use draft::{Draft, Trial};
 use needs::Needs;
 use refine::refine;
 use region::Sight;
@@ -253,8 +254,7 @@ impl<'a> Mesher<'a> {
         let Sight { mirror, camera, view } = self.sight;
         let made = || {
             self.drafted(limits, |prover, draft| {
-                let fine = subdivide(draft, rounding(prover, limits));
-                refine(prover, draft, fine, copies(mirror), limits)
+                refine(prover, draft, subdivide(draft), copies(mirror), limits)
             })
         };
         // From a thread of the pool, the others are reached more quickly.

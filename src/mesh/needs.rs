@@ -5,8 +5,9 @@
 use super::deviation::{Triangle, largest_deviation};
 use super::proof::{Vertex, gradient_of};
 use super::region::Sight;
+use super::written::left;
 use super::{Limits, MeshError};
-use crate::geom::{DVec2, Outline, Precision, Rect};
+use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
 use crate::mirror::Curvature;
 use crate::num::{Dual, exp, larger};
 use crate::parallel;
@@ -91,6 +92,8 @@ pub struct Needs {
     domain: Rect,
     table: Vec<Place>,
     limits: Limits,
+    /// The mirror's.
+    chart: Chart,
 }
 
 impl Needs {
@@ -99,7 +102,8 @@ impl Needs {
         let outline = &sight.mirror.outline;
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
         let place = |&q: &DVec2| place(sight, into(outline, q), limits.precision);
-        Self { domain, table: parallel::map_slice(&nodes, 1, place), limits }
+        let table = parallel::map_slice(&nodes, 1, place);
+        Self { domain, table, limits, chart: sight.mirror.chart }
     }
 
     /// Whether the image limits anything.
@@ -148,16 +152,24 @@ impl Needs {
 
     /// The same of a facet of which is known what the mirror does at its corners.
     pub fn excess_of(&self, place: &Place, t: [&Vertex; 3]) -> f64 {
-        let Limits { chord_mm, facet_mm, .. } = self.limits;
+        let Limits { chord_mm, facet_mm, precision } = self.limits;
         let q = t.map(|v| v.q);
         let by_chord = chord_mm.map_or(0.0, |limit| {
             let [ab, bc, ca] = Triangle::new(q).curves(t.map(|v| v.gradient));
             largest_deviation(ab, bc, ca) * place.stretch / (limit - place.rounding)
         });
         let by_facet = facet_mm.map_or(0.0, |limit| {
-            let flat = gradient_of(q, t.map(|v| v.h));
-            let shift = |v: &Vertex| (place.per_slope * (flat - v.gradient)).length_squared();
-            t.map(shift).into_iter().fold(0.0, larger) / (limit * limit)
+            let shift = |h: [f64; 3]| {
+                let flat = gradient_of(q, h);
+                let of = |v: &Vertex| (place.per_slope * (flat - v.gradient)).length_squared();
+                t.map(of).into_iter().fold(0.0, larger)
+            };
+            let exact = shift(t.map(|v| v.h));
+            let largest = match precision {
+                Precision::Single => larger(exact, shift(t.map(|v| v.rounded_h(&self.chart)))),
+                Precision::Double => exact,
+            };
+            largest / (limit * limit)
         });
         larger(larger(by_chord, by_facet), FORESEEN * self.excess(place, q[1] - q[0], q[2] - q[0]))
     }
@@ -293,10 +305,11 @@ fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
     };
     let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(half[0], half[1])) };
     let ray = (1.0 + k * k * q.length_squared()).sqrt();
+    let left = left(2.0 * half[2], p.length(), mirror.outline.bounds().size().max_element());
     Place {
         curvature,
         per_slope,
         stretch: ray / (grow * grow),
-        rounding: (half[2] + across) * ray / (1.0 + k * q.dot(p)),
+        rounding: left * (half[2] + across) * ray / (1.0 + k * q.dot(p)),
     }
 }

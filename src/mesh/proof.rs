@@ -47,6 +47,23 @@ pub struct Vertex {
     pub content: DVec2,
 }
 
+impl Vertex {
+    /// The mirror's slope (Z_X, Z_Y) there.
+    pub(super) fn slope(&self, chart: &Chart) -> DVec2 {
+        let along = self.gradient / (1.0 + chart.vergence * self.h);
+        DVec2::from_array(chart.slope(self.q.to_array(), along.to_array()))
+    }
+
+    /// h on the corner's ray of the mirror moved to the corner's rounding to single precision, mm.
+    pub(super) fn rounded_h(&self, chart: &Chart) -> f64 {
+        let (k, slope) = (chart.vergence, self.slope(chart));
+        let off = self.at.as_vec3().as_dvec3() - self.at;
+        let up = (off.z - slope.dot(off.truncate())) / (1.0 + k * self.q.dot(slope));
+        let grow = 1.0 + k * self.h;
+        self.h + up * grow * grow
+    }
+}
+
 /// Upper bounds of the errors of one facet, or of all.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bound {
@@ -79,6 +96,8 @@ pub struct Prover<'a> {
     pub(super) sight: Sight<'a>,
     pub(super) plain: bool,
     pub(super) precision: Precision,
+    /// The part of the panel in which the facets are.
+    pub(super) part: Rect,
     pub(super) ground: Ground,
 }
 
@@ -100,7 +119,7 @@ impl<'a> Prover<'a> {
     /// The same for facets inside `part` of the panel.
     pub(super) fn over(part: Rect, sight: Sight<'a>, precision: Precision) -> Self {
         let ground = Ground::new(&sight, part);
-        Self { sight, plain: sight.is_plain(), precision, ground }
+        Self { sight, plain: sight.is_plain(), precision, part, ground }
     }
 
     /// The mirror.

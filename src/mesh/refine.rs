@@ -3,11 +3,12 @@
 
 use super::crowd::{Crowd, flip_all};
 use super::doubt::Doubt;
-use super::draft::{Draft, rounding};
+use super::draft::Draft;
 use super::net::Net;
 use super::proof::{Bound, Prover, Vertex};
 use super::subdivide::Fine;
 use super::tighten::Mesh;
+use super::written::Corners;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
 use crate::parallel;
@@ -40,10 +41,11 @@ pub fn refine(
     copies: usize,
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
-    let evaluate = |&q: &DVec2| prover.vertex(q, prover.mirror().surface.at(q));
-    let mut vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, evaluate);
+    let corners = Corners::new(prover);
+    let near = |&q: &DVec2| corners.near(q);
+    let mut vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, near);
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
-    let proof = Proof { prover, limits };
+    let proof = Proof { prover, corners, limits };
     let Proven { mut bounds, mut failed, mut largest } = proof.of(&all, &vertices, &fine.triangles);
     let mut triangles = fine.triangles;
     if !failed.is_empty() {
@@ -84,6 +86,7 @@ pub fn refine(
 
 struct Proof<'a> {
     prover: &'a Prover<'a>,
+    corners: Corners<'a>,
     limits: Limits,
 }
 
@@ -100,12 +103,6 @@ struct Proven {
 }
 
 impl Proof<'_> {
-    /// The corner at `q`, or where the file will have it.
-    fn vertex(&self, q: DVec2) -> Vertex {
-        let q = rounding(self.prover, self.limits)(q);
-        self.prover.vertex(q, self.prover.mirror().surface.at(q))
-    }
-
     /// Proves the given facets.
     fn of(&self, facets: &[u32], vertices: &[Vertex], triangles: &[[u32; 3]]) -> Proven {
         let chunk = |facets: &[u32]| {
@@ -220,8 +217,9 @@ impl Repair<'_> {
         let Self { proof, draft, net, changed, crowd } = self;
         let cells = &draft.cells;
         let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
-        let better =
-            |net: &Net<Vertex>, v: u32| net.better_place(v, UNEASY, fine, |q| proof.vertex(q));
+        let better = |net: &Net<Vertex>, v: u32| {
+            net.better_place(v, UNEASY, fine, |q| proof.corners.near(q))
+        };
         crowd.move_all(net, corners.to_vec(), better, |net, v| changed.extend(net.around(v)));
         let mut near: Vec<u32> = corners.iter().flat_map(|&v| net.around(v)).collect();
         near.sort_unstable();
@@ -256,7 +254,7 @@ impl Repair<'_> {
         let is_rim = self.net.beside(edge)[1].is_none();
         let arc = if is_rim { self.draft.rim.arc_through(p, q) } else { None };
         let middle = (p + q) * 0.5;
-        self.proof.vertex(arc.map_or(middle, |arc| arc.onto(middle)))
+        self.proof.corners.near(arc.map_or(middle, |arc| arc.onto(middle)))
     }
 
     /// Splits an edge in its middle, for the sake of facet `of`.
@@ -286,7 +284,7 @@ impl Repair<'_> {
 
     /// Facet `t` is not split.
     fn floor(&self, t: u32) -> MeshError {
-        let Proof { prover, limits } = self.proof;
+        let Proof { prover, limits, .. } = self.proof;
         Doubt::new(prover, *limits).floor(self.net.triangles[t as usize].map(|v| self.net.q(v)))
     }
 }

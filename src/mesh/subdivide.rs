@@ -20,16 +20,14 @@ const NONE: u32 = u32::MAX;
 /// Coarse triangles that a thread cuts at a time.
 const CHUNK: usize = 256;
 
-/// Cuts the sides of every triangle of `draft` into its number of parts; points are rounded by
-/// `round`.
-pub fn subdivide(draft: &Draft, round: impl Fn(DVec2) -> DVec2 + Sync) -> Fine {
+/// Cuts the sides of every triangle of `draft` into its number of parts.
+pub fn subdivide(draft: &Draft) -> Fine {
     let (plane, parts) = (&draft.net, draft.cells.parts);
     let cutter = Cutter { plane, rim: &draft.rim, parts, beyond: neighbours(plane) };
     let pieces = cutter.number();
     let cut = |pieces: &[Piece]| {
         let mut fine = Fine { points: Vec::new(), triangles: Vec::new() };
         pieces.iter().for_each(|piece| cutter.cut(piece, &mut fine));
-        fine.points.iter_mut().for_each(|point| *point = round(*point));
         fine
     };
     let cut = parallel::map_chunks(&pieces, CHUNK, cut);

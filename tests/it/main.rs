@@ -14,6 +14,7 @@ mod design_accuracy;
 mod determinism;
 mod dry_run;
 mod economy;
+mod facet_limits;
 mod fingerprint;
 mod frame;
 mod fuzzed;

@@ -354,7 +354,7 @@ export.formats = [\"stl\"]
                 "width_mm = 8.871, base_mm = 0.7925",
                 "facet_px = 1.27",
                 "\"3mf\"",
-                "single precision reaches facet_px",
+                "boundlessly smaller than elsewhere",
             ),
             (
                 "[19, 14]",
