@@ -1,10 +1,12 @@
-//! Warnings of parts and files that others will find too large, each with what to do instead.
+//! Warnings of parts and files that others will find too large, and of mirrors that the frame cuts off,
+//! each with what to do instead.
 
 use super::facets::{added_to, forecast, limits};
 use crate::design::Design;
-use crate::geom::Precision;
+use crate::geom::{Outline, Precision};
 use crate::mesh::Limits;
 use crate::profile::{Format, Profile};
+use std::f64::consts::PI;
 
 /// The least number of triangles that draws a warning, and the least length of a file.
 const MANY: usize = 1_000_000;
@@ -13,6 +15,8 @@ const LARGE: u64 = 100_000_000;
 const BELOW: f64 = 0.93;
 /// Most forecasts made to find a suggestion.
 const FORECASTS: usize = 12;
+/// The least share of a mirror outside the frame that draws a warning.
+const CUT_OFF: f64 = 1e-3;
 
 /// What suggestions are drawn from.
 pub struct Advice<'a> {
@@ -28,7 +32,7 @@ impl Advice<'_> {
     /// Warnings of a part of so many triangles and of files of so many bytes.
     pub fn on(&self, triangles: usize, files: &[(&str, u64)]) -> Vec<String> {
         let name = &self.profile.name;
-        let mut warnings = Vec::new();
+        let mut warnings: Vec<String> = self.cut_off().into_iter().collect();
         if triangles >= MANY {
             let instead = self.instead(triangles, MANY as f64);
             warnings.push(format!(
@@ -50,6 +54,35 @@ impl Advice<'_> {
             ));
         }
         warnings
+    }
+
+    /// The warning of a round mirror that reaches beyond the frame.
+    fn cut_off(&self) -> Option<String> {
+        let Design { mirror, camera, .. } = self.design;
+        let Outline::Ring { inner, outer } = mirror.outline else { return None };
+        if mirror.chart != camera.chart {
+            return None;
+        }
+        let [columns, rows] = camera.pixels;
+        let half = [columns, rows].map(|pixels| 0.5 * f64::from(pixels) * camera.pixel_mm);
+        let seen = within(half, outer) - within(half, inner);
+        let lost = 1.0 - seen / (PI * (outer * outer - inner * inner));
+        let instead = match camera.chart.vergence {
+            0.0 => {
+                let side = columns.min(rows);
+                format!("write pixels = [{side}, {side}], the middle of that sensor")
+            }
+            _ => "raise distance_mm or hfov_deg".to_owned(),
+        };
+        (lost >= CUT_OFF).then(|| {
+            format!(
+                "{}: the frame of {columns} x {rows} pixels cuts off {:.1} % of the mirror, whose disc \
+                 is {:.0} pixels across; to see all of it, {instead}",
+                self.profile.name,
+                100.0 * lost,
+                2.0 * outer / camera.pixel_mm,
+            )
+        })
     }
 
     /// The warning of a sag table of so many bytes: its rows are as one over pitch and step.
@@ -123,6 +156,17 @@ impl Advice<'_> {
     }
 }
 
+/// The area of the disc of this radius inside the rectangle with these half sides.
+fn within([a, b]: [f64; 2], radius: f64) -> f64 {
+    const STEPS: u32 = 1000;
+    let reach = a.min(radius);
+    let height = |k: u32| {
+        let x = reach * (f64::from(k) + 0.5) / f64::from(STEPS);
+        b.min((radius * radius - x * x).sqrt())
+    };
+    4.0 * reach / f64::from(STEPS) * (0..STEPS).map(height).sum::<f64>()
+}
+
 /// The next number of two digits that is not less.
 fn round_up(x: f64) -> f64 {
     let nearest = two_digits(x);
@@ -142,6 +186,18 @@ fn two_digits(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_disc_in_a_frame_has_the_area_of_its_segments() {
+        // A band of 3/4 of the diameter: 2 (h sqrt(1 - h^2) + asin h).
+        let h: f64 = 0.75;
+        let exact = 2.0 * (h * (1.0 - h * h).sqrt() + crate::num::asin(h));
+        for half in [[1.0, h], [h, 1.0], [5.0, h]] {
+            assert!((within(half, 1.0) / exact - 1.0).abs() < 1e-4, "{half:?}");
+        }
+        assert!((within([1.0, 1.0], 1.0) / PI - 1.0).abs() < 1e-4);
+        assert_eq!(within([1.0, 1.0], 0.0), 0.0);
+    }
 
     #[test]
     fn suggestions_are_short_and_on_the_right_side() {

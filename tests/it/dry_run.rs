@@ -1,7 +1,7 @@
 //! What a dry run foresees, held against what a build makes.
 
 use crate::support::builds::{self, SMALL, edited, folder, morion, save, told};
-use crate::support::{self, small_but};
+use crate::support::{self, small_but, times};
 use morion::pipeline::{Silent, build, foresee};
 use morion::profile::{Format, MeshLimits, Profile, shipped};
 use rayon::prelude::*;
@@ -42,15 +42,17 @@ fn compare(profile: &Profile) {
 
 #[test]
 fn forecasts_of_the_shipped_mirrors_are_near() {
-    shipped().par_iter().for_each(|profile| {
+    let usual = MeshLimits::default();
+    let asked = [
+        (MeshLimits { facet_px: Some(3.0), ..usual }, &Format::ALL[..]),
+        (MeshLimits { chord_um: Some(8.0), ..usual }, &[Format::Stl]),
+        (MeshLimits { max_triangles: Some(20_000), ..usual }, &[Format::Stl]),
+    ];
+    shipped().par_iter().enumerate().for_each(|(k, profile)| {
         let profile = support::shipped(profile.name);
-        let usual = MeshLimits::default();
-        for (mesh, formats) in [
-            (MeshLimits { facet_px: Some(3.0), ..usual }, &Format::ALL[..]),
-            (MeshLimits { chord_um: Some(8.0), ..usual }, &[Format::Stl]),
-            (MeshLimits { max_triangles: Some(20_000), ..usual }, &[Format::Stl]),
-        ] {
-            compare(&Profile { mesh, formats: formats.to_vec(), ..profile.clone() });
+        // One of them, in turns, but for a thorough run.
+        for (mesh, formats) in asked.iter().cycle().skip(k).take(times(1, asked.len())) {
+            compare(&Profile { mesh: *mesh, formats: formats.to_vec(), ..profile.clone() });
         }
     });
 }
@@ -138,6 +140,22 @@ fn suggested(warning: &str, key: &str) -> String {
     let value: String =
         warning[at..].chars().take_while(|&c| c.is_ascii_digit() || c == '.').collect();
     value.trim_end_matches('.').to_owned()
+}
+
+/// 1 100 972 of the 1 286 795 pixels of the disc that a square frame would show.
+#[test]
+fn a_disc_beyond_a_wide_frame_draws_a_warning_that_helps() {
+    let warnings = |pixels: &str| {
+        let edits = [("pixels = [480, 480]", pixels)];
+        let foreseen = foresee(&support::shipped_but("plane", &edits).into(), &Silent).unwrap();
+        foreseen.warnings.into_iter().filter(|w| w.contains("cuts off")).collect::<Vec<_>>()
+    };
+    let [warning] = &warnings("pixels = [1280, 960]")[..] else { panic!("one warning") };
+    for words in ["1280 x 960 pixels cuts off 14.4 % of the mirror", "1280 pixels across"] {
+        assert!(warning.contains(words), "{warning}");
+    }
+    let (_, instead) = warning.split_once("write ").unwrap();
+    assert!(warnings(instead.split(", the").next().unwrap()).is_empty(), "{warning}");
 }
 
 #[test]
