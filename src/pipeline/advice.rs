@@ -4,8 +4,9 @@
 use super::facets::{added_to, forecast, limits};
 use crate::design::Design;
 use crate::geom::{Outline, Precision};
-use crate::mesh::Limits;
+use crate::mesh::{Limits, mesh};
 use crate::profile::{Format, Profile};
+use crate::report::MeshFacts;
 use std::f64::consts::PI;
 
 /// The least number of triangles that draws a warning, and the least length of a file.
@@ -15,6 +16,10 @@ const LARGE: u64 = 100_000_000;
 const BELOW: f64 = 0.93;
 /// Most forecasts made to find a suggestion.
 const FORECASTS: usize = 12;
+/// The least share of a budget that is used without a warning, and how much finer the mesh is that is
+/// tried to say why.
+const ENOUGH: f64 = 0.95;
+const FINER: f64 = 0.98;
 /// The least share of a mirror outside the frame that draws a warning.
 const CUT_OFF: f64 = 1e-3;
 
@@ -54,6 +59,31 @@ impl Advice<'_> {
             ));
         }
         warnings
+    }
+
+    /// The warning of a budget of which less than [`ENOUGH`] is used: what stands against a finer mesh.
+    pub fn unspent(&self, made: &MeshFacts) -> Option<String> {
+        let most = made.max_triangles?;
+        if made.triangles as f64 >= ENOUGH * most as f64 {
+            return None;
+        }
+        let Design { mirror, camera, view, .. } = self.design;
+        let [chord_mm, facet_mm] = match view {
+            Some(_) => [None, Some(FINER * made.facet_px.bound * camera.pixel_mm)],
+            None => [Some(FINER * made.chord_um.bound * 1e-3), None],
+        };
+        let limits = Limits { chord_mm, facet_mm, precision: self.precision };
+        let closing = made.triangles - made.optical_triangles;
+        let why = match mesh(mirror, &camera.chart, view.as_ref(), limits) {
+            Ok(face) => {
+                format!("the next finer mesh has {}", face.mesh.triangles.len() + closing)
+            }
+            Err(error) => format!("a finer mesh cannot be made: {error}"),
+        };
+        Some(format!(
+            "{}: {} of max_triangles = {most} are used; {why}",
+            self.profile.name, made.triangles
+        ))
     }
 
     /// The warning of a round mirror that reaches beyond the frame.

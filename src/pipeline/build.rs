@@ -3,7 +3,7 @@
 use super::advice::Advice;
 use super::drawings::{Checked, Drawing, check_table, fitted};
 use super::examine::examine;
-use super::facets::Facets;
+use super::facets::{Facets, left_out};
 use super::files::{Folder, Staged};
 use super::foresee::{check_room, least_bytes};
 use super::formats::{self, drawings, write_mesh};
@@ -80,19 +80,23 @@ pub fn build_with(
     check_table(profile, &design)?;
     let fit = fitted(profile, &design)?;
     check_room(&folder, profile, &design, fit.as_ref())?;
-    let facets = clock.stage(Stage::Mesh, || meshed(&clock, profile, &design))?;
+    let facets = match clock.stage(Stage::Mesh, || meshed(&clock, profile, &design)) {
+        Ok(facets) => Ok(facets),
+        Err(error) => Err(left_out(profile, error)?),
+    };
     let form = Form::of(&design.mirror);
-    let label = label(profile, &design, &facets.made);
+    let precision = facets.as_ref().map_or(Precision::Double, |facets| facets.precision);
+    let label = label(profile, &design, facets.as_ref().ok().map(|facets| &facets.made.bound));
     let drawing =
         Drawing { profile, design: &design, form: &form, fit: fit.as_ref(), label: &label };
-    let Meshes { mut staged, facts } =
-        write_meshes(profile, &clock, &folder, &design, &facets, &label)?;
+    let meshes = match facets {
+        Ok(facets) => write_meshes(profile, &clock, &folder, &design, facets, &label)?,
+        Err(refused) => Meshes { refused: Some(refused), ..Meshes::default() },
+    };
+    let Meshes { mut staged, facts, chord_mm, formats, refused } = meshes;
     for format in drawings(profile) {
         staged.push((format, write(&clock, &folder, format, |out| drawing.write(format, out))?));
     }
-    let Facets { made, precision, formats, refused } = facets;
-    let chord_mm = made.bound.chord_mm;
-    drop(made);
 
     // One file at a time, so that memory does not grow with their number.
     let (mut evidence, mut checked, mut picture) = (Vec::new(), Vec::new(), None);
@@ -118,7 +122,7 @@ pub fn build_with(
     // What the disk made of the bytes may be otherwise the next time.
     let altered = evidence.iter().any(|found| found.altered);
     let inputs = if altered { String::new() } else { inputs };
-    let mut report = assemble(profile, &design, form, Some(facts), evidence, chord_mm);
+    let mut report = assemble(profile, &design, form, facts, evidence, chord_mm);
     let mut all: Vec<Reason> = refused.into_iter().chain(report.reasons).collect();
     for Checked { file, reasons, sag } in checked {
         all.extend(reasons.into_iter().map(|reason| reason.of_file(&file.name)));
@@ -133,6 +137,7 @@ pub fn build_with(
     let advice = Advice { profile, design: &design, precision };
     let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
     report.warnings = advice.on(report.mesh.map_or(0, |mesh| mesh.triangles), &files);
+    report.warnings.extend(report.mesh.as_ref().and_then(|mesh| advice.unspent(mesh)));
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
@@ -167,10 +172,17 @@ const CLOSED: &str = "bodies closed and checked";
 const SHARED: &str = "files with as many digits share one";
 
 /// Mesh files under temporary names.
+#[derive(Default)]
 struct Meshes {
     staged: Vec<(Format, Staged)>,
     /// Of the first one.
-    facts: (MeshFacts, SolidFacts),
+    facts: Option<(MeshFacts, SolidFacts)>,
+    /// Chord that was proven of the face.
+    chord_mm: f64,
+    /// The formats that are written.
+    formats: Vec<Format>,
+    /// Why others are not.
+    refused: Option<Reason>,
 }
 
 /// Closes the face with the digits that each mesh format carries, and writes the files: with one
@@ -180,7 +192,7 @@ fn write_meshes(
     clock: &Clock,
     folder: &Folder,
     design: &Design,
-    facets: &Facets<Face>,
+    facets: Facets<Face>,
     label: &Label,
 ) -> Result<Meshes, Error> {
     let (mut staged, mut facts) = (Vec::new(), None);
@@ -206,7 +218,8 @@ fn write_meshes(
         staged.push((format, file?));
         closed = Some((formats::precision(format), solid));
     }
-    Ok(Meshes { staged, facts: facts.expect("every build has a mesh format") })
+    let Facets { made, formats, refused, .. } = facets;
+    Ok(Meshes { staged, facts, chord_mm: made.bound.chord_mm, formats, refused })
 }
 
 /// Reads a file that is no mesh.

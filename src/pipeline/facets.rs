@@ -2,7 +2,7 @@
 //! of triangles, and the digits of the files that are asked for.
 
 use super::Error;
-use super::formats::{meshes, precision};
+use super::formats::{TRACED, drawings, meshes, precision};
 use crate::design::Design;
 use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
@@ -97,6 +97,23 @@ impl Closing for Spending<'_> {
     }
 }
 
+/// What becomes of a refused mesh: where a drawing or a table is asked for the build goes on without one,
+/// for this reason; or else it ends with the error.
+pub fn left_out(profile: &Profile, error: Error) -> Result<Reason, Error> {
+    let Error::Mesh { source, .. } = &error else { return Err(error) };
+    if drawings(profile).next().is_none() {
+        return Err(error);
+    }
+    let meshes = profile.formats.iter().filter(|format| format.is_mesh());
+    let names: Vec<&str> = meshes.map(|format| format.file_name()).collect();
+    let sentence = match names[..] {
+        [] => format!("no mesh could be made to trace: {source}"),
+        [name] => format!("{name} was not written: {source}"),
+        _ => format!("{} were not written: {source}", names.join(" and ")),
+    };
+    Ok(Reason::new(ReasonKind::NoMesh, sentence))
+}
+
 /// Makes what single precision needs if there is to be a file in it; where that is what fails, what
 /// the other formats need.
 fn at_precision<T>(
@@ -120,7 +137,10 @@ fn at_precision<T>(
         Err(error) => error,
     };
     let Some(reason) = refusal(profile, design, &single, &error) else { return Err(fail(error)) };
-    let others: Vec<Format> = formats.into_iter().filter(|f| !single.contains(f)).collect();
+    let mut others: Vec<Format> = formats.into_iter().filter(|f| !single.contains(f)).collect();
+    if others.is_empty() && drawings(profile).next().is_some() {
+        others.push(TRACED);
+    }
     if others.is_empty() {
         return Err(Error::Single { profile: profile.name.clone(), reason });
     }

@@ -2,7 +2,7 @@
 
 use super::advice::Advice;
 use super::drawings::{Drawing, check_table, fitted};
-use super::facets::{self, Facets, added_to};
+use super::facets::{self, Facets, added_to, left_out};
 use super::files::Folder;
 use super::formats::{drawings, mesh_bytes, precision};
 use super::observer::Clock;
@@ -10,11 +10,11 @@ use super::{Error, Observer, Source, Stage, designed};
 use crate::design::Design;
 use crate::export::step::Fit;
 use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
-use crate::geom::Outline;
+use crate::geom::{Outline, Precision};
 use crate::mesh::{Limits, Plan, mesh};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
-use crate::report::{Foreseen, ProfileId, Prospect, ProspectFile, ProspectMesh};
+use crate::report::{Foreseen, ProfileId, Prospect, ProspectFile, ProspectMesh, Reason};
 use crate::solid::Solid;
 
 /// Foresees what [`super::build`] would make of the profile of `source`. Touches no file.
@@ -26,11 +26,13 @@ pub fn foresee(source: &Source, observer: &dyn Observer) -> Result<Prospect, Err
     let clock = Clock::new(observer);
     let design = clock.stage(Stage::Design, || designed(source))?;
     clock.stage(Stage::Forecast, || {
-        let facets = facets::plan(profile, &design)?;
+        let facets = planned(profile, &design)?;
         check_table(profile, &design)?;
         let fit = fitted(profile, &design)?;
         let prospect = prospect(profile, &design, fit.as_ref(), &facets);
-        let note = format!("about {} triangles", prospect.mesh.triangles);
+        let note = prospect
+            .mesh
+            .map_or("no mesh".to_owned(), |mesh| format!("about {} triangles", mesh.triangles));
         Ok((prospect, note))
     })
 }
@@ -71,25 +73,78 @@ pub fn check_room(
     if !written.formats.iter().any(|format| format.is_mesh()) {
         written.formats.push(Format::Obj);
     }
-    let prospect = prospect(&written, design, fit, &facets::plan(&written, design)?);
+    let prospect = prospect(&written, design, fit, &planned(&written, design)?);
     let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
     Ok(folder.holds((SURE * bytes as f64) as u64)?)
+}
+
+/// The mesh that is foreseen, or why there will be none although the build goes on.
+fn planned(profile: &Profile, design: &Design) -> Result<Result<Facets<Plan>, Reason>, Error> {
+    match facets::plan(profile, design) {
+        Ok(facets) => Ok(Ok(facets)),
+        Err(error) => left_out(profile, error).map(Err),
+    }
 }
 
 fn prospect(
     profile: &Profile,
     design: &Design,
     fit: Option<&Fit>,
-    facets: &Facets<Plan>,
+    facets: &Result<Facets<Plan>, Reason>,
 ) -> Prospect {
+    let label = Label {
+        profile: profile.name.clone(),
+        sha256: profile.sha256.clone(),
+        tolerances: tolerances(profile),
+    };
+    let form = Form::of(&design.mirror);
+    let drawing = Drawing { profile, design, form: &form, fit, label: &label };
+    let drawn = drawings(profile).map(|format| foreseen(format, drawing.bytes(format)));
+    let (mesh, mut files, refused, precision) = match facets {
+        Ok(facets) => {
+            let (mesh, files) = meshes(profile, design, facets, &label);
+            (Some(mesh), files, facets.refused.as_ref(), facets.precision)
+        }
+        Err(refused) => (None, Vec::new(), Some(refused), Precision::Double),
+    };
+    files.extend(drawn);
+    let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
+    let mut prospect = Prospect::new(id, mesh, files);
+    prospect.reasons = refused
+        .into_iter()
+        .map(|reason| reason.replace("was not", "would not be").replace("were not", "would not be"))
+        .collect();
+    let advice = Advice { profile, design, precision };
+    let files: Vec<(&str, u64)> = prospect.files.iter().map(|f| (&*f.name, f.bytes)).collect();
+    prospect.warnings = advice.on(mesh.map_or(0, |mesh| mesh.triangles), &files);
+    prospect
+}
+
+/// The label's tolerances, whose bounds are not known yet.
+fn tolerances(profile: &Profile) -> String {
+    let digits = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
+    let [chord, facet] = [profile.mesh.chord_um, profile.mesh.facet_px].map(digits);
+    format!("chord um {chord}:0.000 facet px {facet}:0.000")
+}
+
+fn foreseen(format: Format, bytes: u64) -> ProspectFile {
+    ProspectFile { name: format.file_name().to_owned(), format: format.name(), bytes }
+}
+
+/// The mesh that is foreseen, and its files.
+fn meshes(
+    profile: &Profile,
+    design: &Design,
+    facets: &Facets<Plan>,
+    label: &Label,
+) -> (ProspectMesh, Vec<ProspectFile>) {
     let Plan { limits, forecast } = facets.made;
     let size = size(design, forecast.facets.round() as usize, &facets.made);
-    let triangles = size.optical + size.more;
     let tolerances = profile.mesh.max_triangles.map(|_| reached(design, &facets.made));
     let pixel = design.camera.pixel_mm;
     let mesh = ProspectMesh {
         optical_triangles: size.optical,
-        triangles,
+        triangles: size.optical + size.more,
         max_triangles: profile.mesh.max_triangles,
         chord_um: Foreseen {
             limit: profile.mesh.chord_um,
@@ -100,41 +155,15 @@ fn prospect(
             foreseen: tolerances.and_then(|[_, facet]| facet).map(|mm| mm / pixel),
         },
     };
-    let digits = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
-    let label = Label {
-        profile: profile.name.clone(),
-        sha256: profile.sha256.clone(),
-        tolerances: format!(
-            "chord um {}:0.000 facet px {}:0.000",
-            digits(profile.mesh.chord_um),
-            digits(profile.mesh.facet_px)
-        ),
-    };
-    let form = Form::of(&design.mirror);
-    let drawing = Drawing { profile, design, form: &form, fit, label: &label };
-    let file = |format: Format| ProspectFile {
-        name: format.file_name().to_owned(),
-        format: format.name(),
-        bytes: if !format.is_mesh() {
-            drawing.bytes(format)
-        } else if format == Format::ThreeMf && size.optical < SMALL {
-            packed(design, limits, &label).unwrap_or_else(|| threemf_bytes(&size))
+    let bytes = |format: Format| {
+        if format == Format::ThreeMf && size.optical < SMALL {
+            packed(design, limits, label).unwrap_or_else(|| threemf_bytes(&size))
         } else {
-            mesh_bytes(format, &size, design, limits.precision, &label)
-        },
+            mesh_bytes(format, &size, design, limits.precision, label)
+        }
     };
     let asked = facets.formats.iter().copied().filter(|format| profile.formats.contains(format));
-    let files: Vec<ProspectFile> = asked.chain(drawings(profile)).map(file).collect();
-    let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
-    let mut prospect = Prospect::new(id, mesh, files);
-    let refused = facets.refused.iter();
-    prospect.reasons = refused
-        .map(|reason| reason.replace("was not", "would not be").replace("were not", "would not be"))
-        .collect();
-    let advice = Advice { profile, design, precision: facets.precision };
-    let files: Vec<(&str, u64)> = prospect.files.iter().map(|f| (&*f.name, f.bytes)).collect();
-    prospect.warnings = advice.on(triangles, &files);
-    prospect
+    (mesh, asked.map(|format| foreseen(format, bytes(format))).collect())
 }
 
 /// Facets of a face that is soon made.

@@ -19,11 +19,14 @@ pub fn precision(format: Format) -> Precision {
     }
 }
 
+/// The format of a mesh that is written to be traced alone.
+pub const TRACED: Format = Format::Obj;
+
 /// The mesh formats of which files are made: those asked for. Where none is, the one that any mesh
 /// suits, so that there is something to trace; it is not published.
 pub fn meshes(profile: &Profile) -> Vec<Format> {
     let asked: Vec<Format> = profile.formats.iter().copied().filter(|f| f.is_mesh()).collect();
-    if asked.is_empty() { vec![Format::Obj] } else { asked }
+    if asked.is_empty() { vec![TRACED] } else { asked }
 }
 
 /// The other formats asked for.

@@ -52,7 +52,7 @@ pub use verify::{Inspection, inspect, verify};
 
 use crate::design::{Design, design};
 use crate::export::Label;
-use crate::mesh::Face;
+use crate::mesh::{Bound, Face};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{FileFacts, MeshFacts, ProfileId, Report, SCHEMA, SolidFacts};
@@ -111,14 +111,16 @@ fn write(
 }
 
 /// What every file says about itself: tolerances asked and reached, too.
-fn label(profile: &Profile, design: &Design, face: &Face) -> Label {
+fn label(profile: &Profile, design: &Design, bound: Option<&Bound>) -> Label {
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
+    let reached =
+        |of: &dyn Fn(&Bound) -> f64| bound.map_or("-".into(), |b| format!("{:.3}", of(b)));
     let tolerances = format!(
-        "chord um {}:{:.3} facet px {}:{:.3}",
+        "chord um {}:{} facet px {}:{}",
         limit(profile.mesh.chord_um),
-        face.bound.chord_mm * 1e3,
+        reached(&|bound| bound.chord_mm * 1e3),
         limit(profile.mesh.facet_px),
-        face.bound.facet_mm / design.camera.pixel_mm,
+        reached(&|bound| bound.facet_mm / design.camera.pixel_mm),
     );
     Label { profile: profile.name.clone(), sha256: profile.sha256.clone(), tolerances }
 }

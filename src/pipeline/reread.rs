@@ -28,7 +28,7 @@ pub fn reread(clock: &Clock, profile: &Profile, design: &Design) -> Result<Rerea
     let format = facets.formats[0];
     let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
     let failed = |reason: String| Error::Reread { profile: profile.name.clone(), reason };
-    let label = label(profile, design, &facets.made);
+    let label = label(profile, design, Some(&facets.made.bound));
     let bytes = clock.stage(Stage::Write, || {
         let mut bytes = Vec::new();
         write_mesh(&mut bytes, format, &solid, (&facets.made, design), &label)

@@ -14,8 +14,8 @@ pub struct Prospect {
     pub dry_run: bool,
     /// Which profile.
     pub profile: ProfileId,
-    /// The mesh.
-    pub mesh: ProspectMesh,
+    /// The mesh; none where the build would go on without one.
+    pub mesh: Option<ProspectMesh>,
     /// The mesh files.
     pub files: Vec<ProspectFile>,
     /// Why files that are asked for would not be written.
@@ -63,7 +63,7 @@ pub struct ProspectFile {
 impl Prospect {
     /// The forecast for `profile`; nothing in it yet but the mesh and the files.
     #[must_use]
-    pub fn new(profile: ProfileId, mesh: ProspectMesh, files: Vec<ProspectFile>) -> Self {
+    pub fn new(profile: ProfileId, mesh: Option<ProspectMesh>, files: Vec<ProspectFile>) -> Self {
         let (reasons, warnings) = (Vec::new(), Vec::new());
         Self { schema: SCHEMA, dry_run: true, profile, mesh, files, reasons, warnings }
     }
@@ -81,27 +81,10 @@ impl Prospect {
     }
 
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let Self { profile, mesh, .. } = self;
-        head_line(out, profile)?;
-        let tolerances = [(mesh.chord_um, "chord", "um"), (mesh.facet_px, "facet", "px")];
-        let tolerances: Vec<String> = tolerances
-            .into_iter()
-            .filter_map(|(value, what, unit)| match value {
-                Foreseen { limit: Some(limit), .. } => {
-                    Some(format!("{what} within {limit} {unit}"))
-                }
-                Foreseen { foreseen: Some(x), .. } => Some(format!("{what} about {x:.3} {unit}")),
-                _ => None,
-            })
-            .collect();
-        writeln!(
-            out,
-            "  mesh     about {} optical triangles ({} in all{}); {}",
-            rough(mesh.optical_triangles),
-            rough(mesh.triangles),
-            of_at_most(mesh.max_triangles),
-            tolerances.join(", "),
-        )?;
+        head_line(out, &self.profile)?;
+        if let Some(mesh) = &self.mesh {
+            write_mesh(out, mesh)?;
+        }
         for file in &self.files {
             writeln!(out, "  file     {}  about {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
         }
@@ -110,6 +93,26 @@ impl Prospect {
         }
         writeln!(out, "  dry run  nothing was written")
     }
+}
+
+fn write_mesh(out: &mut String, mesh: &ProspectMesh) -> std::fmt::Result {
+    let tolerances = [(mesh.chord_um, "chord", "um"), (mesh.facet_px, "facet", "px")];
+    let tolerances: Vec<String> = tolerances
+        .into_iter()
+        .filter_map(|(value, what, unit)| match value {
+            Foreseen { limit: Some(limit), .. } => Some(format!("{what} within {limit} {unit}")),
+            Foreseen { foreseen: Some(x), .. } => Some(format!("{what} about {x:.3} {unit}")),
+            _ => None,
+        })
+        .collect();
+    writeln!(
+        out,
+        "  mesh     about {} optical triangles ({} in all{}); {}",
+        rough(mesh.optical_triangles),
+        rough(mesh.triangles),
+        of_at_most(mesh.max_triangles),
+        tolerances.join(", "),
+    )
 }
 
 /// A number in three digits.

@@ -43,6 +43,8 @@ pub enum ReasonKind {
     EmptyTable,
     /// Single precision does not carry the tolerances.
     SinglePrecision,
+    /// No mesh keeps the tolerances.
+    NoMesh,
 }
 
 /// Why a verdict is negative: one sentence with figures, which is all that files hold of it.

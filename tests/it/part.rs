@@ -252,7 +252,7 @@ fn a_rim_in_the_way_is_named() {
 /// What is foreseen of the whole part is right within a fifth.
 fn foreseen(what: &str, text: &str, report: &Report) {
     let prospect = foresee(&Source { profile: parsed(text), sag: None }, &Silent).unwrap();
-    let off = prospect.mesh.triangles as f64 / report.mesh.unwrap().triangles as f64 - 1.0;
+    let off = prospect.mesh.unwrap().triangles as f64 / report.mesh.unwrap().triangles as f64 - 1.0;
     println!("{what}: triangles off by {off:.3}");
     assert!(off.abs() < 0.2, "{what}: {off}");
     for (found, file) in prospect.files.iter().zip(&report.files) {

@@ -120,3 +120,32 @@ fn an_stl_within_its_reach_is_as_ever() {
     assert_eq!((code, &*err), (0, ""));
     assert_eq!(report(home)["files"].as_array().unwrap().len(), 2);
 }
+
+/// Where there is no mesh at all, or no file of it, drawings and tables are written all the same.
+#[test]
+fn drawings_and_tables_are_written_without_a_mesh() {
+    let folder = folder();
+    let home = folder.path();
+    let formats = |text: &str| edited(text, &[("\"stl\", \"obj\"", "\"stl\", \"step\", \"csv\"")]);
+    let many = edited(SMALL, &[("chord_um = 20", "chord_um = 1e-4")]);
+    for (text, why, mesh) in [
+        (formats(&far()), "mirror.stl was not written: single precision reaches", true),
+        (formats(&many), "mirror.stl was not written: the limits ask for about", false),
+    ] {
+        save(home, &text);
+        let (code, out, err) =
+            told(&morion(home, &["build", "small.toml", "--quiet", "--dry-run"]));
+        assert_eq!((code, &*err), (0, ""), "{out}");
+        let foreseen = why.replace("was not", "would not be");
+        assert!(out.contains(&format!("  - {foreseen}")), "{out}");
+        let (code, out, err) = told(&morion(home, &["build", "small.toml", "--quiet"]));
+        assert_eq!((code, &*err), (1, ""), "{out}");
+        assert!(out.contains(&format!("  - {why}")), "{out}");
+        let made = files(&home.join("out/small"));
+        for (name, is_there) in [("mirror.stl", false), ("mirror.step", true), ("sag.csv", true)] {
+            assert_eq!(made.contains_key(name), is_there, "{name}");
+        }
+        let report = report(home);
+        assert_eq!((&report["verdict"], report["mesh"].is_null()), (&"fail".into(), !mesh));
+    }
+}

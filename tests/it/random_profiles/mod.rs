@@ -32,7 +32,7 @@ const NO_DESIGN: &str = "no design";
 /// Kinds of reasons that are the profile's, and no fault of the mesh or the files: what is asked of
 /// the mirror, and rays that no mirror of this shape can help; each with the largest share of the
 /// profiles that may end so: about twice what sixty show, while a fifth of ten thousand failed in all.
-const PARDONED: [(ReasonKind, f64); 7] = [
+const PARDONED: [(ReasonKind, f64); 8] = [
     (ReasonKind::Shadowed, 0.15),
     (ReasonKind::PixelError, 0.1),
     (ReasonKind::FrameFilled, 0.1),
@@ -40,6 +40,7 @@ const PARDONED: [(ReasonKind, f64); 7] = [
     (ReasonKind::NothingAimed, 0.2),
     (ReasonKind::EmptyTable, 0.05),
     (ReasonKind::SinglePrecision, 0.05),
+    (ReasonKind::NoMesh, 0.1),
 ];
 
 /// How often each ending, and each kind of pardoned reason, was seen.
