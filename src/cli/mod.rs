@@ -2,6 +2,8 @@
 
 mod args;
 mod progress;
+#[cfg(unix)]
+mod signals;
 
 use crate::pipeline::{
     self, Benching, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, bench,
@@ -30,6 +32,8 @@ const UNABLE: u8 = 2;
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     arguments.color.write_global();
+    #[cfg(unix)]
+    signals::watch();
     if let Some(threads) = arguments.threads {
         // Fails only when a pool exists already, which cannot be before the first parallel work.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

@@ -4,6 +4,7 @@ use sha2::{Digest, Sha256};
 use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tempfile::NamedTempFile;
 use thiserror::Error;
@@ -57,6 +58,19 @@ const SUFFIX: &str = ".tmp";
 /// Where files cannot be locked: a temporary file older than this was left by a command that was
 /// killed.
 const ABANDONED: Duration = Duration::from_secs(3600);
+
+/// Temporary files of this process. What has got its name or is gone may still be listed.
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the files that this process is writing under temporary names, before it ends by a signal.
+/// No other is begun afterwards: whoever wants to waits for ever.
+pub fn abandon() {
+    let temporary = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in temporary.iter() {
+        let _ = std::fs::remove_file(path);
+    }
+    std::mem::forget(temporary);
+}
 
 /// The folder that one build writes to.
 #[derive(Debug, Clone)]
@@ -201,11 +215,14 @@ impl Folder {
         }
         // No sweep comes between the two.
         let _turn = self.locked(File::lock_shared);
+        let mut known = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
         let file = builder.tempfile_in(&self.path).map_err(|error| {
             // Without the temporary name, which nobody has to know.
             let plain = io::Error::from(error.kind());
             if remedy("write", &plain).is_empty() { error } else { plain }
         })?;
+        known.push(file.path().to_owned());
+        drop(known);
         #[cfg(unix)]
         let _ = file.as_file().try_lock();
         Ok(file)

@@ -37,7 +37,7 @@ pub use bench::{Benching, bench};
 pub use blur::blur;
 pub use build::{Effort, build, build_with};
 pub use error::Error;
-pub use files::FileError;
+pub use files::{FileError, abandon};
 pub use foresee::foresee;
 pub use frame::frame;
 pub use machining::{Cutting, machining};

@@ -1,11 +1,12 @@
 //! A number of triangles instead of limits: never exceeded, and used well.
 
 use crate::support;
-use crate::support::builds::{SMALL, files, folder, morion, save, told};
+use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::small_but;
 use morion::design::Design;
 use morion::geom::Precision;
 use morion::mesh::{Budget, Closing, Face, Forecast, MeshError};
+use morion::pipeline::{Silent, build};
 use morion::profile::shipped;
 use morion::solid::{Solid, added, rim};
 use rayon::prelude::*;
@@ -81,6 +82,25 @@ fn small_budgets_are_kept_too() {
         assert!(10 * found >= 9 * before, "{found} of {triangles} after {before}");
         before = found;
     }
+}
+
+#[test]
+fn what_stands_against_a_finer_mesh_is_said_where_a_budget_is_not_used() {
+    let mut warned = 0;
+    for triangles in [130, 150, 317, 500, 3500] {
+        let mut profile = small_but("chord_um = 20\n", "");
+        profile = edited(&profile, &[("facet_px = 3", &format!("max_triangles = {triangles}"))]);
+        let folder = folder();
+        let report = build(&parsed(&profile).into(), folder.path(), &Silent).unwrap();
+        let used = report.mesh.unwrap().triangles;
+        let said = format!(
+            "small: {used} of max_triangles = {triangles} are used; the next finer mesh has "
+        );
+        let warnings = report.warnings.iter().filter(|warning| warning.starts_with(&said)).count();
+        assert_eq!(warnings, usize::from(20 * used < 19 * triangles), "{used} of {triangles}");
+        warned += warnings;
+    }
+    assert!((1..5).contains(&warned), "{warned} warned");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The process and its limits: builds that are killed, disks that refuse, and requests that no memory
+//! The process and its limits: builds that are killed or told to end, disks that refuse, and requests that no memory
 //! holds.
 //!
 //! With `MORION_THOROUGH=1` builds are killed at 200 moments.
@@ -13,6 +13,8 @@ mod disk;
 mod draws;
 #[cfg(unix)]
 mod kills;
+#[cfg(unix)]
+mod signals;
 #[cfg(unix)]
 #[path = "../it/support/thorough.rs"]
 mod thorough;
