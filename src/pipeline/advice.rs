@@ -16,10 +16,11 @@ const LARGE: u64 = 100_000_000;
 const BELOW: f64 = 0.93;
 /// Most forecasts made to find a suggestion.
 const FORECASTS: usize = 12;
-/// The least share of a budget that is used without a warning, and how much finer the mesh is that is
-/// tried to say why.
+/// The least share of a budget that is used without a warning; how much finer each mesh is that is made
+/// to say why, and most of these.
 const ENOUGH: f64 = 0.95;
 const FINER: f64 = 0.98;
+const FINER_MESHES: usize = 12;
 /// The least share of a mirror outside the frame that draws a warning.
 const CUT_OFF: f64 = 1e-3;
 
@@ -67,23 +68,32 @@ impl Advice<'_> {
         if made.triangles as f64 >= ENOUGH * most as f64 {
             return None;
         }
-        let Design { mirror, camera, view, .. } = self.design;
-        let [chord_mm, facet_mm] = match view {
-            Some(_) => [None, Some(FINER * made.facet_px.bound * camera.pixel_mm)],
-            None => [Some(FINER * made.chord_um.bound * 1e-3), None],
-        };
-        let limits = Limits { chord_mm, facet_mm, precision: self.precision };
-        let closing = made.triangles - made.optical_triangles;
-        let why = match mesh(mirror, &camera.chart, view.as_ref(), limits) {
-            Ok(face) => {
-                format!("the next finer mesh has {}", face.mesh.triangles.len() + closing)
-            }
-            Err(error) => format!("a finer mesh cannot be made: {error}"),
-        };
+        let why = self.finer(made, most);
         Some(format!(
             "{}: {} of max_triangles = {most} are used; {why}",
             self.profile.name, made.triangles
         ))
+    }
+
+    /// What finer limits come to, up to the first that do not fit `most`.
+    fn finer(&self, made: &MeshFacts, most: usize) -> String {
+        let Design { mirror, camera, view, .. } = self.design;
+        let closing = made.triangles - made.optical_triangles;
+        let (mut by, mut counts) = (1.0, Vec::new());
+        while counts.len() < FINER_MESHES && counts.last().is_none_or(|&count| count <= most) {
+            by *= FINER;
+            let [chord_mm, facet_mm] = match view {
+                Some(_) => [None, Some(by * made.facet_px.bound * camera.pixel_mm)],
+                None => [Some(by * made.chord_um.bound * 1e-3), None],
+            };
+            let limits = Limits { chord_mm, facet_mm, precision: self.precision };
+            match mesh(mirror, &camera.chart, view.as_ref(), limits) {
+                Ok(face) => counts.push(face.mesh.triangles.len() + closing),
+                Err(error) => return format!("a finer mesh cannot be made: {error}"),
+            }
+        }
+        let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+        format!("finer limits come to {}", counts.join(", "))
     }
 
     /// The warning of a round mirror that reaches beyond the frame.
@@ -102,7 +112,11 @@ impl Advice<'_> {
                 let side = columns.min(rows);
                 format!("write pixels = [{side}, {side}], the middle of that sensor")
             }
-            _ => "raise distance_mm or hfov_deg".to_owned(),
+            // The rim stays where it is, at the distance of the reference plane.
+            vergence => {
+                let distance_mm = outer / half[0].min(half[1]) / vergence;
+                format!("write distance_mm = {:.1}", (10.0 * distance_mm).ceil() / 10.0)
+            }
         };
         (lost >= CUT_OFF).then(|| {
             format!(

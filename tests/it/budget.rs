@@ -93,12 +93,16 @@ fn what_stands_against_a_finer_mesh_is_said_where_a_budget_is_not_used() {
         let folder = folder();
         let report = build(&parsed(&profile).into(), folder.path(), &Silent).unwrap();
         let used = report.mesh.unwrap().triangles;
-        let said = format!(
-            "small: {used} of max_triangles = {triangles} are used; the next finer mesh has "
-        );
-        let warnings = report.warnings.iter().filter(|warning| warning.starts_with(&said)).count();
-        assert_eq!(warnings, usize::from(20 * used < 19 * triangles), "{used} of {triangles}");
-        warned += warnings;
+        let said =
+            format!("small: {used} of max_triangles = {triangles} are used; finer limits come to ");
+        let next = report.warnings.iter().find_map(|warning| warning.strip_prefix(&said));
+        assert_eq!(next.is_some(), 20 * used < 19 * triangles, "{used} of {triangles}");
+        let Some(next) = next else { continue };
+        // The last of them is the first that does not fit.
+        let counts: Vec<usize> = next.split(", ").map(|count| count.parse().unwrap()).collect();
+        let fits: Vec<bool> = counts.iter().map(|count| *count <= triangles).collect();
+        assert!(fits.iter().rev().skip(1).all(|fits| *fits) && !fits[fits.len() - 1], "{counts:?}");
+        warned += 1;
     }
     assert!((1..5).contains(&warned), "{warned} warned");
 }

@@ -146,17 +146,29 @@ fn suggested(warning: &str, key: &str) -> String {
 /// 1 100 972 of the 1 286 795 pixels of the disc that a square frame would show.
 #[test]
 fn a_disc_beyond_a_wide_frame_draws_a_warning_that_helps() {
-    let warnings = |pixels: &str| {
-        let edits = [("pixels = [480, 480]", pixels)];
-        let foreseen = foresee(&support::shipped_but("plane", &edits).into(), &Silent).unwrap();
+    let warnings = |name: &str, edits: &[(&str, &str)]| {
+        let foreseen = foresee(&support::shipped_but(name, edits).into(), &Silent).unwrap();
         foreseen.warnings.into_iter().filter(|w| w.contains("cuts off")).collect::<Vec<_>>()
     };
-    let [warning] = &warnings("pixels = [1280, 960]")[..] else { panic!("one warning") };
+    let frame = |pixels| ("pixels = [480, 480]", pixels);
+    let wide = warnings("plane", &[frame("pixels = [1280, 960]")]);
+    let [warning] = &wide[..] else { panic!("{wide:?}") };
     for words in ["1280 x 960 pixels cuts off 14.4 % of the mirror", "1280 pixels across"] {
         assert!(warning.contains(words), "{warning}");
     }
     let (_, instead) = warning.split_once("write ").unwrap();
-    assert!(warnings(instead.split(", the").next().unwrap()).is_empty(), "{warning}");
+    let square = instead.split(", the").next().unwrap();
+    assert!(warnings("plane", &[frame(square)]).is_empty(), "{warning}");
+
+    // A pinhole goes farther away.
+    let low = frame("pixels = [480, 360]");
+    let near = warnings("equiangular", &[low]);
+    let [warning] = &near[..] else { panic!("{near:?}") };
+    let (_, farther) = warning.split_once("write ").unwrap();
+    assert!(
+        warnings("equiangular", &[low, ("distance_mm = 100", farther)]).is_empty(),
+        "{warning}"
+    );
 }
 
 #[test]
