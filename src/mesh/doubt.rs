@@ -2,7 +2,6 @@
 //! proven of it as it shrinks.
 
 use super::proof::{Bound, Prover};
-use super::written::Corners;
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Precision};
 
@@ -43,8 +42,7 @@ impl<'a> Doubt<'a> {
 
     fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {
         let middle = middle(facet);
-        let corners = Corners::new(self.prover);
-        let vertices = facet.map(|p| corners.near(middle + (p - middle) * by));
+        let vertices = facet.map(|p| self.prover.corner(middle + (p - middle) * by));
         self.prover.bound_roughly(vertices.each_ref(), &self.limits)
     }
 

@@ -5,7 +5,7 @@
 use super::deviation::{Triangle, largest_deviation};
 use super::proof::{Vertex, gradient_of};
 use super::region::Sight;
-use super::written::left;
+use super::written::rounding_left;
 use super::{Limits, MeshError};
 use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
 use crate::mirror::Curvature;
@@ -305,7 +305,8 @@ fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
     };
     let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(half[0], half[1])) };
     let ray = (1.0 + k * k * q.length_squared()).sqrt();
-    let left = left(2.0 * half[2], p.length(), mirror.outline.bounds().size().max_element());
+    let left =
+        rounding_left(2.0 * half[2], p.length(), mirror.outline.bounds().size().max_element());
     Place {
         curvature,
         per_slope,

@@ -8,7 +8,6 @@ use super::net::Net;
 use super::proof::{Bound, Prover, Vertex};
 use super::subdivide::Fine;
 use super::tighten::Mesh;
-use super::written::Corners;
 use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
 use crate::parallel;
@@ -41,11 +40,10 @@ pub fn refine(
     copies: usize,
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
-    let corners = Corners::new(prover);
-    let near = |&q: &DVec2| corners.near(q);
-    let mut vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, near);
+    let corner = |&q: &DVec2| prover.corner(q);
+    let mut vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, corner);
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
-    let proof = Proof { prover, corners, limits };
+    let proof = Proof { prover, limits };
     let Proven { mut bounds, mut failed, mut largest } = proof.of(&all, &vertices, &fine.triangles);
     let mut triangles = fine.triangles;
     if !failed.is_empty() {
@@ -86,7 +84,6 @@ pub fn refine(
 
 struct Proof<'a> {
     prover: &'a Prover<'a>,
-    corners: Corners<'a>,
     limits: Limits,
 }
 
@@ -218,7 +215,7 @@ impl Repair<'_> {
         let cells = &draft.cells;
         let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
         let better = |net: &Net<Vertex>, v: u32| {
-            net.better_place(v, UNEASY, fine, |q| proof.corners.near(q))
+            net.better_place(v, UNEASY, fine, |q| proof.prover.corner(q))
         };
         crowd.move_all(net, corners.to_vec(), better, |net, v| changed.extend(net.around(v)));
         let mut near: Vec<u32> = corners.iter().flat_map(|&v| net.around(v)).collect();
@@ -254,7 +251,7 @@ impl Repair<'_> {
         let is_rim = self.net.beside(edge)[1].is_none();
         let arc = if is_rim { self.draft.rim.arc_through(p, q) } else { None };
         let middle = (p + q) * 0.5;
-        self.proof.corners.near(arc.map_or(middle, |arc| arc.onto(middle)))
+        self.proof.prover.corner(arc.map_or(middle, |arc| arc.onto(middle)))
     }
 
     /// Splits an edge in its middle, for the sake of facet `of`.
@@ -284,7 +281,7 @@ impl Repair<'_> {
 
     /// Facet `t` is not split.
     fn floor(&self, t: u32) -> MeshError {
-        let Proof { prover, limits, .. } = self.proof;
+        let Proof { prover, limits } = self.proof;
         Doubt::new(prover, *limits).floor(self.net.triangles[t as usize].map(|v| self.net.q(v)))
     }
 }

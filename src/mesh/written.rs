@@ -23,25 +23,15 @@ const ON_ARC: f64 = 1e-6;
 
 /// What is left of a rounding error of up to half a `step` of the digits of Z, where corners may be
 /// moved on a mirror of this `size` and of this slope.
-pub fn left(step: f64, slope: f64, size: f64) -> f64 {
+pub fn rounding_left(step: f64, slope: f64, size: f64) -> f64 {
     (1.0 - 2.0 * FARTHEST * size * slope / step).max(LEAST)
 }
 
-/// Puts corners where the file will have them.
-#[derive(Clone, Copy)]
-pub struct Corners<'a> {
-    prover: &'a Prover<'a>,
-}
-
-impl<'a> Corners<'a> {
-    pub fn new(prover: &'a Prover<'a>) -> Self {
-        Self { prover }
-    }
-
-    /// A corner at `q` or a few steps of its digits beside it.
-    pub fn near(&self, q: DVec2) -> Vertex {
+impl Prover<'_> {
+    /// A corner at `q` or a few steps of its digits beside it, as the file will have it.
+    pub(super) fn corner(&self, q: DVec2) -> Vertex {
         let vertex = self.exactly(self.rounded(q));
-        if self.prover.precision == Precision::Double {
+        if self.precision == Precision::Double {
             return vertex;
         }
         let to = self.nearest(&vertex);
@@ -50,21 +40,21 @@ impl<'a> Corners<'a> {
 
     /// The corner at `q`.
     fn exactly(&self, q: DVec2) -> Vertex {
-        self.prover.vertex(q, self.prover.mirror().surface.at(q))
+        self.vertex(q, self.mirror().surface.at(q))
     }
 
     /// Under parallel rays X and Y are numbers of the file.
     fn rounded(&self, q: DVec2) -> DVec2 {
-        let is_plain = self.prover.mirror().chart.vergence == 0.0;
-        let single = is_plain && self.prover.precision == Precision::Single;
+        let is_plain = self.mirror().chart.vergence == 0.0;
+        let single = is_plain && self.precision == Precision::Single;
         if single { q.as_vec2().as_dvec2() } else { q }
     }
 
     /// The directions in which a corner may be moved: anywhere, or along the side that it is on.
     fn ways(&self, v: &Vertex) -> [Option<DVec2>; 2] {
-        let Rect { min, max } = self.prover.part;
+        let Rect { min, max } = self.part;
         let on = v.q.cmpeq(min) | v.q.cmpeq(max);
-        if let Outline::Ring { inner, outer } = self.prover.mirror().outline {
+        if let Outline::Ring { inner, outer } = self.mirror().outline {
             let r = v.q.length();
             if [inner, outer].into_iter().any(|radius| (r - radius).abs() <= ON_ARC * outer) {
                 return [(!on.any()).then(|| v.q.perp() / r), None];
@@ -81,7 +71,7 @@ impl<'a> Corners<'a> {
 
     /// The place beside `v` whose rounded corner is nearest to the mirror, of those tried.
     fn nearest(&self, v: &Vertex) -> DVec2 {
-        let chart = &self.prover.mirror().chart;
+        let chart = &self.mirror().chart;
         let k = chart.vergence;
         let grow = 1.0 / (1.0 + k * v.h);
         // The corner's differential.
@@ -93,7 +83,7 @@ impl<'a> Corners<'a> {
         let normal = (-v.slope(chart)).extend(1.0);
         let off = |at: DVec3| (at.as_vec3().as_dvec3() - at).dot(normal).abs();
         let steps = v.at.abs() * f64::from(f32::EPSILON);
-        let farthest = FARTHEST * self.prover.part.size().max_element();
+        let farthest = FARTHEST * self.part.size().max_element();
         let mut best = (off(v.at), v.q);
         for way in self.ways(v).into_iter().flatten() {
             let climb = (steps.z / rise.dot(way).abs()).min(farthest) / f64::from(TRIED);
@@ -143,12 +133,11 @@ mod tests {
         };
         let sight = Sight { mirror: &mirror, camera: mirror.chart, view: None };
         let prover = Prover::over(rect, sight, Precision::Single);
-        let corners = Corners::new(&prover);
         let mut r = Draws::new(3);
         let mut off: Vec<f64> = (0..1000)
             .map(|_| {
                 let q = DVec2::new(r.inside([3.0, 20.0]), r.inside([3.0, 20.0]));
-                let v = if chosen { corners.near(q) } else { corners.exactly(corners.rounded(q)) };
+                let v = if chosen { prover.corner(q) } else { prover.exactly(prover.rounded(q)) };
                 assert!((v.q - q).length() < 1e-4, "{q} went to {}", v.q);
                 (v.rounded_h(&mirror.chart) - v.h).abs() / (v.at.z * f64::from(f32::EPSILON))
             })

@@ -4,14 +4,14 @@ use super::advice::Advice;
 use super::drawings::{Drawing, check_table, fitted};
 use super::facets::{self, Facets, added_to, left_out};
 use super::files::Folder;
-use super::formats::{drawings, mesh_bytes, precision};
+use super::formats::{TRACED, drawings, mesh_bytes, precision};
 use super::observer::Clock;
-use super::{Error, Observer, Source, Stage, designed};
+use super::{Error, Observer, Source, Stage, designed, label};
 use crate::design::Design;
 use crate::export::step::Fit;
 use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
 use crate::geom::{Outline, Precision};
-use crate::mesh::{Limits, Plan, mesh};
+use crate::mesh::{Bound, Limits, Plan, mesh};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{Foreseen, ProfileId, Prospect, ProspectFile, ProspectMesh, Reason};
@@ -71,7 +71,7 @@ pub fn check_room(
     // Where no mesh is asked for, one is written all the same until it is traced.
     let mut written = profile.clone();
     if !written.formats.iter().any(|format| format.is_mesh()) {
-        written.formats.push(Format::Obj);
+        written.formats.push(TRACED);
     }
     let prospect = prospect(&written, design, fit, &planned(&written, design)?);
     let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
@@ -92,11 +92,8 @@ fn prospect(
     fit: Option<&Fit>,
     facets: &Result<Facets<Plan>, Reason>,
 ) -> Prospect {
-    let label = Label {
-        profile: profile.name.clone(),
-        sha256: profile.sha256.clone(),
-        tolerances: tolerances(profile),
-    };
+    // As long as that of the build, whose bounds are not known yet.
+    let label = label(profile, design, Some(&Bound::default()));
     let form = Form::of(&design.mirror);
     let drawing = Drawing { profile, design, form: &form, fit, label: &label };
     let drawn = drawings(profile).map(|format| foreseen(format, drawing.bytes(format)));
@@ -118,13 +115,6 @@ fn prospect(
     let files: Vec<(&str, u64)> = prospect.files.iter().map(|f| (&*f.name, f.bytes)).collect();
     prospect.warnings = advice.on(mesh.map_or(0, |mesh| mesh.triangles), &files);
     prospect
-}
-
-/// The label's tolerances, whose bounds are not known yet.
-fn tolerances(profile: &Profile) -> String {
-    let digits = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
-    let [chord, facet] = [profile.mesh.chord_um, profile.mesh.facet_px].map(digits);
-    format!("chord um {chord}:0.000 facet px {facet}:0.000")
 }
 
 fn foreseen(format: Format, bytes: u64) -> ProspectFile {

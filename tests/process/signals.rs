@@ -14,6 +14,14 @@ fn command(folder: &Path) -> Command {
     command
 }
 
+/// A build in `folder` by a shell that has done `first`.
+fn after(first: &str, folder: &Path) -> Command {
+    let script = format!("{first}; exec \"$0\" build small.toml --quiet");
+    let mut command = Command::new("sh");
+    command.args(["-c", &script, env!("CARGO_BIN_EXE_morion")]).current_dir(folder);
+    command
+}
+
 #[test]
 fn a_build_that_is_told_to_end_removes_what_it_was_writing() {
     let home = Home::new();
@@ -39,10 +47,7 @@ fn a_build_that_is_told_to_end_removes_what_it_was_writing() {
 fn a_signal_that_is_ignored_ends_nothing() {
     let folder = folder();
     save(folder.path(), SMALL);
-    let script = "trap '' HUP; exec \"$0\" build small.toml --quiet";
-    let mut child = Command::new("sh");
-    child.args(["-c", script, env!("CARGO_BIN_EXE_morion")]).current_dir(folder.path());
-    let mut child = child.stdout(Stdio::null()).spawn().unwrap();
+    let mut child = after("trap '' HUP", folder.path()).stdout(Stdio::null()).spawn().unwrap();
     let made = folder.path().join("out/small");
     while !made.exists() {
         std::thread::sleep(Duration::from_millis(1));
@@ -57,10 +62,7 @@ fn a_signal_that_is_ignored_ends_nothing() {
 fn a_file_over_the_shells_limit_is_an_error_with_a_remedy() {
     let folder = folder();
     save(folder.path(), SMALL);
-    let script = "ulimit -f 8; exec \"$0\" build small.toml --quiet";
-    let mut shell = Command::new("sh");
-    shell.args(["-c", script, env!("CARGO_BIN_EXE_morion")]).current_dir(folder.path());
-    let output = shell.output().unwrap();
+    let output = after("ulimit -f 8", folder.path()).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("the shell (ulimit -f) allows no file of this size"), "{said}");
