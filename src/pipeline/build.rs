@@ -116,6 +116,8 @@ pub fn build_with(
     }
     let picture = match picture {
         Some(picture) => picture,
+        // Without a mesh file the designed mirror is what there is to see.
+        None if evidence.is_empty() => painted(&clock, &design, Eye::Smooth)?,
         None => painted(&clock, &design, Eye::Shut)?,
     };
 

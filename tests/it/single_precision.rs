@@ -2,6 +2,7 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
 use crate::support::small_but;
+use morion::raster::Raster;
 use serde_json::Value;
 use std::path::Path;
 
@@ -128,6 +129,7 @@ fn drawings_and_tables_are_written_without_a_mesh() {
     let home = folder.path();
     let formats = |text: &str| edited(text, &[("\"stl\", \"obj\"", "\"stl\", \"step\", \"csv\"")]);
     let many = edited(SMALL, &[("chord_um = 20", "chord_um = 1e-4")]);
+    let mut pictures = Vec::new();
     for (text, why, mesh) in [
         (formats(&far()), "mirror.stl was not written: single precision reaches", true),
         (formats(&many), "mirror.stl was not written: the limits ask for about", false),
@@ -147,5 +149,12 @@ fn drawings_and_tables_are_written_without_a_mesh() {
         }
         let report = report(home);
         assert_eq!((&report["verdict"], report["mesh"].is_null()), (&"fail".into(), !mesh));
+        pictures.push(Raster::decode(&made["preview.png"]).unwrap());
     }
+    // The designed mirror shows what its mesh does, but for the facets.
+    let [by_mesh, by_design] = &pictures[..] else { panic!("two pictures") };
+    let apart = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f32>();
+    let sum: f32 = by_mesh.rgb.iter().zip(&by_design.rgb).map(apart).sum();
+    let mean = sum / by_mesh.rgb.len() as f32;
+    assert!(mean < 0.1, "{mean}");
 }
