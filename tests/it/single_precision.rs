@@ -129,7 +129,6 @@ fn drawings_and_tables_are_written_without_a_mesh() {
     let home = folder.path();
     let formats = |text: &str| edited(text, &[("\"stl\", \"obj\"", "\"stl\", \"step\", \"csv\"")]);
     let many = edited(SMALL, &[("chord_um = 20", "chord_um = 1e-4")]);
-    let mut pictures = Vec::new();
     for (text, why, mesh) in [
         (formats(&far()), "mirror.stl was not written: single precision reaches", true),
         (formats(&many), "mirror.stl was not written: the limits ask for about", false),
@@ -149,12 +148,35 @@ fn drawings_and_tables_are_written_without_a_mesh() {
         }
         let report = report(home);
         assert_eq!((&report["verdict"], report["mesh"].is_null()), (&"fail".into(), !mesh));
-        pictures.push(Raster::decode(&made["preview.png"]).unwrap());
     }
-    // The designed mirror shows what its mesh does, but for the facets.
-    let [by_mesh, by_design] = &pictures[..] else { panic!("two pictures") };
-    let apart = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f32>();
-    let sum: f32 = by_mesh.rgb.iter().zip(&by_design.rgb).map(apart).sum();
-    let mean = sum / by_mesh.rgb.len() as f32;
-    assert!(mean < 0.1, "{mean}");
+}
+
+/// Where there is no mesh, the preview shows the design: what the previews of ever finer meshes tend
+/// to.
+#[test]
+fn a_preview_without_a_mesh_shows_the_same_mirror() {
+    let folder = folder();
+    let home = folder.path();
+    let preview = |text: &str| {
+        save(home, text);
+        let (_, out, err) = told(&morion(home, &["build", "small.toml", "--quiet"]));
+        assert_eq!(err, "", "{out}");
+        let made = files(&home.join("out/small"));
+        Raster::decode(&made["preview.png"]).unwrap()
+    };
+    let small = edited(SMALL, &[("\"stl\", \"obj\"", "\"obj\", \"csv\"")]);
+    let limit = |um: &str| edited(&small, &[("chord_um = 20", &format!("chord_um = {um}"))]);
+    let by_design = preview(&limit("1e-4"));
+    assert!(report(home)["mesh"].is_null());
+    // The mean over the picture of what the three colours differ by.
+    let apart = |by_mesh: &Raster| {
+        let apart =
+            |(a, b): (&[f32; 3], &[f32; 3])| -> f32 { (0..3).map(|k| (a[k] - b[k]).abs()).sum() };
+        let sum: f32 = by_mesh.rgb.iter().zip(&by_design.rgb).map(apart).sum();
+        sum / by_mesh.rgb.len() as f32
+    };
+    // The tilt of facets, and with it what they show, falls with the root of their height.
+    let means = ["0.32", "0.08", "0.02"].map(|um| apart(&preview(&limit(um))));
+    let [coarse, middle, fine] = means;
+    assert!(middle < 0.6 * coarse && fine < 0.6 * middle && fine > 0.0, "{means:?}");
 }
