@@ -8,8 +8,26 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Bytes of each thread's stack: what Linux gives the first thread of a program.
+#[cfg(feature = "cli")]
+const STACK: usize = 8 << 20;
 /// Pieces per thread into which work is cut: enough for threads to finish at about the same time.
 const PIECES: usize = 16;
+
+/// Calls `work` in a pool of `threads` threads, or one a core. Where one is enough, or so many cannot be
+/// started, `work` and all that it shares out is done on this thread alone.
+#[cfg(feature = "cli")]
+pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
+    if threads != Some(1) {
+        if let Ok(pool) = pool(threads.unwrap_or(0)).build() {
+            return pool.install(work);
+        }
+    }
+    // It starts no thread. On a thread of a pool it fails, and work goes to that pool.
+    let _alone = pool(1).use_current_thread().build();
+    work()
+}
 
 /// Calls both functions, on two threads if one is idle; `a` on this one, if it is of the pool.
 pub fn join<A: Send, B: Send>(

@@ -5,6 +5,7 @@ mod progress;
 #[cfg(unix)]
 mod signals;
 
+use crate::parallel;
 use crate::pipeline::{
     self, Benching, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, bench,
     blur, build_with, foresee, frame, inspect, load, machining, render, replay, tolerance,
@@ -34,18 +35,14 @@ pub fn run() -> ExitCode {
     arguments.color.write_global();
     #[cfg(unix)]
     signals::watch();
-    if let Some(threads) = arguments.threads {
-        // Fails only when a pool exists already, which cannot be before the first parallel work.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    }
-    match execute(&arguments) {
-        Ok(code) => ExitCode::from(code),
-        Err(error) => {
+    let told = || {
+        execute(&arguments).unwrap_or_else(|error| {
             let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Red.into()));
             let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
-            ExitCode::from(UNABLE)
-        }
-    }
+            UNABLE
+        })
+    };
+    ExitCode::from(parallel::within(arguments.threads, told))
 }
 
 type Failure = Box<dyn std::error::Error>;

@@ -29,7 +29,10 @@ impl Observer for Progress {
         if let Some(bar) = &self.bar {
             bar.reset();
             bar.set_message(stage.name());
-            bar.enable_steady_tick(Duration::from_millis(80));
+            // The bar panics where its thread cannot be started; without one it stands still.
+            if std::thread::Builder::new().spawn(|| ()).is_ok() {
+                bar.enable_steady_tick(Duration::from_millis(80));
+            }
         }
     }
 

@@ -92,6 +92,16 @@ impl Welder {
         }
     }
 
+    /// A welder for at most `vertices` vertices and `facets` facets; none when memory does not hold them.
+    #[must_use]
+    pub fn reserved(vertices: usize, facets: usize) -> Option<Self> {
+        let mut welder = Self::new(0);
+        welder.mesh.vertices.try_reserve_exact(vertices).ok()?;
+        welder.mesh.triangles.try_reserve_exact(facets).ok()?;
+        welder.seen.try_reserve(vertices, |_| unreachable!("an empty table")).ok()?;
+        Some(welder)
+    }
+
     /// Adds a facet.
     #[inline]
     pub fn add(&mut self, corners: [DVec3; 3]) {

@@ -134,7 +134,7 @@ impl Budget<'_> {
         let mut plan: Option<(Plan, f64)> = None;
         for _ in 0..FORECASTS {
             let limits = self.limits(limit);
-            let count = match mesher.forecast(limits) {
+            let count = match mesher.estimate(limits) {
                 Ok(forecast) => {
                     let count = self.foreseen(&forecast);
                     // Until one fits, the one that is nearest to it.

@@ -46,12 +46,24 @@ impl<'a> Doubt<'a> {
         self.prover.bound_roughly(vertices.each_ref(), &self.limits)
     }
 
+    /// Whether the proof, taken as far as it goes, finds that a facet so shrunk keeps the limits.
+    fn settles(&self, facet: [DVec2; 3], by: f64) -> bool {
+        let middle = middle(facet);
+        let vertices = facet.map(|p| self.prover.corner(middle + (p - middle) * by));
+        let t = vertices.each_ref();
+        let (bound, reached) = self.prover.estimate(t);
+        self.limits.allow(reached) && self.limits.hold(&self.prover.settle(t, bound, &self.limits))
+    }
+
     /// What becomes of a facet as it is halved again and again.
     pub fn shrink(&self, facet: [DVec2; 3]) -> Shrunk {
         let (mut least, mut growths) = (f64::INFINITY, 0);
         for halvings in 0..=HALVINGS {
             let parts = f64::from(1 << halvings);
-            let excess = self.excess(facet, 1.0 / parts);
+            let mut excess = self.excess(facet, 1.0 / parts);
+            if excess > 1.0 && self.settles(facet, 1.0 / parts) {
+                excess = 1.0;
+            }
             if excess <= 1.0 {
                 let parts = parts * excess;
                 return Shrunk::Holds((parts * parts).max(1.0));

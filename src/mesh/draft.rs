@@ -42,6 +42,10 @@ const HOPELESS: f64 = 0.01;
 const ALONG: f64 = 1.2;
 /// Facets of which the proof takes seconds.
 const MANY: f64 = 1e6;
+/// Facets that come of each, up to which samples say how many; and so few facets in all that samples of
+/// them say little.
+const STEADY: f64 = 1.1;
+const FEW: f64 = 10_000.0;
 
 /// By how much smaller than the model has them facets of a draft mostly come out right: squares
 /// suffer where cells turn.
@@ -175,6 +179,12 @@ impl<'a> Draft<'a> {
         self.drawn() * self.found.growth
     }
 
+    /// Whether that is told by making them, which takes less than a second: it is far from sure.
+    pub fn is_told_by_making(&self, copies: usize) -> bool {
+        let facets = self.facets() * copies as f64;
+        facets <= FEW || (self.found.growth > STEADY && facets <= MANY)
+    }
+
     /// How many facets its triangles will be cut into.
     fn drawn(&self) -> f64 {
         let parts = self.cells.parts as f64;
@@ -208,7 +218,12 @@ impl<'a> Draft<'a> {
 
     /// The same, unless many of its facets would have to be split, and that is seen to do no good or
     /// to make too many of them.
-    fn undoubted(self, prover: &Prover, limits: Limits, copies: usize) -> Result<Self, MeshError> {
+    fn undoubted(
+        mut self,
+        prover: &Prover,
+        limits: Limits,
+        copies: usize,
+    ) -> Result<Self, MeshError> {
         if self.found.growth <= DOUBTFUL {
             return Ok(self);
         }
@@ -230,6 +245,7 @@ impl<'a> Draft<'a> {
         // What is not settled is not counted.
         let parts = |shrunk: &Shrunk| if let Shrunk::Holds(parts) = *shrunk { parts } else { 1.0 };
         let growth = shrunk.iter().map(parts).sum::<f64>() / shrunk.len() as f64;
+        self.found.growth = growth;
         let facets = self.drawn() * ALONG * growth * copies as f64;
         if facets > MOST_FACETS {
             return Err(MeshError::TooMany { facets, most: MOST_FACETS });

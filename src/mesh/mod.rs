@@ -48,6 +48,7 @@ use draft::{Draft, Trial};
 use needs::Needs;
 use refine::refine;
 use region::Sight;
+use std::collections::HashSet;
 use subdivide::subdivide;
 use thiserror::Error;
 
@@ -252,19 +253,10 @@ impl<'a> Mesher<'a> {
     /// See [`mesh`].
     fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
         let Sight { mirror, camera, view } = self.sight;
-        let made = || {
-            self.drafted(limits, |prover, draft| {
-                refine(prover, draft, subdivide(draft), copies(mirror), limits)
-            })
-        };
+        let made = || self.drafted(limits, |prover, draft| made(prover, draft, limits));
         // From a thread of the pool, the others are reached more quickly.
         let (made, optimum) = parallel::join(made, || Optimum::new(mirror, &camera, view));
         let (mut mesh, bound) = made?;
-        for axis in [0, 1] {
-            if mirror.even[axis] {
-                mesh = mesh.with_reflection(axis);
-            }
-        }
         let designed = mesh.triangles.len();
         if mirror.folded {
             mesh = mesh.with_reflection(1);
@@ -274,18 +266,30 @@ impl<'a> Mesher<'a> {
 
     /// See [`forecast`].
     fn forecast(&mut self, limits: Limits) -> Result<Forecast, MeshError> {
-        let mirror = self.sight.mirror;
-        let made = |_: &Prover, draft: &Draft| {
-            // Sides on which the part meets its reflection are inside the face.
-            let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
-            let is_rim =
-                |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
-            let copies = copies(mirror);
-            let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
-            Ok(Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 })
-        };
+        self.foresee(limits, |prover, draft| {
+            let mirror = prover.mirror();
+            if !draft.is_told_by_making(copies(mirror)) {
+                return Ok(estimate(mirror, draft));
+            }
+            let panel = made(prover, draft, limits)?.0;
+            let panels = if mirror.folded { 2.0 } else { 1.0 };
+            let [facets, rim] = [panel.triangles.len(), rim(mirror, &panel)];
+            Ok(Forecast { facets: panels * facets as f64, rim: panels * rim as f64 })
+        })
+    }
+
+    /// What a forecast says when nothing is made for it.
+    fn estimate(&mut self, limits: Limits) -> Result<Forecast, MeshError> {
+        self.foresee(limits, |prover, draft| Ok(estimate(prover.mirror(), draft)))
+    }
+
+    fn foresee(
+        &mut self,
+        limits: Limits,
+        by: impl FnOnce(&Prover, &Draft) -> Result<Forecast, MeshError> + Send,
+    ) -> Result<Forecast, MeshError> {
         // From a thread of the pool, the others are reached more quickly.
-        parallel::join(|| self.drafted(limits, made), || ()).0
+        parallel::join(|| self.drafted(limits, by), || ()).0
     }
 
     /// What is made of the draft of a mesh.
@@ -308,6 +312,43 @@ impl<'a> Mesher<'a> {
         let draft = trial?.judged(prover, limits)?;
         make(prover, &draft)
     }
+}
+
+/// The mesh of the designed panel that a draft comes to, and what is proven of it.
+fn made(prover: &Prover, draft: &Draft, limits: Limits) -> Result<(TriMesh, Bound), MeshError> {
+    let mirror = prover.mirror();
+    let (mut mesh, bound) = refine(prover, draft, subdivide(draft), copies(mirror), limits)?;
+    for axis in [0, 1] {
+        if mirror.even[axis] {
+            mesh = mesh.with_reflection(axis);
+        }
+    }
+    Ok((mesh, bound))
+}
+
+/// The size of what a draft comes to, by samples of its facets.
+fn estimate(mirror: &Mirror, draft: &Draft) -> Forecast {
+    // Sides on which the part meets its reflection are inside the face.
+    let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
+    let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
+    let copies = copies(mirror);
+    let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
+    Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 }
+}
+
+/// The number of edges at the rim of a mirror's panel; those on which a folded mirror's two panels meet
+/// are inside the face.
+fn rim(mirror: &Mirror, panel: &TriMesh) -> usize {
+    let mut open = HashSet::new();
+    for &[a, b, c] in &panel.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if !open.remove(&(to, from)) {
+                open.insert((from, to));
+            }
+        }
+    }
+    let is_fold = |v: u32| mirror.folded && panel.vertices[v as usize].y == 0.0;
+    open.into_iter().filter(|&(a, b)| !(is_fold(a) && is_fold(b))).count()
 }
 
 /// How many times the face holds what is meshed.

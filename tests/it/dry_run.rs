@@ -49,9 +49,9 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
         (MeshLimits { chord_um: Some(8.0), ..usual }, &[Format::Stl]),
         (MeshLimits { max_triangles: Some(20_000), ..usual }, &[Format::Stl]),
     ];
-    shipped().par_iter().enumerate().for_each(|(k, profile)| {
+    // Every other one by one of them, in turns, but for a thorough run.
+    shipped().par_iter().step_by(times(2, 1)).enumerate().for_each(|(k, profile)| {
         let profile = support::shipped(profile.name);
-        // One of them, in turns, but for a thorough run.
         for (mesh, formats) in asked.iter().cycle().skip(k).take(times(1, asked.len())) {
             compare(&Profile { mesh: *mesh, formats: formats.to_vec(), ..profile.clone() });
         }

@@ -3,7 +3,7 @@
 
 use crate::support::random::errors::Seen;
 use crate::support::random::{Case, Kind, QUICK, SLOW, case, each};
-use crate::support::{designed, limits, meshed, shipped};
+use crate::support::{designed, limits, meshed, shipped, times};
 use morion::geom::Precision;
 use morion::mesh::{Face, Limits, mesh};
 use morion::profile::{MeshLimits, Shipped};
@@ -103,10 +103,10 @@ fn hold_random(kinds: &[Kind], count: u64) {
 
 #[test]
 fn bounds_of_random_mirrors_are_true_and_tight() {
-    hold_random(&QUICK, 20);
+    hold_random(&QUICK, times(10, 40) as u64);
 }
 
 #[test]
 fn bounds_under_pinholes_and_near_targets_are_true_and_tight() {
-    hold_random(&SLOW, 7);
+    hold_random(&SLOW, times(4, 14) as u64);
 }

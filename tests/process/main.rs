@@ -13,6 +13,9 @@ mod disk;
 mod draws;
 #[cfg(unix)]
 mod kills;
+// prlimit and setpriv are Linux's.
+#[cfg(target_os = "linux")]
+mod scarce;
 #[cfg(unix)]
 mod signals;
 #[cfg(unix)]

@@ -47,6 +47,14 @@ pub enum ReadError {
         /// The facet.
         facet: usize,
     },
+    /// Memory does not hold it.
+    #[error("there is not enough memory for its {vertices} vertices and {facets} facets")]
+    Memory {
+        /// Vertices, those of objects that are there more than once as often.
+        vertices: usize,
+        /// Facets, likewise.
+        facets: usize,
+    },
     /// There is nothing in it.
     #[error("the file holds no facets")]
     Empty,

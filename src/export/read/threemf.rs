@@ -12,6 +12,8 @@ use zip::ZipArchive;
 
 /// Most vertices or facets of a file: packed text may unfold to far more than memory holds.
 const MOST: usize = 100_000_000;
+/// Most bytes of a part of the package, unpacked: as of any file that is read.
+const MOST_BYTES: u64 = 8_000_000_000;
 /// Most objects, and most places where they are put.
 const MOST_PARTS: usize = 100_000;
 /// Longest tag or text between two tags.
@@ -87,18 +89,22 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
     let mut model =
         Model { unit_mm: 1.0, objects: BTreeMap::new(), last: None, build: Vec::new(), parts: 0 };
     let part = zip.by_name(name).map_err(broken(name))?;
+    if part.size() > MOST_BYTES {
+        let fault = format!("it has {} bytes unpacked, over {MOST_BYTES}", part.size());
+        return Err(ThreeMfError::Model { part: name.to_owned(), at: 0, fault }.into());
+    }
     elements(part, name, |element| model.add(element))?;
-    let facets = model.build.iter().try_fold(0, |sum: usize, item| {
-        Some(sum + model.facets(item.object, 0)?).filter(|&sum| sum <= MOST)
-    });
-    let Some(facets) = facets else {
+    let Some([vertices, facets]) = model.size(&model.build, 0) else {
         let fault = format!(
-            "the build must hold known objects of at most {MOST} facets, not nested deeper than \
-             {DEEPEST}"
+            "the build must hold known objects of at most {MOST} vertices and facets, not nested \
+             deeper than {DEEPEST}"
         );
         return Err(ThreeMfError::Build(fault).into());
     };
-    let mut placed = Placed { welder: Welder::new(facets), count: 0 };
+    let Some(welder) = Welder::reserved(vertices, facets) else {
+        return Err(ReadError::Memory { vertices, facets });
+    };
+    let mut placed = Placed { welder, count: 0 };
     let to_mm = Place([
         [model.unit_mm, 0.0, 0.0],
         [0.0, model.unit_mm, 0.0],
@@ -276,7 +282,7 @@ impl Model {
         match element.local_name().as_ref() {
             "vertex" => {
                 let vertices = &mut self.object()?.vertices;
-                vertices.push(numbers(element, ["x", "y", "z"])?);
+                push(vertices, numbers(element, ["x", "y", "z"])?)?;
                 few(vertices.len())
             }
             "triangle" => {
@@ -287,7 +293,7 @@ impl Model {
                     let t = object.triangles.len();
                     return Err(format!("facet {t} has vertex {corner} of {count}"));
                 }
-                object.triangles.push(corners);
+                push(&mut object.triangles, corners)?;
                 few(object.triangles.len())
             }
             "component" => {
@@ -335,16 +341,28 @@ impl Model {
         last.ok_or_else(|| "it must stand in an object".to_owned())
     }
 
-    /// How many facets an object has with all that it consists of; none if one is unknown, too
-    /// deep, or they are too many.
-    fn facets(&self, object: u32, depth: usize) -> Option<usize> {
-        let object = self.objects.get(&object).filter(|_| depth < DEEPEST)?;
-        object.components.iter().try_fold(object.triangles.len(), |sum, part| {
+    /// How many vertices and facets the items have with all that they consist of; none if one is
+    /// unknown, too deep, or they are too many.
+    fn size(&self, items: &[Item], depth: usize) -> Option<[usize; 2]> {
+        items.iter().try_fold([0, 0], |sum: [usize; 2], item| {
+            let object = self.objects.get(&item.object).filter(|_| depth < DEEPEST)?;
+            let parts = self.size(&object.components, depth + 1)?;
+            let own = [object.vertices.len(), object.triangles.len()];
             // An empty part counts too: it takes time.
-            let count = self.facets(part.object, depth + 1)? + 1;
-            sum.checked_add(count).filter(|&sum| sum <= MOST)
+            let sum = [0, 1].map(|k| sum[k] + own[k] + parts[k] + 1);
+            sum.iter().all(|&sum| sum <= MOST).then_some(sum)
         })
     }
+}
+
+/// Adds an item to the list, if memory holds it.
+fn push<T>(list: &mut Vec<T>, item: T) -> Result<(), String> {
+    let count = list.len();
+    if list.try_reserve(1).is_err() {
+        return Err(format!("there is not enough memory for more than {count} of them"));
+    }
+    list.push(item);
+    Ok(())
 }
 
 fn few(count: usize) -> Result<(), String> {

@@ -1,0 +1,91 @@
+//! A system that starts no more threads, or gives no more memory.
+
+use crate::builds::{SMALL, assert_same, files, folder, lasting, save};
+use std::io::Write;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs the program in `folder` with `limit` of prlimit. The system lets root have all threads it asks
+/// for: root's program runs as nobody.
+fn limited(folder: &Path, limit: &str, arguments: &[&str]) -> Output {
+    let program = folder.join("morion");
+    if !program.exists() {
+        std::fs::copy(env!("CARGO_BIN_EXE_morion"), &program).unwrap();
+        std::fs::set_permissions(folder, PermissionsExt::from_mode(0o777)).unwrap();
+    }
+    let is_root = std::fs::metadata("/proc/self").unwrap().uid() == 0;
+    let mut command = Command::new(if is_root { "setpriv" } else { "env" });
+    if is_root {
+        command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]);
+    }
+    command.args(["prlimit", limit]).arg(program).args(arguments);
+    command.current_dir(folder).output().unwrap()
+}
+
+#[test]
+fn where_no_thread_can_be_started_one_does_the_work() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    let build = |limit: &str, out: &str, threads: &[&str]| {
+        let arguments = [&["build", "small.toml", "--out", out], threads].concat();
+        let output = limited(home, limit, &arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{threads:?}: {said}");
+        assert!(!said.contains("panicked"), "{said}");
+        lasting(files(&home.join(out).join("small")))
+    };
+    let free = build("--nproc=100000", "free", &[]);
+    for (out, threads) in
+        [("one", &["--threads", "1"][..]), ("two", &["--threads", "2"]), ("n", &[])]
+    {
+        assert_same(&free, &build("--nproc=1", out, threads), out);
+    }
+}
+
+/// A 3MF of so many vertices in one place, and as many facets: 200 kB for each million.
+fn dense(path: &Path, count: usize) {
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(path).unwrap());
+    let options = zip::write::SimpleFileOptions::default();
+    zip.start_file("[Content_Types].xml", options).unwrap();
+    zip.write_all(
+        br#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
+<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
+<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
+</Types>"#,
+    )
+    .unwrap();
+    zip.start_file("_rels/.rels", options).unwrap();
+    zip.write_all(
+        br#"<Relationships><Relationship Target="/3D/3dmodel.model" Id="rel0"
+Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#,
+    )
+    .unwrap();
+    zip.start_file("3D/3dmodel.model", options).unwrap();
+    zip.write_all(b"<model><resources><object id=\"1\"><mesh><vertices>").unwrap();
+    let many = |element: &str| element.repeat(count);
+    zip.write_all(many("<vertex x=\"0\" y=\"0\" z=\"0\"/>").as_bytes()).unwrap();
+    zip.write_all(b"</vertices><triangles>").unwrap();
+    zip.write_all(many("<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>").as_bytes()).unwrap();
+    let end =
+        b"</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
+    zip.write_all(end).unwrap();
+    zip.finish().unwrap();
+}
+
+#[test]
+fn a_3mf_that_memory_does_not_hold_is_told_from_a_broken_one() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    dense(&home.join("dense.3mf"), 3_000_000);
+    for megabytes in [100, 150, 200, 250] {
+        let limit = format!("--as={megabytes}000000");
+        let arguments = ["verify", "dense.3mf", "--profile", "small.toml", "--threads", "1"];
+        let output = limited(home, &limit, &arguments);
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{megabytes} MB: {said}");
+        assert!(said.contains("there is not enough memory for "), "{megabytes} MB: {said}");
+    }
+}
