@@ -7,6 +7,8 @@ use crate::geom::{DVec2, Precision};
 
 /// Halvings that are tried.
 const HALVINGS: u32 = 5;
+/// Excess up to which it falls as the facet shrinks.
+const LINEAR: f64 = 2.0;
 /// Excess over which no corner that rounds well helps.
 const BEYOND_LUCK: f64 = 1.5;
 
@@ -38,6 +40,19 @@ impl<'a> Doubt<'a> {
         let limits = &self.limits;
         let chord = limits.chord_mm.map_or(0.0, |limit| (bound.chord_mm / limit).sqrt());
         chord.max(limits.facet_mm.map_or(0.0, |limit| bound.facet_mm / limit))
+    }
+
+    /// By how much a facet must shrink to keep the limits.
+    pub fn oversize(&self, facet: [DVec2; 3]) -> f64 {
+        let excess = self.excess(facet, 1.0);
+        if excess <= LINEAR {
+            return excess;
+        }
+        // Bounds of facets that are far too large may be anything.
+        match self.shrink(facet) {
+            Shrunk::Holds(parts) => parts.sqrt(),
+            Shrunk::Worsens | Shrunk::Unsettled => excess.min(f64::from(1 << HALVINGS)),
+        }
     }
 
     fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {

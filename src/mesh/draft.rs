@@ -194,7 +194,7 @@ impl<'a> Draft<'a> {
     /// The same, judged by the proof of one facet of each of some triangles.
     fn judged(mut self, prover: &Prover, limits: Limits) -> Self {
         let (doubt, facets) = (Doubt::new(prover, limits), self.samples().collect::<Vec<_>>());
-        let mut excess = parallel::map_slice(&facets, 1, |&facet| doubt.excess(facet, 1.0));
+        let mut excess = parallel::map_slice(&facets, 1, |&facet| doubt.oversize(facet));
         excess.sort_by(f64::total_cmp);
         let count = excess.len();
         // Repairing a facet costs as it is too large.
