@@ -11,7 +11,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let out = arguments.next().map_or_else(|| std::env::temp_dir().join("morion"), PathBuf::from);
     for scene in ["grid", "views"] {
         // Rays meet the designed surface itself: no mesh is made.
-        let wanted = Wanted { scene, smooth: true, square_mm: None, unit_mm: None };
+        let wanted =
+            Wanted { scene, smooth: true, square_mm: None, unit_mm: None, allow_outside: false };
         let picture = render(&source, &wanted, &out, &Silent)?;
         let [width, height] = picture.pixels;
         println!("{}: {width} x {height} pixels by {} rays", picture.file, picture.rays);

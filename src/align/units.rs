@@ -41,6 +41,18 @@ impl Unit {
         Self::ALL.into_iter().find(|unit| unit.name() == name)
     }
 
+    /// What people call it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Mm => "millimetre",
+            Self::Cm => "centimetre",
+            Self::M => "metre",
+            Self::In => "inch",
+            Self::Um => "micrometre",
+        }
+    }
+
     /// How many mm it has.
     #[must_use]
     pub fn mm(self) -> f64 {
@@ -108,6 +120,23 @@ impl Size {
         let best = Unit::ALL.into_iter().filter(suits).min_by(|a, b| off(*a).total_cmp(&off(*b)));
         best.map_or((Unit::Mm, false), |unit| (unit, true))
     }
+
+    /// By how much a mesh in millimetres is too large, where it is: by a factor between units if one of
+    /// them explains it, and about.
+    #[must_use]
+    pub fn excess(&self, mesh: &TriMesh) -> Option<(f64, Option<Unit>)> {
+        let size = size(&mesh.vertices);
+        let off = |factor: f64| (factor * self.least / size).max(size / (factor * self.most));
+        if !(size > 0.0 && off(1.0) > OFF) {
+            return None;
+        }
+        let factors =
+            Unit::ALL.into_iter().flat_map(|unit| [(unit.mm(), unit), (1.0 / unit.mm(), unit)]);
+        let suits = factors.filter(|&(factor, _)| off(factor) <= OFF);
+        let best = suits.min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+        let about = size / (self.least * self.most).sqrt();
+        Some(best.map_or((about, None), |(factor, unit)| (factor, Some(unit))))
+    }
 }
 
 /// The distance of nearly all places from the median of their coordinates.
@@ -151,5 +180,11 @@ mod tests {
             assert_eq!(known.unit(&scaled(factor)), (Unit::Mm, false));
         }
         assert_eq!(known.unit(&TriMesh::default()), (Unit::Mm, false));
+        assert_eq!(known.excess(&scaled(1.0)), None);
+        for (factor, unit) in [(25.4, Unit::In), (1.0 / 25.4, Unit::In), (10.0, Unit::Cm)] {
+            assert_eq!(known.excess(&scaled(factor)), Some((factor, Some(unit))));
+        }
+        let (about, unit) = known.excess(&scaled(4.0)).unwrap();
+        assert!((about / 4.0 - 1.0).abs() < 0.3 && unit.is_none(), "{about}");
     }
 }

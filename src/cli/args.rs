@@ -87,6 +87,9 @@ pub enum Command {
         /// Millimetres that a unit of the OBJ model measures [default: 1]
         #[arg(long, value_name = "MM", value_parser = positive)]
         unit_mm: Option<f64>,
+        /// Let the OBJ model name material libraries and pictures outside its folder
+        #[arg(long)]
+        allow_outside: bool,
         /// Folder for results
         #[arg(long, value_name = "DIR", default_value = "out")]
         out: PathBuf,

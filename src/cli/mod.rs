@@ -12,7 +12,7 @@ use crate::pipeline::{
     tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Aperture, Prospect, Report, Verdict, text};
+use crate::report::{Aperture, Prospect, Report, Verdict, text, visible};
 use args::{Arguments, Command, Format, MapFormat, Rows};
 use clap::Parser;
 use progress::Progress;
@@ -38,7 +38,11 @@ pub fn run() -> ExitCode {
     let told = || {
         execute(&arguments).unwrap_or_else(|error| {
             let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Red.into()));
-            let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
+            let _ = writeln!(
+                anstream::stderr(),
+                "{style}error{style:#}: {}",
+                visible(&error.to_string())
+            );
             UNABLE
         })
     };
@@ -76,7 +80,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let profile = load(profile)?.profile;
             show(
                 arguments,
-                || format!("{}: valid ({})\n", profile.name, profile.sha256),
+                || visible(&format!("{}: valid ({})\n", profile.name, profile.sha256)),
                 || line(&json!({ "name": profile.name, "sha256": profile.sha256 })),
             )?;
             Ok(PASSED)
@@ -89,9 +93,14 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let report = inspect(&load(profile)?, file, &inspection, &progress)?;
             conclude(arguments, &report)
         }
-        Command::Render { profile, scene, smooth, square_mm, unit_mm, out } => {
-            let (smooth, square_mm, unit_mm) = (*smooth, *square_mm, *unit_mm);
-            let wanted = Wanted { scene, smooth, square_mm, unit_mm };
+        Command::Render { profile, scene, smooth, square_mm, unit_mm, allow_outside, out } => {
+            let wanted = Wanted {
+                scene,
+                smooth: *smooth,
+                square_mm: *square_mm,
+                unit_mm: *unit_mm,
+                allow_outside: *allow_outside,
+            };
             let rendering = render(&load(profile)?, &wanted, out, &progress)?;
             show(arguments, || rendering.text(), || rendering.json())?;
             Ok(PASSED)
@@ -141,7 +150,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                     let part = tolerance_part(named, &trials, out, &progress)?;
                     let (path, trials) = (part.path.display().to_string(), part.trials);
                     print(&match arguments.format {
-                        Format::Text => format!("{path}: {trials} trials\n"),
+                        Format::Text => visible(&format!("{path}: {trials} trials\n")),
                         Format::Json => line(&json!({ "part": path, "trials": trials })),
                     })?;
                     return Ok(PASSED);
@@ -253,7 +262,7 @@ fn announce(arguments: &Arguments, prospect: &Prospect) -> Result<u8, Failure> {
 /// Says on stderr what is no error; a message that nobody can read is not worth failing for.
 fn warn(warning: &str) {
     let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Yellow.into()));
-    let _ = writeln!(anstream::stderr(), "{style}warning{style:#}: {warning}");
+    let _ = writeln!(anstream::stderr(), "{style}warning{style:#}: {}", visible(warning));
 }
 
 /// Prints a report and turns its verdict into an exit code.

@@ -1,6 +1,7 @@
 //! Progress on stderr: a spinner with the stage on a terminal, one line a stage elsewhere.
 
 use crate::pipeline::{Observer, Stage};
+use crate::report::visible;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -41,6 +42,7 @@ impl Observer for Progress {
             return;
         }
         let line = format!("{:8} {:7.1} ms  {note}", stage.name(), took.as_secs_f64() * 1e3);
+        let line = visible(&line);
         match &self.bar {
             Some(bar) => {
                 bar.disable_steady_tick();
@@ -54,7 +56,7 @@ impl Observer for Progress {
 
     fn unchanged(&self, folder: &Path) {
         if !self.quiet {
-            let folder = folder.display();
+            let folder = visible(&folder.display().to_string());
             // As above.
             drop(writeln!(
                 std::io::stderr(),

@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tempfile::NamedTempFile;
@@ -326,6 +326,35 @@ pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
         Err(io::Error::new(ErrorKind::FileTooLarge, text))
     };
     run().map_err(FileError::new(READ, path))
+}
+
+/// Reads a whole file that another file names, as [`read_at_most`] does. Pipes and devices, which may
+/// wait or run without end, are for the user alone to name.
+pub fn read_named(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
+    if std::fs::metadata(path).is_ok_and(|facts| !facts.is_file() && !facts.is_dir()) {
+        let text = "a file names it, and it is a pipe or a device; name a regular file there";
+        return Err(FileError::new(READ, path)(io::Error::new(ErrorKind::InvalidInput, text)));
+    }
+    read_at_most(path, most)
+}
+
+/// Reads a whole file that a file in `folder` names. Unless `outside` is allowed it must be below that
+/// folder, wherever links lead.
+pub fn read_below(folder: &Path, name: &Path, outside: bool) -> Result<Vec<u8>, FileError> {
+    let path = folder.join(name);
+    let home = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let is_below = || Ok(path.canonicalize()?.starts_with(home.canonicalize()?));
+    if !outside && !is_below().unwrap_or_else(|_: io::Error| is_plain(name)) {
+        let text = "a file names it, and it is outside that file's folder; move it there, or give \
+                    --allow-outside";
+        return Err(FileError::new(READ, &path)(io::Error::new(ErrorKind::PermissionDenied, text)));
+    }
+    read_named(&path, MOST_BYTES)
+}
+
+/// Whether a path leads downwards alone.
+fn is_plain(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 /// SHA-256 in hexadecimal.

@@ -17,6 +17,8 @@ pub struct Wanted<'a> {
     pub square_mm: Option<f64>,
     /// Millimetres that a unit of a model measures; absent: 1.
     pub unit_mm: Option<f64>,
+    /// Whether a model may name files outside its folder.
+    pub allow_outside: bool,
 }
 
 /// Why there is no scene.
@@ -141,8 +143,10 @@ impl Scenery {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         if ending.as_deref() == Some("obj") {
             let folder = path.parent().unwrap_or(Path::new(""));
-            let beside =
-                |name: &Path| files::read(&folder.join(name)).map_err(|error| error.to_string());
+            let beside = |name: &Path| {
+                let bytes = files::read_below(folder, name, wanted.allow_outside);
+                bytes.map_err(|error| error.to_string())
+            };
             let model = Model::read(&bytes, wanted.unit_mm.unwrap_or(1.0), beside);
             let fault = |source| SceneError::Model { file: file(), source };
             return Ok(Self::Model(Box::new(model.map_err(fault)?)));

@@ -99,7 +99,7 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
 /// [`SourceError`] when it cannot be read or has a fault.
 pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
     let path = Path::new(named).parent().unwrap_or(Path::new("")).join(file);
-    SagGrid::parse(&files::read_at_most(&path, MOST_HEIGHTS)?)
+    SagGrid::parse(&files::read_named(&path, MOST_HEIGHTS)?)
         .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })
 }
 
@@ -107,7 +107,7 @@ pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
 fn with_heights(profile: Profile, folder: &Path) -> Result<Source, SourceError> {
     let Shape::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };
     let path = folder.join(file);
-    let sag = SagGrid::parse(&files::read_at_most(&path, MOST_HEIGHTS)?)
+    let sag = SagGrid::parse(&files::read_named(&path, MOST_HEIGHTS)?)
         .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })?;
     Ok(Source { profile, sag: Some(sag) })
 }

@@ -70,12 +70,13 @@ pub fn inspect(
     // A file of unknown making has no proven bound; its shape is held to the profile's limit.
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
 
-    let (mut units, mut alignment, mut far) = (None, None, 0);
+    let size = Size::of(&design.mirror, design.stock.as_ref());
+    let (mut units, mut alignment, mut far, mut oversize) = (None, None, 0, None);
     let (file, read) = open(&clock, format, bytes, |mut reread| {
         // A 3MF says what its units are, and is read in millimetres.
         let found = match format {
             Format::ThreeMf => UnitFacts::new(Unit::Mm, DECLARED),
-            _ => in_millimetres(&mut reread, &design, inspection.units),
+            _ => in_millimetres(&mut reread, &size, inspection.units),
         };
         (reread, found)
     });
@@ -83,6 +84,7 @@ pub fn inspect(
         Err(error) => Evidence::unreadable(file, error),
         Ok((mut reread, found)) => {
             units = Some(found);
+            oversize = size.excess(&reread.mesh);
             if folder.is_some() {
                 let found = clock.stage(Stage::Align, || {
                     let found = align(&design.mirror, &reread.mesh);
@@ -121,6 +123,11 @@ pub fn inspect(
             report.verdict = verdict::of(&report.reasons);
         }
     }
+    // Scans may be of a piece of the part.
+    if let Some((factor, unit)) = oversize.filter(|_| folder.is_none()) {
+        report.reasons.insert(0, off_size(factor, unit).of_file(&name));
+        report.verdict = verdict::of(&report.reasons);
+    }
     match units {
         Some(UnitFacts { chosen: ASSUMED, .. }) => report.warnings.push(format!(
             "{name}: no unit makes this file as large as the part; taken as millimetres (--units \
@@ -154,16 +161,29 @@ const BY_SIZE: &str = "by size";
 const ASSUMED: &str = "assumed";
 
 /// Brings a mesh to millimetres.
-fn in_millimetres(reread: &mut Reread, design: &Design, asked: Option<Unit>) -> UnitFacts {
+fn in_millimetres(reread: &mut Reread, size: &Size, asked: Option<Unit>) -> UnitFacts {
     let (unit, chosen) = match asked {
         Some(unit) => (unit, "asked"),
-        None => match Size::of(&design.mirror, design.stock.as_ref()).unit(&reread.mesh) {
+        None => match size.unit(&reread.mesh) {
             (unit, true) => (unit, BY_SIZE),
             (unit, false) => (unit, ASSUMED),
         },
     };
     unit.convert(&mut reread.mesh);
     UnitFacts::new(unit, chosen)
+}
+
+/// A part that is `factor` times as large as it should be, as two units are if there is one.
+fn off_size(factor: f64, unit: Option<Unit>) -> Reason {
+    let (times, way) = if factor > 1.0 { (factor, "large") } else { (1.0 / factor, "small") };
+    let sentence = match unit {
+        Some(unit) => {
+            let times = (1e6 * times).round() / 1e6;
+            format!("the part is {times} times too {way}: is the unit {}?", unit.word())
+        }
+        None => format!("the part is about {times:.1} times too {way}"),
+    };
+    Reason::new(ReasonKind::Size, sentence)
 }
 
 /// Facets that reach this many times as far as the part does are none of it.

@@ -1,5 +1,6 @@
 //! `report.html`: the report as one page, with the picture beside it.
 
+use super::outside::visible;
 use super::text::{
     figures, form_line, limited, method_line, of_at_most, sag_line, solid_line, step_line,
 };
@@ -140,7 +141,11 @@ fn rows(report: &Report) -> Vec<(String, String)> {
 
 /// `text` as it may stand in a page.
 pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    visible(text)
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod html;
 mod machining;
 mod map;
 mod measured;
+mod outside;
 mod paper;
 mod plot;
 mod prospect;
@@ -29,6 +30,7 @@ pub use machining::{
     gouge_picture,
 };
 pub use measured::{AlignmentFacts, UnitFacts, form_picture};
+pub use outside::visible;
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use reason::{Reason, ReasonKind};
 pub use rendering::Rendering;

@@ -17,6 +17,8 @@ pub enum ReasonKind {
     Volume,
     /// A vertex is off the designed part.
     OffSurface,
+    /// The part is too large or too small, as with another unit.
+    Size,
     /// Facets lie far from the part.
     FarFacets,
     /// No camera ray is aimed at the mirror.

@@ -1,9 +1,9 @@
 //! A picture that was rendered, in words.
 
 use super::ProfileId;
-use super::text::{pretty, short};
-use anstyle::Style;
+use super::text::{head_line, pretty, written};
 use serde::Serialize;
+use std::fmt::Write;
 
 /// A picture of a scene in a mirror, or of the mirror.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -34,17 +34,15 @@ impl Rendering {
     /// A readable summary, styled for terminals.
     #[must_use]
     pub fn text(&self) -> String {
-        let bold = Style::new().bold();
         let Self { profile, scene, traced, file, pixels: [columns, rows], rays, .. } = self;
         let from = match *traced {
             "design" => "the designed mirror".to_owned(),
             format => format!("the mesh written as {format} and read back"),
         };
-        format!(
-            "{bold}{}{bold:#}  ({})\n  scene    {scene}, from {from}\n  picture  {file}  {columns} x {rows} pixels, \
-             {rays} rays\n",
-            profile.name,
-            short(&profile.sha256),
-        )
+        written(|out| {
+            head_line(out, profile)?;
+            writeln!(out, "  scene    {scene}, from {from}")?;
+            writeln!(out, "  picture  {file}  {columns} x {rows} pixels, {rays} rays")
+        })
     }
 }

@@ -1,12 +1,12 @@
 //! The terminal's summary of a report.
 
 use super::measured::{AlignmentFacts, error_line};
+use super::outside::{BOLD, FAIL, PASS, PLAIN, styled};
 use super::{ErrorFacts, Limited, ProfileId, Report, SagFacts, SolidFacts, StepFacts, Verdict};
 use crate::design::Facts;
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::solid::Rim;
-use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 use std::fmt::{Display, Write};
 
@@ -24,18 +24,17 @@ pub(super) fn pretty(result: &impl Serialize) -> String {
     text
 }
 
-/// What `write` writes.
+/// What `write` writes, as a terminal may show it.
 pub(super) fn written(write: impl FnOnce(&mut String) -> std::fmt::Result) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write(&mut out);
-    out
+    styled(&out)
 }
 
 /// The first line: which profile.
 pub(super) fn head_line(out: &mut String, profile: &ProfileId) -> std::fmt::Result {
-    let bold = Style::new().bold();
-    writeln!(out, "{bold}{}{bold:#}  ({})", profile.name, short(&profile.sha256))
+    writeln!(out, "{BOLD}{}{PLAIN}  ({})", profile.name, short(&profile.sha256))
 }
 
 fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
@@ -122,12 +121,11 @@ pub(super) fn verdict_lines(
     verdict: Verdict,
 ) -> std::fmt::Result {
     reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))?;
-    let (word, colour) = match verdict {
-        Verdict::Pass => ("pass", AnsiColor::Green),
-        Verdict::Fail => ("fail", AnsiColor::Red),
+    let (word, style) = match verdict {
+        Verdict::Pass => ("pass", PASS),
+        Verdict::Fail => ("fail", FAIL),
     };
-    let style = Style::new().bold().fg_color(Some(colour.into()));
-    writeln!(out, "  verdict  {style}{word}{style:#}")
+    writeln!(out, "  verdict  {style}{word}{PLAIN}")
 }
 
 /// The number of triangles allowed, if there is one.

@@ -25,6 +25,8 @@ mod mesh_tolerance;
 mod meshes;
 mod methods;
 mod numerics;
+mod outside;
+mod packages;
 mod packed;
 mod pages;
 mod part;

@@ -13,6 +13,9 @@ mod disk;
 mod draws;
 #[cfg(unix)]
 mod kills;
+#[cfg(target_os = "linux")]
+#[path = "../it/support/package.rs"]
+mod package;
 // prlimit and setpriv are Linux's.
 #[cfg(target_os = "linux")]
 mod scarce;

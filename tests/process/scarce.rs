@@ -1,7 +1,7 @@
 //! A system that starts no more threads, or gives no more memory.
 
 use crate::builds::{SMALL, assert_same, files, folder, lasting, save};
-use std::io::Write;
+use crate::package::{TYPES, package};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -36,7 +36,7 @@ fn where_no_thread_can_be_started_one_does_the_work() {
         assert!(!said.contains("panicked"), "{said}");
         lasting(files(&home.join(out).join("small")))
     };
-    let free = build("--nproc=100000", "free", &[]);
+    let free = build("--core=0:0", "free", &[]);
     for (out, threads) in
         [("one", &["--threads", "1"][..]), ("two", &["--threads", "2"]), ("n", &[])]
     {
@@ -46,32 +46,14 @@ fn where_no_thread_can_be_started_one_does_the_work() {
 
 /// A 3MF of so many vertices in one place, and as many facets: 200 kB for each million.
 fn dense(path: &Path, count: usize) {
-    let mut zip = zip::ZipWriter::new(std::fs::File::create(path).unwrap());
-    let options = zip::write::SimpleFileOptions::default();
-    zip.start_file("[Content_Types].xml", options).unwrap();
-    zip.write_all(
-        br#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
-<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
-<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
-</Types>"#,
-    )
-    .unwrap();
-    zip.start_file("_rels/.rels", options).unwrap();
-    zip.write_all(
-        br#"<Relationships><Relationship Target="/3D/3dmodel.model" Id="rel0"
-Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#,
-    )
-    .unwrap();
-    zip.start_file("3D/3dmodel.model", options).unwrap();
-    zip.write_all(b"<model><resources><object id=\"1\"><mesh><vertices>").unwrap();
-    let many = |element: &str| element.repeat(count);
-    zip.write_all(many("<vertex x=\"0\" y=\"0\" z=\"0\"/>").as_bytes()).unwrap();
-    zip.write_all(b"</vertices><triangles>").unwrap();
-    zip.write_all(many("<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>").as_bytes()).unwrap();
-    let end =
-        b"</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
-    zip.write_all(end).unwrap();
-    zip.finish().unwrap();
+    let model = [
+        "<model><resources><object id=\"1\"><mesh><vertices>",
+        &"<vertex x=\"0\" y=\"0\" z=\"0\"/>".repeat(count),
+        "</vertices><triangles>",
+        &"<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>".repeat(count),
+        "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>",
+    ];
+    package(path, Some(TYPES), &model);
 }
 
 #[test]

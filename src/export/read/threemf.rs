@@ -20,6 +20,12 @@ const MOST_PARTS: usize = 100_000;
 const LONGEST: usize = 1 << 20;
 /// Most steps from the build plate to an object, which may consist of others.
 const DEEPEST: usize = 16;
+/// The parts of any package that say what is in it and where it begins.
+const TYPES: &str = "[Content_Types].xml";
+const RELATIONS: &str = "_rels/.rels";
+/// What a package says that these are.
+const RELATIONS_CONTENT: &str = "application/vnd.openxmlformats-package.relationships+xml";
+const MODEL_CONTENT: &str = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml";
 /// The relation that leads to the model.
 const MODEL_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 
@@ -70,8 +76,11 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
         move |source| ThreeMfError::Zip { part, source }
     };
     let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken("the archive"))?;
+    let mut types = ContentTypes::default();
+    let listed = zip.by_name(TYPES).map_err(broken(TYPES))?;
+    elements(listed, TYPES, |element| types.add(element))?;
+    types.hold(RELATIONS, RELATIONS_CONTENT)?;
     let mut target = None;
-    const RELATIONS: &str = "_rels/.rels";
     let relations = zip.by_name(RELATIONS).map_err(broken(RELATIONS))?;
     elements(relations, RELATIONS, |element| {
         if element.local_name().as_ref() == "Relationship"
@@ -86,6 +95,7 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
         return Err(ThreeMfError::Model { part: RELATIONS.into(), at: 0, fault }.into());
     };
     let name = target.trim_start_matches('/');
+    types.hold(name, MODEL_CONTENT)?;
     let mut model =
         Model { unit_mm: 1.0, objects: BTreeMap::new(), last: None, build: Vec::new(), parts: 0 };
     let part = zip.by_name(name).map_err(broken(name))?;
@@ -117,6 +127,39 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
     Ok(Reread { mesh: not_empty(placed.welder.finish())?, normals: None })
 }
 
+/// What the package says that its parts are: by their names, or by how these end.
+#[derive(Default)]
+struct ContentTypes {
+    /// Names and endings in lower case.
+    of: BTreeMap<String, String>,
+}
+
+impl ContentTypes {
+    fn add(&mut self, element: &BytesStart) -> Result<(), String> {
+        let key = match element.local_name().as_ref() {
+            "Default" => attribute(element, "Extension")?,
+            "Override" => attribute(element, "PartName")?,
+            _ => return Ok(()),
+        };
+        let key = key.ok_or("it must name a part or an extension")?.to_lowercase();
+        let content = attribute(element, "ContentType")?.ok_or("it must have a ContentType")?;
+        self.of.insert(key, content);
+        Ok(())
+    }
+
+    /// Fails unless the part is said to be of that type, as the Open Packaging Conventions ask for.
+    fn hold(&self, part: &str, content: &str) -> Result<(), ThreeMfError> {
+        let name = format!("/{}", part.to_lowercase());
+        let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
+        let said = self.of.get(&name).or_else(|| self.of.get(ending));
+        if said.is_some_and(|said| said.eq_ignore_ascii_case(content)) {
+            return Ok(());
+        }
+        let fault = format!("it must say that {part} is {content}");
+        Err(ThreeMfError::Model { part: TYPES.to_owned(), at: 0, fault })
+    }
+}
+
 /// Hands the elements of an XML part to `visit`, in order.
 fn elements(
     part: impl Read,
@@ -136,6 +179,9 @@ fn elements(
                 visit(element).map_err(wrong)?;
             }
             Event::Empty(element) => visit(element).map_err(wrong)?,
+            Event::DocType(_) => {
+                return Err(wrong("it has a document type (DTD), which 3MF forbids".to_owned()));
+            }
             Event::End(_) => open = open.saturating_sub(1),
             Event::Eof if open > 0 => return Err(wrong(format!("it ends inside {open} elements"))),
             Event::Eof => return Ok(()),

@@ -32,7 +32,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("unwrap", &["mirror", "optics", "raster", "geom", "num", "parallel"]),
     ("report", ALL_ABOVE),
     ("pipeline", ALL_ABOVE),
-    ("cli", &["pipeline", "profile", "report"]),
+    ("cli", &["parallel", "pipeline", "profile", "report"]),
     ("main", &["cli", "pipeline", "profile", "report"]),
 ];
 
@@ -40,7 +40,7 @@ const TABLE: &[(&str, &[&str])] = &[
 const TRACE_NEVER: &[&str] = &["mirror", "design", "mesh", "solid", "export"];
 
 /// The threads' library, beside `parallel`: the size of the pool.
-const MAY_NAME_RAYON: &[&str] = &["parallel", "pipeline", "cli"];
+const MAY_NAME_RAYON: &[&str] = &["parallel", "pipeline"];
 const MAY_TOUCH_THE_SYSTEM: &[&str] = &["pipeline", "cli", "main"];
 const MAX_LINES: usize = 500;
 

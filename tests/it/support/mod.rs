@@ -4,6 +4,7 @@ pub mod builds;
 pub mod draws;
 pub mod least;
 pub mod oracle;
+pub mod package;
 pub mod parts;
 pub mod random;
 pub mod shipped_builds;
