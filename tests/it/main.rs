@@ -9,6 +9,7 @@ mod bench;
 mod broken_profiles;
 mod budget;
 mod cameras_and_targets;
+mod cones;
 mod damage;
 mod design_accuracy;
 mod determinism;
