@@ -46,6 +46,8 @@ const MANY: f64 = 1e6;
 /// them say little.
 const STEADY: f64 = 1.1;
 const FEW: f64 = 10_000.0;
+/// Facets by samples that are made all the same where samples are far from sure: it takes three seconds.
+const TOLD: f64 = 2.5e6;
 
 /// By how much smaller than the model has them facets of a draft mostly come out right: squares
 /// suffer where cells turn.
@@ -179,10 +181,10 @@ impl<'a> Draft<'a> {
         self.drawn() * self.found.growth
     }
 
-    /// Whether that is told by making them, which takes less than a second: it is far from sure.
+    /// Whether that is told by making them: by samples it is far from sure.
     pub fn is_told_by_making(&self, copies: usize) -> bool {
         let facets = self.facets() * copies as f64;
-        facets <= FEW || (self.found.growth > STEADY && facets <= MANY)
+        facets <= FEW || (self.found.growth > STEADY && facets <= TOLD)
     }
 
     /// How many facets its triangles will be cut into.
