@@ -61,7 +61,9 @@ fn large_frames_are_within_the_reach_of_an_stl() {
     {
         holds(&under_a_pinhole([1920, 1080], hfov_deg, part, FILLED), facet_px);
     }
-    holds(&under_a_pinhole([4056, 3040], 40.0, [150.0, 109.192], FILLED), 1.6);
+    // Of twelve megapixels a finer one, for a thorough run.
+    let facet_px = if times(0, 1) == 0 { 3.2 } else { 1.6 };
+    holds(&under_a_pinhole([4056, 3040], 40.0, [150.0, 109.192], FILLED), facet_px);
 }
 
 /// Of 200 widths, three frames and two layouts: none is refused for its precision.

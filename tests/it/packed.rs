@@ -1,6 +1,7 @@
 //! 3MF: what is written, what is read, and what a stranger's file may look like.
 
 use crate::support::builds::{SMALL, folder, morion, parsed, save, told};
+use crate::support::package::TYPES;
 use crate::support::small_but;
 use morion::export::{ReadError, read_3mf, read_stl};
 use morion::geom::{DVec3, TriMesh};
@@ -13,6 +14,7 @@ use zip::write::SimpleFileOptions;
 
 const RELATIONS: &str = "_rels/.rels";
 const MODEL: &str = "3D/3dmodel.model";
+const CONTENT: (&str, &str) = ("[Content_Types].xml", TYPES);
 
 fn three_formats() -> String {
     small_but("[\"stl\", \"obj\"]", "[\"stl\", \"3mf\", \"obj\"]")
@@ -41,7 +43,7 @@ fn of_model(model: &str) -> Vec<u8> {
     let relations = "<Relationships><Relationship Id=\"thumb\" Target=\"/a.png\" Type=\"image\"/>\
         <Relationship Target=\"/parts/one.model\" Id=\"r\" \
         Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
-    package(&[("parts/one.model", model), (RELATIONS, relations)])
+    package(&[CONTENT, ("parts/one.model", model), (RELATIONS, relations)])
 }
 
 /// The mesh as an object of a model.
@@ -193,8 +195,9 @@ fn what_is_no_3mf_says_why() {
     assert_eq!(read_3mf(&deep).unwrap().mesh.triangles.len(), 4 << 15);
     for (bytes, why) in [
         (b"solid".to_vec(), "the archive: "),
-        (package(&[("a", "b")]), "_rels/.rels: "),
-        (package(&[(RELATIONS, "<Relationships/>")]), "it leads to no model"),
+        (package(&[("a", "b")]), "[Content_Types].xml: "),
+        (package(&[CONTENT, ("a", "b")]), "_rels/.rels: "),
+        (package(&[CONTENT, (RELATIONS, "<Relationships/>")]), "it leads to no model"),
         (of(&whole), "the file holds no facets"),
         (of(&format!("{whole}<build><item objectid='2'/></build>")), "known objects"),
         (of(&format!("{whole}{item}").replace("v3='1'", "v3='4'")), "facet 0 has vertex 4 of 4"),
