@@ -19,10 +19,10 @@ const PIECES: usize = 16;
 #[cfg(feature = "cli")]
 pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
-    if threads != Some(1) {
-        if let Ok(pool) = pool(threads.unwrap_or(0)).build() {
-            return pool.install(work);
-        }
+    if threads != Some(1)
+        && let Ok(pool) = pool(threads.unwrap_or(0)).build()
+    {
+        return pool.install(work);
     }
     // It starts no thread. On a thread of a pool it fails, and work goes to that pool.
     let _alone = pool(1).use_current_thread().build();

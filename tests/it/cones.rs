@@ -6,7 +6,7 @@ use crate::support::draws::Draws;
 use crate::support::{limits, meshed, times, with_limits};
 use morion::design::design;
 use morion::mesh::{MeshError, forecast};
-use morion::num::{radians, tan};
+use morion::num::{exp, radians, tan};
 use morion::profile::Profile;
 use rayon::prelude::*;
 
@@ -76,7 +76,7 @@ fn random(seed: u64) -> (Profile, f64) {
     let least = half * f64::from(pixels[1]) / f64::from(pixels[0]);
     let width_mm = 2.0 * least * between(0.3, 1.0);
     let part = [width_mm, width_mm * between(0.05, 0.7)];
-    (cone(pixels, view, part), 10f64.powf(between(0.0, 1.3)))
+    (cone(pixels, view, part), exp(between(0.0, 3.0)))
 }
 
 #[test]
