@@ -121,8 +121,8 @@ impl Size {
         best.map_or((Unit::Mm, false), |unit| (unit, true))
     }
 
-    /// By how much a mesh in millimetres is too large, where it is: by a factor between units if one of
-    /// them explains it, and about.
+    /// How many times too large a mesh in millimetres is, if it is too large or too small (below 1): as a
+    /// ratio of that unit to the millimetre where one explains it, else roughly.
     #[must_use]
     pub fn excess(&self, mesh: &TriMesh) -> Option<(f64, Option<Unit>)> {
         let size = size(&mesh.vertices);

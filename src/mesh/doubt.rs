@@ -1,7 +1,7 @@
 //! Whether splitting a facet that is too large does any good, found out before the work: what is
 //! proven of it as it shrinks.
 
-use super::proof::{Bound, Prover};
+use super::proof::{Bound, Prover, Vertex};
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Precision};
 
@@ -55,16 +55,19 @@ impl<'a> Doubt<'a> {
         }
     }
 
-    fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {
+    /// The corners of a facet shrunk `by` a factor towards its middle.
+    fn shrunk(&self, facet: [DVec2; 3], by: f64) -> [Vertex; 3] {
         let middle = middle(facet);
-        let vertices = facet.map(|p| self.prover.corner(middle + (p - middle) * by));
-        self.prover.bound_roughly(vertices.each_ref(), &self.limits)
+        facet.map(|p| self.prover.corner(middle + (p - middle) * by))
+    }
+
+    fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {
+        self.prover.bound_roughly(self.shrunk(facet, by).each_ref(), &self.limits)
     }
 
     /// Whether the proof, taken as far as it goes, finds that a facet so shrunk keeps the limits.
     fn settles(&self, facet: [DVec2; 3], by: f64) -> bool {
-        let middle = middle(facet);
-        let vertices = facet.map(|p| self.prover.corner(middle + (p - middle) * by));
+        let vertices = self.shrunk(facet, by);
         let t = vertices.each_ref();
         let (bound, reached) = self.prover.estimate(t);
         self.limits.allow(reached) && self.limits.hold(&self.prover.settle(t, bound, &self.limits))
