@@ -2,7 +2,7 @@
 
 use crate::support;
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
-use crate::support::small_but;
+use crate::support::{share, small_but};
 use morion::design::Design;
 use morion::geom::Precision;
 use morion::mesh::{Budget, Closing, Face, Forecast, MeshError};
@@ -54,7 +54,8 @@ fn closed(face: &Face) -> usize {
 
 #[test]
 fn every_shipped_mirror_uses_its_budget_and_never_more() {
-    shipped().par_iter().for_each(|profile| {
+    let profiles: Vec<_> = share(3, 1, shipped()).collect();
+    profiles.par_iter().for_each(|profile| {
         let design = support::designed(&support::shipped(profile.name));
         let mut finer = f64::INFINITY;
         for triangles in [4_000, 12_000] {
@@ -73,7 +74,7 @@ fn every_shipped_mirror_uses_its_budget_and_never_more() {
 fn small_budgets_are_kept_too() {
     let design = support::designed(&support::shipped("panoramic"));
     let mut before = 0;
-    for triangles in [100, 150, 317, 500, 1000, 2000, 2001, 3500] {
+    for triangles in share(2, 0, [100, 150, 317, 500, 1000, 2000, 2001, 3500]) {
         let face = within(&design, triangles, Precision::Single).unwrap();
         let found = closed(&face);
         assert!(found <= triangles, "{found} of {triangles}");

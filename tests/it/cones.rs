@@ -81,7 +81,7 @@ fn random(seed: u64) -> (Profile, f64) {
 
 #[test]
 fn cones_are_foreseen_or_refused_at_once() {
-    let asked = times(16, 400);
+    let asked = times(8, 400);
     let outcomes: Vec<(u64, [Result<f64, MeshError>; 2])> = (0..asked as u64)
         .into_par_iter()
         .filter_map(|seed| {

@@ -1,7 +1,7 @@
 //! What a dry run foresees, held against what a build makes.
 
 use crate::support::builds::{self, SMALL, edited, folder, morion, save, told};
-use crate::support::{self, small_but, times};
+use crate::support::{self, share, small_but, times};
 use morion::pipeline::{Silent, build, foresee};
 use morion::profile::{Format, MeshLimits, Profile, shipped};
 use rayon::prelude::*;
@@ -49,8 +49,9 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
         (MeshLimits { chord_um: Some(8.0), ..usual }, &[Format::Stl]),
         (MeshLimits { max_triangles: Some(20_000), ..usual }, &[Format::Stl]),
     ];
-    // Every other one by one of them, in turns, but for a thorough run.
-    shipped().par_iter().step_by(times(2, 1)).enumerate().for_each(|(k, profile)| {
+    // Each by one of them, in turns, but for a long run.
+    let profiles: Vec<_> = share(3, 0, shipped()).collect();
+    profiles.par_iter().enumerate().for_each(|(k, profile)| {
         let profile = support::shipped(profile.name);
         for (mesh, formats) in asked.iter().cycle().skip(k).take(times(1, asked.len())) {
             compare(&Profile { mesh: *mesh, formats: formats.to_vec(), ..profile.clone() });

@@ -2,7 +2,7 @@
 //! small facets are not refused for how one of them rounds.
 
 use crate::support::builds::parsed;
-use crate::support::{designed, meshed, shipped, times, with_limits};
+use crate::support::{designed, meshed, share, shipped, times, with_limits};
 use morion::mesh::{MeshError, forecast};
 use morion::num::{radians, tan};
 use morion::profile::Profile;
@@ -61,17 +61,18 @@ fn large_frames_are_within_the_reach_of_an_stl() {
     {
         holds(&under_a_pinhole([1920, 1080], hfov_deg, part, FILLED), facet_px);
     }
-    // Of twelve megapixels a finer one, for a thorough run.
-    let facet_px = if times(0, 1) == 0 { 3.2 } else { 1.6 };
-    holds(&under_a_pinhole([4056, 3040], 40.0, [150.0, 109.192], FILLED), facet_px);
+    // Of twelve megapixels a finer one, too, in a long run.
+    for facet_px in share(2, 0, [4.8, 1.6]) {
+        holds(&under_a_pinhole([4056, 3040], 40.0, [150.0, 109.192], FILLED), facet_px);
+    }
 }
 
 /// Of 200 widths, three frames and two layouts: none is refused for its precision.
 #[test]
 fn no_width_of_a_frame_is_foreseen_as_beyond_an_stl() {
     for layout in [FILLED, "layout.strip]"] {
-        for pixels in [[640, 480], [1920, 1080], [4056, 3040]] {
-            for k in (0..200).step_by(times(200, 1)) {
+        for (frame, pixels) in [[640, 480], [1920, 1080], [4056, 3040]].into_iter().enumerate() {
+            for k in share(200, 70 * frame, 0..200) {
                 // The least width is the one that the frame sees there.
                 let (hfov_deg, distance_mm) = (30.0 + 0.1 * f64::from(k), 150.0);
                 let least = 2.0 * distance_mm * tan(radians(0.5 * hfov_deg));
@@ -79,7 +80,7 @@ fn no_width_of_a_frame_is_foreseen_as_beyond_an_stl() {
                 let part = [distance_mm, width_mm];
                 let profile = under_a_pinhole(pixels, hfov_deg, part, layout);
                 let design = designed(&profile);
-                for facet_px in [0.7, 1.0, 2.0] {
+                for facet_px in share(3, frame, [0.7, 1.0, 2.0]) {
                     let limits = crate::support::limits(
                         &with_limits(profile.clone(), None, Some(facet_px)),
                         &design,

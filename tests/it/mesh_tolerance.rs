@@ -3,7 +3,7 @@
 //!
 //! The true errors are sampled here from the mirror itself, with nothing of the proof.
 
-use crate::support::{designed, limits, meshed, profile, sag, shipped, times, with_limits};
+use crate::support::{designed, limits, meshed, profile, sag, share, shipped, with_limits};
 use morion::design::Design;
 use morion::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
 use morion::mesh::{Bound, Face, Limits, Prover};
@@ -255,7 +255,7 @@ const ROUND: [&str; 5] = ["parabolic", "hyperbolic", "conical", "plane", "cylind
 
 #[test]
 fn round_mirrors_keep_their_bounds_and_have_round_rims() {
-    for name in ROUND {
+    for name in share(2, 0, ROUND) {
         println!("{name}");
         let share = hold(&shipped(name));
         assert!(share.facet >= 0.7, "{name}: samples reach {share:?} of the bounds");
@@ -264,7 +264,7 @@ fn round_mirrors_keep_their_bounds_and_have_round_rims() {
 
 #[test]
 fn chord_limits_of_round_mirrors_are_kept_and_not_idle() {
-    for name in ROUND {
+    for name in share(2, 1, ROUND) {
         println!("{name}");
         let share = hold(&with_limits(shipped(name), Some(5.0), None));
         assert!(share.chord >= 0.5, "{name}: samples reach {share:?}");
@@ -280,22 +280,26 @@ const NEAR: (&str, &str) = ("[-30, 30] }", "[-30, 30], target_radius_mm = 400 }"
 #[test]
 fn pinholes_and_near_targets_keep_their_bounds() {
     let crest = ("layout.strip = {}", "layout.conquistador = {}");
-    for (what, edits) in [
+    let cases = [
         ("pinhole", vec![PINHOLE[0]]),
         ("near", vec![NEAR]),
-        ("both", vec![PINHOLE[0], NEAR]),
         ("both, folded", vec![PINHOLE[0], NEAR, crest]),
-    ] {
+        ("both", vec![PINHOLE[0], NEAR]),
+    ];
+    for (what, edits) in share(2, 0, &cases) {
         println!("{what}");
-        let share = hold(&profile(&edits));
+        let share = hold(&profile(edits));
         assert!(share.facet >= 0.6, "{what}: samples reach {share:?} of the bounds");
-        hold(&with_limits(profile(&edits), Some(10.0), None));
+    }
+    for (what, edits) in share(2, 1, &cases) {
+        println!("{what}, chord");
+        hold(&with_limits(profile(edits), Some(10.0), None));
     }
 }
 
 #[test]
 fn shipped_profiles_keep_their_bounds_and_the_facet_bound_is_not_idle() {
-    for name in SHIPPED {
+    for name in share(2, 0, SHIPPED) {
         let share = hold(&shipped(name));
         assert!(share.facet >= 0.8, "{name}: samples reach {share:?} of the bounds");
     }
@@ -303,8 +307,8 @@ fn shipped_profiles_keep_their_bounds_and_the_facet_bound_is_not_idle() {
 
 #[test]
 fn chord_limits_alone_are_kept_and_not_idle() {
-    for name in SHIPPED {
-        for um in [0.5, 2.0, 20.0] {
+    for (k, name) in SHIPPED.into_iter().enumerate() {
+        for um in share(3, k, [0.5, 2.0, 20.0]) {
             let share = hold(&with_limits(shipped(name), Some(um), None));
             assert!(share.chord >= 0.6, "{name} at {um} um: samples reach {share:?}");
         }
@@ -313,8 +317,8 @@ fn chord_limits_alone_are_kept_and_not_idle() {
 
 #[test]
 fn facet_limits_alone_are_kept_and_not_idle() {
-    for name in SHIPPED {
-        for px in [2.0, 3.0, 10.0] {
+    for (k, name) in SHIPPED.into_iter().enumerate() {
+        for px in share(3, k, [2.0, 3.0, 10.0]) {
             let share = hold(&with_limits(shipped(name), None, Some(px)));
             assert!(share.facet >= 0.7, "{name} at {px} px: samples reach {share:?}");
         }
@@ -323,8 +327,8 @@ fn facet_limits_alone_are_kept_and_not_idle() {
 
 #[test]
 fn both_limits_are_kept_whichever_rules() {
-    for name in SHIPPED {
-        for (um, px) in [(1.0, 10.0), (5.0, 5.0), (50.0, 2.0)] {
+    for (k, name) in SHIPPED.into_iter().enumerate() {
+        for (um, px) in share(3, k, [(5.0, 5.0), (50.0, 2.0), (1.0, 10.0)]) {
             hold(&with_limits(shipped(name), Some(um), Some(px)));
         }
     }
@@ -365,8 +369,7 @@ const CASES: [(&str, &[(&str, &str)]); 14] = [
 
 #[test]
 fn every_layout_and_range_keeps_its_bounds() {
-    // Every other one, but for a thorough run.
-    for (what, edits) in CASES.into_iter().step_by(times(2, 1)) {
+    for (what, edits) in share(3, 0, CASES) {
         println!("{what}");
         hold(&profile(edits));
     }
@@ -374,8 +377,7 @@ fn every_layout_and_range_keeps_its_bounds() {
 
 #[test]
 fn every_layout_and_range_keeps_a_chord_limit() {
-    // The others, but for a thorough run.
-    for (what, edits) in CASES.into_iter().rev().step_by(times(2, 1)) {
+    for (what, edits) in share(3, 1, CASES) {
         println!("{what}");
         let share = hold(&with_limits(profile(edits), Some(10.0), None));
         assert!(share.chord >= 0.6, "{what}: samples reach {share:?}");

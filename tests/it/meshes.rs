@@ -78,7 +78,7 @@ fn some(count: u64) -> Vec<(Kind, u64)> {
 
 #[test]
 fn random_meshes_are_sound() {
-    all(&some(times(24, 160) as u64));
+    all(&some(times(12, 160) as u64));
 }
 
 /// Of the ten thousand only every four hundredth, but for a thorough run.

@@ -3,7 +3,7 @@
 
 use crate::support::builds::{folder, parsed};
 use crate::support::parts::{CONQUISTADOR, case, cases};
-use crate::support::{designed, meshed};
+use crate::support::{designed, meshed, share};
 use morion::design::Design;
 use morion::export::{read_obj, read_stl};
 use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Precision, Stock};
@@ -138,7 +138,7 @@ fn built(text: &str) -> (Report, tempfile::TempDir) {
 /// Every file passes, and has the circles where they were asked for, to the digits it carries.
 #[test]
 fn parts_pass_and_holes_and_marks_are_where_they_were_asked_for() {
-    for (what, text) in cases() {
+    for (what, text) in share(3, 1, cases()) {
         let (report, folder) = built(&text);
         assert_eq!(report.verdict, Verdict::Pass, "{what}: {:?}", report.reasons);
         foreseen(what, &text, &report);

@@ -3,7 +3,7 @@
 
 use crate::support::random::errors::Seen;
 use crate::support::random::{Case, Kind, QUICK, SLOW, case, each};
-use crate::support::{designed, limits, meshed, shipped, times};
+use crate::support::{designed, limits, meshed, share, shipped, times};
 use morion::geom::Precision;
 use morion::mesh::{Face, Limits, mesh};
 use morion::profile::{MeshLimits, Shipped};
@@ -33,8 +33,9 @@ fn hold(what: &str, seen: Seen, face: &Face, limits: &Limits, n: u32, climb: boo
 
 #[test]
 fn bounds_of_shipped_profiles_are_true_and_tight() {
-    for Shipped { name, .. } in morion::profile::shipped() {
-        for (times_chord, times_facet) in [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)] {
+    for (k, Shipped { name, .. }) in morion::profile::shipped().iter().enumerate() {
+        let coarser = [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)];
+        for (times_chord, times_facet) in share(3, k, coarser) {
             let mut profile = shipped(name);
             let MeshLimits { chord_um, facet_px, .. } = profile.mesh;
             profile.mesh = MeshLimits {
@@ -103,10 +104,10 @@ fn hold_random(kinds: &[Kind], count: u64) {
 
 #[test]
 fn bounds_of_random_mirrors_are_true_and_tight() {
-    hold_random(&QUICK, times(10, 40) as u64);
+    hold_random(&QUICK, times(6, 40) as u64);
 }
 
 #[test]
 fn bounds_under_pinholes_and_near_targets_are_true_and_tight() {
-    hold_random(&SLOW, times(4, 14) as u64);
+    hold_random(&SLOW, times(2, 14) as u64);
 }

@@ -1,6 +1,6 @@
 //! Limits and sizes at the far ends: a face within its limits, or a typed refusal, and soon.
 
-use crate::support::{self, designed, limits, meshed, profile, shipped, with_limits};
+use crate::support::{self, designed, limits, meshed, profile, share, shipped, with_limits};
 use morion::design::design;
 use morion::geom::Precision;
 use morion::mesh::{Face, MeshError};
@@ -93,8 +93,9 @@ fn mirrors_with_a_flat_place_are_refused() {
 fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
     let (mut made, mut refused) = (0, 0);
     for law in ["cylindrical", "mercator"] {
-        for degree in ["degree = 12", "degree = 24"] {
-            for elevation in ["[-75, 75]", "[-85, 85]", "[-89, 89]", "[-89.9, 89.9]"] {
+        for (k, degree) in ["degree = 12", "degree = 24"].into_iter().enumerate() {
+            let ranges = ["[-75, 75]", "[-85, 85]", "[-89, 89]", "[-89.9, 89.9]"];
+            for elevation in share(2, k, ranges) {
                 let edits =
                     [("cylindrical", law), ("degree = 12", degree), ("[-30, 30]", elevation)];
                 let what = format!("{law}, {degree}, {elevation}");
@@ -110,7 +111,8 @@ fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
             }
         }
     }
-    assert!(made >= 4 && refused >= 4, "{made} made, {refused} refused");
+    let least = (made + refused) / 4;
+    assert!(made >= least && refused >= least, "{made} made, {refused} refused");
 }
 
 #[test]
@@ -147,8 +149,8 @@ fn results_are_the_same_at_every_size() {
 
 #[test]
 fn sizes_that_do_not_go_together_are_sound() {
-    for width in ["0.001", "1", "1000", "1000000"] {
-        for base in ["0.001", "5", "1000000"] {
+    for (k, width) in ["0.001", "1", "1000", "1000000"].into_iter().enumerate() {
+        for base in share(2, k, ["0.001", "5", "1000000"]) {
             let sizes = format!("width_mm = {width}, base_mm = {base}");
             for (chord_um, facet_px) in [(None, Some(4.0)), (Some(1000.0), None)] {
                 let profile = profile(&[("width_mm = 60, base_mm = 5", &sizes)]);
@@ -161,8 +163,9 @@ fn sizes_that_do_not_go_together_are_sound() {
 
 #[test]
 fn frames_of_any_shape_are_sound() {
-    for pixels in ["1, 1", "3, 2", "16384, 1", "1, 16384", "2, 3"] {
-        for layout in ["strip = {}", "strip = { fill_frame = true }", "conquistador = {}"] {
+    let layouts = ["strip = {}", "strip = { fill_frame = true }", "conquistador = {}"];
+    for (k, pixels) in ["1, 1", "3, 2", "16384, 1", "1, 16384", "2, 3"].into_iter().enumerate() {
+        for layout in share(2, k, layouts) {
             let edits = [("640, 480", pixels), ("strip = {}", layout)];
             for (chord_um, facet_px) in [(None, Some(40.0)), (Some(20.0), None)] {
                 let profile = with_limits(profile(&edits), chord_um, facet_px);

@@ -3,7 +3,6 @@
 use super::{CUTTING, DISC, RECTANGLE, cut, given, unseen_profile};
 use crate::support::builds::{self, SMALL, edited, folder, parsed};
 use crate::support::parts::case;
-use crate::support::times;
 use morion::design::design;
 use morion::geom::DVec2;
 use morion::machining::{Passes, Place, Raster, Survey, corners, outlines};
@@ -215,12 +214,12 @@ fn a_mirror_that_no_pixel_sees_is_cut_all_the_same() {
 
 /// An as-cut surface that is too fine is offered a stepover with which it is made.
 #[test]
+#[ignore = "makes the largest surface that there may be, which takes long: .ci/nightly has it"]
 fn the_stepover_that_is_offered_instead_is_taken() {
     let folder = folder();
     let source =
         Source::from(given(RECTANGLE, "terms = [[0, 0, 1], [2, 0, -0.02], [0, 2, -0.01]]"));
-    // The smaller alone, but for a thorough run.
-    for &ball_mm in &[0.4, 6.0][..times(1, 2)] {
+    for ball_mm in [0.4, 6.0] {
         let cutting = |stepover_mm| Cutting { ball_mm, stepover_mm, as_cut: true, ..CUTTING };
         let refused = machining(&source, &cutting(1e-4), folder.path(), &Silent).unwrap_err();
         let text = refused.to_string();

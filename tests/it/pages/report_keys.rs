@@ -163,7 +163,7 @@ fn the_page_of_studies_has_every_key() {
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
-    let bench = runs.printed("bench all.toml --quick --suggest 3px");
+    let bench = runs.printed("bench round.toml --quick --suggest 3px");
     hold(STUDIES, &["## `bench.json`"], &[bench]);
 }
 

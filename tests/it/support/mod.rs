@@ -11,7 +11,7 @@ pub mod shipped_builds;
 pub mod surfaces;
 mod thorough;
 
-pub use thorough::times;
+pub use thorough::{share, times};
 
 use builds::{SMALL, edited, morion, parsed, told};
 use morion::design::{Design, design};

@@ -1,7 +1,7 @@
 //! Monte Carlo against the linear model, budgets fed forward, and the same bits in every order.
 
 use super::{engine, fixed, question, usual, with_map};
-use crate::support::{designed, shipped};
+use crate::support::{designed, share, shipped};
 use morion::mirror::{Knots, Patches};
 use morion::tolerance::{
     Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source, Study,
@@ -224,12 +224,13 @@ fn trials_end_when_the_yield_is_known_well_enough() {
 #[test]
 fn limits_fed_forward_hit_the_budget() {
     use Criterion::{P95, Rms};
-    for (name, reference, criterion) in [
+    let cases = [
         ("conquistador", Reference::Design, Rms),
         ("hyperbolic", Reference::Projection, Rms),
         ("conquistador", Reference::Projection, P95),
         ("conical", Reference::Design, P95),
-    ] {
+    ];
+    for (name, reference, criterion) in share(2, 1, cases) {
         let design = designed(&shipped(name));
         let sources = usual(&design, process());
         let budget = if reference == Reference::Projection && criterion == P95 { 3.0 } else { 1.0 };
