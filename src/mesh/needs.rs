@@ -7,7 +7,7 @@ use super::proof::{Vertex, gradient_of};
 use super::region::Sight;
 use super::written::rounding_left;
 use super::{Limits, MeshError};
-use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
+use crate::geom::{DVec2, Outline, Precision, Rect};
 use crate::mirror::Curvature;
 use crate::num::{Dual, exp, larger};
 use crate::parallel;
@@ -92,8 +92,6 @@ pub struct Needs {
     domain: Rect,
     table: Vec<Place>,
     limits: Limits,
-    /// The mirror's.
-    chart: Chart,
 }
 
 impl Needs {
@@ -103,7 +101,7 @@ impl Needs {
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
         let place = |&q: &DVec2| place(sight, into(outline, q), limits.precision);
         let table = parallel::map_slice(&nodes, 1, place);
-        Self { domain, table, limits, chart: sight.mirror.chart }
+        Self { domain, table, limits }
     }
 
     /// Whether the image limits anything.
@@ -166,7 +164,7 @@ impl Needs {
             };
             let exact = shift(t.map(|v| v.h));
             let largest = match precision {
-                Precision::Single => larger(exact, shift(t.map(|v| v.rounded_h(&self.chart)))),
+                Precision::Single => larger(exact, shift(t.map(|v| v.h + v.rounding))),
                 Precision::Double => exact,
             };
             largest / (limit * limit)

@@ -2,6 +2,8 @@
 //! the errors that follow from what is known of the corners (`corner`): of the coarse mesh those
 //! of the quadratic model, of facets what the mirror does there.
 
+mod collapse;
+
 use super::corner::Corner;
 use super::needs::{Needs, Place};
 use crate::geom::{DVec2, turn};
@@ -26,6 +28,21 @@ const SHORT: f64 = 0.55;
 struct Pair {
     triangles: [u32; 2],
     corners: [u32; 4],
+}
+
+/// Triangles around a corner that is moved, at most.
+const MOST_AROUND: usize = 16;
+
+/// The edges opposite a corner.
+struct Ring {
+    edges: [[u32; 2]; MOST_AROUND],
+    count: usize,
+}
+
+impl Ring {
+    fn edges(&self) -> &[[u32; 2]] {
+        &self.edges[..self.count]
+    }
 }
 
 /// Triangles in the plane of the chart, and around each corner those that share it.
@@ -171,6 +188,23 @@ impl<'a, C: Corner> Net<'a, C> {
         }
     }
 
+    /// The edges opposite an inner corner, if there are not too many.
+    fn ring(&self, v: u32) -> Option<Ring> {
+        let mut ring = Ring { edges: [[0; 2]; MOST_AROUND], count: 0 };
+        let mut balance = 0i64;
+        for t in self.around(v) {
+            let triangle = self.triangles[t as usize];
+            let k = triangle.iter().position(|&w| w == v).expect("a corner");
+            let (b, c) = (triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
+            *ring.edges.get_mut(ring.count)? = [b, c];
+            ring.count += 1;
+            // Around an inner corner every neighbour is once the next and once the last.
+            balance +=
+                (i64::from(b) + 1) * (i64::from(b) + 7) - (i64::from(c) + 1) * (i64::from(c) + 7);
+        }
+        (balance == 0).then_some(ring)
+    }
+
     /// Where an inner corner has smaller errors around it, if one of these is over `easy`. Steps are
     /// measured in `cell`s; `corner` tells what is known of a place.
     pub fn better_place(
@@ -180,25 +214,8 @@ impl<'a, C: Corner> Net<'a, C> {
         cell: impl FnOnce(DVec2) -> DMat2,
         corner: impl Fn(DVec2) -> C,
     ) -> Option<C> {
-        let mut ring = [[0; 2]; 16];
-        let (mut count, mut balance) = (0, 0i64);
-        for t in self.around(v) {
-            let triangle = self.triangles[t as usize];
-            let k = triangle.iter().position(|&w| w == v).expect("a corner");
-            let (b, c) = (triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
-            if count == ring.len() {
-                return None;
-            }
-            ring[count] = [b, c];
-            count += 1;
-            // Around an inner corner every neighbour is once the next and once the last.
-            balance +=
-                (i64::from(b) + 1) * (i64::from(b) + 7) - (i64::from(c) + 1) * (i64::from(c) + 7);
-        }
-        if balance != 0 {
-            return None;
-        }
-        let ring = &ring[..count];
+        let ring = self.ring(v)?;
+        let ring = ring.edges();
         let own = &self.points[v as usize];
         let q = own.q();
         let place = self.needs.at(q);

@@ -39,6 +39,9 @@ pub struct Vertex {
     pub at: DVec3,
     /// h of the chart, mm.
     pub h: f64,
+    /// By how much h is more on the mirror moved to the corner's rounding to single precision, mm, where
+    /// the file is of that; at the corner's own ray.
+    pub rounding: f64,
     /// The gradient of h over q.
     pub gradient: DVec2,
     /// The camera's image point, mm.
@@ -54,13 +57,13 @@ impl Vertex {
         DVec2::from_array(chart.slope(self.q.to_array(), along.to_array()))
     }
 
-    /// h on the corner's ray of the mirror moved to the corner's rounding to single precision, mm.
-    pub(super) fn rounded_h(&self, chart: &Chart) -> f64 {
+    /// The same with [`Self::rounding`], where the mirror of this chart comes to lie by it.
+    fn rounded(self, chart: &Chart) -> Self {
         let (k, slope) = (chart.vergence, self.slope(chart));
         let off = self.at.as_vec3().as_dvec3() - self.at;
         let up = (off.z - slope.dot(off.truncate())) / (1.0 + k * self.q.dot(slope));
         let grow = 1.0 + k * self.h;
-        self.h + up * grow * grow
+        Self { rounding: up * grow * grow, ..self }
     }
 }
 
@@ -143,7 +146,11 @@ impl<'a> Prover<'a> {
         let image = if camera == chart { q } else { camera.coordinates(at).0 };
         let content =
             view.map_or(DVec2::ZERO, |view| self.content(view, at, mirror.slope(q, &point), image));
-        Vertex { q, at, h, gradient, image, content }
+        let vertex = Vertex { q, at, h, rounding: 0.0, gradient, image, content };
+        match self.precision {
+            Precision::Single => vertex.rounded(chart),
+            Precision::Double => vertex,
+        }
     }
 
     /// Bounds over the facet `t`, counter-clockwise seen from above; infinite for a facet that is

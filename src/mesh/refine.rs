@@ -12,6 +12,7 @@ use super::{Limits, MOST_FACETS, MeshError};
 use crate::geom::{DVec2, TriMesh};
 use crate::parallel;
 use glam::DMat2;
+use std::collections::HashSet;
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
 const CHUNK: usize = 256;
@@ -19,8 +20,8 @@ const CHUNK: usize = 256;
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
 const MOST_GROWTH: usize = 3;
 const SPARE: usize = 40_000;
-/// Rounds in which facets are split where what is known of their corners would have it, and these
-/// moved, though that may break their neighbours.
+/// Rounds since fewest facets failed, in which they are split where what is known of their corners would
+/// have it, and these moved, though that may break their neighbours. Then shapes are kept.
 const EAGER: usize = 40;
 /// How often what changes in a round is gone over.
 const PASSES: usize = 4;
@@ -30,6 +31,9 @@ const UNEASY: f64 = 0.81;
 const FEW: usize = 64;
 /// Excess under which a facet that was changed is left to the proof before it is split.
 const MENDED: f64 = 0.96;
+/// Share of the image's limit that rounding takes up by tilting a facet, over which the facet is not made
+/// smaller before there is no other way: rounding tilts it the more.
+const TILTED: f64 = 0.3;
 
 /// `fine` refined until every facet keeps `limits`, and the bound reached. The face holds `copies`
 /// of it.
@@ -41,43 +45,18 @@ pub fn refine(
     limits: Limits,
 ) -> Result<(TriMesh, Bound), MeshError> {
     let corner = |&q: &DVec2| prover.corner(q);
-    let mut vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, corner);
+    let vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, corner);
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
     let proof = Proof { prover, limits };
-    let Proven { mut bounds, mut failed, mut largest } = proof.of(&all, &vertices, &fine.triangles);
-    let mut triangles = fine.triangles;
-    if !failed.is_empty() {
-        let most = MOST_GROWTH * triangles.len() + SPARE;
-        let net = Net::new(draft.cells.needs, 1.0, vertices, triangles);
-        let (changed, crowd) = (Vec::new(), Crowd::default());
-        let mut repair = Repair { proof: &proof, draft, net, changed, crowd };
-        let mut round = 0;
-        while !failed.is_empty() {
-            let facets = (repair.net.triangles.len() * copies) as f64;
-            if facets > MOST_FACETS {
-                return Err(MeshError::TooMany { facets, most: MOST_FACETS });
-            }
-            if repair.net.triangles.len() > most {
-                return Err(repair.floor(failed[0]));
-            }
-            repair.round(&failed, round)?;
-            let mut changed = std::mem::take(&mut repair.changed);
-            changed.extend(&failed);
-            changed.sort_unstable();
-            changed.dedup();
-            let found = proof.of(&changed, &repair.net.points, &repair.net.triangles);
-            bounds.resize(repair.net.triangles.len(), Bound::NEVER);
-            for (t, bound) in changed.into_iter().zip(found.bounds) {
-                bounds[t as usize] = bound;
-            }
-            largest.extend(found.largest);
-            failed = found.failed;
-            round += 1;
-        }
-        (vertices, triangles) = (repair.net.points, repair.net.triangles);
-    }
-    let mesh = Mesh { prover, vertices: &vertices, facets: &triangles };
-    let bound = mesh.bound(&bounds, &largest, &limits);
+    let mut proven = proof.of(&all, &vertices, &fine.triangles);
+    let net = Net::new(draft.cells.needs, 1.0, vertices, fine.triangles);
+    let (changed, crowd, drawn) = (Vec::new(), Crowd::default(), HashSet::new());
+    let mut repair = Repair { proof: &proof, draft, net, changed, crowd, drawn };
+    repair.mend(&mut proven, copies)?;
+    let Net { points, triangles, .. } = &repair.net;
+    let mesh = Mesh { prover, vertices: points, facets: triangles };
+    let bound = mesh.bound(&proven.bounds, &proven.largest, &limits);
+    let (vertices, triangles) = repair.net.into_parts();
     let vertices = vertices.into_iter().map(|v| v.at).collect();
     Ok((TriMesh { vertices, triangles }, bound))
 }
@@ -142,10 +121,59 @@ struct Repair<'a> {
     /// Facets that are no longer what was proven.
     changed: Vec<u32>,
     crowd: Crowd,
+    /// Facets around corners that were drawn into others in this round.
+    drawn: HashSet<u32>,
 }
 
 impl Repair<'_> {
-    fn round(&mut self, failed: &[u32], round: usize) -> Result<(), MeshError> {
+    /// Repairs round after round until no facet fails.
+    fn mend(&mut self, proven: &mut Proven, copies: usize) -> Result<(), MeshError> {
+        let most = MOST_GROWTH * self.net.triangles.len() + SPARE;
+        let (mut round, mut fewest) = (0, (usize::MAX, 0));
+        while !proven.failed.is_empty() {
+            let facets = (self.net.triangles.len() * copies) as f64;
+            if facets > MOST_FACETS {
+                return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+            }
+            if self.net.triangles.len() > most {
+                return Err(self.floor(proven.failed[0]));
+            }
+            let failed = std::mem::take(&mut proven.failed);
+            if failed.len() < fewest.0 {
+                fewest = (failed.len(), round);
+            }
+            self.round(&failed, &proven.bounds, round < fewest.1 + EAGER)?;
+            self.changed.extend(&failed);
+            self.prove(proven);
+            round += 1;
+        }
+        proven.largest.retain(|t| !self.net.is_gone(*t));
+        Ok(())
+    }
+
+    /// Proves the facets that have changed; of those that have gone nothing is left.
+    fn prove(&mut self, proven: &mut Proven) {
+        let mut changed = std::mem::take(&mut self.changed);
+        changed.sort_unstable();
+        changed.dedup();
+        proven.bounds.resize(self.net.triangles.len(), Bound::NEVER);
+        changed.retain(|&t| {
+            let is_gone = self.net.is_gone(t);
+            if is_gone {
+                proven.bounds[t as usize] = Bound::default();
+            }
+            !is_gone
+        });
+        let found = self.proof.of(&changed, &self.net.points, &self.net.triangles);
+        for (t, bound) in changed.into_iter().zip(found.bounds) {
+            proven.bounds[t as usize] = bound;
+        }
+        proven.largest.extend(found.largest);
+        proven.failed = found.failed;
+    }
+
+    /// Changes the facets that failed, of all those with these bounds.
+    fn round(&mut self, failed: &[u32], bounds: &[Bound], eager: bool) -> Result<(), MeshError> {
         for &t in failed {
             let facet = self.net.triangles[t as usize].map(|v| self.net.points[v as usize]);
             if self.proof.limits.facet_mm.is_some() && self.proof.prover.sees_the_pole(&facet) {
@@ -153,39 +181,64 @@ impl Repair<'_> {
             }
         }
         let old = self.net.points.len() as u32;
-        let corners = |net: &Net<Vertex>| -> Vec<u32> {
-            failed.iter().flat_map(|&t| net.triangles[t as usize]).collect()
-        };
-        let eager = round < EAGER;
         if eager {
-            self.settle(corners(&self.net));
+            self.settle(self.corners(failed));
         }
         let mut changed = std::mem::take(&mut self.changed);
         changed.sort_unstable();
+        self.drawn.clear();
         for &t in failed {
-            let corners = self.net.triangles[t as usize];
-            // What is new in this round has not been proven to fail.
-            let is_new = corners.iter().any(|&v| v >= old)
-                || (changed.binary_search(&t).is_ok() && self.net.excess(t) < MENDED);
-            if is_new {
+            if self.net.is_gone(t) {
                 continue;
             }
-            if eager {
-                let (edge, middle) = self.net.best_split(t, |edge| self.middle(edge));
-                self.split(edge, middle, t)?;
-            } else {
-                let [a, b, c] = corners.map(|v| self.net.q(v));
-                let metric = self.draft.cells.at((a + b + c) / 3.0).inverse();
-                self.bisect(t, t, &metric)?;
+            let corners = self.net.triangles[t as usize];
+            // What is new in this round has not been proven to fail.
+            let is_changed = changed.binary_search(&t).is_ok() || self.drawn.contains(&t);
+            let is_new =
+                corners.iter().any(|&v| v >= old) || (is_changed && self.net.excess(t) < MENDED);
+            if !is_new && !(self.is_tilted(&bounds[t as usize]) && self.draw(t)) {
+                self.cut(t, eager)?;
             }
         }
         self.changed.extend(changed);
         if eager {
-            let mut near = corners(&self.net);
+            let mut near = self.corners(failed);
             near.extend(old..self.net.points.len() as u32);
             self.settle(near);
         }
         Ok(())
+    }
+
+    /// Whether rounding has a large share in a facet's error.
+    fn is_tilted(&self, bound: &Bound) -> bool {
+        let limit = self.proof.limits.facet_mm;
+        limit.is_some_and(|limit| bound.rounding_mm > TILTED * limit)
+    }
+
+    /// Draws a corner of facet `t` into another, if that makes the facets around it better.
+    fn draw(&mut self, t: u32) -> bool {
+        let Some(collapse) = self.net.best_collapse(t) else { return false };
+        let around = self.net.collapse(collapse);
+        self.drawn.extend(&around);
+        self.changed.extend(around);
+        true
+    }
+
+    /// Splits an edge of facet `t`.
+    fn cut(&mut self, t: u32, eager: bool) -> Result<(), MeshError> {
+        if !eager {
+            let [a, b, c] = self.net.triangles[t as usize].map(|v| self.net.q(v));
+            let metric = self.draft.cells.at((a + b + c) / 3.0).inverse();
+            return self.bisect(t, t, &metric);
+        }
+        let (edge, middle) = self.net.best_split(t, |edge| self.middle(edge));
+        self.split(edge, middle, t)
+    }
+
+    /// The corners of those of the given facets that are left.
+    fn corners(&self, facets: &[u32]) -> Vec<u32> {
+        let left = facets.iter().filter(|t| !self.net.is_gone(**t));
+        left.flat_map(|&t| self.net.triangles[t as usize]).collect()
     }
 
     /// Moves corners and flips the edges around them; and again at those facets that changed and
@@ -211,7 +264,7 @@ impl Repair<'_> {
     }
 
     fn ease(&mut self, corners: &[u32]) {
-        let Self { proof, draft, net, changed, crowd } = self;
+        let Self { proof, draft, net, changed, crowd, .. } = self;
         let cells = &draft.cells;
         let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
         let better = |net: &Net<Vertex>, v: u32| {

@@ -333,7 +333,8 @@ impl Sight<'_> {
             Jet::from_parts(bounds.slope[0], [xx, xy], [xxx, xxy, xyy]),
             Jet::from_parts(bounds.slope[1], [xy, yy], [xxy, xyy, yyy]),
         ];
-        let mirror = view.content(&self.camera, chart.place(q, f), chart.slope(q, slope), near);
+        let (at, p) = (|| chart.place(q, f), chart.slope(q, slope));
+        let mirror = view.content_along(self.tangent(q, at), at, p, near);
         let facet = plane.map_or([Jet::constant(0.0); 2], |plane| {
             self.facet_contents(view, [lo, hi], plane, near)
         });
@@ -352,9 +353,21 @@ impl Sight<'_> {
         let [x, y] = sides(part);
         let q = [Jet::variable_x(x), Jet::variable_y(y)];
         let h = Jet::from_parts(plane.h, plane.gradient, [Interval::point(0.0); 3]);
-        let grow = h * chart.vergence + 1.0;
-        let at = [q[0] / grow, q[1] / grow, h / grow + chart.plane_mm];
-        view.content(&self.camera, at, plane.slope.map(Jet::flat), near)
+        let at = || {
+            let grow = h * chart.vergence + 1.0;
+            [q[0] / grow, q[1] / grow, h / grow + chart.plane_mm]
+        };
+        view.content_along(self.tangent(q, at), at, plane.slope.map(Jet::flat), near)
+    }
+
+    /// The tangent of the camera's ray to the point `at` over `q`. In its own chart it follows from q
+    /// alone, in closer bounds than by the point.
+    fn tangent(&self, q: [Jet; 2], at: impl FnOnce() -> [Jet; 3]) -> [Jet; 2] {
+        if self.camera == self.mirror.chart {
+            q.map(|q| q * self.camera.vergence)
+        } else {
+            self.camera.view(at())
+        }
     }
 
     /// [`Region::drift`]: |v| / (1 + p . v), with v the tangent of the ray's angle to the axis and

@@ -139,7 +139,7 @@ mod tests {
                 let q = DVec2::new(r.inside([3.0, 20.0]), r.inside([3.0, 20.0]));
                 let v = if chosen { prover.corner(q) } else { prover.exactly(prover.rounded(q)) };
                 assert!((v.q - q).length() < 1e-4, "{q} went to {}", v.q);
-                (v.rounded_h(&mirror.chart) - v.h).abs() / (v.at.z * f64::from(f32::EPSILON))
+                v.rounding.abs() / (v.at.z * f64::from(f32::EPSILON))
             })
             .collect();
         off.sort_by(f64::total_cmp);

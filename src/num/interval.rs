@@ -142,6 +142,9 @@ impl Interval {
         // The sum is finite only if all are.
         if (lo != 0.0) & (hi != 0.0) & ((p[0] + p[1] + (p[2] + p[3])).abs() < f64::INFINITY) {
             Self { lo: down(lo), hi: up(hi) }
+        } else if p == [0.0; 4] && (a == Self::ZERO || b == Self::ZERO) {
+            // Zeros stay zeros: derivatives are full of them.
+            Self::ZERO
         } else {
             Self::from_special_products(p, [lo, hi], a, b)
         }
@@ -165,10 +168,6 @@ impl Interval {
     /// Whether no product (or quotient) with another is negative, and whether none is positive.
     fn signs(self, other: Self) -> (bool, bool) {
         let (a, b) = (self, other);
-        // Zeros stay zeros: derivatives are full of them.
-        if a == Self::ZERO || b == Self::ZERO {
-            return (true, true);
-        }
         (
             (a.lo >= 0.0 && b.lo >= 0.0) || (a.hi <= 0.0 && b.hi <= 0.0),
             (a.lo >= 0.0 && b.hi <= 0.0) || (a.hi <= 0.0 && b.lo >= 0.0),

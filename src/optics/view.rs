@@ -146,8 +146,25 @@ impl View {
     /// a mirror through `at` of slope `p`; `near` chooses among several.
     #[inline]
     pub fn content<S: Scalar>(&self, chart: &Chart, at: [S; 3], p: [S; 2], near: DVec2) -> [S; 2] {
-        let seen = stereo::reflect(stereo::towards_camera(chart.view(at)), p);
-        self.projection.locate(self.target.seen(self.relative(at), seen), near)
+        self.content_along(chart.view(at), || at, p, near)
+    }
+
+    /// The same for a ray whose angle to the axis has the tangent `view`. Targets at infinity do not
+    /// ask where it is met, `at`.
+    #[inline]
+    pub fn content_along<S: Scalar>(
+        &self,
+        view: [S; 2],
+        at: impl FnOnce() -> [S; 3],
+        p: [S; 2],
+        near: DVec2,
+    ) -> [S; 2] {
+        let seen = stereo::reflect(stereo::towards_camera(view), p);
+        let seen = match self.target {
+            Target::Infinity => seen,
+            target => target.seen(self.relative(at()), seen),
+        };
+        self.projection.locate(seen, near)
     }
 
     /// W . curl W / |W|^2 at height `f` over image point `q`, 1/mm: zero everywhere exactly when an
