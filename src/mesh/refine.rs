@@ -20,9 +20,11 @@ const CHUNK: usize = 256;
 /// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
 const MOST_GROWTH: usize = 3;
 const SPARE: usize = 40_000;
-/// Rounds since fewest facets failed, in which they are split where what is known of their corners would
-/// have it, and these moved, though that may break their neighbours. Then shapes are kept.
+/// Rounds in which facets are split where what is known of their corners would have it, and these
+/// moved, though that may break their neighbours: so many at first, and so many since fewest failed. Then
+/// shapes are kept.
 const EAGER: usize = 40;
+const PATIENCE: usize = 12;
 /// How often what changes in a round is gone over.
 const PASSES: usize = 4;
 /// Excess foreseen by what the mirror does at the corners, over which one of a failed facet is moved.
@@ -50,8 +52,9 @@ pub fn refine(
     let proof = Proof { prover, limits };
     let mut proven = proof.of(&all, &vertices, &fine.triangles);
     let net = Net::new(draft.cells.needs, 1.0, vertices, fine.triangles);
-    let (changed, crowd, drawn) = (Vec::new(), Crowd::default(), HashSet::new());
-    let mut repair = Repair { proof: &proof, draft, net, changed, crowd, drawn };
+    let (changed, crowd) = (Vec::new(), Crowd::default());
+    let (drawn, mended) = (HashSet::new(), HashSet::new());
+    let mut repair = Repair { proof: &proof, draft, net, changed, crowd, drawn, mended };
     repair.mend(&mut proven, copies)?;
     let Net { points, triangles, .. } = &repair.net;
     let mesh = Mesh { prover, vertices: points, facets: triangles };
@@ -123,6 +126,8 @@ struct Repair<'a> {
     crowd: Crowd,
     /// Facets around corners that were drawn into others in this round.
     drawn: HashSet<u32>,
+    /// Facets that failed in the last round, and were foreseen to hold as they had been changed in it.
+    mended: HashSet<u32>,
 }
 
 impl Repair<'_> {
@@ -142,7 +147,8 @@ impl Repair<'_> {
             if failed.len() < fewest.0 {
                 fewest = (failed.len(), round);
             }
-            self.round(&failed, &proven.bounds, round < fewest.1 + EAGER)?;
+            let eager = round < EAGER.max(fewest.1 + PATIENCE);
+            self.round(&failed, &proven.bounds, eager)?;
             self.changed.extend(&failed);
             self.prove(proven);
             round += 1;
@@ -187,19 +193,25 @@ impl Repair<'_> {
         let mut changed = std::mem::take(&mut self.changed);
         changed.sort_unstable();
         self.drawn.clear();
+        let mut mended = HashSet::new();
         for &t in failed {
             if self.net.is_gone(t) {
                 continue;
             }
             let corners = self.net.triangles[t as usize];
             // What is new in this round has not been proven to fail.
-            let is_changed = changed.binary_search(&t).is_ok() || self.drawn.contains(&t);
-            let is_new =
-                corners.iter().any(|&v| v >= old) || (is_changed && self.net.excess(t) < MENDED);
-            if !is_new && !(self.is_tilted(&bounds[t as usize]) && self.draw(t)) {
+            let is_changed = (changed.binary_search(&t).is_ok() && !self.mended.contains(&t))
+                || self.drawn.contains(&t);
+            let is_mended = is_changed && self.net.excess(t) < MENDED;
+            if is_mended {
+                mended.insert(t);
+            }
+            let is_new = corners.iter().any(|&v| v >= old) || is_mended;
+            if !is_new && !(eager && self.is_tilted(&bounds[t as usize]) && self.draw(t, MENDED)) {
                 self.cut(t, eager)?;
             }
         }
+        self.mended = mended;
         self.changed.extend(changed);
         if eager {
             let mut near = self.corners(failed);
@@ -215,9 +227,10 @@ impl Repair<'_> {
         limit.is_some_and(|limit| bound.rounding_mm > TILTED * limit)
     }
 
-    /// Draws a corner of facet `t` into another, if that makes the facets around it better.
-    fn draw(&mut self, t: u32) -> bool {
-        let Some(collapse) = self.net.best_collapse(t) else { return false };
+    /// Draws a corner of facet `t` into another, if the excess that is foreseen around it is then under
+    /// `most`, and smaller.
+    fn draw(&mut self, t: u32, most: f64) -> bool {
+        let Some(collapse) = self.net.best_collapse(t, most) else { return false };
         let around = self.net.collapse(collapse);
         self.drawn.extend(&around);
         self.changed.extend(around);
@@ -232,6 +245,9 @@ impl Repair<'_> {
             return self.bisect(t, t, &metric);
         }
         let (edge, middle) = self.net.best_split(t, |edge| self.middle(edge));
+        if !splits(edge.map(|v| self.net.q(v))) && self.draw(t, f64::INFINITY) {
+            return Ok(());
+        }
         self.split(edge, middle, t)
     }
 
@@ -309,8 +325,7 @@ impl Repair<'_> {
 
     /// Splits an edge in its middle, for the sake of facet `of`.
     fn split(&mut self, edge: [u32; 2], middle: Vertex, of: u32) -> Result<(), MeshError> {
-        let [p, q] = edge.map(|v| self.net.q(v));
-        if !splits(p, q) {
+        if !splits(edge.map(|v| self.net.q(v))) {
             return Err(self.floor(of));
         }
         let v = self.net.split(edge, middle);
@@ -344,7 +359,7 @@ fn sorted(a: u32, b: u32) -> [u32; 2] {
 }
 
 /// Whether an edge is so long that its halves would keep their shape under rounding.
-fn splits(a: DVec2, b: DVec2) -> bool {
+fn splits([a, b]: [DVec2; 2]) -> bool {
     const STEPS: f64 = 64.0;
     let step = ((a + b) * 0.5).abs().max_element() * f64::from(f32::EPSILON);
     a.distance(b) > STEPS * step

@@ -21,11 +21,12 @@ impl<C: Corner> Net<'_, C> {
     }
 
     /// The corner of triangle `t` that is best drawn into another of it: with the smallest excess left,
-    /// and a smaller one than there was.
-    pub fn best_collapse(&self, t: u32) -> Option<Collapse> {
+    /// which is under `most` and smaller than it was.
+    pub fn best_collapse(&self, t: u32, most: f64) -> Option<Collapse> {
         let [a, b, c] = self.triangles[t as usize];
         let ways = [[a, b], [b, a], [b, c], [c, b], [c, a], [a, c]];
         let found = ways.into_iter().filter_map(|way| self.collapse_of(way));
+        let found = found.filter(|found| found.excess < most);
         found.min_by(|a, b| a.excess.total_cmp(&b.excess))
     }
 
@@ -150,7 +151,7 @@ mod tests {
         let mut net = square(&needs, 0.9, -0.95);
         // Halves of the square are left; from corner 0 the inner one leaves the same, and a rim's corner
         // does not move.
-        let collapse = net.best_collapse(0).expect("a sliver");
+        let collapse = net.best_collapse(0, 3.0).expect("a sliver");
         assert_eq!((collapse.from, collapse.excess), (4, 2.0));
         assert_eq!(net.collapse_of([1, 4]), None);
         let around = net.collapse(collapse);
@@ -163,8 +164,9 @@ mod tests {
             turn(a, b, c)
         };
         assert_eq!(triangles.into_iter().map(area).collect::<Vec<_>>(), [4.0; 2]);
+        assert_eq!(square(&needs, 0.9, -0.95).best_collapse(0, 1.9), None);
         // In the middle it does no harm.
-        assert_eq!(square(&needs, 0.0, 0.0).best_collapse(0), None);
+        assert_eq!(square(&needs, 0.0, 0.0).best_collapse(0, 3.0), None);
     }
 
     #[test]
