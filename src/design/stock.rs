@@ -4,7 +4,7 @@ use super::DesignError;
 use crate::geom::{Contour, DVec2, Drilled, Land, Outline, Stock};
 use crate::mirror::Mirror;
 use crate::num::{cos, radians, sin};
-use crate::profile::{Border, Footprint, Profile, Spot};
+use crate::profile::{Border, Feature, Footprint, Misfit, Profile, Spot};
 
 /// Steps along each side of the outline, which is curved under a pinhole: finer than a mesh's.
 const STEPS: usize = 1024;
@@ -19,7 +19,8 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
     let Some(border) = &profile.part.border else { return Ok(None) };
     let footprint = footprint(mirror);
     if let Some(misfit) = border.misfits(&footprint).into_iter().next() {
-        return Err(DesignError::Border { message: misfit.message, hint: misfit.hint });
+        let hint = fitting(border, &footprint, &misfit).unwrap_or(misfit.hint);
+        return Err(DesignError::Border { message: misfit.message, hint });
     }
     let contour = match footprint {
         Footprint::Rect { half_mm } => {
@@ -54,6 +55,66 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
         marks: border.marks.iter().map(drilled).collect(),
         land,
     }))
+}
+
+/// What to do about a misfit, in numbers of which it is certain that they fit.
+fn fitting(border: &Border, footprint: &Footprint, misfit: &Misfit) -> Option<String> {
+    let fits = |tried: &Border| {
+        let misfits = tried.misfits(footprint);
+        misfits.iter().all(|left| left.feature != misfit.feature)
+    };
+    let name = match misfit.feature {
+        Feature::Corners => {
+            let smaller = |c: &f64| Some(digits(0.8 * c));
+            let mut radii = std::iter::successors(Some(border.corner_radius_mm), smaller).take(60);
+            let fitting = |&c: &f64| fits(&Border { corner_radius_mm: c, ..border.clone() });
+            return radii.find(fitting).map(|c| format!("set corner_radius_mm = {c}"));
+        }
+        Feature::Hole(_) => "hole",
+        Feature::Mark(_) => "mark",
+    };
+    let way = if misfit.hint.contains("inwards") { "inwards" } else { "outwards" };
+    let wide = digits(border.width_mm.max(Border::LEAST_MM + 4.0 * Border::CLEAR_MM));
+    [border.width_mm, wide].into_iter().find_map(|width_mm| {
+        let mut tried = Border { width_mm, ..border.clone() };
+        let spot = match misfit.feature {
+            Feature::Hole(k) => &mut tried.holes[k],
+            Feature::Mark(k) => &mut tried.marks[k],
+            Feature::Corners => return None,
+        };
+        *spot = middle(footprint, width_mm, spot);
+        let found = format!("[{}, {}, {}]", spot.x_mm, spot.y_mm, spot.diameter_mm);
+        let widen = match width_mm > border.width_mm {
+            true => format!("set border_mm = {width_mm} and "),
+            false => String::new(),
+        };
+        let said = format!("{widen}move the {name} {way}, to {found}");
+        fits(&tried).then_some(said)
+    })
+}
+
+/// The place of `spot` in the middle of a border of this width, on the same side, and as large as
+/// it may be there.
+fn middle(mirror: &Footprint, width_mm: f64, spot: &Spot) -> Spot {
+    let room = width_mm - 2.5 * Border::CLEAR_MM;
+    let diameter_mm = digits(spot.diameter_mm.min(room).max(Border::LEAST_MM));
+    let (x, y) = (spot.x_mm, spot.y_mm);
+    let [x_mm, y_mm] = match *mirror {
+        Footprint::Rect { half_mm: [half, _] } if x.abs() >= y.abs() => {
+            [(half + 0.5 * width_mm) * x.signum(), 0.0]
+        }
+        Footprint::Rect { half_mm: [_, half] } => [0.0, (half + 0.5 * width_mm) * y.signum()],
+        Footprint::Round { radius_mm, .. } => {
+            let far = (radius_mm + 0.5 * width_mm) / DVec2::new(x, y).length();
+            [far * x, far * y]
+        }
+    };
+    Spot { x_mm: digits(x_mm), y_mm: digits(y_mm), diameter_mm }
+}
+
+/// To six digits.
+fn digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().expect("a number")
 }
 
 /// Z of the land inside a ring, which must be flat for `hole` to go through it.

@@ -128,7 +128,7 @@ fn what_does_not_fit_is_refused_with_its_place() {
     assert!(
         error.starts_with("part.holes_mm must stay 0.1 mm clear of the mirror, found [27, 3, 4]")
     );
-    assert!(error.contains("move the hole outwards"), "{error}");
+    assert!(error.contains("move the hole outwards, to ["), "{error}");
 }
 
 /// Half of 2.1 mm and 2.3 mm of border are 3.35 mm, but for rounding.
