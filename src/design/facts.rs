@@ -1,5 +1,6 @@
 //! What a design reached, before any mesh.
 
+use super::cause::{Cause, Trouble};
 use super::layout::Plan;
 use super::solve::Fit;
 use crate::geom::{DVec2, angle};
@@ -25,6 +26,9 @@ pub struct Curl {
     /// The most that rounding can have made of it, proven by intervals.
     pub rounding: f64,
 }
+
+/// The errors themselves leave the range of double precision.
+const NO_ERROR: Cause = Cause::NotFinite { what: "image error" };
 
 /// Figures of merit of a design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,12 +97,16 @@ impl Facts {
         }
     }
 
-    /// The same with the errors of `mirror` against `view`; none when one is not finite.
-    #[must_use]
-    pub fn against(self, mirror: &Mirror, camera: &Camera, view: &View) -> Option<Self> {
-        let (ray, pixel) = errors(mirror, camera, view)
-            .filter(|(ray, pixel)| ray.rms.is_finite() && pixel.rms.is_finite())?;
-        Some(Self {
+    /// The same with the errors of `mirror` against `view`.
+    ///
+    /// # Errors
+    /// [`Cause`] when one is not finite.
+    pub fn against(self, mirror: &Mirror, camera: &Camera, view: &View) -> Result<Self, Cause> {
+        let (ray, pixel) = errors(mirror, camera, view)?;
+        if !(ray.rms.is_finite() && pixel.rms.is_finite()) {
+            return Err(NO_ERROR);
+        }
+        Ok(Self {
             curl: Some(curl(mirror, camera, view)),
             ray_error_mrad: Some(ray.scaled(1e3)),
             pixel_error_px: Some(pixel.scaled(1.0 / camera.pixel_mm)),
@@ -108,7 +116,7 @@ impl Facts {
 }
 
 /// Ray error (rad) and image displacement (mm) of the designed panel against the projection.
-fn errors(mirror: &Mirror, camera: &Camera, view: &View) -> Option<(Summary, Summary)> {
+fn errors(mirror: &Mirror, camera: &Camera, view: &View) -> Result<(Summary, Summary), Cause> {
     let (mut rays, mut shifts) = (Vec::new(), Vec::new());
     for line in mirror.outline.samples(SAMPLES) {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
@@ -117,17 +125,21 @@ fn errors(mirror: &Mirror, camera: &Camera, view: &View) -> Option<(Summary, Sum
             let (image, _) = camera.chart.coordinates(at);
             let ray = camera.chart.ray(image, at.z + 1.0);
             let seen = reflect(ray.direction, mirror.normal(q, &point));
-            rays.push((angle(seen, view.wanted(image, at)), weight));
-            let content = view.content(
-                &camera.chart,
-                at.to_array(),
-                mirror.slope(q, &point).to_array(),
-                image,
-            );
-            shifts.push(((DVec2::from_array(content) - image).length(), weight));
+            let slope = mirror.slope(q, &point).to_array();
+            let content = view.content(&camera.chart, at.to_array(), slope, image);
+            let ray = angle(seen, view.wanted(image, at));
+            let shift = (DVec2::from_array(content) - image).length();
+            if !(ray.is_finite() && shift.is_finite()) {
+                let trouble = Trouble::at(&camera.chart, view, image, at, slope);
+                let cause = |trouble| Cause::At { at: at.truncate(), trouble, goal: None };
+                return Err(trouble.map_or(NO_ERROR, cause));
+            }
+            rays.push((ray, weight));
+            shifts.push((shift, weight));
         }
     }
-    Some((Summary::weighted(rays)?, Summary::weighted(shifts)?))
+    let summary = |errors| Summary::weighted(errors).ok_or(NO_ERROR);
+    Ok((summary(rays)?, summary(shifts)?))
 }
 
 /// Every so many places along and across, the curl's rounding is bounded.

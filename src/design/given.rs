@@ -3,7 +3,7 @@
 use super::conic::{along_radius, over_area, plus};
 use super::facts::Facts;
 use super::layout::{self, Plan, Ties};
-use super::{Design, DesignError, finished};
+use super::{Cause, Design, DesignError, finished};
 use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::{Knots, Mirror, Patches, Round, Sheet, Surface};
 use crate::num::legendre::Series;
@@ -44,7 +44,7 @@ pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
     }
     let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
     let patches = Patches::new(knots(&sag.x), knots(&sag.y), &sag.z_mm)
-        .ok_or(DesignError::NotFinite { what: "sag" })?;
+        .ok_or(Cause::NotFinite { what: "sag" })?;
     let surface = Surface::Patches(patches);
     placed(profile, Mirror { surface, ..bare(outline) }, CUBIC)
 }
@@ -111,7 +111,7 @@ fn formula(given: &Polynomial, outline: Outline) -> Result<(Surface, usize), Des
     let terms = (!given.terms.is_empty()).then(|| legendre(&given.terms, area));
     let top = |series: &Series| series.shape().0.max(series.shape().1) - 1;
     Ok(match (given.conic, outline, terms) {
-        (None, _, None) => return Err(DesignError::NotFinite { what: "sag" }),
+        (None, _, None) => return Err(Cause::NotFinite { what: "sag" }.into()),
         (None, _, Some(series)) => {
             let degree = top(&series);
             (Surface::Tensor(sheet(series, area)), degree)

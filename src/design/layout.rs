@@ -1,12 +1,12 @@
 //! Layouts: where the image, the panel and the domain of the fit lie in the part.
 
-use super::DesignError;
+use super::Cause;
 use super::strip::{self, Panel};
 use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
-use crate::optics::{Camera, Fold, Projection, Rims, Target, View};
+use crate::optics::{Camera, Fold, Law, Projection, Rims, Target, View};
 use crate::profile::{self, Layout, PanelSource, Profile, RadialLaw, RadialProjection, Ridge};
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
@@ -102,8 +102,8 @@ impl Plan {
     /// Lays out `profile`, if it has a projection.
     ///
     /// # Errors
-    /// [`DesignError`] when a law that is to be found cannot be.
-    pub fn new(profile: &Profile, ties: &Ties) -> Result<Option<Self>, DesignError> {
+    /// [`Cause`] when a law that is to be found cannot be.
+    pub fn new(profile: &Profile, ties: &Ties) -> Result<Option<Self>, Cause> {
         let camera = camera(profile);
         match &profile.projection {
             None => Ok(None),
@@ -116,11 +116,21 @@ impl Plan {
         }
     }
 
+    /// Whether the inner rim of a ring comes to lie outside the outer one.
+    pub fn hidden_rim(&self) -> Option<Cause> {
+        match self.domain {
+            Outline::Ring { inner, outer } if !(inner < outer) => {
+                Some(Cause::Rims { inner_mm: inner, outer_mm: outer })
+            }
+            _ => None,
+        }
+    }
+
     fn strip(
         profile: &Profile,
         wanted: &profile::StripProjection,
         camera: Camera,
-    ) -> Result<Self, DesignError> {
+    ) -> Result<Self, Cause> {
         let width = profile.part.width_mm;
         let frame_height = camera.pixel_mm * f64::from(camera.pixels[1]);
         let [first, last] = wanted.azimuth_deg;
@@ -145,12 +155,9 @@ impl Plan {
         let (law, z) = strip::law(wanted, &panel)?;
         let z_middle = 0.5 * (z[0] + z[1]);
         let height = if fill_frame { frame_height / panels } else { (z[1] - z[0]) * scale_mm };
-        let beyond = z_middle.abs() + 0.5 * height / scale_mm;
-        if let Some(most) = law.reach()
-            && fill_frame
-            && beyond >= most
-        {
-            return Err(DesignError::Overfilled { beyond, most });
+        if fill_frame {
+            let half = 0.5 * height / scale_mm;
+            filled(&law, target, [z_middle - half, z_middle + half], scale_mm / camera.pixel_mm)?;
         }
 
         let below = below * height;
@@ -217,6 +224,27 @@ impl Plan {
             even: [true; 2],
         }
     }
+}
+
+/// Whether a law that fills the frame, over image coordinates `z` and with `rows` of the frame to
+/// each unit of them, shows something everywhere.
+///
+/// # Errors
+/// [`Cause::Overfilled`] or [`Cause::Horizon`] when it does not.
+fn filled(law: &Law, target: Target, z: [f64; 2], rows: f64) -> Result<(), Cause> {
+    let beyond = z[1].max(-z[0]);
+    if let Some(most) = law.reach()
+        && beyond >= most
+    {
+        return Err(Cause::Overfilled { beyond, most });
+    }
+    // Every law that fills a frame has the horizon at 0.
+    let past = match target {
+        Target::Plane { height_mm } if height_mm > 0.0 => -z[0],
+        Target::Plane { .. } => z[1],
+        _ => return Ok(()),
+    };
+    if past >= 0.0 { Err(Cause::Horizon { rows: past * rows }) } else { Ok(()) }
 }
 
 fn target(target: profile::Target) -> Target {

@@ -58,7 +58,7 @@ pub fn minimax<const N: usize>(
     let samples = Sample::all(basis, residual, &locals);
     let worst = largest(&samples);
     if !worst.is_finite() {
-        return Err(SolveError::NotConverged { steps: 0, last_step_mm: f64::NAN });
+        return Err(SolveError::Undefined { steps: 0, coefficients: start.to_vec() });
     }
     let rounding = 1e-12 * scale(&samples, &locals);
     if worst <= rounding {
@@ -374,6 +374,6 @@ mod tests {
     fn a_residual_that_is_no_number_fails() {
         let basis = Basis::radial([0.0, 3.0], 4, Places::Extrema);
         let error = minimax(&basis, &Broken, &[0.0; 4]).unwrap_err();
-        assert!(matches!(error, SolveError::NotConverged { steps: 0, .. }));
+        assert!(matches!(error, SolveError::Undefined { steps: 0, .. }));
     }
 }

@@ -4,6 +4,7 @@ mod barrier;
 mod basis;
 mod best;
 mod broyden;
+mod cause;
 mod conic;
 mod facing;
 mod facts;
@@ -12,6 +13,7 @@ mod layout;
 mod lowest;
 mod minimax;
 mod mixing;
+mod remedy;
 mod residual;
 mod solve;
 mod stock;
@@ -21,7 +23,9 @@ mod surface;
 mod trial;
 
 pub use best::SearchError;
+pub use cause::{Cause, Goal, Trouble};
 pub use facts::{Curl, Facts};
+pub use remedy::{Change, MOST_TRIALS, Remedy, Value};
 pub use solve::SolveError;
 
 use crate::geom::{Outline, Stock};
@@ -65,73 +69,19 @@ impl Design {
 /// Why no mirror could be designed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DesignError {
-    /// The fit has no unique answer, or was not found.
-    #[error("the fit of degree {degree} has no answer: {source}; {remedy}")]
-    Fit {
-        /// Degree asked for.
-        degree: usize,
-        /// The solver's account.
-        source: SolveError,
-        /// What may help.
-        remedy: &'static str,
-    },
-    /// The law of least curl was not found.
-    #[error(
-        "the law of least curl was not found: {0}; move the camera or the target further from the \
-         mirror, bring the elevations further from +-90 degrees, or choose another law"
-    )]
-    Law(SearchError),
-    /// Rows or elevations of a table differ by no more than rounding.
-    #[error("the rows and elevations of the table are too close to each other; leave some out")]
-    Table,
-    /// The place of the mirror in its target surface was not found.
-    #[error(
-        "the place of the mirror before its target did not settle in {rounds} rounds (the last \
-         moved it by {}); move the target further away",
-        by(*last_step_mm, " mm")
-    )]
-    Unsettled {
-        /// Rounds of solving and placing.
-        rounds: usize,
-        /// Last change, mm.
-        last_step_mm: f64,
-    },
-    /// What is wanted lies behind the mirror: it would have to turn its back to the camera.
-    #[error(
-        "the mirror turns its back to the camera {from_axis_mm:.3} mm from the axis: there what it \
-         should show lies behind it, seen from the camera; show less far down, or move the camera \
-         away"
-    )]
-    Back {
-        /// Where, mm.
-        from_axis_mm: f64,
-    },
-    /// Filling the frame asks for elevations that there are not.
-    #[error(
-        "filling the frame takes the law beyond +-90 degrees of elevation, to {beyond:.3} of its \
-         image coordinate where {most:.3} is the pole; leave fill_frame out, widen azimuth_deg, or \
-         take a frame that is less high for its width"
-    )]
-    Overfilled {
-        /// Image coordinate at the rim, paper's units.
-        beyond: f64,
-        /// That of the pole.
-        most: f64,
-    },
-    /// The numbers leave the range of double precision.
-    #[error(
-        "the mirror's {what} is not finite; bring the elevations further from +-90 degrees, or \
-         the target further from the mirror"
-    )]
-    NotFinite {
-        /// Which quantity.
-        what: &'static str,
+    /// What is asked of the mirror, or of the picture in a given one, has no answer.
+    #[error("{cause}; {remedy}")]
+    Unsolved {
+        /// Why.
+        cause: Cause,
+        /// What helps.
+        remedy: Remedy,
     },
     /// A given conic is not the polynomial of any degree that is tried.
     #[error(
         "the conic is too steep at the outline's farthest point, {reach_mm:.4} mm from the axis, to \
-         be represented; take a larger radius_mm, a conic closer to -1 or a smaller part (with \
-         degree {degree} it is missed by {error:.1e} of its height)"
+         be represented (with degree {degree} it is missed by {error:.1e} of its height); take a \
+         larger radius_mm or a conic closer to -1"
     )]
     Steep {
         /// Distance from the axis, mm.
@@ -144,7 +94,7 @@ pub enum DesignError {
     /// A grid of heights does not cover the mirror.
     #[error(
         "the grid of heights must cover the mirror, X from {} to {} and Y from {} to {} mm; it has \
-         X from {} to {} and Y from {} to {} mm",
+         X from {} to {} and Y from {} to {} mm; give mirror.grid.file heights over all of it",
         outline[0][0], outline[0][1], outline[1][0], outline[1][1],
         grid[0][0], grid[0][1], grid[1][0], grid[1][1]
     )]
@@ -170,6 +120,12 @@ pub enum DesignError {
     },
 }
 
+impl From<Cause> for DesignError {
+    fn from(cause: Cause) -> Self {
+        Self::Unsolved { cause, remedy: Remedy::default() }
+    }
+}
+
 /// By how much a last step changed something, in words where that is no number.
 fn by(step: f64, unit: &str) -> String {
     match step.is_finite() {
@@ -188,6 +144,17 @@ const MOST_ROUNDS: usize = 100;
 /// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
 /// represented or does not cover its outline.
 pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
+    designed(profile, sag).map_err(|error| match error {
+        DesignError::Unsolved { cause, .. } => {
+            let remedy = remedy::remedy(profile, sag, &cause);
+            DesignError::Unsolved { cause, remedy }
+        }
+        other => other,
+    })
+}
+
+/// [`design`] without a search for what helps.
+fn designed(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
     match &profile.shape {
         Shape::Designed(method) => {
             let (plan, mirror, facts) = settled(profile, method)?;
@@ -204,29 +171,30 @@ pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, Design
 /// Solves until the geometry that depends on the answer does not change any more. Repeating alone
 /// runs away before near targets; Broyden's method learns from the last round how the answer
 /// follows the geometry.
-fn settled(profile: &Profile, method: &Method) -> Result<(Plan, Mirror, Facts), DesignError> {
+fn settled(profile: &Profile, method: &Method) -> Result<(Plan, Mirror, Facts), Cause> {
     let mut ties = guess(profile, method)?;
     let mut last_step_mm = f64::NAN;
     let mut learnt = Broyden::new(0.05 * profile.part.width_mm);
     for round in 1..=MOST_ROUNDS {
         let plan = Plan::new(profile, &ties)?.expect("a designed mirror has a projection");
-        let (mirror, facts) = surface::solved(&plan, method)?;
+        let (mirror, facts) =
+            surface::solved(&plan, method).map_err(|cause| plan.hidden_rim().unwrap_or(cause))?;
         let found = ties.after(profile, &plan, &mirror);
         last_step_mm = found.distance(&ties);
         if last_step_mm <= 1e-13 * profile.part.width_mm {
             return Ok((plan, mirror, facts));
         }
         if !last_step_mm.is_finite() {
-            return Err(DesignError::Unsettled { rounds: round, last_step_mm });
+            return Err(Cause::Unsettled { rounds: round, last_step_mm });
         }
         let [inner_mm, origin_mm] = learnt.next(ties.to_array(), found.to_array());
         ties = Ties { inner_mm, origin_mm };
     }
-    Err(DesignError::Unsettled { rounds: MOST_ROUNDS, last_step_mm })
+    Err(Cause::Unsettled { rounds: MOST_ROUNDS, last_step_mm })
 }
 
 /// The geometry of the mirror for a target at infinity, which is near that for any other.
-fn guess(profile: &Profile, method: &Method) -> Result<Ties, DesignError> {
+fn guess(profile: &Profile, method: &Method) -> Result<Ties, Cause> {
     let ties = Ties::new(profile);
     let Some(mut plan) = Plan::new(profile, &ties)? else { return Ok(ties) };
     let ring = matches!(plan.domain, Outline::Ring { .. });
@@ -248,10 +216,10 @@ fn finished(
 ) -> Result<Design, DesignError> {
     let lift = profile.part.base_mm - lowest::lowest(&mirror);
     if !lift.is_finite() {
-        return Err(DesignError::NotFinite { what: "sag" });
+        return Err(Cause::NotFinite { what: "sag" }.into());
     }
     if let Some(at) = facing::back(&mirror, &camera) {
-        return Err(DesignError::Back { from_axis_mm: at.length() });
+        return Err(Cause::Back { from_axis_mm: at.length() }.into());
     }
     mirror.chart.plane_mm += lift;
     camera.chart.plane_mm += lift;
@@ -259,9 +227,7 @@ fn finished(
         None => facts,
         Some(view) => {
             view.origin_mm += lift;
-            facts
-                .against(&mirror, &camera, view)
-                .ok_or(DesignError::NotFinite { what: "image error" })?
+            facts.against(&mirror, &camera, view)?
         }
     };
     let stock = stock::around(profile, &mirror)?;
@@ -276,7 +242,7 @@ mod tests {
     fn steps_without_a_number_are_told_in_words() {
         let fit = SolveError::NotConverged { steps: 25, last_step_mm: f64::NAN };
         let law = SearchError::NotConverged { steps: 9, last_step: f64::INFINITY };
-        let place = DesignError::Unsettled { rounds: 3, last_step_mm: f64::NAN };
+        let place = Cause::Unsettled { rounds: 3, last_step_mm: f64::NAN };
         for text in [fit.to_string(), law.to_string(), place.to_string()] {
             assert!(text.contains("by more than numbers can say)"), "{text}");
         }

@@ -63,7 +63,15 @@ pub enum SolveError {
     /// The unknowns are not determined.
     #[error(transparent)]
     Undetermined(#[from] RankDeficient),
-    /// The steps did not become small, or the residual is not finite.
+    /// The residual has no value at a mirror that the search starts from or cannot get around.
+    #[error("the residual has no value after {steps} steps")]
+    Undefined {
+        /// Steps taken.
+        steps: usize,
+        /// That mirror's coefficients, mm.
+        coefficients: Vec<f64>,
+    },
+    /// The steps did not become small.
     #[error(
         "no convergence in {steps} steps (the last changed the mirror by {})",
         super::by(*last_step_mm, " mm")
@@ -71,7 +79,7 @@ pub enum SolveError {
     NotConverged {
         /// Steps taken.
         steps: usize,
-        /// Largest change of F in the last step, mm; not a number where the residual is not.
+        /// Largest change of F in the last step, mm.
         last_step_mm: f64,
     },
 }
@@ -95,7 +103,7 @@ pub fn solve<const N: usize>(
     let goal = options.tolerance * basis.size_mm();
     for steps in 1..=options.max_steps {
         if !now.integral.is_finite() {
-            return Err(SolveError::NotConverged { steps: steps - 1, last_step_mm: f64::NAN });
+            return Err(SolveError::Undefined { steps: steps - 1, coefficients: now.x });
         }
         let weighted: Vec<_> =
             now.samples.iter().enumerate().map(|(k, s)| (k, basis.weight(k), *s)).collect();
@@ -103,7 +111,7 @@ pub fn solve<const N: usize>(
         let step = match qr.solve() {
             // The residual has no derivative somewhere: more or fewer unknowns would not help.
             Err(RankDeficient { pivot, .. }) if pivot.is_nan() => {
-                return Err(SolveError::NotConverged { steps: steps - 1, last_step_mm: f64::NAN });
+                return Err(SolveError::Undefined { steps: steps - 1, coefficients: now.x });
             }
             step => step?,
         };
@@ -144,6 +152,9 @@ pub fn solve<const N: usize>(
         while !(then.integral <= now.integral * NEARLY) {
             share *= 0.5;
             last_step_mm = share * reach;
+            if share < 1e-9 && !then.integral.is_finite() {
+                return Err(SolveError::Undefined { steps, coefficients: then.x });
+            }
             if share < 1e-9 {
                 return Err(SolveError::NotConverged { steps, last_step_mm });
             }
@@ -381,9 +392,7 @@ mod tests {
     fn failures_are_typed() {
         let basis = Basis::radial([1.0, 2.0], 4, Places::Quadrature);
         let nan = solve(&basis, &Broken, &Options::default()).unwrap_err();
-        assert!(
-            matches!(nan, SolveError::NotConverged { steps: 0, last_step_mm } if last_step_mm.is_nan())
-        );
+        assert!(matches!(nan, SolveError::Undefined { steps: 0, .. }));
         let hurried = Options { max_steps: 1, ..Options::default() };
         let error = solve(&basis, &Bent, &hurried).unwrap_err();
         assert!(matches!(error, SolveError::NotConverged { steps: 1, .. }));
@@ -401,6 +410,6 @@ mod tests {
     fn a_residual_without_derivatives_is_not_called_undetermined() {
         let basis = Basis::radial([1.0, 2.0], 4, Places::Quadrature);
         let error = solve(&basis, &Kinked, &Options::default()).unwrap_err();
-        assert!(matches!(error, SolveError::NotConverged { steps: 0, .. }), "{error}");
+        assert!(matches!(error, SolveError::Undefined { steps: 0, .. }), "{error}");
     }
 }

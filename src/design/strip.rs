@@ -1,6 +1,6 @@
 //! The laws of strips that a profile can ask for.
 
-use super::DesignError;
+use super::Cause;
 use super::best::Search;
 use crate::num::radians;
 use crate::optics::{Camera, Field, Ladder, Law, Target};
@@ -27,15 +27,15 @@ pub struct Panel<'a> {
 /// The law and the range of its coordinate z (paper's units) from the lowest to the highest row.
 ///
 /// # Errors
-/// [`DesignError::Law`] when there is none.
-pub fn law(wanted: &StripProjection, panel: &Panel) -> Result<(Law, [f64; 2]), DesignError> {
+/// [`Cause::Law`] when there is none.
+pub fn law(wanted: &StripProjection, panel: &Panel) -> Result<(Law, [f64; 2]), Cause> {
     let law = match &wanted.law {
         StripLaw::Cylindrical => Law::Cylindrical,
         StripLaw::Mercator => Law::Mercator,
         StripLaw::Equirectangular => Law::Equirectangular,
         StripLaw::EqualArea => Law::EqualArea,
         StripLaw::Best => {
-            let (ladder, height) = best(wanted, panel).law().map_err(DesignError::Law)?;
+            let (ladder, height) = best(wanted, panel).law()?;
             return Ok((Law::Ladder(Arc::new(ladder)), [0.0, height]));
         }
         StripLaw::Table(rows) => return table(rows, panel.camera.pixel_mm / panel.scale_mm),
@@ -57,10 +57,10 @@ fn best<'a>(wanted: &StripProjection, panel: &Panel<'a>) -> Search<'a> {
 
 /// The law through rows (pixels down the picture) and elevations (degrees), for pixels of `pixel`
 /// in the paper's units.
-fn table(rows: &[[f64; 2]], pixel: f64) -> Result<(Law, [f64; 2]), DesignError> {
+fn table(rows: &[[f64; 2]], pixel: f64) -> Result<(Law, [f64; 2]), Cause> {
     let z: Vec<f64> = rows.iter().rev().map(|[row, _]| -row * pixel).collect();
     let elevations: Vec<f64> = rows.iter().rev().map(|[_, e]| radians(*e)).collect();
-    let ladder = Ladder::of_elevations(&z, &elevations).ok_or(DesignError::Table)?;
+    let ladder = Ladder::of_elevations(&z, &elevations).ok_or(Cause::Table)?;
     Ok((Law::Ladder(Arc::new(ladder)), [z[0], z[z.len() - 1]]))
 }
 

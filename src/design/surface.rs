@@ -1,7 +1,7 @@
 //! From the solver's coefficients to a mirror.
 
-use super::DesignError;
 use super::basis::{Basis, Local, Places};
+use super::cause::{Cause, Goal, Trouble};
 use super::facts::{Facts, in_paper_units};
 use super::layout::Plan;
 use super::minimax::minimax;
@@ -10,29 +10,28 @@ use super::solve::{Fit, Options, Residual, SolveError, solve};
 use crate::geom::Outline;
 use crate::mirror::{Mirror, Round, Sheet, Surface};
 use crate::num::legendre::Series;
-use crate::optics::Target;
 use crate::profile::{Method, MethodKind};
 
 /// Solves the problem that `plan` states.
-pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), DesignError> {
+///
+/// # Errors
+/// [`Cause::Fit`], or [`Cause::At`] where the residual has no value, when it has no answer.
+pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), Cause> {
     let degree = method.degree;
-    let (fit, residual) = fit(plan, method).map_err(|(stage, source)| {
-        let remedy = match (stage, &source) {
-            (_, SolveError::Undetermined(_)) => "lower the degree",
-            (Stage::Field, _) if plan.view.target == Target::Infinity => {
-                "bring what is to be seen further from the axis below the mirror, or move the \
-                 camera away"
-            }
-            (Stage::Field, _) => "move the target further from the mirror",
-            (Stage::Method, _) => "take the vector-field method, or less extreme directions",
-            (Stage::Minimax, _) => "leave minimax out, or lower the degree",
-        };
-        DesignError::Fit { degree, source, remedy }
+    let (fit, residual) = fit(plan, method).map_err(|(goal, source)| match source {
+        SolveError::Undefined { ref coefficients, .. } => {
+            undefined(plan, degree, goal, coefficients).unwrap_or(Cause::Fit {
+                degree,
+                goal,
+                source,
+            })
+        }
+        source => Cause::Fit { degree, goal, source },
     })?;
     let mut facts = Facts::solved(method.kind.name(), method.minimax, degree, &fit);
     facts.gradient_residual = Some(in_paper_units(residual, plan));
     let mirror = Mirror {
-        surface: surface(plan, &fit, degree),
+        surface: surface(plan, &fit.coefficients, degree),
         chart: plan.camera.chart,
         outline: plan.outline,
         folded: plan.view.fold.is_some(),
@@ -48,24 +47,29 @@ fn basis(plan: &Plan, degree: usize, places: Places) -> Basis {
     }
 }
 
-/// What the solver was at when it failed.
-#[derive(Debug, Clone, Copy)]
-enum Stage {
-    /// The vector field, from which all methods start.
-    Field,
-    /// Another method's least squares.
-    Method,
-    /// The smallest worst error.
-    Minimax,
+/// Where and why the residual has no value at the mirror of `coefficients`.
+fn undefined(plan: &Plan, degree: usize, goal: Goal, coefficients: &[f64]) -> Option<Cause> {
+    let places = if goal == Goal::Minimax { Places::Extrema } else { Places::Quadrature };
+    let nodes = basis(plan, degree, places);
+    let (chart, view) = (&plan.camera.chart, &plan.view);
+    let troubled = |(k, [f, x, y]): (usize, Local)| {
+        let q = nodes.at(k);
+        let place = chart.point(q, f);
+        let slope = chart.slope(q.to_array(), [x, y]);
+        let trouble = Trouble::at(chart, view, q, place, slope)
+            .or_else(|| Trouble::of_slopes(chart, place, slope))?;
+        Some(Cause::At { at: place.truncate(), trouble, goal: Some(goal) })
+    };
+    nodes.locals(coefficients).into_iter().enumerate().find_map(troubled)
 }
 
 /// The fit, and the integral of |grad F - s|^2 that it leaves, mm^2.
-fn fit(plan: &Plan, method: &Method) -> Result<(Fit, f64), (Stage, SolveError)> {
-    let at = |stage| move |error| (stage, error);
+fn fit(plan: &Plan, method: &Method) -> Result<(Fit, f64), (Goal, SolveError)> {
+    let at = |goal| move |error| (goal, error);
     let (chart, view) = (&plan.camera.chart, &plan.view);
     let nodes = basis(plan, method.degree, Places::Quadrature);
     let field = VectorField { chart, view };
-    let first = solve(&nodes, &field, &Options::default()).map_err(at(Stage::Field))?;
+    let first = solve(&nodes, &field, &Options::default()).map_err(at(Goal::Field))?;
     let from = |fit: &Fit| fit.coefficients.clone();
     let start = from(&first);
     let options = Options { start: Some(&start), ..Options::default() };
@@ -73,9 +77,9 @@ fn fit(plan: &Plan, method: &Method) -> Result<(Fit, f64), (Stage, SolveError)> 
     let distribution = Distribution { chart, view };
     let mut fit = match method.kind {
         MethodKind::VectorField => first.clone(),
-        MethodKind::FixedSurface => solve(&nodes, &fixed, &options).map_err(at(Stage::Method))?,
+        MethodKind::FixedSurface => solve(&nodes, &fixed, &options).map_err(at(Goal::Method))?,
         MethodKind::Distribution => {
-            solve(&nodes, &distribution, &options).map_err(at(Stage::Method))?
+            solve(&nodes, &distribution, &options).map_err(at(Goal::Method))?
         }
     };
     if method.minimax {
@@ -86,7 +90,7 @@ fn fit(plan: &Plan, method: &Method) -> Result<(Fit, f64), (Stage, SolveError)> 
             MethodKind::FixedSurface => minimax(&places, &fixed, &start),
             MethodKind::Distribution => minimax(&places, &distribution, &start),
         }
-        .map_err(at(Stage::Minimax))?;
+        .map_err(at(Goal::Minimax))?;
         fit.coefficients = found.coefficients;
         fit.steps += found.steps;
     }
@@ -104,14 +108,14 @@ fn integral(nodes: &Basis, residual: &impl Residual<2>, coefficients: &[f64]) ->
     nodes.locals(coefficients).into_iter().enumerate().map(square).sum()
 }
 
-fn surface(plan: &Plan, fit: &Fit, degree: usize) -> Surface {
+fn surface(plan: &Plan, coefficients: &[f64], degree: usize) -> Surface {
     let scale_mm = plan.view.projection.scale_mm();
     let side = degree + 1;
     match plan.domain {
         Outline::Rect(area) => {
             let mut grid = vec![0.0; side * side];
             let basis = basis(plan, degree, Places::Quadrature);
-            for (&(i, j), c) in basis.terms().iter().zip(&fit.coefficients) {
+            for (&(i, j), c) in basis.terms().iter().zip(coefficients) {
                 grid[i * side + j] = c / scale_mm;
             }
             let series = Series::from_fn(side, side, |i, j| grid[i * side + j]);
@@ -120,8 +124,8 @@ fn surface(plan: &Plan, fit: &Fit, degree: usize) -> Surface {
         }
         Outline::Ring { inner, outer } => {
             // The functions are P_k - 1: zero at the outer rim.
-            let sum: f64 = fit.coefficients.iter().sum();
-            let coefficient = |k: usize| if k == 0 { -sum } else { fit.coefficients[k - 1] };
+            let sum: f64 = coefficients.iter().sum();
+            let coefficient = |k: usize| if k == 0 { -sum } else { coefficients[k - 1] };
             let series = Series::from_fn(side, 1, |k, _| coefficient(k) / scale_mm);
             Surface::Round(Round::new(series, [inner, outer], scale_mm))
         }

@@ -3,6 +3,7 @@
 //!
 //! With `MORION_THOROUGH=1` in the environment some of them take many more cases and hours.
 
+mod advice;
 mod align;
 mod architecture;
 mod bench;

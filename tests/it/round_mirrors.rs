@@ -2,7 +2,7 @@
 
 use crate::support::oracle::{self, Wish, acos, eye, integral, pinhole, polar, rad, trace};
 use crate::support::{builds::parsed, rims, shipped_text};
-use morion::design::{Design, DesignError, design};
+use morion::design::{Cause, Design, DesignError, design};
 use morion::geom::{DVec2, DVec3};
 use morion::num::{atan, atan2, cos, exp, hypot, log, sin, tan};
 
@@ -375,7 +375,7 @@ fn what_lies_behind_the_mirror_is_refused() {
             let found = Wish::round(&pinhole(100.0), &law, 0.0, 40).design();
             match found {
                 Ok(_) => assert!(seen, "{law}"),
-                Err(DesignError::Back { from_axis_mm }) => {
+                Err(DesignError::Unsolved { cause: Cause::Back { from_axis_mm }, .. }) => {
                     assert!(!seen && (0.0..=30.0).contains(&from_axis_mm), "{law} {from_axis_mm}");
                 }
                 Err(error) => assert!(!seen, "{law}: {error}"),

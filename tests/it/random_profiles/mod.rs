@@ -1,7 +1,7 @@
 //! Random valid profiles, over all that a profile may say: each ends in files that pass every check,
 //! or in a refusal or a verdict that says why.
 
-mod wanted;
+pub mod wanted;
 
 use crate::support::builds::folder;
 use crate::support::random::each;
