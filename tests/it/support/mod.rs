@@ -11,7 +11,7 @@ pub mod shipped_builds;
 pub mod surfaces;
 mod thorough;
 
-pub use thorough::{share, times};
+pub use thorough::times;
 
 use builds::{SMALL, edited, morion, parsed, told};
 use morion::design::{Design, design};
@@ -20,6 +20,16 @@ use morion::mesh::{Face, Limits, MeshError, mesh};
 use morion::pipeline::load;
 use morion::profile::{MeshLimits, Profile};
 use std::path::Path;
+
+/// Every `n`-th of `cases`, begun with another one for each `turn`; all of them in a long run.
+pub fn share<T>(
+    n: usize,
+    turn: usize,
+    cases: impl IntoIterator<Item = T>,
+) -> impl Iterator<Item = T> {
+    let n = times(n, 1);
+    cases.into_iter().skip(turn % n).step_by(n)
+}
 
 /// The small profile with one edit.
 pub fn small_but(from: &str, to: &str) -> String {
