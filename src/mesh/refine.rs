@@ -206,8 +206,11 @@ impl Repair<'_> {
             if is_mended {
                 mended.insert(t);
             }
-            let is_new = corners.iter().any(|&v| v >= old) || is_mended;
-            if !is_new && !(eager && self.is_tilted(&bounds[t as usize]) && self.draw(t, MENDED)) {
+            if is_mended || corners.iter().any(|&v| v >= old) {
+                continue;
+            }
+            let is_drawn = eager && self.is_tilted(&bounds[t as usize]) && self.draw(t, MENDED);
+            if !is_drawn {
                 self.cut(t, eager)?;
             }
         }
