@@ -21,13 +21,22 @@ const SMALL_MESHES: usize = 20;
 const SMALL: usize = 20_000;
 /// The most by which a limit changes from mesh to mesh.
 const LONGEST: f64 = 4.0;
-/// By how much the limit grows from mesh to mesh when that many did not keep the budget.
+/// By how much the limit grows, ever faster, when that many did not keep the budget.
 const GROWTH: f64 = 1.5;
-/// The loosest and the strictest limit that are tried, over the mirror's size.
-const LOOSEST: f64 = 10.0;
+/// Meshes that rounding refuses, after which finer ones are not tried.
+const REFUSALS: usize = 2;
+/// The loosest and the strictest limit that are tried, over the mirror's size: a picture that is off by
+/// its width, and less than the 6e-8 by which numbers of single precision are apart.
+const LOOSEST: f64 = 1.0;
 const STRICTEST: f64 = 1e-10;
-/// Limits nearer to each other than this are not told apart.
+const STRICTEST_SINGLE: f64 = 1e-8;
+/// From one loose limit to the next where the fewest triangles are looked for.
+const LOOSE_STEP: f64 = 10.0;
+/// Forecasts on one side of the aim, after which steps grow.
+const PATIENCE: u32 = 3;
+/// Limits nearer to each other than this are not told apart, by meshes and by forecasts.
 const APART: f64 = 1.0 + 1e-4;
+const APART_BY_FORECASTS: f64 = 1.01;
 
 /// How many triangles closing a face adds, which is not for the mesh to know.
 pub trait Closing {
@@ -75,37 +84,36 @@ impl Budget<'_> {
         let mut mesher = self.mesher();
         let mut limit = self.limit_of(&self.aim(&mut mesher)?);
         let mut best: Option<Face> = None;
-        // How often in a row there were too many triangles, or too few.
-        let (mut streak, mut before) = (0, None);
+        let (mut steps, mut refusals, mut least) = (Steps::default(), 0, usize::MAX);
         for made in 1.. {
             let count = match mesher.mesh(self.limits(limit)) {
                 Ok(face) => {
                     let count = face.mesh.triangles.len() + self.closing.counted(&face);
+                    least = least.min(count);
                     if count <= self.triangles {
                         // Every limit that is tried is stricter than those that fitted.
                         best = Some(face);
                     } else if limit >= bracket.loosest {
-                        return Err(MeshError::Few { most: self.triangles, least: count });
+                        return Err(MeshError::Few { most: self.triangles, least });
                     }
                     count as f64
                 }
-                Err(error) => bracket.too_strict(limit, error)?,
+                Err(error) => {
+                    refusals += 1;
+                    bracket.too_strict(limit, error)?
+                }
             };
             let content = count <= most && count >= ENOUGH * most;
             bracket.note(limit, count, most);
-            if content || bracket.is_closed() || (made >= usual && best.is_some()) {
+            let enough = made >= usual || refusals >= REFUSALS;
+            if content || bracket.is_closed(APART) || (enough && best.is_some()) {
                 break;
             }
-            let side = Some(count > most);
-            streak = if side == before { streak + 1 } else { 0 };
-            before = side;
             limit = if made < usual {
-                // Where rims need most of the triangles, the number hardly follows the limit.
-                let step = self.scaled(1.0, count, AIM * most);
-                let step = (0..streak).fold(step, |step, _| step * step);
+                let step = steps.next(count > most, self.scaled(1.0, count, AIM * most));
                 bracket.next(limit, limit * step.clamp(1.0 / LONGEST, LONGEST))
             } else {
-                (limit * GROWTH).min(bracket.loosest)
+                (0..=made - usual).fold(limit, |limit, _| limit * GROWTH).min(bracket.loosest)
             };
         }
         Ok(best.expect("a bracket closes on a limit that fitted"))
@@ -116,22 +124,53 @@ impl Budget<'_> {
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
     pub fn foresee(&self) -> Result<Plan, MeshError> {
-        let plan = self.aim(&mut self.mesher())?;
-        let least = self.foreseen(&plan.forecast);
+        let mut mesher = self.mesher();
+        let plan = self.aim(&mut mesher)?;
         // A forecast may be off by some.
-        if least > 1.1 * self.triangles as f64 {
-            return Err(MeshError::Few { most: self.triangles, least: least as usize });
+        if self.foreseen(&plan.forecast) <= 1.1 * self.triangles as f64 {
+            return Ok(plan);
         }
-        Ok(plan)
+        let least = self.foreseen(&mesher.forecast(plan.limits)?) as usize;
+        Err(MeshError::Few { most: self.triangles, least })
+    }
+
+    /// The loose limit of the fewest triangles, and how many these are: hardly any mesh has fewer.
+    fn loosest(&self, mesher: &mut Mesher) -> Result<(Plan, f64), MeshError> {
+        let mut fewest: Option<(Plan, f64)> = None;
+        let mut limit = LOOSEST * self.size();
+        loop {
+            let limits = self.limits(limit);
+            let forecast = match (mesher.estimate(limits), fewest) {
+                (Ok(forecast), _) => forecast,
+                (Err(_), Some(fewest)) => return Ok(fewest),
+                (Err(error), None) => return Err(error),
+            };
+            let count = self.foreseen(&forecast);
+            match fewest {
+                Some(fewest) if count >= fewest.1 => return Ok(fewest),
+                _ => fewest = Some((Plan { limits, forecast }, count)),
+            }
+            limit /= LOOSE_STEP;
+        }
     }
 
     /// The limit at which a forecast comes nearest to the budget, or the loosest.
     fn aim(&self, mesher: &mut Mesher) -> Result<Plan, MeshError> {
         let target = AIM * self.triangles as f64;
+        let fitting = target * (1.0 + NEAR);
+        let fewest = self.loosest(mesher);
+        if let Ok((plan, count)) = fewest
+            && count > fitting
+        {
+            return Ok(plan);
+        }
         let mut bracket = self.bracket();
         let mut limit = bracket.clamp(self.guess());
-        let fitting = target * (1.0 + NEAR);
-        let mut plan: Option<(Plan, f64)> = None;
+        let mut plan = fewest.clone().ok();
+        if let Some((plan, count)) = &plan {
+            bracket.note(self.limit_of(plan), *count, target);
+        }
+        let mut steps = Steps { patience: PATIENCE, ..Steps::default() };
         for _ in 0..FORECASTS {
             let limits = self.limits(limit);
             let count = match mesher.estimate(limits) {
@@ -148,13 +187,16 @@ impl Budget<'_> {
             };
             bracket.note(limit, count, target);
             let near = (count / target - 1.0).abs() < NEAR;
-            if near || bracket.is_closed() || (count > target && limit >= bracket.loosest) {
+            if near
+                || bracket.is_closed(APART_BY_FORECASTS)
+                || (count > target && limit >= bracket.loosest)
+            {
                 break;
             }
-            limit = bracket.next(limit, self.scaled(limit, count, target));
+            let step = steps.next(count > target, self.scaled(1.0, count, target));
+            limit = bracket.next(limit, limit * step);
         }
-        let plan = plan.map(|(plan, _)| plan);
-        plan.ok_or(MeshError::Few { most: self.triangles, least: usize::MAX })
+        plan.map_or_else(|| fewest.map(|(plan, _)| plan), |(plan, _)| Ok(plan))
     }
 
     fn mesher(&self) -> Mesher<'_> {
@@ -181,8 +223,12 @@ impl Budget<'_> {
 
     fn bracket(&self) -> Bracket {
         let size = self.size();
+        let strictest = match self.precision {
+            Precision::Single => STRICTEST_SINGLE,
+            Precision::Double => STRICTEST,
+        };
         Bracket {
-            strictest: STRICTEST * size,
+            strictest: strictest * size,
             loosest: LOOSEST * size,
             fails: 0.0,
             fits: f64::INFINITY,
@@ -204,6 +250,25 @@ impl Budget<'_> {
     fn scaled(&self, limit: f64, count: f64, target: f64) -> f64 {
         let ratio = count / target;
         limit * if self.view.is_some() { ratio.sqrt() } else { ratio }
+    }
+}
+
+/// Factors on the limit, which grow while it stays on one side: where rims need most of the triangles, or
+/// a mirror is flat, the number hardly follows the limit.
+#[derive(Debug, Default)]
+struct Steps {
+    /// Steps to one side that are taken as they come.
+    patience: u32,
+    /// Steps to the side of the last one, and which.
+    streak: u32,
+    too_many: Option<bool>,
+}
+
+impl Steps {
+    fn next(&mut self, too_many: bool, step: f64) -> f64 {
+        self.streak = if self.too_many == Some(too_many) { self.streak + 1 } else { 0 };
+        self.too_many = Some(too_many);
+        (self.patience..self.streak).fold(step, |step, _| step * step)
     }
 }
 
@@ -240,8 +305,8 @@ impl Bracket {
     }
 
     /// Whether there is nothing left to try.
-    fn is_closed(&self) -> bool {
-        self.fits <= self.strictest || self.fits <= self.fails * APART
+    fn is_closed(&self, apart: f64) -> bool {
+        self.fits <= self.strictest || self.fits <= self.fails * apart
     }
 
     /// The limit after `limit`: `wanted`, where that can be.

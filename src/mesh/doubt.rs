@@ -42,17 +42,22 @@ impl<'a> Doubt<'a> {
         chord.max(limits.facet_mm.map_or(0.0, |limit| bound.facet_mm / limit))
     }
 
-    /// By how much a facet must shrink to keep the limits.
-    pub fn oversize(&self, facet: [DVec2; 3]) -> f64 {
+    /// By how much a facet must shrink to keep the limits, and what became of it when that was tried.
+    pub fn oversize(&self, facet: [DVec2; 3]) -> (f64, Option<Shrunk>) {
         let excess = self.excess(facet, 1.0);
+        if excess <= 1.0 {
+            return (excess, Some(Shrunk::Holds(1.0)));
+        }
         if excess <= LINEAR {
-            return excess;
+            return (excess, None);
         }
         // Bounds of facets that are far too large may be anything.
-        match self.shrink(facet) {
+        let shrunk = self.shrink(facet);
+        let by = match shrunk {
             Shrunk::Holds(parts) => parts.sqrt(),
             Shrunk::Worsens | Shrunk::Unsettled => excess.min(f64::from(1 << HALVINGS)),
-        }
+        };
+        (by, Some(shrunk))
     }
 
     /// The corners of a facet shrunk `by` a factor towards its middle.

@@ -2,6 +2,7 @@
 //! of the size at which the fewest will do.
 
 use super::cell::{Cells, Kind};
+use super::course::most_from;
 use super::doubt::{Doubt, Shrunk};
 use super::needs::Needs;
 use super::net::Net;
@@ -40,6 +41,8 @@ const SAMPLES: usize = 1200;
 const DOUBTFUL: f64 = 1.3;
 const HOPELESS: f64 = 0.01;
 const ALONG: f64 = 1.2;
+/// How many times as many facets as come of it are told of a draft whose facets are far too large.
+const OVERRATED: f64 = 8.0;
 /// Facets of which the proof takes seconds.
 const MANY: f64 = 1e6;
 /// Facets that come of each, up to which samples say how many; and so few facets in all that samples of
@@ -91,6 +94,16 @@ pub struct Draft<'a> {
     /// Its triangles.
     pub net: Net<'a>,
     found: Judgement,
+    samples: Vec<Sample>,
+}
+
+/// One facet of a draft.
+struct Sample {
+    corners: [DVec2; 3],
+    /// By how much it must shrink to keep the limits,
+    oversize: f64,
+    /// and what became of it when it did, where that was tried.
+    shrunk: Option<Shrunk>,
 }
 
 /// The first draft of a mesh, on which no proof has been tried.
@@ -110,7 +123,7 @@ impl<'a> Trial<'a> {
         domain: Rect,
         copies: usize,
     ) -> Result<Self, MeshError> {
-        needs.outlast_rounding(&mirror.outline)?;
+        needs.outlast_rounding(mirror)?;
         let cells = Cells::new(needs, &mirror.outline, AIM, COARSE);
         let count = cells.count(&mirror.outline);
         let facets = count * copies as f64;
@@ -173,7 +186,7 @@ impl<'a> Draft<'a> {
         let rim = Rim::new(mirror, domain, &cells).map_err(crowded)?;
         let packing = Packing::new(&cells, &rim).map_err(crowded)?;
         let net = plane::triangulate(packing, &rim, &cells)?;
-        Ok(Self { cells, rim, net, found: Judgement::default() })
+        Ok(Self { cells, rim, net, found: Judgement::default(), samples: Vec::new() })
     }
 
     /// About how many facets come of it.
@@ -195,8 +208,12 @@ impl<'a> Draft<'a> {
 
     /// The same, judged by the proof of one facet of each of some triangles.
     fn judged(mut self, prover: &Prover, limits: Limits) -> Self {
-        let (doubt, facets) = (Doubt::new(prover, limits), self.samples().collect::<Vec<_>>());
-        let mut excess = parallel::map_slice(&facets, 1, |&facet| doubt.oversize(facet));
+        let (doubt, facets) = (Doubt::new(prover, limits), self.sampled().collect::<Vec<_>>());
+        self.samples = parallel::map_slice(&facets, 1, |&corners| {
+            let (oversize, shrunk) = doubt.oversize(corners);
+            Sample { corners, oversize, shrunk }
+        });
+        let mut excess: Vec<f64> = self.samples.iter().map(|sample| sample.oversize).collect();
         excess.sort_by(f64::total_cmp);
         let count = excess.len();
         // Repairing a facet costs as it is too large.
@@ -234,15 +251,19 @@ impl<'a> Draft<'a> {
             self.keeps_off_the_pole(prover)?;
         }
         let doubt = Doubt::new(prover, limits);
-        let facets: Vec<[DVec2; 3]> = self.samples().collect();
-        let shrunk = parallel::map_slice(&facets, 1, |&facet| doubt.shrink(facet));
-        let worsens = |(facet, shrunk): (&[DVec2; 3], &Shrunk)| {
-            (*shrunk == Shrunk::Worsens).then(|| (doubt.excess(*facet, 1.0), *facet))
+        let shrink =
+            |sample: &Sample| sample.shrunk.unwrap_or_else(|| doubt.shrink(sample.corners));
+        let shrunk = parallel::map_slice(&self.samples, 1, shrink);
+        let worst = |of: &dyn Fn(&Shrunk) -> bool| {
+            let found = self.samples.iter().zip(&shrunk).filter(|(_, shrunk)| of(shrunk));
+            let excess =
+                found.map(|(sample, _)| (doubt.excess(sample.corners, 1.0), sample.corners));
+            excess.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, corners)| doubt.floor(corners))
         };
-        let worse: Vec<_> = facets.iter().zip(&shrunk).filter_map(worsens).collect();
-        if worse.len() as f64 > HOPELESS * facets.len() as f64 {
-            let (_, worst) = worse.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("some");
-            return Err(doubt.floor(worst));
+        let worsens = |shrunk: &Shrunk| *shrunk == Shrunk::Worsens;
+        let worse = shrunk.iter().filter(|shrunk| worsens(shrunk)).count();
+        if worse as f64 > HOPELESS * shrunk.len() as f64 {
+            return Err(worst(&worsens).expect("there are some"));
         }
         // What is not settled is not counted.
         let parts = |shrunk: &Shrunk| if let Shrunk::Holds(parts) = *shrunk { parts } else { 1.0 };
@@ -251,6 +272,9 @@ impl<'a> Draft<'a> {
         let facets = self.drawn() * ALONG * growth * copies as f64;
         if facets > MOST_FACETS {
             return Err(MeshError::TooMany { facets, most: MOST_FACETS });
+        }
+        if self.facets() > OVERRATED * most_from(self.drawn() as usize) as f64 {
+            return Err(worst(&|_| true).expect("there are facets"));
         }
         Ok(self)
     }
@@ -284,7 +308,7 @@ impl<'a> Draft<'a> {
     }
 
     /// One facet of each of some triangles.
-    fn samples(&self) -> impl Iterator<Item = [DVec2; 3]> {
+    fn sampled(&self) -> impl Iterator<Item = [DVec2; 3]> {
         let step = self.net.triangles.len().div_ceil(SAMPLES);
         let share = 1.0 / self.cells.parts as f64;
         self.net.triangles.iter().step_by(step).map(move |t| {

@@ -15,6 +15,7 @@
 mod budget;
 mod cell;
 mod corner;
+mod course;
 mod crowd;
 mod deviation;
 mod doubt;
@@ -242,12 +243,13 @@ pub fn forecast(
 /// Meshes and foresees by several limits: what is known of the mirror is found out once.
 struct Mesher<'a> {
     sight: Sight<'a>,
+    needs: Option<Needs>,
     prover: Option<Prover<'a>>,
 }
 
 impl<'a> Mesher<'a> {
     fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a View>) -> Self {
-        Self { sight: Sight { mirror, camera: *camera, view }, prover: None }
+        Self { sight: Sight { mirror, camera: *camera, view }, needs: None, prover: None }
     }
 
     /// See [`mesh`].
@@ -301,7 +303,9 @@ impl<'a> Mesher<'a> {
         let sight = self.sight;
         assert!(sight.view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
         let domain = domain(sight.mirror);
-        let needs = Needs::new(&sight, domain, limits);
+        let known = self.needs.take().and_then(|needs| needs.under(limits));
+        let needs = known.unwrap_or_else(|| Needs::new(&sight, domain, limits));
+        self.needs = Some(needs.clone());
         let known = self.prover.take().filter(|prover| prover.precision == limits.precision);
         // Neither keeps all threads busy.
         let (prover, trial) = parallel::join(

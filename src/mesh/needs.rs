@@ -5,13 +5,14 @@
 use super::deviation::{Triangle, largest_deviation};
 use super::proof::{Vertex, gradient_of};
 use super::region::Sight;
-use super::written::rounding_left;
+use super::written::{LEAST_LEFT, rounding_left};
 use super::{Limits, MeshError};
-use crate::geom::{DVec2, Outline, Precision, Rect};
-use crate::mirror::Curvature;
+use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
+use crate::mirror::{Curvature, Mirror};
 use crate::num::{Dual, exp, larger};
 use crate::parallel;
 use glam::DMat2;
+use std::sync::Arc;
 
 /// Cells per side of the table.
 const CELLS: usize = 48;
@@ -27,6 +28,12 @@ const FLAT: f64 = 1.0 / (SLENDER * SLENDER);
 /// What of the model's excess counts beside what is known of the mirror at a facet's corners: between
 /// these, long facets do not keep what their corners say.
 const FORESEEN: f64 = 0.1;
+
+/// Cells that are looked at closely where the mirror is flattest, and places to the side of each.
+const FLATTEST: usize = 64;
+const CLOSE: usize = 8;
+/// Places that are looked at along each side.
+const SIDE: usize = 512;
 
 /// The model at one place.
 #[derive(Debug, Clone, Copy)]
@@ -88,9 +95,10 @@ impl Place {
 }
 
 /// The places of a panel and the limits there.
+#[derive(Clone)]
 pub struct Needs {
     domain: Rect,
-    table: Vec<Place>,
+    table: Arc<Vec<Place>>,
     limits: Limits,
 }
 
@@ -100,8 +108,13 @@ impl Needs {
         let outline = &sight.mirror.outline;
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
         let place = |&q: &DVec2| place(sight, into(outline, q), limits.precision);
-        let table = parallel::map_slice(&nodes, 1, place);
+        let table = Arc::new(parallel::map_slice(&nodes, 1, place));
         Self { domain, table, limits }
+    }
+
+    /// The same places under other limits, or none if these are for other digits.
+    pub fn under(self, limits: Limits) -> Option<Self> {
+        (self.limits.precision == limits.precision).then_some(Self { limits, ..self })
     }
 
     /// Whether the image limits anything.
@@ -200,17 +213,57 @@ impl Needs {
     }
 
     /// Fails where single precision alone exceeds the chord limit.
-    pub fn outlast_rounding(&self, outline: &Outline) -> Result<(), MeshError> {
+    pub fn outlast_rounding(&self, mirror: &Mirror) -> Result<(), MeshError> {
         let Some(limit) = self.limits.chord_mm else { return Ok(()) };
-        let rounding = |q: DVec2| (self.at(q).rounding, q);
         let worse = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 > a.0 { b } else { a };
-        let inside = self.centres().filter(|&q| outline.contains(q));
-        match inside.map(rounding).reduce(worse) {
-            Some((reached, at)) if reached >= limit => {
-                Err(MeshError::Single { at, chord_mm: Some(reached), facet_mm: None })
-            }
-            _ => Ok(()),
+        let inside = self.centres().filter(|&q| mirror.outline.contains(q));
+        let roughly = inside.map(|q| (self.at(q).rounding, q)).reduce(worse);
+        let Some((mut reached, mut at)) = roughly else { return Ok(()) };
+        if reached < limit && limit * LEAST_LEFT < reached {
+            let rounding = |(q, way)| (rounding(mirror, q, way, self.limits.precision), q);
+            let places = self.flattest(mirror).map(|q| (q, None)).chain(self.sides(mirror));
+            (reached, at) = places.map(rounding).fold((reached, at), worse);
         }
+        if reached < limit {
+            return Ok(());
+        }
+        Err(MeshError::Single { at, chord_mm: Some(reached), facet_mm: None })
+    }
+
+    /// Places close to each other along the domain's sides, on which corners move along them alone, and
+    /// that way: under parallel rays, where that changes no digit but Z's.
+    fn sides(&self, mirror: &Mirror) -> impl Iterator<Item = (DVec2, Option<DVec2>)> {
+        let Rect { min, max } = self.domain;
+        let is_plain = mirror.chart.vergence == 0.0 && matches!(mirror.outline, Outline::Rect(_));
+        let count = if is_plain { SIDE } else { 0 };
+        (0..count).flat_map(move |k| {
+            let at = min + (max - min) * (k as f64 / (SIDE - 1) as f64);
+            let [along_x, along_y] = [DVec2::X, DVec2::Y].map(Some);
+            [
+                (DVec2::new(at.x, min.y), along_x),
+                (DVec2::new(at.x, max.y), along_x),
+                (DVec2::new(min.x, at.y), along_y),
+                (DVec2::new(max.x, at.y), along_y),
+            ]
+        })
+    }
+
+    /// Places close to each other in those cells of the table where the mirror is flattest: there, in
+    /// spots smaller than a cell, no corner rounds better than another.
+    fn flattest(&self, mirror: &Mirror) -> impl Iterator<Item = DVec2> {
+        let steep = |q: DVec2| mirror.slope(q, &mirror.surface.at(q)).length();
+        let mut cells: Vec<(f64, DVec2)> = self.centres().map(|q| (steep(q), q)).collect();
+        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        cells.truncate(FLATTEST);
+        let half = 0.5 * self.domain.size() / CELLS as f64;
+        let cell = move |(_, q): (f64, DVec2)| Rect { min: q - half, max: q + half };
+        let outline = mirror.outline;
+        cells
+            .into_iter()
+            .flat_map(move |found| {
+                cell(found).grid(CLOSE, CLOSE).map(|(q, _)| q).collect::<Vec<_>>()
+            })
+            .filter(move |&q| outline.contains(q))
     }
 
     /// Fails where rounding tilts facets with two sides as `sides` says by more than the facet limit
@@ -295,20 +348,31 @@ fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
         let [x, y] = view.content(&sight.camera, at.to_array().map(fixed), slope, image);
         DMat2::from_cols_array_2d(&[[x.slope[0], y.slope[0]], [x.slope[1], y.slope[1]]])
     });
-    let curvature = all_round(curvature);
-    let p = mirror.slope(q, &point);
-    let half = match precision {
-        Precision::Single => at.to_array().map(half_step),
-        Precision::Double => [0.0; 3],
-    };
-    let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(half[0], half[1])) };
-    let ray = (1.0 + k * k * q.length_squared()).sqrt();
-    let left =
-        rounding_left(2.0 * half[2], p.length(), mirror.outline.bounds().size().max_element());
     Place {
-        curvature,
+        curvature: all_round(curvature),
         per_slope,
-        stretch: ray / (grow * grow),
-        rounding: left * (half[2] + across) * ray / (1.0 + k * q.dot(p)),
+        stretch: length_of_ray(chart, q) / (grow * grow),
+        rounding: rounding(mirror, q, None, precision),
     }
+}
+
+/// The length of the ray over `q` for a unit along the axis.
+fn length_of_ray(chart: &Chart, q: DVec2) -> f64 {
+    (1.0 + chart.vergence * chart.vergence * q.length_squared()).sqrt()
+}
+
+/// How far the file's digits move a vertex over `q`, which may be moved along `way` or anywhere, along
+/// its ray at worst, mm.
+fn rounding(mirror: &Mirror, q: DVec2, way: Option<DVec2>, precision: Precision) -> f64 {
+    let half = |x: f64| match precision {
+        Precision::Single => half_step(x),
+        Precision::Double => 0.0,
+    };
+    let (chart, point) = (&mirror.chart, mirror.surface.at(q));
+    let (k, p) = (chart.vergence, mirror.slope(q, &point));
+    let [x, y, z] = mirror.place(q, &point).to_array().map(half);
+    let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(x, y)) };
+    let slope = way.map_or_else(|| p.length(), |way| p.dot(way).abs());
+    let left = rounding_left(2.0 * z, slope, mirror.outline.bounds().size().max_element());
+    left * (z + across) * length_of_ray(chart, q) / (1.0 + k * q.dot(p))
 }

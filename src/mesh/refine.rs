@@ -1,6 +1,7 @@
 //! Proof and repair: every facet is asked for its bounds; around those that fail corners are moved
 //! and edges flipped, and, where that does not do, split, until none fails.
 
+use super::course::Course;
 use super::crowd::{Crowd, flip_all};
 use super::doubt::Doubt;
 use super::draft::Draft;
@@ -16,15 +17,6 @@ use std::collections::HashSet;
 
 /// Facets a thread proves at a time; fixed, so that results do not depend on the thread count.
 const CHUNK: usize = 256;
-/// Most facets for every one proposed, and some for small proposals: past these, splitting does not
-/// bring the bounds down. Proposals that suit their mirror need a few in a hundred more.
-const MOST_GROWTH: usize = 3;
-const SPARE: usize = 40_000;
-/// Rounds in which facets are split where what is known of their corners would have it, and these
-/// moved, though that may break their neighbours: so many at first, and so many since fewest failed. Then
-/// shapes are kept.
-const EAGER: usize = 40;
-const PATIENCE: usize = 12;
 /// How often what changes in a round is gone over.
 const PASSES: usize = 4;
 /// Excess foreseen by what the mirror does at the corners, over which one of a failed facet is moved.
@@ -133,25 +125,20 @@ struct Repair<'a> {
 impl Repair<'_> {
     /// Repairs round after round until no facet fails.
     fn mend(&mut self, proven: &mut Proven, copies: usize) -> Result<(), MeshError> {
-        let most = MOST_GROWTH * self.net.triangles.len() + SPARE;
-        let (mut round, mut fewest) = (0, (usize::MAX, 0));
+        let mut course = Course::new(self.net.triangles.len());
         while !proven.failed.is_empty() {
             let facets = (self.net.triangles.len() * copies) as f64;
             if facets > MOST_FACETS {
                 return Err(MeshError::TooMany { facets, most: MOST_FACETS });
             }
-            if self.net.triangles.len() > most {
+            course.note(proven.failed.len(), self.net.triangles.len());
+            if course.is_hopeless() {
                 return Err(self.floor(proven.failed[0]));
             }
             let failed = std::mem::take(&mut proven.failed);
-            if failed.len() < fewest.0 {
-                fewest = (failed.len(), round);
-            }
-            let eager = round < EAGER.max(fewest.1 + PATIENCE);
-            self.round(&failed, &proven.bounds, eager)?;
+            self.round(&failed, &proven.bounds, course.is_eager())?;
             self.changed.extend(&failed);
             self.prove(proven);
-            round += 1;
         }
         proven.largest.retain(|t| !self.net.is_gone(*t));
         Ok(())

@@ -15,7 +15,7 @@ const FARTHEST: f64 = 1e-6;
 /// Share of a step of the digits that a rounded corner may be off for no other place to be tried.
 const NEAR: f64 = 0.02;
 /// Share of a rounding error that is mostly left.
-const LEAST: f64 = 0.05;
+pub const LEAST_LEFT: f64 = 0.05;
 /// The second way that is tried, seen from the first.
 const ASIDE: DVec2 = DVec2::new(0.8, 0.6);
 /// How near a corner is to an arc that it lies on, in radii: rounded X and Y leave it by less.
@@ -24,7 +24,7 @@ const ON_ARC: f64 = 1e-6;
 /// What is left of a rounding error of up to half a `step` of the digits of Z, where corners may be
 /// moved on a mirror of this `size` and of this slope.
 pub fn rounding_left(step: f64, slope: f64, size: f64) -> f64 {
-    (1.0 - 2.0 * FARTHEST * size * slope / step).max(LEAST)
+    (1.0 - 2.0 * FARTHEST * size * slope / step).max(LEAST_LEFT)
 }
 
 impl Prover<'_> {
