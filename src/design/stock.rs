@@ -73,7 +73,6 @@ fn fitting(border: &Border, footprint: &Footprint, misfit: &Misfit) -> Option<St
         Feature::Hole(_) => "hole",
         Feature::Mark(_) => "mark",
     };
-    let way = if misfit.hint.contains("inwards") { "inwards" } else { "outwards" };
     let wide = digits(border.width_mm.max(Border::LEAST_MM + 4.0 * Border::CLEAR_MM));
     [border.width_mm, wide].into_iter().find_map(|width_mm| {
         let mut tried = Border { width_mm, ..border.clone() };
@@ -82,7 +81,9 @@ fn fitting(border: &Border, footprint: &Footprint, misfit: &Misfit) -> Option<St
             Feature::Mark(k) => &mut tried.marks[k],
             Feature::Corners => return None,
         };
+        let before = spot.from_axis_mm();
         *spot = middle(footprint, width_mm, spot);
+        let way = if spot.from_axis_mm() < before { "inwards" } else { "outwards" };
         let found = format!("[{}, {}, {}]", spot.x_mm, spot.y_mm, spot.diameter_mm);
         let widen = match width_mm > border.width_mm {
             true => format!("set border_mm = {width_mm} and "),

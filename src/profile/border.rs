@@ -26,6 +26,14 @@ pub struct Spot {
     pub diameter_mm: f64,
 }
 
+impl Spot {
+    /// The distance of its centre from the axis, mm.
+    #[must_use]
+    pub fn from_axis_mm(&self) -> f64 {
+        (self.x_mm * self.x_mm + self.y_mm * self.y_mm).sqrt()
+    }
+}
+
 /// What the mirror covers of the (X, Y) plane, or the part does: a shape about the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Footprint {

@@ -3,7 +3,7 @@
 use crate::random_profiles::wanted::{self, Wanted};
 use crate::support::random::each;
 use crate::support::times;
-use morion::design::{Cause, DesignError, Goal, SearchError, Trouble, design};
+use morion::design::{Cause, DesignError, Goal, Trouble, design};
 use morion::num::{radians, tan};
 use morion::profile::{Profile, SagGrid};
 use proptest::strategy::{Strategy, ValueTree};
@@ -381,11 +381,8 @@ fn a_refusal_takes_few_designs() {
         ),
     ] {
         let error = refusal(camera, &picture, method, width_mm);
-        let DesignError::Unsolved { cause, remedy } = &error else { panic!("{error}") };
+        let DesignError::Unsolved { remedy, .. } = &error else { panic!("{error}") };
         assert!(!remedy.alternatives.is_empty(), "{error}");
         assert!((1..=most).contains(&remedy.trials), "{}: {error}", remedy.trials);
-        if let Cause::Law(SearchError::NotConverged { steps, .. }) = cause {
-            assert!(*steps <= 100, "{error}");
-        }
     }
 }

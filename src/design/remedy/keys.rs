@@ -1,88 +1,18 @@
-//! What a refused profile can ask for instead: changes of single keys, each of which is followed
-//! here by designing the changed profile before it is advised.
+//! Ways to change one key of a profile.
 
-use super::cause::{Cause, Goal, Trouble};
-use super::solve::SolveError;
-use super::{Design, DesignError, designed};
+use super::{Change, Value};
 use crate::profile::{
-    Camera, Layout, MethodKind, Profile, Projection, RadialLaw, SagGrid, Shape, StripLaw, Target,
+    Camera, Layout, MethodKind, Profile, Projection, RadialLaw, Shape, StripLaw, Target,
 };
-use std::fmt;
 
-/// Most changed profiles that are designed to find a remedy.
-pub const MOST_TRIALS: usize = 40;
-/// Of these, most with a change of a single key: all that there are for any cause.
-const MOST_SINGLE: usize = 20;
-/// Alternatives that are told at most.
-const ALTERNATIVES: usize = 2;
-
-/// A change of one key of a profile.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Change {
-    /// A key is left out.
-    Without(&'static str),
-    /// A key has another value.
-    Set(&'static str, Value),
-    /// A table has another name in its section: another method or another law.
-    Take(&'static str, &'static str),
+/// A profile after a change.
+pub struct Changed {
+    pub change: Change,
+    pub profile: Profile,
 }
 
-/// A value of a key.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// A number.
-    Number(f64),
-    /// A range.
-    Range([f64; 2]),
-    /// Rows and their elevations.
-    Rows(Vec<[f64; 2]>),
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(x) => write!(f, "{x}"),
-            Self::Range(range) => write!(f, "{range:?}"),
-            Self::Rows(rows) => write!(f, "{rows:?}"),
-        }
-    }
-}
-
-impl fmt::Display for Change {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Without(key) => write!(f, "leave {key} out"),
-            Self::Set(key, value) => write!(f, "set {key} = {value}"),
-            Self::Take(section, name) => write!(f, "take {section}.{name}"),
-        }
-    }
-}
-
-/// What to do about a refusal: alternatives, each of changes that are made together, after any of
-/// which the mirror can be designed.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Remedy {
-    /// The alternatives.
-    pub alternatives: Vec<Vec<Change>>,
-    /// How many changed profiles were designed to find them.
-    pub trials: usize,
-}
-
-impl fmt::Display for Remedy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.alternatives.is_empty() {
-            return f.write_str(
-                "no change of a single key was found that helps: begin with a profile that is \
-                 shipped, and change it step by step",
-            );
-        }
-        let together = |changes: &Vec<Change>| {
-            changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
-        };
-        let all: Vec<String> = self.alternatives.iter().map(together).collect();
-        f.write_str(&all.join(", or "))
-    }
-}
+/// Ways to change one key, the smallest change first.
+pub type Key = fn(&Profile) -> Vec<Changed>;
 
 /// A number as someone would write it, to four digits: what is tried is what is told.
 fn short(x: f64) -> f64 {
@@ -94,116 +24,6 @@ fn round(x: f64) -> f64 {
     format!("{x:.8e}").parse().expect("a number")
 }
 
-/// A profile after a change.
-struct Changed {
-    change: Change,
-    profile: Profile,
-}
-
-/// What helps against `cause`, for which `profile` is refused.
-pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &Cause) -> Remedy {
-    let mut search = Search { sag, trials: 0, most: MOST_SINGLE };
-    let mut found: Vec<Vec<Change>> = Vec::new();
-    for key in keys(profile, cause) {
-        if found.len() == ALTERNATIVES {
-            break;
-        }
-        let helps = key(profile).into_iter().find(|changed| search.helps(&changed.profile));
-        found.extend(helps.map(|changed| vec![changed.change]));
-    }
-    if found.is_empty() {
-        found.extend(search.together(profile));
-    }
-    Remedy { alternatives: found, trials: search.trials }
-}
-
-/// Trial designs.
-struct Search<'a> {
-    sag: Option<&'a SagGrid>,
-    trials: usize,
-    /// No more are made.
-    most: usize,
-}
-
-impl Search<'_> {
-    /// Whether the mirror of `profile` can be designed; no more are tried when that has been asked
-    /// too often.
-    fn helps(&mut self, profile: &Profile) -> bool {
-        if self.trials >= self.most {
-            return false;
-        }
-        self.trials += 1;
-        let design: Result<Design, DesignError> = designed(profile, self.sag);
-        // What does not fit around the mirror is another matter.
-        matches!(design, Ok(_) | Err(DesignError::Border { .. }))
-    }
-
-    /// Changes that help together: the plainest profile, if it can be designed, less what is not
-    /// needed for that.
-    fn together(&mut self, profile: &Profile) -> Option<Vec<Change>> {
-        self.most = MOST_TRIALS;
-        let plainest = |key: &Key, profile: &Profile| key(profile).pop();
-        let made = |keys: &[Key]| {
-            let (mut now, mut changes) = (profile.clone(), Vec::new());
-            for key in keys {
-                if let Some(changed) = plainest(key, &now) {
-                    changes.push(changed.change);
-                    now = changed.profile;
-                }
-            }
-            (now, changes)
-        };
-        let all: [Key; 8] =
-            [unfilled, least_squares, vector_field, law, untargeted, degree, elevation, distance];
-        let mut keys: Vec<Key> = Vec::new();
-        for key in all {
-            keys.push(key);
-            if plainest(&key, profile).is_some() && self.helps(&made(&keys).0) {
-                break;
-            }
-        }
-        if !self.helps(&made(&keys).0) {
-            return None;
-        }
-        for k in (0..keys.len()).rev() {
-            let mut fewer = keys.clone();
-            fewer.remove(k);
-            if plainest(&keys[k], profile).is_none() || self.helps(&made(&fewer).0) {
-                keys = fewer;
-            }
-        }
-        Some(made(&keys).1)
-    }
-}
-
-/// Ways to change one key, the smallest change first.
-type Key = fn(&Profile) -> Vec<Changed>;
-
-/// What may help against `cause`, the likeliest first.
-fn keys(profile: &Profile, cause: &Cause) -> Vec<Key> {
-    let given = !matches!(profile.shape, Shape::Designed(_));
-    match cause {
-        Cause::Law(_) => vec![law, targets, untargeted, elevation],
-        Cause::Fit { source: SolveError::Undetermined(_), .. } => vec![degree_down, elevation],
-        Cause::Fit { goal: Goal::Method, .. } | Cause::At { goal: Some(Goal::Method), .. } => {
-            vec![unfilled, vector_field, targets, untargeted, degree, elevation, distance]
-        }
-        Cause::Fit { goal: Goal::Minimax, .. } | Cause::At { goal: Some(Goal::Minimax), .. } => {
-            vec![unfilled, least_squares, vector_field, targets, untargeted, degree, elevation]
-        }
-        Cause::Back { .. } => vec![unfilled, elevation, distance, degree, targets, untargeted],
-        // What a given mirror shows does not depend on what it should.
-        Cause::At { trouble: Trouble::Nowhere { .. }, .. } if given => {
-            vec![unfilled, law, distance]
-        }
-        Cause::At { trouble: Trouble::Missed { .. }, .. } if given => {
-            vec![unfilled, untargeted, distance]
-        }
-        _ if given => vec![unfilled, law, untargeted, targets, distance, elevation],
-        _ => vec![unfilled, targets, untargeted, degree, vector_field, elevation, law, distance],
-    }
-}
-
 fn changed(profile: &Profile, change: Change, edit: impl FnOnce(&mut Profile)) -> Changed {
     let mut profile = profile.clone();
     edit(&mut profile);
@@ -211,7 +31,7 @@ fn changed(profile: &Profile, change: Change, edit: impl FnOnce(&mut Profile)) -
 }
 
 /// The frame is not filled.
-fn unfilled(profile: &Profile) -> Vec<Changed> {
+pub fn unfilled(profile: &Profile) -> Vec<Changed> {
     let mut layout = profile.layout;
     match &mut layout {
         Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } if *fill_frame => {
@@ -222,7 +42,8 @@ fn unfilled(profile: &Profile) -> Vec<Changed> {
     vec![changed(profile, Change::Without("fill_frame"), |p| p.layout = layout)]
 }
 
-fn least_squares(profile: &Profile) -> Vec<Changed> {
+/// The smallest squares of errors instead of the smallest worst one.
+pub fn least_squares(profile: &Profile) -> Vec<Changed> {
     let Shape::Designed(mut method) = profile.shape else { return Vec::new() };
     if !method.minimax {
         return Vec::new();
@@ -231,7 +52,8 @@ fn least_squares(profile: &Profile) -> Vec<Changed> {
     vec![changed(profile, Change::Without("minimax"), |p| p.shape = Shape::Designed(method))]
 }
 
-fn vector_field(profile: &Profile) -> Vec<Changed> {
+/// The method that the others begin with.
+pub fn vector_field(profile: &Profile) -> Vec<Changed> {
     let Shape::Designed(mut method) = profile.shape else { return Vec::new() };
     if method.kind == MethodKind::VectorField {
         return Vec::new();
@@ -252,13 +74,13 @@ fn of_degrees(profile: &Profile, degrees: impl IntoIterator<Item = usize>) -> Ve
 }
 
 /// A degree that follows the picture more closely, where that is a matter of degree.
-fn degree(profile: &Profile) -> Vec<Changed> {
+pub fn degree(profile: &Profile) -> Vec<Changed> {
     let Shape::Designed(method) = profile.shape else { return Vec::new() };
     of_degrees(profile, [4, 8, 12].into_iter().filter(|&degree| degree > method.degree))
 }
 
 /// A degree that the samples determine.
-fn degree_down(profile: &Profile) -> Vec<Changed> {
+pub fn degree_down(profile: &Profile) -> Vec<Changed> {
     let Shape::Designed(method) = profile.shape else { return Vec::new() };
     let halves = std::iter::successors(Some(method.degree / 2), |degree| Some(degree / 2));
     of_degrees(profile, halves.take_while(|&degree| degree > 0))
@@ -273,7 +95,7 @@ fn set_target(profile: &mut Profile, to: Target) {
 }
 
 /// The target further away.
-fn targets(profile: &Profile) -> Vec<Changed> {
+pub fn targets(profile: &Profile) -> Vec<Changed> {
     let Some(target) = profile.projection.as_ref().map(Projection::target) else {
         return Vec::new();
     };
@@ -296,7 +118,7 @@ fn targets(profile: &Profile) -> Vec<Changed> {
 }
 
 /// The target at infinity.
-fn untargeted(profile: &Profile) -> Vec<Changed> {
+pub fn untargeted(profile: &Profile) -> Vec<Changed> {
     let key = match profile.projection.as_ref().map(Projection::target) {
         None | Some(Target::Infinity) => return Vec::new(),
         Some(Target::Cylinder { .. }) => "target_radius_mm",
@@ -307,7 +129,7 @@ fn untargeted(profile: &Profile) -> Vec<Changed> {
 
 /// Part of the elevations or polar angles: the part that is furthest from the horizon where a plane
 /// is to be seen, or else the middle.
-fn elevation(profile: &Profile) -> Vec<Changed> {
+pub fn elevation(profile: &Profile) -> Vec<Changed> {
     let of = |share: f64| -> Option<Changed> {
         let mut profile = profile.clone();
         let change = match profile.projection.as_mut()? {
@@ -352,7 +174,7 @@ fn elevation(profile: &Profile) -> Vec<Changed> {
 }
 
 /// A law that has a place for every direction.
-fn law(profile: &Profile) -> Vec<Changed> {
+pub fn law(profile: &Profile) -> Vec<Changed> {
     let mut projection = profile.projection.clone();
     let name = match &mut projection {
         Some(Projection::Strip(strip)) => match strip.law {
@@ -378,7 +200,7 @@ fn law(profile: &Profile) -> Vec<Changed> {
 }
 
 /// The camera further away.
-fn distance(profile: &Profile) -> Vec<Changed> {
+pub fn distance(profile: &Profile) -> Vec<Changed> {
     let Camera::Pinhole { pixels, focal_px, distance_mm } = profile.camera else {
         return Vec::new();
     };

@@ -1,0 +1,190 @@
+//! What a refused profile can ask for instead: changes of single keys, each of which is followed
+//! here by designing the changed profile before it is advised.
+
+mod keys;
+
+use super::cause::{Cause, Goal, Trouble};
+use super::solve::SolveError;
+use super::{Design, DesignError, designed};
+use crate::profile::{Profile, SagGrid, Shape};
+use keys::{
+    Key, degree, degree_down, distance, elevation, law, least_squares, targets, unfilled,
+    untargeted, vector_field,
+};
+use std::fmt;
+
+/// Most changed profiles that are designed to find a remedy.
+pub const MOST_TRIALS: usize = 40;
+/// Of these, most with a change of a single key: all that there are for any cause.
+const MOST_SINGLE: usize = 20;
+/// Alternatives that are told at most.
+const ALTERNATIVES: usize = 2;
+
+/// A change of one key of a profile.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Change {
+    /// A key is left out.
+    Without(&'static str),
+    /// A key has another value.
+    Set(&'static str, Value),
+    /// A table has another name in its section: another method or another law.
+    Take(&'static str, &'static str),
+}
+
+/// A value of a key.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A range.
+    Range([f64; 2]),
+    /// Rows and their elevations.
+    Rows(Vec<[f64; 2]>),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(x) => write!(f, "{x}"),
+            Self::Range(range) => write!(f, "{range:?}"),
+            Self::Rows(rows) => write!(f, "{rows:?}"),
+        }
+    }
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Without(key) => write!(f, "leave {key} out"),
+            Self::Set(key, value) => write!(f, "set {key} = {value}"),
+            Self::Take(section, name) => write!(f, "take {section}.{name}"),
+        }
+    }
+}
+
+/// What to do about a refusal: alternatives, each of changes that are made together, after any of
+/// which the mirror can be designed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Remedy {
+    /// The alternatives.
+    pub alternatives: Vec<Vec<Change>>,
+    /// How many changed profiles were designed to find them.
+    pub trials: usize,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.alternatives.is_empty() {
+            return f.write_str(
+                "no change of a single key was found that helps: begin with a profile that is \
+                 shipped, and change it step by step",
+            );
+        }
+        let together = |changes: &Vec<Change>| {
+            changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
+        };
+        let all: Vec<String> = self.alternatives.iter().map(together).collect();
+        f.write_str(&all.join(", or "))
+    }
+}
+
+/// What helps against `cause`, for which `profile` is refused.
+pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &Cause) -> Remedy {
+    let mut search = Search { sag, trials: 0, most: MOST_SINGLE };
+    let mut found: Vec<Vec<Change>> = Vec::new();
+    for key in keys(profile, cause) {
+        if found.len() == ALTERNATIVES {
+            break;
+        }
+        let helps = key(profile).into_iter().find(|changed| search.helps(&changed.profile));
+        found.extend(helps.map(|changed| vec![changed.change]));
+    }
+    if found.is_empty() {
+        found.extend(search.together(profile));
+    }
+    Remedy { alternatives: found, trials: search.trials }
+}
+
+/// Trial designs.
+struct Search<'a> {
+    sag: Option<&'a SagGrid>,
+    trials: usize,
+    /// No more are made.
+    most: usize,
+}
+
+impl Search<'_> {
+    /// Whether the mirror of `profile` can be designed; no more are tried when that has been asked
+    /// too often.
+    fn helps(&mut self, profile: &Profile) -> bool {
+        if self.trials >= self.most {
+            return false;
+        }
+        self.trials += 1;
+        let design: Result<Design, DesignError> = designed(profile, self.sag);
+        // What does not fit around the mirror is another matter.
+        matches!(design, Ok(_) | Err(DesignError::Border { .. }))
+    }
+
+    /// Changes that help together: the plainest profile, if it can be designed, less what is not
+    /// needed for that.
+    fn together(&mut self, profile: &Profile) -> Option<Vec<Change>> {
+        self.most = MOST_TRIALS;
+        let plainest = |key: &Key, profile: &Profile| key(profile).pop();
+        let made = |keys: &[Key]| {
+            let (mut now, mut changes) = (profile.clone(), Vec::new());
+            for key in keys {
+                if let Some(changed) = plainest(key, &now) {
+                    changes.push(changed.change);
+                    now = changed.profile;
+                }
+            }
+            (now, changes)
+        };
+        let all: [Key; 8] =
+            [unfilled, least_squares, vector_field, law, untargeted, degree, elevation, distance];
+        let mut keys: Vec<Key> = Vec::new();
+        for key in all {
+            keys.push(key);
+            if plainest(&key, profile).is_some() && self.helps(&made(&keys).0) {
+                break;
+            }
+        }
+        if !self.helps(&made(&keys).0) {
+            return None;
+        }
+        for k in (0..keys.len()).rev() {
+            let mut fewer = keys.clone();
+            fewer.remove(k);
+            if plainest(&keys[k], profile).is_none() || self.helps(&made(&fewer).0) {
+                keys = fewer;
+            }
+        }
+        Some(made(&keys).1)
+    }
+}
+
+/// What may help against `cause`, the likeliest first.
+fn keys(profile: &Profile, cause: &Cause) -> Vec<Key> {
+    let given = !matches!(profile.shape, Shape::Designed(_));
+    match cause {
+        Cause::Law(_) => vec![law, targets, untargeted, elevation],
+        Cause::Fit { source: SolveError::Undetermined(_), .. } => vec![degree_down, elevation],
+        Cause::Fit { goal: Goal::Method, .. } | Cause::At { goal: Some(Goal::Method), .. } => {
+            vec![unfilled, vector_field, targets, untargeted, degree, elevation, distance]
+        }
+        Cause::Fit { goal: Goal::Minimax, .. } | Cause::At { goal: Some(Goal::Minimax), .. } => {
+            vec![unfilled, least_squares, vector_field, targets, untargeted, degree, elevation]
+        }
+        Cause::Back { .. } => vec![unfilled, elevation, distance, degree, targets, untargeted],
+        // What a given mirror shows does not depend on what it should.
+        Cause::At { trouble: Trouble::Nowhere { .. }, .. } if given => {
+            vec![unfilled, law, distance]
+        }
+        Cause::At { trouble: Trouble::Missed { .. }, .. } if given => {
+            vec![unfilled, untargeted, distance]
+        }
+        _ if given => vec![unfilled, law, untargeted, targets, distance, elevation],
+        _ => vec![unfilled, targets, untargeted, degree, vector_field, elevation, law, distance],
+    }
+}
