@@ -11,23 +11,22 @@ use crate::optics::View;
 /// Share of the budget that is aimed at, and that must be used to be content.
 const AIM: f64 = 0.985;
 const ENOUGH: f64 = 0.97;
-/// Most forecasts for an aim, and how near the last is to come.
+/// Most forecasts for an aim, and how near the last is to come for a small and for a large budget.
 const FORECASTS: usize = 80;
-const NEAR: f64 = 0.004;
-/// Most meshes made to use the budget well: of large ones; and of small ones, whose numbers of
-/// rows and columns go in steps.
-const MESHES: usize = 5;
-const SMALL_MESHES: usize = 20;
-const SMALL: usize = 20_000;
+const NEAR: [f64; 2] = [0.03, 0.004];
+/// Most meshes made to use a budget well, for budgets below so many triangles, and for larger ones: the
+/// numbers of rows and columns of small meshes go in steps, and large ones take seconds.
+const MESHES: [(usize, usize); 2] = [(20_000, 20), (200_000, 8)];
+const LARGE_MESHES: usize = 5;
 /// The most by which a limit changes from mesh to mesh.
 const LONGEST: f64 = 4.0;
 /// By how much the limit grows, ever faster, when that many did not keep the budget.
 const GROWTH: f64 = 1.5;
 /// Meshes that rounding refuses, after which finer ones are not tried.
 const REFUSALS: usize = 2;
-/// The loosest and the strictest limit that are tried, over the mirror's size: a picture that is off by
-/// its width, and less than the 6e-8 by which numbers of single precision are apart.
-const LOOSEST: f64 = 1.0;
+/// The loosest and the strictest limit that are tried, over the mirror's size: pictures of near targets
+/// may be off by more than their width, and numbers of single precision are 6e-8 apart.
+const LOOSEST: f64 = 10.0;
 const STRICTEST: f64 = 1e-10;
 const STRICTEST_SINGLE: f64 = 1e-8;
 /// From one loose limit to the next where the fewest triangles are looked for.
@@ -79,10 +78,11 @@ impl Budget<'_> {
     /// [`MeshError::Few`] when there is none, and what no looser limit helps against.
     pub fn mesh(&self) -> Result<Face, MeshError> {
         let most = self.triangles as f64;
-        let usual = if self.triangles < SMALL { SMALL_MESHES } else { MESHES };
-        let mut bracket = self.bracket();
+        let small = MESHES.into_iter().find(|(below, _)| self.triangles < *below);
+        let usual = small.map_or(LARGE_MESHES, |(_, meshes)| meshes);
+        let mut bracket = self.bracket(APART);
         let mut mesher = self.mesher();
-        let mut limit = self.limit_of(&self.aim(&mut mesher)?);
+        let mut limit = bracket.clamp(self.limit_of(&self.aim(&mut mesher)?));
         let mut best: Option<Face> = None;
         let (mut steps, mut refusals, mut least) = (Steps::default(), 0, usize::MAX);
         for made in 1.. {
@@ -106,17 +106,21 @@ impl Budget<'_> {
             let content = count <= most && count >= ENOUGH * most;
             bracket.note(limit, count, most);
             let enough = made >= usual || refusals >= REFUSALS;
-            if content || bracket.is_closed(APART) || (enough && best.is_some()) {
+            if content || bracket.is_closed() || (enough && best.is_some()) {
                 break;
             }
             limit = if made < usual {
                 let step = steps.next(count > most, self.scaled(1.0, count, AIM * most));
                 bracket.next(limit, limit * step.clamp(1.0 / LONGEST, LONGEST))
             } else {
-                (0..=made - usual).fold(limit, |limit, _| limit * GROWTH).min(bracket.loosest)
+                bracket.clamp((0..=made - usual).fold(limit, |limit, _| limit * GROWTH))
             };
         }
         Ok(best.expect("a bracket closes on a limit that fitted"))
+    }
+
+    fn is_small(&self) -> bool {
+        self.triangles < MESHES[0].0
     }
 
     /// What a mesh within the budget will be.
@@ -157,14 +161,15 @@ impl Budget<'_> {
     /// The limit at which a forecast comes nearest to the budget, or the loosest.
     fn aim(&self, mesher: &mut Mesher) -> Result<Plan, MeshError> {
         let target = AIM * self.triangles as f64;
-        let fitting = target * (1.0 + NEAR);
+        let near = NEAR[usize::from(!self.is_small())];
+        let fitting = target * (1.0 + near);
         let fewest = self.loosest(mesher);
         if let Ok((plan, count)) = fewest
             && count > fitting
         {
             return Ok(plan);
         }
-        let mut bracket = self.bracket();
+        let mut bracket = self.bracket(APART_BY_FORECASTS);
         let mut limit = bracket.clamp(self.guess());
         let mut plan = fewest.clone().ok();
         if let Some((plan, count)) = &plan {
@@ -186,11 +191,8 @@ impl Budget<'_> {
                 Err(error) => bracket.too_strict(limit, error)?,
             };
             bracket.note(limit, count, target);
-            let near = (count / target - 1.0).abs() < NEAR;
-            if near
-                || bracket.is_closed(APART_BY_FORECASTS)
-                || (count > target && limit >= bracket.loosest)
-            {
+            let is_near = (count / target - 1.0).abs() < near;
+            if is_near || bracket.is_closed() || (count > target && limit >= bracket.loosest) {
                 break;
             }
             let step = steps.next(count > target, self.scaled(1.0, count, target));
@@ -221,7 +223,8 @@ impl Budget<'_> {
         self.mirror.whole().bounds().size().max_element()
     }
 
-    fn bracket(&self) -> Bracket {
+    /// A bracket of limits that are told apart when they are `apart`.
+    fn bracket(&self, apart: f64) -> Bracket {
         let size = self.size();
         let strictest = match self.precision {
             Precision::Single => STRICTEST_SINGLE,
@@ -230,6 +233,7 @@ impl Budget<'_> {
         Bracket {
             strictest: strictest * size,
             loosest: LOOSEST * size,
+            apart,
             fails: 0.0,
             fits: f64::INFINITY,
         }
@@ -277,6 +281,8 @@ impl Steps {
 struct Bracket {
     strictest: f64,
     loosest: f64,
+    /// Limits nearer to each other than this are not told apart.
+    apart: f64,
     /// The loosest limit known to be too strict.
     fails: f64,
     /// The strictest limit known to fit.
@@ -305,8 +311,8 @@ impl Bracket {
     }
 
     /// Whether there is nothing left to try.
-    fn is_closed(&self, apart: f64) -> bool {
-        self.fits <= self.strictest || self.fits <= self.fails * apart
+    fn is_closed(&self) -> bool {
+        self.fits <= self.strictest || self.fits <= self.fails * self.apart
     }
 
     /// The limit after `limit`: `wanted`, where that can be.

@@ -2,8 +2,12 @@
 //! proven of it as it shrinks.
 
 use super::proof::{Bound, Prover, Vertex};
+use super::region::Sight;
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Precision};
+use crate::num::{asin, degrees};
+use crate::optics::{Target, stereo};
+use thiserror::Error;
 
 /// Halvings that are tried.
 const HALVINGS: u32 = 5;
@@ -11,6 +15,32 @@ const HALVINGS: u32 = 5;
 const LINEAR: f64 = 2.0;
 /// Excess over which no corner that rounds well helps.
 const BEYOND_LUCK: f64 = 1.5;
+
+/// Where one direction is as far from the horizon as from the pole, degrees.
+const HALF_WAY_DEG: f64 = 45.0;
+
+/// Directions near which a small turn of the mirror moves its image far.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum Near {
+    /// Directions along the target plane.
+    #[error(
+        "the mirror shows elevation {elevation_deg:.2} degrees there: keep the picture further from the \
+         horizon, where no direction meets the target plane"
+    )]
+    Horizon {
+        /// The elevation that the mirror shows, degrees.
+        elevation_deg: f64,
+    },
+    /// Directions along the axis.
+    #[error(
+        "the mirror shows elevation {elevation_deg:.2} degrees there: keep the picture further from \
+         +-90 degrees of elevation"
+    )]
+    Pole {
+        /// The elevation that the mirror shows, degrees.
+        elevation_deg: f64,
+    },
+}
 
 /// Proofs of shrinking facets by some limits.
 pub struct Doubt<'a> {
@@ -129,7 +159,24 @@ impl<'a> Doubt<'a> {
             size_mm: a.distance(b).max(b.distance(c)).max(c.distance(a)),
             bound,
             digits: self.wants_digits(facet),
+            near: self.near(middle(facet)),
         }
+    }
+
+    /// What makes errors of the image large at `q`.
+    fn near(&self, q: DVec2) -> Option<Near> {
+        self.limits.facet_mm?;
+        let Sight { mirror, camera, view } = self.prover.sight;
+        let target = view?.target;
+        let point = mirror.surface.at(q);
+        let towards = stereo::towards_camera(camera.view(mirror.place(q, &point).to_array()));
+        let seen = stereo::reflect(towards, mirror.slope(q, &point).to_array());
+        let elevation_deg = degrees(asin(stereo::direction(seen).z.clamp(-1.0, 1.0)));
+        if elevation_deg.abs() > HALF_WAY_DEG {
+            return Some(Near::Pole { elevation_deg });
+        }
+        let is_plane = matches!(target, Target::Plane { .. });
+        is_plane.then_some(Near::Horizon { elevation_deg })
     }
 }
 

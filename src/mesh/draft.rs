@@ -49,8 +49,9 @@ const MANY: f64 = 1e6;
 /// them say little.
 const STEADY: f64 = 1.1;
 const FEW: f64 = 10_000.0;
-/// Facets by samples that are made all the same where samples are far from sure: it takes three seconds.
-const TOLD: f64 = 2.5e6;
+/// Facets by samples that are made all the same where samples are far from sure: it takes some seconds, for
+/// samples may tell of three times as many as come of it.
+const TOLD: f64 = 5e6;
 
 /// By how much smaller than the model has them facets of a draft mostly come out right: squares
 /// suffer where cells turn.

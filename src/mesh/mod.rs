@@ -38,6 +38,7 @@ mod tighten;
 mod written;
 
 pub use budget::{Budget, Closing, Plan};
+pub use doubt::Near;
 pub use optimum::Optimum;
 pub use proof::{Bound, Prover, Vertex};
 
@@ -116,8 +117,7 @@ pub enum MeshError {
     /// coarse for.
     #[error(
         "at X {:.4} mm, Y {:.4} mm a facet of {size_mm:.1e} mm still has a bound of {} (chord) and \
-         {} (image); loosen chord_um or facet_px, or keep the elevation range further from \
-         +-90 degrees", at.x, at.y, proven(bound.chord_mm), proven(bound.facet_mm)
+         {} (image); {}", at.x, at.y, proven(bound.chord_mm), proven(bound.facet_mm), advised(*near)
     )]
     Floor {
         /// Where.
@@ -128,6 +128,8 @@ pub enum MeshError {
         bound: Bound,
         /// Whether double precision would do better there.
         digits: bool,
+        /// What makes errors of the image large there.
+        near: Option<Near>,
     },
     /// Rounding to single precision alone keeps facets from a limit.
     #[error(
@@ -183,6 +185,12 @@ pub enum MeshError {
         /// spade's account.
         reason: String,
     },
+}
+
+/// What is to be done about a facet that splitting does not help.
+fn advised(near: Option<Near>) -> String {
+    let loosen = "loosen chord_um or facet_px";
+    near.map_or_else(|| loosen.to_owned(), |near| format!("{near}, or {loosen}"))
 }
 
 /// A bound in words.

@@ -75,6 +75,27 @@ fn a_picture_finer_than_rounded_slopes_is_refused() {
     sound("a thousandth of a degree", &profile, &face);
 }
 
+/// What is advised works.
+#[test]
+fn a_picture_too_near_to_the_horizon_or_a_pole_is_refused_for_that() {
+    let plane = "[-40, -2], target_plane_mm = -800";
+    for (what, elevation, further, facet_px, said) in [
+        ("horizon", plane, "[-40, -6], target_plane_mm = -800", 3.0, "further from the horizon"),
+        ("pole", "[-75, 75]", "[-60, 60]", 60.0, "further from +-90 degrees"),
+    ] {
+        let of = |elevation: &str| {
+            let profile = with_limits(profile(&[("[-30, 30]", elevation)]), None, Some(facet_px));
+            let face = meshed(&profile, &designed(&profile));
+            sound(what, &profile, &face);
+            face
+        };
+        let error = of(elevation).expect_err(what);
+        let floor = matches!(error, MeshError::Floor { near: Some(_), .. });
+        assert!(floor && error.to_string().contains(said), "{what}: {error}");
+        assert!(of(further).is_ok(), "{what}");
+    }
+}
+
 #[test]
 fn mirrors_with_a_flat_place_are_refused() {
     // Of too low a degree, the mirror has a place without slope, which shows the zenith.
