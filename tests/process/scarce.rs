@@ -62,12 +62,19 @@ fn a_3mf_that_memory_does_not_hold_is_told_from_a_broken_one() {
     let home = folder.path();
     save(home, SMALL);
     dense(&home.join("dense.3mf"), 3_000_000);
+    let mut begun = 0;
     for megabytes in [100, 150, 200, 250] {
         let limit = format!("--as={megabytes}000000");
+        // In a window of a tenth of a megabyte the allocator's first reservation leaves nothing.
+        if !limited(home, &limit, &["--version"]).status.success() {
+            continue;
+        }
+        begun += 1;
         let arguments = ["verify", "dense.3mf", "--profile", "small.toml", "--threads", "1"];
         let output = limited(home, &limit, &arguments);
         let said = String::from_utf8(output.stdout).unwrap();
         assert_eq!(output.status.code(), Some(1), "{megabytes} MB: {said}");
         assert!(said.contains("there is not enough memory for "), "{megabytes} MB: {said}");
     }
+    assert!(begun >= 3, "the program begins under {begun} of 4 limits");
 }
