@@ -2,6 +2,7 @@
 
 use crate::builds::{SMALL, assert_same, files, folder, lasting, save};
 use crate::package::{TYPES, package};
+use crate::thorough::times;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -62,22 +63,22 @@ fn a_3mf_that_memory_does_not_hold_is_told_from_a_broken_one() {
     let home = folder.path();
     save(home, SMALL);
     dense(&home.join("dense.3mf"), 3_000_000);
-    let mut begun = 0;
     for megabytes in [100, 150, 200, 250] {
         let limit = format!("--as={megabytes}000000");
-        // In a window of a tenth of a megabyte the allocator's first reservation leaves nothing.
-        if !limited(home, &limit, &["--version"]).status.success() {
-            continue;
-        }
-        begun += 1;
         let arguments = ["verify", "dense.3mf", "--profile", "small.toml", "--threads", "1"];
-        // Where the system places the allocator's first reservation decides whether so little is enough.
-        let mut tries = (0..3).map(|_| limited(home, &limit, &arguments));
-        let ended = tries.find(|output| output.status.code().is_some());
-        let output = ended.unwrap_or_else(|| panic!("{megabytes} MB: aborted three times"));
+        let output = limited(home, &limit, &arguments);
         let said = String::from_utf8(output.stdout).unwrap();
         assert_eq!(output.status.code(), Some(1), "{megabytes} MB: {said}");
         assert!(said.contains("there is not enough memory for "), "{megabytes} MB: {said}");
     }
-    assert!(begun >= 3, "the program begins under {begun} of 4 limits");
+}
+
+#[test]
+fn under_every_limit_of_memory_above_60_megabytes_the_program_begins() {
+    let folder = folder();
+    let kilobytes = (60_000..200_000).step_by(times(700, 50));
+    for limit in kilobytes.map(|kilobytes| format!("--as={kilobytes}000")) {
+        let output = limited(folder.path(), &limit, &["--version"]);
+        assert!(output.status.success(), "{limit}: {output:?}");
+    }
 }
