@@ -6,6 +6,7 @@
 use super::{Face, Forecast, Limits, MeshError, Mesher, Optimum};
 use crate::geom::{Chart, Precision};
 use crate::mirror::Mirror;
+use crate::num::{exp, log};
 use crate::optics::View;
 
 /// Share of the budget that is aimed at, and that must be used to be content.
@@ -31,10 +32,13 @@ const STRICTEST: f64 = 1e-10;
 const STRICTEST_SINGLE: f64 = 1e-8;
 /// From one loose limit to the next where the fewest triangles are looked for.
 const LOOSE_STEP: f64 = 10.0;
-/// Forecasts on one side of the aim, after which steps grow.
-const PATIENCE: u32 = 3;
+/// The least share of theory's power of the limit that the number of triangles is taken to follow.
+const FLATTEST: f64 = 0.125;
+/// Share of the budget above which the fewest triangles are made before anything is aimed at: often they
+/// cannot be, or are too many.
+const CLOSE: f64 = 0.5;
 /// Limits nearer to each other than this are not told apart, by meshes and by forecasts.
-const APART: f64 = 1.0 + 1e-4;
+const APART: f64 = 1.0 + 1e-3;
 const APART_BY_FORECASTS: f64 = 1.01;
 
 /// How many triangles closing a face adds, which is not for the mesh to know.
@@ -71,6 +75,47 @@ pub struct Plan {
     pub forecast: Forecast,
 }
 
+/// The loose limit of the fewest triangles, and how many these are.
+type Fewest = Result<(Plan, f64), MeshError>;
+
+/// What meshes that were made tell.
+struct Tried {
+    bracket: Bracket,
+    /// The finest that fitted.
+    best: Option<Face>,
+    /// How many were refused.
+    refusals: usize,
+    /// The fewest triangles of any.
+    least: usize,
+}
+
+impl Tried {
+    /// The number of triangles of the mesh within `limit`; infinite where it is refused and a looser
+    /// limit may help.
+    fn make(&mut self, budget: &Budget, mesher: &mut Mesher, limit: f64) -> Result<f64, MeshError> {
+        let most = budget.triangles;
+        let count = match mesher.mesh(budget.limits(limit)) {
+            Ok(face) => {
+                let count = face.mesh.triangles.len() + budget.closing.counted(&face);
+                self.least = self.least.min(count);
+                if count <= most {
+                    // Every limit that is tried is stricter than those that fitted.
+                    self.best = Some(face);
+                } else if limit >= self.bracket.loosest {
+                    return Err(MeshError::Few { most, least: self.least });
+                }
+                count as f64
+            }
+            Err(error) => {
+                self.refusals += 1;
+                self.bracket.too_strict(limit, error)?
+            }
+        };
+        self.bracket.note(limit, count, most as f64);
+        Ok(count)
+    }
+}
+
 impl Budget<'_> {
     /// The finest mesh that, closed, has no more triangles than the budget.
     ///
@@ -80,43 +125,31 @@ impl Budget<'_> {
         let most = self.triangles as f64;
         let small = MESHES.into_iter().find(|(below, _)| self.triangles < *below);
         let usual = small.map_or(LARGE_MESHES, |(_, meshes)| meshes);
-        let mut bracket = self.bracket(APART);
         let mut mesher = self.mesher();
-        let mut limit = bracket.clamp(self.limit_of(&self.aim(&mut mesher)?));
-        let mut best: Option<Face> = None;
-        let (mut steps, mut refusals, mut least) = (Steps::default(), 0, usize::MAX);
+        let mut tried =
+            Tried { bracket: self.bracket(APART), best: None, refusals: 0, least: usize::MAX };
+        let fewest = self.loosest(&mut mesher);
+        if fewest.as_ref().is_ok_and(|(_, count)| *count > CLOSE * most) {
+            tried.make(self, &mut mesher, tried.bracket.loosest)?;
+        }
+        let aim = self.limit_of(&self.aim(&mut mesher, fewest)?);
+        let mut limit = tried.bracket.next(aim, aim);
+        let mut power = self.power();
         for made in 1.. {
-            let count = match mesher.mesh(self.limits(limit)) {
-                Ok(face) => {
-                    let count = face.mesh.triangles.len() + self.closing.counted(&face);
-                    least = least.min(count);
-                    if count <= self.triangles {
-                        // Every limit that is tried is stricter than those that fitted.
-                        best = Some(face);
-                    } else if limit >= bracket.loosest {
-                        return Err(MeshError::Few { most: self.triangles, least });
-                    }
-                    count as f64
-                }
-                Err(error) => {
-                    refusals += 1;
-                    bracket.too_strict(limit, error)?
-                }
-            };
+            let count = tried.make(self, &mut mesher, limit)?;
             let content = count <= most && count >= ENOUGH * most;
-            bracket.note(limit, count, most);
-            let enough = made >= usual || refusals >= REFUSALS;
-            if content || bracket.is_closed() || (enough && best.is_some()) {
+            let enough = made >= usual || tried.refusals >= REFUSALS;
+            if content || tried.bracket.is_closed() || (enough && tried.best.is_some()) {
                 break;
             }
             limit = if made < usual {
-                let step = steps.next(count > most, self.scaled(1.0, count, AIM * most));
-                bracket.next(limit, limit * step.clamp(1.0 / LONGEST, LONGEST))
+                let step = power.step(limit, count, AIM * most);
+                tried.bracket.next(limit, limit * step.clamp(1.0 / LONGEST, LONGEST))
             } else {
-                bracket.clamp((0..=made - usual).fold(limit, |limit, _| limit * GROWTH))
+                tried.bracket.clamp((0..=made - usual).fold(limit, |limit, _| limit * GROWTH))
             };
         }
-        Ok(best.expect("a bracket closes on a limit that fitted"))
+        Ok(tried.best.expect("a bracket closes on a limit that fitted"))
     }
 
     fn is_small(&self) -> bool {
@@ -129,7 +162,8 @@ impl Budget<'_> {
     /// [`MeshError`] as far as it can be foreseen.
     pub fn foresee(&self) -> Result<Plan, MeshError> {
         let mut mesher = self.mesher();
-        let plan = self.aim(&mut mesher)?;
+        let fewest = self.loosest(&mut mesher);
+        let plan = self.aim(&mut mesher, fewest)?;
         // A forecast may be off by some.
         if self.foreseen(&plan.forecast) <= 1.1 * self.triangles as f64 {
             return Ok(plan);
@@ -139,7 +173,7 @@ impl Budget<'_> {
     }
 
     /// The loose limit of the fewest triangles, and how many these are: hardly any mesh has fewer.
-    fn loosest(&self, mesher: &mut Mesher) -> Result<(Plan, f64), MeshError> {
+    fn loosest(&self, mesher: &mut Mesher) -> Fewest {
         let mut fewest: Option<(Plan, f64)> = None;
         let mut limit = LOOSEST * self.size();
         loop {
@@ -158,12 +192,11 @@ impl Budget<'_> {
         }
     }
 
-    /// The limit at which a forecast comes nearest to the budget, or the loosest.
-    fn aim(&self, mesher: &mut Mesher) -> Result<Plan, MeshError> {
+    /// The limit at which a forecast comes nearest to the budget, or that of the `fewest`.
+    fn aim(&self, mesher: &mut Mesher, fewest: Fewest) -> Result<Plan, MeshError> {
         let target = AIM * self.triangles as f64;
         let near = NEAR[usize::from(!self.is_small())];
         let fitting = target * (1.0 + near);
-        let fewest = self.loosest(mesher);
         if let Ok((plan, count)) = fewest
             && count > fitting
         {
@@ -175,7 +208,7 @@ impl Budget<'_> {
         if let Some((plan, count)) = &plan {
             bracket.note(self.limit_of(plan), *count, target);
         }
-        let mut steps = Steps { patience: PATIENCE, ..Steps::default() };
+        let mut power = self.power();
         for _ in 0..FORECASTS {
             let limits = self.limits(limit);
             let count = match mesher.estimate(limits) {
@@ -195,8 +228,7 @@ impl Budget<'_> {
             if is_near || bracket.is_closed() || (count > target && limit >= bracket.loosest) {
                 break;
             }
-            let step = steps.next(count > target, self.scaled(1.0, count, target));
-            limit = bracket.next(limit, limit * step);
+            limit = bracket.next(limit, limit * power.step(limit, count, target));
         }
         plan.map_or_else(|| fewest.map(|(plan, _)| plan), |(plan, _)| Ok(plan))
     }
@@ -246,33 +278,36 @@ impl Budget<'_> {
             Some(_) => (optimum.facet(1.0), 0.1 * self.size() * self.size()),
             None => (optimum.chord(1.0), 0.1 * self.size()),
         };
-        self.scaled(1.0, 1.5 * least.unwrap_or(usual), self.triangles as f64)
+        self.power().step(1.0, 1.5 * least.unwrap_or(usual), self.triangles as f64)
     }
 
-    /// Where `target` triangles are expected when there are `count` at `limit`: one triangle a
-    /// pixel of facet error, one a square millimetre and micrometre of chord error.
-    fn scaled(&self, limit: f64, count: f64, target: f64) -> f64 {
-        let ratio = count / target;
-        limit * if self.view.is_some() { ratio.sqrt() } else { ratio }
+    /// Theory's: the facet error falls with a facet's size, the chord error with its square.
+    fn power(&self) -> Power {
+        Power { theory: if self.view.is_some() { 2.0 } else { 1.0 }, last: None }
     }
 }
 
-/// Factors on the limit, which grow while it stays on one side: where rims need most of the triangles, or
-/// a mirror is flat, the number hardly follows the limit.
-#[derive(Debug, Default)]
-struct Steps {
-    /// Steps to one side that are taken as they come.
-    patience: u32,
-    /// Steps to the side of the last one, and which.
-    streak: u32,
-    too_many: Option<bool>,
+/// The power of the limit that the number of triangles falls by, as the last two tries tell it: where rims
+/// need most of the triangles, or a mirror is flat, the number hardly follows the limit.
+#[derive(Debug)]
+struct Power {
+    /// Theory's power, and the largest.
+    theory: f64,
+    /// Logarithms of the last limit and its number.
+    last: Option<[f64; 2]>,
 }
 
-impl Steps {
-    fn next(&mut self, too_many: bool, step: f64) -> f64 {
-        self.streak = if self.too_many == Some(too_many) { self.streak + 1 } else { 0 };
-        self.too_many = Some(too_many);
-        (self.patience..self.streak).fold(step, |step, _| step * step)
+impl Power {
+    /// A factor on `limit`, which has `count` triangles, towards `target` triangles.
+    fn step(&mut self, limit: f64, count: f64, target: f64) -> f64 {
+        if count.is_infinite() {
+            return f64::INFINITY;
+        }
+        let now = [log(limit), log(count)];
+        let told = self.last.map(|last| (last[1] - now[1]) / (now[0] - last[0]));
+        let power = told.filter(|told| told.is_finite()).unwrap_or(self.theory);
+        self.last = Some(now);
+        exp((now[1] - log(target)) / power.clamp(FLATTEST * self.theory, self.theory))
     }
 }
 
