@@ -24,6 +24,8 @@ pub struct Basis {
     along: Table,
     across: Table,
     terms: Vec<(usize, usize)>,
+    /// What is taken off each unknown's function.
+    levels: Vec<f64>,
     size_mm: f64,
 }
 
@@ -63,6 +65,18 @@ fn extrema(degree: usize) -> Line {
     (0..=steps).map(|k| (-cos(PI * k as f64 / steps as f64), 1.0, k % 2 == 0)).collect()
 }
 
+/// The means of the Legendre polynomials up to `degree` over part of [-1, 1], by
+/// (2 k + 1) P_k = (P_{k+1} - P_{k-1})'.
+fn means(degree: usize, ends: [f64; 2]) -> Vec<f64> {
+    let [lo, hi] = ends.map(|t| values(degree + 1, t));
+    let mean = |k: usize| {
+        let whole =
+            |p: &[f64]| (p[k + 1] - if k == 0 { -1.0 } else { p[k - 1] }) / (2 * k + 1) as f64;
+        (whole(&hi) - whole(&lo)) / (ends[1] - ends[0])
+    };
+    (0..=degree).map(mean).collect()
+}
+
 impl Basis {
     /// Products P_i P_j of Legendre polynomials up to `degree` in each direction over `area`
     /// (mm), but for the constant: the mean over the area is zero. With `even_x` only those even
@@ -89,16 +103,29 @@ impl Basis {
         };
         // The middle place, where there is one, is k = len / 2.
         let (skip, times, stride) = if even_x { (line.len() / 2, 2.0, 2) } else { (0, 1.0, 1) };
+        let terms: Vec<(usize, usize)> = (0..=degree)
+            .step_by(stride)
+            .flat_map(|i| (0..=degree).map(move |j| (i, j)))
+            .filter(|&term| term != (0, 0))
+            .collect();
         Self {
             along: table(half.x, centre.x, skip, times),
             across: table(half.y, centre.y, 0, 1.0),
-            terms: (0..=degree)
-                .step_by(stride)
-                .flat_map(|i| (0..=degree).map(move |j| (i, j)))
-                .filter(|&term| term != (0, 0))
-                .collect(),
+            levels: vec![0.0; terms.len()],
+            terms,
             size_mm: area.size().max_element(),
         }
+    }
+
+    /// The same functions over the same `area` (mm) but for constants: the mean over `part` of it is zero.
+    #[must_use]
+    pub fn with_mean_zero_over(mut self, part: Rect, area: Rect) -> Self {
+        let degree = self.along.places[0].p.len() - 1;
+        let (half, centre) = (0.5 * area.size(), area.centre());
+        let [lo, hi] = [part.min, part.max].map(|corner| (corner - centre) / half);
+        let (x, y) = (means(degree, [lo.x, hi.x]), means(degree, [lo.y, hi.y]));
+        self.levels = self.terms.iter().map(|&(i, j)| x[i] * y[j]).collect();
+        self
     }
 
     /// P_k(t) - 1 for k = 1 ..= `degree`, functions of the distance r from the axis alone, looked
@@ -140,6 +167,7 @@ impl Basis {
             along: Table { places: line.into_iter().map(place).collect() },
             across: Table { places: vec![fixed] },
             terms: (1..=degree).map(|k| (k, 0)).collect(),
+            levels: vec![0.0; degree],
             size_mm: rim,
         }
     }
@@ -148,6 +176,12 @@ impl Basis {
     #[must_use]
     pub fn terms(&self) -> &[(usize, usize)] {
         &self.terms
+    }
+
+    /// What is taken off each unknown's function, in the order of the coefficients.
+    #[must_use]
+    pub fn levels(&self) -> &[f64] {
+        &self.levels
     }
 
     /// Number of unknowns.
@@ -192,12 +226,14 @@ impl Basis {
     /// Value and derivatives of every unknown's function at place `k`.
     pub fn row(&self, k: usize) -> impl Iterator<Item = Local> {
         let (a, b) = self.pair(k);
-        self.terms.iter().map(|&(i, j)| [a.p[i] * b.p[j], a.d[i] * b.p[j], a.p[i] * b.d[j]])
+        let terms = self.terms.iter().zip(&self.levels);
+        terms.map(|(&(i, j), l)| [a.p[i] * b.p[j] - l, a.d[i] * b.p[j], a.p[i] * b.d[j]])
     }
 
     /// F and its slopes at every place, from the coefficients.
     #[must_use]
     pub fn locals(&self, coefficients: &[f64]) -> Vec<Local> {
+        let level: f64 = self.levels.iter().zip(coefficients).map(|(l, c)| l * c).sum();
         let mut locals = vec![[0.0; 3]; self.len()];
         let count = self.across.places.len();
         let rows = self.along.places[0].p.len();
@@ -215,6 +251,7 @@ impl Basis {
                     local[1] += f * d;
                     local[2] += f_y * p;
                 }
+                local[0] -= level;
             }
         }
         locals
@@ -252,6 +289,35 @@ mod tests {
             let exact = PI * (radii[1] * radii[1] - radii[0] * radii[0]);
             assert!((area - exact).abs() < 1e-12, "{area} {exact}");
         }
+    }
+
+    #[test]
+    fn the_mean_is_zero_over_the_part_that_is_asked_for() {
+        let part = Rect { min: DVec2::new(-1.0, 1.5), max: DVec2::new(3.0, 3.0) };
+        let whole = Basis::rectangle(strip(), false, 5, Places::Quadrature);
+        let c: Vec<f64> = (0..whole.unknowns()).map(|k| 1.0 / (k + 1) as f64).collect();
+        let moved = whole.clone().with_mean_zero_over(part, strip());
+        // The same function less a constant: its own mean over the part, by a quadrature there.
+        let (before, after) = (whole.locals(&c), moved.locals(&c));
+        let level = before[0][0] - after[0][0];
+        for (a, b) in before.iter().zip(&after) {
+            assert!((a[0] - b[0] - level).abs() < 1e-13 && a[1..] == b[1..]);
+        }
+        let (nodes, weights) = gauss_legendre(8);
+        let mut mean = 0.0;
+        for (u, w) in nodes.iter().zip(&weights) {
+            for (v, x) in nodes.iter().zip(&weights) {
+                let q = part.centre() + 0.5 * part.size() * DVec2::new(*u, *v);
+                let t = (q - strip().centre()) / (0.5 * strip().size());
+                let (p, r) = (values(5, t.x), values(5, t.y));
+                let f: f64 = whole.terms().iter().zip(&c).map(|(&(i, j), c)| c * p[i] * r[j]).sum();
+                mean += 0.25 * w * x * f;
+            }
+        }
+        assert!((mean - level).abs() < 1e-13 && level.abs() > 1e-3, "{mean} {level}");
+        // Over all of the area it is the basis as it was, to the last bit.
+        let same = whole.clone().with_mean_zero_over(strip(), strip());
+        assert_eq!(same.locals(&c), before);
     }
 
     #[test]

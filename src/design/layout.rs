@@ -21,6 +21,9 @@ pub struct Plan {
     pub outline: Outline,
     /// Where the surface is fitted, mm: the panel, or for `section` the panorama it is cut from.
     pub domain: Outline,
+    /// Where the mean of a strip's logarithmic height is zero, mm: the panel, whose middle depth the
+    /// camera's distance is. It is the domain itself but for `section`.
+    pub level: Rect,
     /// Whether problem and panel are symmetric in x and in y.
     pub even: [bool; 2],
 }
@@ -171,6 +174,10 @@ impl Plan {
             }
             _ => DVec2::ONE,
         };
+        let domain = Rect {
+            min: exact.centre() - 0.5 * widening * exact.size(),
+            max: exact.centre() + 0.5 * widening * exact.size(),
+        };
         let projection = Projection::Strip(crate::optics::Strip {
             law,
             scale_mm,
@@ -185,10 +192,8 @@ impl Plan {
             } else {
                 exact
             }),
-            domain: Outline::Rect(Rect {
-                min: exact.centre() - 0.5 * widening * exact.size(),
-                max: exact.centre() + 0.5 * widening * exact.size(),
-            }),
+            domain: Outline::Rect(domain),
+            level: if widening == DVec2::ONE { domain } else { exact },
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
             even: [middle_deg % 180.0 == 0.0, false],
         })
@@ -221,6 +226,7 @@ impl Plan {
             },
             outline,
             domain: outline,
+            level: outline.bounds(),
             even: [true; 2],
         }
     }

@@ -42,7 +42,8 @@ pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), Cause> {
 
 fn basis(plan: &Plan, degree: usize, places: Places) -> Basis {
     match plan.domain {
-        Outline::Rect(area) => Basis::rectangle(area, plan.even[0], degree, places),
+        Outline::Rect(area) => Basis::rectangle(area, plan.even[0], degree, places)
+            .with_mean_zero_over(plan.level, area),
         Outline::Ring { inner, outer } => Basis::radial([inner, outer], degree, places),
     }
 }
@@ -115,8 +116,10 @@ fn surface(plan: &Plan, coefficients: &[f64], degree: usize) -> Surface {
         Outline::Rect(area) => {
             let mut grid = vec![0.0; side * side];
             let basis = basis(plan, degree, Places::Quadrature);
-            for (&(i, j), c) in basis.terms().iter().zip(coefficients) {
+            for ((&(i, j), level), c) in basis.terms().iter().zip(basis.levels()).zip(coefficients)
+            {
                 grid[i * side + j] = c / scale_mm;
+                grid[0] -= level * c / scale_mm;
             }
             let series = Series::from_fn(side, side, |i, j| grid[i * side + j]);
             let (centre, half) = (area.centre(), 0.5 * area.size());
