@@ -3,9 +3,10 @@
 use crate::support::oracle::{
     self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, trace,
 };
-use crate::support::{panel, rims};
+use crate::support::{designed, panel, rims, shipped_but};
 use morion::geom::{DVec2, DVec3, Rect};
-use morion::num::{cos, log, sin, tan};
+use morion::num::quadrature::gauss_legendre;
+use morion::num::{cos, exp, log, sin, tan};
 use std::f64::consts::PI;
 
 const FAR: f64 = f64::INFINITY;
@@ -268,5 +269,50 @@ fn a_far_target_is_at_infinity() {
         assert!((order + 1.0).abs() < 0.01, "{}: {order} {points:?}", wish.projection);
         let foreseen = points[2].1 / 10.0;
         assert!(agree(points[3].1, foreseen, 1e-2), "{}: {points:?}", wish.projection);
+    }
+}
+
+/// Means over the picture of the panel: of Z, and the geometric one of depths below `eye_mm`.
+fn means(design: &morion::design::Design, eye_mm: f64) -> [f64; 2] {
+    let mirror = &design.mirror;
+    let area = mirror.outline.bounds();
+    let (nodes, weights) = gauss_legendre(40);
+    let (mut height, mut depth) = (0.0, 0.0);
+    for (u, a) in nodes.iter().zip(&weights) {
+        for (v, b) in nodes.iter().zip(&weights) {
+            let q = area.centre() + 0.5 * area.size() * DVec2::new(*u, *v);
+            let z = mirror.place(q, &mirror.surface.at(q)).z;
+            height += 0.25 * a * b * z;
+            depth += 0.25 * a * b * log(eye_mm - z);
+        }
+    }
+    [height, exp(depth)]
+}
+
+#[test]
+fn camera_and_target_are_where_the_profile_says_of_the_panel_that_is_made() {
+    let lens = "[camera.pinhole]\nhfov_deg = 22.6\ndistance_mm = 150\npixels = [640, 480]";
+    for panel in ["refit", "section"] {
+        let cut = format!("panel = \"{panel}\"");
+        for (camera, target) in
+            [(true, ""), (true, "target_radius_mm = 300\n"), (false, "target_radius_mm = 200\n")]
+        {
+            let law = format!("{target}azimuth_deg = [-180, 180]");
+            let mut edits = vec![("panel = \"refit\"", &*cut), ("azimuth_deg = [-180, 180]", &law)];
+            if camera {
+                edits.push(("[camera.orthographic]", lens));
+                edits.push(("\npixels = [640, 480]              #", "\n#"));
+            }
+            let design = designed(&shipped_but("conquistador", &edits));
+            let chart = design.camera.chart;
+            let eye_mm = if camera { chart.plane_mm + 1.0 / chart.vergence } else { 1e3 };
+            let [height, depth] = means(&design, eye_mm);
+            if camera {
+                assert!((depth - 150.0).abs() < 1e-9, "{panel} {target}: {depth}");
+            }
+            let origin = design.view.expect("a projection").origin_mm;
+            let wanted = if camera { eye_mm - 150.0 } else { height };
+            assert!((origin - wanted).abs() < 1e-9, "{panel} {target}: {origin} {wanted}");
+        }
     }
 }
