@@ -338,9 +338,9 @@ fn a_method_that_does_not_converge_gives_way_to_the_vector_field() {
 #[test]
 fn a_mirror_that_turns_its_back_says_where() {
     let picture = "projection.mercator = { azimuth_deg = [-180, 180], elevation_deg = [-23.15, -4.472], \
-                   target_radius_mm = 2.041 }\nlayout.conquistador = { panel = \"section\", ridge = \
+                   target_radius_mm = 1.2 }\nlayout.conquistador = { panel = \"section\", ridge = \
                    \"valley\", fill_frame = false }";
-    let camera = "pinhole = { pixels = [2, 16], hfov_deg = 88.8, distance_mm = 2.634 }";
+    let camera = "pinhole = { pixels = [2, 16], hfov_deg = 88.8, distance_mm = 2.2 }";
     let found =
         cause(camera, picture, "method.distribution = { degree = 9, minimax = false }", 2.375);
     assert!(matches!(found, Cause::Back { .. }), "{found}");
