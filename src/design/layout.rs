@@ -21,9 +21,9 @@ pub struct Plan {
     pub outline: Outline,
     /// Where the surface is fitted, mm: the panel, or for `section` the panorama it is cut from.
     pub domain: Outline,
-    /// Where the mean of a strip's logarithmic height is zero, mm: the panel, whose middle depth the
-    /// camera's distance is. It is the domain itself but for `section`.
-    pub level: Rect,
+    /// The panel of a `section`, mm, over which the mean of the logarithmic height is zero; of other
+    /// strips that is the domain.
+    pub cut: Option<Rect>,
     /// Whether problem and panel are symmetric in x and in y.
     pub even: [bool; 2],
 }
@@ -193,7 +193,7 @@ impl Plan {
                 exact
             }),
             domain: Outline::Rect(domain),
-            level: if widening == DVec2::ONE { domain } else { exact },
+            cut: (widening != DVec2::ONE).then_some(exact),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
             even: [middle_deg % 180.0 == 0.0, false],
         })
@@ -226,7 +226,7 @@ impl Plan {
             },
             outline,
             domain: outline,
-            level: outline.bounds(),
+            cut: None,
             even: [true; 2],
         }
     }

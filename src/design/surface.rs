@@ -42,8 +42,13 @@ pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), Cause> {
 
 fn basis(plan: &Plan, degree: usize, places: Places) -> Basis {
     match plan.domain {
-        Outline::Rect(area) => Basis::rectangle(area, plan.even[0], degree, places)
-            .with_mean_zero_over(plan.level, area),
+        Outline::Rect(area) => {
+            let whole = Basis::rectangle(area, plan.even[0], degree, places);
+            match plan.cut {
+                Some(panel) => whole.with_mean_zero_over(panel, area),
+                None => whole,
+            }
+        }
         Outline::Ring { inner, outer } => Basis::radial([inner, outer], degree, places),
     }
 }
