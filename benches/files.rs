@@ -45,8 +45,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut given = std::env::args().skip(1).filter(|text| text != "--bench");
     let triangles = given.next().map_or(Ok(1_000_000), |text| text.parse())?;
     let solid = Solid::from_face(&face(triangles), None, Precision::Single)?;
-    let label =
-        Label { profile: "files".into(), sha256: "0".repeat(64), tolerances: "none".into() };
+    let label = Label {
+        profile: "files".into(),
+        sha256: "0".repeat(64),
+        tolerances: "none".into(),
+        mounting: Vec::new(),
+    };
     let folder = tempfile::tempdir()?;
     println!("{} triangles", solid.mesh().triangles.len());
     for format in ["stl", "3mf"] {

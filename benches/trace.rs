@@ -147,6 +147,7 @@ fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn E
         profile: profile.name.clone(),
         sha256: profile.sha256.clone(),
         tolerances: String::new(),
+        mounting: Vec::new(),
     };
     let mut bytes = Vec::new();
     write_stl(&mut bytes, &solid, &label)?;

@@ -61,6 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         profile: profile.name.clone(),
         sha256: profile.sha256.clone(),
         tolerances: "facet px 1".into(),
+        mounting: design.mounting.statements(),
     };
     let mut stl = Vec::new();
     write_stl(&mut stl, &solid, &label)?;

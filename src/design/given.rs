@@ -3,7 +3,7 @@
 use super::conic::{along_radius, over_area, plus};
 use super::facts::Facts;
 use super::layout::{self, Plan, Ties};
-use super::{Cause, Design, DesignError, finished};
+use super::{Cause, Design, DesignError, MOST_ROUNDS, finished};
 use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::{Knots, Mirror, Patches, Round, Sheet, Surface};
 use crate::num::legendre::Series;
@@ -83,18 +83,37 @@ fn outline(profile: &Profile) -> Result<Outline, DesignError> {
 /// Camera and view about the mirror: the reference plane at the mean height of the mirror, of a
 /// round one at its outer rim's; the target's origin at the mean height.
 fn placed(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, DesignError> {
-    let mean = mirror.mean_mm();
     let mut camera = layout::camera(profile);
     if camera.chart.vergence != 0.0 {
         camera.chart.plane_mm = match mirror.outline {
-            Outline::Rect(_) => mean,
+            Outline::Rect(_) => at_mean(&mirror, camera.chart, profile.part.width_mm),
             Outline::Ring { outer, .. } => mirror.rim_mm(outer),
         };
     }
+    let mean = mirror.mean_mm(&camera.chart);
     let mut ties = Ties { origin_mm: mean, ..Ties::new(profile) };
     ties.inner_mm = in_image(&mirror, &camera, ties.inner_mm);
     let view = Plan::new(profile, &ties)?.map(|plan| View { origin_mm: mean, ..plan.view });
     finished(profile, camera, view, mirror, Facts::given(degree))
+}
+
+/// The reference plane's height that is the mean height over its own camera's picture, mm: each
+/// round brings it closer by the square of the depths' spread over their mean.
+fn at_mean(mirror: &Mirror, chart: Chart, width_mm: f64) -> f64 {
+    let mut plane_mm = mirror.mean_mm(&mirror.chart);
+    for _ in 0..MOST_ROUNDS {
+        let mean = mirror.mean_mm(&Chart { plane_mm, ..chart });
+        // A mirror that reaches up to the pinhole has no mean there, and is refused for its back.
+        if !mean.is_finite() {
+            break;
+        }
+        let step = (mean - plane_mm).abs();
+        plane_mm = mean;
+        if step <= 1e-13 * width_mm {
+            break;
+        }
+    }
+    plane_mm
 }
 
 /// The mean image radius of the mirror's points at `radius` from the axis.
@@ -335,7 +354,7 @@ layout.annulus.inner_width_mm = 12
             let design = design(&profile(&format!("{layout}{mirror}")), Some(&heights)).unwrap();
             let (mirror, camera) = (&design.mirror, &design.camera.chart);
             let height = match mirror.outline {
-                Outline::Rect(_) => mirror.mean_mm(),
+                Outline::Rect(_) => mirror.mean_mm(camera),
                 Outline::Ring { outer, .. } => mirror.rim_mm(outer),
             };
             assert!((camera.plane_mm - height).abs() < 1e-9);

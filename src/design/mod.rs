@@ -9,10 +9,11 @@ mod conic;
 mod facing;
 mod facts;
 mod given;
+mod heights;
 mod layout;
-mod lowest;
 mod minimax;
 mod mixing;
+mod mounting;
 mod remedy;
 mod residual;
 mod solve;
@@ -25,6 +26,7 @@ mod trial;
 pub use best::SearchError;
 pub use cause::{Cause, Goal, Trouble};
 pub use facts::{Curl, Facts};
+pub use mounting::Mounting;
 pub use remedy::{Change, MOST_TRIALS, Remedy, Value};
 pub use solve::SolveError;
 
@@ -47,6 +49,8 @@ pub struct Design {
     pub camera: Camera,
     /// What the part has around the mirror.
     pub stock: Option<Stock>,
+    /// Where camera and target are, and how large the part is.
+    pub mounting: Mounting,
     /// Figures of merit.
     pub facts: Facts,
 }
@@ -214,7 +218,8 @@ fn finished(
     mut mirror: Mirror,
     facts: Facts,
 ) -> Result<Design, DesignError> {
-    let lift = profile.part.base_mm - lowest::lowest(&mirror);
+    let [lowest, highest] = heights::heights(&mirror);
+    let lift = profile.part.base_mm - lowest;
     if !lift.is_finite() {
         return Err(Cause::NotFinite { what: "sag" }.into());
     }
@@ -231,7 +236,8 @@ fn finished(
         }
     };
     let stock = stock::around(profile, &mirror)?;
-    Ok(Design { mirror, view, camera, stock, facts })
+    let mounting = Mounting::new(&mirror, &camera, view.as_ref(), stock.as_ref(), highest + lift);
+    Ok(Design { mirror, view, camera, stock, mounting, facts })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The material around a mirror, once its outline is known.
 
 use super::DesignError;
-use crate::geom::{Contour, DVec2, Drilled, Land, Outline, Stock};
+use crate::geom::{Contour, DVec2, Drilled, Land, Outline, Rect, Stock};
 use crate::mirror::Mirror;
 use crate::num::{cos, radians, sin};
 use crate::profile::{Border, Feature, Footprint, Misfit, Profile, Spot};
@@ -142,24 +142,43 @@ fn land(mirror: &Mirror, hole: &Spot) -> Result<f64, DesignError> {
     })
 }
 
+/// X and Y of the point of `mirror` at `q` of its chart.
+fn plan(mirror: &Mirror, q: DVec2) -> DVec2 {
+    mirror.place(q, &mirror.row(q.y).at(q.x)).truncate()
+}
+
+/// The rectangle along X and Y around the mirror.
+pub fn extent(mirror: &Mirror) -> Rect {
+    let rect = match mirror.whole() {
+        Outline::Ring { outer, .. } => {
+            // A mirror under a pinhole has a round outline only if it is round itself.
+            let half = DVec2::splat(plan(mirror, DVec2::new(outer, 0.0)).x);
+            return Rect { min: -half, max: half };
+        }
+        Outline::Rect(rect) => rect,
+    };
+    let rim = (0..=STEPS).flat_map(|k| {
+        let q = rect.min + rect.size() * (k as f64 / STEPS as f64);
+        let q = q.min(rect.max);
+        let across = [rect.min.y, rect.max.y].map(|y| DVec2::new(q.x, y));
+        let along = [rect.min.x, rect.max.x].map(|x| DVec2::new(x, q.y));
+        [across, along].concat()
+    });
+    let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+    rim.map(|q| plan(mirror, q))
+        .fold(none, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) })
+}
+
 /// The rectangle or circle about the axis that holds the mirror.
 fn footprint(mirror: &Mirror) -> Footprint {
-    let at = |q: DVec2| mirror.place(q, &mirror.row(q.y).at(q.x)).truncate();
     match mirror.whole() {
-        // A mirror under a pinhole has a round outline only if it is round itself.
         Outline::Ring { inner, outer } => {
-            let radius = |q: f64| if q == 0.0 { 0.0 } else { at(DVec2::new(q, 0.0)).x };
+            let radius = |q: f64| if q == 0.0 { 0.0 } else { plan(mirror, DVec2::new(q, 0.0)).x };
             Footprint::Round { radius_mm: radius(outer), land_mm: radius(inner) }
         }
-        Outline::Rect(rect) => {
-            let rim = (0..=STEPS).flat_map(|k| {
-                let q = rect.min + rect.size() * (k as f64 / STEPS as f64);
-                let q = q.min(rect.max);
-                let across = [rect.min.y, rect.max.y].map(|y| DVec2::new(q.x, y));
-                let along = [rect.min.x, rect.max.x].map(|x| DVec2::new(x, q.y));
-                [across, along].concat()
-            });
-            let half = rim.map(|q| at(q).abs()).fold(DVec2::ZERO, DVec2::max);
+        Outline::Rect(_) => {
+            let extent = extent(mirror);
+            let half = extent.max.abs().max(extent.min.abs());
             Footprint::Rect { half_mm: half.to_array() }
         }
     }

@@ -38,9 +38,18 @@ pub struct Label {
     pub sha256: String,
     /// Tolerances asked for and reached, on one line.
     pub tolerances: String,
+    /// How the part is mounted, in short statements, that of the camera first; may be empty.
+    pub mounting: Vec<String>,
 }
 
 impl Label {
+    /// Tolerances and how the part is mounted, on one line.
+    fn about(&self) -> String {
+        let all: Vec<&str> =
+            std::iter::once(&self.tolerances).chain(&self.mounting).map(String::as_str).collect();
+        Self::plain(&all.join("; "))
+    }
+
     /// `text` with everything but printable ASCII replaced: headers and comments end at a newline.
     fn plain(text: &str) -> String {
         text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()

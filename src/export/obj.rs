@@ -71,7 +71,7 @@ const BODY: &str = "# skirt and base";
 
 fn header(out: &mut impl Write, label: &Label) -> io::Result<()> {
     writeln!(out, "# Morion: profile {}, sha256 {}", Label::plain(&label.profile), label.sha256)?;
-    writeln!(out, "# millimetres; {}", Label::plain(&label.tolerances))
+    writeln!(out, "# millimetres; {}", label.about())
 }
 
 fn vertex(text: &mut Vec<u8>, v: &DVec3) -> io::Result<()> {

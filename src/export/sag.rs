@@ -91,7 +91,7 @@ pub fn write_sag(
 }
 
 fn header(out: &mut impl Write, path: &SagPath, label: &Label, notes: &[String]) -> io::Result<()> {
-    let Label { profile, sha256, tolerances } = label;
+    let Label { profile, sha256, tolerances, .. } = label;
     writeln!(out, "# Morion: profile {}, sha256 {sha256}", Label::plain(profile))?;
     writeln!(out, "# millimetres; mesh files: {}", Label::plain(tolerances))?;
     writeln!(
@@ -106,7 +106,7 @@ fn header(out: &mut impl Write, path: &SagPath, label: &Label, notes: &[String])
             writeln!(out, "# spiral: about the axis inwards, pitch {pitch_mm}, step {step_mm}")?;
         }
     }
-    for note in notes {
+    for note in label.mounting.iter().chain(notes) {
         writeln!(out, "# {}", Label::plain(note))?;
     }
     writeln!(out, "{TITLES}")

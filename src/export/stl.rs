@@ -18,8 +18,8 @@ pub fn stl_bytes(triangles: usize) -> u64 {
 }
 
 /// Writes `solid`, whose coordinates should be single-precision numbers, as binary STL with facet
-/// normals. The header names the program, the profile, the unit and the tolerances, as far as they
-/// fit, and never begins with "solid", by which readers know the text form.
+/// normals. The header names the program, the profile, the unit, the camera's place and the tolerances, as
+/// far as they fit, and never begins with "solid", by which readers know the text form.
 ///
 /// # Errors
 /// Whatever `out` returns, flushing included.
@@ -37,7 +37,8 @@ pub fn write_stl(out: &mut impl Write, solid: &Solid, label: &Label) -> io::Resu
 
 fn header(label: &Label) -> [u8; HEADER] {
     let hash = &label.sha256[..label.sha256.len().min(8)];
-    let text = format!("Morion {} {hash} mm {}", label.profile, label.tolerances);
+    let camera = label.mounting.first().map_or(String::new(), |camera| format!("{camera}; "));
+    let text = format!("Morion {} {hash} mm {camera}{}", label.profile, label.tolerances);
     let mut header = [b' '; HEADER];
     for (to, from) in header.iter_mut().zip(Label::plain(&text).bytes()) {
         *to = from;

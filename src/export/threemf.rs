@@ -79,9 +79,9 @@ pub fn write_3mf(out: &mut impl Write, solid: &Solid, label: &Label) -> io::Resu
 }
 
 fn metadata(label: &Label) -> [(&'static str, String); 3] {
-    let Label { profile, sha256, tolerances } = label;
-    let description =
-        format!("Mirror of profile {profile}, sha256 {sha256}; millimetres; {tolerances}");
+    let Label { profile, sha256, .. } = label;
+    let about = label.about();
+    let description = format!("Mirror of profile {profile}, sha256 {sha256}; millimetres; {about}");
     [("Title", profile.clone()), ("Description", description), ("Application", "Morion".into())]
 }
 

@@ -94,14 +94,21 @@ impl Chart {
         [p[0] * k / shrink, p[1] * k / shrink]
     }
 
+    /// Z of the pinhole, mm; none for parallel rays.
+    #[inline]
+    #[must_use]
+    pub fn pupil_mm(&self) -> Option<f64> {
+        (self.vergence != 0.0).then(|| self.plane_mm + 1.0 / self.vergence)
+    }
+
     /// The camera's ray through image point `q`: from the pinhole, or from height `top_mm`.
     #[inline]
     #[must_use]
     pub fn ray(&self, q: DVec2, top_mm: f64) -> Ray {
-        if self.vergence == 0.0 {
+        let Some(pupil_mm) = self.pupil_mm() else {
             return Ray { origin: q.extend(top_mm), direction: DVec3::NEG_Z };
-        }
-        let origin = DVec3::new(0.0, 0.0, self.plane_mm + 1.0 / self.vergence);
+        };
+        let origin = DVec3::new(0.0, 0.0, pupil_mm);
         Ray { origin, direction: (q * self.vergence).extend(-1.0).normalize() }
     }
 }

@@ -155,6 +155,24 @@ impl Mirror {
         }
     }
 
+    /// Each panel as a mirror of its own, the designed one first, whose surface goes on beyond the
+    /// ridge.
+    #[must_use]
+    pub fn panels(&self) -> Vec<Self> {
+        let one = Self { folded: false, ..self.clone() };
+        let Outline::Rect(Rect { min, max }) = self.outline else { return vec![one] };
+        if !self.folded {
+            return vec![one];
+        }
+        let reflected = Rect { min: DVec2::new(min.x, -max.y), max: DVec2::new(max.x, -min.y) };
+        let other = Self {
+            surface: self.surface.reflected(1),
+            outline: Outline::Rect(reflected),
+            ..one.clone()
+        };
+        vec![one, other]
+    }
+
     /// Whether `q` is on the reflected panel's side (the ridge belongs to the designed one). Places
     /// that rounding has put beyond the outline stay with their panel.
     #[inline]

@@ -1,7 +1,7 @@
 //! Volume between a mirror and the base plane.
 
 use super::{Mirror, Point, Surface};
-use crate::geom::{DVec2, DVec3, Outline};
+use crate::geom::{Chart, DVec2, DVec3, Outline};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{asin, cos, sin};
 use crate::parallel;
@@ -15,8 +15,8 @@ const ACROSS: usize = 256;
 /// Places along a rim.
 const RIM: usize = 512;
 
-/// What is integrated.
-type OfZ = fn(f64) -> f64;
+/// What is integrated: a function of the place (X, Y, Z) mm and of the slope (Z_X, Z_Y) there.
+type Of<'a> = &'a (dyn Fn(DVec3, DVec2) -> f64 + Sync);
 
 impl Mirror {
     /// Volume between all panels and the base plane Z = 0, mm^3, with a land inside a ring that
@@ -34,7 +34,7 @@ impl Mirror {
             }
             _ => 0.0,
         };
-        panels * self.under_panel(|z| z) + land
+        panels * self.under_panel(&|at, _| at.z) + land
     }
 
     /// Area that the mirror, a land inside a ring included, covers of the (X, Y) plane, mm^2.
@@ -47,13 +47,7 @@ impl Mirror {
             }
             Outline::Rect(_) => 0.0,
         };
-        panels * self.under_panel(|_| 1.0) + land
-    }
-
-    /// Mean of Z over the panel's area, mm, for the chart of parallel rays.
-    #[must_use]
-    pub fn mean_mm(&self) -> f64 {
-        self.under_panel(|z| z) / self.outline.area()
+        panels * self.under_panel(&|_, _| 1.0) + land
     }
 
     /// Mean of Z over equal angles at `radius` from the axis, mm.
@@ -71,8 +65,22 @@ impl Mirror {
         (0..RIM).map(at).sum::<f64>() / RIM as f64
     }
 
-    /// The integral of a function of Z over what the designed panel covers of the (X, Y) plane.
-    fn under_panel(&self, of: OfZ) -> f64 {
+    /// Z at the geometric mean of the mirror's depths below the pinhole of `camera`, the mean being
+    /// over the panel's picture, mm; under parallel rays, mean of Z over the plan. Not a number where
+    /// the mirror reaches up to the pinhole.
+    #[must_use]
+    pub fn mean_mm(&self, camera: &Chart) -> f64 {
+        // The area that a unit of the plan covers in the picture.
+        let density = |at: DVec3, slope: DVec2| {
+            let shrink = camera.shrink(at.z);
+            (1.0 + camera.vergence * at.truncate().dot(slope) / shrink) / (shrink * shrink)
+        };
+        let sum = self.under_panel(&|at, slope| density(at, slope) * camera.coordinates(at).1);
+        camera.point(DVec2::ZERO, sum / self.under_panel(&density)).z
+    }
+
+    /// The integral of a function of place and slope over what the designed panel covers of the (X, Y) plane.
+    fn under_panel(&self, of: Of) -> f64 {
         match (self.outline, &self.surface) {
             (Outline::Rect(panel), _) => {
                 let along = self.nodes(0, panel.min.x, panel.max.x);
@@ -93,7 +101,7 @@ impl Mirror {
 
     /// The same under a disc about the axis: along its chords, the chords at y = radius sin(angle),
     /// for which their length is smooth.
-    fn disc(&self, radius: f64, of: OfZ) -> f64 {
+    fn disc(&self, radius: f64, of: Of) -> f64 {
         if radius == 0.0 {
             return 0.0;
         }
@@ -110,7 +118,7 @@ impl Mirror {
     }
 
     /// The integral along a line of constant y.
-    fn line(&self, y: f64, along: &[(f64, f64)], of: OfZ) -> f64 {
+    fn line(&self, y: f64, along: &[(f64, f64)], of: Of) -> f64 {
         let row = self.row(y);
         along.iter().map(|&(x, w)| w * self.column(DVec2::new(x, y), &row.at(x), of)).sum()
     }
@@ -129,12 +137,12 @@ impl Mirror {
         composite(&self.breaks(axis, lo, hi), if cubic { 2 } else { NODES })
     }
 
-    /// The function of Z times the area that a unit of the chart's area covers in the (X, Y) plane.
-    fn column(&self, q: DVec2, point: &Point, of: OfZ) -> f64 {
+    /// The function of place and slope times the area that a unit of the chart's area covers in the (X, Y) plane.
+    fn column(&self, q: DVec2, point: &Point, of: Of) -> f64 {
         let k = self.chart.vergence;
         let at = self.place(q, point);
         let shrink = 1.0 - k * (at.z - self.chart.plane_mm);
-        of(at.z) * shrink * shrink * (1.0 - k * point.slope.dot(q))
+        of(at, self.slope(q, point)) * shrink * shrink * (1.0 - k * point.slope.dot(q))
     }
 }
 

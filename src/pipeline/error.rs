@@ -114,7 +114,7 @@ pub enum Error {
     },
     /// No pixel sees the mirror.
     #[error(
-        "cannot tolerance {profile}: no pixel sees the mirror away from its rim; take a camera of more pixels"
+        "cannot tolerance {profile}: no pixel sees the target in the mirror; `morion frame` tells what they see"
     )]
     Unseen {
         /// Profile name.

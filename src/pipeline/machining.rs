@@ -4,9 +4,9 @@
 use super::examine::{Evidence, examine};
 use super::files::{Folder, sha256};
 use super::observer::Clock;
-use super::{Error, Observer, Source, Stage, designed, verdict};
+use super::{Error, Observer, Source, Stage, designed, labelled, verdict};
 use crate::design::Design;
-use crate::export::{Label, stl_bytes, write_stl};
+use crate::export::{stl_bytes, write_stl};
 use crate::geom::{Contour, DVec2, DVec3, Precision, TriMesh};
 use crate::machining::{
     self, FLOOR_MM, Figures, Fillet, Gouge, MOST_POINTS, MachiningError, Passes, ROWS, Raster,
@@ -91,11 +91,8 @@ pub fn machining(
         let optical_triangles = mesh.triangles.len();
         let solid = clock.stage(Stage::Solid, || close(profile, &design, mesh))?;
         folder.holds(stl_bytes(solid.mesh().triangles.len()))?;
-        let label = Label {
-            profile: profile.name.clone(),
-            sha256: profile.sha256.clone(),
-            tolerances: format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm),
-        };
+        let as_cut = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);
+        let label = labelled(profile, &design, as_cut);
         let staged = clock.stage(Stage::Write, || {
             let staged = folder.stage(FILE, |mut out| write_stl(&mut out, &solid, &label))?;
             clock.written(staged.path());

@@ -122,7 +122,17 @@ fn label(profile: &Profile, design: &Design, bound: Option<&Bound>) -> Label {
         limit(profile.mesh.facet_px),
         reached(&|bound| bound.facet_mm / design.camera.pixel_mm),
     );
-    Label { profile: profile.name.clone(), sha256: profile.sha256.clone(), tolerances }
+    labelled(profile, design, tolerances)
+}
+
+/// What a file says about itself, with what its mesh keeps to.
+fn labelled(profile: &Profile, design: &Design, tolerances: String) -> Label {
+    Label {
+        profile: profile.name.clone(),
+        sha256: profile.sha256.clone(),
+        tolerances,
+        mounting: design.mounting.statements(),
+    }
 }
 
 fn close(
@@ -156,6 +166,7 @@ fn assemble(
     Report {
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+        layout: Some(design.mounting),
         design: design.facts.clone(),
         form,
         mesh,

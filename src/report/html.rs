@@ -2,7 +2,8 @@
 
 use super::outside::visible;
 use super::text::{
-    figures, form_line, limited, method_line, of_at_most, sag_line, solid_line, step_line,
+    camera_line, figures, form_line, limited, method_line, of_at_most, sag_line, solid_line,
+    step_line,
 };
 use super::{Report, Verdict};
 use crate::design::Curl;
@@ -77,6 +78,11 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     let mut row = |head: &str, value: String| rows.push((head.into(), value));
     let design = &report.design;
     row("profile sha256", report.profile.sha256.clone());
+    if let Some(layout) = &report.layout {
+        row("part", format!("{}, its base at Z = 0", layout.size()));
+        row("camera", camera_line(layout));
+        row("world", layout.world().unwrap_or("no projection".into()));
+    }
     row("method", method_line(design));
     let number = |x: Option<f64>| x.map_or("none".into(), |x| format!("{x:.9e}"));
     row("condition of the fit", number(design.condition));

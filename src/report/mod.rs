@@ -40,7 +40,7 @@ pub use tolerance::{FacetsFrom, ToleranceReport, read_trial, trial_columns, tria
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 
 use crate::align::FormError;
-use crate::design::Facts;
+use crate::design::{Facts, Mounting};
 use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::solid::Check;
@@ -57,6 +57,10 @@ pub struct Report {
     pub schema: u32,
     /// Which profile.
     pub profile: ProfileId,
+    /// Where camera and target are in the part's frame, and how large the part is; absent from
+    /// reports of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layout: Option<Mounting>,
     /// What the design reached.
     pub design: Facts,
     /// The sphere and the plane nearest to the mirror.

@@ -3,7 +3,7 @@
 use super::measured::{AlignmentFacts, error_line};
 use super::outside::{BOLD, FAIL, PASS, PLAIN, styled};
 use super::{ErrorFacts, Limited, ProfileId, Report, SagFacts, SolidFacts, StepFacts, Verdict};
-use crate::design::Facts;
+use crate::design::{Facts, Mounting};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::solid::Rim;
@@ -40,6 +40,13 @@ pub(super) fn head_line(out: &mut String, profile: &ProfileId) -> std::fmt::Resu
 fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     let Report { design, .. } = report;
     head_line(out, &report.profile)?;
+    if let Some(layout) = &report.layout {
+        writeln!(out, "  part     {}, its base at Z = 0", layout.size())?;
+        writeln!(out, "  camera   {}", camera_line(layout))?;
+        if let Some(world) = layout.world() {
+            writeln!(out, "  world    {world}")?;
+        }
+    }
     writeln!(
         out,
         "  design   {}; ray error {} mrad, pixel error {} px",
@@ -136,6 +143,14 @@ pub(super) fn of_at_most(most: Option<usize>) -> String {
 /// The first digits of a hash.
 pub(super) fn short(sha256: &str) -> &str {
     &sha256[..sha256.len().min(8)]
+}
+
+/// Where the camera goes.
+pub(super) fn camera_line(layout: &Mounting) -> String {
+    let above = layout.pupil_mm.map_or(String::new(), |[.., z]| {
+        format!(", {:.3} mm above the mirror's mean height", z - layout.mean_mm)
+    });
+    format!("{}{above}, on the axis, looking along -Z; the picture's top is +Y", layout.camera())
 }
 
 /// How the mirror was found.

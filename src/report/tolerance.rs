@@ -108,8 +108,9 @@ impl ToleranceReport {
         )?;
         writeln!(
             out,
-            "  made     {} pixels; trials {} to {} of seed {}",
+            "  made     {} samples of {} % of the picture; trials {} to {} of seed {}",
             study.samples,
+            percent(study.picture_share),
             study.first,
             study.first + study.trials - 1,
             study.seed

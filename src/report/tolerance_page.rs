@@ -80,11 +80,12 @@ impl ToleranceReport {
             (
                 "trials",
                 format!(
-                    "{} to {} of seed {}, traced in full at {} pixels",
+                    "{} to {} of seed {}, traced in full at {} samples of {} % of the picture",
                     study.first,
                     study.first + study.trials - 1,
                     study.seed,
-                    study.samples
+                    study.samples,
+                    percent(study.picture_share)
                 ),
             ),
             (

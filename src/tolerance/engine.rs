@@ -86,7 +86,7 @@ const REACH_SIGMAS: f64 = 2.5;
 
 impl Engine {
     /// Prepares `question` for a mirror under a camera that shows a view; none where no pixel sees
-    /// the mirror away from its rim.
+    /// the target in it.
     #[must_use]
     pub fn new(mirror: &Mirror, camera: &Camera, view: &View, question: Question) -> Option<Self> {
         let (centre, half) = extent(mirror);
@@ -110,9 +110,7 @@ impl Engine {
         let reach = reach(&question.sources, &question.texture, camera, size);
         let map = question.map.clone();
         let parts = (mirror, camera, view);
-        // The picture that counts does not depend on the limits.
-        let lengths = [MOST_REACH * size, reach];
-        let system = System::new(parts, fields, &texture, map, question.samples, lengths);
+        let system = System::new(parts, fields, &texture, map, question.samples, reach);
         let pixel = camera.pixel_mm;
         let base = match question.reference {
             Reference::Design => vec![0.0; 2 * system.samples.len()],
@@ -150,6 +148,12 @@ impl Engine {
     #[must_use]
     pub fn samples(&self) -> usize {
         self.system.samples.len()
+    }
+
+    /// Share of the picture of the mirror that the samples stand for: where they see the target.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.system.share
     }
 
     /// Numbers that differ between systems: what each sample sees as designed, and units of the form

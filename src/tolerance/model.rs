@@ -105,6 +105,8 @@ pub struct Sample {
     pub point: DVec2,
     /// The image point where the content that it sees belongs, of the system as designed.
     pub content: DVec2,
+    /// Which panel it sees.
+    pub(super) panel: usize,
     pub(super) hit: DVec3,
     pub(super) slope: [f64; 2],
     pub(super) square: Square,
@@ -125,9 +127,13 @@ pub struct System {
     pub camera: Camera,
     /// What the picture should show.
     pub view: View,
-    /// Pixels that stand for the picture.
+    /// Places of the picture that stand for all of it, each for an area as large as the others'.
     pub samples: Vec<Sample>,
+    /// Share of the picture of the mirror that they stand for: where they see the target.
+    pub share: f64,
     pub(super) mirror: Mirror,
+    /// Its panels, each of which goes on beyond the ridge.
+    pub(super) panels: Vec<Mirror>,
     sag: Chart,
     half_width: f64,
     /// How far from its own hit, mm along X and along Y, a sample's ray is followed.
@@ -148,8 +154,7 @@ const LAST_STEP: f64 = 1e-8;
 
 impl System {
     /// The system of `mirror`, `camera` and `view`, with about `count` samples spread evenly over
-    /// the pixels that see the mirror, but `margin` mm beside the rim and the ridge; hits move by about
-    /// `reach` mm. `fields` are the form errors.
+    /// the picture of the mirror; hits move by about `reach` mm. `fields` are the form errors.
     #[must_use]
     pub fn new(
         parts: (&Mirror, &Camera, &View),
@@ -157,7 +162,7 @@ impl System {
         texture: &Texture,
         map: Option<Patches>,
         count: usize,
-        [margin, reach]: [f64; 2],
+        reach: f64,
     ) -> Self {
         let (mirror, camera, view) = (parts.0.clone(), *parts.1, parts.2.clone());
         let wave = Texture::way(texture.waviness_direction_deg)
@@ -173,6 +178,8 @@ impl System {
             camera,
             view,
             samples: Vec::new(),
+            share: 0.0,
+            panels: mirror.panels(),
             mirror,
             sag,
             half_width,
@@ -184,7 +191,7 @@ impl System {
             map,
             counter: Arc::default(),
         };
-        system.samples = system.spread(count, [margin, reach]);
+        (system.samples, system.share) = system.spread(count, reach);
         system.expand_forms();
         system
     }
@@ -195,6 +202,7 @@ impl System {
             view: self.view.clone(),
             samples,
             mirror: self.mirror.clone(),
+            panels: self.panels.clone(),
             fields: self.fields.clone(),
             form_degree: 0,
             map: self.map.clone(),
@@ -227,38 +235,38 @@ impl System {
         self.tool.way
     }
 
-    /// The designed surface's Z and slope at (X, Y) of the part, with derivatives as the mirror
-    /// itself has them.
-    pub(super) fn designed<S: Scalar>(&self, at: [S; 2]) -> [S; 3] {
+    /// Z and slope of the designed surface of `mirror`, the whole one or a panel, at (X, Y) of the
+    /// part, with derivatives as the mirror itself has them.
+    pub(super) fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2]) -> [S; 3] {
         let q = DVec2::new(at[0].centre(), at[1].centre());
-        let Some(place) = self.mirror.under(&self.sag, q) else {
+        let Some(place) = mirror.under(&self.sag, q) else {
             return [S::constant(f64::NAN); 3];
         };
-        let point = self.mirror.row(place.y).at(place.x);
-        let slope = self.mirror.slope(place, &point);
+        let point = mirror.row(place.y).at(place.x);
+        let slope = mirror.slope(place, &point);
         // What Newton's method left of the way to q.
-        let found = self.mirror.place(place, &point);
+        let found = mirror.place(place, &point);
         let z = found.z + slope.dot(q - found.truncate());
         let away = [at[0] - q.x, at[1] - q.y];
         if is_plain::<S>() {
             return [z, slope.x, slope.y].map(S::constant);
         }
-        let bend = self.bend(q, place);
+        let bend = self.bend(mirror, q, place);
         let turned = |k: usize, slope: f64| away[0] * bend[k][0] + away[1] * bend[k][1] + slope;
         [away[0] * slope.x + away[1] * slope.y + z, turned(0, slope.x), turned(1, slope.y)]
     }
 
     /// The designed surface's second derivatives by X and Y at `q`, whose chart coordinates are
     /// `place`; by differences under a pinhole.
-    fn bend(&self, q: DVec2, place: DVec2) -> [[f64; 2]; 2] {
-        if self.mirror.chart.vergence == 0.0 {
-            let flip = if self.mirror.reflects(place) { -1.0 } else { 1.0 };
-            let bend = self.mirror.surface.curvature(DVec2::new(place.x, flip * place.y));
+    fn bend(&self, mirror: &Mirror, q: DVec2, place: DVec2) -> [[f64; 2]; 2] {
+        if mirror.chart.vergence == 0.0 {
+            let flip = if mirror.reflects(place) { -1.0 } else { 1.0 };
+            let bend = mirror.surface.curvature(DVec2::new(place.x, flip * place.y));
             return [[bend.xx, flip * bend.xy], [flip * bend.xy, bend.yy]];
         }
         const STEP: f64 = 1e-4;
         let slope = |at: DVec2| {
-            let [_, x, y] = self.designed(at.to_array());
+            let [_, x, y] = self.designed(mirror, at.to_array());
             DVec2::new(x, y)
         };
         [DVec2::X, DVec2::Y].map(|way| {
@@ -268,22 +276,10 @@ impl System {
     }
 
     /// Curvature of the tool's tracks at (X, Y) of the part, 1/mm; not a number off the mirror.
-    pub(super) fn groove(&self, q: DVec2) -> f64 {
-        let Some(place) = self.mirror.under(&self.sag, q) else { return f64::NAN };
-        let slope = self.mirror.slope(place, &self.mirror.row(place.y).at(place.x));
-        self.tool.curvature(slope.to_array(), self.bend(q, place))
-    }
-
-    /// The measured form error with derivatives.
-    fn mapped<S: Scalar>(map: &Patches, at: [S; 2]) -> [S; 3] {
-        let q = DVec2::new(at[0].centre(), at[1].centre());
-        let (point, bend) = (map.at(q), map.curvature(q));
-        let away = [at[0] - q.x, at[1] - q.y];
-        [
-            away[0] * point.slope.x + away[1] * point.slope.y + point.f,
-            away[0] * bend.xx + away[1] * bend.xy + point.slope.x,
-            away[0] * bend.xy + away[1] * bend.yy + point.slope.y,
-        ]
+    pub(super) fn groove(&self, mirror: &Mirror, q: DVec2) -> f64 {
+        let Some(place) = mirror.under(&self.sag, q) else { return f64::NAN };
+        let slope = mirror.slope(place, &mirror.row(place.y).at(place.x));
+        self.tool.curvature(slope.to_array(), self.bend(mirror, q, place))
     }
 
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
@@ -360,26 +356,6 @@ impl System {
         forms.chain(waves).chain(self.map.as_ref().map(|map| Self::mapped(map, at))).collect()
     }
 
-    /// The sum of form errors of these amplitudes.
-    fn forms<S: Scalar>(&self, amplitudes: &[f64], at: [S; 2]) -> [S; 3] {
-        let mut sum = [S::constant(0.0); 3];
-        let mut rest = amplitudes.iter().zip(&self.fields).peekable();
-        while let Some((a, field)) = rest.next() {
-            // A wave's cosine and sine follow each other.
-            let sine = rest.next_if(|(_, next)| match (field, next) {
-                (Field::Cosine(k), Field::Sine(same)) => k == same,
-                _ => false,
-            });
-            sum = match (field, sine) {
-                (_, Some((b, _))) if *a == 0.0 && *b == 0.0 => sum,
-                (Field::Cosine(k), Some((b, _))) => added(sum, 1.0, ripple(*k, [*a, *b], at)),
-                _ if *a != 0.0 => added(sum, *a, field.at(at)),
-                _ => sum,
-            };
-        }
-        sum
-    }
-
     /// The same content, with form errors that are `form`.
     fn seen<S: Scalar>(
         &self,
@@ -397,7 +373,7 @@ impl System {
                 }
                 _ => {
                     tally.count(Piece::Surface, [1, 0]);
-                    self.designed(at)
+                    self.designed(&self.panels[sample.panel], at)
                 }
             };
             self.textured(added(designed, 1.0, form(at)), state, at, sample.groove)

@@ -114,7 +114,8 @@ impl Engine {
     fn surface(&self, made: &Made, at: DVec2) -> [f64; 3] {
         let growth = self.growth(made);
         let at = (at / growth).to_array();
-        let (design, more) = (self.system.designed(at), self.system.departure(&made.state, at));
+        let (design, more) =
+            (self.system.designed(&self.system.mirror, at), self.system.departure(&made.state, at));
         [growth * (design[0] + more[0]), design[1] + more[1], design[2] + more[2]]
     }
 
@@ -165,14 +166,15 @@ impl Engine {
             let ray = Ray { origin, direction };
             let (outcome, hit, leaving) = look(scene, &ray);
             let reflected = matches!(outcome, Outcome::Hit | Outcome::Shadowed(_));
+            let beyond = (End::Beyond, [smooth[2 * k], smooth[2 * k + 1]], None);
             let Some(hit) = hit.filter(|hit| reflected && (hit.facet as usize) < optical) else {
-                let (end, moved) = if self.meets(made, sample, &ray) {
-                    (End::Lost, [f64::NAN; 2])
-                } else {
-                    (End::Beyond, [smooth[2 * k], smooth[2 * k + 1]])
-                };
-                return (end, moved, None);
+                let lost = (End::Lost, [f64::NAN; 2], None);
+                return if self.meets(made, sample, &ray) { lost } else { beyond };
             };
+            // Errors led it over the ridge: of its own panel it sees nothing.
+            if !self.system.sees_own(sample, ray.at(hit.t) / self.growth(made)) {
+                return beyond;
+            }
             let at = ray.at(hit.t);
             let world = (out(at) + shift).to_array();
             let content = |leaving: DVec3| {

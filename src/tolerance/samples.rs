@@ -1,12 +1,18 @@
-//! Which pixels stand for the picture, and polynomials of the mirror where they see it.
+//! Which places of the picture stand for it, and polynomials of the mirror where they see it.
 
 use super::local::{Fitter, Square, off, terms, value, values};
 use super::model::{Pose, Sample, System};
 use super::tally::{Piece, Tally};
-use crate::geom::DVec2;
+use crate::geom::{DVec2, DVec3, Outline, Rect};
+use crate::num::{cos, sin};
 use crate::parallel;
 use std::cell::Cell;
+use std::f64::consts::TAU;
 
+/// Steps along a side of the mirror in which its rim is looked at.
+const RIM: usize = 64;
+/// The golden ratio less one: the fractions of its multiples lie as evenly as any.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Degrees of polynomials that are tried for the designed surface. One whose height, mm, or slope is
 /// farther off than this is not used.
 const DEGREES: [usize; 4] = [5, 7, 10, 14];
@@ -23,6 +29,28 @@ const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
 pub const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
 const SMOOTH_FORM: f64 = 5e-9;
 
+/// Points that share `region` out evenly, each on a row (or circle) of its own, so that all rows are
+/// seen, however few the points; across, they follow the multiples of the golden ratio. They are as
+/// many as the Fibonacci number next to `count`: then no two come close.
+fn lattice(region: &Outline, count: usize) -> impl Iterator<Item = DVec2> {
+    let mut pair = [1usize, 2];
+    while pair[1] < count {
+        pair = [pair[1], pair[0] + pair[1]];
+    }
+    let points = if count - pair[0] < pair[1] - count { pair[0] } else { pair[1] };
+    (0..points).map(move |k| {
+        let along = (k as f64 + 0.5) / points as f64;
+        let across = ((k as f64 + 0.5) * GOLDEN).fract();
+        match *region {
+            Outline::Rect(rect) => rect.min + rect.size() * DVec2::new(across, along),
+            Outline::Ring { inner, outer } => {
+                let square = inner * inner + along * (outer * outer - inner * inner);
+                DVec2::new(cos(TAU * across), sin(TAU * across)) * square.sqrt()
+            }
+        }
+    })
+}
+
 impl System {
     /// Number of samples near whose hits polynomials are the designed surface and the form errors.
     pub(super) fn expanded(&self) -> usize {
@@ -30,31 +58,51 @@ impl System {
         self.samples.iter().filter(smooth).count()
     }
 
-    /// About `count` samples, spread evenly, away from the rim by `margin` mm; hits move by about
-    /// `reach` mm.
-    pub(super) fn spread(&self, count: usize, [margin, reach]: [f64; 2]) -> Vec<Sample> {
-        let [width, height] = self.camera.pixels.map(f64::from);
-        let places = |spacing: f64| -> Vec<DVec2> {
-            let line = |length: f64| -> Vec<f64> {
-                let steps = (length / spacing).round().max(1.0);
-                let centre = |k: usize| ((k as f64 + 0.5) / steps * length).floor() + 0.5;
-                (0..steps as usize).map(centre).collect()
-            };
-            let (columns, rows) = (line(width), line(height));
-            let row = |&y: &f64| {
-                let columns = columns.iter();
-                columns.map(move |&x| self.camera.image_point(x, y)).collect::<Vec<_>>()
-            };
-            rows.iter().flat_map(row).filter(|&q| self.sees(q, margin).is_some()).collect()
+    /// About `count` samples, spread evenly over the picture of the mirror, but no closer than
+    /// pixels, and the share of that picture where they see the target; hits move by about `reach` mm.
+    pub(super) fn spread(&self, count: usize, reach: f64) -> (Vec<Sample>, f64) {
+        let region = self.region();
+        let places = |count: usize| -> Vec<DVec2> {
+            lattice(&region, count).filter(|&q| self.sees(q).is_some()).collect()
         };
-        let even = |count: f64| (width * height / count).sqrt().max(1.0);
-        let tried = even(count as f64);
-        let share = places(tried).len() as f64 * tried * tried;
-        let spacing = (share / count as f64).sqrt().max(1.0);
+        // As many more as the region has more than the mirror.
+        let share = places(count).len() as f64 / lattice(&region, count).count() as f64;
+        let pixels = region.area() / (self.camera.pixel_mm * self.camera.pixel_mm);
+        let count = (count as f64 / share).min(pixels).max(1.0) as usize;
         let fitters = DEGREES.map(Fitter::new);
-        let sample = |&q: &DVec2| self.sample(&fitters, q, self.sees(q, margin)?, reach);
-        let places = places(spacing);
-        parallel::gather(places.len(), 1, |part| places[part].iter().filter_map(sample).collect())
+        let sample = |&q: &DVec2| self.sample(&fitters, q, self.sees(q)?, reach);
+        let places = places(count);
+        let samples: Vec<Sample> = parallel::gather(places.len(), 1, |part| {
+            places[part].iter().filter_map(sample).collect()
+        });
+        let share = samples.len() as f64 / places.len().max(1) as f64;
+        (samples, share)
+    }
+
+    /// A region of the picture that has all of the mirror that is in the frame.
+    fn region(&self) -> Outline {
+        let half =
+            0.5 * self.camera.pixel_mm * DVec2::from_array(self.camera.pixels.map(f64::from));
+        let whole = self.mirror.whole();
+        let own = self.mirror.chart == self.camera.chart;
+        let bounds = match whole {
+            Outline::Ring { outer, .. } if own && outer <= half.min_element() => return whole,
+            _ if own => whole.bounds(),
+            _ => {
+                // The rim is among the samples; between two of them it may reach a little farther.
+                let image = |q: DVec2| {
+                    let at = self.mirror.place(q, &self.mirror.row(q.y).at(q.x));
+                    self.camera.chart.coordinates(at).0
+                };
+                let seen = whole.samples(RIM).into_iter().flatten().map(|(q, _)| image(q));
+                let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+                let all =
+                    seen.fold(none, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) });
+                let more = all.size() / RIM as f64;
+                Rect { min: all.min - more, max: all.max + more }
+            }
+        };
+        Outline::Rect(Rect { min: bounds.min.max(-half), max: bounds.max.min(half) })
     }
 
     /// The same with larger squares, for hits that move by about `reach` mm, where polynomials are the
@@ -63,7 +111,7 @@ impl System {
         let fitters = DEGREES.map(Fitter::new);
         let fitted = |sample: &Sample, half: f64| {
             let square = Square { half, ..sample.square };
-            self.fitted(&fitters, &square).map(|base| (square, base))
+            self.fitted(&fitters, sample.panel, &square).map(|base| (square, base))
         };
         // Some tell of the others.
         let some = || self.samples.iter().step_by(SOME).filter(|s| s.base.is_some());
@@ -73,12 +121,12 @@ impl System {
         let half = halves.into_iter().find(|half| all_fit(*half))?;
         // (Without a copy of the form errors' many coefficients.)
         let wider = |sample: &Sample| {
-            let &Sample { point, content, hit, slope, groove, .. } = sample;
+            let &Sample { point, content, panel, hit, slope, groove, .. } = sample;
             let (square, base) = match fitted(sample, half) {
                 Some((square, base)) => (square, Some(base)),
                 None => (sample.square, sample.base.clone()),
             };
-            Sample { point, content, hit, slope, square, groove, base, form: Vec::new() }
+            Sample { point, content, panel, hit, slope, square, groove, base, form: Vec::new() }
         };
         let mut wide = self.with(parallel::map_slice(&self.samples, 1, wider));
         wide.expand_forms();
@@ -116,24 +164,33 @@ impl System {
         }
     }
 
-    /// Where the image point `q` sees the mirror well inside its rim, as chart coordinates.
-    fn sees(&self, q: DVec2, margin: f64) -> Option<DVec2> {
+    /// Where the image point `q` sees the mirror, as chart coordinates.
+    fn sees(&self, q: DVec2) -> Option<DVec2> {
         let place = self.mirror.under(&self.camera.chart, q)?;
-        let around = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y, DVec2::ZERO];
-        let whole = self.mirror.whole();
-        let inside = around.iter().all(|way| {
-            let near = place + *way * margin;
-            whole.aims(near) && self.mirror.reflects(near) == self.mirror.reflects(place)
-        });
-        inside.then_some(place)
+        self.mirror.whole().aims(place).then_some(place)
+    }
+
+    /// The number of the panel at `place` of the chart.
+    fn panel(&self, place: DVec2) -> usize {
+        usize::from(self.mirror.reflects(place))
+    }
+
+    /// Whether a place of the part, before it is grown, is on the panel that `sample` sees.
+    pub(super) fn sees_own(&self, sample: &Sample, at: DVec3) -> bool {
+        self.panel(self.mirror.chart.coordinates(at).0) == sample.panel
     }
 
     /// Degree and coefficients of the designed surface on a square.
-    fn fitted(&self, fitters: &[Fitter], square: &Square) -> Option<(usize, Vec<[f64; 3]>)> {
+    fn fitted(
+        &self,
+        fitters: &[Fitter],
+        panel: usize,
+        square: &Square,
+    ) -> Option<(usize, Vec<[f64; 3]>)> {
         let calls = Cell::new(0);
         let designed = |at| {
             calls.set(calls.get() + 1);
-            self.designed(at)
+            self.designed(&self.panels[panel], at)
         };
         let found = fitters.iter().find_map(|fitter| {
             let c = fitter.fit(square, designed);
@@ -146,18 +203,19 @@ impl System {
     }
 
     fn sample(&self, fitters: &[Fitter], point: DVec2, place: DVec2, reach: f64) -> Option<Sample> {
+        let panel = self.panel(place);
         let at = self.mirror.row(place.y).at(place.x);
         let hit = self.mirror.place(place, &at);
         let slope = self.mirror.slope(place, &at).to_array();
         let of = |half: f64| Square { centre: [hit.x, hit.y], half };
         let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {
-            let base = self.fitted(fitters, &square)?;
+            let base = self.fitted(fitters, panel, &square)?;
             Some((square, Some(base)))
         });
         let (square, base) = fitted.unwrap_or((of(reach), None));
         let content = DVec2::ZERO;
-        let (groove, form) = (self.groove(hit.truncate()), Vec::new());
-        let mut sample = Sample { point, content, hit, slope, square, groove, base, form };
+        let (groove, form) = (self.groove(&self.panels[panel], hit.truncate()), Vec::new());
+        let mut sample = Sample { point, content, panel, hit, slope, square, groove, base, form };
         let perfect = self.perfect::<f64>();
         let pose = Pose::new(&perfect.placed);
         let mut tally = Tally::default();

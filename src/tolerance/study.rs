@@ -19,8 +19,10 @@ pub struct Study {
     pub first: u64,
     /// Number of trials.
     pub trials: u64,
-    /// Pixels that stand for the picture.
+    /// Places of the picture that stand for it, each for an equal area.
     pub samples: usize,
+    /// Share of the picture of the mirror that they stand for: where they see the target.
+    pub picture_share: f64,
     /// Which figure counts.
     pub criterion: Criterion,
     /// What displacements are measured from.
@@ -190,6 +192,7 @@ impl Study {
             first,
             trials: trials.len() as u64,
             samples: engine.samples(),
+            picture_share: engine.share(),
             criterion: question.criterion,
             reference: question.reference,
             form: question.form,

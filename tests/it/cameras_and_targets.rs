@@ -3,7 +3,8 @@
 use crate::support::oracle::{
     self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, trace,
 };
-use crate::support::{designed, panel, rims, shipped_but};
+use crate::support::{designed, panel, rims, shipped_builds, shipped_but};
+use morion::export::read_stl;
 use morion::geom::{DVec2, DVec3, Rect};
 use morion::num::quadrature::gauss_legendre;
 use morion::num::{cos, exp, log, sin, tan};
@@ -304,8 +305,9 @@ fn camera_and_target_are_where_the_profile_says_of_the_panel_that_is_made() {
                 edits.push(("\npixels = [640, 480]              #", "\n#"));
             }
             let design = designed(&shipped_but("conquistador", &edits));
-            let chart = design.camera.chart;
-            let eye_mm = if camera { chart.plane_mm + 1.0 / chart.vergence } else { 1e3 };
+            let mounting = &design.mounting;
+            let eye_mm = mounting.pupil_mm.map_or(1e3, |[.., z]| z);
+            assert_eq!(mounting.pupil_mm.is_some(), camera);
             let [height, depth] = means(&design, eye_mm);
             if camera {
                 assert!((depth - 150.0).abs() < 1e-9, "{panel} {target}: {depth}");
@@ -313,6 +315,69 @@ fn camera_and_target_are_where_the_profile_says_of_the_panel_that_is_made() {
             let origin = design.view.expect("a projection").origin_mm;
             let wanted = if camera { eye_mm - 150.0 } else { height };
             assert!((origin - wanted).abs() < 1e-9, "{panel} {target}: {origin} {wanted}");
+            assert!((mounting.mean_mm - wanted).abs() < 1e-9, "{panel} {target}: {mounting:?}");
+            let told = mounting.target_origin_mm.map(|[.., z]| z);
+            assert_eq!(told, (!target.is_empty()).then_some(origin), "{panel} {target}");
+            assert_eq!(mounting.up, Some([0.0, 1.0, 0.0]));
+        }
+    }
+}
+
+/// A given mirror 80 mm wide under a pinhole 150 mm from it.
+const GIVEN: &str = "camera.pinhole = { pixels = [640, 480], hfov_deg = 40, distance_mm = 150 }
+part = { width_mm = 80, base_mm = 5 }
+layout.strip = {}
+mirror.polynomial = { radius_mm = -60, terms = [[0, 1, 0.2], [3, 0, 1e-4]] }
+projection.cylindrical = { target_radius_mm = 400, azimuth_deg = [-60, 60], elevation_deg = [-20, 20] }
+mesh.facet_px = 1
+export.formats = [\"stl\"]
+";
+
+#[test]
+fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
+    let design = designed(&crate::support::builds::parsed(GIVEN));
+    let (camera, mirror) = (&design.camera, &design.mirror);
+    let eye_mm = design.mounting.pupil_mm.expect("a pinhole")[2];
+    // Finer than pixels, and the whole picture that the mirror can be in.
+    let (steps, reach) = (800, 60.0);
+    let (mut sum, mut count) = (0.0, 0u32);
+    for k in 0..steps * steps {
+        let at = DVec2::new(f64::from(k % steps) + 0.5, f64::from(k / steps) + 0.5);
+        let image = (at * 2.0 / f64::from(steps) - DVec2::ONE) * reach;
+        let Some(q) = mirror.under(&camera.chart, image) else { continue };
+        if mirror.outline.contains(q) {
+            sum += log(eye_mm - mirror.place(q, &mirror.surface.at(q)).z);
+            count += 1;
+        }
+    }
+    let found = exp(sum / f64::from(count));
+    assert!(count > 80_000 && (found - 150.0).abs() < 5e-3, "{found} {count}");
+    let [mean, origin] = [design.mounting.mean_mm, design.mounting.target_origin_mm.unwrap()[2]];
+    assert!((eye_mm - 150.0 - mean).abs() < 1e-9 && mean == origin, "{mean} {origin}");
+    // That is not the mean over the plan, by which such mirrors were placed before.
+    let plan = mirror.mean_mm(&mirror.chart);
+    assert!((plan - mean).abs() > 0.1, "{plan} {mean}");
+}
+
+#[test]
+fn the_part_is_as_large_and_the_camera_where_the_report_says() {
+    for shipped in morion::profile::shipped() {
+        let report = shipped_builds::report(shipped.name);
+        let layout = report.layout.expect("in every report of a build");
+        let folder = shipped_builds::folder().join(shipped.name);
+        let stl = std::fs::read(folder.join("mirror.stl")).unwrap();
+        let corners = read_stl(&stl).unwrap().mesh.vertices;
+        let low = corners.iter().copied().reduce(DVec3::min).unwrap();
+        let high = corners.iter().copied().reduce(DVec3::max).unwrap();
+        let off = (high - low - DVec3::from_array(layout.size_mm)).abs().max_element();
+        // Polygons and facets are inside circles and crests by the chord that they are allowed.
+        let chord = 1e-3 * report.mesh.unwrap().chord_um.bound.max(2.0);
+        assert!(off < chord, "{}: off by {off} mm of {chord}", shipped.name);
+        assert!(low.z == 0.0, "{}", shipped.name);
+        let design = designed(&crate::support::shipped(shipped.name));
+        let ray = design.camera.ray(DVec2::ZERO, 1.0);
+        if let Some(pupil) = layout.pupil_mm {
+            assert!(ray.origin.abs_diff_eq(DVec3::from_array(pupil), 1e-9), "{}", shipped.name);
         }
     }
 }

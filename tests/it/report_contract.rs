@@ -131,7 +131,7 @@ fn has_null(value: &Value) -> bool {
 #[test]
 fn the_report_has_every_key_with_its_type() {
     let built = built(SMALL);
-    let report = built.json();
+    let mut report = built.json();
     holds(
         &report,
         &[
@@ -198,6 +198,13 @@ fn the_report_has_every_key_with_its_type() {
             holds_spread(trace, errors);
         }
     }
+    // A telecentric camera has no pupil, and a world far away no origin.
+    let layout = report.as_object_mut().unwrap().remove("layout").unwrap();
+    let far: Vec<&str> = ["pupil_mm", "target_origin_mm", "size_mm", "mean_mm", "up"]
+        .into_iter()
+        .filter(|key| layout[key].is_null())
+        .collect();
+    assert_eq!(far, ["pupil_mm", "target_origin_mm"]);
     assert!(!has_null(&report));
     assert_eq!((&report["schema"], &report["profile"]["name"]), (&1.into(), &"small".into()));
     assert_eq!(report["frame"]["pixels"], serde_json::json!([160, 120]));
@@ -309,7 +316,8 @@ fn both_files_say_who_made_them_for_what() {
     let stl = &built.files["mirror.stl"];
     let header = String::from_utf8(stl[..80].to_vec()).unwrap();
     let sha256 = &built.report.profile.sha256;
-    assert!(header.starts_with(&format!("Morion small {} mm chord um 20:", &sha256[..8])));
+    let words = format!("Morion small {} mm telecentric camera; chord um 20:", &sha256[..8]);
+    assert!(header.starts_with(&words), "{header}");
     assert!(!header.to_lowercase().starts_with("solid") && header.is_ascii());
     let count = u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize;
     assert_eq!((stl.len(), count), (84 + 50 * count, built.report.mesh.unwrap().triangles));

@@ -30,6 +30,8 @@ fn missing(value: &Value, path: &str, found: &mut Vec<String>) {
         // What a profile may leave open, or a mirror not have.
         Value::Null if path.ends_with(".limit") || path.contains(".over_optimum") => (),
         Value::Null if path.ends_with(".worst_vertex") => (),
+        // Without a lens near by, and before a world far away.
+        Value::Null if [".layout.pupil_mm", ".layout.target_origin_mm"].contains(&path) => (),
         // Where no pixel is filled.
         Value::Null if path.starts_with(".frame.") => (),
         Value::Null => found.push(path.to_owned()),

@@ -311,7 +311,12 @@ fn tilted_normals_are_seen() {
     let design = designed(&profile);
     let face = meshed(&profile, &design).unwrap();
     let solid = Solid::from_face(&face.mesh, None, Precision::Double).unwrap();
-    let label = Label { profile: "case".into(), sha256: String::new(), tolerances: String::new() };
+    let label = Label {
+        profile: "case".into(),
+        sha256: String::new(),
+        tolerances: String::new(),
+        mounting: Vec::new(),
+    };
     let mut bytes = Vec::new();
     write_obj(&mut bytes, &solid, &design.mirror, face.designed, &label).unwrap();
     let mut reread = read_obj(&bytes).unwrap();

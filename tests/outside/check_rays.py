@@ -7,7 +7,8 @@ OUT/NAME.toml is the profile, OUT/NAME/mirror.stl the file that was built of it,
 what `cargo test --bench trace -- --profile OUT/NAME.toml --stl OUT/NAME/mirror.stl --dump
 OUT/NAME/rays` wrote of the witness: a ray, a facet and a direction for each pixel.
 
-The rays are made here again, from the profile's camera; Embree finds their facets, in single
+The rays are made here again, from the profile's camera and the place of its entrance pupil in
+OUT/NAME/report.json, which also has the size of the part; Embree finds their facets, in single
 precision; the reflected directions follow from the facets' corners, in double. Where both find
 different facets, the ray must pass both within single precision, and Morion's direction must be that
 of its own facet. Prints one line per mirror; exits 1 if a direction is farther off than 1e-5 rad.
@@ -16,6 +17,7 @@ Before the first mirror it is proven that the check can fail: of a file turned b
 one with a corner that is 1 um higher, it must.
 """
 
+import json
 import math
 import pathlib
 import sys
@@ -28,6 +30,7 @@ from verdicts import told
 
 NEAR = 1e-5  # rad, between directions
 SHARE = 8 * 2.0**-24  # of the coordinates: single precision's rounding
+SIZE = 0.02  # mm: facets cut corners off
 RAY = 1e-9  # mm and rad, between the rays of both
 REFLECTED, MISSED = 0, 1
 
@@ -42,7 +45,7 @@ def corners_of(path):
     return facets["corners"].astype(float)
 
 
-def camera_rays(profile, corners):
+def camera_rays(profile, layout, corners):
     """Origin and unit direction of the ray through the middle of each pixel, row by row."""
     (kind, camera), *_ = profile["camera"].items()
     width, height = camera["pixels"]
@@ -57,13 +60,9 @@ def camera_rays(profile, corners):
         origins = np.column_stack([column * pixel, row * pixel, zero + above])
         return origins, np.column_stack([zero, zero, zero - 1])
     focal = camera.get("focal_px") or width / 2 / math.tan(math.radians(camera["hfov_deg"]) / 2)
-    # Over the outer rim of a round mirror.
-    points = corners.reshape(-1, 3)
-    radius = np.hypot(points[:, 0], points[:, 1])
-    rim = points[radius > radius.max() - 1e-4, 2].max()
     directions = np.column_stack([column, row, zero - focal])
     directions /= np.linalg.norm(directions, axis=1)[:, None]
-    return np.column_stack([zero, zero, zero + rim + camera["distance_mm"]]), directions
+    return zero[:, None] + np.array(layout["pupil_mm"]), directions
 
 
 def seen_by_embree(corners, origins, directions):
@@ -131,7 +130,8 @@ def compared(corners, rays, seen):
 def one(out, name):
     profile = tomllib.loads((out / f"{name}.toml").read_text())
     corners = corners_of(out / name / "mirror.stl")
-    origins, directions = camera_rays(profile, corners)
+    layout = json.loads((out / name / "report.json").read_text())["layout"]
+    origins, directions = camera_rays(profile, layout, corners)
     theirs = np.fromfile(out / name / "rays" / "rays.f64").reshape(-1, 6)
     seen = np.fromfile(out / name / "rays" / "found.f64").reshape(-1, 6)
     # A ray may start anywhere on its line.
@@ -141,6 +141,9 @@ def one(out, name):
     figures, wrong = compared(corners, (origins, directions), seen)
     if not off <= RAY:
         wrong.append(f"rays {off:.1e} from the profile's")
+    size = np.ptp(corners.reshape(-1, 3), axis=0)
+    if not np.abs(size - layout["size_mm"]).max() <= SIZE:
+        wrong.append(f"{size} mm large, not {layout['size_mm']}")
     return corners, (origins, directions), seen, figures, wrong
 
 

@@ -171,6 +171,7 @@ mod tests {
             profile: "solid\nof a long name ".repeat(9),
             sha256: "0123456789abcdef".into(),
             tolerances: "chord 2 um".into(),
+            mounting: vec!["telecentric camera".into()],
         };
         let mut bytes = Vec::new();
         write_stl(&mut bytes, &solid, &label).unwrap();

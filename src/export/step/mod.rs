@@ -91,7 +91,9 @@ pub fn write_step(
         format!("millimetres; {}", label.tolerances),
         format!("splines within {:.2} nm of the design", fit.error_mm * 1e6),
     ];
-    let description = description.map(|line| quoted(&line)).join(",\n");
+    let all: Vec<String> =
+        description.iter().chain(&label.mounting).map(|line| quoted(line)).collect();
+    let description = all.join(",\n");
     let name = quoted(&label.profile);
     let program = quoted(concat!("Morion ", env!("CARGO_PKG_VERSION")));
     write!(

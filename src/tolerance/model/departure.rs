@@ -3,10 +3,43 @@
 use super::super::field::{Field, ripple};
 use super::{Sample, State, System, added};
 use crate::geom::{DVec2, DVec3};
+use crate::mirror::Patches;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
 
 impl System {
+    /// The measured form error with derivatives.
+    pub(super) fn mapped<S: Scalar>(map: &Patches, at: [S; 2]) -> [S; 3] {
+        let q = DVec2::new(at[0].centre(), at[1].centre());
+        let (point, bend) = (map.at(q), map.curvature(q));
+        let away = [at[0] - q.x, at[1] - q.y];
+        [
+            away[0] * point.slope.x + away[1] * point.slope.y + point.f,
+            away[0] * bend.xx + away[1] * bend.xy + point.slope.x,
+            away[0] * bend.xy + away[1] * bend.yy + point.slope.y,
+        ]
+    }
+
+    /// The sum of form errors of these amplitudes.
+    pub(super) fn forms<S: Scalar>(&self, amplitudes: &[f64], at: [S; 2]) -> [S; 3] {
+        let mut sum = [S::constant(0.0); 3];
+        let mut rest = amplitudes.iter().zip(&self.fields).peekable();
+        while let Some((a, field)) = rest.next() {
+            // A wave's cosine and sine follow each other.
+            let sine = rest.next_if(|(_, next)| match (field, next) {
+                (Field::Cosine(k), Field::Sine(same)) => k == same,
+                _ => false,
+            });
+            sum = match (field, sine) {
+                (_, Some((b, _))) if *a == 0.0 && *b == 0.0 => sum,
+                (Field::Cosine(k), Some((b, _))) => added(sum, 1.0, ripple(*k, [*a, *b], at)),
+                _ if *a != 0.0 => added(sum, *a, field.at(at)),
+                _ => sum,
+            };
+        }
+        sum
+    }
+
     /// `sum` and the waviness, the measured form error and the tool's tracks of
     /// curvature `groove`, height and slope.
     pub(super) fn textured<S: Scalar>(
@@ -31,7 +64,11 @@ impl System {
     /// Height and slope of the made surface over the designed one at (X, Y) of the part, before it
     /// is grown.
     pub fn departure(&self, state: &State<f64>, at: [f64; 2]) -> [f64; 3] {
-        let groove = if state.tracks.is_some() { self.groove(DVec2::from_array(at)) } else { 0.0 };
+        let groove = if state.tracks.is_some() {
+            self.groove(&self.mirror, DVec2::from_array(at))
+        } else {
+            0.0
+        };
         self.textured(self.forms(&state.form, at), state, at, groove)
     }
 

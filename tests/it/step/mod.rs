@@ -43,6 +43,7 @@ fn label(name: &str) -> Label {
         profile: name.into(),
         sha256: "0123456789abcdef".repeat(4),
         tolerances: "chord 2 um asked, 1.9 um reached".into(),
+        mounting: vec!["entrance pupil at Z 151.234 mm".into()],
     }
 }
 

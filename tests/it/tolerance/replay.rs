@@ -82,7 +82,8 @@ fn a_replayed_trial_has_the_figures_of_the_run_and_its_files_show_them() {
             let [rms, max] = ["rms", "max"].map(|key| number(&file["facet_error_px"][key]));
             let count = |key: &str| file[key].as_u64().unwrap();
             assert_eq!((count("hit") + count("beyond"), count("lost")), (count("rays"), 0));
-            assert!(count("hit") > 380, "{name}");
+            // The rest is where rough errors lead rays over the rim.
+            assert!(count("hit") > 300, "{name}");
             for (shown, smooth) in figures(&file["displacement"]).iter().zip(smooth).step_by(2) {
                 assert!((shown - smooth).abs() <= rms, "{name}: {shown} {smooth} +- {rms}");
             }

@@ -1,0 +1,92 @@
+//! How the part is mounted: where camera and target are in the part's frame, and how large it is.
+//!
+//! The part's frame has its origin on the base, on the camera's axis: X to the right in the picture,
+//! Y towards the picture's upper edge, Z towards the camera.
+
+use super::stock;
+use crate::geom::{Contour, DVec2, Stock};
+use crate::mirror::Mirror;
+use crate::optics::{Camera, Projection, Target, View};
+use serde::{Deserialize, Serialize};
+
+/// Places and sizes in the part's frame, mm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mounting {
+    /// Entrance pupil of the lens, which looks along -Z; none for a telecentric camera.
+    pub pupil_mm: Option<[f64; 3]>,
+    /// Where the target's azimuth and elevation are measured from; none for a world far away, and
+    /// without a projection.
+    pub target_origin_mm: Option<[f64; 3]>,
+    /// Length of the part along each axis, its border included.
+    pub size_mm: [f64; 3],
+    /// Z of the mirror's mean height: at the geometric mean of the depths below the pupil over the
+    /// picture, for a telecentric camera the mean of Z over the plan.
+    pub mean_mm: f64,
+    /// Unit vector towards elevation 90 degrees; none without a projection.
+    pub up: Option<[f64; 3]>,
+}
+
+impl Mounting {
+    /// Of a part on its base whose mirror reaches up to `top_mm`.
+    #[must_use]
+    pub(super) fn new(
+        mirror: &Mirror,
+        camera: &Camera,
+        view: Option<&View>,
+        stock: Option<&Stock>,
+        top_mm: f64,
+    ) -> Self {
+        let on_axis = |z: f64| [0.0, 0.0, z];
+        let size = match stock.map(|stock| stock.contour) {
+            Some(Contour::Rect { half, .. }) => 2.0 * half,
+            Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
+            None => stock::extent(mirror).size(),
+        };
+        let far = |view: &&View| view.target != Target::Infinity;
+        Self {
+            pupil_mm: camera.chart.pupil_mm().map(on_axis),
+            target_origin_mm: view.filter(far).map(|view| on_axis(view.origin_mm)),
+            size_mm: size.extend(top_mm).to_array(),
+            mean_mm: mirror.mean_mm(&camera.chart),
+            up: view.map(|view| match view.projection {
+                Projection::Strip(_) => [0.0, 1.0, 0.0],
+                Projection::Radial { .. } => [0.0, 0.0, 1.0],
+            }),
+        }
+    }
+
+    /// Camera, size and target in words, the camera first.
+    #[must_use]
+    pub fn statements(&self) -> Vec<String> {
+        [Some(self.camera()), Some(format!("part {}", self.size())), self.world()]
+            .into_iter()
+            .flatten()
+            .collect()
+    }
+
+    /// Where the camera goes, in a few words.
+    #[must_use]
+    pub fn camera(&self) -> String {
+        match self.pupil_mm {
+            Some([.., z]) => format!("entrance pupil at Z {z:.3} mm"),
+            None => "telecentric camera".into(),
+        }
+    }
+
+    /// The part's size in words.
+    #[must_use]
+    pub fn size(&self) -> String {
+        let [x, y, z] = self.size_mm;
+        format!("{x:.2} x {y:.2} x {z:.2} mm")
+    }
+
+    /// Which way is up and where the target is, in words; none without a projection.
+    #[must_use]
+    pub fn world(&self) -> Option<String> {
+        let up = if self.up?[1] == 1.0 { "+Y" } else { "+Z" };
+        Some(match self.target_origin_mm {
+            Some([.., z]) => format!("up is {up}, target's origin at Z {z:.3} mm"),
+            None => format!("up is {up}, target far away"),
+        })
+    }
+}
