@@ -37,9 +37,14 @@ const FLATTEST: f64 = 0.125;
 /// Share of the budget above which the fewest triangles are made before anything is aimed at: often they
 /// cannot be, or are too many.
 const CLOSE: f64 = 0.5;
-/// Limits nearer to each other than this are not told apart, by meshes and by forecasts.
-const APART: f64 = 1.0 + 1e-3;
-const APART_BY_FORECASTS: f64 = 1.01;
+/// From one limit that is tried to the next one that may be, whatever the budget: what a budget can choose
+/// from, a larger one can.
+const APART: f64 = 1.01;
+/// What rounding may do to such a limit, as a share of it.
+const HAIR: f64 = 1e-6;
+/// How many finer limits are tried after the search, for budgets below so many triangles: numbers rise and
+/// fall by some in a hundred from limit to limit, the less, the larger they are.
+const FINER: [(usize, usize); 2] = [(20_000, 8), (200_000, 3)];
 
 /// How many triangles closing a face adds, which is not for the mesh to know.
 pub trait Closing {
@@ -81,7 +86,7 @@ type Fewest = Result<(Plan, f64), MeshError>;
 /// What meshes that were made tell.
 struct Tried {
     bracket: Bracket,
-    /// The finest that fitted.
+    /// The one of the least error that fitted.
     best: Option<Face>,
     /// How many were refused.
     refusals: usize,
@@ -99,8 +104,13 @@ impl Tried {
                 let count = face.mesh.triangles.len() + budget.closing.counted(&face);
                 self.least = self.least.min(count);
                 if count <= most {
-                    // Every limit that is tried is stricter than those that fitted.
-                    self.best = Some(face);
+                    let finest = self
+                        .best
+                        .as_ref()
+                        .is_none_or(|best| budget.error(&face) < budget.error(best));
+                    if finest {
+                        self.best = Some(face);
+                    }
                 } else if limit >= self.bracket.loosest {
                     return Err(MeshError::Few { most, least: self.least });
                 }
@@ -127,10 +137,13 @@ impl Budget<'_> {
         let usual = small.map_or(LARGE_MESHES, |(_, meshes)| meshes);
         let mut mesher = self.mesher();
         let mut tried =
-            Tried { bracket: self.bracket(APART), best: None, refusals: 0, least: usize::MAX };
+            Tried { bracket: self.bracket(), best: None, refusals: 0, least: usize::MAX };
         let fewest = self.loosest(&mut mesher);
         if fewest.as_ref().is_ok_and(|(_, count)| *count > CLOSE * most) {
             tried.make(self, &mut mesher, tried.bracket.loosest)?;
+        } else if self.is_small() && tried.make(self, &mut mesher, tried.bracket.loosest).is_err() {
+            // It may be the finest of all, on a cone; it need not be there.
+            tried.refusals = 0;
         }
         let aim = self.limit_of(&self.aim(&mut mesher, fewest)?);
         let mut limit = tried.bracket.next(aim, aim);
@@ -149,7 +162,25 @@ impl Budget<'_> {
                 tried.bracket.clamp((0..=made - usual).fold(limit, |limit, _| limit * GROWTH))
             };
         }
+        self.finer(&mut mesher, &mut tried);
         Ok(tried.best.expect("a bracket closes on a limit that fitted"))
+    }
+
+    /// Tries some limits below those that fitted: numbers of triangles do not rise with every one.
+    fn finer(&self, mesher: &mut Mesher, tried: &mut Tried) {
+        let steps = FINER.into_iter().find(|(below, _)| self.triangles < *below);
+        let mut limit = tried.bracket.fits;
+        for _ in 0..steps.map_or(0, |(_, steps)| steps) {
+            limit = tried.bracket.on_grid(limit / APART);
+            if tried.refusals >= REFUSALS || tried.make(self, mesher, limit).is_err() {
+                break;
+            }
+        }
+    }
+
+    /// What the budget is spent on, mm.
+    fn error(&self, face: &Face) -> f64 {
+        if self.view.is_some() { face.bound.facet_mm } else { face.bound.chord_mm }
     }
 
     fn is_small(&self) -> bool {
@@ -202,7 +233,7 @@ impl Budget<'_> {
         {
             return Ok(plan);
         }
-        let mut bracket = self.bracket(APART_BY_FORECASTS);
+        let mut bracket = self.bracket();
         let mut limit = bracket.clamp(self.guess());
         let mut plan = fewest.clone().ok();
         if let Some((plan, count)) = &plan {
@@ -255,8 +286,8 @@ impl Budget<'_> {
         self.mirror.whole().bounds().size().max_element()
     }
 
-    /// A bracket of limits that are told apart when they are `apart`.
-    fn bracket(&self, apart: f64) -> Bracket {
+    /// A bracket that nothing is known of.
+    fn bracket(&self) -> Bracket {
         let size = self.size();
         let strictest = match self.precision {
             Precision::Single => STRICTEST_SINGLE,
@@ -265,7 +296,6 @@ impl Budget<'_> {
         Bracket {
             strictest: strictest * size,
             loosest: LOOSEST * size,
-            apart,
             fails: 0.0,
             fits: f64::INFINITY,
         }
@@ -316,8 +346,6 @@ impl Power {
 struct Bracket {
     strictest: f64,
     loosest: f64,
-    /// Limits nearer to each other than this are not told apart.
-    apart: f64,
     /// The loosest limit known to be too strict.
     fails: f64,
     /// The strictest limit known to fit.
@@ -347,7 +375,7 @@ impl Bracket {
 
     /// Whether there is nothing left to try.
     fn is_closed(&self) -> bool {
-        self.fits <= self.strictest || self.fits <= self.fails * self.apart
+        self.fits <= self.strictest || self.fits <= self.fails * (APART + HAIR)
     }
 
     /// The limit after `limit`: `wanted`, where that can be.
@@ -361,7 +389,20 @@ impl Bracket {
         } else {
             (self.fails * self.fits).sqrt()
         };
-        self.clamp(next)
+        let next = self.on_grid(next);
+        if next <= self.fails * (1.0 + HAIR) {
+            self.clamp(next * APART)
+        } else if next >= self.fits * (1.0 - HAIR) {
+            self.clamp(next / APART)
+        } else {
+            self.clamp(next)
+        }
+    }
+
+    /// The nearest of the limits that may be tried: the loosest, divided by a power of [`APART`].
+    fn on_grid(&self, limit: f64) -> f64 {
+        let steps = (log(self.loosest / limit) / log(APART)).round();
+        self.clamp(self.loosest * exp(-steps * log(APART)))
     }
 
     fn clamp(&self, limit: f64) -> f64 {

@@ -23,6 +23,7 @@ mod fuzzed;
 mod given_mirrors;
 mod machining;
 mod manners;
+mod mesh_advice;
 mod mesh_tolerance;
 mod meshes;
 mod methods;
