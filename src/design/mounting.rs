@@ -1,12 +1,13 @@
 //! How the part is mounted: where camera and target are in the part's frame, and how large it is.
 //!
 //! The part's frame has its origin on the base, on the camera's axis: X to the right in the picture,
-//! Y towards the picture's upper edge, Z towards the camera.
+//! Y towards the picture's upper edge, Z towards the camera. Elevations count towards the camera, and
+//! azimuths from +Y to +X.
 
 use super::stock;
 use crate::geom::{Contour, DVec2, Stock};
 use crate::mirror::Mirror;
-use crate::optics::{Camera, Projection, Target, View};
+use crate::optics::{Camera, Target, View};
 use serde::{Deserialize, Serialize};
 
 /// Places and sizes in the part's frame, mm.
@@ -22,8 +23,8 @@ pub struct Mounting {
     /// Z of the mirror's mean height: at the geometric mean of the depths below the pupil over the
     /// picture, for a telecentric camera the mean of Z over the plan.
     pub mean_mm: f64,
-    /// Unit vector towards elevation 90 degrees; none without a projection.
-    pub up: Option<[f64; 3]>,
+    /// Unit vector towards elevation 90 degrees: towards the camera.
+    pub up: [f64; 3],
 }
 
 impl Mounting {
@@ -48,20 +49,14 @@ impl Mounting {
             target_origin_mm: view.filter(far).map(|view| on_axis(view.origin_mm)),
             size_mm: size.extend(top_mm).to_array(),
             mean_mm: mirror.mean_mm(&camera.chart),
-            up: view.map(|view| match view.projection {
-                Projection::Strip(_) => [0.0, 1.0, 0.0],
-                Projection::Radial { .. } => [0.0, 0.0, 1.0],
-            }),
+            up: on_axis(1.0),
         }
     }
 
     /// Camera, size and target in words, the camera first.
     #[must_use]
     pub fn statements(&self) -> Vec<String> {
-        [Some(self.camera()), Some(format!("part {}", self.size())), self.world()]
-            .into_iter()
-            .flatten()
-            .collect()
+        vec![self.camera(), format!("part {}", self.size()), self.world()]
     }
 
     /// Where the camera goes, in a few words.
@@ -80,13 +75,13 @@ impl Mounting {
         format!("{x:.2} x {y:.2} x {z:.2} mm")
     }
 
-    /// Which way is up and where the target is, in words; none without a projection.
+    /// What directions are counted from, in words.
     #[must_use]
-    pub fn world(&self) -> Option<String> {
-        let up = if self.up?[1] == 1.0 { "+Y" } else { "+Z" };
-        Some(match self.target_origin_mm {
-            Some([.., z]) => format!("up is {up}, target's origin at Z {z:.3} mm"),
-            None => format!("up is {up}, target far away"),
-        })
+    pub fn world(&self) -> String {
+        let target = match self.target_origin_mm {
+            Some([.., z]) => format!("target's origin at Z {z:.3} mm"),
+            None => "target far away".into(),
+        };
+        format!("elevation 90 deg is +Z, azimuth 0 is +Y, 90 deg is +X; {target}")
     }
 }

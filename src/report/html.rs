@@ -81,7 +81,7 @@ fn rows(report: &Report) -> Vec<(String, String)> {
     if let Some(layout) = &report.layout {
         row("part", format!("{}, its base at Z = 0", layout.size()));
         row("camera", camera_line(layout));
-        row("world", layout.world().unwrap_or("no projection".into()));
+        row("world", layout.world());
     }
     row("method", method_line(design));
     let number = |x: Option<f64>| x.map_or("none".into(), |x| format!("{x:.9e}"));

@@ -43,9 +43,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
     if let Some(layout) = &report.layout {
         writeln!(out, "  part     {}, its base at Z = 0", layout.size())?;
         writeln!(out, "  camera   {}", camera_line(layout))?;
-        if let Some(world) = layout.world() {
-            writeln!(out, "  world    {world}")?;
-        }
+        writeln!(out, "  world    {}", layout.world())?;
     }
     writeln!(
         out,

@@ -318,7 +318,7 @@ fn camera_and_target_are_where_the_profile_says_of_the_panel_that_is_made() {
             assert!((mounting.mean_mm - wanted).abs() < 1e-9, "{panel} {target}: {mounting:?}");
             let told = mounting.target_origin_mm.map(|[.., z]| z);
             assert_eq!(told, (!target.is_empty()).then_some(origin), "{panel} {target}");
-            assert_eq!(mounting.up, Some([0.0, 1.0, 0.0]));
+            assert_eq!(mounting.up, [0.0, 0.0, 1.0]);
         }
     }
 }
