@@ -47,6 +47,8 @@ pub(super) const SOURCES: &[&str] = &[
 /// Keys that most profiles do without.
 const RARE: &[&str] = &[
     "hfov_deg",
+    "lens_mm",
+    "pixel_um",
     "target_radius_mm",
     "target_plane_mm",
     "inner_polar_deg",
@@ -81,7 +83,7 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
     ),
     ("camera", &["orthographic", "pinhole"]),
     ("camera.orthographic", &["pixels"]),
-    ("camera.pinhole", &["pixels", "focal_px", "hfov_deg", "distance_mm"]),
+    ("camera.pinhole", &["pixels", "focal_px", "hfov_deg", "lens_mm", "pixel_um", "distance_mm"]),
     (
         "projection",
         &[

@@ -25,7 +25,9 @@ pub fn worst_offenders(study: &Study) -> Vec<Offender> {
     const MOST: usize = 10;
     let worse = |s: &SourceFacts| {
         let [minus, plus] = [s.minus_adjusted_px, s.plus_adjusted_px];
-        let (value, adjusted_px) = if minus > plus { (-s.limit, minus) } else { (s.limit, plus) };
+        // What is the same in every part has the sign that it was given.
+        let (value, adjusted_px) =
+            if minus > plus && !s.systematic { (-s.limit, minus) } else { (s.limit, plus) };
         Offender { source: s.source.clone(), value, adjusted_px }
     };
     let mut all: Vec<Offender> = study.sources.iter().map(worse).collect();

@@ -23,6 +23,10 @@ fn a_pinhole_is_given_by_focal_length_or_angle_of_view() {
     let focal = Camera::Pinhole { pixels: [640, 480], focal_px: 800.0, distance_mm: 100.0 };
     assert_eq!(with(&[PINHOLE]).expect("valid").camera, focal);
     assert_eq!(focal.pixels(), [640, 480]);
+    // A lens of 12.5 mm over pixels of 3.45 um.
+    let lens = with(&[PINHOLE, ("focal_px = 800", "lens_mm = 12.5, pixel_um = 3.45")]);
+    let Camera::Pinhole { focal_px, .. } = lens.expect("valid").camera else { panic!("a pinhole") };
+    assert!((focal_px - 12.5 / 3.45e-3).abs() < 1e-9, "{focal_px}");
     let view = with(&[PINHOLE, ("focal_px = 800", "hfov_deg = 90")]).expect("valid");
     let Camera::Pinhole { focal_px, .. } = view.camera else { panic!("{:?}", view.camera) };
     assert!((focal_px - 320.0).abs() < 1e-10);

@@ -3,7 +3,7 @@
 use super::super::Camera;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{Reader, Section};
-use super::super::values::{Pair, number, pair};
+use super::super::values::{Pair, Placed, number, pair};
 use super::{LARGE, is_large, only};
 
 const MAX_PIXELS: f64 = 16384.0;
@@ -67,29 +67,80 @@ fn pinhole(reader: &mut Reader, section: &Section, pixels: Option<[u32; 2]>) -> 
     let hint = "the angle of view across the frame's width, as in hfov_deg = 40";
     let view =
         number(reader, section, "hfov_deg", Optional, must, hint, |f| (1e-3..=179.0).contains(&f));
+    let must = "a number from 0.001 to 100000";
+    let size = |f: f64| (1e-3..=1e5).contains(&f);
+    let hint = "the focal length that is printed on the lens, in millimetres, as in lens_mm = 12.5";
+    let lens = number(reader, section, "lens_mm", Optional, must, hint, size);
+    let hint =
+        "the side of a pixel in micrometres, from the sensor's data sheet, as in pixel_um = 3.45";
+    let pitch = number(reader, section, "pixel_um", Optional, must, hint, size);
     let must = &format!("a number {LARGE}");
-    let hint = "millimetres from the pinhole to the mirror, as in distance_mm = 200";
+    let hint = "millimetres from the entrance pupil to the mirror, as in distance_mm = 200";
     let distance = number(reader, section, "distance_mm", Required, must, hint, is_large);
-    let path = &section.path;
-    match (section.has("focal_px"), section.has("hfov_deg")) {
-        (false, false) => reader.missing(
-            section,
-            format!("{path} must hold focal_px or hfov_deg, found neither"),
-            "hfov_deg = 40 is an angle of view of 40 degrees across the frame's width",
-        ),
-        (true, true) => {
-            let at = focal.map_or(section.at, |f| f.at).max(view.map_or(section.at, |v| v.at));
-            let message = format!("{path} must hold focal_px or hfov_deg, found both");
-            reader.complain(at, message, "the two say the same; remove one of them");
-        }
-        _ => {}
-    }
+    let placed = [&focal, &view, &lens, &pitch].into_iter().flatten().map(|found| found.at);
+    let last = placed.max().unwrap_or(section.at);
+    one_focal_length(reader, section, last);
     let pixels = pixels?;
     let focal_px = match (focal, view) {
         (Some(focal), _) => focal.value,
-        (None, view) => focal_of_view(f64::from(pixels[0]), view?.value),
+        (None, Some(view)) => focal_of_view(f64::from(pixels[0]), view.value),
+        (None, None) => focal_of_lens(reader, section, [lens?, pitch?])?,
     };
     Some(Camera::Pinhole { pixels, focal_px, distance_mm: distance?.value })
+}
+
+/// Complains where the focal length is said in no way, or, up to the place `last`, in more than one.
+fn one_focal_length(reader: &mut Reader, section: &Section, last: usize) {
+    let path = &section.path;
+    let said: Vec<&str> = [
+        ("focal_px", section.has("focal_px")),
+        ("hfov_deg", section.has("hfov_deg")),
+        ("lens_mm and pixel_um", section.has("lens_mm") || section.has("pixel_um")),
+    ]
+    .into_iter()
+    .filter_map(|(way, has)| has.then_some(way))
+    .collect();
+    let must = format!("{path} must hold focal_px, hfov_deg, or lens_mm and pixel_um");
+    let whole = section.has("lens_mm") == section.has("pixel_um");
+    match said[..] {
+        [] => reader.missing(
+            section,
+            format!("{must}, found none"),
+            "hfov_deg = 40 is an angle of view of 40 degrees across the frame's width",
+        ),
+        [_] if whole => {}
+        [_] => {
+            let missing = if section.has("lens_mm") { "pixel_um" } else { "lens_mm" };
+            reader.missing(
+                section,
+                format!("{must}, found no {missing}"),
+                "lens_mm = 12.5 and pixel_um = 3.45 are a lens of 12.5 mm over pixels of 3.45 um",
+            );
+        }
+        _ => {
+            let message = format!("{must}, found {}", said.join(" as well as "));
+            reader.complain(last, message, "they say the same; keep one of them");
+        }
+    }
+}
+
+/// The focal length in pixels of a lens over a sensor, if it is one that `focal_px` may be.
+fn focal_of_lens(
+    reader: &mut Reader,
+    section: &Section,
+    [lens, pitch]: [Placed<f64>; 2],
+) -> Option<f64> {
+    let focal_px = 1e3 * lens.value / pitch.value;
+    if (1e-3..=1e7).contains(&focal_px) {
+        return Some(focal_px);
+    }
+    let path = section.path_of("lens_mm");
+    let message = format!(
+        "{path} must be 0.001 to 1e7 pixels long, found {focal_px:e} of {} um each",
+        pitch.value
+    );
+    reader.complain(lens.at, message, "lens_mm is in millimetres and pixel_um in micrometres");
+    None
 }
 
 /// The focal length in pixels of an angle of view.
