@@ -6,7 +6,7 @@ use morion::design::{Design, design};
 use morion::export::{Reread, read_obj, read_stl};
 use morion::geom::{DVec2, DVec3, TriMesh, angle};
 use morion::pipeline::{Silent, build};
-use morion::report::{Report, Verdict};
+use morion::report::{Report, Verdict, html, text};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -480,4 +480,17 @@ fn the_profile_allows_what_the_report_passes() {
         assert!(trace.solid.reasons.is_empty());
     }
     assert!(built.report.frame.unwrap().filled >= accept.frame_filled.unwrap());
+}
+
+/// Where only a drawing is asked for, a mesh is made to be traced, and thrown away.
+#[test]
+fn the_summary_names_no_file_that_is_not_there() {
+    let folder = folder();
+    let drawn = parsed(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]"));
+    let report = build(&drawn.into(), folder.path(), &Silent).unwrap();
+    assert!(!folder.path().join("small/mirror.obj").exists());
+    let shown = text(&report);
+    assert!(!shown.contains("mirror.obj"), "{shown}");
+    assert!(shown.contains("witness  a mesh that was not kept: "), "{shown}");
+    assert!(!html(&report, "", "preview.png").contains("mirror.obj"));
 }

@@ -5,8 +5,8 @@ use crate::support::shipped_builds;
 use crate::support::{designed, share, shipped};
 use morion::mirror::{Knots, Patches};
 use morion::tolerance::{
-    Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source, Study,
-    Trial, Unmet, quantile,
+    Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source,
+    SourceFacts, Study, Trial, Unmet, quantile, worst_offenders,
 };
 
 /// Samples that a run of the program takes.
@@ -361,5 +361,30 @@ fn forms_displace_the_whole_picture() {
         };
         let (usual, dense) = (made(SAMPLES), made(40_000));
         assert!((usual - dense).abs() < 0.01 * dense, "{name}: {usual} {dense}");
+    }
+}
+
+/// A distortion of +12 500 ppm in every part was told as one of -12 500, which would do more.
+#[test]
+fn the_worst_of_systematic_errors_have_the_signs_that_they_were_given() {
+    let design = designed(&shipped("conquistador"));
+    let sources = [
+        (Kind::Distortion, 12_500.0),
+        (Kind::PrincipalX, 20.0),
+        (Kind::TiltX, 1.0),
+        (Kind::Scale, 2000.0),
+    ];
+    let sources = sources.map(|(kind, limit)| fixed(kind, limit)).to_vec();
+    let engine = engine(&design, question(sources, &ALL));
+    let study = Study::new(&engine, 4, &trials(&engine, 4, 3));
+    let worse = |s: &SourceFacts| s.minus_adjusted_px > s.plus_adjusted_px;
+    assert!(study.sources.iter().any(worse), "no sign that would do more");
+    for offender in worst_offenders(&study) {
+        let facts = study.sources.iter().find(|s| s.source == offender.source).unwrap();
+        assert_eq!(
+            (offender.value, offender.adjusted_px),
+            (facts.limit, facts.plus_adjusted_px),
+            "{offender:?}"
+        );
     }
 }
