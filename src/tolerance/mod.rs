@@ -1,14 +1,14 @@
 //! How well a system must be made and mounted, which error hurts most, and what share of parts
 //! will be good.
 //!
-//! An [`Engine`] traces samples of the picture through a camera and a mirror with errors, in full, and knows
-//! the exact first derivatives of their displacements. Monte Carlo trials are full traces; the
-//! linear model serves sensitivities, shares of variance and first guesses of limits, and is held
+//! An [`Engine`] traces samples of the picture through a camera and a mirror with errors, in full,
+//! and knows the exact first derivatives of their displacements. Monte Carlo trials are full traces;
+//! the linear model serves sensitivities, shares of variance and first guesses of limits, and is held
 //! against the full traces.
 //!
 //! What is not modelled: shadows, and that rays end which errors lead over the rim or the ridge (the
-//! surface goes on there); blur. A displacement is of content: where in the picture that belongs which a
-//! pixel sees.
+//! surface goes on there); blur. A displacement is of content: where in the picture that belongs
+//! which a pixel sees.
 
 mod compensate;
 mod crossing;
