@@ -1,21 +1,19 @@
-//! What is asked of a tolerance run: the profile's words, a measured form error, and the facet error
-//! that a build's witness found.
+//! What is asked of a tolerance run: the profile's words, a measured form error, and the facets of the
+//! mesh that the part is made from.
 
-use super::files;
+use super::facets::plan;
 use super::observer::Clock;
 use super::source::heights_beside;
 use super::{Error, Source, Stage, designed};
 use crate::design::Design;
 use crate::geom::Outline;
 use crate::mirror::{Knots, Mirror, Patches};
-use crate::profile::{Profile, SagAxis};
+use crate::profile::{Format, Profile, SagAxis};
 use crate::report::FacetsFrom;
 use crate::tolerance::{
     Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
-    Source as ErrorSource, Texture, extent, form_of_pv,
+    Source as ErrorSource, Texture, extent, facets_bound, form_of_pv,
 };
-use serde_json::Value;
-use std::path::Path;
 
 /// About how many places stand for the picture: a Fibonacci number, as lattices have that many. RMS
 /// and P95 of the shipped designs' errors are then within 0.1 % and 1 %.
@@ -31,14 +29,8 @@ pub struct Prepared {
     pub facets_from: Option<FacetsFrom>,
 }
 
-/// The design of the profile that `named` means, and what is asked of it; a build of it in the folder
-/// `home` says what its facets do.
-pub fn prepared(
-    clock: &Clock,
-    named: &str,
-    source: &Source,
-    home: &Path,
-) -> Result<Prepared, Error> {
+/// The design of the profile that `named` means, and what is asked of it.
+pub fn prepared(clock: &Clock, named: &str, source: &Source) -> Result<Prepared, Error> {
     let profile = &source.profile;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let map = match &profile.tolerance.map_file {
@@ -50,7 +42,7 @@ pub fn prepared(
         .view
         .as_ref()
         .ok_or_else(|| Error::NoProjection { work: "tolerance", profile: name() })?;
-    let (asked, facets_from) = question(profile, &design, map, witnessed(profile, home))?;
+    let (asked, facets_from) = question(profile, &design, map, meshed(profile, &design)?)?;
     let engine = clock.stage(Stage::Sensitivities, || {
         let engine = Engine::new(&design.mirror, &design.camera, view, asked)
             .ok_or_else(|| Error::Unseen { profile: name() })?;
@@ -88,19 +80,35 @@ fn map(named: &str, file: &str, mirror: &Mirror) -> Result<Patches, Error> {
     Ok(map)
 }
 
-/// The limit of facets, px, that displace evenly within it as much, in RMS, as those of this
-/// profile's build in the folder `home` did; none where there is no such build.
-fn witnessed(profile: &Profile, home: &Path) -> Option<f64> {
-    let report: Value =
-        serde_json::from_slice(&files::read(&home.join("report.json")).ok()?).ok()?;
-    if report["profile"]["sha256"] != *profile.sha256 {
-        return None;
+/// The facets' bound, px, of the mesh that a part of this profile is made from, and what says it; none
+/// where it is made from the STEP.
+fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)>, Error> {
+    let first = profile.formats.iter().find(|format| !matches!(format, Format::Csv));
+    let from_step = match profile.tolerance.made_from {
+        Some(word) => word == "step",
+        None => first.is_none_or(|format| *format == Format::Step),
+    };
+    let key = Kind::Facets.key();
+    if let Some((_, px)) = profile.tolerance.limits.iter().find(|limit| limit.0 == key) {
+        return Ok(Some((*px, FacetsFrom::Limits)));
     }
-    let traces = report["trace"].as_array()?.iter();
-    let worst = traces.filter_map(|trace| trace["facet_error_px"]["rms"].as_f64());
-    let rms = worst.reduce(f64::max).filter(|rms| *rms > 0.0)?;
-    // Evenly over a disc, the mean square is half of its radius'. (No more digits than it deserves.)
-    Some((1e4 * std::f64::consts::SQRT_2 * rms).round() / 1e4)
+    if from_step {
+        return Ok(None);
+    }
+    if let Some(px) = profile.mesh.facet_px {
+        return Ok(Some((px, FacetsFrom::Mesh)));
+    }
+    let plan = plan(profile, design)?.made;
+    let px = match plan.limits.facet_mm {
+        Some(mm) => mm / design.camera.pixel_mm,
+        None => {
+            let pixel = design.camera.pixel_mm;
+            let pixels = design.mirror.whole().area() / (pixel * pixel);
+            facets_bound(plan.forecast.facets / pixels)
+        }
+    };
+    // (No more digits than it deserves.)
+    Ok(Some(((1e3 * px).round() / 1e3, FacetsFrom::Foreseen)))
 }
 
 /// What the profile asks, with what is usual where it says nothing.
@@ -108,7 +116,7 @@ fn question(
     profile: &Profile,
     design: &Design,
     map: Option<Patches>,
-    witnessed: Option<f64>,
+    meshed: Option<(f64, FacetsFrom)>,
 ) -> Result<(Question, Option<FacetsFrom>), Error> {
     let asked = &profile.tolerance;
     let process = Process::named(asked.preset).expect("the profile knows the presets");
@@ -124,9 +132,7 @@ fn question(
     let source = |kind: Kind| {
         let key = kind.key();
         let (usual, distribution) = match kind {
-            Kind::Facets => {
-                (witnessed.or(profile.mesh.facet_px).unwrap_or(0.0), Distribution::Fixed)
-            }
+            Kind::Facets => (meshed.map_or(0.0, |(px, _)| px), Distribution::Fixed),
             kind => process.usual(kind),
         };
         let of = |values: &[(&str, f64)]| values.iter().find(|v| v.0 == key).map(|v| v.1);
@@ -143,16 +149,9 @@ fn question(
         }
     };
     let sources: Vec<ErrorSource> =
-        Kind::all().filter(applies).map(source).filter(|source| source.limit > 0.0).collect();
-    let facets = sources.iter().find(|source| source.kind == Kind::Facets);
-    let facets_from = facets.map(|source| {
-        let key = source.kind.key();
-        match witnessed {
-            _ if asked.limits.iter().any(|limit| limit.0 == key) => FacetsFrom::Limits,
-            Some(_) => FacetsFrom::Witness,
-            None => FacetsFrom::Mesh,
-        }
-    });
+        Kind::all().filter(applies).map(source).filter(|source| source.limit != 0.0).collect();
+    let has_facets = sources.iter().any(|source| source.kind == Kind::Facets);
+    let facets_from = meshed.map(|(_, from)| from).filter(|_| has_facets);
     let usual = process.texture;
     let texture = Texture {
         cte_ppm_per_k: asked.expansion_ppm_per_k.unwrap_or(usual.cte_ppm_per_k),
@@ -165,6 +164,7 @@ fn question(
         stepover_direction_deg: asked
             .stepover_direction_deg
             .unwrap_or(usual.stepover_direction_deg),
+        wavelength_nm: profile.light.wavelength_nm,
     };
     let tracks = sources.iter().find(|source| source.kind == Kind::ToolMarks);
     if let Some(tracks) = tracks.filter(|t| t.limit >= 2.0 * texture.ball_radius_mm) {
@@ -183,6 +183,7 @@ fn question(
             _ => Reference::Design,
         },
         budget_px: asked.budget_px,
+        budget_blur_px: asked.budget_blur_px.unwrap_or(asked.budget_px),
         target_yield: asked.target_yield,
         samples: SAMPLES,
     };

@@ -60,10 +60,11 @@ pub fn replay(
     let Replayed { trial, seed, .. } = *wanted;
     let home = out.join(&profile.name);
     let folder = Folder::create(&home.join(format!("replay-{trial}")))?;
-    let Prepared { design, engine, .. } = prepared(&clock, named, &source, &home)?;
+    let Prepared { design, engine, .. } = prepared(&clock, named, &source)?;
     let mut without = left_out(profile, &engine, wanted.without)?;
-    // The file has facets of its own.
-    without.extend(sources(&engine).filter(|kind| *kind == Kind::Facets));
+    // The file has facets of its own, and no terraces: these are the printer's.
+    let own = [Kind::Facets, Kind::Layers];
+    without.extend(sources(&engine).filter(|kind| own.contains(kind)));
     without.sort_unstable();
     without.dedup();
     let whole = engine.replayed(seed, trial, &[]);
@@ -93,7 +94,9 @@ pub fn replay(
     let label = labelled(profile, &design, format!("imperfect: trial {trial} of seed {seed}"));
     let (mut staged, mut files) = (Vec::new(), Vec::new());
     let mut reasons: Vec<String> = refused.into_iter().map(String::from).collect();
-    let smooth = engine.judged(&made);
+    // Single rays see points of textures.
+    let rays = engine.pointwise();
+    let smooth = rays.judged(&made);
     for &format in &formats {
         let closed = |source| Error::Solid { profile: profile.name.clone(), format, source };
         let solid = clock.stage(Stage::Solid, || {
@@ -107,7 +110,7 @@ pub fn replay(
         let file =
             super::write(&clock, &folder, format, |out| write_solid(out, format, &solid, &label))?;
         drop(solid);
-        let subject = (&engine, &made, &design);
+        let subject = (&rays, &made, &design);
         let (found, faults) = witnessed(&clock, subject, format, optical, &file, &smooth)?;
         reasons.extend(faults);
         files.extend(found);

@@ -40,7 +40,7 @@ pub fn tolerance(
     let clock = Clock::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let asked = prepared(&clock, named, &source, folder.path())?;
+    let asked = prepared(&clock, named, &source)?;
     let machining = tracks(&clock, (&source.profile, &asked.design), &asked.engine)?;
     let made = traced(&clock, &asked.engine, trials);
     concluded(&clock, (&source.profile, machining), &asked, trials.seed, &made, &folder)
@@ -68,7 +68,7 @@ pub fn tolerance_part(
     let clock = Clock::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let Prepared { engine, .. } = prepared(&clock, named, &source, folder.path())?;
+    let Prepared { engine, .. } = prepared(&clock, named, &source)?;
     let made = traced(&clock, &engine, trials);
     let Range { start, end } = trials.range;
     let name = format!("trials-{start}-{end}.csv");
@@ -110,7 +110,7 @@ pub fn tolerance_merged(
     let (_, named) = asked_of(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
     let source = load(&named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let asked = prepared(&clock, &named, &source, folder.path())?;
+    let asked = prepared(&clock, &named, &source)?;
     let engine = &asked.engine;
     let seed = seed_of(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
     let head = heading(&source.profile, engine, seed);

@@ -19,6 +19,7 @@ pub mod tolerance;
 mod values;
 mod words;
 
+use serde::Serialize;
 use std::fmt;
 
 pub use border::{Border, Feature, Footprint, Misfit, Spot};
@@ -40,6 +41,8 @@ pub struct Profile {
     pub summary: String,
     /// The camera that looks into the mirror.
     pub camera: Camera,
+    /// What its lens lets through.
+    pub light: Light,
     /// Which part of the world the picture must show, and how it is laid out. A designed mirror
     /// always has one; without one a given mirror has no pixel error to limit.
     pub projection: Option<Projection>,
@@ -79,6 +82,36 @@ pub enum Camera {
         /// From the pinhole to the mirror along the axis, in millimetres: to its mean height, for a
         /// disc or an annulus to its outer rim.
         distance_mm: f64,
+    },
+}
+
+/// What a lens lets through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// How wide it is open, if that is known.
+    pub aperture: Option<Aperture>,
+    /// Wavelength, nm.
+    pub wavelength_nm: f64,
+}
+
+impl Light {
+    /// Green, where eyes and most sensors see best.
+    pub const USUAL_NM: f64 = 550.0;
+}
+
+/// How wide a lens is open.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Aperture {
+    /// The diameter of a pinhole camera's entrance pupil.
+    Pupil {
+        /// mm.
+        pupil_mm: f64,
+    },
+    /// The numerical aperture of a telecentric lens on the mirror's side.
+    Na {
+        /// Sine of the half angle of the cone about a chief ray.
+        na: f64,
     },
 }
 

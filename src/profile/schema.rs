@@ -41,6 +41,7 @@ pub(super) const SOURCES: &[&str] = &[
     "waviness_um",
     "slope_mrad",
     "stepover_mm",
+    "layer_um",
     "facets_px",
 ];
 
@@ -49,6 +50,10 @@ const RARE: &[&str] = &[
     "hfov_deg",
     "lens_mm",
     "pixel_um",
+    "na",
+    "f_number",
+    "pupil_mm",
+    "wavelength_nm",
     "target_radius_mm",
     "target_plane_mm",
     "inner_polar_deg",
@@ -82,8 +87,21 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
         ],
     ),
     ("camera", &["orthographic", "pinhole"]),
-    ("camera.orthographic", &["pixels"]),
-    ("camera.pinhole", &["pixels", "focal_px", "hfov_deg", "lens_mm", "pixel_um", "distance_mm"]),
+    ("camera.orthographic", &["pixels", "na", "wavelength_nm"]),
+    (
+        "camera.pinhole",
+        &[
+            "pixels",
+            "focal_px",
+            "hfov_deg",
+            "lens_mm",
+            "pixel_um",
+            "distance_mm",
+            "f_number",
+            "pupil_mm",
+            "wavelength_nm",
+        ],
+    ),
     (
         "projection",
         &[
@@ -153,10 +171,12 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
         &[
             "preset",
             "budget_px",
+            "budget_blur_px",
             "criterion",
             "reference",
             "form",
             "target_yield",
+            "made_from",
             "compensators",
             "expansion_ppm_per_k",
             "waviness_period_mm",

@@ -7,6 +7,12 @@ pub struct Tolerance {
     pub preset: &'static str,
     /// The most that the criterion may be, in pixels.
     pub budget_px: f64,
+    /// The most that textures may blur within a pixel, in pixels; [`Self::budget_px`] where the profile does
+    /// not say.
+    pub budget_blur_px: Option<f64>,
+    /// What the shop makes the part from, the mesh or the STEP; what is exported first where the profile
+    /// does not say: one of [`MADE_FROM`].
+    pub made_from: Option<&'static str>,
     /// What is held against it: one of [`CRITERIA`].
     pub criterion: &'static str,
     /// What displacements are measured from: one of [`REFERENCES`].
@@ -31,7 +37,7 @@ pub struct Tolerance {
     pub stepover_direction_deg: Option<f64>,
     /// A file of measured form errors: lines of X, Y and departure along Z in millimetres.
     pub map_file: Option<String>,
-    /// Limits of error sources by their keys; 0 for none.
+    /// Limits of error sources by their keys; 0 for none, negative ones of fixed errors alone.
     pub limits: Vec<(&'static str, f64)>,
     /// Their distributions: each one of [`DISTRIBUTIONS`].
     pub distributions: Vec<(&'static str, &'static str)>,
@@ -44,6 +50,8 @@ pub const PRESETS: [&str; 6] =
     ["precision-cnc", "spdt", "ultra-precision-cnc", "standard-cnc", "polished", "sla-print"];
 /// Figures that can be held against the budget.
 pub const CRITERIA: [&str; 2] = ["rms", "p95"];
+/// What a part can be made from.
+pub const MADE_FROM: [&str; 2] = ["mesh", "step"];
 /// What the size of a form error can be.
 pub const FORMS: [&str; 2] = ["pv", "rms"];
 /// What displacements can be measured from.
@@ -58,6 +66,8 @@ impl Default for Tolerance {
         Self {
             preset: PRESETS[0],
             budget_px: 1.0,
+            budget_blur_px: None,
+            made_from: None,
             criterion: CRITERIA[0],
             reference: REFERENCES[0],
             form: FORMS[0],

@@ -4,6 +4,7 @@ use super::ProfileId;
 use super::map::{Colour, Map, viridis};
 use super::text::{digits, head_line, pretty, written};
 use crate::pencil::Quantiles;
+use crate::profile::Aperture;
 use crate::raster::EncodingError;
 use serde::Serialize;
 use std::fmt::Write;
@@ -29,22 +30,6 @@ pub struct BlurReport {
     pub best: Spots,
     /// Where the mirror's virtual images of the world lie, along the chief rays.
     pub images: Images,
-}
-
-/// How wide the lens is open.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Aperture {
-    /// The diameter of a pinhole camera's entrance pupil.
-    Pupil {
-        /// mm.
-        pupil_mm: f64,
-    },
-    /// The numerical aperture of a telecentric lens on the mirror's side.
-    Na {
-        /// Sine of the half angle of the cone about a chief ray.
-        na: f64,
-    },
 }
 
 /// The plane in focus, across the axis.

@@ -21,8 +21,9 @@ mod tolerance_page;
 mod tolerance_plots;
 mod unwrapped;
 
+pub use crate::profile::Aperture;
 pub use bench::{Bench, Order, Run, Settings, Suggestion, Sweep};
-pub use blur::{Aperture, BlurReport, Focus, Images, Spots};
+pub use blur::{BlurReport, Focus, Images, Spots};
 pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;
 pub use machining::{

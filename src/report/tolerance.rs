@@ -39,10 +39,10 @@ pub struct ToleranceReport {
 pub enum FacetsFrom {
     /// The profile's `tolerance.limits`.
     Limits,
-    /// The facet error that the witness of this profile's build found, in RMS.
-    Witness,
-    /// The profile's `mesh.facet_px`, a bound.
+    /// The profile's `mesh.facet_px`.
     Mesh,
+    /// What a mesh by the profile's other limits is foreseen to keep.
+    Foreseen,
 }
 
 impl FacetsFrom {
@@ -50,17 +50,17 @@ impl FacetsFrom {
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::Limits => "facets_px as in tolerance.limits",
-            Self::Witness => "facets_px as the witness of the build beside found, of equal RMS",
-            Self::Mesh => {
-                "facets_px is mesh.facet_px, a bound; after a build into the same folder it is what the \
-                 witness finds"
+            Self::Mesh => "facets_px is mesh.facet_px: the part is made from the mesh",
+            Self::Foreseen => {
+                "facets_px is what the mesh is foreseen to keep: the part is made from it"
             }
         }
     }
 }
 
 impl ToleranceReport {
-    /// The report of `study`; it fails when the yield is below the target.
+    /// The report of `study`; it fails when the yield is below the target or the blur
+    /// above its budget.
     #[must_use]
     pub fn new(
         profile: ProfileId,
@@ -69,17 +69,27 @@ impl ToleranceReport {
         worst_offenders: Vec<Offender>,
         machining: Option<Machining>,
     ) -> Self {
-        let (verdict, reasons) = if study.passes {
-            (Verdict::Pass, Vec::new())
-        } else {
-            let reason = format!(
+        let mut reasons = Vec::new();
+        if study.yields.share < study.target_yield {
+            reasons.push(format!(
                 "{:.2} % of the parts stay within {} px, below the {} % of tolerance.target_yield",
                 100.0 * study.yields.share,
                 study.budget_px,
                 percent(study.target_yield)
-            );
-            (Verdict::Fail, vec![reason])
-        };
+            ));
+        }
+        if study.blur_px > study.budget_blur_px {
+            let most =
+                study.sources.iter().max_by(|a, b| a.spread.blur_px.total_cmp(&b.spread.blur_px));
+            reasons.push(format!(
+                "textures blur each pixel by {} px, over the {} px of tolerance.budget_blur_px; most of it by \
+                 {}",
+                digits(study.blur_px),
+                study.budget_blur_px,
+                most.map_or("none", |source| &source.source)
+            ));
+        }
+        let verdict = if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail };
         let schema = SCHEMA;
         Self { schema, profile, study, facets_from, worst_offenders, machining, verdict, reasons }
     }
@@ -172,12 +182,24 @@ impl ToleranceReport {
             100.0 * study.yields.low,
             100.0 * study.yields.high
         )?;
+        writeln!(out, "  blur     {}", self.blur())?;
         if let Some(machining) = &self.machining {
             writeln!(out, "  machining, unpolished:")?;
             machining.write_facts(out)?;
             machining.reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))?;
         }
         verdict_lines(out, &self.reasons, self.verdict)
+    }
+
+    /// What textures do within a pixel, on one line.
+    pub(super) fn blur(&self) -> String {
+        let Study { blur_px, budget_blur_px, scattered, .. } = &self.study;
+        let blur = digits(*blur_px);
+        let haze = digits(100.0 * scattered);
+        format!(
+            "{blur} px rms within each pixel by textures, of {budget_blur_px} px allowed; they turn or \
+             scatter {haze} % of the light"
+        )
     }
 
     /// The worst offenders, on one line.
@@ -191,7 +213,7 @@ impl ToleranceReport {
     fn write_sources(&self, out: &mut String) -> std::fmt::Result {
         writeln!(
             out,
-            "  {:19} {:>10}  {:9} {:>9} {:>9}   {:>9} {:>9}  {:>7} {:>11} {:>11}",
+            "  {:19} {:>10}  {:9} {:>9} {:>9}   {:>9} {:>9}  {:>7}  {:>7} {:>11} {:>11}",
             "source",
             "limit",
             "",
@@ -199,6 +221,7 @@ impl ToleranceReport {
             "+ px",
             "adjust. -",
             "+ px",
+            "blur px",
             "share %",
             "limit alone",
             "in concert"
@@ -212,13 +235,14 @@ impl ToleranceReport {
             let distribution = distribution(source.distribution);
             writeln!(
                 out,
-                "  {:19} {:>10}  {distribution:9} {:>9} {:>9}   {:>9} {:>9}  {:>7} {:>11} {:>11}",
+                "  {:19} {:>10}  {distribution:9} {:>9} {:>9}   {:>9} {:>9}  {:>7}  {:>7} {:>11} {:>11}",
                 source.source,
                 source.limit,
                 px(*minus_px),
                 px(*plus_px),
                 px(*minus_adjusted_px),
                 px(*plus_adjusted_px),
+                blur(source),
                 share(source),
                 limit(source.limit_alone),
                 limit(source.limit_joint) + mark,
@@ -263,6 +287,14 @@ pub(super) fn or_dash(x: Option<f64>) -> String {
     x.map_or("-".into(), px)
 }
 
+/// Of a texture, px.
+pub(super) fn blur(source: &SourceFacts) -> String {
+    match source.spread.blur_px {
+        0.0 => "-".into(),
+        blur => px(blur),
+    }
+}
+
 /// Of the variance, in percent.
 pub(super) fn share(source: &SourceFacts) -> String {
     if source.systematic { "-".into() } else { format!("{:.2}", 100.0 * source.share_of_variance) }
@@ -280,7 +312,7 @@ pub(super) fn gap_percent(study: &Study) -> String {
 pub(super) fn unmet_words(unmet: Unmet) -> &'static str {
     match unmet {
         Unmet::Design => "the design alone uses it up",
-        Unmet::Systematic => "the fixed errors use it up",
+        Unmet::Systematic => "the errors that keep their limits use it up",
         Unmet::NothingToShare => "no error that is not fixed displaces the picture",
         Unmet::RaysLost => "rays are lost at all that were tried",
     }

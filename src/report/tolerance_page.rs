@@ -5,8 +5,8 @@ use super::html::{STYLE, escaped, head};
 use super::plot::Failure;
 use super::text::digits;
 use super::tolerance::{
-    FORM_RMS, SYSTEMATIC, criterion, distribution, gap_percent, or_dash, percent, px, reference,
-    share, statistics, unmet_words,
+    FORM_RMS, SYSTEMATIC, blur, criterion, distribution, gap_percent, or_dash, percent, px,
+    reference, share, statistics, unmet_words,
 };
 use super::tolerance_plots::plots;
 use crate::tolerance::{Measure, Points, SourceFacts};
@@ -115,6 +115,7 @@ impl ToleranceReport {
                 ),
             ),
             ("worst offenders", self.offenders()),
+            ("blur", self.blur()),
         ];
         let facets = self.facets_from.map(|from| ("facets", from.words().to_owned()));
         writeln!(out, "<table>")?;
@@ -137,13 +138,14 @@ impl ToleranceReport {
             "made, +",
             "adjusted, &minus;",
             "adjusted, +",
+            "blur",
             "share of variance, %",
         ];
         let row = |s: &SourceFacts| {
             let px = [s.minus_px, s.plus_px, s.minus_adjusted_px, s.plus_adjusted_px].map(px);
             let [a, b, c, d] = px;
             let kind = distribution(s.distribution).to_owned();
-            vec![s.source.clone(), s.limit.to_string(), kind, a, b, c, d, share(s)]
+            vec![s.source.clone(), s.limit.to_string(), kind, a, b, c, d, blur(s), share(s)]
         };
         table(out, &names, self.study.sources.iter().map(row))?;
         if self.study.sources.iter().any(|source| source.systematic) {

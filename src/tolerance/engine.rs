@@ -5,6 +5,7 @@ use super::field::{Field, Measure, slope_modes};
 use super::linear::Linear;
 use super::model::{Pose, Sample, State, System, placed};
 use super::source::{Kind, Source, Texture};
+use super::spread::{facets_displace, terraced};
 use super::tally::{Piece, Tally};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{Mirror, Patches};
@@ -12,7 +13,7 @@ use crate::num::random::Stream;
 use crate::num::{cos, sin};
 use crate::optics::{Camera, View};
 use serde::Serialize;
-use std::f64::consts::TAU;
+use std::f64::consts::{SQRT_2, TAU};
 
 /// What displacements are measured from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -43,6 +44,8 @@ pub struct Question {
     pub reference: Reference,
     /// The most that it may be, px.
     pub budget_px: f64,
+    /// The most that textures may blur within a pixel, px.
+    pub budget_blur_px: f64,
     /// The share of parts that must keep the budget.
     pub target_yield: f64,
     /// About how many pixels stand for the picture.
@@ -54,7 +57,7 @@ pub struct Question {
 pub struct Made {
     /// Its errors.
     pub state: State<f64>,
-    /// Radius within which facets displace each pixel, px.
+    /// Radius of the disc over which facets displace pixels evenly, px.
     pub facets_px: f64,
     /// Where what differs from pixel to pixel comes from.
     pub stream: Stream,
@@ -144,6 +147,25 @@ impl Engine {
         })
     }
 
+    /// Wave vectors, 1/mm, of the random slope, and each one's share of its RMS.
+    pub(super) fn waves(&self) -> Vec<([f64; 2], f64)> {
+        let fields = self.system.fields[self.forms.len()..].iter().zip(&self.modes);
+        let of = |(field, deviation): (&Field, &f64)| match field {
+            Field::Cosine(k) => {
+                let length = (k[0] * k[0] + k[1] * k[1]).sqrt();
+                Some((*k, deviation * length))
+            }
+            _ => None,
+        };
+        fields.filter_map(of).collect()
+    }
+
+    /// The same with samples that see points of textures, as single rays do.
+    #[must_use]
+    pub fn pointwise(&self) -> Self {
+        Self { system: self.system.pointwise(), ..self.clone() }
+    }
+
     /// Number of pixels that stand for the picture.
     #[must_use]
     pub fn samples(&self) -> usize {
@@ -222,7 +244,11 @@ impl Engine {
                 }
                 Kind::ToolMarks if value != 0.0 => state.tracks = Some([value.abs(), phase()]),
                 Kind::ToolMarks => {}
-                Kind::Facets => facets_px = value.abs(),
+                // Evenly over a disc, the mean square is half of its radius'.
+                Kind::Facets => facets_px = SQRT_2 * facets_displace(value),
+                Kind::Layers => {
+                    state.terraced = terraced(value, self.question.texture.wavelength_nm);
+                }
                 Kind::Map => state.map = Some(value),
                 Kind::Legendre(..) | Kind::Zernike(_) => {
                     if let Some(k) = self.forms.iter().position(|form| *form == kind) {

@@ -75,7 +75,7 @@ pub struct Joint {
 pub enum Unmet {
     /// The system as designed uses up the budget.
     Design,
-    /// With the systematic errors it does.
+    /// With the errors that keep their limits it does.
     Systematic,
     /// No other error does anything.
     NothingToShare,
@@ -103,7 +103,8 @@ impl Engine {
             return Impact { before: [before; 2], after: [after; 2] };
         }
         let stream = Stream { seed, trial: 0 };
-        let made = [-limit, limit].map(|value| self.make(&[(source.kind, value)], stream));
+        let made = [-limit.abs(), limit.abs()];
+        let made = made.map(|value| self.make(&[(source.kind, value)], stream));
         let judged: Vec<_> = self.displacements(&made).into_iter().map(|d| self.judge(d)).collect();
         Impact { before: [0, 1].map(|k| judged[k].0), after: [0, 1].map(|k| judged[k].1) }
     }
@@ -126,7 +127,8 @@ impl Engine {
         }
         let figure = |limit: f64| {
             let impact = self.impact(source, seed, limit);
-            let worst = if source.is_systematic() { impact.after[1] } else { impact.worst() };
+            let own = usize::from(source.limit >= 0.0);
+            let worst = if source.is_systematic() { impact.after[own] } else { impact.worst() };
             worst.by(self.question.criterion)
         };
         let texture = source.kind.is_texture();
@@ -138,9 +140,10 @@ impl Engine {
             let moved: Vec<f64> = moved.iter().zip(&self.base).map(|(a, b)| a - b).collect();
             first = first.min(FAR * budget / Pixels::of(&moved).rms_px);
         }
-        let first = if first.is_finite() && first > 0.0 { first } else { source.limit };
+        let first = if first.is_finite() && first > 0.0 { first } else { source.limit.abs() };
         let near = if texture { NEAR_TEXTURE } else { NEAR };
-        crossing(first.min(MOST), MOST, [start, budget], near, figure)
+        let found = crossing(first.min(MOST), MOST, [start, budget], near, figure)?;
+        Some(found.copysign(source.limit))
     }
 
     /// Limits that together just reach the target yield: the variance of all that are no systematic
@@ -148,7 +151,8 @@ impl Engine {
     /// scaled until the budget is the figure's quantile. The figure is a root of a sum of many
     /// squares, far from normal, so the quantile is that of thousands of trials, from 0 on of
     /// `seed`, by first derivatives; some hundred traced in full correct it. No limit is more than
-    /// four times the source's own; systematic sources and those that do nothing keep theirs.
+    /// four times the source's own; systematic sources, tool tracks and facets, and those that do nothing
+    /// keep theirs.
     ///
     /// # Errors
     /// [`Unmet`] where there are none.
@@ -162,7 +166,10 @@ impl Engine {
         if !(fixed.by(criterion) < budget) {
             return Err(Unmet::Systematic);
         }
-        let variances: Vec<f64> = own.iter().map(|source| self.variance(source)).collect();
+        // What is finer than pixels does not displace as its limit: it keeps that.
+        let shared =
+            |source: &Source| if source.kind.is_fine() { 0.0 } else { self.variance(source) };
+        let variances: Vec<f64> = own.iter().map(shared).collect();
         let acts = |variance: f64| variance.sqrt() > NOTHING_PX;
         let pairs = || own.iter().zip(&variances);
         let weights: f64 = pairs().filter(|p| acts(*p.1)).map(|p| p.0.weight).sum();
@@ -195,7 +202,11 @@ impl Engine {
             if reached(widest) <= goal {
                 return Ok(widest);
             }
-            let found = crossing(first.min(widest), widest, [fixed.rms_px, goal], EXACT, reached);
+            let least = reached(0.0);
+            if !(least < goal) {
+                return Err(Unmet::Systematic);
+            }
+            let found = crossing(first.min(widest), widest, [least, goal], EXACT, reached);
             found.ok_or(Unmet::RaysLost)
         };
         // What errors add to the square of the figure that counts, by first derivatives: of the first

@@ -1,15 +1,19 @@
 //! First derivatives of the displacements by every error, exact.
 
 use super::engine::{Engine, Made, Question};
-use super::model::{PLACED, Pose, Sample, State, System};
+use super::model::{Ground, PLACED, Pose, Sample, State, System};
 use super::source::{Kind, Source};
+use super::spread::{facets_displace, terraced};
 use super::tally::{Piece, Tally};
 use crate::num::Dual;
 use crate::num::random::Stream;
 use crate::parallel;
 
+/// Columns between those of form errors and the map's: the waviness' two and the terraces'.
+const TEXTURES: usize = 3;
+
 /// Columns of derivatives: x and y of each sample, px, for each internal unit of an error, in the
-/// order placing numbers, form errors, waviness' cosine and sine, map.
+/// order placing numbers, form errors, waviness' cosine and sine, terraces, map.
 #[derive(Debug, Clone)]
 pub struct Linear {
     columns: Vec<Vec<f64>>,
@@ -22,7 +26,7 @@ impl Linear {
     /// Of `system`, which has so many form errors; columns that no source and no compensator may
     /// need are there too but for the map's.
     pub(super) fn new(system: &System, question: &Question, forms: usize) -> Self {
-        let count = PLACED + forms + 2 + usize::from(question.map.is_some());
+        let count = PLACED + forms + TEXTURES + usize::from(question.map.is_some());
         let per = 1.0 / system.camera.pixel_mm;
         let of = |sample: &Sample| -> (Vec<[f64; 2]>, [[f64; 2]; 3]) {
             let mut tally = Tally::default();
@@ -37,10 +41,12 @@ impl Linear {
             let avoided = units.len().saturating_sub(by.len());
             tally.count(Piece::Derivatives, [done, avoided]);
             system.counter.add(tally);
-            let formed = units
-                .into_iter()
-                .map(|unit| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum()));
-            (placed.chain(formed).collect(), by)
+            let formed = |unit: &[f64; 3]| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum());
+            let (before, map) = units.split_at(forms + 2);
+            // Flat terraces have none of the slope.
+            let flat = [0.0, -sample.slope[0], -sample.slope[1]];
+            let all = before.iter().chain([&flat]).chain(map).map(formed);
+            (placed.chain(all).collect(), by)
         };
         let all: Vec<_> = parallel::map_slice(&system.samples, 1, of);
         let column = |k: usize| all.iter().flat_map(|(columns, _)| columns[k]).collect();
@@ -57,6 +63,12 @@ impl Linear {
         &self.columns[k]
     }
 
+    /// By the surface's height and its slopes along X and Y at each sample's hit: x and y, px.
+    #[must_use]
+    pub fn by_form(&self) -> &[[[f64; 2]; 3]] {
+        &self.by_form
+    }
+
     /// All columns.
     #[must_use]
     pub fn columns(&self) -> &[Vec<f64>] {
@@ -69,7 +81,8 @@ impl Linear {
         let placed = state.placed.iter().copied();
         let wave = state.wave.unwrap_or_default();
         let map = state.map.unwrap_or(0.0);
-        placed.chain(state.form.iter().copied()).chain(wave).chain([map]).collect()
+        let rest = [state.terraced, map];
+        placed.chain(state.form.iter().copied()).chain(wave).chain(rest).collect()
     }
 }
 
@@ -136,6 +149,7 @@ impl Engine {
     #[must_use]
     pub fn mean_square(&self, source: &Source) -> f64 {
         let square = source.limit * source.limit * source.distribution.mean_square();
+        let strength = square.sqrt();
         let Self { linear, .. } = self;
         let count = self.samples() as f64;
         let of = |k: usize| {
@@ -159,14 +173,22 @@ impl Engine {
                     let by = |k: usize| {
                         let [_, x, y] = linear.by_form[k];
                         let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
-                        let groove = self.system.samples[k].groove;
-                        groove * groove * (moved[0] * moved[0] + moved[1] * moved[1])
+                        let Ground { groove, footprint } = &self.system.samples[k].ground;
+                        let seen = groove * groove * footprint.sawtooth_share(way, strength);
+                        seen * (moved[0] * moved[0] + moved[1] * moved[1])
                     };
                     let mean = (0..self.samples()).map(by).sum::<f64>() / count;
                     free * mean / 12.0
                 }
-                Kind::Facets => 0.5 * free,
-                Kind::Map if self.question.map.is_some() => of(PLACED + linear.forms + 2),
+                Kind::Facets => {
+                    let moved = facets_displace(strength);
+                    return free * moved * moved;
+                }
+                Kind::Layers => {
+                    let share = terraced(strength, self.question.texture.wavelength_nm);
+                    return share * share * of(PLACED + linear.forms + 2);
+                }
+                Kind::Map if self.question.map.is_some() => of(PLACED + linear.forms + TEXTURES),
                 Kind::Map => 0.0,
                 Kind::Legendre(..) | Kind::Zernike(_) => {
                     self.forms.iter().position(|form| *form == source.kind).map_or(0.0, form)
@@ -211,6 +233,7 @@ mod tests {
             criterion: Criterion::Rms,
             reference: Reference::Design,
             budget_px: 1.0,
+            budget_blur_px: 1.0,
             target_yield: 0.9,
             samples: 40,
         };

@@ -6,14 +6,17 @@
 //! the linear model serves sensitivities, shares of variance and first guesses of limits, and is held
 //! against the full traces.
 //!
+//! A displacement is of content: where in the picture that belongs which a pixel sees, in the mean over
+//! its footprint. What textures spread within it is blur, and heights far below the wavelength scatter.
+//!
 //! What is not modelled: shadows, and that rays end which errors lead over the rim or the ridge (the
-//! surface goes on there); blur. A displacement is of content: where in the picture that belongs
-//! which a pixel sees.
+//! surface goes on there).
 
 mod compensate;
 mod crossing;
 mod engine;
 mod field;
+mod footprint;
 mod inverse;
 mod linear;
 mod local;
@@ -23,6 +26,7 @@ mod preset;
 mod replay;
 mod samples;
 mod source;
+mod spread;
 mod study;
 mod tally;
 mod trials;
@@ -37,6 +41,7 @@ pub use plots::{Offender, Points, worst_offenders};
 pub use preset::{MOUNT, Process};
 pub use replay::{Judged, Placing, Witnessed};
 pub use source::{Distribution, Kind, Source, Texture, ripple_slope, scallop_height};
+pub use spread::{Spread, facets_bound, facets_displace, scattered};
 pub use study::{AdjustmentFacts, Gap, SourceFacts, Study};
 pub use tally::{Piece, Tally};
 pub use trials::{Statistics, Trial, quantile};

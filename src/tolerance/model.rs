@@ -9,6 +9,7 @@ mod departure;
 mod tool;
 
 use super::field::{Field, ripple};
+use super::footprint::Footprint;
 use super::local::{Square, terms, value, values};
 use super::samples::FORM_TERMS;
 use super::source::Texture;
@@ -51,6 +52,8 @@ pub struct State<S> {
     /// From tool track to track, mm, and where between two tracks the origin lies, in [0, 1), if
     /// there are any.
     pub tracks: Option<[f64; 2]>,
+    /// Share of the light that flat terraces reflect, 0 to 1.
+    pub terraced: f64,
 }
 
 impl State<f64> {
@@ -62,6 +65,7 @@ impl State<f64> {
             && self.wave.into_iter().flatten().all(none)
             && self.map.is_none_or(none)
             && self.tracks.is_none()
+            && none(self.terraced)
     }
 }
 
@@ -98,6 +102,15 @@ impl<S: Scalar> Pose<S> {
     }
 }
 
+/// What textures look like where a pixel sees the mirror.
+#[derive(Debug, Clone, Copy)]
+pub struct Ground {
+    /// Curvature that the tool's tracks have there, 1/mm.
+    pub groove: f64,
+    /// What the pixel sees of it: the mean of a texture over this.
+    pub footprint: Footprint,
+}
+
 /// A pixel that sees the mirror, and the mirror there.
 #[derive(Debug, Clone)]
 pub struct Sample {
@@ -110,8 +123,7 @@ pub struct Sample {
     pub(super) hit: DVec3,
     pub(super) slope: [f64; 2],
     pub(super) square: Square,
-    /// Curvature that the tool's tracks have there, 1/mm.
-    pub(super) groove: f64,
+    pub(super) ground: Ground,
     /// Height and slopes of the designed surface: degree and coefficients of polynomials, where
     /// these are it to rounding. (Derivatives of the height's would have its rounding magnified.)
     pub(super) base: Option<(usize, Vec<[f64; 3]>)>,
@@ -221,18 +233,8 @@ impl System {
             wave: None,
             map: None,
             tracks: None,
+            terraced: 0.0,
         }
-    }
-
-    /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
-    pub(super) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
-        let Sample { hit, groove, .. } = self.samples[k];
-        self.tool.cusp(tracks, groove, [hit.x, hit.y])
-    }
-
-    /// The direction in which tracks follow each other.
-    pub(super) fn track_way(&self) -> [f64; 2] {
-        self.tool.way
     }
 
     /// Z and slope of the designed surface of `mirror`, the whole one or a panel, at (X, Y) of the
@@ -284,7 +286,7 @@ impl System {
 
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
     /// where the ray is lost: it does not meet the surface, which goes on beyond the rim, within the
-    /// mirror's size of where it does as designed.
+    /// mirror's size of where it does as designed, or terraces reflect most of the light.
     pub fn content<S: Scalar>(
         &self,
         sample: &Sample,
@@ -296,7 +298,7 @@ impl System {
         let mut sum = [0.0; FORM_TERMS];
         let count = terms(self.form_degree);
         if sample.form.is_empty() {
-            let forms = |at: [S; 2]| self.forms(&state.form, at);
+            let forms = |at: [S; 2]| self.forms(&state.form, &sample.ground.footprint, at);
             let zeros = state.form.iter().filter(|a| **a == 0.0).count();
             tally.count(Piece::Forms, [state.form.len() - zeros, zeros]);
             return self.seen(sample, pose, state, tally, forms);
@@ -328,7 +330,7 @@ impl System {
             if sample.square.holds(at) {
                 value(degree, sum, &sample.square, at)
             } else {
-                self.forms(&state.form, at)
+                self.forms(&state.form, &sample.ground.footprint, at)
             }
         })
     }
@@ -351,8 +353,13 @@ impl System {
     /// of the waviness' cosine and sine, and of the measured form error if there is one.
     pub(super) fn form_units(&self, sample: &Sample) -> Vec<[f64; 3]> {
         let at = [sample.hit.x, sample.hit.y];
-        let forms = self.fields.iter().map(|field| field.at(at));
-        let waves = [[1.0, 0.0], [0.0, 1.0]].map(|a| ripple(self.wave, a, at));
+        let footprint = &sample.ground.footprint;
+        let forms = self.fields.iter().map(|field| {
+            let seen = field.seen(footprint);
+            field.at(at).map(|x| seen * x)
+        });
+        let seen = footprint.ripple(self.wave);
+        let waves = [[seen, 0.0], [0.0, seen]].map(|a| ripple(self.wave, a, at));
         forms.chain(waves).chain(self.map.as_ref().map(|map| Self::mapped(map, at))).collect()
     }
 
@@ -376,8 +383,12 @@ impl System {
                     self.designed(&self.panels[sample.panel], at)
                 }
             };
-            self.textured(added(designed, 1.0, form(at)), state, at, sample.groove)
+            self.textured(added(designed, 1.0, form(at)), state, at, &sample.ground)
         };
+        // Most of the light goes where flat tops send it: there is no picture.
+        if state.terraced > 0.5 {
+            return [S::constant(f64::NAN); 2];
+        }
         let (origin, along) = self.ray(sample, &state.placed);
         let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
         let from = pose.turned_back(from).map(|x| x / pose.scale);
@@ -385,6 +396,8 @@ impl System {
         let Some((at, slope)) = meet(sample, self.farthest, (from, along), surface) else {
             return [S::constant(f64::NAN); 2];
         };
+        // Of terraces the flat tops reflect.
+        let slope = slope.map(|p| p * (1.0 - state.terraced));
         // d - n (2 d . n / n . n) with n = (-slope, 1).
         let normal = [-slope[0], -slope[1], S::constant(1.0)];
         let across = along[2] - along[0] * slope[0] - along[1] * slope[1];

@@ -26,8 +26,9 @@ pub fn worst_offenders(study: &Study) -> Vec<Offender> {
     let worse = |s: &SourceFacts| {
         let [minus, plus] = [s.minus_adjusted_px, s.plus_adjusted_px];
         // What is the same in every part has the sign that it was given.
-        let (value, adjusted_px) =
-            if minus > plus && !s.systematic { (-s.limit, minus) } else { (s.limit, plus) };
+        let negative = if s.systematic { s.limit < 0.0 } else { minus > plus };
+        let limit = s.limit.abs();
+        let (value, adjusted_px) = if negative { (-limit, minus) } else { (limit, plus) };
         Offender { source: s.source.clone(), value, adjusted_px }
     };
     let mut all: Vec<Offender> = study.sources.iter().map(worse).collect();

@@ -21,6 +21,8 @@ pub struct Process {
     pub slope_mrad: f64,
     /// From tool track to track, mm; 0 where there are none.
     pub stepover_mm: f64,
+    /// Height of a printer's layers, um; 0 where there are none.
+    pub layer_um: f64,
     /// Lengths and directions of all these, and the usual material's expansion.
     pub texture: Texture,
 }
@@ -33,6 +35,7 @@ const fn texture(cte_ppm_per_k: f64, period: f64, correlation: f64, ball: f64) -
         slope_correlation_mm: correlation,
         ball_radius_mm: ball,
         stepover_direction_deg: 90.0,
+        wavelength_nm: 550.0,
     }
 }
 
@@ -49,6 +52,7 @@ impl Process {
             waviness_um: 0.05,
             slope_mrad: 0.05,
             stepover_mm: 0.005,
+            layer_um: 0.0,
             texture: texture(23.0, 2.5, 5.0, 1.0),
         },
         // Diamond ball milling on an ultra-precision machine: cusps of some 10 nm (E. Brinksmeier
@@ -60,6 +64,7 @@ impl Process {
             waviness_um: 0.1,
             slope_mrad: 0.1,
             stepover_mm: 0.01,
+            layer_um: 0.0,
             texture: texture(23.0, 2.5, 5.0, 2.0),
         },
         // A good five-axis machine in a climate of 1 K: positions to 2 to 5 um (ISO 230-2 data
@@ -71,6 +76,7 @@ impl Process {
             waviness_um: 0.5,
             slope_mrad: 0.5,
             stepover_mm: 0.02,
+            layer_um: 0.0,
             texture: texture(23.0, 5.0, 5.0, 3.0),
         },
         // A job shop's milling: class f of ISO 2768-1 holds 0.1 to 0.15 mm, machines themselves
@@ -82,6 +88,7 @@ impl Process {
             waviness_um: 3.0,
             slope_mrad: 2.0,
             stepover_mm: 0.1,
+            layer_um: 0.0,
             texture: texture(23.0, 8.0, 5.0, 3.0),
         },
         // Milled with precision and polished by hand: what is taken off goes with pressure, speed and
@@ -95,10 +102,12 @@ impl Process {
             waviness_um: 0.3,
             slope_mrad: 0.3,
             stepover_mm: 0.0,
+            layer_um: 0.0,
             texture: texture(23.0, 8.0, 8.0, 3.0),
         },
-        // Stereolithography, smoothed and coated: shrinkage of 0.2 %, layers of 25 to 50 um, and the
-        // expansion of acrylic resins (printers' and resins' data sheets).
+        // Stereolithography, coated as it comes: shrinkage of 0.2 %, layers of 25 to 50 um, and the
+        // expansion of acrylic resins (printers' and resins' data sheets). Sanded smooth it has none of
+        // the layers.
         Self {
             name: "sla-print",
             scale_ppm: 2000.0,
@@ -106,6 +115,7 @@ impl Process {
             waviness_um: 5.0,
             slope_mrad: 5.0,
             stepover_mm: 0.0,
+            layer_um: 50.0,
             texture: texture(90.0, 8.0, 5.0, 3.0),
         },
     ];
@@ -129,6 +139,7 @@ impl Process {
             Kind::Waviness => (self.waviness_um, Distribution::Fixed),
             Kind::Slope => (self.slope_mrad, Distribution::Fixed),
             Kind::ToolMarks => (self.stepover_mm, Distribution::Fixed),
+            Kind::Layers => (self.layer_um, Distribution::Fixed),
             Kind::Map => (1.0, Distribution::Fixed),
             _ => (0.0, Distribution::Fixed),
         }

@@ -1,7 +1,8 @@
 //! Which places of the picture stand for it, and polynomials of the mirror where they see it.
 
+use super::footprint::Footprint;
 use super::local::{Fitter, Square, off, terms, value, values};
-use super::model::{Pose, Sample, System};
+use super::model::{Ground, Pose, Sample, System};
 use super::tally::{Piece, Tally};
 use crate::geom::{DVec2, DVec3, Outline, Rect};
 use crate::num::{cos, sin};
@@ -121,17 +122,25 @@ impl System {
         let half = halves.into_iter().find(|half| all_fit(*half))?;
         // (Without a copy of the form errors' many coefficients.)
         let wider = |sample: &Sample| {
-            let &Sample { point, content, panel, hit, slope, groove, .. } = sample;
+            let &Sample { point, content, panel, hit, slope, ground, .. } = sample;
             let (square, base) = match fitted(sample, half) {
                 Some((square, base)) => (square, Some(base)),
                 None => (sample.square, sample.base.clone()),
             };
-            Sample { point, content, panel, hit, slope, square, groove, base, form: Vec::new() }
+            Sample { point, content, panel, hit, slope, square, ground, base, form: Vec::new() }
         };
         let mut wide = self.with(parallel::map_slice(&self.samples, 1, wider));
         wide.expand_forms();
         // Rather none so wide than none at all.
         (wide.form_degree > 0).then_some(wide)
+    }
+
+    /// The same with samples that see points.
+    pub(super) fn pointwise(&self) -> Self {
+        let mut made = self.clone();
+        made.samples.iter_mut().for_each(|sample| sample.ground.footprint = Footprint::POINT);
+        made.expand_forms();
+        made
     }
 
     /// Gives the samples polynomials of the form errors, of one degree for all.
@@ -140,12 +149,13 @@ impl System {
         let expanded = |sample: &Sample, fitter: &Fitter| -> Option<Vec<f64>> {
             let mut all = Vec::new();
             for field in fields {
+                let seen = field.seen(&sample.ground.footprint);
                 let c = fitter.fit(&sample.square, |at| [field.at(at)[0]]).concat();
                 let found = |at| value(fitter.degree(), &c, &sample.square, at);
                 if !(off(&sample.square, found, |at| field.at(at)) <= SMOOTH_FORM) {
                     return None;
                 }
-                all.extend(c);
+                all.extend(c.into_iter().map(|c| seen * c));
             }
             Some(all)
         };
@@ -214,8 +224,11 @@ impl System {
         });
         let (square, base) = fitted.unwrap_or((of(reach), None));
         let content = DVec2::ZERO;
-        let (groove, form) = (self.groove(&self.panels[panel], hit.truncate()), Vec::new());
-        let mut sample = Sample { point, content, panel, hit, slope, square, groove, base, form };
+        let chart = &self.camera.chart;
+        let footprint = Footprint::of(chart, self.camera.pixel_mm, point, hit, slope);
+        let groove = self.groove(&self.panels[panel], hit.truncate());
+        let (ground, form) = (Ground { groove, footprint }, Vec::new());
+        let mut sample = Sample { point, content, panel, hit, slope, square, ground, base, form };
         let perfect = self.perfect::<f64>();
         let pose = Pose::new(&perfect.placed);
         let mut tally = Tally::default();

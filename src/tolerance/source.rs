@@ -51,8 +51,9 @@ pub enum Kind {
     Slope,
     /// Cusps that a ball cutter leaves between tracks so far apart, of any phase.
     ToolMarks,
-    /// Flat facets and rounded coordinates of the written mesh: the proven bound of the picture's
-    /// displacement.
+    /// Flat terraces that a printer's layers of this height leave: what reflects is level.
+    Layers,
+    /// Flat facets of the mesh that the part is made from: the bound of the picture's displacement.
     Facets,
 }
 
@@ -81,7 +82,8 @@ impl Kind {
             Self::Distortion,
         ];
         let legendre = LEGENDRE.into_iter().map(|(i, j)| Self::Legendre(i, j));
-        let rest = [Self::Map, Self::Waviness, Self::Slope, Self::ToolMarks, Self::Facets];
+        let textures = [Self::Waviness, Self::Slope, Self::ToolMarks, Self::Layers, Self::Facets];
+        let rest = [Self::Map].into_iter().chain(textures);
         placed.into_iter().chain(legendre).chain(ZERNIKE.map(Self::Zernike)).chain(rest)
     }
 
@@ -108,6 +110,7 @@ impl Kind {
             Self::Waviness => "waviness_um".into(),
             Self::Slope => "slope_mrad".into(),
             Self::ToolMarks => "stepover_mm".into(),
+            Self::Layers => "layer_um".into(),
             Self::Facets => "facets_px".into(),
         }
     }
@@ -140,6 +143,13 @@ impl Kind {
         matches!(self, Self::Waviness | Self::Slope | Self::ToolMarks | Self::Facets)
     }
 
+    /// Whether it is usually finer than pixels, which see the mean of it: its displacement grows faster
+    /// than its limit.
+    #[must_use]
+    pub fn is_fine(self) -> bool {
+        matches!(self, Self::ToolMarks | Self::Facets)
+    }
+
     /// The number of its random stream: the same whatever other sources there are.
     pub(super) fn stream(self) -> u32 {
         match self {
@@ -161,6 +171,7 @@ impl Kind {
             Self::Slope => 15,
             Self::ToolMarks => 16,
             Self::Facets => 17,
+            Self::Layers => 18,
             Self::Legendre(i, j) => 100 + 10 * u32::from(i) + u32::from(j),
             Self::Zernike(j) => 200 + u32::from(j),
         }
@@ -222,7 +233,7 @@ impl Distribution {
 pub struct Source {
     /// What is off.
     pub kind: Kind,
-    /// By how much, in the unit of its kind, not negative.
+    /// By how much, in the unit of its kind; negative only of a systematic error.
     pub limit: f64,
     /// How likely.
     pub distribution: Distribution,
@@ -268,6 +279,8 @@ pub struct Texture {
     pub ball_radius_mm: f64,
     /// Direction in which its tracks follow each other, from X towards Y, degrees.
     pub stepover_direction_deg: f64,
+    /// Wavelength of the light, nm.
+    pub wavelength_nm: f64,
 }
 
 impl Texture {

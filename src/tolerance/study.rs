@@ -5,6 +5,7 @@ use super::engine::{Engine, Reference};
 use super::field::Measure;
 use super::inverse::Unmet;
 use super::source::{Distribution, Source};
+use super::spread::Spread;
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
 use crate::parallel;
@@ -31,12 +32,19 @@ pub struct Study {
     pub form: Measure,
     /// The most that it may be.
     pub budget_px: f64,
+    /// The most that textures may blur within a pixel, px.
+    pub budget_blur_px: f64,
     /// The share of parts that must keep the budget.
     pub target_yield: f64,
     /// The design against the projection.
     pub nominal: Pixels,
     /// The sources, that with the largest impact after adjustment first.
     pub sources: Vec<SourceFacts>,
+    /// What textures blur within a pixel, px: RMS over the picture, the root of the sum of the sources'
+    /// squares.
+    pub blur_px: f64,
+    /// Share of the light that textures turn or scatter, in all.
+    pub scattered: f64,
     /// Why there are no limits in concert, if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_limit_joint: Option<Unmet>,
@@ -63,7 +71,7 @@ pub struct Study {
     pub gap: Gap,
     /// The adjustments.
     pub adjustments: Vec<AdjustmentFacts>,
-    /// Whether the yield is the target or more.
+    /// Whether the yield is the target or more, and the blur within its budget.
     pub passes: bool,
 }
 
@@ -94,6 +102,9 @@ pub struct SourceFacts {
     /// At the positive limit.
     #[serde(serialize_with = "or_lost")]
     pub plus_adjusted_px: f64,
+    /// What it blurs and scatters at its limit; of textures, others do neither.
+    #[serde(flatten)]
+    pub spread: Spread,
     /// Its share of the variance after adjustment; 0 of a systematic source, which has none.
     pub share_of_variance: f64,
     /// The limit at which it alone uses up the budget; none where there is none.
@@ -172,6 +183,7 @@ impl Study {
                 plus_px,
                 minus_adjusted_px,
                 plus_adjusted_px,
+                spread: engine.spread(source),
                 share_of_variance: if variance > 0.0 { variances[k] / variance } else { 0.0 },
                 limit_alone: engine.limit_alone(source, seed),
                 limit_joint: joint.as_ref().ok().map(|joint| joint.sources[k].limit),
@@ -187,6 +199,9 @@ impl Study {
         let kept: Vec<&Trial> = trials.iter().filter(|trial| trial.after.kept()).collect();
         let rms_px = (kept.iter().map(square).sum::<f64>() / kept.len() as f64).sqrt();
         let yields = engine.yields(trials);
+        let blurs = sources.iter().map(|source| source.spread.blur_px);
+        let blur_px = blurs.map(|px| px * px).sum::<f64>().sqrt();
+        let specular: f64 = sources.iter().map(|source| 1.0 - source.spread.scattered).product();
         Self {
             seed,
             first,
@@ -197,9 +212,12 @@ impl Study {
             reference: question.reference,
             form: question.form,
             budget_px: question.budget_px,
+            budget_blur_px: question.budget_blur_px,
             target_yield: question.target_yield,
             nominal: engine.nominal(),
             sources,
+            blur_px,
+            scattered: 1.0 - specular,
             no_limit_joint: joint.err(),
             mean_px,
             rss_px: (mean_px * mean_px + variance).sqrt(),
@@ -211,7 +229,7 @@ impl Study {
             yields,
             gap,
             adjustments: adjustments(engine, &kept),
-            passes: yields.share >= question.target_yield,
+            passes: yields.share >= question.target_yield && blur_px <= question.budget_blur_px,
         }
     }
 }

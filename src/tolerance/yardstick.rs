@@ -41,7 +41,11 @@ impl Yardstick {
         let products: Vec<Vec<f64>> = parallel::map_slice(&columns, 1, row);
         let with_base: Vec<f64> = columns.iter().map(|a| 2.0 * mean(a, &base)).collect();
         let sources = &engine.question.sources;
-        let unit = |source: &Source| engine.mean_square(&source.fixed(1.0));
+        // Of the limit's square: what is finer than pixels grows faster than its limit, and full traces
+        // correct that.
+        let unit = |source: &Source| {
+            engine.mean_square(&source.fixed(source.limit)) / (source.limit * source.limit)
+        };
         let units: Vec<f64> = sources.iter().map(unit).collect();
         let form = |trial: usize| {
             let stream = Stream { seed, trial: trial as u64 };

@@ -3,9 +3,9 @@
 use crate::support::least::{strip_of, with};
 use crate::support::shipped_text;
 use morion::profile::{
-    Accept, Camera, Format, Layout, MeshLimits, Method, MethodKind, PanelSource, Part, Profile,
-    Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target, Tolerance,
-    shipped,
+    Accept, Camera, Format, Layout, Light, MeshLimits, Method, MethodKind, PanelSource, Part,
+    Profile, Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target,
+    Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -20,6 +20,7 @@ fn the_shipped_conquistador_is_the_papers() {
             sha256: profile.sha256.clone(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: Camera::Orthographic { pixels: [640, 480] },
+            light: Light { aperture: None, wavelength_nm: 550.0 },
             projection: Some(Projection::Strip(StripProjection {
                 law: StripLaw::Cylindrical,
                 azimuth_deg: [-180.0, 180.0],

@@ -88,7 +88,7 @@ pub fn bench(out: &Path, wanted: &Benching, observer: &dyn Observer) -> Result<B
         swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::Rule::Facet, quick))?,
         swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::Rule::Chord, quick))?,
         swept(Stage::Trace, &|| witness::sweep(&subjects, quick))?,
-        swept(Stage::Trials, &|| trials::sweep(&subjects, folder.path(), quick))?,
+        swept(Stage::Trials, &|| trials::sweep(&subjects, quick))?,
     ];
     sweeps.iter_mut().for_each(|sweep| mark_pareto(&mut sweep.runs));
 

@@ -5,20 +5,18 @@ use crate::pipeline::observer::{Clock, Silent};
 use crate::pipeline::question::{Prepared, prepared};
 use crate::tolerance::{Yield, quantile};
 use std::convert::Infallible;
-use std::path::Path;
 
 const TRIALS: [u64; 5] = [100, 300, 1000, 3000, 10_000];
 const SEED: u64 = 1;
 
 /// More and more trials, traced in full. The error is the width of the 95 % interval of the yield, at the
-/// budget that half of the parts keep: it falls as the root of their number. No build in `folder` says
-/// what facets do.
-pub fn sweep(subjects: &[Subject], folder: &Path, quick: bool) -> Result<Sweep, Error> {
+/// budget that half of the parts keep: it falls as the root of their number.
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
     let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
         let clock = Clock::new(&Silent);
-        let Prepared { engine, .. } = prepared(&clock, &subject.named, &subject.source, folder)?;
+        let Prepared { engine, .. } = prepared(&clock, &subject.named, &subject.source)?;
         let sources = &engine.question.sources;
         let most = numbers.last().copied().unwrap_or_default();
         let all = engine.trials(sources, SEED, 0..most, None);

@@ -1,9 +1,9 @@
 //! The camera.
 
-use super::super::Camera;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{Reader, Section};
 use super::super::values::{Pair, Placed, number, pair};
+use super::super::{Aperture, Camera, Light};
 use super::{LARGE, is_large, only};
 
 const MAX_PIXELS: f64 = 16384.0;
@@ -15,6 +15,7 @@ pub(super) struct Found {
     pub(super) name: &'static str,
     pub(super) at: usize,
     pub(super) camera: Option<Camera>,
+    pub(super) light: Light,
 }
 
 pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
@@ -24,11 +25,13 @@ pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
         .into_iter()
         .map(|(name, section)| {
             let pixels = pixels(reader, &section);
-            let camera = match name {
+            let wavelength_nm = wavelength(reader, &section);
+            let (camera, aperture) = match name {
                 "pinhole" => pinhole(reader, &section, pixels),
-                _ => pixels.map(|pixels| Camera::Orthographic { pixels }),
+                _ => (pixels.map(|pixels| Camera::Orthographic { pixels }), na(reader, &section)),
             };
-            Found { name, at: section.at, camera }
+            let light = Light { aperture, wavelength_nm };
+            Found { name, at: section.at, camera, light }
         })
         .collect();
     only(read)
@@ -58,7 +61,59 @@ fn pixels(reader: &mut Reader, section: &Section) -> Option<[u32; 2]> {
     Some(pixels.value.map(|f| f as u32))
 }
 
-fn pinhole(reader: &mut Reader, section: &Section, pixels: Option<[u32; 2]>) -> Option<Camera> {
+fn wavelength(reader: &mut Reader, section: &Section) -> f64 {
+    let must = "a number from 100 to 20000";
+    let hint = "nanometres of the light that the camera sees, as in wavelength_nm = 550 for green";
+    let allowed = |f: f64| (100.0..=20000.0).contains(&f);
+    let found = number(reader, section, "wavelength_nm", Optional, must, hint, allowed);
+    found.map_or(Light::USUAL_NM, |found| found.value)
+}
+
+/// A telecentric lens's aperture.
+fn na(reader: &mut Reader, section: &Section) -> Option<Aperture> {
+    let must = "a number from 0.000001 to 0.9";
+    let hint = "the numerical aperture on the mirror's side, as in na = 0.01";
+    let allowed = |f: f64| (1e-6..=0.9).contains(&f);
+    let na = number(reader, section, "na", Optional, must, hint, allowed)?.value;
+    Some(Aperture::Na { na })
+}
+
+/// Any other lens's aperture; its f-number is told of the focal length in millimetres.
+fn pupil(reader: &mut Reader, section: &Section, lens: Option<Placed<f64>>) -> Option<Aperture> {
+    let must = "a number from 0.000001 to 1000";
+    let hint = "the diameter of the entrance pupil in millimetres, as in pupil_mm = 2";
+    let allowed = |f: f64| (1e-6..=1e3).contains(&f);
+    let pupil = number(reader, section, "pupil_mm", Optional, must, hint, allowed);
+    let must = "a number from 0.1 to 10000";
+    let hint = "what the lens's aperture ring is set to, as in f_number = 8";
+    let allowed = |f: f64| (0.1..=1e4).contains(&f);
+    let stop = number(reader, section, "f_number", Optional, must, hint, allowed);
+    let path = &section.path;
+    match (pupil, stop) {
+        (Some(_), Some(stop)) => {
+            let message = format!("{path} must hold pupil_mm or f_number, found both");
+            reader.complain(stop.at, message, "they say the same; keep one of them");
+            None
+        }
+        (Some(pupil), None) => Some(Aperture::Pupil { pupil_mm: pupil.value }),
+        (None, Some(stop)) => {
+            let Some(lens) = lens else {
+                let message = format!("{path}.f_number must stand beside lens_mm, found none");
+                let hint = "the entrance pupil is lens_mm / f_number wide; write lens_mm and pixel_um, or pupil_mm";
+                reader.complain(stop.at, message, hint);
+                return None;
+            };
+            Some(Aperture::Pupil { pupil_mm: lens.value / stop.value })
+        }
+        (None, None) => None,
+    }
+}
+
+fn pinhole(
+    reader: &mut Reader,
+    section: &Section,
+    pixels: Option<[u32; 2]>,
+) -> (Option<Camera>, Option<Aperture>) {
     let must = "a number from 0.001 to 1e7";
     let hint = "the focal length divided by the size of a pixel, as in focal_px = 800";
     let focal =
@@ -80,13 +135,20 @@ fn pinhole(reader: &mut Reader, section: &Section, pixels: Option<[u32; 2]>) -> 
     let placed = [&focal, &view, &lens, &pitch].into_iter().flatten().map(|found| found.at);
     let last = placed.max().unwrap_or(section.at);
     one_focal_length(reader, section, last);
-    let pixels = pixels?;
-    let focal_px = match (focal, view) {
-        (Some(focal), _) => focal.value,
-        (None, Some(view)) => focal_of_view(f64::from(pixels[0]), view.value),
-        (None, None) => focal_of_lens(reader, section, [lens?, pitch?])?,
+    let aperture = pupil(reader, section, lens);
+    let mut focal_px = |pixels: [u32; 2]| match (focal, view) {
+        (Some(focal), _) => Some(focal.value),
+        (None, Some(view)) => Some(focal_of_view(f64::from(pixels[0]), view.value)),
+        (None, None) => focal_of_lens(reader, section, [lens?, pitch?]),
     };
-    Some(Camera::Pinhole { pixels, focal_px, distance_mm: distance?.value })
+    let focal_px = pixels.and_then(&mut focal_px);
+    let whole = pixels.zip(focal_px).zip(distance);
+    let camera = whole.map(|((pixels, focal_px), distance)| Camera::Pinhole {
+        pixels,
+        focal_px,
+        distance_mm: distance.value,
+    });
+    (camera, aperture)
 }
 
 /// Complains where the focal length is said in no way, or, up to the place `last`, in more than one.

@@ -102,6 +102,7 @@ pub(super) fn profile(
         name: name.to_owned(),
         sha256: hex(&Sha256::digest(bytes)),
         summary: summary.unwrap_or_default(),
+        light: camera.as_ref()?.light,
         camera: camera?.camera?,
         projection: match projection {
             Some(found) => Some(found.finish(layout == Layout::Disc)?),

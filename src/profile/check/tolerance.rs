@@ -5,7 +5,7 @@ use toml::de::DeValue;
 use super::super::reader::Need::Optional;
 use super::super::reader::{Reader, Section};
 use super::super::tolerance::{
-    COMPENSATORS, CRITERIA, DISTRIBUTIONS, FORMS, PRESETS, REFERENCES, Tolerance,
+    COMPENSATORS, CRITERIA, DISTRIBUTIONS, FORMS, MADE_FROM, PRESETS, REFERENCES, Tolerance,
 };
 use super::super::values::{number, word};
 use super::super::words::list;
@@ -36,12 +36,18 @@ pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tol
     let hint = "limits of form errors from peak to valley, or their root mean squares";
     choice("form", &FORMS, hint, &mut found.form);
 
+    let words = MADE_FROM.map(|word| (word, word));
+    let hint = "what the shop makes the part from, the triangles or the curved faces";
+    found.made_from = word(reader, &section, "made_from", &words, hint);
     let must = "a number from 0.000001 to 1000000";
     let size = |f: f64| (1e-6..=1e6).contains(&f);
+    let mut budget = |key, hint: &str| {
+        number(reader, &section, key, Optional, must, hint, size).map(|px| px.value)
+    };
     let hint = "the most that the criterion may be in pixels, as in budget_px = 1";
-    if let Some(px) = number(reader, &section, "budget_px", Optional, must, hint, size) {
-        found.budget_px = px.value;
-    }
+    found.budget_px = budget("budget_px", hint).unwrap_or(found.budget_px);
+    let hint = "the most that textures may blur within a pixel, as in budget_blur_px = 1";
+    found.budget_blur_px = budget("budget_blur_px", hint);
     let share = "a number from 0.001 to 0.999";
     let hint = "a share of the parts, not a percentage: 0.95 is 95 %";
     let inside = |f: f64| (1e-3..=0.999).contains(&f);
@@ -79,19 +85,6 @@ pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tol
 fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut Tolerance) {
     let has_map = section.has("map_file");
     let why = |key: &str| foreign(key, setting, has_map);
-    if let Some(limits) = reader.section(section, "limits", Optional) {
-        for key in schema::SOURCES {
-            let must = "a number from 0 to 1000000";
-            let hint = "the limit in the unit that the key ends in; 0 for no such error";
-            let allowed = |f: f64| (0.0..=1e6).contains(&f);
-            let limit = number(reader, &limits, key, Optional, must, hint, allowed);
-            let Some(limit) = limit else { continue };
-            if limit.value != 0.0 {
-                refuse_foreign(reader, &limits, key, why(key));
-            }
-            found.limits.push((key, limit.value));
-        }
-    }
     if let Some(section) = reader.section(section, "distributions", Optional) {
         let words = DISTRIBUTIONS.map(|word| (word, word));
         for key in schema::SOURCES {
@@ -101,6 +94,27 @@ fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut
                 refuse_foreign(reader, &section, key, why(key));
                 found.distributions.push((key, chosen));
             }
+        }
+    }
+    if let Some(limits) = reader.section(section, "limits", Optional) {
+        for key in schema::SOURCES {
+            let signed = has_sign(key, &found.distributions);
+            let (must, hint) = if signed {
+                (
+                    "a number from -1000000 to 1000000",
+                    "the error with its sign; 0 for no such error",
+                )
+            } else {
+                ("a number from 0 to 1000000", unsigned_hint(key))
+            };
+            let least = if signed { -1e6 } else { 0.0 };
+            let allowed = |f: f64| (least..=1e6).contains(&f);
+            let limit = number(reader, &limits, key, Optional, must, hint, allowed);
+            let Some(limit) = limit else { continue };
+            if limit.value != 0.0 {
+                refuse_foreign(reader, &limits, key, why(key));
+            }
+            found.limits.push((key, limit.value));
         }
     }
     if let Some(section) = reader.section(section, "weights", Optional) {
@@ -113,6 +127,26 @@ fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut
                 found.weights.push((key, f.value));
             }
         }
+    }
+}
+
+/// Keys of errors that every part has all of: they have a strength and no sign.
+const STRENGTHS: [&str; 5] = ["waviness_um", "slope_mrad", "stepover_mm", "layer_um", "facets_px"];
+
+/// Whether an error is at its limit, with its sign, where these distributions are asked for.
+fn has_sign(key: &str, distributions: &[(&str, &str)]) -> bool {
+    let word = distributions.iter().find(|of| of.0 == key).map(|of| of.1);
+    // (A measured form error is fixed unless it is said to be something else.)
+    let fixed = word.map_or(key == "map_share", |word| word == "fixed");
+    fixed && !STRENGTHS.contains(&key)
+}
+
+fn unsigned_hint(key: &str) -> &'static str {
+    if STRENGTHS.contains(&key) {
+        "the limit in the unit that the key ends in; 0 for no such error"
+    } else {
+        "the limit in the unit that the key ends in, on both sides; 0 for no such error. An error with a \
+         sign is \"fixed\" in [tolerance.distributions]"
     }
 }
 

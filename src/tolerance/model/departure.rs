@@ -1,7 +1,8 @@
 //! How far a made surface is from the designed one, and how finely it does so.
 
 use super::super::field::{Field, ripple};
-use super::{Sample, State, System, added};
+use super::super::footprint::Footprint;
+use super::{Ground, Sample, State, System, added};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Patches;
 use crate::num::Scalar;
@@ -20,8 +21,13 @@ impl System {
         ]
     }
 
-    /// The sum of form errors of these amplitudes.
-    pub(super) fn forms<S: Scalar>(&self, amplitudes: &[f64], at: [S; 2]) -> [S; 3] {
+    /// The sum of form errors of these amplitudes, of waves their mean over `footprint`.
+    pub(super) fn forms<S: Scalar>(
+        &self,
+        amplitudes: &[f64],
+        footprint: &Footprint,
+        at: [S; 2],
+    ) -> [S; 3] {
         let mut sum = [S::constant(0.0); 3];
         let mut rest = amplitudes.iter().zip(&self.fields).peekable();
         while let Some((a, field)) = rest.next() {
@@ -30,35 +36,53 @@ impl System {
                 (Field::Cosine(k), Field::Sine(same)) => k == same,
                 _ => false,
             });
+            let seen = || field.seen(footprint);
             sum = match (field, sine) {
                 (_, Some((b, _))) if *a == 0.0 && *b == 0.0 => sum,
-                (Field::Cosine(k), Some((b, _))) => added(sum, 1.0, ripple(*k, [*a, *b], at)),
-                _ if *a != 0.0 => added(sum, *a, field.at(at)),
+                (Field::Cosine(k), Some((b, _))) => added(sum, seen(), ripple(*k, [*a, *b], at)),
+                _ if *a != 0.0 => added(sum, seen() * *a, field.at(at)),
                 _ => sum,
             };
         }
         sum
     }
 
-    /// `sum` and the waviness, the measured form error and the tool's tracks of
-    /// curvature `groove`, height and slope.
+    /// `sum` and the waviness, the measured form error and the tool's tracks, height and slope, as
+    /// they are on `ground`.
     pub(super) fn textured<S: Scalar>(
         &self,
         mut sum: [S; 3],
         state: &State<S>,
         at: [S; 2],
-        groove: f64,
+        ground: &Ground,
     ) -> [S; 3] {
         if let Some(wave) = state.wave {
-            sum = added(sum, 1.0, ripple(self.wave, wave, at));
+            let seen = ground.footprint.ripple(self.wave);
+            sum = added(sum, seen, ripple(self.wave, wave, at));
         }
         if let (Some(map), Some(share)) = (&self.map, state.map) {
             sum = added(sum, share, Self::mapped(map, at));
         }
         if let Some(tracks) = state.tracks {
-            sum = added(sum, 1.0, self.tool.cusp(tracks, groove, at));
+            sum = added(sum, 1.0, self.tool.cusp(tracks, ground, at));
         }
         sum
+    }
+
+    /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
+    pub(in crate::tolerance) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
+        let Sample { hit, ground, .. } = &self.samples[k];
+        self.tool.cusp(tracks, ground, [hit.x, hit.y])
+    }
+
+    /// Wave vector of the waviness, 1/mm.
+    pub(in crate::tolerance) fn wave(&self) -> [f64; 2] {
+        self.wave
+    }
+
+    /// The direction in which tracks follow each other.
+    pub(in crate::tolerance) fn track_way(&self) -> [f64; 2] {
+        self.tool.way
     }
 
     /// Height and slope of the made surface over the designed one at (X, Y) of the part, before it
@@ -69,7 +93,9 @@ impl System {
         } else {
             0.0
         };
-        self.textured(self.forms(&state.form, at), state, at, groove)
+        let footprint = Footprint::POINT;
+        let forms = self.forms(&state.form, &footprint, at);
+        self.textured(forms, state, at, &Ground { groove, footprint })
     }
 
     /// The shortest length, mm, over which this departure swings: a period, a distance of tracks or
@@ -100,6 +126,14 @@ impl Sample {
 }
 
 impl Field {
+    /// The share of it that a pixel of this footprint sees.
+    pub(in crate::tolerance) fn seen(&self, footprint: &Footprint) -> f64 {
+        match self {
+            Self::Polynomial { .. } => 1.0,
+            Self::Cosine(k) | Self::Sine(k) => footprint.ripple(*k),
+        }
+    }
+
     /// A period, or half the mirror.
     fn swing(&self) -> f64 {
         match self {

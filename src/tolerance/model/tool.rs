@@ -1,6 +1,7 @@
 //! Tracks of a ball cutter.
 
 use super::super::field::cusp;
+use super::Ground;
 use crate::num::Scalar;
 
 /// The tool.
@@ -31,16 +32,20 @@ impl Tool {
         if along > 0.0 && across > 0.0 { across } else { 0.0 }
     }
 
-    /// Height and slope of tracks of some curvature over the mirror.
+    /// Height over the mirror of tracks on some ground, and the mean of their slope over the footprint
+    /// there (of parabolas, which cusps are up to the square of their slope).
     pub fn cusp<S: Scalar>(
         &self,
         [stepover, phase]: [f64; 2],
-        curvature: f64,
+        ground: &Ground,
         at: [S; 2],
     ) -> [S; 3] {
         let across = at[0] * self.way[0] + at[1] * self.way[1];
         let track = (across.centre() / stepover + phase).round() - phase;
-        let [height, slope] = cusp(curvature, across - track * stepover);
+        let from_track = across - track * stepover;
+        let [height, slope] = cusp(ground.groove, from_track);
+        let mean = ground.footprint.sawtooth(self.way, stepover, from_track);
+        let slope = slope + mean * ground.groove;
         [height, slope * self.way[0], slope * self.way[1]]
     }
 }

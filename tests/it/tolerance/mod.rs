@@ -1,5 +1,6 @@
 //! Tolerancing: against closed forms, differences, and statistics of its own full traces.
 
+mod footprint;
 mod physics;
 mod program;
 mod replay;
@@ -35,7 +36,7 @@ fn usual(design: &Design, process: &Process) -> Vec<Source> {
         };
         Source { kind, limit, distribution, weight: 1.0 }
     };
-    Kind::all().filter(applies).map(source).collect()
+    Kind::all().filter(applies).map(source).filter(|source| source.limit != 0.0).collect()
 }
 
 fn question(sources: Vec<Source>, compensators: &[Compensator]) -> Question {
@@ -48,6 +49,7 @@ fn question(sources: Vec<Source>, compensators: &[Compensator]) -> Question {
         criterion: Criterion::Rms,
         reference: Reference::Design,
         budget_px: 1.0,
+        budget_blur_px: 1.0,
         target_yield: 0.9,
         samples: 150,
     }

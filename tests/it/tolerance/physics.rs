@@ -79,7 +79,7 @@ fn derivatives_agree_with_central_differences() {
 fn fine_tracks_displace_by_the_derivative() {
     for (name, design) in designs() {
         let asked = question(vec![fixed(Kind::ToolMarks, 0.02)], &[]);
-        let engine = engine(&design, asked);
+        let engine = engine(&design, asked).pointwise();
         let remains = [1e-2, 1e-3, 1e-4].map(|stepover| {
             let [full, linear] = both(&engine, &[(Kind::ToolMarks, stepover)]);
             let off: Vec<f64> = full.iter().zip(&linear).map(|(a, b)| a - b).collect();
@@ -198,7 +198,7 @@ fn textures_displace_by_their_rms_slope() {
     let texture = precise().texture;
     let scale = 6.0 / radians(20.0) / design.camera.pixel_mm;
     let rms = |kind: Kind, limit: f64| {
-        let engine = engine(&design, question(vec![fixed(kind, limit)], &[]));
+        let engine = engine(&design, question(vec![fixed(kind, limit)], &[])).pointwise();
         let made: Vec<_> = (0..300)
             .map(|trial| engine.make(&[(kind, limit)], Stream { seed: 1, trial }))
             .collect();
@@ -232,7 +232,7 @@ fn tracks_displace_as_scallops_do() {
         let stepover_mm = 0.02;
         let source = fixed(Kind::ToolMarks, stepover_mm);
         let asked = Question { samples: 2000, ..question(vec![source], &[]) };
-        let found = engine(&design, asked).variance(&source).sqrt();
+        let found = engine(&design, asked).pointwise().variance(&source).sqrt();
         let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
         // Tracks that follow each other along Y run along X.
         let raster = Raster { ball_mm: texture.ball_radius_mm, stepover_mm, angle: 0.0 };

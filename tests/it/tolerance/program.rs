@@ -1,8 +1,8 @@
 //! The command: files, streams, exit codes, and runs in parts.
 
 use super::{engine, fixed, question};
-use crate::support;
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
+use crate::support::{self, share};
 use morion::tolerance::Kind;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,6 +11,9 @@ use std::path::Path;
 fn small() -> String {
     edited(SMALL, &[("[160, 120]", "[16, 12]")])
 }
+
+/// A number of triangles in the place of both limits.
+const LIMITS: (&str, &str) = ("chord_um = 20\nfacet_px = 3", "max_triangles = 9000");
 
 const FILES: [&str; 3] = ["tolerance.html", "tolerance.json", "trials.csv"];
 
@@ -276,48 +279,126 @@ fn little_to_go_by_leaves_no_odd_figures() {
 }
 
 #[test]
-fn facets_are_those_that_the_witness_of_the_same_profile_found() {
+fn facets_are_of_the_mesh_that_the_part_is_made_from() {
     let folder = folder();
     let home = folder.path();
-    let facets = |text: &str| {
+    let run = |text: &str| -> (serde_json::Value, String) {
         save(home, text);
         let (_, out, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "3"]));
         let report = std::fs::read_to_string(home.join("out/small/tolerance.json")).expect(&err);
-        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        (serde_json::from_str(&report).unwrap(), out)
+    };
+    let facets = |text: &str| {
+        let (report, out) = run(text);
         let sources = report["sources"].as_array().unwrap();
-        let source = sources.iter().find(|s| s["source"] == "facets_px").unwrap();
-        let from = report["facets_from"].as_str().unwrap().to_owned();
+        let source = sources.iter().find(|s| s["source"] == "facets_px")?;
         assert!(out.contains("  facets   facets_px "), "{out}");
-        (from, source["limit"].as_f64().unwrap(), source["plus_px"].as_f64().unwrap())
+        let from = report["facets_from"].as_str().unwrap().to_owned();
+        Some((from, source["limit"].as_f64().unwrap()))
     };
     let text = small();
-    assert_eq!(facets(&text).0, "mesh");
-    save(home, &text);
-    let part = |range: &str| {
-        let arguments = ["tolerance", "small.toml", "--trials", range, "--part"];
-        assert_eq!(told(&morion(home, &arguments)).0, 0);
+    assert_eq!(facets(&text), Some(("mesh".into(), 3.0)));
+    let with = |lines: &str| format!("{text}\n[tolerance]\n{lines}\n");
+    assert_eq!(facets(&with("limits.facets_px = 2")), Some(("limits".into(), 2.0)));
+    assert_eq!(facets(&with("made_from = \"step\"")), None);
+    let both = with("made_from = \"step\"\nlimits.facets_px = 2");
+    assert_eq!(facets(&both), Some(("limits".into(), 2.0)));
+    // What is exported first.
+    let step = text.replace("formats = [", "formats = [\"step\", ");
+    assert!(step != text && facets(&step).is_none());
+    let mesh = format!("{step}\n[tolerance]\nmade_from = \"mesh\"\n");
+    assert_eq!(facets(&mesh), Some(("mesh".into(), 3.0)));
+    // As many triangles as the bound takes keep about that.
+    let budget = edited(&text, &[LIMITS]);
+    let (from, limit) = facets(&budget).unwrap();
+    let (_, out, _) = told(&morion(home, &["build", "small.toml", "--format", "json"]));
+    let built: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let reached = built["mesh"]["facet_px"].as_f64().unwrap_or(limit);
+    assert!(from == "foreseen" && (limit / reached - 1.0).abs() < 0.3, "{from} {limit} {reached}");
+}
+
+/// An error that is fixed has a sign; others have limits on both sides.
+#[test]
+fn fixed_errors_have_a_sign() {
+    let folder = folder();
+    let home = folder.path();
+    let with = |lines: &str| save(home, &format!("{}\n[tolerance]\n{lines}\n", small()));
+    let run = |lines: &str| -> serde_json::Value {
+        with(lines);
+        let (code, _, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "2"]));
+        assert!(code < 2, "{err}");
+        let report = std::fs::read(home.join("out/small/tolerance.json")).unwrap();
+        serde_json::from_slice(&report).unwrap()
     };
-    part("0..2");
-    assert!(told(&morion(home, &["build", "small.toml"])).0 < 2);
-    part("2..4");
-    let parts = ["out/small/trials-0-2.csv", "out/small/trials-2-4.csv"];
-    refused(
-        home,
-        &["--merge", parts[0], parts[1]],
-        &["the build whose facets it takes has changed"],
-    );
-    let built = std::fs::read_to_string(home.join("out/small/report.json")).unwrap();
-    let built: serde_json::Value = serde_json::from_str(&built).unwrap();
-    let traces = built["trace"].as_array().unwrap().iter();
-    let rms = traces.map(|t| t["facet_error_px"]["rms"].as_f64().unwrap()).fold(0.0, f64::max);
-    let (from, limit, px) = facets(&text);
-    assert!(from == "witness" && limit < 3.0, "{from} {limit}");
-    // Few samples, sixteen patterns.
-    assert!((limit / rms - 2f64.sqrt()).abs() < 1e-3 && (px / rms - 1.0).abs() < 0.1, "{px} {rms}");
-    let limits = "[tolerance.limits]\nfacets_px = 2\n[export]";
-    assert_eq!(facets(&edited(&text, &[("[export]", limits)])).0, "limits");
-    let other = facets(&edited(&text, &[("facet_px = 3", "facet_px = 2.5")]));
-    assert_eq!((&*other.0, other.1), ("mesh", 2.5));
+    let fixed = "distributions.distortion_ppm = \"fixed\"\nlimits.distortion_ppm = ";
+    let [minus, plus] = [-40000.0, 40000.0].map(|limit| {
+        let report = run(&format!("{fixed}{limit}"));
+        let worst = report["worst_offenders"].as_array().unwrap();
+        let of = |list: &[serde_json::Value]| {
+            list.iter().find(|s| s["source"] == "distortion_ppm").unwrap().clone()
+        };
+        let (worst, source) = (of(worst), of(report["sources"].as_array().unwrap()));
+        assert_eq!(worst["value"], limit);
+        assert_eq!(source["limit"], limit);
+        assert_eq!(source["limit_joint"].as_f64().unwrap_or(limit), limit);
+        let alone = source["limit_alone"].as_f64().unwrap();
+        assert!(alone * limit > 0.0, "{alone}");
+        let side = if limit < 0.0 { "minus_adjusted_px" } else { "plus_adjusted_px" };
+        assert_eq!(worst["adjusted_px"], source[side]);
+        report["mean_px"].as_f64().unwrap()
+    });
+    // Barrel and pincushion are alike by first derivatives.
+    assert!((minus / plus - 1.0).abs() < 1e-9 && plus > 0.05, "{minus} {plus}");
+    for (lines, words) in [
+        ("limits.distortion_ppm = -5", "is \"fixed\" in [tolerance.distributions]"),
+        ("limits.stepover_mm = -0.1\ndistributions.stepover_mm = \"fixed\"", "from 0 to 1000000"),
+    ] {
+        with(lines);
+        refused(home, &["small.toml"], &[words]);
+    }
+}
+
+/// Mirrors that are polished can be used; prints as they come cannot, and are worse than milled ones.
+#[test]
+fn every_shipped_mirror_passes_polished_and_none_is_better_printed_than_milled() {
+    let folder = folder();
+    let home = folder.path();
+    for shipped in share(6, 0, morion::profile::shipped()) {
+        let run = |preset: &str| -> serde_json::Value {
+            save(home, &format!("{}\n[tolerance]\npreset = \"{preset}\"\n", shipped.text));
+            let arguments = ["tolerance", "small.toml", "--trials", "100", "--format", "json"];
+            let (code, out, err) = told(&morion(home, &arguments));
+            assert!(code < 2, "{err}");
+            serde_json::from_str(&out).unwrap()
+        };
+        let polished = run("polished");
+        assert_eq!(polished["verdict"], "pass", "{}: {}", shipped.name, polished["reasons"]);
+        let figure = |report: &serde_json::Value| {
+            report["adjusted"]["p50_px"].as_f64().unwrap_or(f64::INFINITY)
+        };
+        let (printed, milled) = (run("sla-print"), run("standard-cnc"));
+        let [printed_px, milled_px] = [&printed, &milled].map(figure);
+        assert!(printed_px > 2.0 * milled_px, "{}: {printed_px} {milled_px}", shipped.name);
+        assert_eq!(printed["verdict"], "fail");
+    }
+}
+
+/// Neither a build nor anything else in the folder changes an answer.
+#[test]
+fn a_build_beside_changes_no_answer() {
+    let folder = folder();
+    let home = folder.path();
+    for text in [small(), edited(&small(), &[LIMITS])] {
+        let run = || {
+            save(home, &text);
+            told(&morion(home, &["tolerance", "small.toml", "--trials", "20"]));
+            std::fs::read(home.join("out/small/tolerance.json")).unwrap()
+        };
+        let before = run();
+        let (code, _, err) = told(&morion(home, &["build", "small.toml"]));
+        assert!(code < 2, "{err}");
+        assert!(run() == before);
+    }
 }
 
 #[test]
