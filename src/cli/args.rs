@@ -99,7 +99,7 @@ pub enum Command {
         /// Profile file, or name of a shipped profile
         profile: String,
         /// Least share of the pixels that must see their part of the world [default: the profile's
-        /// accept.frame_filled, else 0.995]
+        /// accept.frame_filled, else 0.995 with fill_frame = true and 0.1 without]
         #[arg(long, value_name = "SHARE", value_parser = share)]
         min: Option<f64>,
         /// Folder for results

@@ -16,7 +16,7 @@
 use crate::num::least_squares::{self, RankDeficient};
 use crate::num::legendre;
 use crate::num::quadrature::gauss_legendre;
-use crate::num::{Dual, Jet2, Scalar, asinh, exp, radians, tan};
+use crate::num::{Dual, Jet2, Scalar, asinh, atan, degrees, exp, radians, tan};
 use crate::optics::{Field, Ladder, Target};
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
@@ -33,6 +33,10 @@ const TOLERANCE: f64 = 1e-8;
 const LONGEST: f64 = 1.0;
 /// Steps before giving up.
 const MOST_STEPS: usize = 100;
+/// Laws that are tried for one of a height, and how near to that it comes, as a share: beyond its ends a
+/// law goes on linearly.
+const MOST_HEIGHTS: usize = 30;
+const SAME_HEIGHT: f64 = 1e-7;
 
 /// Why no law was found.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -163,6 +167,28 @@ impl Search<'_> {
         let g = self.find(&rows, vec![0.0; DEGREE + 1])?;
         let broken = SearchError::NotConverged { steps: 0, last_step: f64::NAN };
         rows.ladder(&g).ok_or(broken)
+    }
+
+    /// The law whose height is `high`, about the middle isometric latitude of the elevations.
+    ///
+    /// # Errors
+    /// [`SearchError`] when it, or one on the way, is not found.
+    pub fn filling(&self, high: f64) -> Result<(Ladder, f64), SearchError> {
+        let [low, top] = self.rows().ends;
+        let (middle, mut half) = (0.5 * (low + top), 0.5 * (top - low));
+        let mut last_step = f64::NAN;
+        for _ in 0..MOST_HEIGHTS {
+            let elevation_deg =
+                [middle - half, middle + half].map(|m| degrees(atan(0.5 * (exp(m) - exp(-m)))));
+            let (ladder, height) = Search { elevation_deg, ..*self }.law()?;
+            // The height is nearly as the range of latitudes.
+            last_step = high / height - 1.0;
+            if last_step.abs() < SAME_HEIGHT {
+                return Ok((ladder, height));
+            }
+            half *= high / height;
+        }
+        Err(SearchError::NotConverged { steps: MOST_HEIGHTS, last_step })
     }
 
     fn rows(&self) -> Rows {

@@ -155,12 +155,12 @@ impl Plan {
         };
         let azimuth = radians(middle_deg);
         let panel = Panel { camera: &camera, target, scale_mm, azimuth, across, below };
-        let (law, z) = strip::law(wanted, &panel)?;
+        let filling = fill_frame.then_some(frame_height / panels);
+        let (law, z) = strip::law(wanted, &panel, filling.map(|height| height / scale_mm))?;
         let z_middle = 0.5 * (z[0] + z[1]);
-        let height = if fill_frame { frame_height / panels } else { (z[1] - z[0]) * scale_mm };
+        let height = filling.unwrap_or((z[1] - z[0]) * scale_mm);
         if fill_frame {
-            let half = 0.5 * height / scale_mm;
-            filled(&law, target, [z_middle - half, z_middle + half], scale_mm / camera.pixel_mm)?;
+            filled(&law, target, z, scale_mm / camera.pixel_mm)?;
         }
 
         let below = below * height;
@@ -244,10 +244,11 @@ fn filled(law: &Law, target: Target, z: [f64; 2], rows: f64) -> Result<(), Cause
     {
         return Err(Cause::Overfilled { beyond, most });
     }
-    // Every law that fills a frame has the horizon at 0.
+    // Isometric latitude 0.
+    let horizon = law.coordinate(1.0);
     let past = match target {
-        Target::Plane { height_mm } if height_mm > 0.0 => -z[0],
-        Target::Plane { .. } => z[1],
+        Target::Plane { height_mm } if height_mm > 0.0 => horizon - z[0],
+        Target::Plane { .. } => z[1] - horizon,
         _ => return Ok(()),
     };
     if past >= 0.0 { Err(Cause::Horizon { rows: past * rows }) } else { Ok(()) }

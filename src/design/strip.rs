@@ -24,24 +24,44 @@ pub struct Panel<'a> {
     pub below: f64,
 }
 
-/// The law and the range of its coordinate z (paper's units) from the lowest to the highest row.
+/// The law and the range of its coordinate z (paper's units) from the lowest to the highest row: of what
+/// `wanted` asks for, or, `high` in z, about the middle of that (the middle isometric latitude where the
+/// law is to be found).
 ///
 /// # Errors
 /// [`Cause::Law`] when there is none.
-pub fn law(wanted: &StripProjection, panel: &Panel) -> Result<(Law, [f64; 2]), Cause> {
+pub fn law(
+    wanted: &StripProjection,
+    panel: &Panel,
+    high: Option<f64>,
+) -> Result<(Law, [f64; 2]), Cause> {
     let law = match &wanted.law {
         StripLaw::Cylindrical => Law::Cylindrical,
         StripLaw::Mercator => Law::Mercator,
         StripLaw::Equirectangular => Law::Equirectangular,
         StripLaw::EqualArea => Law::EqualArea,
         StripLaw::Best => {
-            let (ladder, height) = best(wanted, panel).law()?;
+            let search = best(wanted, panel);
+            let (ladder, height) = match high {
+                Some(high) => search.filling(high)?,
+                None => search.law()?,
+            };
             return Ok((Law::Ladder(Arc::new(ladder)), [0.0, height]));
         }
-        StripLaw::Table(rows) => return table(rows, panel.camera.pixel_mm / panel.scale_mm),
+        StripLaw::Table(rows) => {
+            let (law, z) = table(rows, panel.camera.pixel_mm / panel.scale_mm)?;
+            return Ok((law, about(z, high)));
+        }
     };
     let z = wanted.elevation_deg.map(|e| law.image_of_degrees(e));
-    Ok((law, z))
+    Ok((law, about(z, high)))
+}
+
+/// The range `z`, or one `high` about its middle.
+fn about(z: [f64; 2], high: Option<f64>) -> [f64; 2] {
+    let Some(high) = high else { return z };
+    let middle = 0.5 * (z[0] + z[1]);
+    [middle - 0.5 * high, middle + 0.5 * high]
 }
 
 fn best<'a>(wanted: &StripProjection, panel: &Panel<'a>) -> Search<'a> {
@@ -107,6 +127,49 @@ mod tests {
             assert!(apart(&best, &mercator) < 1e-10, "{:e}", apart(&best, &mercator));
             assert!(best.facts.curl.unwrap().max < 1e-12);
         }
+    }
+
+    /// The law that fills the frame is the one between the elevations that it then shows.
+    #[test]
+    fn best_fills_the_frame_with_the_law_of_its_own_elevations() {
+        const LOW: &str =
+            "camera.pinhole = { pixels = [640, 200], focal_px = 1600, distance_mm = 150 }";
+        for (camera, layout, rows) in [
+            (PARALLEL, "layout.conquistador = { panel = \"refit\"", 240.0),
+            (PINHOLE, "layout.conquistador = { ridge = \"valley\"", 240.0),
+            (LOW, "layout.strip = { fill_frame = false", 200.0),
+        ] {
+            let fills = match layout.strip_suffix("fill_frame = false") {
+                Some(strip) => format!("{strip}fill_frame = true }}"),
+                None => format!("{layout}, fill_frame = true }}"),
+            };
+            let filled = designed(camera, "best", "[-31, 29]", &fills);
+            let high = rows * filled.camera.pixel_mm;
+            let bounds = filled.mirror.outline.bounds();
+            assert!((bounds.size().y / high - 1.0).abs() < 1e-6, "{layout}");
+            // What the rows at the edges show.
+            let view = filled.view.as_ref().unwrap();
+            let ends = [bounds.min.y, bounds.max.y].map(|y| {
+                let seen = view.wanted(DVec2::new(3.0, y), DVec3::ZERO);
+                degrees(atan2(seen.z, seen.truncate().length()))
+            });
+            assert!(ends[1] - ends[0] > 30.0, "{ends:?}");
+            let same = designed(camera, "best", &format!("{ends:?}"), &format!("{layout} }}"));
+            assert!(apart(&filled, &same) < 1e-5, "{layout} {:e}", apart(&filled, &same));
+        }
+    }
+
+    #[test]
+    fn a_table_higher_than_the_frame_fills_it_with_its_middle_rows() {
+        let row = |k: i32| format!("[{}, {:?}]", 20 * k, 60.0 - 4.0 * f64::from(k));
+        let rows: Vec<String> = (0..=26).map(row).collect();
+        let layout = "layout.strip.fill_frame = true";
+        let found = designed(PARALLEL, "table", &format!("[{}]", rows.join(", ")), layout);
+        assert!((found.mirror.outline.bounds().size().y - 45.0).abs() < 1e-5);
+        // Row 260 of 0 to 520 is in the middle.
+        let seen = found.view.as_ref().unwrap().wanted(DVec2::new(3.0, 0.0), DVec3::ZERO);
+        let elevation = degrees(atan2(seen.z, seen.truncate().length()));
+        assert!((elevation - 8.0).abs() < 1e-9, "{elevation}");
     }
 
     #[test]

@@ -164,11 +164,9 @@ pub fn witness(
     })
 }
 
-/// The pixel error up to which a pixel counts as filled: the profile's own limit, or a hundredth of
-/// the frame's width.
+/// The pixel error up to which a pixel counts as filled: the largest that is accepted.
 pub fn tolerance_px(profile: &Profile) -> f64 {
-    let usual = 0.01 * f64::from(profile.camera.pixels()[0]);
-    profile.accept.pixel_error_max_px.unwrap_or(usual)
+    profile.accepted().pixel_error_max_px.value
 }
 
 /// What becomes of every pixel.

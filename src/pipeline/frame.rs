@@ -5,7 +5,7 @@ use super::examine::{pixel_fates, tolerance_px};
 use super::files::Folder;
 use super::observer::Clock;
 use super::reread::{Reread, reread};
-use super::{Error, Observer, Source, Stage, designed, verdict};
+use super::{Error, Observer, Source, Stage, designed, remedy, verdict};
 use crate::design::{Design, design};
 use crate::optics::Camera;
 use crate::parallel;
@@ -15,12 +15,10 @@ use crate::report::{FrameReport, ProfileId, Resolution, RoundMirror};
 use crate::trace::{Coverage, Range};
 use std::path::Path;
 
-/// Share of the frame to be filled where neither the user nor the profile asks for one.
-const USUAL_MIN: f64 = 0.995;
-
 /// Checks how the profile of `source` fills its frame: designs, meshes, closes, writes in memory, reads
 /// back and traces it, and writes `frame.json`, `frame.csv` and `frame.png` into `out`/NAME. The
-/// verdict is negative below a share of `min` filled pixels; without it, below the profile's own.
+/// verdict is negative below a share of `min` filled pixels; without it, below the one that a build is held
+/// to.
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done, or the profile has no projection to fill a frame with.
@@ -37,7 +35,7 @@ pub fn frame(
             profile: profile.name.clone(),
         });
     }
-    let min = min.or(profile.accept.frame_filled).unwrap_or(USUAL_MIN);
+    let min = min.unwrap_or(profile.accepted().frame_filled.value);
     let clock = Clock::new(observer);
     let design = clock.stage(Stage::Design, || designed(source))?;
     let Reread { frame: found, seen: (_, witness), .. } = reread(&clock, profile, &design)?;
@@ -59,9 +57,10 @@ pub fn frame(
     if !(found.filled >= min) {
         reasons.push(format!(
             "{:.3} % of the frame see their part of the world within {tolerance} px, under the \
-             {:.3} % asked for",
+             {:.3} % asked for{}",
             100.0 * found.filled,
-            100.0 * min
+            100.0 * min,
+            remedy::filling(profile).map_or(String::new(), |way| format!("; {way}"))
         ));
     }
     let report = FrameReport {

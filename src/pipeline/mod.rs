@@ -20,6 +20,7 @@ mod last;
 mod machining;
 mod observer;
 mod question;
+mod remedy;
 mod render;
 mod replay;
 mod reread;
@@ -161,6 +162,7 @@ fn assemble(
     let proven_px = budget.map(|mesh| mesh.facet_px.bound);
     let reasons = verdict::reasons(profile, design, &evidence, chord_mm, proven_px);
     let frame = evidence.iter().find_map(|e| e.frame.clone());
+    let held = design.view.is_some() && evidence.iter().all(|e| !e.measured);
     let (files, trace): (Vec<FileFacts>, Vec<_>) =
         evidence.into_iter().map(|e| (e.file, e.trace)).unzip();
     Report {
@@ -179,6 +181,7 @@ fn assemble(
         alignment: None,
         form_error_um: None,
         frame,
+        accepted: held.then(|| profile.accepted()),
         verdict: verdict::of(&reasons),
         reasons,
         warnings: Vec::new(),

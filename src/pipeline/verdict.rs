@@ -1,11 +1,13 @@
 //! The verdict: every reason why a part would not do, with figures.
 
 use super::examine::Evidence;
+use super::remedy;
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Outline, Stock};
-use crate::profile::{Format, Profile};
+use crate::profile::{Accepted, Bound, Format, Profile};
 use crate::report::{Reason, ReasonKind, TraceFacts, Verdict};
+use crate::trace::Frame;
 
 /// Why a file does not pass that is another than was written.
 pub const ALTERED: &str = "the bytes on the disk are not those that were written";
@@ -39,6 +41,7 @@ pub fn reasons(
     proven_px: Option<f64>,
 ) -> Vec<Reason> {
     let volume_tolerance = volume_tolerance(design, chord_mm);
+    let accepted = profile.accepted();
     let mut reasons = Vec::new();
     for evidence in evidence {
         let name = &evidence.file.name;
@@ -64,20 +67,34 @@ pub fn reasons(
             let facets = !evidence.measured;
             limits(profile, trace, proven_px, facets).into_iter().for_each(&mut blame);
         }
-        if let (Some(frame), Some(least)) = (&evidence.frame, profile.accept.frame_filled)
-            && !(frame.filled >= least)
+        // A scan may be of a piece; what it is not held to by name, its form answers for.
+        let held = |bound: &Bound| !(bound.usual && evidence.measured);
+        let least = Some(accepted.frame_filled).filter(held);
+        if let (Some(frame), Some(least)) = (&evidence.frame, least)
+            && !(frame.filled >= least.value)
         {
-            let sentence = format!(
-                "{:.3} % of the frame see their part of the world within {} px, {:.3} % are \
-                     accepted (accept.frame_filled)",
-                100.0 * frame.filled,
-                frame.tolerance_px,
-                100.0 * least
-            );
-            blame(Reason::new(ReasonKind::FrameFilled, sentence));
+            blame(unfilled(frame, least));
         }
     }
+    remedy::add(profile, design, &mut reasons);
     reasons
+}
+
+/// That too little of the frame is filled.
+fn unfilled(frame: &Frame, least: Bound) -> Reason {
+    let key = "accept.frame_filled";
+    let words = if least.usual {
+        format!("are usual ({key} sets another share)")
+    } else {
+        format!("are accepted ({key})")
+    };
+    let sentence = format!(
+        "{:.3} % of the frame see their part of the world within {} px, {:.3} % {words}",
+        100.0 * frame.filled,
+        frame.tolerance_px,
+        100.0 * least.value
+    );
+    Reason::new(ReasonKind::FrameFilled, sentence)
 }
 
 /// What the chord error, and the chords of a round rim and of the stock's circles, may take off the
@@ -180,45 +197,46 @@ fn limits(
     profile: &Profile,
     trace: &TraceFacts,
     proven_px: Option<f64>,
-    facets: bool,
+    is_made: bool,
 ) -> Vec<Reason> {
     let errors = &trace.errors;
-    let accept = &profile.accept;
+    let accepted = profile.accepted();
     let pixel = errors.pixel_error_px;
+    let facet = errors.facet_error_px.filter(|_| is_made).map(|e| e.max);
+    let (limit, key) = match profile.mesh.facet_px {
+        Some(px) => (Some(px), "mesh.facet_px"),
+        None => (proven_px, "the mesh's bound"),
+    };
+    // A measured part is held to what the profile names.
+    let held = |bound: Bound| Some(bound).filter(|bound| is_made || !bound.usual);
+    let of = |bound: Option<Bound>, key: &str, share: f64| match bound {
+        Some(Bound { usual: true, .. }) => {
+            format!(
+                "that are usual, {} % of the frame's width ({key} sets another limit)",
+                100.0 * share
+            )
+        }
+        _ => format!("of {key}"),
+    };
+    let rms = held(accepted.pixel_error_rms_px);
+    let max = held(accepted.pixel_error_max_px);
+    let value = |bound: Option<Bound>| bound.map(|bound| bound.value);
+    let rms_words = of(rms, "accept.pixel_error_rms_px", Accepted::RMS);
+    let max_words = of(max, "accept.pixel_error_max_px", Accepted::MAX);
+    let (kind, whole) = (ReasonKind::PixelError, ReasonKind::FacetError);
     [
-        (
-            ReasonKind::FacetError,
-            "facet error",
-            errors.facet_error_px.filter(|_| facets).map(|e| e.max),
-            profile.mesh.facet_px.or(proven_px),
-            ROUNDING_PX,
-            if profile.mesh.facet_px.is_some() { "mesh.facet_px" } else { "the mesh's bound" },
-        ),
-        (
-            ReasonKind::PixelError,
-            "RMS pixel error",
-            pixel.map(|e| e.rms),
-            accept.pixel_error_rms_px,
-            0.0,
-            "accept.pixel_error_rms_px",
-        ),
-        (
-            ReasonKind::PixelError,
-            "largest pixel error",
-            pixel.map(|e| e.max),
-            accept.pixel_error_max_px,
-            0.0,
-            "accept.pixel_error_max_px",
-        ),
+        (whole, "facet error", facet, limit, ROUNDING_PX, format!("of {key}")),
+        (kind, "RMS pixel error", pixel.map(|e| e.rms), value(rms), 0.0, rms_words),
+        (kind, "largest pixel error", pixel.map(|e| e.max), value(max), 0.0, max_words),
     ]
     .into_iter()
-    .filter_map(|(kind, what, found, limit, rounding, key)| match (found?, limit) {
-        (found, Some(limit)) if !(found <= limit + rounding) => {
-            let sentence = format!("{what} {found:.3} px, over the {limit} px of {key}");
-            Some(Reason::new(kind, sentence))
-        }
-        (found, None) if !found.is_finite() => {
+    .filter_map(|(kind, what, found, limit, rounding, words)| match (found?, limit) {
+        (found, _) if !found.is_finite() => {
             Some(Reason::new(ReasonKind::NotFinite, format!("{what} is not finite")))
+        }
+        (found, Some(limit)) if !(found <= limit + rounding) => {
+            let sentence = format!("{what} {found:.3} px, over the {limit} px {words}");
+            Some(Reason::new(kind, sentence))
         }
         _ => None,
     })

@@ -4,6 +4,7 @@
 //! camera, projection, layout and part fit each other. [`Profile::parse`] either returns one or returns all the
 //! [`Complaints`] at once, each with its place in the file.
 
+mod accept;
 mod border;
 mod check;
 mod complaint;
@@ -22,6 +23,7 @@ mod words;
 use serde::Serialize;
 use std::fmt;
 
+pub use accept::{Accept, Accepted, Bound};
 pub use border::{Border, Feature, Footprint, Misfit, Spot};
 pub use complaint::{Complaint, Complaints};
 pub use projection::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
@@ -273,17 +275,6 @@ pub enum SagPath {
     Raster,
     /// A spiral about the axis, from outside in.
     Spiral,
-}
-
-/// The limits a finished mirror must keep to pass; an absent one is not checked.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Accept {
-    /// Largest root-mean-square pixel error, in pixels.
-    pub pixel_error_rms_px: Option<f64>,
-    /// Largest pixel error anywhere, in pixels.
-    pub pixel_error_max_px: Option<f64>,
-    /// Smallest share of the frame's pixels that see their part of the world, 0 to 1.
-    pub frame_filled: Option<f64>,
 }
 
 impl Profile {

@@ -2,8 +2,8 @@
 
 use super::outside::visible;
 use super::text::{
-    camera_line, figures, form_line, limited, method_line, of_at_most, sag_line, solid_line,
-    step_line,
+    allowed_line, camera_line, figures, form_line, limited, method_line, of_at_most, sag_line,
+    solid_line, step_line,
 };
 use super::{Report, Verdict};
 use crate::design::Curl;
@@ -135,6 +135,9 @@ fn rows(report: &Report) -> Vec<(String, String)> {
             row(&head(&format!("facet error{note}, px")), figures(errors.facet_error_px));
         }
         row(&head("solid"), solid_line(&trace.solid));
+    }
+    if let Some(accepted) = &report.accepted {
+        row("allowed", allowed_line(accepted));
     }
     if let Some(frame) = &report.frame {
         let share =

@@ -44,6 +44,7 @@ use crate::align::FormError;
 use crate::design::{Facts, Mounting};
 use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null, unless_null};
+use crate::profile::Accepted;
 use crate::solid::Check;
 use crate::trace::Frame;
 use serde::{Deserialize, Serialize};
@@ -94,6 +95,9 @@ pub struct Report {
     pub form_error_um: Option<FormError>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<Frame>,
+    /// The limits that the picture is held to; absent without a projection, and of measured parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accepted: Option<Accepted>,
     /// Pass or fail.
     pub verdict: Verdict,
     /// Why it fails, each with figures; empty for a pass.

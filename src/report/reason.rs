@@ -64,6 +64,12 @@ impl Reason {
         Self { kind: Some(kind), sentence: sentence.into() }
     }
 
+    /// The same with a way out.
+    #[must_use]
+    pub fn with(self, way: &str) -> Self {
+        Self { sentence: format!("{}; {way}", self.sentence), ..self }
+    }
+
     /// The same, said of the file `name`.
     #[must_use]
     pub fn of_file(self, name: &str) -> Self {

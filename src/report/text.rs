@@ -2,10 +2,12 @@
 
 use super::measured::{AlignmentFacts, error_line};
 use super::outside::{BOLD, FAIL, PASS, PLAIN, styled};
+use super::tolerance::percent;
 use super::{ErrorFacts, Limited, ProfileId, Report, SagFacts, SolidFacts, StepFacts, Verdict};
 use crate::design::{Facts, Mounting};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
+use crate::profile::{Accepted, Bound};
 use crate::solid::Rim;
 use serde::Serialize;
 use std::fmt::{Display, Write};
@@ -121,7 +123,26 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             100.0 * frame.gain_over_disc,
         )?;
     }
+    if let Some(accepted) = &report.accepted {
+        writeln!(out, "  allowed  {}", allowed_line(accepted))?;
+    }
     verdict_lines(out, &report.reasons, report.verdict)
+}
+
+/// The limits that the picture is held to.
+pub(super) fn allowed_line(accepted: &Accepted) -> String {
+    let mark = |bound: &Bound| if bound.usual { " (usual)" } else { "" };
+    let Accepted { pixel_error_rms_px: rms, pixel_error_max_px: max, frame_filled: filled } =
+        accepted;
+    format!(
+        "pixel error {} px rms{}, {} px max{}; at least {} % of the frame{}",
+        rms.value,
+        mark(rms),
+        max.value,
+        mark(max),
+        percent(filled.value),
+        mark(filled)
+    )
 }
 
 /// The last lines.

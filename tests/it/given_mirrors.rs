@@ -2,6 +2,7 @@
 //! forms that are written down here.
 
 use crate::support::builds::{self, edited, files, folder, lasting, morion, save, told};
+use crate::support::unlimited;
 use morion::design::{Design, design};
 use morion::export::{read_obj, read_stl};
 use morion::geom::{DVec2, DVec3};
@@ -68,7 +69,8 @@ fn saved(text: &str, heights: Option<&str>) -> (TempDir, PathBuf) {
 /// Builds `text`, which must pass with a sound solid, every ray hitting, and limits kept.
 fn built(text: &str, heights: Option<&str>) -> Built {
     let (folder, path) = saved(text, heights);
-    let source = load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let mut source = load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    source.profile = unlimited(source.profile);
     let report = build(&source, &folder.path().join("made"), &Silent)
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(report.verdict, Verdict::Pass, "{:?}\n{text}", report.reasons);

@@ -53,5 +53,6 @@ mod tolerance;
 mod tracing;
 mod unchanged;
 mod unwrap;
+mod verdicts;
 mod volume;
 mod witness_physics;

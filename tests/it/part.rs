@@ -3,7 +3,7 @@
 
 use crate::support::builds::{folder, parsed};
 use crate::support::parts::{CONQUISTADOR, case, cases};
-use crate::support::{designed, meshed, share};
+use crate::support::{designed, meshed, share, unlimited};
 use morion::design::Design;
 use morion::export::{read_obj, read_stl};
 use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Precision, Stock};
@@ -129,7 +129,7 @@ fn curved(design: &Design) -> f64 {
 }
 
 fn built(text: &str) -> (Report, tempfile::TempDir) {
-    let source = Source { profile: parsed(text), sag: None };
+    let source = Source { profile: unlimited(parsed(text)), sag: None };
     let folder = folder();
     let report = build(&source, folder.path(), &Silent).unwrap_or_else(|e| panic!("{e}"));
     (report, folder)

@@ -2,7 +2,7 @@
 //! design.
 
 use crate::support::builds::folder;
-use crate::support::{designed, meshed, profile, shipped};
+use crate::support::{designed, meshed, profile, shipped, unlimited};
 use morion::design::Design;
 use morion::export::{Label, read_obj, write_obj};
 use morion::geom::{DVec2, DVec3, Precision, Ray, TriMesh};
@@ -189,7 +189,8 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
 
 fn built(profile: &Profile) -> Report {
     let folder = folder();
-    build(&profile.clone().into(), folder.path(), &Silent).unwrap_or_else(|error| panic!("{error}"))
+    build(&unlimited(profile.clone()).into(), folder.path(), &Silent)
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]

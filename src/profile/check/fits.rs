@@ -2,7 +2,7 @@
 
 use super::super::reader::Reader;
 use super::super::words::list;
-use super::super::{Camera, RadialLaw, schema};
+use super::super::{Camera, RadialLaw, StripLaw, schema};
 use super::projection::{INNER_POLAR, Keys};
 use super::{Parts, layout, projection};
 
@@ -19,7 +19,7 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
         if layout_suits(reader, parts, projection, layout) {
             polar_angles(reader, projection, layout);
         }
-        fill_frame(reader, projection, layout);
+        fill_frame(reader, parts, projection, layout);
     }
     if let Some(layout) = &parts.layout {
         bare_layout(reader, parts, layout);
@@ -164,19 +164,30 @@ fn polar_angles(reader: &mut Reader, projection: &projection::Found, layout: &la
     }
 }
 
-/// The frame can be filled only where the law leaves the height free.
-fn fill_frame(reader: &mut Reader, projection: &projection::Found, layout: &layout::Found) {
-    let Some(at) = layout.fills else { return };
-    let hint = match projection.name {
-        "table" => "the table fixes the height of the picture",
-        "best" => "the height of the picture is an outcome of the law",
+/// A table has the rows that fill the frame, or more.
+fn fill_frame(
+    reader: &mut Reader,
+    parts: &Parts,
+    projection: &projection::Found,
+    layout: &layout::Found,
+) {
+    let Keys::Strip { law: Some(StripLaw::Table(rows)), .. } = &projection.keys else { return };
+    let camera = parts.camera.as_ref().and_then(|camera| camera.camera);
+    let (Some(at), Some(camera)) = (layout.fills, camera) else { return };
+    let panels = if layout.name == "conquistador" { 2.0 } else { 1.0 };
+    let needed = f64::from(camera.pixels()[1]) / panels;
+    let high = match rows[..] {
+        [[first, _], .., [last, _]] => last - first,
         _ => return,
     };
+    if high >= needed * (1.0 - 1e-9) {
+        return;
+    }
+    let path = projection.section.path_of("elevation_deg");
     let message = format!(
-        "layout.{}.fill_frame must be false with [{}], found true",
-        layout.name, projection.section.path
+        "{path} must reach over {needed} rows or more with fill_frame = true, found {high}"
     );
-    reader.complain(at, message, hint);
+    reader.complain(at, message, "add rows to the table, or leave out fill_frame");
 }
 
 /// Without a projection there is nothing to tile.

@@ -64,10 +64,13 @@ fn the_share_that_is_asked_for_decides() {
     let text = edited(&small_strip(), &[("facet_px = 3", "facet_px = 2")]);
     let (code, json) = framed(folder.path(), &text, &["--min", "0.2"]);
     assert_eq!((code, json["verdict"].as_str()), (0, Some("pass")));
+    // As usual of a strip.
     let (code, json) = framed(folder.path(), &text, &[]);
+    assert_eq!((code, json["verdict"].as_str()), (0, Some("pass")));
+    let (code, json) = framed(folder.path(), &text, &["--min", "0.995"]);
     assert_eq!((code, json["verdict"].as_str()), (1, Some("fail")));
     let reason = json["reasons"][0].as_str().unwrap();
-    assert!(reason.contains("99.500 % asked for"), "{reason}");
+    assert!(reason.contains("99.500 % asked for; [layout.conquistador] folds"), "{reason}");
     // The rows that are beyond the strip, and no other pixel.
     let filled = number(&json, "/frame/filled") * 160.0 * 120.0;
     assert_eq!(filled.round() + number(&json, "/frame/lost/beyond"), 160.0 * 120.0);

@@ -5,7 +5,7 @@ pub mod wanted;
 
 use crate::support::builds::folder;
 use crate::support::random::each;
-use crate::support::times;
+use crate::support::{times, unlimited};
 use morion::pipeline::{Error, Silent, Source, Trials, build, foresee, tolerance};
 use morion::profile::{Profile, SagGrid};
 use morion::report::{ReasonKind, Report, Verdict};
@@ -60,7 +60,8 @@ fn ended(wanted: &Wanted, folder: &Path) -> Result<Ending, String> {
     };
     let sag = wanted.heights.as_ref().map(|text| SagGrid::parse(text.as_bytes()));
     let sag = sag.transpose().map_err(|error| error.to_string())?;
-    let source = Source { profile, sag };
+    // What is usual is no business of random mirrors.
+    let source = Source { profile: unlimited(profile), sag };
     let ending = match build(&source, folder, &Silent) {
         Ok(report) => judged(&source.profile, &report, &folder.join("random"))?,
         Err(error) => (refusal(&error)?, BTreeSet::new()),

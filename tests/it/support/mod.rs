@@ -105,6 +105,15 @@ pub fn sag(design: &Design, q: DVec2) -> f64 {
     design.mirror.place(q, &design.mirror.surface.at(q)).z
 }
 
+/// The profile without limits on the picture but its own.
+pub fn unlimited(mut profile: Profile) -> Profile {
+    let accept = &mut profile.accept;
+    accept.pixel_error_rms_px.get_or_insert(1e300);
+    accept.pixel_error_max_px.get_or_insert(1e300);
+    accept.frame_filled.get_or_insert(0.0);
+    profile
+}
+
 /// The profile's design, which must succeed.
 pub fn designed(profile: &Profile) -> Design {
     design(profile, None).unwrap_or_else(|error| panic!("{error}"))

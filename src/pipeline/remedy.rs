@@ -1,0 +1,72 @@
+//! Ways out of a negative verdict on the picture, for its reasons: each has been tried, or is a width that
+//! follows from the camera.
+
+use crate::design::{Design, design};
+use crate::profile::{Camera, Layout, Profile, Projection, Shape, StripLaw};
+use crate::report::{Reason, ReasonKind};
+
+/// How much less of an error another law must leave to be worth a change.
+const WORTH: f64 = 0.7;
+/// A mirror narrower than this share of what the camera sees leaves room.
+const NARROW: f64 = 0.999;
+
+/// Adds to the first reason of its kind how to do better.
+pub fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
+    let mut amend = |kind: ReasonKind, way: &dyn Fn() -> Option<String>| {
+        if let Some(reason) = reasons.iter_mut().find(|reason| reason.kind == Some(kind))
+            && let Some(way) = way()
+        {
+            *reason = reason.clone().with(&way);
+        }
+    };
+    amend(ReasonKind::PixelError, &|| another_law(profile, designed));
+    amend(ReasonKind::FrameFilled, &|| filling(profile));
+}
+
+/// The law that leaves a smaller error, if it is much smaller, with that error.
+fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
+    let Some(Projection::Strip(strip)) = &profile.projection else { return None };
+    if strip.law == StripLaw::Best || !matches!(profile.shape, Shape::Designed(_)) {
+        return None;
+    }
+    let mut other = profile.clone();
+    let law = StripLaw::Best;
+    other.projection =
+        Some(Projection::Strip(crate::profile::StripProjection { law, ..strip.clone() }));
+    let now = designed.facts.pixel_error_px?.rms;
+    let found = design(&other, None).ok()?.facts.pixel_error_px?;
+    (found.rms < WORTH * now).then(|| {
+        format!(
+            "[projection.best] in the place of this law is off by {:.3} px rms, {:.3} px at most",
+            found.rms, found.max
+        )
+    })
+}
+
+/// How more of the frame is filled.
+pub fn filling(profile: &Profile) -> Option<String> {
+    let Some(Projection::Strip(strip)) = &profile.projection else { return wider(profile) };
+    let [first, last] = strip.azimuth_deg;
+    let folds = matches!(profile.layout, Layout::Strip { .. }) && [first, last] == [-180.0, 180.0];
+    let fold = folds.then(|| "[layout.conquistador] folds the turn into the frame".to_owned());
+    let fills = match profile.layout {
+        Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } => fill_frame,
+        _ => false,
+    };
+    let fill = (!fills && fold.is_none())
+        .then(|| "fill_frame = true makes the mirror as high as the frame".to_owned());
+    let ways: Vec<String> = wider(profile).into_iter().chain(fold).chain(fill).collect();
+    (!ways.is_empty()).then(|| ways.join(", or "))
+}
+
+/// The width of the frame at the mirror, where the mirror is narrower.
+fn wider(profile: &Profile) -> Option<String> {
+    let Camera::Pinhole { pixels, focal_px, distance_mm } = profile.camera else { return None };
+    let round = matches!(profile.layout, Layout::Disc | Layout::Annulus { .. });
+    let across = if round { pixels[0].min(pixels[1]) } else { pixels[0] };
+    let frame = f64::from(across) * distance_mm / focal_px;
+    // Rounded up, so that the number written down is enough.
+    let enough = (frame * 1e3).ceil() / 1e3;
+    (profile.part.width_mm < NARROW * frame)
+        .then(|| format!("write width_mm = {enough}, as wide as the frame is at the mirror"))
+}

@@ -1,0 +1,70 @@
+//! What a finished mirror must keep to pass: the profile's limits, and usual ones in their place.
+
+use super::{Layout, Profile};
+use serde::{Deserialize, Serialize};
+
+/// The limits that a profile names; a usual one stands in for each that is absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Accept {
+    /// Largest root-mean-square pixel error, in pixels.
+    pub pixel_error_rms_px: Option<f64>,
+    /// Largest pixel error anywhere, in pixels.
+    pub pixel_error_max_px: Option<f64>,
+    /// Smallest share of the frame's pixels that see their part of the world, 0 to 1.
+    pub frame_filled: Option<f64>,
+}
+
+/// A limit, and whether it stands there because the profile names none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bound {
+    /// In the limit's unit.
+    pub value: f64,
+    /// Whether the profile does not name it.
+    pub usual: bool,
+}
+
+/// The limits that a mirror with a projection is held to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Accepted {
+    /// Root-mean-square pixel error, in pixels.
+    pub pixel_error_rms_px: Bound,
+    /// Largest pixel error, in pixels; also up to which a pixel counts as filled.
+    pub pixel_error_max_px: Bound,
+    /// Share of the frame that is filled.
+    pub frame_filled: Bound,
+}
+
+impl Accepted {
+    /// Usual RMS pixel error as a share of the frame's width: a shift of content that is seen only beside
+    /// the right picture.
+    pub const RMS: f64 = 0.005;
+    /// Usual largest one.
+    pub const MAX: f64 = 0.015;
+    /// Usual share of filled pixels of a mirror that is to fill the frame.
+    pub const FULL: f64 = 0.995;
+    /// That of others: strips and discs leave most of a frame dark, and a mirror that covers less than
+    /// this was made for another camera.
+    pub const PART: f64 = 0.1;
+}
+
+impl Profile {
+    /// The limits that the finished mirror must keep.
+    #[must_use]
+    pub fn accepted(&self) -> Accepted {
+        let bound = |named: Option<f64>, usual: f64| Bound {
+            value: named.unwrap_or(usual),
+            usual: named.is_none(),
+        };
+        let width = f64::from(self.camera.pixels()[0]);
+        let fills = match self.layout {
+            Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } => fill_frame,
+            _ => false,
+        };
+        let filled = if fills { Accepted::FULL } else { Accepted::PART };
+        Accepted {
+            pixel_error_rms_px: bound(self.accept.pixel_error_rms_px, Accepted::RMS * width),
+            pixel_error_max_px: bound(self.accept.pixel_error_max_px, Accepted::MAX * width),
+            frame_filled: bound(self.accept.frame_filled, filled),
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Verdicts on mirrors that are sound parts and poor pictures, and the ways out that they name.
+
+use crate::support::builds::{folder, parsed};
+use morion::pipeline::{Silent, Source, build};
+use morion::report::{Reason, ReasonKind, Report, Verdict};
+
+/// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
+const LAB: &str =
+    "camera.pinhole = { pixels = [640, 360], lens_mm = 12.5, pixel_um = 10.35, distance_mm = 200 }";
+const TURN: &str = "{ azimuth_deg = [-180, 180], elevation_deg = [-20, 20] }";
+
+fn profile(camera: &str, projection: &str, layout: &str, width_mm: &str) -> String {
+    format!(
+        "{camera}\n{projection}\n{layout}\nmethod.vector-field.degree = 12\n\
+         part = {{ width_mm = {width_mm}, base_mm = 5 }}\nmesh.max_triangles = 20000\n\
+         export.formats = [\"obj\"]\n"
+    )
+}
+
+fn built(text: &str) -> Report {
+    let source: Source = parsed(text).into();
+    build(&source, folder().path(), &Silent).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn of(report: &Report, kind: ReasonKind) -> Option<&Reason> {
+    report.reasons.iter().find(|reason| reason.kind == Some(kind))
+}
+
+/// The value after `key = ` in a reason.
+fn told<'r>(reason: &'r Reason, key: &str) -> &'r str {
+    let (_, rest) = reason.split_once(&format!("{key} = ")).unwrap_or_else(|| panic!("{reason}"));
+    rest.split([',', ';', ' ']).next().unwrap()
+}
+
+#[test]
+fn a_mirror_too_small_for_its_camera_is_told_its_width() {
+    let law = format!("projection.equirectangular = {TURN}");
+    let report = built(&profile(LAB, &law, "layout.strip = {}", "40"));
+    assert_eq!(report.verdict, Verdict::Fail);
+    let reason = of(&report, ReasonKind::FrameFilled).expect("little is filled");
+    assert!(report.frame.as_ref().unwrap().filled < 0.05);
+    assert!(
+        reason.contains("10.000 % are usual (accept.frame_filled sets another share)"),
+        "{reason}"
+    );
+    assert!(reason.contains("[layout.conquistador] folds the turn into the frame"), "{reason}");
+    let width = told(reason, "width_mm");
+    // 640 * 10.35 um * 200 / 12.5.
+    assert_eq!(width, "105.984");
+    let wider = built(&profile(LAB, &law, "layout.strip = {}", width));
+    assert!(of(&wider, ReasonKind::FrameFilled).is_none(), "{:?}", wider.reasons);
+    let folded = "layout.conquistador.fill_frame = true";
+    let folded = built(&profile(LAB, &law, folded, width));
+    assert!(of(&folded, ReasonKind::FrameFilled).is_none(), "{:?}", folded.reasons);
+    assert!(folded.frame.unwrap().filled > 0.995);
+}
+
+#[test]
+fn a_law_that_does_not_suit_is_told_what_the_best_one_leaves() {
+    let range = "{ azimuth_deg = [-30, 30], elevation_deg = [32, 58] }";
+    let camera = "camera.pinhole = { pixels = [640, 480], hfov_deg = 14.25, distance_mm = 600 }";
+    let with = |law: &str| {
+        built(&profile(camera, &format!("projection.{law} = {range}"), "layout.strip = {}", "150"))
+    };
+    let report = with("cylindrical");
+    assert_eq!(report.verdict, Verdict::Fail);
+    let reason = of(&report, ReasonKind::PixelError).expect("the picture is far off");
+    assert!(
+        reason.contains("over the 3.2 px that are usual, 0.5 % of the frame's width"),
+        "{reason}"
+    );
+    let (_, rest) =
+        reason.split_once("[projection.best] in the place of this law is off by ").unwrap();
+    let found: f64 = rest.split(' ').next().unwrap().parse().unwrap();
+    let best = with("best");
+    assert_eq!(best.verdict, Verdict::Pass, "{:?}", best.reasons);
+    let rms = best.design.pixel_error_px.unwrap().rms;
+    assert!((rms - found).abs() < 6e-4 && rms < 0.5, "{rms} {found}");
+}
+
+/// Usual limits scale with the frame; those that a profile names are its own.
+#[test]
+fn limits_that_a_profile_names_take_the_place_of_the_usual_ones() {
+    let law = "projection.cylindrical = { azimuth_deg = [-180, 180], elevation_deg = [-30, 30] }";
+    let camera = "camera.orthographic.pixels = [320, 240]";
+    let text = profile(camera, law, "layout.conquistador.fill_frame = true", "60");
+    let report = built(&text);
+    let accepted = report.accepted.unwrap();
+    assert!(accepted.pixel_error_rms_px.usual && accepted.frame_filled.usual);
+    assert_eq!(accepted.pixel_error_rms_px.value, 1.6);
+    assert_eq!(accepted.pixel_error_max_px.value, 4.8);
+    assert_eq!(accepted.frame_filled.value, 0.995);
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    let named = built(&format!("{text}accept.pixel_error_rms_px = 0.1\n"));
+    let accepted = named.accepted.unwrap();
+    assert!(!accepted.pixel_error_rms_px.usual && accepted.pixel_error_max_px.usual);
+    let reason = of(&named, ReasonKind::PixelError).expect("named");
+    assert!(reason.contains("over the 0.1 px of accept.pixel_error_rms_px"), "{reason}");
+}
