@@ -240,11 +240,18 @@ impl Mirror {
     /// another, and none where that does not converge.
     #[must_use]
     pub fn under(&self, camera: &Chart, q: DVec2) -> Option<DVec2> {
+        self.under_near(camera, q, camera.plane_mm)
+    }
+
+    /// The same, where the ray meets the mirror more than once the place near the height `z_mm`: a panel
+    /// that goes on beyond the ridge may come to lie over itself.
+    #[must_use]
+    pub fn under_near(&self, camera: &Chart, q: DVec2, z_mm: f64) -> Option<DVec2> {
         if *camera == self.chart {
             return Some(q);
         }
         let size = self.outline.bounds().size().max_element();
-        let mut height = 0.0;
+        let (_, mut height) = camera.coordinates(DVec3::new(0.0, 0.0, z_mm));
         for _ in 0..32 {
             let on_ray = camera.point(q, height);
             let (at, f) = self.chart.coordinates(on_ray);

@@ -130,6 +130,8 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
                 .expect("shipped profiles are valid")
         })
         .filter(|profile| matches!(profile.layout, Layout::Disc | Layout::Annulus { .. }))
+        // Those that are inscribed in their own sensor.
+        .filter(|profile| profile.camera.pixels()[0] == profile.camera.pixels()[1])
         .map(|profile| Profile { camera: inscribed(&profile.camera, side), ..profile })
         .collect();
     let row = |profile: &Profile| {

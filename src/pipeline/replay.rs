@@ -223,7 +223,7 @@ fn middle(design: &Design, a: DVec3, b: DVec3) -> DVec3 {
 
 /// The designed face with the form of a made one.
 fn displaced(engine: &Engine, made: &Made, mut face: TriMesh) -> TriMesh {
-    let up = |_, v: &mut DVec3| v.z += engine.departure(made, v.truncate());
+    let up = |_, v: &mut DVec3| v.z += engine.departure(made, *v);
     parallel::for_each_mut(&mut face.vertices, 1, up);
     face
 }

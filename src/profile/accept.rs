@@ -55,15 +55,17 @@ impl Profile {
             value: named.unwrap_or(usual),
             usual: named.is_none(),
         };
-        let width = f64::from(self.camera.pixels()[0]);
+        // (As someone would write it.)
+        let of_width =
+            |share: f64| (1e3 * share * f64::from(self.camera.pixels()[0])).round() / 1e3;
         let fills = match self.layout {
             Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } => fill_frame,
             _ => false,
         };
         let filled = if fills { Accepted::FULL } else { Accepted::PART };
         Accepted {
-            pixel_error_rms_px: bound(self.accept.pixel_error_rms_px, Accepted::RMS * width),
-            pixel_error_max_px: bound(self.accept.pixel_error_max_px, Accepted::MAX * width),
+            pixel_error_rms_px: bound(self.accept.pixel_error_rms_px, of_width(Accepted::RMS)),
+            pixel_error_max_px: bound(self.accept.pixel_error_max_px, of_width(Accepted::MAX)),
             frame_filled: bound(self.accept.frame_filled, filled),
         }
     }

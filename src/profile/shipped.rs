@@ -9,7 +9,8 @@ pub struct Shipped {
     pub text: &'static str,
 }
 
-/// The shipped profiles, the paper's two mirrors first.
+/// The shipped profiles: the paper's two mirrors, those for cameras that people have, and the mirrors of
+/// other papers.
 pub fn shipped() -> &'static [Shipped] {
     macro_rules! shipped {
         ($($name:literal),* $(,)?) => {
@@ -22,6 +23,12 @@ pub fn shipped() -> &'static [Shipped] {
     shipped![
         "panoramic",
         "conquistador",
+        "webcam",
+        "machine-vision",
+        "pi-hq",
+        "phone",
+        "robot-floor",
+        "side-view",
         "conformal",
         "parabolic",
         "hyperbolic",

@@ -238,10 +238,10 @@ impl System {
     }
 
     /// Z and slope of the designed surface of `mirror`, the whole one or a panel, at (X, Y) of the
-    /// part, with derivatives as the mirror itself has them.
-    pub(super) fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2]) -> [S; 3] {
+    /// part, near the height `z_mm`, with derivatives as the mirror itself has them.
+    pub(super) fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2], z_mm: f64) -> [S; 3] {
         let q = DVec2::new(at[0].centre(), at[1].centre());
-        let Some(place) = mirror.under(&self.sag, q) else {
+        let Some(place) = mirror.under_near(&self.sag, q, z_mm) else {
             return [S::constant(f64::NAN); 3];
         };
         let point = mirror.row(place.y).at(place.x);
@@ -253,14 +253,14 @@ impl System {
         if is_plain::<S>() {
             return [z, slope.x, slope.y].map(S::constant);
         }
-        let bend = self.bend(mirror, q, place);
+        let bend = self.bend(mirror, q, place, z_mm);
         let turned = |k: usize, slope: f64| away[0] * bend[k][0] + away[1] * bend[k][1] + slope;
         [away[0] * slope.x + away[1] * slope.y + z, turned(0, slope.x), turned(1, slope.y)]
     }
 
     /// The designed surface's second derivatives by X and Y at `q`, whose chart coordinates are
     /// `place`; by differences under a pinhole.
-    fn bend(&self, mirror: &Mirror, q: DVec2, place: DVec2) -> [[f64; 2]; 2] {
+    fn bend(&self, mirror: &Mirror, q: DVec2, place: DVec2, z_mm: f64) -> [[f64; 2]; 2] {
         if mirror.chart.vergence == 0.0 {
             let flip = if mirror.reflects(place) { -1.0 } else { 1.0 };
             let bend = mirror.surface.curvature(DVec2::new(place.x, flip * place.y));
@@ -268,7 +268,7 @@ impl System {
         }
         const STEP: f64 = 1e-4;
         let slope = |at: DVec2| {
-            let [_, x, y] = self.designed(mirror, at.to_array());
+            let [_, x, y] = self.designed(mirror, at.to_array(), z_mm);
             DVec2::new(x, y)
         };
         [DVec2::X, DVec2::Y].map(|way| {
@@ -277,11 +277,12 @@ impl System {
         })
     }
 
-    /// Curvature of the tool's tracks at (X, Y) of the part, 1/mm; not a number off the mirror.
-    pub(super) fn groove(&self, mirror: &Mirror, q: DVec2) -> f64 {
-        let Some(place) = mirror.under(&self.sag, q) else { return f64::NAN };
+    /// Curvature of the tool's tracks at a place of the part, 1/mm; not a number off the mirror.
+    pub(super) fn groove(&self, mirror: &Mirror, at: DVec3) -> f64 {
+        let q = at.truncate();
+        let Some(place) = mirror.under_near(&self.sag, q, at.z) else { return f64::NAN };
         let slope = mirror.slope(place, &mirror.row(place.y).at(place.x));
-        self.tool.curvature(slope.to_array(), self.bend(mirror, q, place))
+        self.tool.curvature(slope.to_array(), self.bend(mirror, q, place, at.z))
     }
 
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
@@ -380,7 +381,7 @@ impl System {
                 }
                 _ => {
                     tally.count(Piece::Surface, [1, 0]);
-                    self.designed(&self.panels[sample.panel], at)
+                    self.designed(&self.panels[sample.panel], at, sample.hit.z)
                 }
             };
             self.textured(added(designed, 1.0, form(at)), state, at, &sample.ground)

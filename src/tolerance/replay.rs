@@ -82,11 +82,11 @@ impl Engine {
         Judged { as_made, adjusted }
     }
 
-    /// How far the made surface lies over the designed one at (X, Y) of the part, mm, before the
+    /// How far the made surface lies over the designed one at a place of the part, mm, before the
     /// part is grown.
     #[must_use]
-    pub fn departure(&self, made: &Made, at: DVec2) -> f64 {
-        self.system.departure(&made.state, at.to_array())[0]
+    pub fn departure(&self, made: &Made, at: DVec3) -> f64 {
+        self.system.departure(&made.state, at)[0]
     }
 
     /// The shortest length, mm, over which that swings; none where there is no departure.
@@ -110,19 +110,19 @@ impl Engine {
         Placing { turn, shift_mm: super::model::placed::SHIFT.map(|k| made.state.placed[k]) }
     }
 
-    /// The made surface, Z and slope, at (X, Y) of the grown part.
-    fn surface(&self, made: &Made, at: DVec2) -> [f64; 3] {
+    /// The made surface, Z and slope, under a place of the grown part that is near it.
+    fn surface(&self, made: &Made, at: DVec3) -> [f64; 3] {
         let growth = self.growth(made);
-        let at = (at / growth).to_array();
-        let (design, more) =
-            (self.system.designed(&self.system.mirror, at), self.system.departure(&made.state, at));
+        let at = at / growth;
+        let design = self.system.designed(&self.system.mirror, at.truncate().to_array(), at.z);
+        let more = self.system.departure(&made.state, at);
         [growth * (design[0] + more[0]), design[1] + more[1], design[2] + more[2]]
     }
 
     /// The largest distance along Z, mm, of `vertices` of a file from the made surface.
     #[must_use]
     pub fn off_surface(&self, made: &Made, vertices: &[DVec3]) -> f64 {
-        let off = |v: &DVec3| (v.z - self.surface(made, v.truncate())[0]).abs();
+        let off = |v: &DVec3| (v.z - self.surface(made, *v)[0]).abs();
         parallel::map_slice(vertices, 1, off).into_iter().fold(0.0, larger)
     }
 
@@ -133,7 +133,7 @@ impl Engine {
         let mut t = (sample.height() - ray.origin.z) / ray.direction.z;
         for _ in 0..MOST_STEPS {
             let at = ray.at(t);
-            let [z, x, y] = self.surface(made, at.truncate());
+            let [z, x, y] = self.surface(made, at);
             let rate = ray.direction.z - ray.direction.x * x - ray.direction.y * y;
             let step = (at.z - z) / rate;
             t -= step;
@@ -181,7 +181,7 @@ impl Engine {
                 let leaving = out(leaving).to_array();
                 DVec2::from_array(self.system.place(sample.point, world, leaving))
             };
-            let [_, x, y] = self.surface(made, at.truncate());
+            let [_, x, y] = self.surface(made, at);
             let by_surface = content(reflect(direction, DVec3::new(-x, -y, 1.0)));
             let by_facet = content(leaving);
             let base = DVec2::new(self.base[2 * k], self.base[2 * k + 1]);

@@ -112,7 +112,7 @@ impl System {
         let fitters = DEGREES.map(Fitter::new);
         let fitted = |sample: &Sample, half: f64| {
             let square = Square { half, ..sample.square };
-            self.fitted(&fitters, sample.panel, &square).map(|base| (square, base))
+            self.fitted(&fitters, sample.panel, &square, sample.hit.z).map(|base| (square, base))
         };
         // Some tell of the others.
         let some = || self.samples.iter().step_by(SOME).filter(|s| s.base.is_some());
@@ -190,17 +190,18 @@ impl System {
         self.panel(self.mirror.chart.coordinates(at).0) == sample.panel
     }
 
-    /// Degree and coefficients of the designed surface on a square.
+    /// Degree and coefficients of the designed surface, near the height `z_mm`, on a square.
     fn fitted(
         &self,
         fitters: &[Fitter],
         panel: usize,
         square: &Square,
+        z_mm: f64,
     ) -> Option<(usize, Vec<[f64; 3]>)> {
         let calls = Cell::new(0);
         let designed = |at| {
             calls.set(calls.get() + 1);
-            self.designed(&self.panels[panel], at)
+            self.designed(&self.panels[panel], at, z_mm)
         };
         let found = fitters.iter().find_map(|fitter| {
             let c = fitter.fit(square, designed);
@@ -219,14 +220,14 @@ impl System {
         let slope = self.mirror.slope(place, &at).to_array();
         let of = |half: f64| Square { centre: [hit.x, hit.y], half };
         let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {
-            let base = self.fitted(fitters, panel, &square)?;
+            let base = self.fitted(fitters, panel, &square, hit.z)?;
             Some((square, Some(base)))
         });
         let (square, base) = fitted.unwrap_or((of(reach), None));
         let content = DVec2::ZERO;
         let chart = &self.camera.chart;
         let footprint = Footprint::of(chart, self.camera.pixel_mm, point, hit, slope);
-        let groove = self.groove(&self.panels[panel], hit.truncate());
+        let groove = self.groove(&self.panels[panel], hit);
         let (ground, form) = (Ground { groove, footprint }, Vec::new());
         let mut sample = Sample { point, content, panel, hit, slope, square, ground, base, form };
         let perfect = self.perfect::<f64>();

@@ -4,7 +4,7 @@ use crate::support::oracle::{
     self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, trace,
 };
 use crate::support::{designed, panel, rims, shipped_builds, shipped_but};
-use morion::export::read_stl;
+use morion::export::{read_3mf, read_stl};
 use morion::geom::{DVec2, DVec3, Rect};
 use morion::num::quadrature::gauss_legendre;
 use morion::num::{cos, exp, log, sin, tan};
@@ -365,8 +365,11 @@ fn the_part_is_as_large_and_the_camera_where_the_report_says() {
         let report = shipped_builds::report(shipped.name);
         let layout = report.layout.expect("in every report of a build");
         let folder = shipped_builds::folder().join(shipped.name);
-        let stl = std::fs::read(folder.join("mirror.stl")).unwrap();
-        let corners = read_stl(&stl).unwrap().mesh.vertices;
+        let file = |name: &str| std::fs::read(folder.join(name));
+        let corners = match file("mirror.stl") {
+            Ok(stl) => read_stl(&stl).unwrap().mesh.vertices,
+            Err(_) => read_3mf(&file("mirror.3mf").unwrap()).unwrap().mesh.vertices,
+        };
         let low = corners.iter().copied().reduce(DVec3::min).unwrap();
         let high = corners.iter().copied().reduce(DVec3::max).unwrap();
         let off = (high - low - DVec3::from_array(layout.size_mm)).abs().max_element();

@@ -10,18 +10,23 @@ fn passes(name: &str) {
     assert_eq!(report.verdict, Verdict::Pass, "{name}: {:?}", report.reasons);
     let (mesh, solid) = (report.mesh.unwrap(), report.solid.unwrap());
     println!("{name}: {} triangles, over the optimum {:?}", mesh.triangles, mesh.over_optimum);
-    // A cone bends in one direction alone, where the theory has no bound.
+    // A cone bends in one direction alone, where the theory has no bound; a budget is no limit to be the
+    // optimum of.
     let over = mesh.over_optimum.facet;
-    assert_eq!(over.is_none(), name == "conical");
+    assert_eq!(over.is_none(), name == "conical" || mesh.max_triangles.is_some());
     assert!(over.is_none_or(|over| over >= 1.0), "{name}: {over:?} of the least");
     assert_eq!((solid.check.euler, solid.check.components), (2, 1), "{name}");
     for trace in &report.trace {
         assert_eq!((trace.hit, trace.missed, trace.shadowed), (trace.rays, 0, 0), "{name}");
         let errors = trace.errors.facet_error_px.unwrap();
-        assert!(errors.max <= mesh.facet_px.bound && errors.max > 0.8, "{name}: {errors:?}");
+        // A limit is used up; a budget's bound is its strictest facet's.
+        let least = if mesh.max_triangles.is_none() { 0.8 } else { 0.5 };
+        let used = errors.max / mesh.facet_px.bound;
+        assert!(used <= 1.0 && used > least, "{name}: {errors:?}");
     }
     // A mirror that exists has no error of its own, and its problem no curl.
-    let exact = !["panoramic", "conquistador"].contains(&name);
+    let laws = ["panoramic", "conquistador", "webcam", "machine-vision", "pi-hq", "side-view"];
+    let exact = !laws.contains(&name);
     let (pixel, curl) = (report.design.pixel_error_px.unwrap(), report.design.curl.unwrap());
     assert_eq!(exact, pixel.max < 1e-6, "{name}: {pixel:?}");
     assert_eq!(exact, curl.max < 1e-12, "{name}: {curl:?}");

@@ -85,14 +85,11 @@ impl System {
         self.tool.way
     }
 
-    /// Height and slope of the made surface over the designed one at (X, Y) of the part, before it
+    /// Height and slope of the made surface over the designed one at a place of the part, before it
     /// is grown.
-    pub fn departure(&self, state: &State<f64>, at: [f64; 2]) -> [f64; 3] {
-        let groove = if state.tracks.is_some() {
-            self.groove(&self.mirror, DVec2::from_array(at))
-        } else {
-            0.0
-        };
+    pub fn departure(&self, state: &State<f64>, place: DVec3) -> [f64; 3] {
+        let at = place.truncate().to_array();
+        let groove = if state.tracks.is_some() { self.groove(&self.mirror, place) } else { 0.0 };
         let footprint = Footprint::POINT;
         let forms = self.forms(&state.form, &footprint, at);
         self.textured(forms, state, at, &Ground { groove, footprint })
