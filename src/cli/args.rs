@@ -133,11 +133,11 @@ pub enum Command {
     Blur {
         /// Profile file, or name of a shipped profile
         profile: String,
-        /// Diameter of a pinhole camera's entrance pupil
+        /// Diameter of a pinhole camera's entrance pupil [default: the profile's]
         #[arg(long, value_name = "MM", value_parser = positive)]
-        #[arg(conflicts_with = "na", required_unless_present = "na")]
+        #[arg(conflicts_with = "na")]
         pupil_mm: Option<f64>,
-        /// Numerical aperture of a telecentric lens on the mirror's side
+        /// Numerical aperture of a telecentric lens on the mirror's side [default: the profile's]
         #[arg(long, value_name = "NA", value_parser = aperture)]
         na: Option<f64>,
         /// Plane in focus: its distance from the entrance pupil, of a telecentric lens its height Z

@@ -124,7 +124,6 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         Command::Blur { profile, pupil_mm, na, focus_mm, out } => {
             let pupil = pupil_mm.map(|pupil_mm| Aperture::Pupil { pupil_mm });
             let aperture = pupil.or(na.map(|na| Aperture::Na { na }));
-            let aperture = aperture.expect("one of both is required");
             let report = blur(&load(profile)?, aperture, *focus_mm, out, &progress)?;
             show(arguments, || report.text(), || report.json())?;
             Ok(PASSED)

@@ -15,6 +15,10 @@ unary! {
     tan,
     /// Arc sine, in radians.
     asin,
+    /// Arc cosine, in radians.
+    acos,
+    /// Bessel function of the first kind of order 1.
+    j1,
     /// Arc tangent, in radians.
     atan,
     /// Exponential.

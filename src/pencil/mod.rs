@@ -19,13 +19,15 @@
 //! eigenvalues are real, as the rays from a point are the normals of a wave front (Malus and Dupin):
 //! they are the foci of the two line images (tangential and sagittal of a sphere).
 //!
-//! Diffraction is not counted, nor what a rim or a ridge cuts off a bundle, nor the square of the
-//! aperture.
+//! Diffraction is counted by [`Sharpness`] alone. What a rim or a ridge cuts off a bundle is not counted,
+//! nor the square of the aperture.
 
 mod sensor;
+mod sharpness;
 mod spot;
 
-pub use sensor::{over_sensor, weights};
+pub use sensor::{over_sensor, over_some, weights};
+pub use sharpness::{Sharp, Sharpness};
 pub use spot::{Quantiles, Spot, best_focus, quantiles};
 
 use crate::geom::{Chart, DVec2};

@@ -17,17 +17,50 @@ pub fn over_sensor<T: Send>(
     [columns, rows]: [Range<u32>; 2],
     each: impl Fn(&Pencil) -> T + Sync,
 ) -> Vec<Option<T>> {
-    let outline = mirror.whole();
-    let pixel = |column: u32, row: u32| {
-        let image = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let place: DVec2 = mirror.under(&camera.chart, image)?;
-        if !outline.aims(place) {
-            return None;
-        }
-        Pencil::new(&camera.chart, view, image, &mirror.quadric(place)).map(|p| each(&p))
+    let row = |row: u32| {
+        let each = &each;
+        columns
+            .clone()
+            .map(move |column| pencil(mirror, camera, view, [column, row]).map(|p| each(&p)))
     };
-    let row = |row: u32| columns.clone().map(move |column| pixel(column, row));
     parallel::gather(rows.len(), 1, |part| part.flat_map(|k| row(rows.start + k as u32)).collect())
+}
+
+/// The pencil of a pixel's centre; none where the camera is not aimed at the mirror or it has none.
+fn pencil(
+    mirror: &Mirror,
+    camera: &Camera,
+    view: Option<&View>,
+    [column, row]: [u32; 2],
+) -> Option<Pencil> {
+    let image = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
+    let place: DVec2 = mirror.under(&camera.chart, image)?;
+    if !mirror.whole().aims(place) {
+        return None;
+    }
+    Pencil::new(&camera.chart, view, image, &mirror.quadric(place))
+}
+
+/// What `each` makes of the pencils of pixels spread evenly over the sensor, at most `most` along each
+/// side.
+#[must_use]
+pub fn over_some<T: Send>(
+    mirror: &Mirror,
+    camera: &Camera,
+    view: Option<&View>,
+    most: u32,
+    each: impl Fn(&Pencil) -> T + Sync,
+) -> Vec<T> {
+    let counts = camera.pixels.map(|pixels| pixels.min(most));
+    let place = |k: u32, axis: usize| {
+        let step = f64::from(camera.pixels[axis]) / f64::from(counts[axis]);
+        ((f64::from(k) + 0.5) * step) as u32
+    };
+    let row = |j: u32| {
+        let at = |i: u32| pencil(mirror, camera, view, [place(i, 0), place(j, 1)]);
+        (0..counts[0]).filter_map(at).map(|p| each(&p)).collect::<Vec<T>>()
+    };
+    parallel::gather(counts[1] as usize, 1, |part| part.flat_map(|k| row(k as u32)).collect())
 }
 
 /// For each of the first half of `count` columns or rows of a symmetric picture, the middle one

@@ -2,16 +2,15 @@
 
 use super::files::Folder;
 use super::observer::Clock;
-use super::{Error, Observer, Source, Stage, designed};
+use super::{Error, Observer, Source, Stage, designed, sharpness};
 use crate::design::Design;
 use crate::geom::Chart;
-use crate::num::{asin, atan, sin, tan};
 use crate::pencil::{Quantiles, Spot, best_focus, over_sensor, quantiles};
 use crate::profile::Profile;
 use crate::report::{Aperture, BlurReport, Focus, Images, ProfileId, Spots};
 use std::path::Path;
 
-/// Works out the spots of the profile of `source` through a lens with `aperture`, focused
+/// Works out the spots of the profile of `source` through a lens with `aperture`, or its own, focused
 /// `focus_mm` from its entrance pupil (pinhole) or on the plane Z = `focus_mm` (telecentric), or
 /// as well as can be; writes `blur.json` and `blur.png` into `out`/NAME.
 ///
@@ -19,7 +18,7 @@ use std::path::Path;
 /// [`enum@Error`] when a stage cannot be done, or the aperture is not one that the camera has.
 pub fn blur(
     source: &Source,
-    aperture: Aperture,
+    aperture: Option<Aperture>,
     focus_mm: Option<f64>,
     out: &Path,
     observer: &dyn Observer,
@@ -58,9 +57,22 @@ struct Lens {
 }
 
 impl Lens {
-    fn new(profile: &Profile, aperture: Aperture, focus_mm: Option<f64>) -> Result<Self, Error> {
+    fn new(
+        profile: &Profile,
+        aperture: Option<Aperture>,
+        focus_mm: Option<f64>,
+    ) -> Result<Self, Error> {
         let pinhole = matches!(profile.camera, crate::profile::Camera::Pinhole { .. });
         let wrong = |reason| Err(Error::Lens { profile: profile.name.clone(), reason });
+        let Some(aperture) = aperture.or(profile.light.aperture) else {
+            return wrong(if pinhole {
+                "how wide its lens is open is not known; give --pupil-mm, the diameter of its entrance \
+                 pupil, or write camera.pinhole.pupil_mm (or lens_mm, pixel_um and f_number)"
+            } else {
+                "how wide its lens is open is not known; give --na, its numerical aperture on the \
+                 mirror's side, or write camera.orthographic.na"
+            });
+        };
         match aperture {
             Aperture::Pupil { .. } if !pinhole => wrong(
                 "a telecentric lens has its entrance pupil infinitely far away; give --na, its \
@@ -74,16 +86,7 @@ impl Lens {
                 "--focus-mm must be over 0: the distance of the plane in focus from the entrance \
                  pupil",
             ),
-            Aperture::Pupil { pupil_mm } => Ok(Self { aperture, radius: 0.5 * pupil_mm }),
-            Aperture::Na { na } => Ok(Self { aperture, radius: tan(asin(na)) }),
-        }
-    }
-
-    /// The lens whose aperture has `times` the radius.
-    fn opened(&self, times: f64) -> Aperture {
-        match self.aperture {
-            Aperture::Pupil { pupil_mm } => Aperture::Pupil { pupil_mm: times * pupil_mm },
-            Aperture::Na { .. } => Aperture::Na { na: sin(atan(times * self.radius)) },
+            _ => Ok(Self { aperture, radius: sharpness::radius(aperture) }),
         }
     }
 }
@@ -101,14 +104,14 @@ fn spots(
         Spot::new(pencil).scaled(unit)
     });
     let spots: Vec<Spot> = map.iter().copied().flatten().collect();
+    // For an aperture radius of 1.
+    let unit_spots: Vec<Spot> = spots.iter().map(|spot| spot.scaled(1.0 / lens.radius)).collect();
     let chart = &camera.chart;
-    // No lens focuses beyond infinity.
-    let least = if chart.vergence == 0.0 { f64::NEG_INFINITY } else { 0.0 };
     let none = || Error::Lens {
         profile: profile.name.clone(),
         reason: "no pixel has a spot: the camera is not aimed at the mirror, or that is flat",
     };
-    let best = best_focus(&spots, least).ok_or_else(none)?;
+    let best = best_focus(&spots, sharpness::least_focus(design)).ok_or_else(none)?;
     let phi = focus_mm.map_or(best, |mm| phi(chart, mm));
     let over = |f: &dyn Fn(&Spot) -> f64| quantiles(spots.iter().map(f).collect());
     let at = |phi: f64| -> Option<Spots> {
@@ -117,7 +120,7 @@ fn spots(
             focus: focus(chart, phi),
             length_px,
             rms_diameter_px: over(&|spot| spot.rms_diameter(phi))?,
-            largest: lens.opened(1.0 / length_px.p95),
+            largest: sharpness::aperture(design, lens.radius / length_px.p95),
         })
     };
     let z = |phi: f64| focus(chart, phi).z_mm;
@@ -140,6 +143,13 @@ fn spots(
             focus_is_best: focus_mm.is_none(),
             spots: at(phi)?,
             best: at(best)?,
+            sharpness: sharpness::of(
+                profile,
+                design,
+                &unit_spots,
+                [best, phi],
+                Some(lens.aperture),
+            ),
             images: Images { range: range?, astigmatism_mm: astigmatism_mm? },
         })
     };

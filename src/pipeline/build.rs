@@ -20,7 +20,9 @@ use crate::mesh::Face;
 use crate::mirror::{Form, Surface};
 use crate::profile::{Format, Profile};
 use crate::render::{TestWorld, World};
-use crate::report::{Limited, MeshFacts, OverOptimum, Reason, Report, SolidFacts, StepFacts, html};
+use crate::report::{
+    Limited, MeshFacts, OverOptimum, Reason, Report, Sharpness, SolidFacts, StepFacts, html,
+};
 use crate::solid::Solid;
 use std::path::Path;
 
@@ -140,6 +142,8 @@ pub fn build_with(
     let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
     report.warnings = advice.on(report.mesh.map_or(0, |mesh| mesh.triangles), &files);
     report.warnings.extend(report.mesh.as_ref().and_then(|mesh| advice.unspent(mesh)));
+    let blurred = report.sharpness.as_ref().and_then(Sharpness::warning);
+    report.warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));

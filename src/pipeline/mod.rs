@@ -26,6 +26,7 @@ mod replay;
 mod reread;
 mod scenery;
 mod shape;
+mod sharpness;
 mod sight;
 mod source;
 mod tolerance;
@@ -160,7 +161,9 @@ fn assemble(
     // A number of triangles sets no limit; what was proven of them is to be seen.
     let budget = mesh.filter(|mesh| mesh.max_triangles.is_some() && design.view.is_some());
     let proven_px = budget.map(|mesh| mesh.facet_px.bound);
-    let reasons = verdict::reasons(profile, design, &evidence, chord_mm, proven_px);
+    let mut reasons = verdict::reasons(profile, design, &evidence, chord_mm, proven_px);
+    let sharpness = sharpness::sharpness(profile, design);
+    reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
     let frame = evidence.iter().find_map(|e| e.frame.clone());
     let held = design.view.is_some() && evidence.iter().all(|e| !e.measured);
     let (files, trace): (Vec<FileFacts>, Vec<_>) =
@@ -181,6 +184,7 @@ fn assemble(
         alignment: None,
         form_error_um: None,
         frame,
+        sharpness,
         accepted: held.then(|| profile.accepted()),
         verdict: verdict::of(&reasons),
         reasons,

@@ -12,6 +12,8 @@ pub struct Accept {
     pub pixel_error_max_px: Option<f64>,
     /// Smallest share of the frame's pixels that see their part of the world, 0 to 1.
     pub frame_filled: Option<f64>,
+    /// Longest spot of 95 % of the pixels, with diffraction and pixel, in pixels; nothing stands in for it.
+    pub blur_p95_px: Option<f64>,
 }
 
 /// A limit, and whether it stands there because the profile names none.

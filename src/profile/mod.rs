@@ -20,7 +20,7 @@ pub mod tolerance;
 mod values;
 mod words;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 pub use accept::{Accept, Accepted, Bound};
@@ -92,6 +92,8 @@ pub enum Camera {
 pub struct Light {
     /// How wide it is open, if that is known.
     pub aperture: Option<Aperture>,
+    /// Focal length, mm, where the profile has it: an f-number is that over the entrance pupil.
+    pub lens_mm: Option<f64>,
     /// Wavelength, nm.
     pub wavelength_nm: f64,
 }
@@ -102,7 +104,7 @@ impl Light {
 }
 
 /// How wide a lens is open.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Aperture {
     /// The diameter of a pinhole camera's entrance pupil.

@@ -165,7 +165,7 @@ pub(super) const TABLES: &[(&str, &[&str])] = &[
     ("mesh", &["chord_um", "facet_px", "max_triangles"]),
     ("export", &["formats", "sag"]),
     ("export.sag", &["path", "pitch_mm", "step_mm"]),
-    ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled"]),
+    ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled", "blur_p95_px"]),
     (
         "tolerance",
         &[

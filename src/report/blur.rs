@@ -1,8 +1,8 @@
 //! The blur's results as JSON, text and a picture.
 
-use super::ProfileId;
 use super::map::{Colour, Map, viridis};
 use super::text::{digits, head_line, pretty, written};
+use super::{ProfileId, Sharpness};
 use crate::pencil::Quantiles;
 use crate::profile::Aperture;
 use crate::raster::EncodingError;
@@ -30,6 +30,9 @@ pub struct BlurReport {
     pub best: Spots,
     /// Where the mirror's virtual images of the world lie, along the chief rays.
     pub images: Images,
+    /// How sharp the picture is with diffraction and pixel; absent where spots are points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sharpness: Option<Sharpness>,
 }
 
 /// The plane in focus, across the axis.
@@ -119,7 +122,17 @@ impl BlurReport {
             plane(near),
             plane(far),
             three(&images.astigmatism_mm, "mm")
-        )
+        )?;
+        if let Some(sharpness) = &self.sharpness {
+            if let Some(given) = &sharpness.given {
+                writeln!(out, "  sharp    through {}", given.line())?;
+            }
+            writeln!(out, "           best through {}", sharpness.best.line())?;
+            if let Some(warning) = sharpness.warning() {
+                writeln!(out, "           {warning}")?;
+            }
+        }
+        Ok(())
     }
 
     /// `blur.png`: the full `lengths` of the spots, px, one a pixel.

@@ -136,6 +136,12 @@ fn rows(report: &Report) -> Vec<(String, String)> {
         }
         row(&head("solid"), solid_line(&trace.solid));
     }
+    if let Some(sharpness) = &report.sharpness {
+        row("sharpest", sharpness.best.line());
+        if let Some(given) = &sharpness.given {
+            row("through the lens", given.line());
+        }
+    }
     if let Some(accepted) = &report.accepted {
         row("allowed", allowed_line(accepted));
     }

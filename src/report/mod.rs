@@ -15,6 +15,7 @@ mod prospect;
 mod reason;
 mod rendering;
 mod replay;
+mod sharpness;
 mod text;
 mod tolerance;
 mod tolerance_page;
@@ -36,6 +37,7 @@ pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use reason::{Reason, ReasonKind};
 pub use rendering::Rendering;
 pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};
+pub use sharpness::{Opened, Sharpness};
 pub use text::text;
 pub use tolerance::{FacetsFrom, ToleranceReport, read_trial, trial_columns, trial_line};
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
@@ -95,6 +97,9 @@ pub struct Report {
     pub form_error_um: Option<FormError>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<Frame>,
+    /// How sharp the picture is through a lens; absent where no pixel has a spot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sharpness: Option<Sharpness>,
     /// The limits that the picture is held to; absent without a projection, and of measured parts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accepted: Option<Accepted>,

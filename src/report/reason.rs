@@ -37,6 +37,8 @@ pub enum ReasonKind {
     NotFinite,
     /// Less of the frame is filled than the profile accepts.
     FrameFilled,
+    /// Spots are longer than the profile accepts.
+    Blur,
     /// A measured part departs from the design by more than its limit.
     FormError,
     /// A drawing or table does not agree with the design.

@@ -123,6 +123,12 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             100.0 * frame.gain_over_disc,
         )?;
     }
+    if let Some(sharpness) = &report.sharpness {
+        writeln!(out, "  sharp    best through {}", sharpness.best.line())?;
+        if let Some(given) = &sharpness.given {
+            writeln!(out, "           through {}", given.line())?;
+        }
+    }
     if let Some(accepted) = &report.accepted {
         writeln!(out, "  allowed  {}", allowed_line(accepted))?;
     }

@@ -20,7 +20,7 @@ fn the_shipped_conquistador_is_the_papers() {
             sha256: profile.sha256.clone(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: Camera::Orthographic { pixels: [640, 480] },
-            light: Light { aperture: None, wavelength_nm: 550.0 },
+            light: Light { aperture: None, lens_mm: None, wavelength_nm: 550.0 },
             projection: Some(Projection::Strip(StripProjection {
                 law: StripLaw::Cylindrical,
                 azimuth_deg: [-180.0, 180.0],
@@ -42,6 +42,7 @@ fn the_shipped_conquistador_is_the_papers() {
             formats: vec![Format::Stl, Format::Obj],
             sag: SagTable::default(),
             accept: Accept {
+                blur_p95_px: None,
                 pixel_error_rms_px: Some(2.0),
                 pixel_error_max_px: Some(7.0),
                 frame_filled: Some(0.999),

@@ -26,11 +26,14 @@ pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
         .map(|(name, section)| {
             let pixels = pixels(reader, &section);
             let wavelength_nm = wavelength(reader, &section);
-            let (camera, aperture) = match name {
+            let (camera, (aperture, lens_mm)) = match name {
                 "pinhole" => pinhole(reader, &section, pixels),
-                _ => (pixels.map(|pixels| Camera::Orthographic { pixels }), na(reader, &section)),
+                _ => {
+                    let camera = pixels.map(|pixels| Camera::Orthographic { pixels });
+                    (camera, (na(reader, &section), None))
+                }
             };
-            let light = Light { aperture, wavelength_nm };
+            let light = Light { aperture, lens_mm, wavelength_nm };
             Found { name, at: section.at, camera, light }
         })
         .collect();
@@ -113,7 +116,7 @@ fn pinhole(
     reader: &mut Reader,
     section: &Section,
     pixels: Option<[u32; 2]>,
-) -> (Option<Camera>, Option<Aperture>) {
+) -> (Option<Camera>, (Option<Aperture>, Option<f64>)) {
     let must = "a number from 0.001 to 1e7";
     let hint = "the focal length divided by the size of a pixel, as in focal_px = 800";
     let focal =
@@ -148,7 +151,7 @@ fn pinhole(
         focal_px,
         distance_mm: distance.value,
     });
-    (camera, aperture)
+    (camera, (aperture, lens.map(|lens| lens.value)))
 }
 
 /// Complains where the focal length is said in no way, or, up to the place `last`, in more than one.

@@ -141,6 +141,7 @@ pub(super) fn accept(reader: &mut Reader, root: &Section, bare: bool) -> Option<
     let mut pixels = |key| number(reader, &section, key, Optional, must, hint, |f| f >= 0.0);
     let rms = pixels("pixel_error_rms_px");
     let max = pixels("pixel_error_max_px");
+    let blur = pixels("blur_p95_px");
     let must = "a number from 0 to 1";
     let hint = "a share of the frame, not a percentage: 0.999 is 99.9 %";
     let filled = number(reader, &section, "frame_filled", Optional, must, hint, |f| {
@@ -157,6 +158,7 @@ pub(super) fn accept(reader: &mut Reader, root: &Section, bare: bool) -> Option<
         pixel_error_rms_px: rms.map(|f| f.value),
         pixel_error_max_px: max.map(|f| f.value),
         frame_filled: filled.map(|f| f.value),
+        blur_p95_px: blur.map(|f| f.value),
     })
 }
 

@@ -334,3 +334,109 @@ export.formats = [\"stl\"]
         assert!(compared > 1000, "{compared}");
     }
 }
+
+/// The figures of a run of `blur` or, of its sharpness, of `build`.
+fn json(home: &std::path::Path, arguments: &[&str]) -> Value {
+    let (code, out, err) = told(&morion(home, &[arguments, &["--format", "json"]].concat()));
+    assert!(code < 2, "{err}");
+    serde_json::from_str(&out).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
+
+const LENS: (&str, &str) = ("distance_mm = 200 ", "f_number = 4\ndistance_mm = 200 ");
+
+/// Ellipse, Airy disc and pixel by hand, at the aperture of the profile and at the best of many.
+#[test]
+fn spots_with_diffraction_are_sums_of_squares_and_the_best_aperture_is_named() {
+    let folder = folder();
+    let home = folder.path();
+    let text = crate::support::builds::edited(
+        crate::support::shipped_text("machine-vision"),
+        &[LENS, ("[1920, 1080]", "[480, 270]"), ("pixel_um = 3.45 ", "pixel_um = 13.8 ")],
+    );
+    std::fs::write(home.join("lab.toml"), text).unwrap();
+    let blur = json(home, &["blur", "lab.toml"]);
+    let pupil = 12.5 / 4.0;
+    assert_eq!(number(&blur["aperture"]["pupil_mm"]), pupil);
+    let airy = |pupil_mm: f64| 2.0 * 1.219_669_891_266_504_5 * 550e-6 / pupil_mm * 12.5 / 0.0138;
+    let length = number(&blur["spots"]["length_px"]["p95"]);
+    let given = &blur["sharpness"]["given"];
+    assert!((number(&given["f_number"]) - 4.0).abs() < 1e-12);
+    assert!((number(&given["diffraction_px"]) / airy(pupil) - 1.0).abs() < 1e-9);
+    assert!((number(&given["geometric_px"]) / length - 1.0).abs() < 1e-9);
+    let spot = |pupil_mm: f64| {
+        let ellipse = length * pupil_mm / pupil;
+        (ellipse * ellipse + airy(pupil_mm) * airy(pupil_mm) + 1.0).sqrt()
+    };
+    assert!((number(&given["spot_px"]) / spot(pupil) - 1.0).abs() < 1e-9);
+    let best = &blur["sharpness"]["best"];
+    let least = (1..4000).map(|k| spot(1e-3 * f64::from(k))).fold(f64::MAX, f64::min);
+    assert!((number(&best["spot_px"]) / least - 1.0).abs() < 1e-5);
+    let across = number(&best["resolved"][0]);
+    assert!((across * least / 480.0 - 1.0).abs() < 0.06, "{across}");
+    // A build looks at some of the pixels.
+    let built = json(home, &["build", "lab.toml"]);
+    let of = |what: &str| number(&built["sharpness"][what]["spot_px"]);
+    assert!((of("best") / least - 1.0).abs() < 0.02);
+    assert!((of("given") / number(&given["spot_px"]) - 1.0).abs() < 0.02);
+}
+
+/// The paper's mirror of 60 mm: its images lie at depths 34 mm apart, and no aperture is both small and
+/// large enough. One four times as large is twice as sharp.
+#[test]
+fn no_aperture_resolves_the_papers_mirror_and_a_larger_one_is_sharper() {
+    let folder = folder();
+    let home = folder.path();
+    let spot = |width: &str| {
+        let text = crate::support::builds::edited(
+            crate::support::shipped_text("conquistador"),
+            &[
+                ("width_mm = 60", width),
+                ("chord_um = 2", "chord_um = 400"),
+                ("facet_px = 1 ", "facet_px = 20 "),
+                ("pixel_error_rms_px = 2", "pixel_error_rms_px = 20"),
+                ("pixel_error_max_px = 7", "pixel_error_max_px = 40"),
+            ],
+        );
+        std::fs::write(home.join("large.toml"), text).unwrap();
+        let report = json(home, &["build", "large.toml"]);
+        let best = &report["sharpness"]["best"];
+        let warned = report["warnings"].to_string().contains("no aperture resolves the pixels");
+        assert_eq!(warned, number(&best["spot_px"]) > 3.0);
+        [number(&best["na"]), number(&best["geometric_px"]), number(&best["spot_px"])]
+    };
+    let [na, ellipse, whole] = spot("width_mm = 60");
+    assert!((na - 0.003).abs() < 1e-4 && (whole - 3.48).abs() < 0.1, "{na} {whole}");
+    let [_, half, _] = spot("width_mm = 240");
+    assert!((2.0 * half / ellipse - 1.0).abs() < 1e-3, "{half} {ellipse}");
+}
+
+#[test]
+fn spots_over_the_limit_fail_and_name_the_best_aperture() {
+    let folder = folder();
+    let home = folder.path();
+    let with = |lines: &str| {
+        let small = crate::support::builds::SMALL;
+        let text = small.replace("pixels = [160, 120]", &format!("pixels = [160, 120]\n{lines}"));
+        let text = text.replace("[accept]", "[accept]\nblur_p95_px = 1.5");
+        std::fs::write(home.join("small.toml"), text).unwrap();
+        json(home, &["build", "small.toml"])
+    };
+    // Wide open.
+    let report = with("na = 0.2");
+    let reasons = report["reasons"].to_string();
+    assert_eq!(report["verdict"], "fail");
+    assert!(reasons.contains("px of accept.blur_p95_px; a numerical aperture of "), "{reasons}");
+    // Unknown, the best one counts.
+    let report = with("wavelength_nm = 400");
+    let spot = number(&report["sharpness"]["best"]["spot_px"]);
+    let blamed = report["reasons"].to_string().contains("accept.blur_p95_px");
+    assert_eq!(blamed, spot > 1.5, "{spot}");
+    // Without an aperture there is no spot to show.
+    let (code, _, err) = told(&morion(home, &["blur", "small.toml"]));
+    assert_eq!(code, 2);
+    assert!(err.contains("give --na") && err.contains("camera.orthographic.na"), "{err}");
+}

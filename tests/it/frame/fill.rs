@@ -184,7 +184,7 @@ export.formats = [\"stl\"]
         (&["frame", "small.toml"][..], "has no projection"),
         (&["frame", "conformal", "--min", "1.5"], "it must be a number from 0 to 1"),
         (&["frame", "conformal", "--min", "nan"], "it must be a number from 0 to 1"),
-        (&["blur", "conformal"], "--pupil-mm"),
+        (&["blur", "conformal"], "give --na"),
         (&["blur", "conformal", "--pupil-mm", "1"], "give --na"),
         (&["blur", "conical", "--na", "0.1"], "give --pupil-mm"),
         (&["blur", "conical", "--pupil-mm", "1", "--na", "0.1"], "cannot be used with"),

@@ -11,7 +11,7 @@ const TOLERANCE: &str = include_str!("../../../docs/report-tolerance.md");
 
 /// The round mirror under a pinhole.
 const ROUND: &str = "\
-camera.pinhole = { pixels = [120, 120], focal_px = 200, distance_mm = 40 }
+camera.pinhole = { pixels = [120, 120], lens_mm = 8, pixel_um = 40, f_number = 11, distance_mm = 40 }
 projection.hyperbolic.outer_polar_deg = 110
 layout.disc = {}
 method.vector-field.degree = 16
@@ -36,12 +36,13 @@ impl Runs {
         let runs = Self(folder());
         let formats = ("[\"stl\", \"obj\"]", "[\"stl\", \"obj\", \"3mf\", \"step\", \"csv\"]");
         let budget = ("chord_um = 20\nfacet_px = 3", "max_triangles = 20000");
+        let lens = ("pixels = [160, 120]", "pixels = [160, 120]\nna = 0.01");
         let valley = ("ridge = \"crest\"", "ridge = \"valley\"");
         // No limits of errors keep a budget that the design itself exceeds.
         let unmet = "\n[tolerance]\nbudget_px = 0.01\nreference = \"projection\"\n";
         for (name, text) in [
             ("all", edited(SMALL, &[formats])),
-            ("budget", edited(SMALL, &[budget, ("\"stl\", \"obj\"", "\"obj\", \"csv\"")])),
+            ("budget", edited(SMALL, &[lens, budget, ("\"stl\", \"obj\"", "\"obj\", \"csv\"")])),
             ("valley", edited(SMALL, &[valley]) + unmet),
             ("given", GIVEN.into()),
             ("round", ROUND.into()),

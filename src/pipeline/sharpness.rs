@@ -1,0 +1,107 @@
+//! How sharp the picture is through the profile's lens, and at best.
+
+use crate::design::Design;
+use crate::num::{asin, atan, sin, tan};
+use crate::pencil::{self, Spot, best_focus, over_some};
+use crate::profile::{Aperture, Profile};
+use crate::report::{Opened, Reason, ReasonKind, Sharpness};
+
+/// Pixels along a side of the sensor that stand for all of them.
+const SOME: u32 = 64;
+
+/// The aperture's radius as pencils have it: mm, or the tangent of the cone's half angle.
+pub fn radius(aperture: Aperture) -> f64 {
+    match aperture {
+        Aperture::Pupil { pupil_mm } => 0.5 * pupil_mm,
+        Aperture::Na { na } => tan(asin(na)),
+    }
+}
+
+/// The aperture of this radius of the camera of `design`.
+pub fn aperture(design: &Design, radius: f64) -> Aperture {
+    if design.camera.chart.vergence == 0.0 {
+        Aperture::Na { na: sin(atan(radius)) }
+    } else {
+        Aperture::Pupil { pupil_mm: 2.0 * radius }
+    }
+}
+
+/// phi of the nearest plane that a lens focuses on, as far as infinity.
+pub fn least_focus(design: &Design) -> f64 {
+    if design.camera.chart.vergence == 0.0 { f64::NEG_INFINITY } else { 0.0 }
+}
+
+/// How sharp the picture of `design` is; none where no pixel has a spot.
+pub fn sharpness(profile: &Profile, design: &Design) -> Option<Sharpness> {
+    let Design { mirror, camera, view, .. } = design;
+    let unit = 1.0 / camera.pixel_mm;
+    let spot = |pencil: &pencil::Pencil| Spot::new(pencil).scaled(unit);
+    let spots = over_some(mirror, camera, view.as_ref(), SOME, spot);
+    let best = best_focus(&spots, least_focus(design))?;
+    of(profile, design, &spots, [best; 2], profile.light.aperture)
+}
+
+/// The same of `spots`, in pixels: at best in the first focus, through `given` in the second.
+pub fn of(
+    profile: &Profile,
+    design: &Design,
+    spots: &[Spot],
+    [best, asked]: [f64; 2],
+    given: Option<Aperture>,
+) -> Option<Sharpness> {
+    let chart = &design.camera.chart;
+    let cone = if chart.vergence == 0.0 { 1.0 } else { chart.vergence };
+    let wavelength_nm = profile.light.wavelength_nm;
+    let wavelength_px = 1e-6 * wavelength_nm / design.camera.pixel_mm;
+    let at = |phi: f64| pencil::Sharpness::new(spots, phi, wavelength_px, cone);
+    let opened = |sharpness: &pencil::Sharpness, radius: f64| {
+        let (sharp, aperture) = (sharpness.at(radius), aperture(design, radius));
+        let f_number = match aperture {
+            Aperture::Pupil { pupil_mm } => profile.light.lens_mm.map(|mm| mm / pupil_mm),
+            Aperture::Na { .. } => None,
+        };
+        let resolved = design.camera.pixels.map(|px| two_digits(f64::from(px) / sharp.spot_px));
+        Opened { aperture, f_number, sharp, resolved }
+    };
+    let least = at(best)?;
+    let radius_best = Some(least.best_radius()).filter(|radius| radius.is_finite())?;
+    let asked = at(asked)?;
+    Some(Sharpness {
+        wavelength_nm,
+        best: opened(&least, radius_best),
+        given: given.map(|aperture| opened(&asked, radius(aperture))),
+    })
+}
+
+/// A number as it deserves.
+fn two_digits(x: f64) -> u32 {
+    let mut step = 1.0;
+    while x / step >= 100.0 {
+        step *= 10.0;
+    }
+    ((x / step).round() * step) as u32
+}
+
+/// Why the picture is not sharp enough for the profile, through its own lens or, without one, through the
+/// best.
+pub fn reason(profile: &Profile, sharpness: Option<&Sharpness>) -> Option<Reason> {
+    let limit = profile.accept.blur_p95_px?;
+    let sharpness = sharpness?;
+    let lens = sharpness.given.as_ref().unwrap_or(&sharpness.best);
+    let spot_px = lens.sharp.spot_px;
+    if spot_px <= limit {
+        return None;
+    }
+    let best = &sharpness.best;
+    let way = if best.sharp.spot_px < spot_px {
+        format!("; {} has {:.3} px", best.lens(), best.sharp.spot_px)
+    } else {
+        "; no aperture has shorter ones".into()
+    };
+    let sentence = format!(
+        "95 % of the spots through {} are up to {spot_px:.3} px long, over the {limit} px of \
+         accept.blur_p95_px{way}",
+        lens.lens()
+    );
+    Some(Reason::new(ReasonKind::Blur, sentence))
+}

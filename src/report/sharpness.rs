@@ -1,0 +1,104 @@
+//! How sharp a picture can be, in reports.
+
+use super::text::digits;
+use crate::pencil::Sharp;
+use crate::profile::Aperture;
+use serde::{Deserialize, Serialize};
+
+/// How sharp the picture of a mirror is through the profile's lens and at best.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sharpness {
+    /// Wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Through the aperture at which 95 % of the spots are least, in the best focus.
+    pub best: Opened,
+    /// Through the aperture that was asked for; absent where none was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub given: Option<Opened>,
+}
+
+/// A lens, open so far.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Opened {
+    /// How far.
+    #[serde(flatten)]
+    pub aperture: Aperture,
+    /// Focal length over entrance pupil; absent where the profile has no focal length in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub f_number: Option<f64>,
+    /// The spots.
+    #[serde(flatten)]
+    pub sharp: Sharp,
+    /// How many such spots lie side by side across the frame and up it.
+    pub resolved: [u32; 2],
+}
+
+impl Opened {
+    /// The lens in words, with an article.
+    #[must_use]
+    pub fn lens(&self) -> String {
+        let size = match self.aperture {
+            Aperture::Pupil { pupil_mm } => {
+                format!("an entrance pupil of {} mm", significant(pupil_mm))
+            }
+            Aperture::Na { na } => format!("a numerical aperture of {}", significant(na)),
+        };
+        let stop = self.f_number.map_or(String::new(), |n| format!(" (f/{})", significant(n)));
+        format!("{size}{stop}")
+    }
+
+    /// What is seen through it, on one line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let Sharp { geometric_px, diffraction_px, spot_px, mtf_p50, mtf_p05 } = self.sharp;
+        let [across, up] = self.resolved;
+        format!(
+            "{}: spots of {} px p95 (mirror {}, diffraction {}), about {across} x {up} of them; MTF at a \
+             quarter of the sampling frequency {mtf_p50:.2} p50, {mtf_p05:.2} p05",
+            self.lens(),
+            significant(spot_px),
+            digits(geometric_px),
+            digits(diffraction_px),
+        )
+    }
+}
+
+impl Sharpness {
+    /// Spots longer than this, px, leave pixels unused.
+    const RESOLVED: f64 = 3.0;
+
+    /// What to know of a mirror under which no aperture resolves the pixels.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let Opened { sharp, resolved: [across, up], .. } = self.best;
+        (sharp.spot_px > Self::RESOLVED).then(|| {
+            format!(
+                "no aperture resolves the pixels: through {}, the best one, spots are {} px long (p95), \
+                 about {across} x {up} of them; a mirror four times as large has spots half as long",
+                self.best.lens(),
+                significant(sharp.spot_px)
+            )
+        })
+    }
+}
+
+/// Three digits.
+fn significant(x: f64) -> String {
+    let (mut decimals, mut first) = (2_usize, x);
+    while first >= 10.0 && decimals > 0 {
+        (decimals, first) = (decimals - 1, first / 10.0);
+    }
+    while first > 0.0 && first < 1.0 && decimals < 12 {
+        (decimals, first) = (decimals + 1, first * 10.0);
+    }
+    format!("{x:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn figures_have_three_digits() {
+        let found = [0.83214, 15.06, 3.3, 120.4, 0.002_987].map(super::significant);
+        assert_eq!(found, ["0.832", "15.1", "3.30", "120", "0.00299"]);
+    }
+}
