@@ -190,14 +190,15 @@ pub enum Command {
         /// Radius of the ball
         #[arg(long, value_name = "R", allow_negative_numbers = true)]
         ball_mm: f64,
-        /// Distance of the raster's lines in the plan (X, Y)
+        /// Distance of the raster's lines in the plan (X, Y) [default: the largest that keeps --budget-px
+        /// and --scallop-um]
         #[arg(long, value_name = "W", allow_negative_numbers = true)]
-        stepover_mm: f64,
+        stepover_mm: Option<f64>,
         /// Direction of the lines from X towards Y [default: the one that is best for the pixels]
         #[arg(long, value_name = "A", allow_negative_numbers = true)]
         angle_deg: Option<f64>,
         /// Find the stepover at which 95 % of the unpolished face is within this pixel error, and hold
-        /// W to it
+        /// W to it [default: the largest pixel error that a build is held to]
         #[arg(long, value_name = "PX", allow_negative_numbers = true)]
         budget_px: Option<f64>,
         /// Find the stepover at which no scallop is higher, and hold W to it

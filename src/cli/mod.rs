@@ -4,6 +4,7 @@ mod args;
 mod progress;
 #[cfg(unix)]
 mod signals;
+mod styles;
 
 use crate::parallel;
 use crate::pipeline::{
@@ -286,7 +287,7 @@ fn show(
     json: impl FnOnce() -> String,
 ) -> Result<(), Failure> {
     print(&match arguments.format {
-        Format::Text => text(),
+        Format::Text => styles::styled(&text()),
         Format::Json => json(),
     })
 }

@@ -41,10 +41,14 @@ impl Advice<'_> {
         let mut warnings: Vec<String> = self.cut_off().into_iter().collect();
         if triangles >= MANY {
             let instead = self.instead(triangles, MANY as f64);
+            let step = if self.profile.formats.contains(&Format::Step) {
+                "mirror.step is there for them"
+            } else {
+                "add \"step\" to export.formats"
+            };
             warnings.push(format!(
                 "{name}: {triangles} triangles in all are a burden for many CAM programs; to stay \
-                 under {MANY}, write {instead}. Shops that take STEP need no triangles: add \"step\" \
-                 to export.formats"
+                 under {MANY}, write {instead}. Shops that take STEP need no triangles: {step}"
             ));
         }
         for &(file, bytes) in files.iter().filter(|(_, bytes)| *bytes >= LARGE) {

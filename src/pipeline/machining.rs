@@ -27,12 +27,13 @@ use std::path::Path;
 pub struct Cutting {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
-    /// Distance of the raster's lines in the plan, mm.
-    pub stepover_mm: f64,
+    /// Distance of the raster's lines in the plan, mm; none for the largest that keeps both budgets.
+    pub stepover_mm: Option<f64>,
     /// Their direction from X towards Y, degrees; none for the one that is best for the pixels, or for the
     /// scallops' height where there is no projection.
     pub angle_deg: Option<f64>,
-    /// Pixel error that 95 % of the unpolished face may not exceed.
+    /// Pixel error that 95 % of the unpolished face may not exceed; none for the largest that a build is
+    /// held to.
     pub budget_px: Option<f64>,
     /// Height that no scallop may exceed, um.
     pub scallop_um: Option<f64>,
@@ -48,6 +49,8 @@ const MOST_FACETS: f64 = 4e6;
 const LARGEST: f64 = 10.0;
 /// What chords along the lines may add to the slopes of the scallops.
 const ALONG: f64 = 0.3;
+/// The stepover over the ball's radius at which directions are found where none is asked for.
+const FIRST_STEPOVER: f64 = 0.05;
 const FILE: &str = "as-cut.stl";
 
 /// Works out what `cutting` leaves of the mirror of `source`, and writes `gouge.png`, `machining.json` and, where
@@ -82,12 +85,24 @@ pub fn machining(
     }
 
     let mut files = Vec::new();
+    let mut cut = None;
     if cutting.as_cut && hollow.is_none() {
         let mesh = clock.stage(Stage::Mesh, || {
-            let mesh = as_cut(mirror, &survey, &raster).map_err(refused)?;
-            let note = format!("{} optical triangles", mesh.triangles.len());
+            let mesh = match as_cut(mirror, &survey, &raster) {
+                Err(error @ MachiningError::TooFine { .. }) => Err(error.to_string()),
+                made => Ok(made.map_err(refused)?),
+            };
+            let note = match &mesh {
+                Ok(mesh) => format!("{} optical triangles", mesh.triangles.len()),
+                Err(_) => "too fine to be made".to_owned(),
+            };
             Ok::<_, Error>((mesh, note))
         })?;
+        cut = mesh
+            .map_err(|why| found.warnings.push(format!("the as-cut part was not made: {why}")))
+            .ok();
+    }
+    if let Some(mesh) = cut {
         let optical_triangles = mesh.triangles.len();
         let solid = clock.stage(Stage::Solid, || close(profile, &design, mesh))?;
         folder.holds(stl_bytes(solid.mesh().triangles.len()))?;
@@ -145,7 +160,7 @@ fn check(cutting: &Cutting, width_mm: f64) -> Result<(), MachiningError> {
     };
     for (option, found) in [
         ("--ball-mm", Some(cutting.ball_mm)),
-        ("--stepover-mm", Some(cutting.stepover_mm)),
+        ("--stepover-mm", cutting.stepover_mm),
         ("--budget-px", cutting.budget_px),
         ("--scallop-um", cutting.scallop_um),
     ] {
@@ -166,22 +181,23 @@ fn check(cutting: &Cutting, width_mm: f64) -> Result<(), MachiningError> {
     }
     let finest = 1e-6 * width_mm;
     if let Some((option, found)) =
-        [("--ball-mm", cutting.ball_mm), ("--stepover-mm", cutting.stepover_mm)]
+        [("--ball-mm", Some(cutting.ball_mm)), ("--stepover-mm", cutting.stepover_mm)]
             .into_iter()
-            .find(|(_, x)| *x < finest)
+            .find_map(|(option, x)| Some((option, x.filter(|x| *x < finest)?)))
     {
         return bad(option, &format!("at least {finest}, a millionth of the part's width"), found);
     }
-    if cutting.stepover_mm >= 2.0 * cutting.ball_mm {
-        let must = "less than the ball's diameter";
-        return bad("--stepover-mm", must, cutting.stepover_mm);
+    if let Some(stepover) = cutting.stepover_mm.filter(|mm| *mm >= 2.0 * cutting.ball_mm) {
+        return bad("--stepover-mm", "less than the ball's diameter", stepover);
     }
     Ok(())
 }
 
 /// The best directions, and the raster in the one asked for or the best to a hundredth of a degree.
 fn directed(survey: &Survey, cutting: &Cutting) -> (BestFacts, Raster) {
-    let Cutting { ball_mm, stepover_mm, .. } = *cutting;
+    let ball_mm = cutting.ball_mm;
+    // Directions hardly depend on it.
+    let stepover_mm = cutting.stepover_mm.unwrap_or(FIRST_STEPOVER * ball_mm);
     let raster = Raster { ball_mm, stepover_mm, angle: 0.0 };
     let (pixels, height) = (survey.best_for_pixels(&raster), survey.best_for_height(&raster));
     let best = (100.0 * pixels.unwrap_or(height).angle_deg).round() / 100.0;
@@ -225,30 +241,37 @@ fn surveyed<'a>(
 ) -> Result<(Surveyed<'a>, Machining), MachiningError> {
     let mirror = &design.mirror;
     let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
-    let (best, raster) = directed(&survey, cutting);
+    let (best, mut raster) = directed(&survey, cutting);
+    let view = design.view.as_ref();
+    let usual_px = view.map(|_| profile.accepted().pixel_error_max_px.value);
+    let budget_px = cutting.budget_px.or(usual_px);
     let least_hollow_mm = survey.least_hollow_mm();
     // But for rounding.
     let tight = least_hollow_mm.filter(|least| cutting.ball_mm > least.value * (1.0 + 1e-9));
     let hollow = tight.map(|least| DVec3::from_array(least.at_mm).truncate());
     let gouge = Gouge::new(mirror, corners(&outlines(mirror)), cutting.ball_mm, hollow);
+    let for_pixels = budget_px.and_then(|px| survey.stepover_for_pixels(&raster, px));
+    let for_height =
+        cutting.scallop_um.and_then(|um| survey.stepover_for_height(&raster, 1e-3 * um));
+    if cutting.stepover_mm.is_none() {
+        let most = for_pixels.into_iter().chain(for_height).reduce(f64::min);
+        // (Written down it still keeps them.)
+        raster.stepover_mm = most.map_or(raster.stepover_mm, |mm| below(mm).parse().unwrap_or(mm));
+    }
     let scallops = survey.figures(&raster)?;
     let fillet = Fillet::new(mirror, &design.camera, cutting.ball_mm);
     let budget = BudgetFacts {
-        p95_px: cutting.budget_px,
-        stepover_for_px_mm: cutting
-            .budget_px
-            .and_then(|px| survey.stepover_for_pixels(&raster, px)),
+        p95_px: budget_px,
+        stepover_for_px_mm: for_pixels,
         scallop_um: cutting.scallop_um,
-        stepover_for_scallop_mm: cutting
-            .scallop_um
-            .and_then(|um| survey.stepover_for_height(&raster, 1e-3 * um)),
+        stepover_for_scallop_mm: for_height,
     };
     let mut reasons = Vec::new();
     let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
     let digits = |mm: Option<f64>| mm.map_or("none".to_owned(), |mm| format!("{} mm", below(mm)));
     let pixel_error_px = scallops.as_ref().and_then(|found| found.pixel_error_px);
     if let Some((error, budget_px)) =
-        pixel_error_px.and_then(|e| Some((e.p95, over(e.p95, cutting.budget_px)?)))
+        pixel_error_px.and_then(|e| Some((e.p95, over(e.p95, budget_px)?)))
     {
         reasons.push(format!(
             "the unpolished face has a pixel error of {error:.3} px (95 % of it), over {budget_px} px; \
@@ -282,7 +305,7 @@ fn surveyed<'a>(
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         ball_mm: cutting.ball_mm,
-        stepover_mm: cutting.stepover_mm,
+        stepover_mm: raster.stepover_mm,
         angle_deg: degrees(raster.angle),
         steepest_deg: survey.steepest_deg(),
         least_hollow_mm,

@@ -260,7 +260,7 @@ fn tracks(
     };
     let cutting = Cutting {
         ball_mm: texture.ball_radius_mm,
-        stepover_mm: tracks.limit,
+        stepover_mm: Some(tracks.limit),
         // Lines run across the direction in which they follow each other.
         angle_deg: Some(texture.stepover_direction_deg - 90.0),
         budget_px: Some(*budget_px),

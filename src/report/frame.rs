@@ -87,7 +87,7 @@ impl FrameReport {
         out
     }
 
-    /// A readable summary, styled for terminals.
+    /// A readable summary.
     #[must_use]
     pub fn text(&self) -> String {
         written(|out| self.write_text(out))

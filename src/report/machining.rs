@@ -155,7 +155,7 @@ impl Machining {
         pretty(self)
     }
 
-    /// A readable summary, styled for terminals.
+    /// A readable summary.
     #[must_use]
     pub fn text(&self) -> String {
         written(|out| self.write_text(out))

@@ -1,18 +1,6 @@
 //! Text from outside (names of files, profiles and parts of packages, summaries) as it may be shown:
 //! what steers a terminal or turns the direction of text is written out.
 
-use anstyle::{AnsiColor, Style};
-
-/// The marks that stand for styles until a text is whole: noncharacters, which Unicode leaves to
-/// programs. In text from outside they change a colour at most.
-pub(super) const BOLD: char = '\u{fdd0}';
-/// Of a verdict that is positive.
-pub(super) const PASS: char = '\u{fdd1}';
-/// Of one that is negative.
-pub(super) const FAIL: char = '\u{fdd2}';
-/// The end of each.
-pub(super) const PLAIN: char = '\u{fdd3}';
-
 /// `text` with each character that steers a terminal or the direction of text as \u{...}; lines stay.
 #[must_use]
 pub fn visible(text: &str) -> String {
@@ -25,17 +13,6 @@ pub fn visible(text: &str) -> String {
         }
     }
     shown
-}
-
-/// A visible text with the styles that its marks stand for.
-pub(super) fn styled(text: &str) -> String {
-    let bold = Style::new().bold();
-    let coloured = |colour: AnsiColor| bold.fg_color(Some(colour.into())).to_string();
-    visible(text)
-        .replace(BOLD, &bold.to_string())
-        .replace(PASS, &coloured(AnsiColor::Green))
-        .replace(FAIL, &coloured(AnsiColor::Red))
-        .replace(PLAIN, &format!("{bold:#}"))
 }
 
 /// Controls but for the line's end, and what Unicode has to end lines and to change directions.
@@ -56,6 +33,5 @@ mod tests {
         let text = "a\u{1b}[2Jb\u{7}\0\r\u{9b}1m\u{202e}c\nd \u{e9} \u{4e2d}";
         let shown = "a\\u{1b}[2Jb\\u{7}\\u{0}\\u{d}\\u{9b}1m\\u{202e}c\nd \u{e9} \u{4e2d}";
         assert_eq!(visible(text), shown);
-        assert_eq!(styled(&format!("{BOLD}x\u{1b}[1m{PLAIN}")), "\u{1b}[1mx\\u{1b}[1m\u{1b}[0m");
     }
 }

@@ -31,7 +31,7 @@ impl Rendering {
         pretty(self)
     }
 
-    /// A readable summary, styled for terminals.
+    /// A readable summary.
     #[must_use]
     pub fn text(&self) -> String {
         let Self { profile, scene, traced, file, pixels: [columns, rows], rays, .. } = self;

@@ -1,7 +1,7 @@
 //! The terminal's summary of a report.
 
 use super::measured::{AlignmentFacts, error_line};
-use super::outside::{BOLD, FAIL, PASS, PLAIN, styled};
+use super::outside::visible;
 use super::tolerance::percent;
 use super::{ErrorFacts, Limited, ProfileId, Report, SagFacts, SolidFacts, StepFacts, Verdict};
 use crate::design::{Facts, Mounting};
@@ -12,8 +12,8 @@ use crate::solid::Rim;
 use serde::Serialize;
 use std::fmt::{Display, Write};
 
-/// A readable summary: a line a stage, the reasons, and the verdict last. Styled for terminals;
-/// a writer that knows its terminal strips the styles elsewhere.
+/// A readable summary: a line a stage, the reasons, and the verdict last. Plain text, in which what would
+/// steer a terminal is written out.
 #[must_use]
 pub fn text(report: &Report) -> String {
     written(|out| write_text(out, report))
@@ -26,17 +26,17 @@ pub(super) fn pretty(result: &impl Serialize) -> String {
     text
 }
 
-/// What `write` writes, as a terminal may show it.
+/// What `write` writes, in which nothing steers a terminal.
 pub(super) fn written(write: impl FnOnce(&mut String) -> std::fmt::Result) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write(&mut out);
-    styled(&out)
+    visible(&out)
 }
 
 /// The first line: which profile.
 pub(super) fn head_line(out: &mut String, profile: &ProfileId) -> std::fmt::Result {
-    writeln!(out, "{BOLD}{}{PLAIN}  ({})", profile.name, short(&profile.sha256))
+    writeln!(out, "{}  ({})", profile.name, short(&profile.sha256))
 }
 
 fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
@@ -158,11 +158,11 @@ pub(super) fn verdict_lines(
     verdict: Verdict,
 ) -> std::fmt::Result {
     reasons.iter().try_for_each(|reason| writeln!(out, "  - {reason}"))?;
-    let (word, style) = match verdict {
-        Verdict::Pass => ("pass", PASS),
-        Verdict::Fail => ("fail", FAIL),
+    let word = match verdict {
+        Verdict::Pass => "pass",
+        Verdict::Fail => "fail",
     };
-    writeln!(out, "  verdict  {style}{word}{PLAIN}")
+    writeln!(out, "  verdict  {word}")
 }
 
 /// The number of triangles allowed, if there is one.

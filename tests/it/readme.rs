@@ -16,8 +16,7 @@ fn block<'a>(heading: &str, language: &str) -> &'a str {
 
 #[test]
 fn the_output_that_readme_shows_is_the_program_s() {
-    let made =
-        anstream::adapter::strip_str(&text(&shipped_builds::report("conquistador"))).to_string();
+    let made = text(&shipped_builds::report("conquistador"));
     assert_eq!(
         block("## Two commands", "text"),
         made,

@@ -20,7 +20,12 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.Quantity import Quantity_Color
+from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.STEPControl import STEPControl_Reader
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDocStd import TDocStd_Document
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID, TopAbs_VERTEX
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
@@ -88,6 +93,20 @@ def beside(path):
     return {}
 
 
+def coloured(path):
+    """How many faces have a colour of their own, as programs that read attributes see them."""
+    document = TDocStd_Document(TCollection_ExtendedString("part"))
+    reader = STEPCAFControl_Reader()
+    reader.SetColorMode(True)
+    reader.ReadFile(path)
+    reader.Transfer(document)
+    shapes = static(XCAFDoc_DocumentTool, "ShapeTool")(document.Main())
+    colours = static(XCAFDoc_DocumentTool, "ColorTool")(document.Main())
+    shape = static(type(shapes), "GetShape")(shapes.Label().FindChild(1, False))
+    surface = XCAFDoc_ColorType.XCAFDoc_ColorSurf
+    return sum(colours.GetColor(face, surface, Quantity_Color()) for face in parts(shape, TopAbs_FACE))
+
+
 def complaints(path):
     """The file's figures in short, and what is wrong with it."""
     reader = STEPControl_Reader()
@@ -121,6 +140,8 @@ def complaints(path):
         "vertices within 1e-7 mm": (at_vertices <= GAP, True),
         "fit for booleans": (not analyzer.HasFaulty(), True),
     }
+    with open(path, encoding="ascii") as file:
+        found["coloured faces"] = (coloured(path), file.read().count("ADVANCED_FACE('OPTICAL'"))
     wrong = [f"{name} {got}, not {want}" for name, (got, want) in found.items() if got != want]
     holds = volume(shape)
     figures = f"{count['faces']} faces, {holds:.6f} mm3, gaps {apart:.1e} mm"

@@ -2,7 +2,7 @@
 
 use super::border::{border, drill};
 use super::fit::{Fit, Form};
-use super::part21::{Data, Edge, Id, Vertex, Way, list, reversed};
+use super::part21::{Data, Edge, Id, Part, Vertex, Way, list, reversed};
 use super::rim::Rim;
 use super::spline::{Axis, Net};
 use crate::geom::{DVec2, DVec3, Land, Stock};
@@ -27,7 +27,9 @@ pub fn body(data: &mut Data, fit: &Fit, stock: Option<&Stock>) -> Id {
     };
     match stock {
         Some(stock) => border(data, stock, &foot, &lows, &mut faces),
-        None => faces.push(data.flat_face(&[reversed(&foot)], DVec3::ZERO, DVec3::NEG_Z)),
+        None => {
+            faces.push(data.flat_face(Part::Base, &[reversed(&foot)], DVec3::ZERO, DVec3::NEG_Z))
+        }
     }
     let shell = list(&faces);
     let shell = data.add(format_args!("CLOSED_SHELL('',{shell})"));
@@ -156,7 +158,7 @@ fn panels(
                 }
             }
         }
-        faces.push(data.face(&[ways], sheet.surface, true));
+        faces.push(data.face(Part::Optical, &[ways], sheet.surface, true));
     }
     let walls: Vec<Vec<(Side, Edge)>> = if straight {
         walls.into()
@@ -185,10 +187,10 @@ fn panels(
         ways.extend(wall.iter().rev().map(|(_, edge)| edge.backward()));
         ways.push(start.backward());
         faces.push(match surface {
-            Some(surface) => data.face(&[ways], surface, true),
+            Some(surface) => data.face(Part::Wall, &[ways], surface, true),
             None => {
                 let along = (end.from.at - start.from.at).normalize();
-                data.flat_face(&[ways], start.from.at, along.cross(DVec3::Z))
+                data.flat_face(Part::Wall, &[ways], start.from.at, along.cross(DVec3::Z))
             }
         });
         feet.push(foot.forward());
@@ -223,7 +225,7 @@ fn ruled(data: &mut Data, side: &Side, ends: [Vertex; 2], foot_mm: f64) -> (Edge
 /// The wall of a round mirror from its rim down to `foot_mm`; the wall's foot.
 fn wall(data: &mut Data, rim: Edge, rim_mm: f64, foot_mm: f64, faces: &mut Vec<Id>) -> Vec<Way> {
     let foot = data.round(DVec3::Z * foot_mm, rim_mm);
-    faces.push(data.upright(foot, rim, DVec2::ZERO, rim_mm, true));
+    faces.push(data.upright(Part::Wall, [foot, rim], (DVec2::ZERO, rim_mm), true));
     vec![foot.forward()]
 }
 
@@ -246,9 +248,9 @@ fn cut(
         let middle = data.vertex(DVec3::Z * middle_mm);
         let lines = [vec![middle.point; ids.len()], ids];
         let land = data.spline_surface(&lines, [None, Some(&inner.angles)]);
-        faces.push(data.fan(middle, edge, land, true));
+        faces.push(data.fan(Part::Land, middle, edge, land, true));
     }
-    faces.push(data.face(&loops, surface, true));
+    faces.push(data.face(Part::Optical, &loops, surface, true));
     outer
 }
 
@@ -296,10 +298,10 @@ fn turned(
             loops.push(vec![high.backward()]);
             lows.push(low);
         }
-        faces.push(data.flat_face(&loops, DVec3::Z * start.at.z, DVec3::Z));
+        faces.push(data.flat_face(Part::Land, &loops, DVec3::Z * start.at.z, DVec3::Z));
     }
     ways.push(seam.forward());
     // Its normal is that of its circles times its meridian: down.
-    faces.push(data.face(&[ways], surface, false));
+    faces.push(data.face(Part::Optical, &[ways], surface, false));
     outer
 }

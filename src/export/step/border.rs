@@ -1,6 +1,6 @@
 //! The material around a mirror: outer walls, flat top, holes, marks and base plane.
 
-use super::part21::{Data, Edge, Id, Vertex, Way, real, reversed};
+use super::part21::{Data, Edge, Id, Part, Vertex, Way, real, reversed};
 use crate::geom::{Contour, DVec2, DVec3, Drilled, Stock};
 use std::f64::consts::FRAC_PI_4;
 
@@ -12,7 +12,8 @@ pub fn border(data: &mut Data, stock: &Stock, feet: &[Way], lows: &[Edge], faces
         Contour::Circle { radius_mm } => {
             let low = data.round(DVec3::ZERO, radius_mm);
             let high = data.round(DVec3::Z * top_mm, radius_mm);
-            faces.push(data.upright(low, high, DVec2::ZERO, radius_mm, true));
+            let around = (DVec2::ZERO, radius_mm);
+            faces.push(data.upright(Part::Side, [low, high], around, true));
             [vec![low.forward()], vec![high.forward()]]
         }
         Contour::Rect { half, corner_mm } => {
@@ -30,7 +31,7 @@ pub fn border(data: &mut Data, stock: &Stock, feet: &[Way], lows: &[Edge], faces
         top.push(vec![high.backward()]);
     }
     base.extend(lows.iter().map(|low| vec![low.forward()]));
-    for mark in &stock.marks {
+    for (k, mark) in stock.marks.iter().enumerate() {
         let radius = 0.5 * mark.diameter_mm;
         let centre = mark.at.extend(top_mm);
         let rim = data.round(centre, radius);
@@ -38,18 +39,19 @@ pub fn border(data: &mut Data, stock: &Stock, feet: &[Way], lows: &[Edge], faces
         let (radius_mm, angle) = (real(radius), FRAC_PI_4);
         let cone = data.add(format_args!("CONICAL_SURFACE('',{place},{radius_mm},{angle})"));
         let apex = data.vertex(centre - DVec3::Z * radius);
-        faces.push(data.fan(apex, rim, cone, false));
+        faces.push(data.fan(Part::Mark(k + 1), apex, rim, cone, false));
         top.push(vec![rim.backward()]);
     }
-    faces.push(data.flat_face(&top, DVec3::Z * top_mm, DVec3::Z));
-    faces.push(data.flat_face(&base, DVec3::ZERO, DVec3::NEG_Z));
+    faces.push(data.flat_face(Part::Rim, &top, DVec3::Z * top_mm, DVec3::Z));
+    faces.push(data.flat_face(Part::Base, &base, DVec3::ZERO, DVec3::NEG_Z));
 }
 
 /// Writes the wall of a through hole from the base to `top_mm`; its lower and its upper end.
 pub fn drill(data: &mut Data, hole: &Drilled, top_mm: f64, faces: &mut Vec<Id>) -> [Edge; 2] {
     let low = data.round(hole.at.extend(0.0), hole.radius());
     let high = data.round(hole.at.extend(top_mm), hole.radius());
-    faces.push(data.upright(low, high, hole.at, hole.radius(), false));
+    let part = data.next_hole();
+    faces.push(data.upright(part, [low, high], (hole.at, hole.radius()), false));
     [low, high]
 }
 
@@ -107,11 +109,11 @@ fn walls(data: &mut Data, pieces: &[Piece], [low, high]: [&[Edge]; 2], faces: &m
         faces.push(match piece.about {
             None => {
                 let along = (low[k].to.at - low[k].from.at).normalize();
-                data.flat_face(&[ways], low[k].from.at, along.cross(DVec3::Z))
+                data.flat_face(Part::Side, &[ways], low[k].from.at, along.cross(DVec3::Z))
             }
             Some((centre, radius)) => {
                 let cylinder = data.cylinder(centre, radius);
-                data.face(&[ways], cylinder, true)
+                data.face(Part::Side, &[ways], cylinder, true)
             }
         });
     }

@@ -24,7 +24,7 @@ pub use fit::{Fit, fit};
 
 use super::Label;
 use crate::geom::{DVec3, Stock};
-use part21::{Data, quoted};
+use part21::{Data, Id, list, quoted};
 use std::io::{self, Write};
 use thiserror::Error;
 
@@ -100,7 +100,7 @@ pub fn write_step(
         out,
         "ISO-10303-21;\nHEADER;\n\
          FILE_DESCRIPTION(({description}),'2;1');\n\
-         FILE_NAME({name},'1970-01-01T00:00:00',(''),(''),{program},{program},'');\n\
+         FILE_NAME({name},'',(''),(''),{program},{program},'');\n\
          FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\n\
          ENDSEC;\nDATA;\n"
     )?;
@@ -142,4 +142,28 @@ fn product(data: &mut Data, fit: &Fit, stock: Option<&Stock>, label: &Label) {
     let brep =
         data.add(format_args!("ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{body}),{space})"));
     data.add(format_args!("SHAPE_DEFINITION_REPRESENTATION({shape},{brep})"));
+    coloured(data, space);
+}
+
+/// Colour of the mirror's faces: red, green, blue.
+const MIRROR_COLOUR: &str = "0.55,0.75,0.95";
+
+/// Gives the mirror's faces a colour of their own.
+fn coloured(data: &mut Data, space: Id) {
+    let colour = data.add(format_args!("COLOUR_RGB('',{MIRROR_COLOUR})"));
+    let fill = data.add(format_args!("FILL_AREA_STYLE_COLOUR('',{colour})"));
+    let fill = data.add(format_args!("FILL_AREA_STYLE('',({fill}))"));
+    let fill = data.add(format_args!("SURFACE_STYLE_FILL_AREA({fill})"));
+    let side = data.add(format_args!("SURFACE_SIDE_STYLE('',({fill}))"));
+    let usage = data.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,{side})"));
+    let style = data.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT(({usage}))"));
+    let faces = data.optical.clone();
+    let items: Vec<Id> = faces
+        .into_iter()
+        .map(|face| data.add(format_args!("STYLED_ITEM('',({style}),{face})")))
+        .collect();
+    let items = list(&items);
+    data.add(format_args!(
+        "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',{items},{space})"
+    ));
 }

@@ -52,14 +52,59 @@ pub fn reversed(ways: &[Way]) -> Vec<Way> {
     ways.iter().rev().map(|way| Way { forward: !way.forward, ..*way }).collect()
 }
 
+/// What a face is of; its name in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The mirror.
+    Optical,
+    /// The flat land or the middle inside a round mirror.
+    Land,
+    /// What leads from the mirror's edge down to the base or to the rim.
+    Wall,
+    /// The flat rim around it.
+    Rim,
+    /// The outer walls of what is around it.
+    Side,
+    /// The bottom.
+    Base,
+    /// A through hole, counted from 1.
+    Hole(usize),
+    /// A mark, counted from 1.
+    Mark(usize),
+}
+
+impl Display for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Optical => f.write_str("OPTICAL"),
+            Self::Land => f.write_str("LAND"),
+            Self::Wall => f.write_str("WALL"),
+            Self::Rim => f.write_str("RIM"),
+            Self::Side => f.write_str("SIDE"),
+            Self::Base => f.write_str("BASE"),
+            Self::Hole(k) => write!(f, "HOLE_{k}"),
+            Self::Mark(k) => write!(f, "MARK_{k}"),
+        }
+    }
+}
+
 /// Instances written so far.
 #[derive(Debug, Default)]
 pub struct Data {
     pub text: String,
+    /// The mirror's faces.
+    pub optical: Vec<Id>,
     last: u32,
+    holes: usize,
 }
 
 impl Data {
+    /// The name of the next through hole.
+    pub fn next_hole(&mut self) -> Part {
+        self.holes += 1;
+        Part::Hole(self.holes)
+    }
+
     /// Writes an instance.
     pub fn add(&mut self, what: impl Display) -> Id {
         self.last += 1;
@@ -190,7 +235,7 @@ impl Data {
     }
 
     /// A face, the outer loop first; `same` when the surface's normal leads out of the body.
-    pub fn face(&mut self, loops: &[Vec<Way>], surface: Id, same: bool) -> Id {
+    pub fn face(&mut self, part: Part, loops: &[Vec<Way>], surface: Id, same: bool) -> Id {
         let mut bounds = Vec::new();
         for (k, ways) in loops.iter().enumerate() {
             let name = if k == 0 { "FACE_OUTER_BOUND" } else { "FACE_BOUND" };
@@ -198,15 +243,19 @@ impl Data {
             bounds.push(self.add(format_args!("{name}('',{ways},.T.)")));
         }
         let (bounds, flag) = (list(&bounds), if same { "T" } else { "F" });
-        self.add(format_args!("ADVANCED_FACE('',{bounds},{surface},.{flag}.)"))
+        let face = self.add(format_args!("ADVANCED_FACE('{part}',{bounds},{surface},.{flag}.)"));
+        if part == Part::Optical {
+            self.optical.push(face);
+        }
+        face
     }
 
     /// A plane face with this normal, out of the body.
-    pub fn flat_face(&mut self, loops: &[Vec<Way>], at: DVec3, normal: DVec3) -> Id {
+    pub fn flat_face(&mut self, part: Part, loops: &[Vec<Way>], at: DVec3, normal: DVec3) -> Id {
         let across = if normal.x == 0.0 { DVec3::X } else { DVec3::Y };
         let place = self.placement(at, normal, across);
         let plane = self.add(format_args!("PLANE('',{place})"));
-        self.face(loops, plane, true)
+        self.face(part, loops, plane, true)
     }
 
     /// An upright cylinder.
@@ -216,18 +265,24 @@ impl Data {
     }
 
     /// An upright cylinder's face from one round edge to another, with a seam; `same`: material is inside.
-    pub fn upright(&mut self, low: Edge, high: Edge, centre: DVec2, radius: f64, same: bool) -> Id {
+    pub fn upright(
+        &mut self,
+        part: Part,
+        [low, high]: [Edge; 2],
+        (centre, radius): (DVec2, f64),
+        same: bool,
+    ) -> Id {
         let surface = self.cylinder(centre, radius);
         let seam = self.straight(low.from, high.from);
         let ways = [low.forward(), seam.forward(), high.backward(), seam.backward()];
         let ways = if same { ways.to_vec() } else { reversed(&ways) };
-        self.face(&[ways], surface, same)
+        self.face(part, &[ways], surface, same)
     }
 
     /// The face on `surface`, whose normal leads up if `same`, from a point to a closed edge.
-    pub fn fan(&mut self, middle: Vertex, rim: Edge, surface: Id, same: bool) -> Id {
+    pub fn fan(&mut self, part: Part, middle: Vertex, rim: Edge, surface: Id, same: bool) -> Id {
         let seam = self.straight(middle, rim.from);
-        self.face(&[vec![rim.forward(), seam.backward(), seam.forward()]], surface, same)
+        self.face(part, &[vec![rim.forward(), seam.backward(), seam.forward()]], surface, same)
     }
 }
 

@@ -14,8 +14,13 @@ use serde_json::Value;
 fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     let folder = folder();
     let profile = builds::parsed(&small_but("\"crest\"", "\"valley\""));
-    let cutting =
-        Cutting { ball_mm: 0.5, stepover_mm: 0.1, as_cut: true, angle_deg: Some(0.0), ..CUTTING };
+    let cutting = Cutting {
+        ball_mm: 0.5,
+        stepover_mm: Some(0.1),
+        as_cut: true,
+        angle_deg: Some(0.0),
+        ..CUTTING
+    };
     let found = cut(&profile, cutting, folder.path());
     assert_eq!(found.verdict, Verdict::Fail);
     assert!(found.reasons.iter().any(|r| r.contains("fillet of")), "{:?}", found.reasons);

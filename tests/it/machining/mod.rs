@@ -12,7 +12,7 @@ use std::path::Path;
 
 const CUTTING: Cutting = Cutting {
     ball_mm: 1.0,
-    stepover_mm: 0.137,
+    stepover_mm: Some(0.137),
     angle_deg: None,
     budget_px: None,
     scallop_um: None,

@@ -48,7 +48,7 @@ fn a_flat_mirror_has_the_shop_formulas_and_the_volume_of_its_scallops() {
     let folder = folder();
     let profile = given(RECTANGLE, "terms = [[0, 0, 1]]");
     let cutting = Cutting {
-        stepover_mm: 0.3,
+        stepover_mm: Some(0.3),
         as_cut: true,
         allowance_mm: 2.0,
         scallop_um: Some(12.0),
@@ -56,7 +56,7 @@ fn a_flat_mirror_has_the_shop_formulas_and_the_volume_of_its_scallops() {
     };
     let found = cut(&profile, cutting, folder.path());
     assert_eq!((found.verdict, &found.reasons[..]), (Verdict::Pass, &[][..]));
-    let w = cutting.stepover_mm;
+    let w = cutting.stepover_mm.unwrap();
     let height = 1.0 - (1.0 - w * w / 4.0).sqrt();
     let scallops = found.scallops.unwrap();
     assert!((scallops.scallop_um.value - 1e3 * height).abs() < 1e-9);
@@ -94,7 +94,10 @@ fn the_witness_finds_the_pixel_error_that_was_foreseen() {
     let shares = |text: &str, angle_deg, stepover_mm| {
         let profile = builds::parsed(text);
         let angle_deg = Some(angle_deg);
-        let cutting = Cutting { ball_mm: 2.0, angle_deg, stepover_mm, as_cut: true, ..CUTTING };
+        let stepover_mm = Some(stepover_mm);
+        let budget_px = Some(1e6);
+        let cutting =
+            Cutting { ball_mm: 2.0, angle_deg, stepover_mm, budget_px, as_cut: true, ..CUTTING };
         let found = cut(&profile, cutting, folder.path());
         assert_eq!((found.verdict, &found.reasons[..]), (Verdict::Pass, &[][..]), "{angle_deg:?}");
         let scallops = found.scallops.as_ref().unwrap();
@@ -140,7 +143,7 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
     };
     assert!((figures(px).pixel_error_px.unwrap().p95 / 0.5 - 1.0).abs() < 1e-9);
     assert!((figures(um).scallop_um.value / 0.4 - 1.0).abs() < 1e-9);
-    let kept = Cutting { stepover_mm: 0.999_999 * px.min(um), ..asked };
+    let kept = Cutting { stepover_mm: Some(0.999_999 * px.min(um)), ..asked };
     let found = cut(&profile, kept, folder.path());
     assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
     // What is printed is enough, too.
@@ -182,8 +185,15 @@ fn as_cut_parts_with_all_that_is_around_a_mirror_are_solids() {
     let folder = folder();
     for what in ["conquistador, rounded", "annulus, land"] {
         let profile = parsed(&case(what));
-        let (angle_deg, as_cut) = (Some(25.0), true);
-        let cutting = Cutting { ball_mm: 6.0, stepover_mm: 1.1, angle_deg, as_cut, ..CUTTING };
+        let (angle_deg, budget_px, as_cut) = (Some(25.0), Some(1e6), true);
+        let cutting = Cutting {
+            ball_mm: 6.0,
+            stepover_mm: Some(1.1),
+            angle_deg,
+            budget_px,
+            as_cut,
+            ..CUTTING
+        };
         let found = cut(&profile, cutting, folder.path());
         assert_eq!((found.verdict, &found.reasons[..]), (Verdict::Pass, &[][..]), "{what}");
         let trace = found.as_cut.unwrap().trace;
@@ -202,7 +212,7 @@ fn as_cut_parts_with_all_that_is_around_a_mirror_are_solids() {
 fn a_mirror_that_no_pixel_sees_is_cut_all_the_same() {
     let folder = folder();
     let profile = unseen_profile();
-    let found = cut(&profile, Cutting { stepover_mm: 0.3, ..CUTTING }, folder.path());
+    let found = cut(&profile, Cutting { stepover_mm: Some(0.3), ..CUTTING }, folder.path());
     let scallops = found.scallops.as_ref().unwrap();
     assert!(scallops.scallop_um.value > 0.0 && scallops.slope_rms.is_nan());
     assert_eq!((found.verdict, scallops.pixels), (Verdict::Pass, 0));
@@ -220,13 +230,48 @@ fn the_stepover_that_is_offered_instead_is_taken() {
     let source =
         Source::from(given(RECTANGLE, "terms = [[0, 0, 1], [2, 0, -0.02], [0, 2, -0.01]]"));
     for ball_mm in [0.4, 6.0] {
-        let cutting = |stepover_mm| Cutting { ball_mm, stepover_mm, as_cut: true, ..CUTTING };
-        let refused = machining(&source, &cutting(1e-4), folder.path(), &Silent).unwrap_err();
-        let text = refused.to_string();
+        let cutting = |mm: f64| Cutting { ball_mm, stepover_mm: Some(mm), as_cut: true, ..CUTTING };
+        let found = machining(&source, &cutting(1e-4), folder.path(), &Silent).unwrap();
+        assert!(found.as_cut.is_none());
+        let text = found.warnings.concat();
         let offered = text.split("at least ").nth(1).and_then(|rest| rest.split(" mm").next());
         let offered: f64 =
             offered.and_then(|mm| mm.parse().ok()).unwrap_or_else(|| panic!("{text}"));
         let found = machining(&source, &cutting(offered), folder.path(), &Silent);
-        assert!(found.is_ok(), "{text} {:?}", found.err().map(|error| error.to_string()));
+        let found = found.unwrap_or_else(|error| panic!("{text} {error}"));
+        assert!(found.as_cut.is_some(), "{:?}", found.warnings);
     }
+}
+
+/// Without a stepover the largest is taken that keeps what is asked for, or, where nothing is, what a build
+/// is held to; written down it keeps it too. An as-cut part of too many facets is left out with a note.
+#[test]
+fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
+    let folder = folder();
+    let source: Source = builds::parsed(SMALL).into();
+    let run = |cutting: Cutting| machining(&source, &cutting, folder.path(), &Silent).unwrap();
+    let free = Cutting { ball_mm: 2.0, stepover_mm: None, as_cut: false, ..CUTTING };
+    for (budget_px, scallop_um) in [(Some(0.3), None), (Some(0.3), Some(0.05)), (None, None)] {
+        let asked = Cutting { budget_px, scallop_um, ..free };
+        let found = run(asked);
+        assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
+        let px = found.budget.p95_px.unwrap();
+        assert_eq!(px, budget_px.unwrap_or(source.profile.accepted().pixel_error_max_px.value));
+        let scallops = found.scallops.unwrap();
+        let used = [
+            scallops.pixel_error_px.unwrap().p95 / px,
+            scallop_um.map_or(0.0, |um| scallops.scallop_um.value / um),
+        ];
+        let most = used[0].max(used[1]);
+        assert!(most <= 1.0 && most > 0.99, "{used:?}");
+        let again = run(Cutting { stepover_mm: Some(found.stepover_mm), ..asked });
+        assert_eq!(again.verdict, Verdict::Pass);
+        let wider = run(Cutting { stepover_mm: Some(1.02 * found.stepover_mm), ..asked });
+        assert_eq!(wider.verdict, Verdict::Fail);
+    }
+    let fine = run(Cutting { stepover_mm: Some(2e-5), as_cut: true, ..free });
+    assert!(fine.as_cut.is_none());
+    assert!(
+        fine.warnings.iter().any(|w| w.contains("the as-cut part was not made: with a stepover"))
+    );
 }
