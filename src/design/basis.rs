@@ -14,6 +14,8 @@ use std::f64::consts::PI;
 pub enum Places {
     /// Gauss nodes with their weights, for integrals over the domain.
     Quadrature,
+    /// More of them, which resolve the field of a wide pinhole to rounding, for figures.
+    Fine,
     /// Chebyshev's extrema, rim included, for the worst place of the domain; the weights are one.
     Extrema,
 }
@@ -86,6 +88,7 @@ impl Basis {
         let line = match places {
             // Degree + 1 nodes are exact for the polynomials; the rest resolve the field.
             Places::Quadrature => gauss(degree + 16 + degree % 2),
+            Places::Fine => gauss(degree + 48 + degree % 2),
             Places::Extrema => extrema(degree),
         };
         let (half, centre) = (0.5 * area.size(), area.centre());
@@ -94,7 +97,7 @@ impl Basis {
                 let p = values(degree, t);
                 let d = derivatives(&p).iter().map(|d| d / half).collect();
                 let weight = match places {
-                    Places::Quadrature => times * half * w,
+                    Places::Quadrature | Places::Fine => times * half * w,
                     Places::Extrema => w,
                 };
                 Place { at: centre + half * t, weight, coarse, p, d }
@@ -137,7 +140,7 @@ impl Basis {
         let [inner, rim] = radii;
         let disc = inner == 0.0;
         let mut line = match places {
-            Places::Quadrature => gauss(2 * degree + 24),
+            Places::Quadrature | Places::Fine => gauss(2 * degree + 24),
             // One direction can afford more.
             Places::Extrema => extrema(4 * degree),
         };
@@ -157,7 +160,7 @@ impl Basis {
             let p = values(degree, t);
             let d = derivatives(&p).iter().map(|d| d * rate).collect();
             let weight = match places {
-                Places::Quadrature => 2.0 * PI * at * inverse * w,
+                Places::Quadrature | Places::Fine => 2.0 * PI * at * inverse * w,
                 Places::Extrema => w,
             };
             Place { at, weight, coarse, p: p.iter().map(|p| p - 1.0).collect(), d }

@@ -110,6 +110,10 @@ pub fn build_with(
         }
         let mut found = examine(&clock, profile, &design, *format, bytes, chord_mm);
         found.altered = found.file.sha256 != staged.sha256();
+        // A mesh that is made for the rays alone is no file.
+        if !asked(format) {
+            found.rename(UNKEPT.to_owned());
+        }
         let seen = found.seen.take();
         if let (None, Some(seen)) = (&picture, &seen) {
             picture = Some(painted(&clock, &design, Eye::Mesh(seen))?);
@@ -173,6 +177,8 @@ pub fn build_with(
     Ok(report)
 }
 
+/// How a mesh is called that was made for the rays alone.
+const UNKEPT: &str = "a mesh that was not kept";
 /// What the stage that closes bodies counts, and why not every file needs one of its own.
 const CLOSED: &str = "bodies closed and checked";
 const SHARED: &str = "files with as many digits share one";

@@ -118,7 +118,7 @@ fn rows(report: &Report) -> Vec<(String, String)> {
         row("solid", solid_line(solid));
     }
     for trace in &report.trace {
-        let head = |what: &str| format!("{}: {what}", report.traced(trace));
+        let head = |what: &str| format!("{}: {what}", trace.file);
         row(
             &head("rays"),
             format!(

@@ -280,11 +280,4 @@ impl Report {
     pub fn json(&self) -> String {
         text::pretty(self)
     }
-
-    /// What people are told that was traced: the name of a file, or that the mesh was made for that
-    /// alone, where only a drawing was asked for.
-    fn traced<'a>(&self, trace: &'a TraceFacts) -> &'a str {
-        let kept = self.files.iter().any(|file| file.name == trace.file);
-        if kept { &trace.file } else { "a mesh that was not kept" }
-    }
 }

@@ -91,12 +91,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(
             out,
             "  witness  {}: {} of {} rays hit, {} missed, {} shadowed, {} met a back face",
-            report.traced(trace),
-            trace.hit,
-            trace.rays,
-            trace.missed,
-            trace.shadowed,
-            trace.back_face
+            trace.file, trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
         )?;
         if report.frame.is_some() {
             writeln!(out, "           {}", errors_line(&trace.errors))?;

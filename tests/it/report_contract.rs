@@ -493,4 +493,6 @@ fn the_summary_names_no_file_that_is_not_there() {
     assert!(!shown.contains("mirror.obj"), "{shown}");
     assert!(shown.contains("witness  a mesh that was not kept: "), "{shown}");
     assert!(!html(&report, "", "preview.png").contains("mirror.obj"));
+    // Nor does the report itself, nor a reason.
+    assert!(!report.json().contains("mirror.obj"), "{}", report.json());
 }
