@@ -59,7 +59,10 @@ def camera_rays(profile, layout, corners):
         above = 2 * np.abs(corners).max()
         origins = np.column_stack([column * pixel, row * pixel, zero + above])
         return origins, np.column_stack([zero, zero, zero - 1])
-    focal = camera.get("focal_px") or width / 2 / math.tan(math.radians(camera["hfov_deg"]) / 2)
+    if "lens_mm" in camera:
+        focal = 1e3 * camera["lens_mm"] / camera["pixel_um"]
+    else:
+        focal = camera.get("focal_px") or width / 2 / math.tan(math.radians(camera["hfov_deg"]) / 2)
     directions = np.column_stack([column, row, zero - focal])
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     return zero[:, None] + np.array(layout["pupil_mm"]), directions
