@@ -18,7 +18,12 @@ pub struct Form {
 /// A sphere that fits best: the squared distances from it sum to the least.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
-    /// Radius, mm: positive where the mirror bulges towards the camera, none where it is flat.
+    /// Radius of curvature, mm, with the sign of a sag's formula, as of the profile's conics: positive
+    /// where the centre lies on the camera's side (a hollow mirror), negative for a dome; none where
+    /// the mirror is flat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius_of_curvature_mm: Option<f64>,
+    /// The same with the other sign, mm: an older key, which readers of reports know.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius_mm: Option<f64>,
     /// Centre, mm.
@@ -238,7 +243,12 @@ fn sphere(samples: &[Sample], middle: DVec3, plane: &Plane, size: f64) -> Sphere
         let (distance, gradient) = ball.distance(n, p - middle);
         (ball.up(n, p - middle), distance, gradient)
     });
-    Sphere { radius_mm, centre_mm: centre.map(|centre| centre.to_array()), departure }
+    Sphere {
+        radius_of_curvature_mm: radius_mm.map(|bulging| -bulging),
+        radius_mm,
+        centre_mm: centre.map(|centre| centre.to_array()),
+        departure,
+    }
 }
 
 impl Ball {
@@ -284,11 +294,13 @@ mod tests {
     fn a_sphere_has_no_departure_from_its_sphere() {
         for (radius, bulge) in [(25.0, -1.0), (25.0, 1.0), (1e4, -1.0), (20.5, -1.0)] {
             let sag = |r2: f64| bulge * r2 / (radius + f64::sqrt(radius * radius - r2));
-            let Sphere { radius_mm, centre_mm, departure } = Form::of(&disc(40, 20.0, sag)).sphere;
-            let found = radius_mm.unwrap();
+            let sphere = Form::of(&disc(40, 20.0, sag)).sphere;
+            let Sphere { radius_of_curvature_mm, radius_mm, centre_mm, departure } = sphere;
+            let found = radius_of_curvature_mm.unwrap();
+            assert_eq!(radius_mm, Some(-found));
             // The steepest is known no better than its series.
             let off = if radius < 21.0 { 1e-3 } else { 1e-9 };
-            assert!((found / (-bulge * radius) - 1.0).abs() < off, "{found} for {radius}");
+            assert!((found / (bulge * radius) - 1.0).abs() < off, "{found} for {radius}");
             let centre = DVec3::from_array(centre_mm.unwrap());
             let exact = DVec3::new(0.0, 0.0, 7.0 + bulge * radius);
             assert!((centre - exact).length() < off * radius, "{centre} {exact}");

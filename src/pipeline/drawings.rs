@@ -143,10 +143,13 @@ impl Drawing<'_> {
             let sag = departure.sag_pv_mm.map_or("-".into(), |mm| format!("{mm:.6}"));
             format!("sag departure {sag} PV, square to it {:.6} PV", departure.pv_mm)
         };
-        let radius = sphere.radius_mm.map_or("none".into(), |mm| format!("{mm:.6}"));
+        let radius = sphere.radius_of_curvature_mm.map_or("none".into(), |mm| format!("{mm:.6}"));
         vec![
             format!("design: {} of degree {}, {errors}", facts.method, facts.degree),
-            format!("best-fit sphere: radius {radius}, {}", pv(&sphere.departure)),
+            format!(
+                "best-fit sphere: radius of curvature {radius} (negative: a dome), {}",
+                pv(&sphere.departure)
+            ),
             format!("best-fit plane: {}", pv(&plane.departure)),
         ]
     }

@@ -197,9 +197,9 @@ pub(super) fn form_line(form: &Form) -> String {
         let [pv, largest, turned] = [pv_mm, largest_mm, normal_max_mrad].map(digits);
         format!("{sag}square to it {pv} mm PV, {largest} mm at most, normals {turned} mrad at most")
     };
-    let radius = match sphere.radius_mm {
-        Some(mm) if mm < 0.0 => format!("a hollow sphere of {} mm radius", digits(-mm)),
-        Some(mm) => format!("a bulging sphere of {} mm radius", digits(mm)),
+    let radius = match sphere.radius_of_curvature_mm {
+        Some(mm) if mm > 0.0 => format!("a hollow sphere of {} mm radius", digits(mm)),
+        Some(mm) => format!("a bulging sphere of {} mm radius", digits(-mm)),
         None => "no sphere but a plane".into(),
     };
     format!(

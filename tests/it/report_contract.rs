@@ -146,6 +146,7 @@ fn the_report_has_every_key_with_its_type() {
             ("design.curl.max", Number),
             ("design.curl.condition", Number),
             ("design.curl.rounding", Number),
+            ("form.sphere.radius_of_curvature_mm", Number),
             ("form.sphere.radius_mm", Number),
             ("form.sphere.pv_mm", Number),
             ("form.sphere.largest_mm", Number),

@@ -126,7 +126,7 @@ fn the_header_says_what_the_table_is_of() {
         "X right in the picture, Y up in it, Z towards the camera",
         "raster: lines along X, pitch 0.3, step 0.3",
         "design: given",
-        "best-fit sphere: radius 80.000000, sag departure 0.000000 PV",
+        "best-fit sphere: radius of curvature -80.000000 (negative: a dome), sag departure 0.000000 PV",
     ] {
         assert!(header.contains(words), "no {words} in {header}");
     }
@@ -245,7 +245,8 @@ fn a_table_can_be_given_back_as_a_mirror() {
     let source = load(path.to_str().unwrap()).unwrap();
     let report = build(&source, &folder.path().join("out"), &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
-    let [a, b] = [&first.report, &report].map(|report| report.form.sphere.radius_mm.unwrap());
+    let [a, b] =
+        [&first.report, &report].map(|report| report.form.sphere.radius_of_curvature_mm.unwrap());
     assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
 }
 
@@ -274,13 +275,15 @@ fn a_table_that_is_not_the_design_any_more_fails() {
 }
 
 #[test]
-fn a_given_sphere_departs_from_no_sphere_and_a_paraboloid_does() {
+fn a_given_sphere_departs_from_no_sphere_of_its_own_sign_and_a_paraboloid_does() {
     let of = |mirror: &str| {
         let text = format!("{}export.formats = [\"stl\"]\n", SPHERE.replace("conic = 0", mirror));
         build(&parsed(&text).into(), folder().path(), &Silent).unwrap().form
     };
     let round = of("conic = 0").sphere;
-    assert!((round.radius_mm.unwrap() / 80.0 - 1.0).abs() < 1e-9, "{round:?}");
+    // The profile's sign.
+    let given = -80.0;
+    assert!((round.radius_of_curvature_mm.unwrap() / given - 1.0).abs() < 1e-9, "{round:?}");
     assert!(round.departure.sag_pv_mm.unwrap() < 1e-9 && round.departure.normal_max_mrad < 1e-6);
     let centre = DVec3::from_array(round.centre_mm.unwrap());
     assert!((centre - DVec3::Z * (on_sphere([0.0, 0.0]).0 - 80.0)).length() < 1e-7);
