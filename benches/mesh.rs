@@ -307,7 +307,7 @@ fn write(cases: &[Case], folder: &Path, limit: f64, runs: usize) -> Result<(), B
 fn offset(mirror: &Mirror) -> f64 {
     let q = mirror.outline.bounds().centre();
     let point = mirror.surface.at(q);
-    mirror.place(q, &point).z - point.f
+    mirror.position(q, &point).z - point.f
 }
 
 /// The designed panel as binary PLY with every digit.

@@ -6,7 +6,7 @@
 //! - **profile**: the TOML file that says what is wanted ([`profile`]).
 //! - **camera**: which ray each image point sends out; orthographic or pinhole ([`optics::Camera`]).
 //! - **projection**: which world direction, or point of a target surface, an image point must see
-//!   ([`optics::Projection`]; with the target, [`optics::View`]).
+//!   ([`optics::Projection`]; with the target, [`optics::ImagingTask`]).
 //! - **law**: how an image row or radius maps to elevation ([`optics::Law`], [`optics::RadialLaw`]).
 //! - **chart**: image coordinates and a height along the camera's rays ([`geom::Chart`]).
 //! - **panel**: one smooth mirror sheet over one image region; a conquistador has two, the second
@@ -14,7 +14,7 @@
 //! - **mirror**: the designed panels ([`mirror::Mirror`]).
 //! - **optical face**: the facets that reflect ([`mesh::Face`]).
 //! - **solid**: optical face, skirt and base, closed ([`solid::Solid`]).
-//! - **stock**: a flat rim around the mirror, with holes and marks ([`geom::Stock`]).
+//! - **stock**: a flat rim around the mirror, with holes and marks ([`geom::Border`]).
 //! - **scallop**: what a cutter leaves between two lines of its raster ([`machining`]).
 //! - **as cut**: as the cutter leaves it, before polishing.
 //! - **ray error**: angle between the direction seen and the direction wanted.

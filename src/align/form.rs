@@ -53,20 +53,22 @@ impl FormMap {
         at: impl Fn(usize) -> Option<DVec3> + Sync,
     ) -> Self {
         let [columns, rows] = camera.pixels;
-        let outline = mirror.whole();
+        let outline = mirror.full_outline();
         let mut mm = vec![f64::NAN; columns as usize * rows as usize];
         parallel::map_chunks_mut(&mut mm, (columns as usize).max(1), |row, line| {
             let place = |column: u32| {
                 let q = camera.image_point(f64::from(column) + 0.5, row as f64 + 0.5);
-                mirror.under(&camera.chart, q).filter(|q| outline.aims(*q))
+                mirror.intersect_camera_ray(&camera.chart, q).filter(|q| outline.aims(*q))
             };
             let places = (0..columns).map(place).enumerate();
             let (known, places): (Vec<usize>, Vec<DVec2>) =
                 places.filter_map(|(column, q)| Some((column, q?))).unzip();
-            for ((column, q), point) in known.into_iter().zip(&places).zip(mirror.along(&places)) {
+            for ((column, q), point) in
+                known.into_iter().zip(&places).zip(mirror.eval_many(&places))
+            {
                 if let Some(at) = at(row * columns as usize + column) {
                     let normal = mirror.normal(*q, &point).normalize();
-                    line[column] = normal.dot(at - mirror.place(*q, &point));
+                    line[column] = normal.dot(at - mirror.position(*q, &point));
                 }
             }
         });

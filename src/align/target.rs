@@ -1,7 +1,7 @@
 //! The designed mirror as something to fit to: the place on it under any point, its size and area.
 
 use crate::geom::{DVec2, DVec3, Outline};
-use crate::mirror::{Mirror, Point};
+use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::exp;
 
 /// The mirror's place on the camera's ray through some point.
@@ -16,8 +16,8 @@ pub struct Foot {
 }
 
 impl Foot {
-    fn new(mirror: &Mirror, q: DVec2, point: &Point) -> Self {
-        let at = mirror.place(q, point);
+    fn new(mirror: &Mirror, q: DVec2, point: &HeightAndSlope) -> Self {
+        let at = mirror.position(q, point);
         let view = DVec2::from_array(mirror.chart.view(at.to_array()));
         Self { at, normal: mirror.normal(q, point).normalize(), up: (-view).extend(1.0) }
     }
@@ -57,14 +57,14 @@ impl<'a> Target<'a> {
     /// Measures `mirror` and tabulates it.
     #[must_use]
     pub fn new(mirror: &'a Mirror) -> Self {
-        let outline = mirror.whole();
+        let outline = mirror.full_outline();
         let k = mirror.chart.vergence;
         // An area dq of the reference plane is seen on exp(-2 k f) dq of the plane through the
         // mirror's point, and that on 1 / (n . up) as much of the mirror.
         let mut pieces: Vec<(DVec3, f64)> = Vec::new();
         for line in outline.samples(STEPS) {
             let places: Vec<DVec2> = line.iter().map(|s| s.0).collect();
-            for (point, (q, weight)) in mirror.along(&places).iter().zip(line) {
+            for (point, (q, weight)) in mirror.eval_many(&places).iter().zip(line) {
                 let foot = Foot::new(mirror, q, point);
                 let area = weight * exp(-2.0 * k * point.f) / foot.normal.dot(foot.up);
                 pieces.push((foot.at, area));
@@ -109,7 +109,7 @@ impl<'a> Target<'a> {
     fn inside(&self, p: DVec3, margin: f64) -> Option<DVec2> {
         let chart = &self.mirror.chart;
         // Points beside or behind a pinhole are on no ray.
-        if !(chart.shrink(p.z) > 0.05) {
+        if !(chart.view_scale(p.z) > 0.05) {
             return None;
         }
         let q = chart.coordinates(p).0;

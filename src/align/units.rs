@@ -1,7 +1,7 @@
 //! Which unit a file is in: files of meshes seldom say.
 
 use super::target::Target;
-use crate::geom::{DVec3, Stock, TriMesh};
+use crate::geom::{Border, DVec3, TriMesh};
 use crate::mirror::Mirror;
 
 /// A unit of length that files of meshes use.
@@ -91,13 +91,13 @@ const OFF: f64 = 1.25;
 impl Size {
     /// Of a part of `mirror`, with `stock` around it.
     #[must_use]
-    pub fn of(mirror: &Mirror, stock: Option<&Stock>) -> Self {
+    pub fn of(mirror: &Mirror, stock: Option<&Border>) -> Self {
         let target = Target::new(mirror);
         let (mut reach, mut top) = (0.0_f64, 0.0_f64);
-        for line in mirror.whole().samples(8) {
+        for line in mirror.full_outline().samples(8) {
             let places: Vec<_> = line.iter().map(|s| s.0).collect();
-            for (q, point) in places.iter().zip(mirror.along(&places)) {
-                let at = mirror.place(*q, &point);
+            for (q, point) in places.iter().zip(mirror.eval_many(&places)) {
+                let at = mirror.position(*q, &point);
                 reach = reach.max(at.truncate().length());
                 top = top.max(at.z);
             }

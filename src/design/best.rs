@@ -17,7 +17,7 @@ use crate::num::least_squares::{self, RankDeficient};
 use crate::num::legendre;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, Jet2, Scalar, asinh, atan, degrees, exp, radians, tan};
-use crate::optics::{Field, Ladder, Target};
+use crate::optics::{SlopeField, TabulatedLaw, Target};
 use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
@@ -61,7 +61,7 @@ pub enum SearchError {
 #[derive(Debug, Clone, Copy)]
 pub struct Search<'a> {
     /// The camera and the target.
-    pub field: Field<'a>,
+    pub field: SlopeField<'a>,
     /// mm per radian of azimuth.
     pub scale_mm: f64,
     /// Azimuth at X = 0, radians.
@@ -137,14 +137,14 @@ impl Rows {
     }
 
     /// The law of `g` as a ladder, from z = 0, and its height.
-    fn ladder(&self, g: &[f64]) -> Option<(Ladder, f64)> {
+    fn ladder(&self, g: &[f64]) -> Option<(TabulatedLaw, f64)> {
         let stretch = self.shape(g).stretch;
         let share = |k: usize| k as f64 / (RUNGS - 1) as f64;
         let z: Vec<f64> =
             (0..RUNGS).map(|k| dot(&self.sums(2.0 * share(k) - 1.0), &stretch)).collect();
         let [low, high] = self.ends;
         let m: Vec<f64> = (0..RUNGS).map(|k| low * (1.0 - share(k)) + high * share(k)).collect();
-        Some((Ladder::of_latitudes(&z, &m)?, z[RUNGS - 1] - z[0]))
+        Some((TabulatedLaw::of_latitudes(&z, &m)?, z[RUNGS - 1] - z[0]))
     }
 }
 
@@ -162,7 +162,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// [`SearchError`] when it is not found.
-    pub fn law(&self) -> Result<(Ladder, f64), SearchError> {
+    pub fn law(&self) -> Result<(TabulatedLaw, f64), SearchError> {
         let rows = self.rows();
         let g = self.find(&rows, vec![0.0; DEGREE + 1])?;
         let broken = SearchError::NotConverged { steps: 0, last_step: f64::NAN };
@@ -173,7 +173,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// [`SearchError`] when it, or one on the way, is not found.
-    pub fn filling(&self, high: f64) -> Result<(Ladder, f64), SearchError> {
+    pub fn filling(&self, high: f64) -> Result<(TabulatedLaw, f64), SearchError> {
         let [low, top] = self.rows().ends;
         let (middle, mut half) = (0.5 * (low + top), 0.5 * (top - low));
         let mut last_step = f64::NAN;
@@ -277,7 +277,7 @@ impl Search<'_> {
         let field = |x: Jet, y: Jet, h: Jet, m: Jet| {
             let azimuth = x / unit + self.azimuth;
             let shrink = (-m).exp();
-            self.field.towards([x, y], h, [shrink * azimuth.sin(), shrink * azimuth.cos()])
+            self.field.slope_for([x, y], h, [shrink * azimuth.sin(), shrink * azimuth.cos()])
         };
         // The field's first derivatives by X, Y, m and height, and their derivatives by Y.
         let (flat, up) = (Jet::flat, Jet::variable_y(y));
@@ -314,13 +314,13 @@ mod tests {
     use super::*;
     use crate::geom::{Chart, DVec2};
     use crate::num::{log, sin};
-    use crate::optics::{Law, Projection, Strip, View};
+    use crate::optics::{ImagingTask, Law, Projection, Strip};
     use std::sync::Arc;
 
     fn search(chart: &Chart, target: Target, below: f64) -> Search<'_> {
         let across = radians(200.0);
         Search {
-            field: Field { chart, target, origin_mm: 0.0 },
+            field: SlopeField { chart, target, origin_mm: 0.0 },
             scale_mm: 60.0 / across,
             azimuth: 0.3,
             across,
@@ -342,7 +342,7 @@ mod tests {
         let unit = search.scale_mm;
         let below = z[0] + search.below * (z[1] - z[0]);
         let strip = Strip { law, scale_mm: unit, azimuth: search.azimuth, z: below };
-        let view = View {
+        let view = ImagingTask {
             projection: Projection::Strip(strip),
             target: search.field.target,
             origin_mm: search.field.origin_mm,
@@ -361,8 +361,8 @@ mod tests {
         sum.sqrt()
     }
 
-    fn rms_of(search: &Search, (ladder, height): (Ladder, f64)) -> f64 {
-        rms(search, Law::Ladder(Arc::new(ladder)), [0.0, height])
+    fn rms_of(search: &Search, (ladder, height): (TabulatedLaw, f64)) -> f64 {
+        rms(search, Law::Tabulated(Arc::new(ladder)), [0.0, height])
     }
 
     fn charts() -> [Chart; 3] {
@@ -444,7 +444,7 @@ mod tests {
                     .collect();
                 // From z = 0 on.
                 let z: Vec<f64> = z.iter().map(|x| x - z[0]).collect();
-                rms_of(&search, (Ladder::of_latitudes(&z, &m).unwrap(), z[128]))
+                rms_of(&search, (TabulatedLaw::of_latitudes(&z, &m).unwrap(), z[128]))
             };
             assert!((bumped(&|_| 0.0) / least - 1.0).abs() < 1e-6);
             let bumps: [fn(f64) -> f64; 5] = [

@@ -4,7 +4,7 @@ use super::best::SearchError;
 use super::solve::SolveError;
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{asin, degrees};
-use crate::optics::{Target, View, stereo};
+use crate::optics::{ImagingTask, Target, stereographic};
 use thiserror::Error;
 
 /// What keeps a mirror from showing, at one place, what it should.
@@ -61,20 +61,26 @@ pub enum Trouble {
 impl Trouble {
     /// What is wrong at image point `q`, where the mirror has the point `at` and the slope `slope`
     /// (Z_X, Z_Y); none where nothing is.
-    pub fn at(chart: &Chart, view: &View, q: DVec2, at: DVec3, slope: [f64; 2]) -> Option<Self> {
+    pub fn at(
+        chart: &Chart,
+        view: &ImagingTask,
+        q: DVec2,
+        at: DVec3,
+        slope: [f64; 2],
+    ) -> Option<Self> {
         let finite = |v: [f64; 2]| v.iter().all(|x| x.is_finite());
         if !(at.is_finite() && finite(slope)) {
             return Some(Self::Upright);
         }
-        let wanted = view.projection.wanted(q.to_array());
+        let wanted = view.projection.direction_of(q.to_array());
         if !finite(wanted) {
             return Some(Self::Law);
         }
         let from = at - DVec3::Z * view.origin_mm;
-        let camera = stereo::towards_camera(chart.view(at.to_array()));
-        let seen = stereo::reflect(camera, slope);
+        let camera = stereographic::towards_camera(chart.view(at.to_array()));
+        let seen = stereographic::reflect(camera, slope);
         let elevation = |z: f64| degrees(asin(z.clamp(-1.0, 1.0)));
-        let up = |sigma| stereo::direction(sigma).z;
+        let up = |sigma| stereographic::direction(sigma).z;
         match view.target {
             Target::Infinity => {}
             Target::Cylinder { radius_mm } => {
@@ -97,14 +103,17 @@ impl Trouble {
                 }
             }
         }
-        let content = view.content(chart, at.to_array(), slope, q);
-        let shown = DVec3::from_array(stereo::unit(view.target.seen(from.to_array(), seen)));
+        let content = view.image_of_seen(chart, at.to_array(), slope, q);
+        let shown = DVec3::from_array(stereographic::unit(
+            view.target.direction_from_origin(from.to_array(), seen),
+        ));
         (!finite(content)).then_some(Self::Nowhere { elevation_deg: elevation(shown.z) })
     }
 
     /// The same where the errors that are made small have no derivative.
     pub fn of_slopes(chart: &Chart, at: DVec3, slope: [f64; 2]) -> Option<Self> {
-        let seen = stereo::reflect(stereo::towards_camera(chart.view(at.to_array())), slope);
+        let seen =
+            stereographic::reflect(stereographic::towards_camera(chart.view(at.to_array())), slope);
         (seen == [0.0; 2]).then_some(Self::Axis)
     }
 }
@@ -227,13 +236,13 @@ mod tests {
     use crate::num::{atan, radians};
     use crate::optics::{Law, Projection, Strip};
 
-    fn view(law: Law, target: Target) -> View {
+    fn view(law: Law, target: Target) -> ImagingTask {
         let strip = Strip { law, scale_mm: 1.0, azimuth: 0.0, z: 0.0 };
-        View { projection: Projection::Strip(strip), target, origin_mm: 0.0, fold: None }
+        ImagingTask { projection: Projection::Strip(strip), target, origin_mm: 0.0, fold: None }
     }
 
     /// The trouble of a mirror under parallel rays.
-    fn trouble(view: &View, q: [f64; 2], at: [f64; 3], slope: [f64; 2]) -> Option<Trouble> {
+    fn trouble(view: &ImagingTask, q: [f64; 2], at: [f64; 3], slope: [f64; 2]) -> Option<Trouble> {
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
         Trouble::at(&chart, view, DVec2::from_array(q), DVec3::from_array(at), slope)
     }

@@ -13,8 +13,8 @@ pub fn back(mirror: &Mirror, camera: &Camera) -> Option<DVec2> {
     }
     let turned = |line: Vec<(DVec2, f64)>| {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        places.iter().zip(mirror.along(&places)).find_map(|(&q, point)| {
-            let at = mirror.place(q, &point);
+        places.iter().zip(mirror.eval_many(&places)).find_map(|(&q, point)| {
+            let at = mirror.position(q, &point);
             let (image, _) = camera.chart.coordinates(at);
             let ray = camera.chart.ray(image, at.z + 1.0);
             let faces = mirror.normal(q, &point).dot(ray.direction) < 0.0;

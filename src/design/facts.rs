@@ -6,7 +6,7 @@ use super::solve::Fit;
 use crate::geom::{DVec2, angle};
 use crate::mirror::Mirror;
 use crate::num::stats::{Summary, or_null, unless_null};
-use crate::optics::{Camera, CurlBounds, View, reflect};
+use crate::optics::{Camera, CurlBounds, ImagingTask, reflect};
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
@@ -101,7 +101,12 @@ impl Facts {
     ///
     /// # Errors
     /// [`Cause`] when one is not finite.
-    pub fn against(self, mirror: &Mirror, camera: &Camera, view: &View) -> Result<Self, Cause> {
+    pub fn against(
+        self,
+        mirror: &Mirror,
+        camera: &Camera,
+        view: &ImagingTask,
+    ) -> Result<Self, Cause> {
         let (ray, pixel) = errors(mirror, camera, view)?;
         if !(ray.rms.is_finite() && pixel.rms.is_finite()) {
             return Err(NO_ERROR);
@@ -116,18 +121,22 @@ impl Facts {
 }
 
 /// Ray error (rad) and image displacement (mm) of the designed panel against the projection.
-fn errors(mirror: &Mirror, camera: &Camera, view: &View) -> Result<(Summary, Summary), Cause> {
+fn errors(
+    mirror: &Mirror,
+    camera: &Camera,
+    view: &ImagingTask,
+) -> Result<(Summary, Summary), Cause> {
     let (mut rays, mut shifts) = (Vec::new(), Vec::new());
     for line in mirror.outline.samples(SAMPLES) {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        for ((q, weight), point) in line.into_iter().zip(mirror.along(&places)) {
-            let at = mirror.place(q, &point);
+        for ((q, weight), point) in line.into_iter().zip(mirror.eval_many(&places)) {
+            let at = mirror.position(q, &point);
             let (image, _) = camera.chart.coordinates(at);
             let ray = camera.chart.ray(image, at.z + 1.0);
             let seen = reflect(ray.direction, mirror.normal(q, &point));
             let slope = mirror.slope(q, &point).to_array();
-            let content = view.content(&camera.chart, at.to_array(), slope, image);
-            let ray = angle(seen, view.wanted(image, at));
+            let content = view.image_of_seen(&camera.chart, at.to_array(), slope, image);
+            let ray = angle(seen, view.direction_of(image, at));
             let shift = (DVec2::from_array(content) - image).length();
             if !(ray.is_finite() && shift.is_finite()) {
                 let trouble = Trouble::at(&camera.chart, view, image, at, slope);
@@ -145,14 +154,15 @@ fn errors(mirror: &Mirror, camera: &Camera, view: &View) -> Result<(Summary, Sum
 /// Every so many places along and across, the curl's rounding is bounded.
 const BOUNDED: usize = 5;
 
-fn curl(mirror: &Mirror, camera: &Camera, view: &View) -> Curl {
+fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> Curl {
     let (mut square, mut area, mut worst) = (0.0, 0.0, (0.0f64, None));
     let (unit, chart) = (view.projection.scale_mm(), &camera.chart);
     let mut bounded = Vec::new();
     for (row, line) in mirror.outline.samples(SAMPLES / 2).into_iter().enumerate() {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        for (k, ((q, weight), point)) in line.into_iter().zip(mirror.along(&places)).enumerate() {
-            let (image, f) = chart.coordinates(mirror.place(q, &point));
+        for (k, ((q, weight), point)) in line.into_iter().zip(mirror.eval_many(&places)).enumerate()
+        {
+            let (image, f) = chart.coordinates(mirror.position(q, &point));
             let curl = view.curl(chart, image, f);
             square += weight * curl * curl;
             area += weight;

@@ -5,9 +5,9 @@ use super::facts::Facts;
 use super::layout::{self, Plan, Ties};
 use super::{Cause, Design, DesignError, MOST_ROUNDS, finished};
 use crate::geom::{Chart, DVec2, Outline, Rect};
-use crate::mirror::{Knots, Mirror, Patches, Round, Sheet, Surface};
+use crate::mirror::{BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre};
 use crate::num::legendre::Series;
-use crate::optics::{Camera, View};
+use crate::optics::{Camera, ImagingTask};
 use crate::profile::{Layout, Polynomial, Profile, SagAxis, SagGrid, Term};
 
 /// How far an outline may reach beyond a grid, as a share of its size: its corners are rounded.
@@ -22,7 +22,7 @@ pub fn polynomial(profile: &Profile, given: &Polynomial) -> Result<Design, Desig
     let odd = |by: fn(&Term) -> usize| given.terms.iter().any(|t| t.c != 0.0 && by(t) % 2 == 1);
     let centred = outline.bounds().centre();
     let even = [!odd(|t| t.i) && centred.x == 0.0, !odd(|t| t.j) && centred.y == 0.0];
-    placed(profile, Mirror { surface, outline, even, ..bare(outline) }, degree)
+    placed(profile, Mirror { surface, outline, mirror_symmetric: even, ..bare(outline) }, degree)
 }
 
 /// The mirror through heights on a grid.
@@ -43,7 +43,7 @@ pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
         });
     }
     let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
-    let patches = Patches::new(knots(&sag.x), knots(&sag.y), &sag.z_mm)
+    let patches = BicubicSpline::new(knots(&sag.x), knots(&sag.y), &sag.z_mm)
         .ok_or(Cause::NotFinite { what: "sag" })?;
     let surface = Surface::Patches(patches);
     placed(profile, Mirror { surface, ..bare(outline) }, CUBIC)
@@ -53,11 +53,11 @@ pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
 fn bare(outline: Outline) -> Mirror {
     let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
     let surface = Surface::Tensor(sheet(Series::from_fn(1, 1, |_, _| 0.0), outline.bounds()));
-    Mirror { surface, chart, outline, folded: false, even: [false; 2] }
+    Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] }
 }
 
-fn sheet(series: Series, area: Rect) -> Sheet {
-    Sheet { series, centre: area.centre(), half: 0.5 * area.size(), scale_mm: 1.0 }
+fn sheet(series: Series, area: Rect) -> TensorLegendre {
+    TensorLegendre { series, centre: area.centre(), half: 0.5 * area.size(), scale_mm: 1.0 }
 }
 
 /// The mirror's outline over X and Y, a rectangle's corners rounded to single precision.
@@ -93,7 +93,7 @@ fn placed(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, De
     let mean = mirror.mean_mm(&camera.chart);
     let mut ties = Ties { origin_mm: mean, ..Ties::new(profile) };
     ties.inner_mm = in_image(&mirror, &camera, ties.inner_mm);
-    let view = Plan::new(profile, &ties)?.map(|plan| View { origin_mm: mean, ..plan.view });
+    let view = Plan::new(profile, &ties)?.map(|plan| ImagingTask { origin_mm: mean, ..plan.view });
     finished(profile, camera, view, mirror, Facts::given(degree))
 }
 
@@ -121,7 +121,7 @@ fn in_image(mirror: &Mirror, camera: &Camera, radius: f64) -> f64 {
     if radius == 0.0 {
         return 0.0;
     }
-    radius / camera.chart.shrink(mirror.rim_mm(radius))
+    radius / camera.chart.view_scale(mirror.rim_mm(radius))
 }
 
 /// The surface of a formula, and its degree.
@@ -139,7 +139,7 @@ fn formula(given: &Polynomial, outline: Outline) -> Result<(Surface, usize), Des
             // A series of r^2: smooth inside the land of an annulus too.
             let radial = along_radius(&conic, outer)?;
             let degree = radial.shape().0 - 1;
-            let round = Round::new(radial, [0.0, outer], 1.0);
+            let round = RadialLegendre::new(radial, [0.0, outer], 1.0);
             match terms {
                 None => (Surface::Round(round), degree),
                 Some(series) => {
@@ -269,7 +269,7 @@ layout.annulus.inner_width_mm = 12
                     };
                     let conic = polynomial.conic.unwrap();
                     let mirror = &design.mirror;
-                    assert_eq!(mirror.even, [terms.is_empty(), true]);
+                    assert_eq!(mirror.mirror_symmetric, [terms.is_empty(), true]);
                     for (q, _) in mirror.outline.samples(24).concat() {
                         let rest: f64 = polynomial.terms.iter().map(|t| monomial(t, q)).sum();
                         let exact = sag(&conic, q.length_squared()) + rest;
@@ -359,9 +359,9 @@ layout.annulus.inner_width_mm = 12
             };
             assert!((camera.plane_mm - height).abs() < 1e-9);
             for (at, _) in mirror.outline.samples(16).concat() {
-                let (image, _) = camera.coordinates(mirror.place(at, &mirror.surface.at(at)));
-                let found = mirror.under(camera, image).expect("converges");
-                let place = mirror.place(found, &mirror.surface.at(found));
+                let (image, _) = camera.coordinates(mirror.position(at, &mirror.surface.at(at)));
+                let found = mirror.intersect_camera_ray(camera, image).expect("converges");
+                let place = mirror.position(found, &mirror.surface.at(found));
                 let ray = camera.ray(image, 100.0);
                 assert!((place - ray.origin).cross(ray.direction).length() < 1e-10);
                 assert!((found - at).length() < 1e-8, "{found} {at}");

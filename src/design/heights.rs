@@ -15,8 +15,8 @@ pub fn heights(mirror: &Mirror) -> [f64; 2] {
 
 /// Z at `places`, mm.
 fn along(mirror: &Mirror, places: &[DVec2]) -> Vec<f64> {
-    let points = mirror.along(places);
-    places.iter().zip(points).map(|(&q, point)| mirror.place(q, &point).z).collect()
+    let points = mirror.eval_many(places);
+    places.iter().zip(points).map(|(&q, point)| mirror.position(q, &point).z).collect()
 }
 
 /// The least Z times `sign`, sought from the least of the `heights` of `places` on.

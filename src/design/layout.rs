@@ -6,7 +6,7 @@ use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
-use crate::optics::{Camera, Fold, Law, Projection, Rims, Target, View};
+use crate::optics::{Camera, Fold, ImagingTask, Law, Projection, Rims, Target};
 use crate::profile::{self, Layout, PanelSource, Profile, RadialLaw, RadialProjection, Ridge};
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
@@ -15,7 +15,7 @@ pub struct Plan {
     /// The camera.
     pub camera: Camera,
     /// What the designed panel must show.
-    pub view: View,
+    pub view: ImagingTask,
     /// The panel to be made, mm; for parallel rays a rectangle's corners are single-precision
     /// numbers, so that the rim of every file is exactly straight.
     pub outline: Outline,
@@ -54,7 +54,8 @@ impl Ties {
     pub fn after(&self, profile: &Profile, plan: &Plan, mirror: &Mirror) -> Self {
         let Outline::Ring { inner, outer } = plan.domain else { return *self };
         let wanted = Self::new(profile).inner_mm;
-        let rim = mirror.place(DVec2::new(inner, 0.0), &mirror.surface.at(DVec2::new(inner, 0.0)));
+        let rim =
+            mirror.position(DVec2::new(inner, 0.0), &mirror.surface.at(DVec2::new(inner, 0.0)));
         let inner_mm = if wanted == 0.0 { 0.0 } else { wanted * inner / rim.x };
         let far =
             |projection: &profile::Projection| projection.target() == profile::Target::Infinity;
@@ -186,7 +187,7 @@ impl Plan {
         });
         Ok(Self {
             camera,
-            view: View { projection, target, origin_mm: 0.0, fold },
+            view: ImagingTask { projection, target, origin_mm: 0.0, fold },
             outline: Outline::Rect(if camera.chart.vergence == 0.0 {
                 Rect { min: single(exact.min), max: single(exact.max) }
             } else {
@@ -218,7 +219,7 @@ impl Plan {
         let outline = Outline::Ring { inner: radius[0], outer: radius[1] };
         Self {
             camera,
-            view: View {
+            view: ImagingTask {
                 projection,
                 target: target(wanted.target),
                 origin_mm: ties.origin_mm,

@@ -30,9 +30,9 @@ pub use mounting::Mounting;
 pub use remedy::{Change, MOST_TRIALS, Remedy, Value};
 pub use solve::SolveError;
 
-use crate::geom::{Outline, Stock};
+use crate::geom::{Border, Outline};
 use crate::mirror::Mirror;
-use crate::optics::{Camera, Target, View};
+use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, Profile, SagGrid, Shape};
 use broyden::Broyden;
 use layout::{Plan, Ties};
@@ -44,11 +44,11 @@ pub struct Design {
     /// The surface.
     pub mirror: Mirror,
     /// What the picture should show; a given mirror may be meant for nothing in particular.
-    pub view: Option<View>,
+    pub view: Option<ImagingTask>,
     /// The camera.
     pub camera: Camera,
     /// What the part has around the mirror.
-    pub stock: Option<Stock>,
+    pub stock: Option<Border>,
     /// Where camera and target are, and how large the part is.
     pub mounting: Mounting,
     /// Figures of merit.
@@ -214,7 +214,7 @@ fn guess(profile: &Profile, method: &Method) -> Result<Ties, Cause> {
 fn finished(
     profile: &Profile,
     mut camera: Camera,
-    mut view: Option<View>,
+    mut view: Option<ImagingTask>,
     mut mirror: Mirror,
     facts: Facts,
 ) -> Result<Design, DesignError> {

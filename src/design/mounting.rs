@@ -5,9 +5,9 @@
 //! azimuths from +Y to +X.
 
 use super::stock;
-use crate::geom::{Contour, DVec2, Stock};
+use crate::geom::{Border, Contour, DVec2};
 use crate::mirror::Mirror;
-use crate::optics::{Camera, Target, View};
+use crate::optics::{Camera, ImagingTask, Target};
 use serde::{Deserialize, Serialize};
 
 /// Places and sizes in the part's frame, mm.
@@ -33,8 +33,8 @@ impl Mounting {
     pub(super) fn new(
         mirror: &Mirror,
         camera: &Camera,
-        view: Option<&View>,
-        stock: Option<&Stock>,
+        view: Option<&ImagingTask>,
+        stock: Option<&Border>,
         top_mm: f64,
     ) -> Self {
         let on_axis = |z: f64| [0.0, 0.0, z];
@@ -43,7 +43,7 @@ impl Mounting {
             Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
             None => stock::extent(mirror).size(),
         };
-        let far = |view: &&View| view.target != Target::Infinity;
+        let far = |view: &&ImagingTask| view.target != Target::Infinity;
         Self {
             pupil_mm: camera.chart.pupil_mm().map(on_axis),
             target_origin_mm: view.filter(far).map(|view| on_axis(view.origin_mm)),

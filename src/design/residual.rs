@@ -3,14 +3,14 @@
 use super::solve::Residual;
 use crate::geom::{Chart, DVec2};
 use crate::num::Scalar;
-use crate::optics::{View, stereo};
+use crate::optics::{ImagingTask, stereographic};
 
 /// The mirror's chart slope less the slope field (paper, equation for A in section 4).
 pub struct VectorField<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
-    pub view: &'a View,
+    pub view: &'a ImagingTask,
 }
 
 impl Residual<2> for VectorField<'_> {
@@ -29,16 +29,16 @@ pub struct RayError<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
-    pub view: &'a View,
+    pub view: &'a ImagingTask,
 }
 
 impl Residual<2> for RayError<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
         let q = q.to_array().map(S::constant);
-        let camera = stereo::towards_camera(q.map(|x| x * self.chart.vergence));
-        let seen = stereo::reflect(camera, self.chart.slope(q, slope));
-        let wanted = self.view.aim(q, self.chart.place(q, f));
-        let sizes = (stereo::square(seen) + 1.0) * (stereo::square(wanted) + 1.0);
+        let camera = stereographic::towards_camera(q.map(|x| x * self.chart.vergence));
+        let seen = stereographic::reflect(camera, self.chart.slope(q, slope));
+        let wanted = self.view.direction_at(q, self.chart.position(q, f));
+        let sizes = (stereographic::square(seen) + 1.0) * (stereographic::square(wanted) + 1.0);
         let half = sizes.sqrt() * 0.5;
         [(seen[0] - wanted[0]) / half, (seen[1] - wanted[1]) / half]
     }
@@ -49,15 +49,15 @@ pub struct FixedSurface<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
-    pub view: &'a View,
+    pub view: &'a ImagingTask,
 }
 
 impl Residual<2> for FixedSurface<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
         let near = q;
         let q = q.to_array().map(S::constant);
-        let at = self.chart.place(q, f);
-        let content = self.view.content(self.chart, at, self.chart.slope(q, slope), near);
+        let at = self.chart.position(q, f);
+        let content = self.view.image_of_seen(self.chart, at, self.chart.slope(q, slope), near);
         [content[0] - q[0], content[1] - q[1]]
     }
 }
@@ -67,7 +67,7 @@ pub struct Distribution<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
-    pub view: &'a View,
+    pub view: &'a ImagingTask,
 }
 
 impl Residual<3> for Distribution<'_> {

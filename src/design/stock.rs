@@ -1,10 +1,10 @@
 //! The material around a mirror, once its outline is known.
 
 use super::DesignError;
-use crate::geom::{Contour, DVec2, Drilled, Land, Outline, Rect, Stock};
+use crate::geom::{Border, Contour, DVec2, Drilled, Land, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::{cos, radians, sin};
-use crate::profile::{Border, Feature, Footprint, Misfit, Profile, Spot};
+use crate::profile::{BorderSpec, Feature, Footprint, Misfit, Profile, Spot};
 
 /// Steps along each side of the outline, which is curved under a pinhole: finer than a mesh's.
 const STEPS: usize = 1024;
@@ -15,7 +15,7 @@ const FLAT_MM: f64 = 1e-6;
 ///
 /// # Errors
 /// [`DesignError::Border`] when a hole, a mark or rounded corners do not fit.
-pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, DesignError> {
+pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
     let Some(border) = &profile.part.border else { return Ok(None) };
     let footprint = footprint(mirror);
     if let Some(misfit) = border.misfits(&footprint).into_iter().next() {
@@ -28,7 +28,7 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
             let (corner, most) = (border.corner_radius_mm, half.min_element());
             // Arcs that meet but for rounding meet.
             let corner_mm =
-                if (corner - most).abs() <= Border::ROUNDING_MM { most } else { corner };
+                if (corner - most).abs() <= BorderSpec::ROUNDING_MM { most } else { corner };
             Contour::Rect { half, corner_mm }
         }
         Footprint::Round { radius_mm, .. } => {
@@ -48,7 +48,7 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
             holes: in_land.into_iter().map(drilled).collect(),
         }),
     };
-    Ok(Some(Stock {
+    Ok(Some(Border {
         contour,
         top_mm: border.rim_mm,
         holes: holes.into_iter().map(drilled).collect(),
@@ -58,8 +58,8 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Stock>, Desig
 }
 
 /// What to do about a misfit, in numbers of which it is certain that they fit.
-fn fitting(border: &Border, footprint: &Footprint, misfit: &Misfit) -> Option<String> {
-    let fits = |tried: &Border| {
+fn fitting(border: &BorderSpec, footprint: &Footprint, misfit: &Misfit) -> Option<String> {
+    let fits = |tried: &BorderSpec| {
         let misfits = tried.misfits(footprint);
         misfits.iter().all(|left| left.feature != misfit.feature)
     };
@@ -67,15 +67,15 @@ fn fitting(border: &Border, footprint: &Footprint, misfit: &Misfit) -> Option<St
         Feature::Corners => {
             let smaller = |c: &f64| Some(digits(0.8 * c));
             let mut radii = std::iter::successors(Some(border.corner_radius_mm), smaller).take(60);
-            let fitting = |&c: &f64| fits(&Border { corner_radius_mm: c, ..border.clone() });
+            let fitting = |&c: &f64| fits(&BorderSpec { corner_radius_mm: c, ..border.clone() });
             return radii.find(fitting).map(|c| format!("set corner_radius_mm = {c}"));
         }
         Feature::Hole(_) => "hole",
         Feature::Mark(_) => "mark",
     };
-    let wide = digits(border.width_mm.max(Border::LEAST_MM + 4.0 * Border::CLEAR_MM));
+    let wide = digits(border.width_mm.max(BorderSpec::LEAST_MM + 4.0 * BorderSpec::CLEAR_MM));
     [border.width_mm, wide].into_iter().find_map(|width_mm| {
-        let mut tried = Border { width_mm, ..border.clone() };
+        let mut tried = BorderSpec { width_mm, ..border.clone() };
         let spot = match misfit.feature {
             Feature::Hole(k) => &mut tried.holes[k],
             Feature::Mark(k) => &mut tried.marks[k],
@@ -97,8 +97,8 @@ fn fitting(border: &Border, footprint: &Footprint, misfit: &Misfit) -> Option<St
 /// The place of `spot` in the middle of a border of this width, on the same side, and as large as
 /// it may be there.
 fn middle(mirror: &Footprint, width_mm: f64, spot: &Spot) -> Spot {
-    let room = width_mm - 2.5 * Border::CLEAR_MM;
-    let diameter_mm = digits(spot.diameter_mm.min(room).max(Border::LEAST_MM));
+    let room = width_mm - 2.5 * BorderSpec::CLEAR_MM;
+    let diameter_mm = digits(spot.diameter_mm.min(room).max(BorderSpec::LEAST_MM));
     let (x, y) = (spot.x_mm, spot.y_mm);
     let [x_mm, y_mm] = match *mirror {
         Footprint::Rect { half_mm: [half, _] } if x.abs() >= y.abs() => {
@@ -125,7 +125,7 @@ fn land(mirror: &Mirror, hole: &Spot) -> Result<f64, DesignError> {
     let off = (0..360).map(|degrees| {
         let angle = radians(f64::from(degrees));
         let q = inner * DVec2::new(cos(angle), sin(angle));
-        (mirror.place(q, &mirror.surface.at(q)).z - z).abs()
+        (mirror.position(q, &mirror.surface.at(q)).z - z).abs()
     });
     let off = off.fold(0.0, f64::max);
     if off <= FLAT_MM {
@@ -144,12 +144,12 @@ fn land(mirror: &Mirror, hole: &Spot) -> Result<f64, DesignError> {
 
 /// X and Y of the point of `mirror` at `q` of its chart.
 fn plan(mirror: &Mirror, q: DVec2) -> DVec2 {
-    mirror.place(q, &mirror.row(q.y).at(q.x)).truncate()
+    mirror.position(q, &mirror.row(q.y).at(q.x)).truncate()
 }
 
 /// The rectangle along X and Y around the mirror.
 pub fn extent(mirror: &Mirror) -> Rect {
-    let rect = match mirror.whole() {
+    let rect = match mirror.full_outline() {
         Outline::Ring { outer, .. } => {
             // A mirror under a pinhole has a round outline only if it is round itself.
             let half = DVec2::splat(plan(mirror, DVec2::new(outer, 0.0)).x);
@@ -171,7 +171,7 @@ pub fn extent(mirror: &Mirror) -> Rect {
 
 /// The rectangle or circle about the axis that holds the mirror.
 fn footprint(mirror: &Mirror) -> Footprint {
-    match mirror.whole() {
+    match mirror.full_outline() {
         Outline::Ring { inner, outer } => {
             let radius = |q: f64| if q == 0.0 { 0.0 } else { plan(mirror, DVec2::new(q, 0.0)).x };
             Footprint::Round { radius_mm: radius(outer), land_mm: radius(inner) }

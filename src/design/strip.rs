@@ -3,7 +3,7 @@
 use super::Cause;
 use super::best::Search;
 use crate::num::radians;
-use crate::optics::{Camera, Field, Ladder, Law, Target};
+use crate::optics::{Camera, Law, SlopeField, TabulatedLaw, Target};
 use crate::profile::{StripLaw, StripProjection};
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ pub fn law(
                 Some(high) => search.filling(high)?,
                 None => search.law()?,
             };
-            return Ok((Law::Ladder(Arc::new(ladder)), [0.0, height]));
+            return Ok((Law::Tabulated(Arc::new(ladder)), [0.0, height]));
         }
         StripLaw::Table(rows) => {
             let (law, z) = table(rows, panel.camera.pixel_mm / panel.scale_mm)?;
@@ -66,7 +66,7 @@ fn about(z: [f64; 2], high: Option<f64>) -> [f64; 2] {
 
 fn best<'a>(wanted: &StripProjection, panel: &Panel<'a>) -> Search<'a> {
     Search {
-        field: Field { chart: &panel.camera.chart, target: panel.target, origin_mm: 0.0 },
+        field: SlopeField { chart: &panel.camera.chart, target: panel.target, origin_mm: 0.0 },
         scale_mm: panel.scale_mm,
         azimuth: panel.azimuth,
         across: panel.across,
@@ -80,8 +80,8 @@ fn best<'a>(wanted: &StripProjection, panel: &Panel<'a>) -> Search<'a> {
 fn table(rows: &[[f64; 2]], pixel: f64) -> Result<(Law, [f64; 2]), Cause> {
     let z: Vec<f64> = rows.iter().rev().map(|[row, _]| -row * pixel).collect();
     let elevations: Vec<f64> = rows.iter().rev().map(|[_, e]| radians(*e)).collect();
-    let ladder = Ladder::of_elevations(&z, &elevations).ok_or(Cause::Table)?;
-    Ok((Law::Ladder(Arc::new(ladder)), [z[0], z[z.len() - 1]]))
+    let ladder = TabulatedLaw::of_elevations(&z, &elevations).ok_or(Cause::Table)?;
+    Ok((Law::Tabulated(Arc::new(ladder)), [z[0], z[z.len() - 1]]))
 }
 
 #[cfg(test)]
@@ -150,7 +150,7 @@ mod tests {
             // What the rows at the edges show.
             let view = filled.view.as_ref().unwrap();
             let ends = [bounds.min.y, bounds.max.y].map(|y| {
-                let seen = view.wanted(DVec2::new(3.0, y), DVec3::ZERO);
+                let seen = view.direction_of(DVec2::new(3.0, y), DVec3::ZERO);
                 degrees(atan2(seen.z, seen.truncate().length()))
             });
             assert!(ends[1] - ends[0] > 30.0, "{ends:?}");
@@ -167,7 +167,7 @@ mod tests {
         let found = designed(PARALLEL, "table", &format!("[{}]", rows.join(", ")), layout);
         assert!((found.mirror.outline.bounds().size().y - 45.0).abs() < 1e-5);
         // Row 260 of 0 to 520 is in the middle.
-        let seen = found.view.as_ref().unwrap().wanted(DVec2::new(3.0, 0.0), DVec3::ZERO);
+        let seen = found.view.as_ref().unwrap().direction_of(DVec2::new(3.0, 0.0), DVec3::ZERO);
         let elevation = degrees(atan2(seen.z, seen.truncate().length()));
         assert!((elevation - 8.0).abs() < 1e-9, "{elevation}");
     }
@@ -220,7 +220,8 @@ mod tests {
             let found = designed(camera, "table", &format!("{rows:?}"), STRIP);
             for [row, elevation] in rows {
                 let y = (0.5 * 215.0 - row) * found.camera.pixel_mm;
-                let seen = found.view.as_ref().unwrap().wanted(DVec2::new(3.0, y), DVec3::ZERO);
+                let seen =
+                    found.view.as_ref().unwrap().direction_of(DVec2::new(3.0, y), DVec3::ZERO);
                 let off = degrees(atan2(seen.z, seen.truncate().length())) - elevation;
                 assert!(off.abs() < 1e-11, "row {row}: {off:e}");
             }

@@ -8,7 +8,7 @@ use super::minimax::minimax;
 use super::residual::{Distribution, FixedSurface, RayError, VectorField};
 use super::solve::{Fit, Options, Residual, SolveError, solve};
 use crate::geom::Outline;
-use crate::mirror::{Mirror, Round, Sheet, Surface};
+use crate::mirror::{Mirror, RadialLegendre, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::profile::{Method, MethodKind};
 
@@ -35,7 +35,7 @@ pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), Cause> {
         chart: plan.camera.chart,
         outline: plan.outline,
         folded: plan.view.fold.is_some(),
-        even: plan.even,
+        mirror_symmetric: plan.even,
     };
     Ok((mirror, facts))
 }
@@ -130,14 +130,14 @@ fn surface(plan: &Plan, coefficients: &[f64], degree: usize) -> Surface {
             }
             let series = Series::from_fn(side, side, |i, j| grid[i * side + j]);
             let (centre, half) = (area.centre(), 0.5 * area.size());
-            Surface::Tensor(Sheet { series, centre, half, scale_mm })
+            Surface::Tensor(TensorLegendre { series, centre, half, scale_mm })
         }
         Outline::Ring { inner, outer } => {
             // The functions are P_k - 1: zero at the outer rim.
             let sum: f64 = coefficients.iter().sum();
             let coefficient = |k: usize| if k == 0 { -sum } else { coefficients[k - 1] };
             let series = Series::from_fn(side, 1, |k, _| coefficient(k) / scale_mm);
-            Surface::Round(Round::new(series, [inner, outer], scale_mm))
+            Surface::Round(RadialLegendre::new(series, [inner, outer], scale_mm))
         }
     }
 }

@@ -99,9 +99,9 @@ fn bare(text: &mut Vec<u8>, facet: &[u32; 3]) -> io::Result<()> {
 #[must_use]
 pub fn obj_bytes(size: &Size, mirror: &Mirror, precision: Precision, label: &Label) -> u64 {
     let places = sample(mirror, precision);
-    let points = mirror.along(&places);
+    let points = mirror.eval_many(&places);
     let on_mirror: Vec<DVec3> =
-        places.iter().zip(&points).map(|(&q, point)| mirror.place(q, point)).collect();
+        places.iter().zip(&points).map(|(&q, point)| mirror.position(q, point)).collect();
     let feet: Vec<DVec3> = on_mirror.iter().map(|v| v.truncate().extend(0.0)).collect();
     let numbers = |count: usize| -> Vec<u32> {
         (0..SAMPLES).map(|k| ((k as f64 + 0.5) / SAMPLES as f64 * count as f64) as u32).collect()
@@ -128,7 +128,7 @@ const SAMPLES: usize = SIDE * SIDE;
 
 /// Places all over the mirror, with digits like those of a mesh's vertices.
 fn sample(mirror: &Mirror, precision: Precision) -> Vec<DVec2> {
-    let outline = mirror.whole();
+    let outline = mirror.full_outline();
     let bounds = outline.bounds();
     // No round share of the sides: coordinates of few digits are rare.
     let share = |k: usize| (k as f64 + std::f64::consts::FRAC_1_SQRT_2) / (SIDE + 1) as f64;
@@ -154,7 +154,7 @@ fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
     let places: Vec<DVec2> = vertices.iter().map(|&v| mirror.chart.coordinates(v).0).collect();
     let lines: Vec<&[DVec2]> = places.chunk_by(|a, b| a.y == b.y).collect();
     let evaluate = |line: &&[DVec2]| {
-        let points = mirror.along(line);
+        let points = mirror.eval_many(line);
         let unit = |(&q, point)| mirror.normal(q, &point).normalize() + DVec3::ZERO;
         line.iter().zip(points).map(unit).collect::<Vec<_>>()
     };

@@ -5,7 +5,7 @@ use super::Label;
 use super::text::{Counting, lines};
 use crate::geom::{Chart, DVec2, DVec3, Outline, angle};
 use crate::mirror::Mirror;
-use crate::num::{cos, larger, sin};
+use crate::num::{cos, max_or_nan, sin};
 use crate::parallel;
 use std::f64::consts::PI;
 use std::io::{self, Write};
@@ -148,7 +148,7 @@ fn nine(x: f64) -> f64 {
 
 /// The rows of those places that lie on the mirror, in order.
 fn on_mirror(mirror: &Mirror, line: &[DVec2]) -> Vec<SagRow> {
-    let outline = mirror.whole();
+    let outline = mirror.full_outline();
     let inside = |&p: &DVec2| {
         let on = under(mirror, p).is_some_and(|q| outline.contains(q));
         on.then(|| DVec2::new(nine(p.x), nine(p.y)))
@@ -159,16 +159,16 @@ fn on_mirror(mirror: &Mirror, line: &[DVec2]) -> Vec<SagRow> {
 /// The chart's coordinates of the mirror's place at (X, Y).
 fn under(mirror: &Mirror, p: DVec2) -> Option<DVec2> {
     let above = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
-    if mirror.chart.vergence == 0.0 { Some(p) } else { mirror.under(&above, p) }
+    if mirror.chart.vergence == 0.0 { Some(p) } else { mirror.intersect_camera_ray(&above, p) }
 }
 
 /// The mirror's rows over `places`, of which each has one.
 fn rows(mirror: &Mirror, places: &[DVec2]) -> Vec<SagRow> {
     let charted: Vec<DVec2> =
         places.iter().map(|&p| under(mirror, p).unwrap_or(DVec2::NAN)).collect();
-    let points = mirror.along(&charted);
+    let points = mirror.eval_many(&charted);
     let row = |((p, q), point): ((&DVec2, DVec2), _)| SagRow {
-        at: p.extend(mirror.place(q, &point).z),
+        at: p.extend(mirror.position(q, &point).z),
         normal: mirror.normal(q, &point).normalize(),
     };
     places.iter().zip(charted).zip(points).map(row).collect()
@@ -261,7 +261,7 @@ impl Extent {
     const PLACES: usize = 256;
 
     fn of(mirror: &Mirror) -> Self {
-        let whole = mirror.whole();
+        let whole = mirror.full_outline();
         let bounds = whole.bounds();
         if mirror.chart.vergence == 0.0 {
             let (lo, hi) = (bounds.min, bounds.max);
@@ -289,8 +289,9 @@ impl Extent {
                 })
                 .collect(),
         };
-        let points = mirror.along(&rim);
-        let places = rim.iter().zip(&points).map(|(&q, point)| mirror.place(q, point).truncate());
+        let points = mirror.eval_many(&rim);
+        let places =
+            rim.iter().zip(&points).map(|(&q, point)| mirror.position(q, point).truncate());
         let nothing = Self { lo: DVec2::MAX, hi: DVec2::MIN, radius: 0.0 };
         places.fold(nothing, |Self { lo, hi, radius }, p| Self {
             lo: lo.min(p),
@@ -304,7 +305,7 @@ impl Extent {
 /// thousand rows, for longer ones by one that is coarser.
 #[must_use]
 pub fn sag_bytes(mirror: &Mirror, path: &SagPath, label: &Label, notes: &[String]) -> u64 {
-    let points = mirror.whole().area() / path.cell_mm2();
+    let points = mirror.full_outline().area() / path.cell_mm2();
     let times = (points / COUNTED).max(1.0).sqrt();
     let [mut head, mut all] = [Counting::default(), Counting::default()];
     // Counting cannot fail.
@@ -353,11 +354,12 @@ pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagOff {
         chunk.iter().zip(designed).fold([0.0, 0.0], |[height, turned], (found, designed)| {
             let up = (found.at.z - designed.at.z).abs();
             let turn = angle(found.normal, designed.normal);
-            [larger(height, up), larger(turned, turn)]
+            [max_or_nan(height, up), max_or_nan(turned, turn)]
         })
     };
     let chunks = parallel::map_chunks(found, TURN, worst);
-    let [height_mm, normal_rad] =
-        chunks.into_iter().fold([0.0, 0.0], |a, b| [larger(a[0], b[0]), larger(a[1], b[1])]);
+    let [height_mm, normal_rad] = chunks
+        .into_iter()
+        .fold([0.0, 0.0], |a, b| [max_or_nan(a[0], b[0]), max_or_nan(a[1], b[1])]);
     SagOff { height_mm, normal_rad }
 }

@@ -27,20 +27,20 @@ pub struct Chart {
 impl Chart {
     /// The point at height `f` on the ray of image point `q`.
     #[inline]
-    pub fn place<S: Scalar>(&self, q: [S; 2], f: S) -> [S; 3] {
+    pub fn position<S: Scalar>(&self, q: [S; 2], f: S) -> [S; 3] {
         let k = self.vergence;
         let shrink = (f * -k).exp();
-        [q[0] * shrink, q[1] * shrink, f * (f * k).fade() + self.plane_mm]
+        [q[0] * shrink, q[1] * shrink, f * (f * k).one_minus_exp_over_x() + self.plane_mm]
     }
 
-    /// [`Chart::place`] for plain numbers.
+    /// [`Chart::position`] for plain numbers.
     #[inline]
     #[must_use]
     pub fn point(&self, q: DVec2, f: f64) -> DVec3 {
         if self.vergence == 0.0 {
             return q.extend(f + self.plane_mm);
         }
-        DVec3::from_array(self.place(q.to_array(), f))
+        DVec3::from_array(self.position(q.to_array(), f))
     }
 
     /// Image point and height of a point nearer than the pinhole.
@@ -48,26 +48,26 @@ impl Chart {
     #[must_use]
     pub fn coordinates(&self, p: DVec3) -> (DVec2, f64) {
         let up = p.z - self.plane_mm;
-        (p.truncate() / self.shrink(p.z), up * (-self.vergence * up).log_over())
+        (p.truncate() / self.view_scale(p.z), up * (-self.vergence * up).ln_1p_over_x())
     }
 
     /// How wide the view is at a height, by its width in the chart's plane.
     #[inline]
     #[must_use]
-    pub fn shrink(&self, z: f64) -> f64 {
+    pub fn view_scale(&self, z: f64) -> f64 {
         1.0 - self.vergence * (z - self.plane_mm)
     }
 
     /// h of height `f`, mm.
     #[inline]
-    pub fn flat<S: Scalar>(&self, f: S) -> S {
-        f * (f * -self.vergence).fade()
+    pub fn projective_height<S: Scalar>(&self, f: S) -> S {
+        f * (f * -self.vergence).one_minus_exp_over_x()
     }
 
     /// f of `h`.
     #[inline]
-    pub fn unflat<S: Scalar>(&self, h: S) -> S {
-        h * (h * self.vergence).log_over()
+    pub fn from_projective_height<S: Scalar>(&self, h: S) -> S {
+        h * (h * self.vergence).ln_1p_over_x()
     }
 
     /// The surface's slope (Z_X, Z_Y) where its chart slope is (f_x, f_y).
@@ -131,8 +131,10 @@ mod tests {
                 let (back, f) = chart.coordinates(plane(q));
                 assert!((back - q).length() < 1e-12);
                 assert!((chart.point(q, f) - plane(q)).length() < 1e-12);
-                assert!((chart.unflat(chart.flat(f)) - f).abs() < 1e-12);
-                chart.flat(f)
+                assert!(
+                    (chart.from_projective_height(chart.projective_height(f)) - f).abs() < 1e-12
+                );
+                chart.projective_height(f)
             };
             let (a, b) = (DVec2::new(-12.0, 5.0), DVec2::new(17.0, 9.0));
             assert!((0.5 * (h(a) + h(b)) - h(0.5 * (a + b))).abs() < 1e-12, "{vergence}");

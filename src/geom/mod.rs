@@ -3,18 +3,18 @@
 //! Vectors are `glam`'s double-precision ones. Everything is in the part frame (millimetres;
 //! X = y, Y = z, Z = x of the paper) unless a name says otherwise.
 
+mod border;
 mod chart;
 mod outline;
 mod rect;
 mod split;
-mod stock;
 mod trimesh;
 
+pub use border::{Border, Contour, Drilled, Land};
 pub use chart::Chart;
 pub use glam::{DVec2, DVec3};
 pub use outline::Outline;
 pub use rect::Rect;
-pub use stock::{Contour, Drilled, Land, Stock};
 pub use trimesh::{TriMesh, Welder, turn};
 
 /// How many digits the coordinates of a file carry.

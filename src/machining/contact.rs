@@ -7,7 +7,7 @@
 
 use super::{Place, beyond};
 use crate::geom::{DVec2, DVec3, Outline, Rect};
-use crate::mirror::{Curvature, Mirror};
+use crate::mirror::{Hessian, Mirror};
 use crate::num::{atan2, cos, sin};
 use std::f64::consts::TAU;
 
@@ -15,9 +15,9 @@ use std::f64::consts::TAU;
 const TOPS: usize = 8;
 
 /// The second derivatives of a ball's lower side where its surface is `off` in the plan and `root` below the centre.
-pub(super) fn lower_side(off: DVec2, root: f64) -> Curvature {
+pub(super) fn lower_side(off: DVec2, root: f64) -> Hessian {
     let lean = off / root;
-    Curvature {
+    Hessian {
         xx: (1.0 + lean.x * lean.x) / root,
         xy: lean.x * lean.y / root,
         yy: (1.0 + lean.y * lean.y) / root,
@@ -25,13 +25,13 @@ pub(super) fn lower_side(off: DVec2, root: f64) -> Curvature {
 }
 
 /// The solution x of `matrix` x = `right`.
-pub(super) fn solved(matrix: &Curvature, right: DVec2) -> DVec2 {
-    let Curvature { xx, xy, yy } = *matrix;
+pub(super) fn solved(matrix: &Hessian, right: DVec2) -> DVec2 {
+    let Hessian { xx, xy, yy } = *matrix;
     DVec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / matrix.det()
 }
 
 /// Whether a symmetric matrix is positive definite.
-pub(super) fn positive(matrix: &Curvature) -> bool {
+pub(super) fn positive(matrix: &Hessian) -> bool {
     matrix.xx > 0.0 && matrix.det() > 0.0
 }
 
@@ -89,7 +89,7 @@ pub(super) struct Contact {
     /// contact with it.
     pub top: f64,
     pub rise: DVec2,
-    pub bend: Curvature,
+    pub bend: Hessian,
 }
 
 /// A mirror under a ball, with the nodes of a search.
@@ -287,14 +287,14 @@ impl<'a> Ground<'a> {
             }
         }
         let Contact { seed, at, top, rise, bend } = found?;
-        let Curvature { xx, xy, yy } = bend;
+        let Hessian { xx, xy, yy } = bend;
         let sign = if reflected { -1.0 } else { 1.0 };
         Some(Contact {
             seed: Seed { reflected, ..seed },
             at: flipped(at, reflected),
             top,
             rise: rise * DVec2::new(1.0, sign),
-            bend: Curvature { xx, xy: sign * xy, yy },
+            bend: Hessian { xx, xy: sign * xy, yy },
         })
     }
 
@@ -306,7 +306,7 @@ impl<'a> Ground<'a> {
         for _ in 0..30 {
             let (off, root) = (place.at.truncate() - c, top - place.at.z);
             let (under, ground) = (lower_side(off, root), place.bend);
-            let left = Curvature {
+            let left = Hessian {
                 xx: under.xx - ground.xx,
                 xy: under.xy - ground.xy,
                 yy: under.yy - ground.yy,
@@ -341,11 +341,11 @@ impl<'a> Ground<'a> {
             }
         }
         let rise = (place.at.truncate() - c) / (top - place.at.z);
-        let bend = bend.map_or(Curvature { xx: 0.0, xy: 0.0, yy: 0.0 }, |(under, left)| {
+        let bend = bend.map_or(Hessian { xx: 0.0, xy: 0.0, yy: 0.0 }, |(under, left)| {
             // As the contact moves with the centre: A (A - B)^-1 A - A.
             let image = |d: DVec2| under.times(solved(&left, under.times(d)));
             let (x, y) = (image(DVec2::X), image(DVec2::Y));
-            Curvature { xx: x.x - under.xx, xy: x.y - under.xy, yy: y.y - under.yy }
+            Hessian { xx: x.x - under.xx, xy: x.y - under.xy, yy: y.y - under.yy }
         });
         let seed = Seed { spot: Spot::Within(q), reflected: false };
         let rim = if held { self.rim_at(q) } else { None };
@@ -398,7 +398,7 @@ impl<'a> Ground<'a> {
             let tangent = (at(t + small) - at(t - small)).truncate() / (2.0 * small);
             under.times(tangent) / fall.sqrt()
         };
-        let bend = Curvature {
+        let bend = Hessian {
             xx: image.x * image.x - under.xx,
             xy: image.x * image.y - under.xy,
             yy: image.y * image.y - under.yy,
@@ -487,7 +487,7 @@ pub(super) fn over_face(mirror: &Mirror, xy: DVec2) -> Option<Place> {
     let place = Place::over(mirror, xy)?;
     let q = mirror.chart.coordinates(place.at).0;
     // A rounding error beyond the rim is on it.
-    (beyond(&mirror.whole(), q) <= 1e-9 * mirror.outline.bounds().size().max_element())
+    (beyond(&mirror.full_outline(), q) <= 1e-9 * mirror.outline.bounds().size().max_element())
         .then_some(place)
 }
 

@@ -164,7 +164,7 @@ fn line(
     let counts = |t: f64| {
         place(t).is_some_and(|place| {
             let q = mirror.chart.coordinates(place.at).0;
-            touches(mirror, &place, ball) && beyond(&mirror.whole(), q) <= reach
+            touches(mirror, &place, ball) && beyond(&mirror.full_outline(), q) <= reach
         })
     };
     let edge = |mut bad: f64, mut good: f64| {

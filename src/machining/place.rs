@@ -1,7 +1,7 @@
 //! Places of a mirror in the part frame: where the tool touches, with slope and bend over X and Y.
 
 use crate::geom::{Chart, DVec2, DVec3, Outline};
-use crate::mirror::{Curvature, Mirror, Point};
+use crate::mirror::{HeightAndSlope, Hessian, Mirror};
 use crate::num::Dual;
 
 /// A place of the mirror as the graph Z(X, Y) of the part frame, whatever its chart.
@@ -12,7 +12,7 @@ pub struct Place {
     /// (Z_X, Z_Y).
     pub slope: DVec2,
     /// Second derivatives of Z, 1/mm: positive where the ground is hollow.
-    pub bend: Curvature,
+    pub bend: Hessian,
 }
 
 impl Place {
@@ -28,10 +28,10 @@ impl Place {
         let reflected = mirror.reflects(q);
         let q = if reflected { DVec2::new(q.x, -q.y) } else { q };
         let known = nearest(&mirror.outline, q);
-        let (point, curvature) = (mirror.surface.at(known), mirror.surface.curvature(known));
+        let (point, curvature) = (mirror.surface.at(known), mirror.surface.hessian(known));
         let (beyond, turn) = (q - known, curvature.times(q - known));
         let f = point.f + beyond.dot(point.slope + 0.5 * turn);
-        let point = Point { f, slope: point.slope + turn };
+        let point = HeightAndSlope { f, slope: point.slope + turn };
         let (place, [x, y]) = lifted(&mirror.chart, q, &point, &curvature);
         if reflected {
             return (place.reflected(), [x * DVec2::new(1.0, -1.0), y * DVec2::new(-1.0, 1.0)]);
@@ -45,7 +45,7 @@ impl Place {
         if mirror.chart.vergence == 0.0 {
             return Some(Self::of(mirror, xy));
         }
-        let size = mirror.whole().bounds().size().max_element();
+        let size = mirror.full_outline().bounds().size().max_element();
         let mut q = xy;
         for _ in 0..32 {
             let (place, [x, y]) = Self::moving(mirror, q);
@@ -63,11 +63,11 @@ impl Place {
     #[must_use]
     pub fn reflected(self) -> Self {
         let flip = DVec3::new(1.0, -1.0, 1.0);
-        let Curvature { xx, xy, yy } = self.bend;
+        let Hessian { xx, xy, yy } = self.bend;
         Self {
             at: self.at * flip,
             slope: self.slope * flip.truncate(),
-            bend: Curvature { xx, xy: -xy, yy },
+            bend: Hessian { xx, xy: -xy, yy },
         }
     }
 
@@ -86,9 +86,9 @@ impl Place {
     /// The second fundamental form less 1/`radius_mm` of the first, over X and Y. It is negative for
     /// every direction exactly where a ball of that radius, from above, fits closely.
     #[must_use]
-    pub fn under_ball(&self, radius_mm: f64) -> Curvature {
+    pub fn under_ball(&self, radius_mm: f64) -> Hessian {
         let (g, p, k) = (self.stretch(), self.slope, 1.0 / radius_mm);
-        Curvature {
+        Hessian {
             xx: self.bend.xx / g - k * (1.0 + p.x * p.x),
             xy: self.bend.xy / g - k * p.x * p.y,
             yy: self.bend.yy / g - k * (1.0 + p.y * p.y),
@@ -135,14 +135,14 @@ pub fn beyond(outline: &Outline, q: DVec2) -> f64 {
 
 /// From the chart to the part frame, with the derivatives of X and of Y by q: (X, Y) and the slope are
 /// functions of q, and the derivative of one over that of the other is the Hessian.
-fn lifted(chart: &Chart, q: DVec2, point: &Point, c: &Curvature) -> (Place, [DVec2; 2]) {
+fn lifted(chart: &Chart, q: DVec2, point: &HeightAndSlope, c: &Hessian) -> (Place, [DVec2; 2]) {
     let [x, y] = [Dual::variable(q.x, 0), Dual::variable(q.y, 1)];
     let f = Dual { value: point.f, slope: point.slope.to_array() };
     let slope = [
         Dual { value: point.slope.x, slope: [c.xx, c.xy] },
         Dual { value: point.slope.y, slope: [c.xy, c.yy] },
     ];
-    let at: [Dual<2>; 3] = chart.place([x, y], f);
+    let at: [Dual<2>; 3] = chart.position([x, y], f);
     let p = chart.slope([x, y], slope);
     let [[a, b], [c, d]] = [at[0].slope, at[1].slope];
     let det = a * d - b * c;
@@ -152,7 +152,7 @@ fn lifted(chart: &Chart, q: DVec2, point: &Point, c: &Curvature) -> (Place, [DVe
     let place = Place {
         at: DVec3::from_array(at.map(|x| x.value)),
         slope: DVec2::new(p[0].value, p[1].value),
-        bend: Curvature { xx, xy: 0.5 * (xy + yx), yy },
+        bend: Hessian { xx, xy: 0.5 * (xy + yx), yy },
     };
     (place, [DVec2::new(a, b), DVec2::new(c, d)])
 }
@@ -161,7 +161,7 @@ fn lifted(chart: &Chart, q: DVec2, point: &Point, c: &Curvature) -> (Place, [DVe
 pub(super) mod tests {
     use super::*;
     use crate::geom::Rect;
-    use crate::mirror::{Sheet, Surface};
+    use crate::mirror::{Surface, TensorLegendre};
     use crate::num::legendre::Series;
 
     /// f = a x^2 + b x y + c y^2 over [-4, 4]^2, under a camera of this vergence.
@@ -180,11 +180,16 @@ pub(super) mod tests {
         ];
         let series = Series::from_fn(3, 3, |i, j| terms[i][j]);
         Mirror {
-            surface: Surface::Tensor(Sheet { series, centre: DVec2::ZERO, half, scale_mm: 1.0 }),
+            surface: Surface::Tensor(TensorLegendre {
+                series,
+                centre: DVec2::ZERO,
+                half,
+                scale_mm: 1.0,
+            }),
             chart: Chart { vergence, plane_mm: 7.0 },
             outline: Outline::Rect(Rect { min: -half, max: half }),
             folded: false,
-            even: [false; 2],
+            mirror_symmetric: [false; 2],
         }
     }
 
@@ -194,11 +199,11 @@ pub(super) mod tests {
         let (centre, half) = (DVec2::new(0.0, 2.0), DVec2::new(4.0, 2.0));
         let series = Series::from_fn(1, 2, |_, _| 2.0 * steep);
         Mirror {
-            surface: Surface::Tensor(Sheet { series, centre, half, scale_mm: 1.0 }),
+            surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
             chart: Chart { vergence: 0.0, plane_mm: 7.0 },
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: true,
-            even: [true, false],
+            mirror_symmetric: [true, false],
         }
     }
 
@@ -237,7 +242,7 @@ pub(super) mod tests {
         let place = Place {
             at: DVec3::new(6.0, 0.0, 2.0),
             slope: DVec2::new(0.75, 0.0),
-            bend: Curvature { xx: 100.0 / 512.0, xy: 0.0, yy: 0.125 },
+            bend: Hessian { xx: 100.0 / 512.0, xy: 0.0, yy: 0.125 },
         };
         assert!((place.hollow() - 0.1).abs() < 1e-15);
         assert!(place.under_ball(9.99).det() > 0.0 && place.under_ball(9.99).xx < 0.0);

@@ -8,7 +8,7 @@
 
 use super::contact::{Contact, Ground, lower_side, positive, solved};
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::Curvature;
+use crate::mirror::Hessian;
 
 /// What is less is no gain, mm.
 const TINY: f64 = 1e-10;
@@ -24,7 +24,7 @@ const ROUNDS: usize = 16;
 struct Cut {
     height: f64,
     slope: DVec2,
-    bend: Curvature,
+    bend: Hessian,
 }
 
 impl Cut {
@@ -87,10 +87,10 @@ fn descended(
     for _ in 0..60 {
         let (off, root) = (p - c, under(c));
         let (tilt, round) = (off / root, lower_side(off, root));
-        let cut = |top: f64, slope: DVec2, bend: &Curvature| Cut {
+        let cut = |top: f64, slope: DVec2, bend: &Hessian| Cut {
             height: top - root,
             slope: slope - tilt,
-            bend: Curvature {
+            bend: Hessian {
                 xx: bend.xx + round.xx,
                 xy: bend.xy + round.xy,
                 yy: bend.yy + round.yy,
@@ -98,8 +98,8 @@ fn descended(
         };
         let point = |at: &DVec3| {
             let (off, deep) = (at.truncate() - c, on(*at, c) - at.z);
-            let Curvature { xx, xy, yy } = lower_side(off, deep);
-            cut(at.z + deep, off / deep, &Curvature { xx: -xx, xy: -xy, yy: -yy })
+            let Hessian { xx, xy, yy } = lower_side(off, deep);
+            cut(at.z + deep, off / deep, &Hessian { xx: -xx, xy: -xy, yy: -yy })
         };
         let mut cuts: Vec<Cut> = tops
             .iter()

@@ -99,11 +99,11 @@ impl Scallop {
 mod tests {
     use super::*;
     use crate::geom::DVec3;
-    use crate::mirror::Curvature;
+    use crate::mirror::Hessian;
     use crate::num::{atan, tan};
 
     fn place(slope: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Place {
-        let (at, bend) = (DVec3::ZERO, Curvature { xx, xy, yy });
+        let (at, bend) = (DVec3::ZERO, Hessian { xx, xy, yy });
         Place { at, slope: DVec2::from_array(slope), bend }
     }
 

@@ -6,7 +6,7 @@ use crate::geom::{DVec2, Outline};
 use crate::mirror::{Mirror, Surface};
 use crate::num::stats::Summary;
 use crate::num::{Dual, Scalar, degrees, radians};
-use crate::optics::{Camera, View};
+use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
 use serde::Serialize;
 
@@ -81,7 +81,7 @@ pub struct Survey<'a> {
 impl<'a> Survey<'a> {
     /// Samples the face, rim included, and every few of the camera's pixels that see it.
     #[must_use]
-    pub fn new(mirror: &'a Mirror, camera: &Camera, view: Option<&View>) -> Self {
+    pub fn new(mirror: &'a Mirror, camera: &Camera, view: Option<&ImagingTask>) -> Self {
         let panel = mirror.outline.samples(SAMPLES).concat();
         let flip = DVec2::new(1.0, -1.0);
         let images = panel.iter().map(|(q, _)| *q * flip).filter(|_| mirror.folded);
@@ -106,7 +106,7 @@ impl<'a> Survey<'a> {
     /// The place of the face where `measure` is largest: the samples' best, refined by a compass search.
     #[must_use]
     pub fn largest(&self, measure: impl Fn(&Place) -> f64) -> (f64, Place) {
-        let whole = self.mirror.whole();
+        let whole = self.mirror.full_outline();
         let first = self.face[0];
         let start = (measure(&first.1), first);
         let (mut most, (mut q, mut place)) = self.face.iter().fold(start, |best, &sample| {
@@ -143,7 +143,7 @@ impl<'a> Survey<'a> {
     #[must_use]
     pub fn least_hollow_mm(&self) -> Option<Extreme> {
         let (most, place) = self.largest(Place::hollow);
-        let size = self.mirror.whole().bounds().size().max_element();
+        let size = self.mirror.full_outline().bounds().size().max_element();
         (most * size > 1e-9).then(|| Extreme { value: 1.0 / most, at_mm: place.at.to_array() })
     }
 
@@ -289,8 +289,15 @@ impl<'a> Survey<'a> {
     }
 }
 
-fn pixel(mirror: &Mirror, camera: &Camera, view: Option<&View>, image: DVec2) -> Option<Pixel> {
-    let q = mirror.under(&camera.chart, image).filter(|&q| mirror.whole().aims(q))?;
+fn pixel(
+    mirror: &Mirror,
+    camera: &Camera,
+    view: Option<&ImagingTask>,
+    image: DVec2,
+) -> Option<Pixel> {
+    let q = mirror
+        .intersect_camera_ray(&camera.chart, image)
+        .filter(|&q| mirror.full_outline().aims(q))?;
     let place = Place::of(mirror, q);
     let reflected = mirror.reflects(q);
     let designed = if reflected { place.reflected() } else { place };
@@ -298,7 +305,7 @@ fn pixel(mirror: &Mirror, camera: &Camera, view: Option<&View>, image: DVec2) ->
         let near = if reflected { DVec2::new(image.x, -image.y) } else { image };
         let at = designed.at.to_array().map(Dual::constant);
         let slope = [Dual::variable(designed.slope.x, 0), Dual::variable(designed.slope.y, 1)];
-        let content: [Dual<2>; 2] = view.content(&camera.chart, at, slope, near);
+        let content: [Dual<2>; 2] = view.image_of_seen(&camera.chart, at, slope, near);
         let side = if reflected { -1.0 } else { 1.0 };
         let by = |k: usize| DVec2::new(content[0].slope[k], content[1].slope[k]) / camera.pixel_mm;
         [by(0), by(1) * side]

@@ -7,7 +7,7 @@ use super::{Face, Forecast, Limits, MeshError, Mesher, Optimum};
 use crate::geom::{Chart, Precision};
 use crate::mirror::Mirror;
 use crate::num::{exp, log};
-use crate::optics::View;
+use crate::optics::ImagingTask;
 
 /// Share of the budget that is aimed at, and that must be used to be content.
 const AIM: f64 = 0.985;
@@ -62,7 +62,7 @@ pub struct Budget<'a> {
     pub camera: &'a Chart,
     /// What its image must show: with a view the budget is spent on the facet error, else on the
     /// chord error.
-    pub view: Option<&'a View>,
+    pub view: Option<&'a ImagingTask>,
     /// Digits of the file.
     pub precision: Precision,
     /// Most triangles of the closed part.
@@ -283,7 +283,7 @@ impl Budget<'_> {
     }
 
     fn size(&self) -> f64 {
-        self.mirror.whole().bounds().size().max_element()
+        self.mirror.full_outline().bounds().size().max_element()
     }
 
     /// A bracket that nothing is known of.

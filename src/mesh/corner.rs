@@ -82,7 +82,7 @@ mod tests {
     use crate::geom::{Chart, Outline, Precision, Rect};
     use crate::mesh::region::Sight;
     use crate::mesh::{Limits, Prover};
-    use crate::mirror::{Mirror, Sheet, Surface};
+    use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 
@@ -103,13 +103,13 @@ mod tests {
             _ => 0.0,
         });
         let half = DVec2::splat(HALF_MM);
-        let sheet = Sheet { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
+        let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
         Mirror {
             surface: Surface::Tensor(sheet),
             chart: TOP,
             outline: Outline::Rect(Rect { min: -half, max: half }),
             folded: false,
-            even: [false; 2],
+            mirror_symmetric: [false; 2],
         }
     }
 

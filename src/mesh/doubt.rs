@@ -6,7 +6,7 @@ use super::region::Sight;
 use super::{Limits, MeshError};
 use crate::geom::{DVec2, Precision};
 use crate::num::{asin, degrees};
-use crate::optics::{Target, stereo};
+use crate::optics::{Target, stereographic};
 use thiserror::Error;
 
 /// Halvings that are tried.
@@ -169,9 +169,10 @@ impl<'a> Doubt<'a> {
         let Sight { mirror, camera, view } = self.prover.sight;
         let target = view?.target;
         let point = mirror.surface.at(q);
-        let towards = stereo::towards_camera(camera.view(mirror.place(q, &point).to_array()));
-        let seen = stereo::reflect(towards, mirror.slope(q, &point).to_array());
-        let elevation_deg = degrees(asin(stereo::direction(seen).z.clamp(-1.0, 1.0)));
+        let towards =
+            stereographic::towards_camera(camera.view(mirror.position(q, &point).to_array()));
+        let seen = stereographic::reflect(towards, mirror.slope(q, &point).to_array());
+        let elevation_deg = degrees(asin(stereographic::direction(seen).z.clamp(-1.0, 1.0)));
         if elevation_deg.abs() > HALF_WAY_DEG {
             return Some(Near::Pole { elevation_deg });
         }

@@ -7,8 +7,8 @@
 use super::deviation::Triangle;
 use super::region::{Region, Sight, beyond};
 use crate::geom::{DVec2, Rect};
-use crate::mirror::{Bounds, Cells, Rings, Round, Surface, Union};
-use crate::optics::{Projection, View};
+use crate::mirror::{BoundGrid, DerivativeBounds, RadialLegendre, Rings, Surface, UnionBound};
+use crate::optics::{ImagingTask, Projection};
 use std::sync::OnceLock;
 
 /// Parts of the radius of a round mirror.
@@ -26,9 +26,9 @@ pub enum Ground {
     /// Of boxes on a grid.
     Grid {
         /// Of the mirror.
-        bounds: Cells<Bounds>,
+        bounds: BoundGrid<DerivativeBounds>,
         /// Of facets.
-        regions: Cells<Region>,
+        regions: BoundGrid<Region>,
         /// How far beside facets that is looked up, mm.
         margin: f64,
     },
@@ -78,7 +78,7 @@ impl Ground {
             let regions = vec![OnceLock::new(); LEVELS * (COLUMNS + 1)];
             return Self::Axis { rings: Rings::new(round), width, regions };
         }
-        let bounds = Cells::new(&sight.mirror.surface, part);
+        let bounds = BoundGrid::new(&sight.mirror.surface, part);
         let parts = sight.parts();
         let regions = bounds.map(parts, |part, bounds| {
             if beyond(&sight.mirror.outline, part) {
@@ -155,7 +155,7 @@ impl Ground {
     }
 
     /// What is known of the mirror in a box where triangles are looked at.
-    pub fn bounds(&self, [lo, hi]: [DVec2; 2]) -> Bounds {
+    pub fn bounds(&self, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
         match self {
             Self::Grid { bounds, .. } => bounds.over(lo, hi),
             Self::Axis { rings, .. } => rings.bounds(lo, hi),
@@ -182,8 +182,8 @@ fn size(level: usize) -> f64 {
 }
 
 /// The surface, if turning about the axis changes neither it nor what the image must show.
-fn round<'a>(sight: &Sight<'a>) -> Option<&'a Round> {
-    let radial = |view: &View| matches!(view.projection, Projection::Radial { .. });
+fn round<'a>(sight: &Sight<'a>) -> Option<&'a RadialLegendre> {
+    let radial = |view: &ImagingTask| matches!(view.projection, Projection::Radial { .. });
     match &sight.mirror.surface {
         Surface::Round(round) if sight.view.is_none_or(radial) => Some(round),
         _ => None,

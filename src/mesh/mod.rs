@@ -44,7 +44,7 @@ pub use proof::{Bound, Prover, Vertex};
 
 use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
-use crate::optics::View;
+use crate::optics::ImagingTask;
 use crate::parallel;
 use draft::{Draft, Trial};
 use needs::Needs;
@@ -217,7 +217,7 @@ fn carried(chord_mm: Option<f64>, facet_mm: Option<f64>) -> String {
 pub fn mesh(
     mirror: &Mirror,
     camera: &Chart,
-    view: Option<&View>,
+    view: Option<&ImagingTask>,
     limits: Limits,
 ) -> Result<Face, MeshError> {
     Mesher::new(mirror, camera, view).mesh(limits)
@@ -242,7 +242,7 @@ pub struct Forecast {
 pub fn forecast(
     mirror: &Mirror,
     camera: &Chart,
-    view: Option<&View>,
+    view: Option<&ImagingTask>,
     limits: Limits,
 ) -> Result<Forecast, MeshError> {
     Mesher::new(mirror, camera, view).forecast(limits)
@@ -256,7 +256,7 @@ struct Mesher<'a> {
 }
 
 impl<'a> Mesher<'a> {
-    fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a View>) -> Self {
+    fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a ImagingTask>) -> Self {
         Self { sight: Sight { mirror, camera: *camera, view }, needs: None, prover: None }
     }
 
@@ -331,7 +331,7 @@ fn made(prover: &Prover, draft: &Draft, limits: Limits) -> Result<(TriMesh, Boun
     let mirror = prover.mirror();
     let (mut mesh, bound) = refine(prover, draft, subdivide(draft), copies(mirror), limits)?;
     for axis in [0, 1] {
-        if mirror.even[axis] {
+        if mirror.mirror_symmetric[axis] {
             mesh = mesh.with_reflection(axis);
         }
     }
@@ -341,7 +341,7 @@ fn made(prover: &Prover, draft: &Draft, limits: Limits) -> Result<(TriMesh, Boun
 /// The size of what a draft comes to, by samples of its facets.
 fn estimate(mirror: &Mirror, draft: &Draft) -> Forecast {
     // Sides on which the part meets its reflection are inside the face.
-    let seam = [mirror.even[0], mirror.even[1] || mirror.folded];
+    let seam = [mirror.mirror_symmetric[0], mirror.mirror_symmetric[1] || mirror.folded];
     let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
     let copies = copies(mirror);
     let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
@@ -365,7 +365,7 @@ fn rim(mirror: &Mirror, panel: &TriMesh) -> usize {
 
 /// How many times the face holds what is meshed.
 fn copies(mirror: &Mirror) -> usize {
-    let twice = [mirror.even[0], mirror.even[1], mirror.folded];
+    let twice = [mirror.mirror_symmetric[0], mirror.mirror_symmetric[1], mirror.folded];
     1 << twice.iter().filter(|&&twice| twice).count()
 }
 
@@ -374,7 +374,7 @@ fn copies(mirror: &Mirror) -> usize {
 fn domain(mirror: &Mirror) -> Rect {
     let Rect { mut min, max } = mirror.outline.bounds();
     for axis in [0, 1] {
-        if mirror.even[axis] {
+        if mirror.mirror_symmetric[axis] {
             min[axis] = 0.0;
         }
     }

@@ -8,8 +8,8 @@ use super::region::Sight;
 use super::written::{LEAST_LEFT, rounding_left};
 use super::{Limits, MeshError};
 use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
-use crate::mirror::{Curvature, Mirror};
-use crate::num::{Dual, exp, larger};
+use crate::mirror::{Hessian, Mirror};
+use crate::num::{Dual, exp, max_or_nan};
 use crate::parallel;
 use glam::DMat2;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ const SIDE: usize = 512;
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
     /// Second derivatives of h, 1/mm.
-    pub curvature: Curvature,
+    pub curvature: Hessian,
     /// Image displacement (mm) per change of h's gradient.
     pub per_slope: DMat2,
     /// mm along the ray per mm of h.
@@ -50,7 +50,7 @@ pub struct Place {
 
 impl Place {
     const ZERO: Self = Self {
-        curvature: Curvature { xx: 0.0, xy: 0.0, yy: 0.0 },
+        curvature: Hessian { xx: 0.0, xy: 0.0, yy: 0.0 },
         per_slope: DMat2::ZERO,
         stretch: 0.0,
         rounding: 0.0,
@@ -173,16 +173,19 @@ impl Needs {
             let shift = |h: [f64; 3]| {
                 let flat = gradient_of(q, h);
                 let of = |v: &Vertex| (place.per_slope * (flat - v.gradient)).length_squared();
-                t.map(of).into_iter().fold(0.0, larger)
+                t.map(of).into_iter().fold(0.0, max_or_nan)
             };
             let exact = shift(t.map(|v| v.h));
             let largest = match precision {
-                Precision::Single => larger(exact, shift(t.map(|v| v.h + v.rounding))),
+                Precision::Single => max_or_nan(exact, shift(t.map(|v| v.h + v.rounding))),
                 Precision::Double => exact,
             };
             largest / (limit * limit)
         });
-        larger(larger(by_chord, by_facet), FORESEEN * self.excess(place, q[1] - q[0], q[2] - q[0]))
+        max_or_nan(
+            max_or_nan(by_chord, by_facet),
+            FORESEEN * self.excess(place, q[1] - q[0], q[2] - q[0]),
+        )
     }
 
     /// The factor by which a facet with edges `a` and `b` may be enlarged; rounding included.
@@ -294,19 +297,19 @@ impl Needs {
 
 /// The same with the lesser curvature raised to a share of the larger one. Where a mirror is nearly
 /// developable, the quadratic model would have facets of any length, which cubic terms break.
-fn all_round(Curvature { xx, xy, yy }: Curvature) -> Curvature {
+fn all_round(Hessian { xx, xy, yy }: Hessian) -> Hessian {
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = DVec2::new(half, xy).length();
     let (larger, lesser) = (mean.abs() + radius, (mean.abs() - radius).abs());
     let missing = FLAT * larger - lesser;
     if !(missing > 0.0 && radius > 0.0) {
-        return Curvature { xx, xy, yy };
+        return Hessian { xx, xy, yy };
     }
     // The lesser one's principal direction, and its sign.
     let up = if mean.abs() >= radius { mean.signum() } else { -mean.signum() };
     let share = 0.5 * up * missing;
     let turn = share * mean.signum() / radius;
-    Curvature { xx: xx + share - turn * half, xy: xy - turn * xy, yy: yy + share + turn * half }
+    Hessian { xx: xx + share - turn * half, xy: xy - turn * xy, yy: yy + share + turn * half }
 }
 
 /// Half the distance between the single-precision numbers around `x`.
@@ -330,12 +333,12 @@ fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
     let chart = &mirror.chart;
     let k = chart.vergence;
     let point = mirror.surface.at(q);
-    let at = mirror.place(q, &point);
+    let at = mirror.position(q, &point);
     let grow = exp(k * point.f);
     let gradient = point.slope * grow;
-    let Curvature { xx, xy, yy } = mirror.surface.curvature(q);
+    let Hessian { xx, xy, yy } = mirror.surface.hessian(q);
     let s = point.slope;
-    let curvature = Curvature {
+    let curvature = Hessian {
         xx: grow * (xx + k * s.x * s.x),
         xy: grow * (xy + k * s.x * s.y),
         yy: grow * (yy + k * s.y * s.y),
@@ -345,7 +348,7 @@ fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
         let slope = [Dual::variable(gradient.x, 0), Dual::variable(gradient.y, 1)];
         let slope = chart.slope(q.to_array().map(fixed), slope.map(|s| s / grow));
         let image = sight.camera.coordinates(at).0;
-        let [x, y] = view.content(&sight.camera, at.to_array().map(fixed), slope, image);
+        let [x, y] = view.image_of_seen(&sight.camera, at.to_array().map(fixed), slope, image);
         DMat2::from_cols_array_2d(&[[x.slope[0], y.slope[0]], [x.slope[1], y.slope[1]]])
     });
     Place {
@@ -370,7 +373,7 @@ fn rounding(mirror: &Mirror, q: DVec2, way: Option<DVec2>, precision: Precision)
     };
     let (chart, point) = (&mirror.chart, mirror.surface.at(q));
     let (k, p) = (chart.vergence, mirror.slope(q, &point));
-    let [x, y, z] = mirror.place(q, &point).to_array().map(half);
+    let [x, y, z] = mirror.position(q, &point).to_array().map(half);
     let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(x, y)) };
     let slope = way.map_or_else(|| p.length(), |way| p.dot(way).abs());
     let left = rounding_left(2.0 * z, slope, mirror.outline.bounds().size().max_element());

@@ -1,10 +1,10 @@
 //! How few triangles can do: the lower bounds that a mesh's size is compared with.
 
 use crate::geom::{Chart, DVec2, Outline};
-use crate::mirror::{Curvature, Mirror, Point};
+use crate::mirror::{HeightAndSlope, Hessian, Mirror};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, Scalar, cos, exp, sin};
-use crate::optics::View;
+use crate::optics::ImagingTask;
 use std::f64::consts::PI;
 
 /// Integrals over the mirror from which the least numbers of triangles follow, for vertices on
@@ -30,16 +30,16 @@ impl Optimum {
     /// Integrates over all panels of `mirror`, in which the camera of chart `camera` is meant to see
     /// `view`.
     #[must_use]
-    pub fn new(mirror: &Mirror, camera: &Chart, view: Option<&View>) -> Self {
+    pub fn new(mirror: &Mirror, camera: &Chart, view: Option<&ImagingTask>) -> Self {
         const BOWL: [f64; 2] = [0.3849, 1.0 / 1.299];
         const SADDLE: [f64; 2] = [0.2236, 1.0];
         let k = mirror.chart.vergence;
         let (mut total, mut even) = ([0.0; 2], [0.0; 2]);
         for (q, area) in nodes(&mirror.outline) {
-            let (point, c) = (mirror.surface.at(q), mirror.surface.curvature(q));
+            let (point, c) = (mirror.surface.at(q), mirror.surface.hessian(q));
             let (s, grow) = (point.slope, exp(k * point.f));
             // Of h's Hessian, in mm along the ray.
-            let hessian = Curvature {
+            let hessian = Hessian {
                 xx: c.xx + k * s.x * s.x,
                 xy: c.xy + k * s.x * s.y,
                 yy: c.yy + k * s.y * s.y,
@@ -78,20 +78,20 @@ impl Optimum {
 fn spread(
     mirror: &Mirror,
     camera: &Chart,
-    view: &View,
+    view: &ImagingTask,
     q: DVec2,
-    point: &Point,
-    c: &Curvature,
+    point: &HeightAndSlope,
+    c: &Hessian,
 ) -> f64 {
-    let near = camera.coordinates(mirror.place(q, point)).0;
+    let near = camera.coordinates(mirror.position(q, point)).0;
     let s = point.slope;
     let variable = |value, slope| Dual::<2> { value, slope };
     let place = [variable(q.x, [1.0, 0.0]), variable(q.y, [0.0, 1.0])];
     let slope = [variable(s.x, [c.xx, c.xy]), variable(s.y, [c.xy, c.yy])];
-    let at = mirror.chart.place(place, variable(point.f, s.to_array()));
+    let at = mirror.chart.position(place, variable(point.f, s.to_array()));
     let curved = mirror.chart.slope(place, slope);
     let flat = curved.map(|p| Dual::constant(p.value));
-    let [shown, plane] = [curved, flat].map(|p| view.content(camera, at, p, near));
+    let [shown, plane] = [curved, flat].map(|p| view.image_of_seen(camera, at, p, near));
     let [[xx, xy], [yx, yy]] = [0, 1].map(|k| (shown[k] - plane[k]).slope);
     (xx * yy - xy * yx).abs()
 }

@@ -26,9 +26,9 @@ use super::deviation::{Triangle, largest_deviation};
 use super::ground::{Ground, Local};
 use super::region::{Contents, Plane, Region, Sight, second, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
-use crate::mirror::{Mirror, Point};
-use crate::num::{Interval, exp, larger};
-use crate::optics::View;
+use crate::mirror::{HeightAndSlope, Mirror};
+use crate::num::{Interval, exp, max_or_nan};
+use crate::optics::ImagingTask;
 
 /// A corner of a facet with what the mirror does there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,9 +86,9 @@ impl Bound {
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self {
-            chord_mm: larger(self.chord_mm, other.chord_mm),
-            facet_mm: larger(self.facet_mm, other.facet_mm),
-            rounding_mm: larger(self.rounding_mm, other.rounding_mm),
+            chord_mm: max_or_nan(self.chord_mm, other.chord_mm),
+            facet_mm: max_or_nan(self.facet_mm, other.facet_mm),
+            rounding_mm: max_or_nan(self.rounding_mm, other.rounding_mm),
         }
     }
 }
@@ -113,7 +113,7 @@ impl<'a> Prover<'a> {
     pub fn new(
         mirror: &'a Mirror,
         camera: &Chart,
-        view: Option<&'a View>,
+        view: Option<&'a ImagingTask>,
         precision: Precision,
     ) -> Self {
         Self::over(mirror.outline.bounds(), Sight { mirror, camera: *camera, view }, precision)
@@ -134,14 +134,14 @@ impl<'a> Prover<'a> {
     /// The corner at `q` of the mirror's chart, over which the mirror's point is `point`.
     #[inline]
     #[must_use]
-    pub fn vertex(&self, q: DVec2, point: Point) -> Vertex {
+    pub fn vertex(&self, q: DVec2, point: HeightAndSlope) -> Vertex {
         let Sight { mirror, camera, view } = &self.sight;
         let chart = &mirror.chart;
-        let at = mirror.place(q, &point);
+        let at = mirror.position(q, &point);
         let (h, gradient) = if chart.vergence == 0.0 {
             (point.f, point.slope)
         } else {
-            (chart.flat(point.f), point.slope * exp(chart.vergence * point.f))
+            (chart.projective_height(point.f), point.slope * exp(chart.vergence * point.f))
         };
         let image = if camera == chart { q } else { camera.coordinates(at).0 };
         let content =
@@ -181,26 +181,27 @@ impl<'a> Prover<'a> {
         let Some(view) = self.sight.view else {
             return (Bound { chord_mm, ..Bound::default() }, [surely, 0.0]);
         };
-        let apart = |a: DVec2, b: DVec2| view.projection.apart(a, b);
+        let apart = |a: DVec2, b: DVec2| view.projection.image_distance(a, b);
         let (largest, rounding_mm, facet_mm) = if self.plain {
-            let off = |shown: DVec2| t.iter().map(|v| apart(shown, v.content)).fold(0.0, larger);
+            let off =
+                |shown: DVec2| t.iter().map(|v| apart(shown, v.content)).fold(0.0, max_or_nan);
             let exact = self.shown(view, &facets.exact, t, 0);
             let (mut largest, mut rounding) = (off(exact), 0.0);
             if let Some(single) = &facets.single {
                 let shown = self.shown(view, single, t, 0);
-                (largest, rounding) = (larger(largest, off(shown)), apart(shown, exact));
+                (largest, rounding) = (max_or_nan(largest, off(shown)), apart(shown, exact));
             }
             (largest, rounding, largest + triangle.bend(region.second))
         } else {
             let shown = |facet: &Facet| [0, 1, 2].map(|i| self.shown(view, facet, t, i));
             let farthest = |a: [DVec2; 3], b: [DVec2; 3]| {
-                a.into_iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, larger)
+                a.into_iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, max_or_nan)
             };
             let (exact, own) = (shown(&facets.exact), t.map(|v| v.content));
             let (mut largest, mut rounding) = (farthest(exact, own), 0.0);
             if let Some(single) = &facets.single {
                 let shown = shown(single);
-                largest = larger(largest, farthest(shown, own));
+                largest = max_or_nan(largest, farthest(shown, own));
                 rounding = farthest(shown, exact);
             }
             (largest, rounding, self.in_image(t, &local, &facets, &region, [largest, chord_mm]))
@@ -322,18 +323,24 @@ impl<'a> Prover<'a> {
 
     /// What corner `i` of a facet shows.
     #[inline]
-    fn shown(&self, view: &View, facet: &Facet, t: [&Vertex; 3], i: usize) -> DVec2 {
+    fn shown(&self, view: &ImagingTask, facet: &Facet, t: [&Vertex; 3], i: usize) -> DVec2 {
         self.content(view, facet.corners[i], facet.slope, t[i].image)
     }
 
     /// The image point whose wanted direction is seen at `near` where the mirror has `slope`.
     #[inline]
-    pub(super) fn content(&self, view: &View, at: DVec3, slope: DVec2, near: DVec2) -> DVec2 {
+    pub(super) fn content(
+        &self,
+        view: &ImagingTask,
+        at: DVec3,
+        slope: DVec2,
+        near: DVec2,
+    ) -> DVec2 {
         DVec2::from_array(if self.plain {
             // The same, without what parallel rays and infinity leave out.
-            view.projection.locate((-slope).to_array(), near)
+            view.projection.image_of((-slope).to_array(), near)
         } else {
-            view.content(&self.sight.camera, at.to_array(), slope.to_array(), near)
+            view.image_of_seen(&self.sight.camera, at.to_array(), slope.to_array(), near)
         })
     }
 
@@ -346,7 +353,7 @@ impl<'a> Prover<'a> {
         let (mut off, mut lean, mut ray) = (0.0, f64::INFINITY, 1.0f64);
         for (i, v) in t.iter().enumerate() {
             let delta = single.corners[i] - exact.corners[i];
-            off = larger(off, (delta.z - exact.slope.dot(delta.truncate())).abs());
+            off = max_or_nan(off, (delta.z - exact.slope.dot(delta.truncate())).abs());
             if k != 0.0 {
                 lean = lean.min(1.0 + k * v.q.dot(exact.slope));
                 ray = ray.max(1.0 + k * k * v.q.length_squared());
@@ -357,7 +364,7 @@ impl<'a> Prover<'a> {
         } else if lean > 0.0 {
             // It then reaches a little beyond the exact facet, too.
             let flat = gradient(t);
-            let steep = t.iter().map(|v| (v.gradient - flat).length()).fold(0.0, larger);
+            let steep = t.iter().map(|v| (v.gradient - flat).length()).fold(0.0, max_or_nan);
             let bend = size_of(region.third) * triangle.diameter * triangle.diameter / 6.0;
             off * ray.sqrt() / lean + self.shift(t, facets) * (steep + bend) * region.stretch
         } else {
@@ -394,7 +401,7 @@ impl<'a> Prover<'a> {
             let delta = *corner - v.at;
             (1.0 + k * v.h) * (delta.truncate() + v.q * (k * delta.z)).length()
         };
-        t.iter().zip(&single.corners).map(shift).fold(0.0, larger)
+        t.iter().zip(&single.corners).map(shift).fold(0.0, max_or_nan)
     }
 
     /// Whether the facet, of which nothing can be said, lies where the mirror may look at a place
@@ -439,7 +446,7 @@ impl Facets {
         let corners = t.map(|v| v.at);
         let single = (precision == Precision::Single).then(|| {
             let rounded = corners.map(|p| p.as_vec3().as_dvec3());
-            let moved = (0..3).map(|i| (rounded[i] - corners[i]).length()).fold(0.0, larger);
+            let moved = (0..3).map(|i| (rounded[i] - corners[i]).length()).fold(0.0, max_or_nan);
             Facet::new(rounded, moved)
         });
         Self { exact: Facet::new(corners, 0.0), single }

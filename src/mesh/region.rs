@@ -5,9 +5,9 @@
 //! second derivatives. Intervals lose a factor of a few, but only in terms of second order.
 
 use crate::geom::{Chart, DVec2, Outline};
-use crate::mirror::{Bounds, Mirror, Surface, Union};
+use crate::mirror::{DerivativeBounds, Mirror, Surface, UnionBound};
 use crate::num::{Interval, Jet2, Scalar, exp};
-use crate::optics::{Target, View};
+use crate::optics::{ImagingTask, Target};
 
 type Jet = Jet2<Interval>;
 
@@ -87,7 +87,7 @@ impl Region {
     }
 }
 
-impl Union for Region {
+impl UnionBound for Region {
     fn union(self, other: Self) -> Self {
         let ([lo, hi], [other_lo, other_hi]) = (self.gradient, other.gradient);
         Self {
@@ -178,7 +178,7 @@ pub struct Sight<'a> {
     /// The camera's chart.
     pub camera: Chart,
     /// What its image must show.
-    pub view: Option<&'a View>,
+    pub view: Option<&'a ImagingTask>,
 }
 
 impl Sight<'_> {
@@ -197,7 +197,12 @@ impl Sight<'_> {
 
     /// Everything about the box `lo`..`hi`, over which `bounds` hold, and about facets that touch
     /// it and lie where `around` holds, or inside the box without that.
-    pub fn region(&self, [lo, hi]: [DVec2; 2], bounds: &Bounds, around: Option<&Bounds>) -> Region {
+    pub fn region(
+        &self,
+        [lo, hi]: [DVec2; 2],
+        bounds: &DerivativeBounds,
+        around: Option<&DerivativeBounds>,
+    ) -> Region {
         let chart = &self.mirror.chart;
         let k = chart.vergence;
         let reach = lo.abs().max(hi.abs()).length();
@@ -221,9 +226,9 @@ impl Sight<'_> {
     /// box.
     fn see(
         &self,
-        view: &View,
+        view: &ImagingTask,
         [lo, hi]: [DVec2; 2],
-        [bounds, around]: [&Bounds; 2],
+        [bounds, around]: [&DerivativeBounds; 2],
         levels: usize,
         region: &mut Region,
     ) {
@@ -254,7 +259,7 @@ impl Sight<'_> {
     }
 
     /// The facets that may touch a box: with gradients of h in the box returned.
-    fn planes(&self, part: [DVec2; 2], bounds: &Bounds) -> (Option<Plane>, [DVec2; 2]) {
+    fn planes(&self, part: [DVec2; 2], bounds: &DerivativeBounds) -> (Option<Plane>, [DVec2; 2]) {
         if self.is_plain() {
             return (None, Region::NOTHING.gradient);
         }
@@ -263,17 +268,20 @@ impl Sight<'_> {
         let grow = Interval::new(exp(k * bounds.f.lo), exp(k * bounds.f.hi));
         let wide = bounds.slope.map(|s| {
             let range = s * grow;
-            Interval::around(range.centre(), (0.5 + MARGIN) * range.width())
+            Interval::around(range.mid(), (0.5 + MARGIN) * range.width())
         });
         // Rounded facets leave the mirror's heights by less than this.
         let slack = ROUNDING * self.mirror.outline.bounds().size().max_element();
-        let h = Interval::new(chart.flat(bounds.f.lo) - slack, chart.flat(bounds.f.hi) + slack);
+        let h = Interval::new(
+            chart.projective_height(bounds.f.lo) - slack,
+            chart.projective_height(bounds.f.hi) + slack,
+        );
         let gradient = [DVec2::new(wide[0].lo, wide[1].lo), DVec2::new(wide[0].hi, wide[1].hi)];
         (Some(Plane::of_gradient(k, sides(part), h, wide)), gradient)
     }
 
     /// Bounds over a part of a region where `bounds` hold: by Taylor's theorem about its middle.
-    pub fn narrow(&self, bounds: &Bounds, [lo, hi]: [DVec2; 2]) -> Bounds {
+    pub fn narrow(&self, bounds: &DerivativeBounds, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
         let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
         if !self.is_sound([lo, hi]) {
             return match &self.mirror.surface {
@@ -282,7 +290,7 @@ impl Sight<'_> {
             };
         }
         let point = self.mirror.surface.at(middle);
-        let c = self.mirror.surface.curvature(middle);
+        let c = self.mirror.surface.hessian(middle);
         let [x, y] = [half.x, half.y].map(|half| Interval::around(0.0, half));
         let near = |at: f64, x_rate: Interval, y_rate: Interval, known: Interval| {
             // Evaluation is good to far better than this.
@@ -299,7 +307,7 @@ impl Sight<'_> {
         let [known_x, known_y] = bounds.slope;
         let slope = [near(point.slope.x, xx, xy, known_x), near(point.slope.y, xy, yy, known_y)];
         let f = near(point.f, slope[0], slope[1], bounds.f);
-        Bounds { f, slope, hessian: [xx, xy, yy], third: bounds.third }
+        DerivativeBounds { f, slope, hessian: [xx, xy, yy], third: bounds.third }
     }
 
     /// Whether the ways from a box's middle to its points on the mirror stay where a round surface's
@@ -317,13 +325,13 @@ impl Sight<'_> {
     /// The contents over a box where `bounds` hold; without a plane those of a facet do not vary.
     pub fn contents(
         &self,
-        view: &View,
+        view: &ImagingTask,
         [lo, hi]: [DVec2; 2],
-        bounds: &Bounds,
+        bounds: &DerivativeBounds,
         plane: Option<Plane>,
     ) -> Contents {
         let chart = &self.mirror.chart;
-        let middle = chart.point(0.5 * (lo + hi), bounds.f.centre());
+        let middle = chart.point(0.5 * (lo + hi), bounds.f.mid());
         let near = self.camera.coordinates(middle).0;
         let [x, y] = sides([lo, hi]);
         let q = [Jet::variable_x(x), Jet::variable_y(y)];
@@ -333,8 +341,8 @@ impl Sight<'_> {
             Jet::from_parts(bounds.slope[0], [xx, xy], [xxx, xxy, xyy]),
             Jet::from_parts(bounds.slope[1], [xy, yy], [xxy, xyy, yyy]),
         ];
-        let (at, p) = (|| chart.place(q, f), chart.slope(q, slope));
-        let mirror = view.content_along(self.tangent(q, at), at, p, near);
+        let (at, p) = (|| chart.position(q, f), chart.slope(q, slope));
+        let mirror = view.image_of_seen_along(self.tangent(q, at), at, p, near);
         let facet = plane.map_or([Jet::constant(0.0); 2], |plane| {
             self.facet_contents(view, [lo, hi], plane, near)
         });
@@ -344,7 +352,7 @@ impl Sight<'_> {
     /// The contents of facets over a box.
     pub fn facet_contents(
         &self,
-        view: &View,
+        view: &ImagingTask,
         part: [DVec2; 2],
         plane: Plane,
         near: DVec2,
@@ -357,7 +365,7 @@ impl Sight<'_> {
             let grow = h * chart.vergence + 1.0;
             [q[0] / grow, q[1] / grow, h / grow + chart.plane_mm]
         };
-        view.content_along(self.tangent(q, at), at, plane.slope.map(Jet::flat), near)
+        view.image_of_seen_along(self.tangent(q, at), at, plane.slope.map(Jet::flat), near)
     }
 
     /// The tangent of the camera's ray to the point `at` over `q`. In its own chart it follows from q
@@ -372,11 +380,11 @@ impl Sight<'_> {
 
     /// [`Region::drift`]: |v| / (1 + p . v), with v the tangent of the ray's angle to the axis and
     /// p the mirror's slope. (The chart is then that of parallel rays.)
-    fn drift(&self, part: [DVec2; 2], bounds: &Bounds) -> f64 {
+    fn drift(&self, part: [DVec2; 2], bounds: &DerivativeBounds) -> f64 {
         if self.camera == self.mirror.chart {
             return 0.0;
         }
-        let view = self.camera.view(self.mirror.chart.place(sides(part), bounds.f));
+        let view = self.camera.view(self.mirror.chart.position(sides(part), bounds.f));
         let lean = view[0] * bounds.slope[0] + view[1] * bounds.slope[1] + 1.0;
         let tangent = size(view.into_iter().map(Interval::magnitude));
         if lean.lo > 0.0 { tangent / lean.lo } else { f64::INFINITY }
@@ -393,7 +401,7 @@ pub fn beyond(outline: &Outline, [lo, hi]: [DVec2; 2]) -> bool {
 
 /// The third derivatives of h = (exp(k f) - 1) / k:
 /// exp(k f) (f_ijk + k (f_ij f_k + f_ik f_j + f_jk f_i) + k^2 f_i f_j f_k).
-fn third(bounds: &Bounds, k: f64) -> [Interval; 4] {
+fn third(bounds: &DerivativeBounds, k: f64) -> [Interval; 4] {
     if k == 0.0 {
         return bounds.third;
     }

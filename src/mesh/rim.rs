@@ -28,13 +28,13 @@ impl Arc {
     /// The arcs of `mirror`, the outer one last; none of a rectangle.
     fn all(mirror: &Mirror) -> Vec<Self> {
         let Outline::Ring { inner, outer } = mirror.outline else { return Vec::new() };
-        let ends = match mirror.even {
+        let ends = match mirror.mirror_symmetric {
             [true, true] => [0.0, FRAC_PI_2],
             [true, false] => [-FRAC_PI_2, FRAC_PI_2],
             [false, true] => [0.0, PI],
             [false, false] => [-PI, PI],
         };
-        let closed = mirror.even == [false; 2];
+        let closed = mirror.mirror_symmetric == [false; 2];
         let radii = [inner, outer].into_iter().filter(|&radius| radius > 0.0);
         radii.map(|radius| Self { radius, ends, closed }).collect()
     }
@@ -134,11 +134,11 @@ impl Rim {
             Outline::Ring { inner, outer } => {
                 let mut lines = Vec::new();
                 for (axis, way) in [(1, DVec2::X), (0, DVec2::Y)] {
-                    if !mirror.even[axis] {
+                    if !mirror.mirror_symmetric[axis] {
                         continue;
                     }
                     // The half of the axis that is an edge, or both halves of it.
-                    let both = !mirror.even[1 - axis];
+                    let both = !mirror.mirror_symmetric[1 - axis];
                     if both && inner == 0.0 {
                         lines.push([way * -outer, way * outer]);
                     } else {

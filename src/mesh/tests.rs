@@ -3,12 +3,12 @@
 use super::doubt::{Doubt, Shrunk};
 use super::{Bound, Face, Limits, MeshError, Prover, Vertex, mesh};
 use crate::geom::{Chart, DVec2, DVec3, Outline, Precision, Rect, turn};
-use crate::mirror::{Mirror, Round, Sheet, Surface};
+use crate::mirror::{Mirror, RadialLegendre, Surface, TensorLegendre};
 use crate::num::legendre::{Series, values};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::sample::Draws;
 use crate::num::{atan2, cos, exp, log, radians, sin};
-use crate::optics::{Law, Projection, RadialLaw, Rims, Strip, Target, View};
+use crate::optics::{ImagingTask, Law, Projection, RadialLaw, Rims, Strip, Target};
 use std::collections::{HashMap, HashSet};
 
 const PARALLEL: Chart = Chart { vergence: 0.0, plane_mm: 20.0 };
@@ -36,9 +36,9 @@ fn sheet(rect: Rect, chart: Chart, degree: usize, f: impl Fn(DVec2) -> f64) -> M
     let (centre, half) = (rect.centre(), 0.5 * rect.size());
     let at = |u: f64, v: f64| f(centre + half * DVec2::new(u, v));
     let series = series([degree + 1; 2], at);
-    let surface = Surface::Tensor(Sheet { series, centre, half, scale_mm: 1.0 });
+    let surface = Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 });
     let outline = Outline::Rect(rect);
-    Mirror { surface, chart, outline, folded: false, even: [false; 2] }
+    Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] }
 }
 
 /// A mirror of height `f` over radii.
@@ -47,18 +47,18 @@ fn ring([inner, outer]: [f64; 2], chart: Chart, f: impl Fn(f64) -> f64) -> Mirro
         let disc = outer * (0.5 * (u + 1.0)).sqrt();
         f(if inner == 0.0 { disc } else { inner + 0.5 * (u + 1.0) * (outer - inner) })
     };
-    let surface = Surface::Round(Round::new(series([17, 1], at), [inner, outer], 1.0));
+    let surface = Surface::Round(RadialLegendre::new(series([17, 1], at), [inner, outer], 1.0));
     let outline = Outline::Ring { inner, outer };
-    Mirror { surface, chart, outline, folded: false, even: [true; 2] }
+    Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] }
 }
 
-fn strip(law: Law, target: Target) -> View {
+fn strip(law: Law, target: Target) -> ImagingTask {
     let projection = Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.3 });
-    View { projection, target, origin_mm: 20.0, fold: None }
+    ImagingTask { projection, target, origin_mm: 20.0, fold: None }
 }
 
 /// The field of `view` summed up along lines from `from`: a mirror that about fits.
-fn towards<'a>(view: &'a View, chart: &'a Chart, from: DVec2) -> impl Fn(DVec2) -> f64 + 'a {
+fn towards<'a>(view: &'a ImagingTask, chart: &'a Chart, from: DVec2) -> impl Fn(DVec2) -> f64 + 'a {
     let (nodes, weights) = gauss_legendre(12);
     move |q: DVec2| {
         let part = |(x, w): (&f64, &f64)| {
@@ -73,7 +73,7 @@ fn towards<'a>(view: &'a View, chart: &'a Chart, from: DVec2) -> impl Fn(DVec2) 
 struct Case {
     mirror: Mirror,
     camera: Chart,
-    view: View,
+    view: ImagingTask,
 }
 
 impl Case {
@@ -100,18 +100,18 @@ impl Case {
         };
         let along = met(&mirror.chart);
         let (q, _) = mirror.chart.coordinates(along);
-        let chord = along.distance(mirror.place(q, &mirror.surface.at(q)));
+        let chord = along.distance(mirror.position(q, &mirror.surface.at(q)));
 
         let at = met(camera);
         let image = camera.coordinates(at).0;
         let slope = -normal.truncate() / normal.z;
         let content = |at: DVec3, slope: DVec2| {
-            let content = self.view.content(camera, at.to_array(), slope.to_array(), image);
+            let content = self.view.image_of_seen(camera, at.to_array(), slope.to_array(), image);
             DVec2::from_array(content)
         };
-        let under = mirror.under(camera, image).unwrap();
+        let under = mirror.intersect_camera_ray(camera, image).unwrap();
         let point = mirror.surface.at(under);
-        let smooth = content(mirror.place(under, &point), mirror.slope(under, &point));
+        let smooth = content(mirror.position(under, &point), mirror.slope(under, &point));
         [chord, content(at, slope).distance(smooth)]
     }
 
@@ -152,7 +152,7 @@ impl Case {
             0.5 * turn(a, b, c)
         };
         let sum: f64 = (0..face.mesh.triangles.len()).map(area).sum();
-        let exact = self.mirror.whole().area();
+        let exact = self.mirror.full_outline().area();
         let mut open: HashSet<u32> = HashSet::new();
         let mut edges = HashMap::new();
         for t in &face.mesh.triangles {
@@ -208,7 +208,7 @@ fn conformal() -> Case {
     let rect = Rect { min: DVec2::new(-30.0, -18.0), max: DVec2::new(30.0, 22.5) };
     let f = |q: DVec2| 19.0 * exp(-(q.y / 19.0 - 0.3)) * cos(q.x / 19.0);
     let mut mirror = sheet(rect, Chart { plane_mm: 0.0, ..PARALLEL }, 20, f);
-    mirror.even = [true, false];
+    mirror.mirror_symmetric = [true, false];
     Case { mirror, camera: Chart { plane_mm: 0.0, ..PARALLEL }, view }
 }
 
@@ -228,7 +228,7 @@ fn an_error_that_is_no_number_is_not_forgotten() {
 fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
     let rims = Rims { radius: [10.0, 30.0], psi: [0.4, 1.9], vergence: PINHOLE.vergence };
     let projection = Projection::Radial { law: rims.equiangular(), radius: rims.radius };
-    let view = View { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
+    let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
     let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
     let case = Case { mirror, camera: PINHOLE, view };
     let prover = Prover::new(&case.mirror, &case.camera, Some(&case.view), Precision::Single);
@@ -323,7 +323,7 @@ fn disc_in_a_cylinder() {
     let rims = Rims { radius: [0.0, 30.0], psi: [0.0, radians(90.0)], vergence: 0.0 };
     let projection = Projection::Radial { law: rims.parabolic(), radius: rims.radius };
     let target = Target::Cylinder { radius_mm: 200.0 };
-    let view = View { projection, target, origin_mm: 12.0, fold: None };
+    let view = ImagingTask { projection, target, origin_mm: 12.0, fold: None };
     let mirror = ring([0.0, 30.0], PARALLEL, |r| -r * r / 60.0 + 1e-7 * r * r * r * r);
     let case = Case { mirror, camera: PARALLEL, view };
     for limits in [(Some(1e-3), None), (Some(2e-2), Some(0.3)), (None, Some(0.8))] {
@@ -343,7 +343,7 @@ fn cone_under_a_pinhole() {
     let cone = |r: f64| -log((1.0 - slope * k * 20.0) / (1.0 - slope * k * r)) / k;
     let mirror = ring(rims.radius, PINHOLE, cone);
     let projection = Projection::Radial { law, radius: rims.radius };
-    let view = View { projection, target: Target::Infinity, origin_mm: 15.0, fold: None };
+    let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 15.0, fold: None };
     let case = Case { mirror, camera: PINHOLE, view };
     for limits in [(Some(1e-3), None), (None, Some(0.5)), (None, Some(1.5))] {
         let face = case.mesh(limits.0, limits.1);
@@ -364,7 +364,7 @@ fn given_mirrors_under_a_pinhole() {
     for (mirror, view) in [
         (
             ring([0.0, 22.0], PARALLEL, bowl),
-            View { projection: radial, target, origin_mm: 15.0, fold: None },
+            ImagingTask { projection: radial, target, origin_mm: 15.0, fold: None },
         ),
         (sheet, strip(Law::Equirectangular, Target::Infinity)),
     ] {

@@ -11,8 +11,8 @@ use super::ground::Local;
 use super::proof::{Bound, Facets, Prover, Vertex, gradient_of, size_of};
 use super::region::Sight;
 use crate::geom::{DVec2, DVec3};
-use crate::num::{exp, larger};
-use crate::optics::View;
+use crate::num::{exp, max_or_nan};
+use crate::optics::ImagingTask;
 
 /// Largest share by which a bound should be over an error that is reached.
 pub(super) const LOOSE: f64 = 0.04;
@@ -197,7 +197,7 @@ impl Prover<'_> {
                 (0..parts.len()).reduce(|a, b| if parts[b].bound > parts[a].bound { b } else { a });
             let Some(k) = worst else { break };
             let Part { corners: [a, b, c], bound } = parts[k];
-            let found = Found { bound: larger(bound, reached), reached };
+            let found = Found { bound: max_or_nan(bound, reached), reached };
             if enough(&found) || (split >= MOST_UNBOUND && !(bound < f64::INFINITY)) {
                 return found;
             }
@@ -210,7 +210,7 @@ impl Prover<'_> {
                 }
             }
         }
-        let bound = parts.iter().map(|part| part.bound).fold(reached, larger);
+        let bound = parts.iter().map(|part| part.bound).fold(reached, max_or_nan);
         Found { bound, reached }
     }
 }
@@ -219,7 +219,7 @@ impl Prover<'_> {
 struct Work<'a> {
     prover: &'a Prover<'a>,
     kind: Kind,
-    view: Option<&'a View>,
+    view: Option<&'a ImagingTask>,
     corners: [DVec2; 3],
     diameter: f64,
     facets: Facets,
@@ -278,7 +278,7 @@ impl<'a> Work<'a> {
         }
         let (chart, k) = (&mirror.chart, self.vergence());
         let slope = if k == 0.0 { point.slope } else { point.slope * exp(k * point.f) };
-        self.place(weights, q, [chart.flat(point.f), slope.x, slope.y], DVec2::ZERO)
+        self.place(weights, q, [chart.projective_height(point.f), slope.x, slope.y], DVec2::ZERO)
     }
 
     fn place(&self, weights: [f64; 3], q: DVec2, [h, x, y]: [f64; 3], content: DVec2) -> Place {
@@ -293,9 +293,9 @@ impl<'a> Work<'a> {
                 let at = self.lifted(q, h);
                 let near = if is_same { q } else { camera.coordinates(at).0 };
                 let found = self.prover.content(view, at, facet.slope, near);
-                shown = larger(shown, view.projection.apart(found, content));
+                shown = max_or_nan(shown, view.projection.image_distance(found, content));
                 if !is_same && let Some(aside) = self.aside(view, near) {
-                    seen = seen.max(view.projection.apart(found, aside));
+                    seen = seen.max(view.projection.image_distance(found, aside));
                 }
             }
             if is_same {
@@ -307,11 +307,11 @@ impl<'a> Work<'a> {
     }
 
     /// What the mirror shows at the image point `near` of another camera than the chart's.
-    fn aside(&self, view: &View, near: DVec2) -> Option<DVec2> {
+    fn aside(&self, view: &ImagingTask, near: DVec2) -> Option<DVec2> {
         let Sight { mirror, camera, .. } = &self.prover.sight;
-        let q = mirror.under(camera, near)?;
+        let q = mirror.intersect_camera_ray(camera, near)?;
         let point = mirror.surface.at(q);
-        Some(self.prover.content(view, mirror.place(q, &point), mirror.slope(q, &point), near))
+        Some(self.prover.content(view, mirror.position(q, &point), mirror.slope(q, &point), near))
     }
 
     /// The point over `q` of height `h`.
@@ -353,7 +353,7 @@ impl<'a> Work<'a> {
                 .iter()
                 .flat_map(|c| self.gradients.map(|gradient| (c.gradient - gradient).length()));
             let bend = size_of(third) * triangle.diameter * triangle.diameter / 6.0;
-            rise += self.shift * (steep.fold(0.0, larger) + bend);
+            rise += self.shift * (steep.fold(0.0, max_or_nan) + bend);
         }
         let mut consider = |place: &Place| {
             let farthest = place.over.map(f64::abs).into_iter().fold(0.0, f64::max);
@@ -392,7 +392,7 @@ impl<'a> Work<'a> {
             self.rise(corners, local, triangle.twist(region.third)).0
         };
         let aside = self.prover.aside(&region, chord) + self.shift;
-        let largest = corners.iter().map(|c| c.shown).fold(0.0, larger);
+        let largest = corners.iter().map(|c| c.shown).fold(0.0, max_or_nan);
         *reached = corners.iter().map(|c| c.seen).fold(*reached, f64::max);
         let quick = triangle.bend(region.second);
         let known = self.gradients.iter().all(|&gradient| local.is_known(&region, gradient));

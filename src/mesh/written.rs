@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::geom::Chart;
     use crate::mesh::region::Sight;
-    use crate::mirror::{Mirror, Sheet, Surface};
+    use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 
@@ -122,14 +122,14 @@ mod tests {
             _ => 0.0,
         });
         let half = DVec2::splat(30.0);
-        let sheet = Sheet { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
+        let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
         let rect = Rect { min: -half, max: half };
         let mirror = Mirror {
             surface: Surface::Tensor(sheet),
             chart: Chart { vergence, plane_mm: 25.0 },
             outline: Outline::Rect(rect),
             folded: false,
-            even: [false; 2],
+            mirror_symmetric: [false; 2],
         };
         let sight = Sight { mirror: &mirror, camera: mirror.chart, view: None };
         let prover = Prover::over(rect, sight, Precision::Single);

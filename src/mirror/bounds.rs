@@ -3,7 +3,7 @@
 //! Partial derivatives of a tensor series, or of a spline's patch, are polynomials, bounded over a
 //! cell by their Bernstein coefficients.
 
-use super::{Sheet, Surface};
+use super::{Surface, TensorLegendre};
 use crate::geom::{DVec2, Rect};
 use crate::num::{Interval, bernstein};
 use crate::parallel;
@@ -17,7 +17,7 @@ pub(super) const OFF: f64 = 1e-11;
 /// What holds at every point of a region: ranges of f, (f_x, f_y), (f_xx, f_xy, f_yy) and
 /// (f_xxx, f_xxy, f_xyy, f_yyy), in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
+pub struct DerivativeBounds {
     /// f.
     pub f: Interval,
     /// First derivatives.
@@ -29,13 +29,13 @@ pub struct Bounds {
 }
 
 /// A bound that holds for two regions together.
-pub trait Union: Copy {
+pub trait UnionBound: Copy {
     /// What holds in both.
     #[must_use]
     fn union(self, other: Self) -> Self;
 }
 
-impl Union for Bounds {
+impl UnionBound for DerivativeBounds {
     fn union(self, other: Self) -> Self {
         fn both<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
             std::array::from_fn(|k| a[k].hull(b[k]))
@@ -51,7 +51,7 @@ impl Union for Bounds {
 
 /// One bound for each cell of a rectangle.
 #[derive(Debug, Clone)]
-pub struct Cells<T> {
+pub struct BoundGrid<T> {
     rect: Rect,
     /// Cells per side.
     count: usize,
@@ -59,7 +59,7 @@ pub struct Cells<T> {
     values: Vec<T>,
 }
 
-impl Cells<Bounds> {
+impl BoundGrid<DerivativeBounds> {
     /// Bounds of `surface` over `rect`, as far as the surface reaches.
     #[must_use]
     pub fn new(surface: &Surface, rect: Rect) -> Self {
@@ -79,7 +79,10 @@ impl Cells<Bounds> {
     }
 
     /// A bound for each cell's corners.
-    fn each(&self, bounds: impl Fn(DVec2, DVec2) -> Bounds + Sync) -> Vec<Bounds> {
+    fn each(
+        &self,
+        bounds: impl Fn(DVec2, DVec2) -> DerivativeBounds + Sync,
+    ) -> Vec<DerivativeBounds> {
         let cell = |k| {
             let [lo, hi] = self.corners(k);
             bounds(lo, hi)
@@ -88,7 +91,7 @@ impl Cells<Bounds> {
     }
 }
 
-impl Bounds {
+impl DerivativeBounds {
     /// What holds of the sum of two functions.
     fn plus(&self, other: &Self) -> Self {
         fn sums<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
@@ -103,7 +106,7 @@ impl Bounds {
     }
 }
 
-impl<T> Cells<T> {
+impl<T> BoundGrid<T> {
     /// Opposite corners of a cell.
     fn corners(&self, k: usize) -> [DVec2; 2] {
         let (i, j) = (k % self.count, k / self.count);
@@ -118,13 +121,17 @@ impl<T> Cells<T> {
         &self,
         parts: usize,
         derive: impl Fn([DVec2; 2], &T) -> U + Sync,
-    ) -> Cells<U>
+    ) -> BoundGrid<U>
     where
         T: Sync,
     {
         let count = parts * self.count;
-        let mut cells =
-            Cells { rect: self.rect, count, cell: self.cell / parts as f64, values: Vec::new() };
+        let mut cells = BoundGrid {
+            rect: self.rect,
+            count,
+            cell: self.cell / parts as f64,
+            values: Vec::new(),
+        };
         let value = |k: usize| {
             let (i, j) = (k % count / parts, k / count / parts);
             derive(cells.corners(k), &self.values[j * self.count + i])
@@ -134,7 +141,7 @@ impl<T> Cells<T> {
     }
 }
 
-impl<T: Union> Cells<T> {
+impl<T: UnionBound> BoundGrid<T> {
     /// Bounds over the cells that the box `lo`..`hi` touches.
     #[inline]
     #[must_use]
@@ -160,14 +167,14 @@ impl<T: Union> Cells<T> {
 
 /// Third derivatives by their Bernstein coefficients, the others by Taylor's theorem about the middle
 /// of each cell.
-fn tensor(sheet: &Sheet, cells: &Cells<Bounds>) -> Vec<Bounds> {
+fn tensor(sheet: &TensorLegendre, cells: &BoundGrid<DerivativeBounds>) -> Vec<DerivativeBounds> {
     let (lo, step) = ((cells.rect.min - sheet.centre) / sheet.half, cells.cell / sheet.half);
     let edges =
         |lo: f64, step: f64| -> Vec<f64> { (0..=CELLS).map(|k| lo + step * k as f64).collect() };
     let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
     let middle = |k: usize| {
         let [lo, hi] = cells.corners(k);
-        let (point, c) = (sheet.at(0.5 * (lo + hi)), sheet.curvature(0.5 * (lo + hi)));
+        let (point, c) = (sheet.at(0.5 * (lo + hi)), sheet.hessian(0.5 * (lo + hi)));
         [point.f, point.slope.x, point.slope.y, c.xx, c.xy, c.yy]
     };
     let (third, middles): (_, Vec<[f64; 6]>) = parallel::join(
@@ -186,13 +193,13 @@ fn tensor(sheet: &Sheet, cells: &Cells<Bounds>) -> Vec<Bounds> {
         };
         let hessian @ [xx, xy, yy] = [about(3, xxx, xxy), about(4, xxy, xyy), about(5, xyy, yyy)];
         let slope @ [by_x, by_y] = [about(1, xx, xy), about(2, xy, yy)];
-        Bounds { f: about(0, by_x, by_y), slope, hessian, third }
+        DerivativeBounds { f: about(0, by_x, by_y), slope, hessian, third }
     };
     middles.iter().enumerate().map(bounds).collect()
 }
 
 /// Ranges over every cell of the third derivatives of the height, x-most first.
-fn third_derivatives(sheet: &Sheet, u: &[f64], v: &[f64]) -> [Vec<Interval>; 4] {
+fn third_derivatives(sheet: &TensorLegendre, u: &[f64], v: &[f64]) -> [Vec<Interval>; 4] {
     let ranges = |by_y: usize| {
         let mut series = sheet.series.clone();
         let mut unit = sheet.scale_mm;
@@ -223,29 +230,29 @@ mod tests {
     const PANEL: Rect = Rect { min: DVec2::new(-20.0, -14.0), max: DVec2::new(31.0, 9.0) };
 
     /// A wavy sheet of mixed degrees.
-    fn sheet() -> Sheet {
+    fn sheet() -> TensorLegendre {
         let series = Series::from_fn(7, 6, |i, j| {
             (1.0 + ((3 * i + 5 * j) % 7) as f64 - 3.0) / (1 + i * i + j * j) as f64
         });
         let (centre, half) = (DVec2::new(1.0, -2.0), DVec2::new(30.0, 12.0));
-        Sheet { series, centre, half, scale_mm: 4.0 }
+        TensorLegendre { series, centre, half, scale_mm: 4.0 }
     }
 
     #[test]
     fn bounds_hold_at_every_sample_and_are_not_idle() {
-        let bounds = Cells::new(&Surface::Tensor(sheet()), PANEL);
+        let bounds = BoundGrid::new(&Surface::Tensor(sheet()), PANEL);
         let step = 1e-3;
         let (mut found, mut allowed) = (0.0f64, 0.0f64);
         for (q, _) in PANEL.grid(37, 29) {
             let held = bounds.over(q, q);
-            let (point, c) = (sheet().at(q), sheet().curvature(q));
+            let (point, c) = (sheet().at(q), sheet().hessian(q));
             assert!(held.f.contains(point.f));
             assert!(held.slope[0].contains(point.slope.x) && held.slope[1].contains(point.slope.y));
             for (range, x) in held.hessian.iter().zip([c.xx, c.xy, c.yy]) {
                 assert!(range.contains(x));
             }
             let d = |e: DVec2| {
-                let (a, b) = (sheet().curvature(q + e * step), sheet().curvature(q - e * step));
+                let (a, b) = (sheet().hessian(q + e * step), sheet().hessian(q - e * step));
                 [a.xx - b.xx, a.xy - b.xy, a.yy - b.yy].map(|x| x / (2.0 * step))
             };
             let (dx, dy) = (d(DVec2::X), d(DVec2::Y));
@@ -261,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_box_over_many_cells_takes_the_worst_of_them() {
-        let bounds = Cells::new(&Surface::Tensor(sheet()), PANEL);
+        let bounds = BoundGrid::new(&Surface::Tensor(sheet()), PANEL);
         let whole = bounds.over(PANEL.min, PANEL.max);
         for (q, _) in PANEL.grid(9, 9) {
             let here = bounds.over(q, q);

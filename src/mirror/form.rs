@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Form {
     /// The sphere.
-    pub sphere: Sphere,
+    pub sphere: BestFitSphere,
     /// The plane.
-    pub plane: Plane,
+    pub plane: BestFitPlane,
 }
 
 /// A sphere that fits best: the squared distances from it sum to the least.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Sphere {
+pub struct BestFitSphere {
     /// Radius of curvature, mm, with the sign of a sag's formula, as of the profile's conics: positive
     /// where the centre lies on the camera's side (a hollow mirror), negative for a dome; none where
     /// the mirror is flat.
@@ -36,7 +36,7 @@ pub struct Sphere {
 
 /// A plane Z = a + b X + c Y that fits best: the squared distances along Z sum to the least.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Plane {
+pub struct BestFitPlane {
     /// Z on the axis, mm.
     pub height_mm: f64,
     /// (Z_X, Z_Y).
@@ -84,7 +84,7 @@ impl Form {
         let weight: f64 = samples.iter().map(|s| s.weight).sum();
         let middle = samples.iter().map(|s| s.at * s.weight).sum::<DVec3>() / weight;
         let plane = plane(&samples, middle);
-        let size = mirror.whole().bounds().size().max_element();
+        let size = mirror.full_outline().bounds().size().max_element();
         Self { sphere: sphere(&samples, middle, &plane, size), plane }
     }
 }
@@ -96,9 +96,9 @@ fn samples(mirror: &Mirror) -> Vec<Sample> {
     };
     let line = |line: Vec<(DVec2, f64)>| {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        let points = mirror.along(&places);
+        let points = mirror.eval_many(&places);
         line.into_iter().zip(points).map(|((q, weight), point)| Sample {
-            at: mirror.place(q, &point),
+            at: mirror.position(q, &point),
             normal: mirror.normal(q, &point).normalize(),
             weight,
         })
@@ -116,7 +116,7 @@ fn samples(mirror: &Mirror) -> Vec<Sample> {
     samples
 }
 
-fn plane(samples: &[Sample], middle: DVec3) -> Plane {
+fn plane(samples: &[Sample], middle: DVec3) -> BestFitPlane {
     let root = |k: usize| samples[k].weight.sqrt();
     let from = |k: usize| samples[k].at - middle;
     let a = DMatrix::from_fn(samples.len(), 3, |k, j| root(k) * [1.0, from(k).x, from(k).y][j]);
@@ -128,7 +128,7 @@ fn plane(samples: &[Sample], middle: DVec3) -> Plane {
     let normal = DVec3::new(-x[1], -x[2], 1.0);
     let up = |p: DVec3| p.z - height_mm - slope[0] * p.x - slope[1] * p.y;
     let departure = departure(samples, |p| (Some(up(p)), up(p) / normal.length(), normal));
-    Plane { height_mm, slope, departure }
+    BestFitPlane { height_mm, slope, departure }
 }
 
 /// Figures over all samples of `of`: height over the surface along Z, distance from it, and its
@@ -219,7 +219,7 @@ impl Ball {
     }
 }
 
-fn sphere(samples: &[Sample], middle: DVec3, plane: &Plane, size: f64) -> Sphere {
+fn sphere(samples: &[Sample], middle: DVec3, plane: &BestFitPlane, size: f64) -> BestFitSphere {
     let [b, c] = plane.slope;
     let normal = DVec3::new(-b, -c, 1.0).normalize();
     let offset = plane.height_mm + b * middle.x + c * middle.y - middle.z;
@@ -243,7 +243,7 @@ fn sphere(samples: &[Sample], middle: DVec3, plane: &Plane, size: f64) -> Sphere
         let (distance, gradient) = ball.distance(n, p - middle);
         (ball.up(n, p - middle), distance, gradient)
     });
-    Sphere {
+    BestFitSphere {
         radius_of_curvature_mm: radius_mm.map(|bulging| -bulging),
         radius_mm,
         centre_mm: centre.map(|centre| centre.to_array()),
@@ -266,7 +266,7 @@ impl Ball {
 mod tests {
     use super::*;
     use crate::geom::{Chart, Rect};
-    use crate::mirror::{Round, Sheet, Surface};
+    use crate::mirror::{RadialLegendre, Surface, TensorLegendre};
     use crate::num::legendre::Series;
 
     /// Z = 7 + sag(r^2) on a disc, by a series of so many terms.
@@ -282,11 +282,11 @@ mod tests {
         };
         let series = Series::from_fn(terms, 1, |i, _| term(i));
         Mirror {
-            surface: Surface::Round(Round::new(series, [0.0, radius], 1.0)),
+            surface: Surface::Round(RadialLegendre::new(series, [0.0, radius], 1.0)),
             chart: Chart { vergence: 0.0, plane_mm: 7.0 },
             outline: Outline::Ring { inner: 0.0, outer: radius },
             folded: false,
-            even: [true; 2],
+            mirror_symmetric: [true; 2],
         }
     }
 
@@ -295,7 +295,7 @@ mod tests {
         for (radius, bulge) in [(25.0, -1.0), (25.0, 1.0), (1e4, -1.0), (20.5, -1.0)] {
             let sag = |r2: f64| bulge * r2 / (radius + f64::sqrt(radius * radius - r2));
             let sphere = Form::of(&disc(40, 20.0, sag)).sphere;
-            let Sphere { radius_of_curvature_mm, radius_mm, centre_mm, departure } = sphere;
+            let BestFitSphere { radius_of_curvature_mm, radius_mm, centre_mm, departure } = sphere;
             let found = radius_of_curvature_mm.unwrap();
             assert_eq!(radius_mm, Some(-found));
             // The steepest is known no better than its series.
@@ -345,11 +345,11 @@ mod tests {
         let series = Series::from_fn(2, 2, |i, j| [[1.0, -2.0], [3.0, 0.0]][i][j]);
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
         let mirror = Mirror {
-            surface: Surface::Tensor(Sheet { series, centre, half, scale_mm: 1.0 }),
+            surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
             chart: Chart { vergence: 0.0, plane_mm: 10.0 },
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: false,
-            even: [false; 2],
+            mirror_symmetric: [false; 2],
         };
         let Form { sphere, plane } = Form::of(&mirror);
         assert!((plane.slope[0] - 0.75).abs() < 1e-14 && (plane.slope[1] + 0.4).abs() < 1e-14);
@@ -370,10 +370,10 @@ mod tests {
     fn a_mirror_wider_than_its_sphere_has_no_sag_on_it() {
         // A cone of 60 degrees, as a ring about the axis.
         let series = Series::from_fn(2, 1, |i, _| [0.0, -7.0][i]);
-        let surface = Surface::Round(Round::new(series, [2.0, 10.0], 1.0));
+        let surface = Surface::Round(RadialLegendre::new(series, [2.0, 10.0], 1.0));
         let chart = Chart { vergence: 0.0, plane_mm: 20.0 };
         let outline = Outline::Ring { inner: 2.0, outer: 10.0 };
-        let mirror = Mirror { surface, chart, outline, folded: false, even: [true; 2] };
+        let mirror = Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] };
         let Departure { sag_pv_mm, pv_mm, largest_mm, .. } = Form::of(&mirror).sphere.departure;
         assert!(sag_pv_mm.is_none() && pv_mm > largest_mm && largest_mm > 0.1);
     }
@@ -384,11 +384,11 @@ mod tests {
         let series = Series::from_fn(1, 2, |_, j| [-1.5, -1.5][j]);
         let (centre, half) = (DVec2::new(0.0, 1.5), DVec2::new(4.0, 1.5));
         let mirror = Mirror {
-            surface: Surface::Tensor(Sheet { series, centre, half, scale_mm: 1.0 }),
+            surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
             chart: Chart { vergence: 0.0, plane_mm: 10.0 },
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: true,
-            even: [true, false],
+            mirror_symmetric: [true, false],
         };
         let plane = Form::of(&mirror).plane;
         assert!((plane.height_mm - 8.5).abs() < 1e-12 && plane.slope[1].abs() < 1e-14);

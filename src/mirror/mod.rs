@@ -4,20 +4,20 @@
 //! folded, the surface's reflection in the plane Y = 0. The chart is that of the camera the mirror
 //! was designed for; a mirror given as sag over X and Y has the chart of parallel rays.
 
+mod bicubic_spline;
 mod bounds;
 mod form;
-mod patches;
-mod quadric;
-mod round;
-mod sheet;
+mod local_surface;
+mod radial_legendre;
+mod tensor_legendre;
 mod volume;
 
-pub use bounds::{Bounds, Cells, Union};
-pub use form::{Departure, Form, Plane, Sphere};
-pub use patches::{Knots, LEAST_KNOTS, Patches, PatchesRow};
-pub use quadric::Quadric;
-pub use round::{Rings, Round};
-pub use sheet::{Curvature, Point, Sheet, SheetRow};
+pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, Knots, LEAST_KNOTS};
+pub use bounds::{BoundGrid, DerivativeBounds, UnionBound};
+pub use form::{BestFitPlane, BestFitSphere, Departure, Form};
+pub use local_surface::LocalSurface;
+pub use radial_legendre::{RadialLegendre, Rings};
+pub use tensor_legendre::{HeightAndSlope, Hessian, TensorLegendre, TensorLegendreRow};
 
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
 
@@ -25,13 +25,13 @@ use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
 #[derive(Debug, Clone)]
 pub enum Surface {
     /// A tensor series over a rectangle.
-    Tensor(Sheet),
+    Tensor(TensorLegendre),
     /// A series along the radius.
-    Round(Round),
+    Round(RadialLegendre),
     /// The sum of both.
-    Sum(Round, Sheet),
+    Sum(RadialLegendre, TensorLegendre),
     /// A spline through sag on a grid.
-    Patches(Patches),
+    Patches(BicubicSpline),
 }
 
 impl Surface {
@@ -58,7 +58,7 @@ impl Surface {
 
     /// Height and slope at one point.
     #[must_use]
-    pub fn at(&self, q: DVec2) -> Point {
+    pub fn at(&self, q: DVec2) -> HeightAndSlope {
         match self {
             Self::Tensor(sheet) => sheet.at(q),
             Self::Round(round) => round.at(q),
@@ -69,15 +69,15 @@ impl Surface {
 
     /// Second derivatives at one point, 1/mm.
     #[must_use]
-    pub fn curvature(&self, q: DVec2) -> Curvature {
+    pub fn hessian(&self, q: DVec2) -> Hessian {
         match self {
-            Self::Tensor(sheet) => sheet.curvature(q),
-            Self::Round(round) => round.curvature(q),
+            Self::Tensor(sheet) => sheet.hessian(q),
+            Self::Round(round) => round.hessian(q),
             Self::Sum(round, sheet) => {
-                let (a, b) = (round.curvature(q), sheet.curvature(q));
-                Curvature { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
+                let (a, b) = (round.hessian(q), sheet.hessian(q));
+                Hessian { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
             }
-            Self::Patches(patches) => patches.curvature(q),
+            Self::Patches(patches) => patches.hessian(q),
         }
     }
 }
@@ -86,20 +86,20 @@ impl Surface {
 #[derive(Debug, Clone)]
 pub enum SurfaceRow<'a> {
     /// Of a tensor series.
-    Tensor(SheetRow),
+    Tensor(TensorLegendreRow),
     /// Of a round surface.
-    Round(&'a Round, f64),
+    Round(&'a RadialLegendre, f64),
     /// Of a sum.
-    Sum(&'a Round, f64, SheetRow),
+    Sum(&'a RadialLegendre, f64, TensorLegendreRow),
     /// Of a spline.
-    Patches(PatchesRow<'a>),
+    Patches(BicubicSplineRow<'a>),
 }
 
 impl SurfaceRow<'_> {
     /// Height and slope at `x`.
     #[inline]
     #[must_use]
-    pub fn at(&self, x: f64) -> Point {
+    pub fn at(&self, x: f64) -> HeightAndSlope {
         match self {
             Self::Tensor(row) => row.at(x),
             Self::Round(round, y) => round.at(DVec2::new(x, *y)),
@@ -123,7 +123,7 @@ pub struct Mirror {
     /// of the mirror.
     pub folded: bool,
     /// Whether the surface is even in x and in y and the outline symmetric, to the last bit.
-    pub even: [bool; 2],
+    pub mirror_symmetric: [bool; 2],
 }
 
 impl Mirror {
@@ -132,7 +132,7 @@ impl Mirror {
     #[must_use]
     pub fn reflections(&self) -> Vec<Self> {
         let mut all = vec![self.clone()];
-        for axis in (0..2).filter(|&axis| self.even[axis]) {
+        for axis in (0..2).filter(|&axis| self.mirror_symmetric[axis]) {
             let reflected =
                 |mirror: &Self| Self { surface: mirror.surface.reflected(axis), ..mirror.clone() };
             all.extend(all.iter().map(reflected).collect::<Vec<_>>());
@@ -142,7 +142,7 @@ impl Mirror {
 
     /// The outline of all panels.
     #[must_use]
-    pub fn whole(&self) -> Outline {
+    pub fn full_outline(&self) -> Outline {
         match self.outline {
             Outline::Rect(panel) if self.folded => {
                 let reach = panel.min.y.abs().max(panel.max.y.abs());
@@ -192,7 +192,7 @@ impl Mirror {
 
     /// Height and slope over each of `places`, best listed in lines of equal y.
     #[must_use]
-    pub fn along(&self, places: &[DVec2]) -> Vec<Point> {
+    pub fn eval_many(&self, places: &[DVec2]) -> Vec<HeightAndSlope> {
         let line = |line: &[DVec2]| {
             let row = self.row(line[0].y);
             line.iter().map(|q| row.at(q.x)).collect::<Vec<_>>()
@@ -203,50 +203,50 @@ impl Mirror {
     /// Where the mirror's point over `q` is.
     #[inline]
     #[must_use]
-    pub fn place(&self, q: DVec2, point: &Point) -> DVec3 {
+    pub fn position(&self, q: DVec2, point: &HeightAndSlope) -> DVec3 {
         self.chart.point(q, point.f)
     }
 
     /// The slope (Z_X, Z_Y) of the mirror's point over `q`.
     #[inline]
     #[must_use]
-    pub fn slope(&self, q: DVec2, point: &Point) -> DVec2 {
+    pub fn slope(&self, q: DVec2, point: &HeightAndSlope) -> DVec2 {
         DVec2::from_array(self.chart.slope(q.to_array(), point.slope.to_array()))
     }
 
     /// A normal towards the camera, not of unit length: (-Z_X, -Z_Y, 1).
     #[inline]
     #[must_use]
-    pub fn normal(&self, q: DVec2, point: &Point) -> DVec3 {
+    pub fn normal(&self, q: DVec2, point: &HeightAndSlope) -> DVec3 {
         (-self.slope(q, point)).extend(1.0)
     }
 
     /// The mirror's point over `q`, on any panel, with its derivatives over X and Y.
     #[must_use]
-    pub fn quadric(&self, q: DVec2) -> Quadric {
+    pub fn local_surface(&self, q: DVec2) -> LocalSurface {
         if self.reflects(q) {
-            return self.panel_quadric(q * DVec2::new(1.0, -1.0)).reflected();
+            return self.panel_local_surface(q * DVec2::new(1.0, -1.0)).reflected();
         }
-        self.panel_quadric(q)
+        self.panel_local_surface(q)
     }
 
     /// The same on the designed panel.
-    fn panel_quadric(&self, q: DVec2) -> Quadric {
-        Quadric::new(&self.chart, q, &self.surface.at(q), &self.surface.curvature(q))
+    fn panel_local_surface(&self, q: DVec2) -> LocalSurface {
+        LocalSurface::new(&self.chart, q, &self.surface.at(q), &self.surface.hessian(q))
     }
 
     /// The chart's coordinates of the mirror's point that a camera sees at its image point `q`:
     /// `q` itself for the camera the mirror was designed for; by Newton's method along the ray for
     /// another, and none where that does not converge.
     #[must_use]
-    pub fn under(&self, camera: &Chart, q: DVec2) -> Option<DVec2> {
-        self.under_near(camera, q, camera.plane_mm)
+    pub fn intersect_camera_ray(&self, camera: &Chart, q: DVec2) -> Option<DVec2> {
+        self.intersect_camera_ray_near(camera, q, camera.plane_mm)
     }
 
     /// The same, where the ray meets the mirror more than once the place near the height `z_mm`: a panel
     /// that goes on beyond the ridge may come to lie over itself.
     #[must_use]
-    pub fn under_near(&self, camera: &Chart, q: DVec2, z_mm: f64) -> Option<DVec2> {
+    pub fn intersect_camera_ray_near(&self, camera: &Chart, q: DVec2, z_mm: f64) -> Option<DVec2> {
         if *camera == self.chart {
             return Some(q);
         }
@@ -259,7 +259,7 @@ impl Mirror {
             // Along the ray the image point drifts by the view's tangent for each mm of height, and
             // heights of the two charts grow as views shrink towards their pinholes.
             let drift = q * camera.vergence - at * self.chart.vergence;
-            let growth = self.chart.shrink(on_ray.z) / camera.shrink(on_ray.z);
+            let growth = self.chart.view_scale(on_ray.z) / camera.view_scale(on_ray.z);
             let step = growth * (point.f - f) / (1.0 + point.slope.dot(drift));
             height += step;
             if step.abs() <= 1e-13 * size {
@@ -281,7 +281,7 @@ impl MirrorRow<'_> {
     /// Height and slope at `x`.
     #[inline]
     #[must_use]
-    pub fn at(&self, x: f64) -> Point {
+    pub fn at(&self, x: f64) -> HeightAndSlope {
         let mut point = self.row.at(x);
         if self.reflected {
             point.slope.y = -point.slope.y;

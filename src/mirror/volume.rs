@@ -1,6 +1,6 @@
 //! Volume between a mirror and the base plane.
 
-use super::{Mirror, Point, Surface};
+use super::{HeightAndSlope, Mirror, Surface};
 use crate::geom::{Chart, DVec2, DVec3, Outline};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{asin, cos, sin};
@@ -60,7 +60,7 @@ impl Mirror {
         let at = |k: usize| {
             let angle = 2.0 * PI * (k as f64 + 0.5) / RIM as f64;
             let q = DVec2::new(cos(angle), sin(angle)) * radius;
-            of(self.place(q, &self.surface.at(q)))
+            of(self.position(q, &self.surface.at(q)))
         };
         (0..RIM).map(at).sum::<f64>() / RIM as f64
     }
@@ -72,7 +72,7 @@ impl Mirror {
     pub fn mean_mm(&self, camera: &Chart) -> f64 {
         // The area that a unit of the plan covers in the picture.
         let density = |at: DVec3, slope: DVec2| {
-            let shrink = camera.shrink(at.z);
+            let shrink = camera.view_scale(at.z);
             (1.0 + camera.vergence * at.truncate().dot(slope) / shrink) / (shrink * shrink)
         };
         let sum = self.under_panel(&|at, slope| density(at, slope) * camera.coordinates(at).1);
@@ -138,9 +138,9 @@ impl Mirror {
     }
 
     /// The function of place and slope times the area that a unit of the chart's area covers in the (X, Y) plane.
-    fn column(&self, q: DVec2, point: &Point, of: Of) -> f64 {
+    fn column(&self, q: DVec2, point: &HeightAndSlope, of: Of) -> f64 {
         let k = self.chart.vergence;
-        let at = self.place(q, point);
+        let at = self.position(q, point);
         let shrink = 1.0 - k * (at.z - self.chart.plane_mm);
         of(at, self.slope(q, point)) * shrink * shrink * (1.0 - k * point.slope.dot(q))
     }
@@ -161,7 +161,7 @@ fn composite(breaks: &[f64], count: usize) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
     use crate::geom::{Chart, Rect};
-    use crate::mirror::{Knots, Patches, Round, Sheet};
+    use crate::mirror::{BicubicSpline, Knots, RadialLegendre, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 
@@ -170,10 +170,11 @@ mod tests {
         // f = 3 u on a rectangle off the axis.
         let series = Series::from_fn(2, 1, |i, _| [0.0, 3.0][i]);
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
-        let surface = Surface::Tensor(Sheet { series, centre, half, scale_mm: 1.0 });
+        let surface = Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 });
         let outline = Outline::Rect(Rect { min: centre - half, max: centre + half });
         let chart = Chart { vergence: 0.0, plane_mm: 10.0 };
-        let mirror = Mirror { surface, chart, outline, folded: false, even: [false; 2] };
+        let mirror =
+            Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
         assert!((mirror.volume() - 800.0).abs() < 1e-10);
         assert!((mirror.footprint() - 80.0).abs() < 1e-12);
     }
@@ -184,10 +185,11 @@ mod tests {
             for inner in [0.0, 4.0] {
                 // f = -2 everywhere: Z and the rim's radius follow from the chart alone.
                 let series = Series::from_fn(1, 1, |_, _| -2.0);
-                let surface = Surface::Round(Round::new(series, [inner, 10.0], 1.0));
+                let surface = Surface::Round(RadialLegendre::new(series, [inner, 10.0], 1.0));
                 let chart = Chart { vergence, plane_mm: 10.0 };
                 let outline = Outline::Ring { inner, outer: 10.0 };
-                let mirror = Mirror { surface, chart, outline, folded: false, even: [true; 2] };
+                let mirror =
+                    Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] };
                 let rim = chart.point(DVec2::new(10.0, 0.0), -2.0);
                 let exact = PI * rim.x * rim.x * rim.z;
                 assert!((mirror.volume() / exact - 1.0).abs() < 1e-13);
@@ -204,15 +206,17 @@ mod tests {
         let series = Series::from_fn(3, 3, |i, j| {
             16.0 * square[i] * square[j] + [2.0, 1.0, 0.0][i] * if j == 0 { 1.0 } else { 0.0 }
         });
-        let sheet = Sheet { series, centre: DVec2::ZERO, half: DVec2::splat(4.0), scale_mm: 1.0 };
+        let sheet =
+            TensorLegendre { series, centre: DVec2::ZERO, half: DVec2::splat(4.0), scale_mm: 1.0 };
         let knots = Knots { first: -4.1, step: 8.2 / 50.0, count: 51 };
         let at = |k: usize| knots.first + knots.step * k as f64;
         let values: Vec<f64> =
             (0..51 * 51).map(|k| sheet.at(DVec2::new(at(k % 51), at(k / 51))).f).collect();
-        let spline = Patches::new(knots, knots, &values).unwrap();
+        let spline = BicubicSpline::new(knots, knots, &values).unwrap();
         let volume = |surface: Surface, outline| {
             let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-            let mirror = Mirror { surface, chart, outline, folded: false, even: [false; 2] };
+            let mirror =
+                Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
             mirror.volume()
         };
         let rect = Rect { min: DVec2::new(-1.7, -4.0), max: DVec2::new(4.0, 3.3) };
@@ -242,7 +246,7 @@ mod tests {
         let mut r = Draws::new(3);
         let knots = Knots { first: -4.0, step: 1.0, count: 9 };
         let values: Vec<f64> = (0..81).map(|_| r.inside([2.0, 3.0])).collect();
-        let spline = Patches::new(knots, knots, &values).unwrap();
+        let spline = BicubicSpline::new(knots, knots, &values).unwrap();
         let (n, rings) = (1024, 64);
         let mut by_rings = 0.0;
         for (radius, w) in composite(&[0.0, 0.8, 1.6, 2.4, 3.2, 4.0], rings) {
@@ -255,7 +259,8 @@ mod tests {
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
         let outline = Outline::Ring { inner: 0.0, outer: 4.0 };
         let surface = Surface::Patches(spline);
-        let mirror = Mirror { surface, chart, outline, folded: false, even: [false; 2] };
+        let mirror =
+            Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
         let off = mirror.volume() / by_rings - 1.0;
         assert!(off.abs() < 1e-8, "{off:e}");
     }

@@ -2,7 +2,7 @@
 //! differentiation).
 
 use super::elementary as m;
-use super::{Curve, Scalar};
+use super::{Scalar, SmoothFn};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its gradient.
@@ -182,7 +182,7 @@ impl<const N: usize> Scalar for Dual<N> {
         Self { value: x, slope: [0.0; N] }
     }
     #[inline]
-    fn centre(self) -> f64 {
+    fn mid(self) -> f64 {
         self.value
     }
     #[inline]
@@ -226,13 +226,13 @@ impl<const N: usize> Scalar for Dual<N> {
         self.mix(x, m::atan2(self.value, x.value), x.value / square, -self.value / square)
     }
     #[inline]
-    fn fade(self) -> Self {
-        let value = self.value.fade();
+    fn one_minus_exp_over_x(self) -> Self {
+        let value = self.value.one_minus_exp_over_x();
         self.chain(value, fade_slope(self.value, value))
     }
     #[inline]
-    fn log_over(self) -> Self {
-        let value = self.value.log_over();
+    fn ln_1p_over_x(self) -> Self {
+        let value = self.value.ln_1p_over_x();
         self.chain(value, log_over_slope(self.value, value))
     }
     #[inline]
@@ -246,7 +246,7 @@ impl<const N: usize> Scalar for Dual<N> {
         self.chain(value, atan_over_root_slope(self.value, value))
     }
     #[inline]
-    fn through(self, curve: &impl Curve) -> Self {
+    fn map(self, curve: &impl SmoothFn) -> Self {
         let [value, slope, _] = curve.at(self.value);
         self.chain(value, slope)
     }
@@ -297,8 +297,8 @@ mod tests {
     fn removable_quotients_are_exact_through_zero_and_past_the_switch() {
         // Against the quotient's own rule away from zero, and known values at zero.
         let at = |v: f64| Dual::<2> { value: v, slope: [1.0, 0.0] };
-        near(at(0.0).fade(), 1.0, [-0.5, 0.0], "fade");
-        near(at(0.0).log_over(), 1.0, [-0.5, 0.0], "log_over");
+        near(at(0.0).one_minus_exp_over_x(), 1.0, [-0.5, 0.0], "fade");
+        near(at(0.0).ln_1p_over_x(), 1.0, [-0.5, 0.0], "log_over");
         near(at(0.0).tan_over_root(), 1.0, [1.0 / 3.0, 0.0], "tan_over_root");
         near(at(0.0).atan_over_root(), 1.0, [-1.0 / 3.0, 0.0], "atan_over_root");
         for v in [0.04, 0.051, 0.09, 0.11, 0.45, 0.55, 1.9] {
@@ -306,8 +306,8 @@ mod tests {
             let quotient = (-(-x).exp() + 1.0) / x;
             let root = x.sqrt();
             for (found, rule, what) in [
-                (x.fade(), quotient, "fade"),
-                (x.log_over(), (x + 1.0).log() / x, "log_over"),
+                (x.one_minus_exp_over_x(), quotient, "fade"),
+                (x.ln_1p_over_x(), (x + 1.0).log() / x, "log_over"),
                 (x.tan_over_root(), root.tan() / root, "tan_over_root"),
                 (x.atan_over_root(), root.atan() / root, "atan_over_root"),
             ] {
@@ -319,7 +319,7 @@ mod tests {
     }
 
     struct Cubic;
-    impl Curve for Cubic {
+    impl SmoothFn for Cubic {
         fn at(&self, x: f64) -> [f64; 3] {
             [x * x * x, 3.0 * x * x, 6.0 * x]
         }
@@ -331,6 +331,6 @@ mod tests {
     #[test]
     fn goes_through_a_curve_by_the_chain_rule() {
         let x = Dual::<2> { value: 2.0, slope: [0.5, -1.0] };
-        near(x.through(&Cubic), 8.0, [6.0, -12.0], "through");
+        near(x.map(&Cubic), 8.0, [6.0, -12.0], "through");
     }
 }

@@ -4,7 +4,7 @@
 //! up for it; `libm`'s functions are good to under two units in the last place, and their ends
 //! move by more than that. What is not defined somewhere on its argument is the whole line.
 
-use super::scalar::{Base, Curve, Scalar};
+use super::scalar::{Base, Scalar, SmoothFn};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -272,7 +272,7 @@ impl Scalar for Interval {
     fn constant(x: f64) -> Self {
         Self::point(x)
     }
-    fn centre(self) -> f64 {
+    fn mid(self) -> f64 {
         let (lo, hi) = (self.lo.max(f64::MIN), self.hi.min(f64::MAX));
         (0.5 * lo + 0.5 * hi).clamp(lo.min(hi), hi.max(lo)).clamp(f64::MIN, f64::MAX)
     }
@@ -330,11 +330,11 @@ impl Scalar for Interval {
         let side = |y: f64| corner(y, x.lo).hull(corner(y, x.hi));
         side(self.lo).hull(side(self.hi))
     }
-    fn fade(self) -> Self {
-        Self::spanned(self.hi.fade(), self.lo.fade(), CALLS)
+    fn one_minus_exp_over_x(self) -> Self {
+        Self::spanned(self.hi.one_minus_exp_over_x(), self.lo.one_minus_exp_over_x(), CALLS)
     }
-    fn log_over(self) -> Self {
-        Self::spanned(self.hi.log_over(), self.lo.log_over(), CALLS)
+    fn ln_1p_over_x(self) -> Self {
+        Self::spanned(self.hi.ln_1p_over_x(), self.lo.ln_1p_over_x(), CALLS)
     }
     fn tan_over_root(self) -> Self {
         if !(self.hi < POLE) {
@@ -355,13 +355,13 @@ impl Scalar for Interval {
     fn atan_over_root(self) -> Self {
         Self::spanned(self.hi.atan_over_root(), self.lo.atan_over_root(), CALLS)
     }
-    fn through(self, curve: &impl Curve) -> Self {
+    fn map(self, curve: &impl SmoothFn) -> Self {
         self.curve(curve)[0]
     }
 }
 
 impl Base for Interval {
-    fn curve(self, curve: &impl Curve) -> [Self; 3] {
+    fn curve(self, curve: &impl SmoothFn) -> [Self; 3] {
         curve.over([self.lo, self.hi]).map(|[lo, hi]| Self::new(lo.next_down(), hi.next_up()))
     }
 }

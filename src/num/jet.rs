@@ -1,7 +1,7 @@
 //! Exact first and second derivatives in two variables.
 
-use super::scalar::{Base, Curve, Scalar};
-use super::special::{AtanOverRoot, Fade, LogOver, TanOverRoot};
+use super::scalar::{Base, Scalar, SmoothFn};
+use super::special::{AtanOverRoot, Ln1pOverX, OneMinusExpOverX, TanOverRoot};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A function's value, gradient and Hessian at a point (over [`f64`]), or bounds of them over a
@@ -178,8 +178,8 @@ impl<T: Base> Scalar for Jet2<T> {
         Self::flat(T::constant(x))
     }
     #[inline]
-    fn centre(self) -> f64 {
-        self.value.centre()
+    fn mid(self) -> f64 {
+        self.value.mid()
     }
     #[inline]
     fn square(self) -> Self {
@@ -234,19 +234,19 @@ impl<T: Base> Scalar for Jet2<T> {
             hessian: [second(0, 0, 0), second(1, 0, 1), second(2, 1, 1)],
         }
     }
-    fn fade(self) -> Self {
-        self.through(&Fade)
+    fn one_minus_exp_over_x(self) -> Self {
+        self.map(&OneMinusExpOverX)
     }
-    fn log_over(self) -> Self {
-        self.through(&LogOver)
+    fn ln_1p_over_x(self) -> Self {
+        self.map(&Ln1pOverX)
     }
     fn tan_over_root(self) -> Self {
-        self.through(&TanOverRoot)
+        self.map(&TanOverRoot)
     }
     fn atan_over_root(self) -> Self {
-        self.through(&AtanOverRoot)
+        self.map(&AtanOverRoot)
     }
-    fn through(self, curve: &impl Curve) -> Self {
+    fn map(self, curve: &impl SmoothFn) -> Self {
         self.chain(self.value.curve(curve))
     }
 }
@@ -276,16 +276,19 @@ mod tests {
             6 => (p * 0.6).tan(),
             7 => (x - y * 2.0).atan(),
             8 => (y - 0.3).atan2(x + 1.2),
-            9 => (x + y * x).fade(),
-            10 => (x * 0.4 + y * 0.4).log_over(),
+            9 => (x + y * x).one_minus_exp_over_x(),
+            10 => (x * 0.4 + y * 0.4).ln_1p_over_x(),
             11 => (p - 0.3).tan_over_root(),
             12 => (p - 0.3).atan_over_root(),
             13 => x / (p + y.square()) - (y - 2.0) / 7.0,
             14 => -(x + 2.0).log() * ((y * 2.0).sin() + 1.5).sqrt() / (x * y + 2.0),
-            15 => (x.fade() * y.exp()).atan2(x.sin() - y) + (x * x + y * y).tan_over_root().log(),
-            16 => S::constant(2.0) * (x * y).through(&crate::num::special::Fade),
-            17 => (y * 4.0 + 5.0).log_over() + (x * 0.1 + 2.0).atan_over_root(),
-            _ => (x * 0.4 + 1.1).tan_over_root() - (y * 2.0 + 3.5).fade(),
+            15 => {
+                (x.one_minus_exp_over_x() * y.exp()).atan2(x.sin() - y)
+                    + (x * x + y * y).tan_over_root().log()
+            }
+            16 => S::constant(2.0) * (x * y).map(&crate::num::special::OneMinusExpOverX),
+            17 => (y * 4.0 + 5.0).ln_1p_over_x() + (x * 0.1 + 2.0).atan_over_root(),
+            _ => (x * 0.4 + 1.1).tan_over_root() - (y * 2.0 + 3.5).one_minus_exp_over_x(),
         }
     }
     const FORMULAS: usize = 19;

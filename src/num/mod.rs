@@ -13,7 +13,7 @@ pub mod jet;
 pub mod least_squares;
 pub mod legendre;
 pub mod monotone;
-mod pieces;
+mod piecewise_cubic;
 pub mod quadrature;
 pub mod random;
 mod scalar;
@@ -26,12 +26,12 @@ pub use elementary::*;
 pub use interval::Interval;
 pub use jet::Jet2;
 pub use monotone::{Inverse, MonotoneCubic};
-pub use scalar::{Base, Curve, Scalar};
+pub use scalar::{Base, Scalar, SmoothFn};
 
 /// The larger of two errors; one that is no number is larger than all.
 #[inline]
 #[must_use]
-pub fn larger(a: f64, b: f64) -> f64 {
+pub fn max_or_nan(a: f64, b: f64) -> f64 {
     if b <= a || a.is_nan() { a } else { b }
 }
 

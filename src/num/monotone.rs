@@ -1,8 +1,8 @@
 //! The curve through rising or falling points that rises or falls with them, and its inverse.
 
 use super::interval::Interval;
-use super::pieces::{Pieces, chords, cubic, fit_to_use, hulls};
-use super::scalar::{Curve, Scalar};
+use super::piecewise_cubic::{PiecewiseCubic, chords, cubic, fit_to_use, hulls};
+use super::scalar::{Scalar, SmoothFn};
 
 /// A knot's slope is at most this many times either chord's. Up to 3 the piece is monotone; with
 /// less, its least slope is above 0.
@@ -13,7 +13,7 @@ const STEEPEST: f64 = 2.5;
 /// Its second derivative jumps at knots. Outside the knots it is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonotoneCubic {
-    pieces: Pieces,
+    pieces: PiecewiseCubic,
     /// Values at the knots, times `sense`, so that they rise.
     levels: Vec<f64>,
     /// 1 if rising, -1 if falling.
@@ -58,7 +58,7 @@ impl MonotoneCubic {
             [values[k], s, (3.0 * m - 2.0 * s - t) / h[k], (s + t - 2.0 * m) / (h[k] * h[k])]
         }));
         terms.push([values[n], slopes[n], 0.0, 0.0]);
-        Some(Self { pieces: Pieces { borders, anchors, terms }, levels, sense })
+        Some(Self { pieces: PiecewiseCubic { borders, anchors, terms }, levels, sense })
     }
 
     /// f at `x`.
@@ -85,7 +85,7 @@ fn end_slope(h: &[f64], chords: &[f64], end: usize, next: usize) -> f64 {
     m * ratio.clamp(0.125, STEEPEST)
 }
 
-impl Curve for MonotoneCubic {
+impl SmoothFn for MonotoneCubic {
     fn at(&self, x: f64) -> [f64; 3] {
         let [f, d, dd, _] = self.pieces.evaluate(x);
         [f, d, dd]
@@ -153,7 +153,7 @@ impl Inverse<'_> {
     }
 }
 
-impl Curve for Inverse<'_> {
+impl SmoothFn for Inverse<'_> {
     fn at(&self, y: f64) -> [f64; 3] {
         let x = self.value(y);
         let [_, d, dd, _] = self.0.pieces.evaluate(x);
@@ -175,7 +175,7 @@ impl Curve for Inverse<'_> {
 mod tests {
     use super::*;
     use crate::num::exp;
-    use crate::num::pieces::tests::{error, holds, knots};
+    use crate::num::piecewise_cubic::tests::{error, holds, knots};
     use crate::num::sample::Draws;
 
     #[test]

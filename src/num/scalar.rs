@@ -24,7 +24,7 @@ pub trait Scalar:
     fn constant(x: f64) -> Self;
     /// A plain number near this one, to choose between forms of a formula by. (All forms hold
     /// everywhere; they differ in rounding.)
-    fn centre(self) -> f64;
+    fn mid(self) -> f64;
     /// x^2.
     #[must_use]
     fn square(self) -> Self;
@@ -55,10 +55,10 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
     /// (1 - exp(-x)) / x, 1 at x = 0.
     #[must_use]
-    fn fade(self) -> Self;
+    fn one_minus_exp_over_x(self) -> Self;
     /// log(1 + x) / x, 1 at x = 0.
     #[must_use]
-    fn log_over(self) -> Self;
+    fn ln_1p_over_x(self) -> Self;
     /// tan(sqrt x) / sqrt x, 1 at x = 0, for 0 <= x < (pi/2)^2 (and a rounding error below 0).
     #[must_use]
     fn tan_over_root(self) -> Self;
@@ -67,18 +67,18 @@ pub trait Scalar:
     fn atan_over_root(self) -> Self;
     /// The value of a smooth function at this number.
     #[must_use]
-    fn through(self, curve: &impl Curve) -> Self;
+    fn map(self, curve: &impl SmoothFn) -> Self;
 }
 
 /// A number that can carry derivatives: one for which a curve's slope and bend are known too.
 pub trait Base: Scalar {
     /// (f, f', f'') of a smooth function at this number.
     #[must_use]
-    fn curve(self, curve: &impl Curve) -> [Self; 3];
+    fn curve(self, curve: &impl SmoothFn) -> [Self; 3];
 }
 
 /// A function of one variable with its first two derivatives.
-pub trait Curve {
+pub trait SmoothFn {
     /// (f, f', f'') at `x`.
     fn at(&self, x: f64) -> [f64; 3];
     /// Ranges that hold f, f' and f'' over lo..=hi.
@@ -91,7 +91,7 @@ impl Scalar for f64 {
         x
     }
     #[inline]
-    fn centre(self) -> f64 {
+    fn mid(self) -> f64 {
         self
     }
     #[inline]
@@ -131,11 +131,11 @@ impl Scalar for f64 {
         f::atan2(self, x)
     }
     #[inline]
-    fn fade(self) -> Self {
+    fn one_minus_exp_over_x(self) -> Self {
         if self == 0.0 { 1.0 } else { -f::expm1(-self) / self }
     }
     #[inline]
-    fn log_over(self) -> Self {
+    fn ln_1p_over_x(self) -> Self {
         if self == 0.0 { 1.0 } else { f::log1p(self) / self }
     }
     #[inline]
@@ -161,14 +161,14 @@ impl Scalar for f64 {
         }
     }
     #[inline]
-    fn through(self, curve: &impl Curve) -> Self {
+    fn map(self, curve: &impl SmoothFn) -> Self {
         curve.at(self)[0]
     }
 }
 
 impl Base for f64 {
     #[inline]
-    fn curve(self, curve: &impl Curve) -> [Self; 3] {
+    fn curve(self, curve: &impl SmoothFn) -> [Self; 3] {
         curve.at(self)
     }
 }

@@ -2,17 +2,17 @@
 //! cancellation near 0.
 
 use super::interval::Interval;
-use super::scalar::{Curve, Scalar};
+use super::scalar::{Scalar, SmoothFn};
 
 /// Error of the series below, generously, as a share of their sums.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// (1 - exp(-x)) / x.
 #[derive(Debug, Clone, Copy)]
-pub struct Fade;
+pub struct OneMinusExpOverX;
 /// log(1 + x) / x.
 #[derive(Debug, Clone, Copy)]
-pub struct LogOver;
+pub struct Ln1pOverX;
 /// tan(sqrt x) / sqrt x, with its continuation from -1/2 to 0.
 #[derive(Debug, Clone, Copy)]
 pub struct TanOverRoot;
@@ -35,7 +35,7 @@ trait Special {
     fn closed<T: Scalar>(x: T) -> [T; 3];
 }
 
-impl<S: Special> Curve for S {
+impl<S: Special> SmoothFn for S {
     fn at(&self, x: f64) -> [f64; 3] {
         S::series(x).unwrap_or_else(|| S::closed(x))
     }
@@ -67,7 +67,7 @@ fn power_series(coefficients: &[f64], x: f64) -> [f64; 3] {
     [f, d, 2.0 * dd]
 }
 
-impl Special for Fade {
+impl Special for OneMinusExpOverX {
     const RISING: bool = false;
 
     fn series(x: f64) -> Option<[f64; 3]> {
@@ -85,13 +85,13 @@ impl Special for Fade {
     }
 
     fn closed<T: Scalar>(x: T) -> [T; 3] {
-        let (f, e) = (x.fade(), (-x).exp());
+        let (f, e) = (x.one_minus_exp_over_x(), (-x).exp());
         let d = (e - f) / x;
         [f, d, -(e + d * 2.0) / x]
     }
 }
 
-impl Special for LogOver {
+impl Special for Ln1pOverX {
     const RISING: bool = false;
 
     fn series(x: f64) -> Option<[f64; 3]> {
@@ -114,7 +114,7 @@ impl Special for LogOver {
     }
 
     fn closed<T: Scalar>(x: T) -> [T; 3] {
-        let (f, q) = (x.log_over(), T::constant(1.0) / (x + 1.0));
+        let (f, q) = (x.ln_1p_over_x(), T::constant(1.0) / (x + 1.0));
         let d = (q - f) / x;
         [f, d, -(q.square() + d * 2.0) / x]
     }
@@ -244,7 +244,7 @@ mod tests {
         (1000000.0, [0.0015697963271282297, -7.843981640641144e-10, 1.17609724709617e-15]),
     ];
 
-    fn check(curve: &impl Curve, table: &[Row], value: fn(f64) -> f64, domain: [f64; 2]) {
+    fn check(curve: &impl SmoothFn, table: &[Row], value: fn(f64) -> f64, domain: [f64; 2]) {
         for &(x, exact) in table {
             let found = curve.at(x);
             let over = curve.over([x, x]);
@@ -273,8 +273,8 @@ mod tests {
 
     #[test]
     fn special_functions_match_the_table_and_keep_to_their_ranges() {
-        check(&Fade, &FADE, f64::fade, [-20.0, 50.0]);
-        check(&LogOver, &LOG_OVER, f64::log_over, [-0.999, 50.0]);
+        check(&OneMinusExpOverX, &FADE, f64::one_minus_exp_over_x, [-20.0, 50.0]);
+        check(&Ln1pOverX, &LOG_OVER, f64::ln_1p_over_x, [-0.999, 50.0]);
         check(&TanOverRoot, &TAN_OVER_ROOT, f64::tan_over_root, [-0.5, 2.46]);
         check(&AtanOverRoot, &ATAN_OVER_ROOT, f64::atan_over_root, [-0.25, 50.0]);
     }

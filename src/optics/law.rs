@@ -4,7 +4,7 @@
 //! sees (m: isometric latitude, tan e = sinh m), and back. Image coordinates are in the paper's
 //! units (one per radian of azimuth).
 
-use super::Ladder;
+use super::TabulatedLaw;
 use crate::num::{Scalar, radians, tan};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub enum Law {
     /// sin e = z: equal solid angle per pixel.
     EqualArea,
     /// Through given points.
-    Ladder(Arc<Ladder>),
+    Tabulated(Arc<TabulatedLaw>),
 }
 
 impl Law {
@@ -31,14 +31,14 @@ impl Law {
     #[inline]
     pub fn shrink<S: Scalar>(&self, z: S) -> S {
         match self {
-            Self::Cylindrical if z.centre() > 0.0 => {
+            Self::Cylindrical if z.mid() > 0.0 => {
                 S::constant(1.0) / (z + (z.square() + 1.0).sqrt())
             }
             Self::Cylindrical => (z.square() + 1.0).sqrt() - z,
             Self::Mercator => (-z).exp(),
             Self::Equirectangular => (-z * 0.5 + FRAC_PI_4).tan(),
             Self::EqualArea => ((-z + 1.0) / (z + 1.0)).sqrt(),
-            Self::Ladder(ladder) => ladder.shrink(z),
+            Self::Tabulated(ladder) => ladder.shrink(z),
         }
     }
 
@@ -53,7 +53,7 @@ impl Law {
                 let w = shrink.square();
                 (-w + 1.0) / (w + 1.0)
             }
-            Self::Ladder(ladder) => ladder.coordinate(shrink),
+            Self::Tabulated(ladder) => ladder.coordinate(shrink),
         }
     }
 

@@ -1,23 +1,23 @@
 //! Cameras, projections, laws and reflection: what the picture should be.
 
 mod camera;
-mod field;
-mod ladder;
+mod imaging_task;
 mod law;
 mod radial;
-pub mod stereo;
+mod slope_field;
+pub mod stereographic;
 mod strip;
+mod tabulated_law;
 mod target;
-mod view;
 
 pub use camera::Camera;
-pub use field::Field;
-pub use ladder::Ladder;
+pub use imaging_task::{CurlBounds, Fold, ImagingTask, Projection};
 pub use law::Law;
 pub use radial::{RadialLaw, Rims};
+pub use slope_field::SlopeField;
 pub use strip::Strip;
+pub use tabulated_law::TabulatedLaw;
 pub use target::Target;
-pub use view::{CurlBounds, Fold, Projection, View};
 
 use crate::geom::DVec3;
 
@@ -49,7 +49,8 @@ mod tests {
     #[test]
     fn a_slope_error_turns_the_ray_alike_in_every_direction() {
         let (p, step) = (DVec2::new(0.8, -0.4), 1e-7);
-        let seen = |p: DVec2| stereo::direction(stereo::reflect([0.0; 2], p.to_array()));
+        let seen =
+            |p: DVec2| stereographic::direction(stereographic::reflect([0.0; 2], p.to_array()));
         let expected = 2.0 * step / (1.0 + p.length_squared());
         for axis in [DVec2::X, DVec2::Y, DVec2::new(0.6, 0.8)] {
             let turned = (seen(p + axis * step) - seen(p)).length();

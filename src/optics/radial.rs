@@ -263,14 +263,14 @@ impl RadialLaw {
 
     /// What image point `q` must see, as a stereographic coordinate.
     #[inline]
-    pub fn wanted<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+    pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let shrink = self.shrink(q[0].square() + q[1].square());
         q.map(|x| x * shrink)
     }
 
     /// The image point that must see `sigma`.
     #[inline]
-    pub fn locate<S: Scalar>(&self, sigma: [S; 2]) -> [S; 2] {
+    pub fn image_of<S: Scalar>(&self, sigma: [S; 2]) -> [S; 2] {
         let grow = self.grow(sigma[0].square() + sigma[1].square());
         sigma.map(|x| x * grow)
     }
@@ -278,7 +278,7 @@ impl RadialLaw {
     /// Polar angle psi at image radius `r`, radians.
     #[must_use]
     pub fn polar(&self, r: f64) -> f64 {
-        2.0 * atan(DVec2::from_array(self.wanted([r, 0.0])).length())
+        2.0 * atan(DVec2::from_array(self.direction_of([r, 0.0])).length())
     }
 }
 
@@ -286,7 +286,7 @@ impl RadialLaw {
 #[inline]
 fn half_tangent<S: Scalar>(cot: S) -> S {
     let long = (cot.square() + 1.0).sqrt();
-    if cot.centre() > 0.0 { S::constant(1.0) / (cot + long) } else { long - cot }
+    if cot.mid() > 0.0 { S::constant(1.0) / (cot + long) } else { long - cot }
 }
 
 #[cfg(test)]
@@ -337,7 +337,7 @@ mod tests {
                     let r =
                         rims.radius[0] + (rims.radius[1] - rims.radius[0]) * f64::from(k) / 40.0;
                     let q = DVec2::new(0.6 * r, -0.8 * r);
-                    let back = DVec2::from_array(law.locate(law.wanted(q.to_array())));
+                    let back = DVec2::from_array(law.image_of(law.direction_of(q.to_array())));
                     if name == "conical" && !back.is_finite() {
                         assert!(r == 0.0);
                         continue;

@@ -20,7 +20,7 @@ pub struct Strip {
 impl Strip {
     /// What image point `q` must see, as a stereographic coordinate.
     #[inline]
-    pub fn wanted<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+    pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let azimuth = q[0] / self.scale_mm + self.azimuth;
         let shrink = self.law.shrink(q[1] / self.scale_mm + self.z);
         [shrink * azimuth.sin(), shrink * azimuth.cos()]
@@ -29,7 +29,7 @@ impl Strip {
     /// The image point that must see `sigma`: the one nearest to `near` in azimuth, which repeats
     /// every turn. Not finite for the two directions along the axis.
     #[inline]
-    pub fn locate<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
+    pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
         let azimuth = near.x / self.scale_mm + self.azimuth;
         // Turned so that the arc tangent's jump lies opposite to what is near.
         let (s, c) = (sin(azimuth), cos(azimuth));

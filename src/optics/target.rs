@@ -1,6 +1,6 @@
 //! Target surfaces: where the world that the picture shows is.
 
-use super::stereo;
+use super::stereographic;
 use crate::num::Scalar;
 
 /// The surface S that is imaged. The projection gives directions from the target's origin, a point
@@ -27,57 +27,57 @@ impl Target {
     /// in direction `sigma` meets the target. Not finite where it never does, and for points beyond
     /// the target.
     #[inline]
-    pub fn seen<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
+    pub fn direction_from_origin<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
         match *self {
             Self::Infinity => sigma,
             Self::Cylinder { radius_mm } => {
-                let u = stereo::vector(sigma);
+                let u = stereographic::vector(sigma);
                 let p = [from[0] / radius_mm, from[1] / radius_mm];
                 // The positive root of |p + t u| = 1, as 1 / t: that stays finite for a ray along
                 // the axis. A point outside is no number.
-                let across = stereo::square(sigma);
+                let across = stereographic::square(sigma);
                 let along = p[0] * u[0] + p[1] * u[1];
-                let inside = -stereo::square(p) + 1.0;
+                let inside = -stereographic::square(p) + 1.0;
                 let root = (along.square() + across * inside).sqrt();
-                let per = if along.centre() >= 0.0 {
+                let per = if along.mid() >= 0.0 {
                     (along + root) / inside
                 } else {
                     across / (root - along)
                 };
                 let from = [p[0], p[1], from[2] / radius_mm];
-                stereo::sigma([0, 1, 2].map(|k| from[k] * per + u[k]))
+                stereographic::sigma([0, 1, 2].map(|k| from[k] * per + u[k]))
             }
             Self::Plane { height_mm } => {
-                let u = stereo::unit(sigma);
+                let u = stereographic::unit(sigma);
                 let inside = -from[2] / height_mm + 1.0;
                 let t = inside / u[2] * height_mm.signum();
-                if !(inside.centre() > 0.0 && t.centre() > 0.0) {
+                if !(inside.mid() > 0.0 && t.mid() > 0.0) {
                     return [S::constant(f64::NAN); 2];
                 }
-                stereo::sigma([0, 1, 2].map(|k| u[k] * t + from[k] / height_mm.abs()))
+                stereographic::sigma([0, 1, 2].map(|k| u[k] * t + from[k] / height_mm.abs()))
             }
         }
     }
 
     /// The direction from `from` (mm, relative to the origin) to where direction `sigma` from the
-    /// origin meets the target: undoes [`Target::seen`].
+    /// origin meets the target: undoes [`Target::direction_from_origin`].
     #[inline]
-    pub fn aim<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
+    pub fn direction_at<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
         match *self {
             Self::Infinity => sigma,
             Self::Cylinder { radius_mm } => {
-                let u = stereo::vector(sigma);
-                let across = stereo::square(sigma).sqrt();
-                stereo::sigma([0, 1, 2].map(|k| u[k] - from[k] / radius_mm * across))
+                let u = stereographic::vector(sigma);
+                let across = stereographic::square(sigma).sqrt();
+                stereographic::sigma([0, 1, 2].map(|k| u[k] - from[k] / radius_mm * across))
             }
             Self::Plane { height_mm } => {
-                let u = stereo::unit(sigma);
+                let u = stereographic::unit(sigma);
                 let inside = -from[2] / height_mm + 1.0;
                 let t = S::constant(height_mm.signum()) / u[2];
-                if !(inside.centre() > 0.0 && t.centre() > 0.0) {
+                if !(inside.mid() > 0.0 && t.mid() > 0.0) {
                     return [S::constant(f64::NAN); 2];
                 }
-                stereo::sigma([0, 1, 2].map(|k| u[k] * t - from[k] / height_mm.abs()))
+                stereographic::sigma([0, 1, 2].map(|k| u[k] * t - from[k] / height_mm.abs()))
             }
         }
     }
@@ -99,11 +99,11 @@ mod tests {
             (Target::Plane { height_mm: -50.0 }, vec![[1.3, 0.2], [5.0, -3.0]]),
         ] {
             for sigma in sigmas {
-                let sent = target.aim(from.to_array(), sigma);
-                let back = DVec2::from_array(target.seen(from.to_array(), sent));
+                let sent = target.direction_at(from.to_array(), sigma);
+                let back = DVec2::from_array(target.direction_from_origin(from.to_array(), sent));
                 assert!((back - DVec2::from_array(sigma)).length() < 1e-14, "{target:?} {back}");
                 // Both lines meet in one point of the surface.
-                let (a, b) = (stereo::direction(sigma), stereo::direction(sent));
+                let (a, b) = (stereographic::direction(sigma), stereographic::direction(sent));
                 let reach = match target {
                     Target::Infinity => continue,
                     Target::Cylinder { radius_mm } => radius_mm / a.truncate().length(),
@@ -118,15 +118,15 @@ mod tests {
     #[test]
     fn a_ray_up_the_axis_of_a_cylinder_stays_there() {
         let cylinder = Target::Cylinder { radius_mm: 50.0 };
-        assert_eq!(cylinder.seen([0.0, 0.0, -3.0], [0.0; 2]), [0.0; 2]);
-        assert_eq!(cylinder.aim([0.0, 0.0, -3.0], [0.0; 2]), [0.0; 2]);
+        assert_eq!(cylinder.direction_from_origin([0.0, 0.0, -3.0], [0.0; 2]), [0.0; 2]);
+        assert_eq!(cylinder.direction_at([0.0, 0.0, -3.0], [0.0; 2]), [0.0; 2]);
     }
 
     #[test]
     fn a_ray_that_never_meets_the_plane_sees_nothing() {
         let plane = Target::Plane { height_mm: 50.0 };
-        assert!(plane.seen([0.0; 3], [2.0, 0.0])[0].is_nan());
-        assert!(plane.aim([0.0; 3], [2.0, 0.0])[0].is_nan());
+        assert!(plane.direction_from_origin([0.0; 3], [2.0, 0.0])[0].is_nan());
+        assert!(plane.direction_at([0.0; 3], [2.0, 0.0])[0].is_nan());
     }
 
     #[test]
@@ -136,9 +136,9 @@ mod tests {
             let beyond = [3.0, 0.0, 60.0 * sign];
             // Back towards the plane: upwards for the plane below.
             let sigma = if sign > 0.0 { [2.0, 0.0] } else { [0.5, 0.0] };
-            assert!(plane.seen(beyond, sigma)[0].is_nan());
+            assert!(plane.direction_from_origin(beyond, sigma)[0].is_nan());
             let sigma = if sign > 0.0 { [0.5, 0.0] } else { [2.0, 0.0] };
-            assert!(plane.aim(beyond, sigma)[0].is_nan());
+            assert!(plane.direction_at(beyond, sigma)[0].is_nan());
         }
     }
 }

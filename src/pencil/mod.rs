@@ -31,9 +31,9 @@ pub use sharpness::{Sharp, Sharpness};
 pub use spot::{Quantiles, Spot, best_focus, quantiles};
 
 use crate::geom::{Chart, DVec2};
-use crate::mirror::Quadric;
+use crate::mirror::LocalSurface;
 use crate::num::{Dual, Scalar};
-use crate::optics::{Target, View, stereo};
+use crate::optics::{ImagingTask, Target, stereographic};
 use glam::DMat2;
 
 /// The first derivatives of what a pixel sees, on its image point and on the pupil.
@@ -54,9 +54,9 @@ impl Pencil {
     #[must_use]
     pub fn new(
         camera: &Chart,
-        view: Option<&View>,
+        view: Option<&ImagingTask>,
         image: DVec2,
-        quadric: &Quadric,
+        quadric: &LocalSurface,
     ) -> Option<Self> {
         let k = camera.vergence;
         let parallel = k == 0.0;
@@ -65,10 +65,10 @@ impl Pencil {
         let from = [0, 1].map(|axis| Dual::<4>::variable(from[axis], axis));
         let tangent = [0, 1].map(|axis| Dual::variable(k * image[axis], 2 + axis));
         let (at, slope) = quadric.meet(from, top, tangent);
-        let direction = stereo::reflect(stereo::towards_camera(tangent), slope);
+        let direction = stereographic::reflect(stereographic::towards_camera(tangent), slope);
         let seen = match view {
-            Some(View { target, origin_mm, .. }) if *target != Target::Infinity => {
-                target.seen([at[0], at[1], at[2] - *origin_mm], direction)
+            Some(ImagingTask { target, origin_mm, .. }) if *target != Target::Infinity => {
+                target.direction_from_origin([at[0], at[1], at[2] - *origin_mm], direction)
             }
             _ => direction,
         };
@@ -79,7 +79,7 @@ impl Pencil {
         let (along_place, along_tangent) = (along(0), along(2));
         let (turn, spread) =
             if parallel { (along_place, along_tangent) } else { (along_tangent * k, along_place) };
-        let seen = DVec2::new(seen[0].centre(), seen[1].centre());
+        let seen = DVec2::new(seen[0].mid(), seen[1].mid());
         let focus = turn.inverse() * spread;
         (seen.is_finite() && turn.is_finite() && focus.is_finite()).then_some(Self {
             seen,
@@ -101,16 +101,16 @@ impl Pencil {
 mod tests {
     use super::*;
     use crate::geom::DVec3;
-    use crate::mirror::Curvature;
+    use crate::mirror::Hessian;
     use crate::num::{cos, sin};
 
     /// A bulging sphere of radius `r` about the origin, at `at` on it.
-    fn sphere(r: f64, at: DVec2) -> Quadric {
+    fn sphere(r: f64, at: DVec2) -> LocalSurface {
         let z = (r * r - at.length_squared()).sqrt();
         let bend =
             |i: usize, j: usize| -(if i == j { 1.0 } else { 0.0 } + at[i] * at[j] / (z * z)) / z;
-        let bend = Curvature { xx: bend(0, 0), xy: bend(0, 1), yy: bend(1, 1) };
-        Quadric { at: DVec3::new(at.x, at.y, z), slope: -at / z, bend }
+        let bend = Hessian { xx: bend(0, 0), xy: bend(0, 1), yy: bend(1, 1) };
+        LocalSurface { at: DVec3::new(at.x, at.y, z), slope: -at / z, hessian: bend }
     }
 
     #[test]
@@ -164,8 +164,8 @@ mod tests {
 
     #[test]
     fn a_plane_mirror_under_parallel_rays_has_no_pencil() {
-        let bend = Curvature { xx: 0.0, xy: 0.0, yy: 0.0 };
-        let plane = Quadric { at: DVec3::ZERO, slope: DVec2::new(0.2, 0.1), bend };
+        let bend = Hessian { xx: 0.0, xy: 0.0, yy: 0.0 };
+        let plane = LocalSurface { at: DVec3::ZERO, slope: DVec2::new(0.2, 0.1), hessian: bend };
         let camera = Chart { vergence: 0.0, plane_mm: 0.0 };
         assert_eq!(Pencil::new(&camera, None, DVec2::ZERO, &plane), None);
         // Under a pinhole it only moves the world.

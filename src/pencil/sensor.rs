@@ -3,7 +3,7 @@
 use super::Pencil;
 use crate::geom::DVec2;
 use crate::mirror::Mirror;
-use crate::optics::{Camera, View};
+use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use std::ops::Range;
 pub fn over_sensor<T: Send>(
     mirror: &Mirror,
     camera: &Camera,
-    view: Option<&View>,
+    view: Option<&ImagingTask>,
     [columns, rows]: [Range<u32>; 2],
     each: impl Fn(&Pencil) -> T + Sync,
 ) -> Vec<Option<T>> {
@@ -30,15 +30,15 @@ pub fn over_sensor<T: Send>(
 fn pencil(
     mirror: &Mirror,
     camera: &Camera,
-    view: Option<&View>,
+    view: Option<&ImagingTask>,
     [column, row]: [u32; 2],
 ) -> Option<Pencil> {
     let image = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-    let place: DVec2 = mirror.under(&camera.chart, image)?;
-    if !mirror.whole().aims(place) {
+    let place: DVec2 = mirror.intersect_camera_ray(&camera.chart, image)?;
+    if !mirror.full_outline().aims(place) {
         return None;
     }
-    Pencil::new(&camera.chart, view, image, &mirror.quadric(place))
+    Pencil::new(&camera.chart, view, image, &mirror.local_surface(place))
 }
 
 /// What `each` makes of the pencils of pixels spread evenly over the sensor, at most `most` along each
@@ -47,7 +47,7 @@ fn pencil(
 pub fn over_some<T: Send>(
     mirror: &Mirror,
     camera: &Camera,
-    view: Option<&View>,
+    view: Option<&ImagingTask>,
     most: u32,
     each: impl Fn(&Pencil) -> T + Sync,
 ) -> Vec<T> {

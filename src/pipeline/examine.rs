@@ -8,7 +8,7 @@ use super::sight::{Seen, above};
 use crate::design::Design;
 use crate::export::{ReadError, Reread};
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::Point;
+use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
 use crate::parallel;
 use crate::profile::{Format, Profile};
@@ -187,7 +187,7 @@ fn by_rim(design: &Design, scene: &Scene, witness: &Witness) -> usize {
 /// `chord_mm` off the mirror are not aimed at it.
 pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) -> Vec<Intent> {
     let Design { mirror, view, camera, .. } = design;
-    let outline = mirror.whole();
+    let outline = mirror.full_outline();
     // The mirror's own camera sees the rim of the facets where the mirror's is.
     let off_mm = if camera.chart == mirror.chart { 0.0 } else { chord_mm };
     let beside = move |at: DVec3, along: DVec3, normal: DVec3| {
@@ -202,21 +202,21 @@ pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) ->
         let points: Vec<DVec2> = (0..camera.pixels[0]).map(image_point).collect();
         let places: Vec<DVec2> = points
             .iter()
-            .map(|&q| mirror.under(&camera.chart, q).unwrap_or(DVec2::INFINITY))
+            .map(|&q| mirror.intersect_camera_ray(&camera.chart, q).unwrap_or(DVec2::INFINITY))
             .collect();
-        let designed = mirror.along(&places);
-        let intent = |((point, place), designed): ((DVec2, DVec2), Point)| {
+        let designed = mirror.eval_many(&places);
+        let intent = |((point, place), designed): ((DVec2, DVec2), HeightAndSlope)| {
             let ray = camera.ray(point, top);
             let (wanted, aimed) = (DVec3::Z, false);
             let mut intent = Intent { ray, point, aimed, wanted, designed: DVec2::ZERO };
             if !outline.aims(place) {
                 return intent;
             }
-            let (at, normal) = (mirror.place(place, &designed), mirror.normal(place, &designed));
+            let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
             intent.aimed = off_mm == 0.0 || !beside(at, ray.direction, normal);
             if let (true, Some(view)) = (intent.aimed, view) {
-                intent.wanted = view.wanted(point, at);
-                intent.designed = view.locate(at, reflect(ray.direction, normal), point);
+                intent.wanted = view.direction_of(point, at);
+                intent.designed = view.image_of(at, reflect(ray.direction, normal), point);
             }
             intent
         };

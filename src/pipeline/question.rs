@@ -7,7 +7,7 @@ use super::source::heights_beside;
 use super::{Error, Source, Stage, designed};
 use crate::design::Design;
 use crate::geom::Outline;
-use crate::mirror::{Knots, Mirror, Patches};
+use crate::mirror::{BicubicSpline, Knots, Mirror};
 use crate::profile::{Format, Profile, SagAxis};
 use crate::report::FacetsFrom;
 use crate::tolerance::{
@@ -56,13 +56,13 @@ pub fn prepared(clock: &Clock, named: &str, source: &Source) -> Result<Prepared,
 }
 
 /// The measured form error in `file`, which must cover the mirror.
-fn map(named: &str, file: &str, mirror: &Mirror) -> Result<Patches, Error> {
+fn map(named: &str, file: &str, mirror: &Mirror) -> Result<BicubicSpline, Error> {
     /// A grid may end so little before the mirror, as a share of its size: rounding.
     const SLACK: f64 = 1e-6;
     let grid = heights_beside(named, file)?;
     let fault = |reason: String| Error::Map { file: file.to_owned(), reason };
     let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
-    let map = Patches::new(knots(&grid.x), knots(&grid.y), &grid.z_mm)
+    let map = BicubicSpline::new(knots(&grid.x), knots(&grid.y), &grid.z_mm)
         .ok_or_else(|| fault("no spline goes through its heights".into()))?;
     let (centre, half) = extent(mirror);
     for (k, (axis, knots)) in ["X", "Y"].into_iter().zip(map.knots()).enumerate() {
@@ -103,7 +103,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)
         Some(mm) => mm / design.camera.pixel_mm,
         None => {
             let pixel = design.camera.pixel_mm;
-            let pixels = design.mirror.whole().area() / (pixel * pixel);
+            let pixels = design.mirror.full_outline().area() / (pixel * pixel);
             facets_bound(plan.forecast.facets / pixels)
         }
     };
@@ -115,7 +115,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)
 fn question(
     profile: &Profile,
     design: &Design,
-    map: Option<Patches>,
+    map: Option<BicubicSpline>,
     meshed: Option<(f64, FacetsFrom)>,
 ) -> Result<(Question, Option<FacetsFrom>), Error> {
     let asked = &profile.tolerance;

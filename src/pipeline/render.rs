@@ -79,7 +79,7 @@ fn taken(design: &Design, seen: Option<&Seen>, scenery: Scenery, wanted: &Wanted
 
 /// The board around the mirror of `design`: by default with squares as wide as the mirror.
 fn chessboard(design: &Design, square_mm: Option<f64>) -> Chessboard {
-    let outline = design.mirror.whole();
+    let outline = design.mirror.full_outline();
     let size = outline.bounds().size();
     let square = square_mm.unwrap_or_else(|| size.max_element());
     Chessboard::new(square, design.camera.chart.plane_mm, outline.reach(size))
@@ -92,7 +92,7 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     const RAYS_DEG: ([f64; 5], f64) = ([-66.0, -33.0, 0.0, 33.0, 66.0], 9.0);
     const STEEPEST: f64 = 0.7;
     const STEPS: i32 = 96;
-    let half_mm = design.mirror.whole().bounds().size() * 0.5;
+    let half_mm = design.mirror.full_outline().bounds().size() * 0.5;
     let reach = half_mm.length();
     let radius_mm = match design.view.as_ref().map(|view| view.target) {
         Some(Target::Cylinder { radius_mm }) if radius_mm < 4.0 * reach => radius_mm,
@@ -102,7 +102,7 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     // Between mirror and pinhole the image is smaller than on the reference plane.
     let chart = design.camera.chart;
     let image_mm = above(scene).min(chart.plane_mm + 0.5 / chart.vergence);
-    let shrink = chart.shrink(image_mm);
+    let shrink = chart.view_scale(image_mm);
     let step = |k: i32| f64::from(2 * k + 1) / f64::from(STEPS) - 1.0;
     let row = |y: i32| (0..STEPS).map(|x| half_mm * DVec2::new(step(x), step(y))).collect();
     let points: Vec<Vec<DVec2>> = (0..STEPS).map(row).collect();
@@ -143,6 +143,6 @@ fn optical(design: &Design, at: DVec3) -> Option<DVec3> {
     let (place, height) = mirror.chart.coordinates(at);
     let point = mirror.row(place.y).at(place.x);
     let near = 1e-3 * mirror.outline.bounds().size().max_element();
-    let on_face = mirror.whole().contains(place) && (height - point.f).abs() < near;
+    let on_face = mirror.full_outline().contains(place) && (height - point.f).abs() < near;
     on_face.then(|| mirror.normal(place, &point).normalize())
 }

@@ -174,7 +174,7 @@ fn left_out(profile: &Profile, engine: &Engine, keys: &[String]) -> Result<Vec<K
 
 /// About how many facets with such edges the mirror takes.
 fn facets_of(design: &Design, edge: f64) -> f64 {
-    PER_AREA * design.mirror.whole().area() / (edge * edge)
+    PER_AREA * design.mirror.full_outline().area() / (edge * edge)
 }
 
 /// Names the errors that swing too finely.
@@ -218,7 +218,7 @@ fn too_fine(
 fn middle(design: &Design, a: DVec3, b: DVec3) -> DVec3 {
     let mirror = &design.mirror;
     let q = 0.5 * (mirror.chart.coordinates(a).0 + mirror.chart.coordinates(b).0);
-    mirror.place(q, &mirror.row(q.y).at(q.x))
+    mirror.position(q, &mirror.row(q.y).at(q.x))
 }
 
 /// The designed face with the form of a made one.

@@ -2,7 +2,7 @@
 //! skirt between them, on the land inside a ring, or on the stock around the mirror?
 
 use crate::design::Design;
-use crate::geom::{DVec2, DVec3, Outline, Stock};
+use crate::geom::{Border, DVec2, DVec3, Outline};
 use crate::mirror::{Mirror, MirrorRow};
 use crate::num::{cos, sin};
 use crate::parallel;
@@ -54,7 +54,7 @@ fn land(mirror: &Mirror) -> Option<(f64, [f64; 2])> {
 /// The mirror's point in direction `way` at `reach` mm of the chart from the axis.
 fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
     let q = way * reach;
-    mirror.place(q, &mirror.row(q.y).at(q.x))
+    mirror.position(q, &mirror.row(q.y).at(q.x))
 }
 
 fn distance(
@@ -63,10 +63,10 @@ fn distance(
     q: DVec2,
     v: DVec3,
     land: Option<(f64, [f64; 2])>,
-    stock: Option<&Stock>,
+    stock: Option<&Border>,
 ) -> f64 {
-    let outline = mirror.whole();
-    let on_mirror = (mirror.place(q, &row.at(q.x)) - v).length();
+    let outline = mirror.full_outline();
+    let on_mirror = (mirror.position(q, &row.at(q.x)) - v).length();
     // How far inside the outline, along X or Y or the radius, in the chart.
     let inside = match outline {
         Outline::Rect(rect) => (q - rect.min).min(rect.max - q).min_element(),

@@ -3,7 +3,7 @@
 
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
-use crate::mirror::Point;
+use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
 use crate::parallel;
 use crate::render::{Canvas, Picture, Seen as Painted, World};
@@ -51,7 +51,7 @@ pub fn picture(
     let canvas = Canvas { width, height, samples_per_side, pixel_rad };
     let leaving = |at: DVec3, direction: DVec3| {
         let shown = match (distance, view) {
-            (Distance::Target, Some(view)) => view.shown(at, direction),
+            (Distance::Target, Some(view)) => view.direction_from_origin(at, direction),
             _ => direction,
         };
         Painted::World(Ray { origin: at, direction: shown })
@@ -106,17 +106,18 @@ pub fn picture(
 /// equal y): none off the mirror.
 pub fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
     let Design { mirror, camera, .. } = design;
-    let outline = mirror.whole();
-    let under = |&q: &DVec2| mirror.under(&camera.chart, q).unwrap_or(DVec2::INFINITY);
+    let outline = mirror.full_outline();
+    let under =
+        |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q).unwrap_or(DVec2::INFINITY);
     let places: Vec<DVec2> = points.iter().map(under).collect();
-    let leave = |((&q, place), point): ((&DVec2, &DVec2), Point)| {
+    let leave = |((&q, place), point): ((&DVec2, &DVec2), HeightAndSlope)| {
         outline.contains(*place).then(|| {
             let arriving = camera.ray(q, 0.0).direction;
             let direction = reflect(arriving, mirror.normal(*place, &point));
-            Ray { origin: mirror.place(*place, &point), direction }
+            Ray { origin: mirror.position(*place, &point), direction }
         })
     };
-    points.iter().zip(&places).zip(mirror.along(&places)).map(leave).collect()
+    points.iter().zip(&places).zip(mirror.eval_many(&places)).map(leave).collect()
 }
 
 /// Whether a place of the part is not polished: the land inside a ring, and what is below the mirror.

@@ -197,6 +197,6 @@ fn law_name(law: &Law) -> &'static str {
         Law::Mercator => "mercator",
         Law::Equirectangular => "equirectangular",
         Law::EqualArea => "equal-area",
-        Law::Ladder(_) => "table",
+        Law::Tabulated(_) => "table",
     }
 }

@@ -4,7 +4,7 @@ use super::examine::Evidence;
 use super::remedy;
 use crate::align::FormError;
 use crate::design::Design;
-use crate::geom::{Outline, Stock};
+use crate::geom::{Border, Outline};
 use crate::profile::{Accepted, Bound, Format, Profile};
 use crate::report::{Reason, ReasonKind, TraceFacts, Verdict};
 use crate::trace::Frame;
@@ -100,8 +100,8 @@ fn unfilled(frame: &Frame, least: Bound) -> Reason {
 /// What the chord error, and the chords of a round rim and of the stock's circles, may take off the
 /// volume, mm^3.
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
-    let outline = design.mirror.whole();
-    let stock = design.stock.as_ref().map_or(0.0, Stock::chords_mm3);
+    let outline = design.mirror.full_outline();
+    let stock = design.stock.as_ref().map_or(0.0, Border::chords_mm3);
     let faces = outline.area() * chord_mm + stock;
     match outline {
         Outline::Rect(_) => faces,

@@ -192,7 +192,7 @@ const FAR: f64 = 8.0;
 /// Leaves out facets far from the part, among which the search for the others would be slow, and counts
 /// them.
 fn leave_far(reread: &mut Reread, design: &Design) -> usize {
-    let outline = design.mirror.whole().bounds().size().length();
+    let outline = design.mirror.full_outline().bounds().size().length();
     let reach = FAR * (outline + design.mirror.chart.plane_mm.abs());
     let mesh = &reread.mesh;
     let near = |t: usize| mesh.corners(t).iter().all(|v| v.length() <= reach);

@@ -2,7 +2,7 @@
 
 /// A flat rim around the mirror, below it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Border {
+pub struct BorderSpec {
     /// Width of the rim around the rectangle or circle that holds the mirror, in millimetres.
     pub width_mm: f64,
     /// Height of the rim over the base plane in millimetres; less than the part's base.
@@ -73,7 +73,7 @@ pub struct Misfit {
     pub hint: String,
 }
 
-impl Border {
+impl BorderSpec {
     /// The least material between a hole or a mark and anything else, in millimetres.
     pub const CLEAR_MM: f64 = 0.1;
     /// What differs by less is the same but for rounding, mm.
@@ -195,7 +195,7 @@ impl Border {
 
 /// Whether a gap is smaller than the clearance by more than rounding.
 fn tight(gap: f64) -> bool {
-    !(gap >= Border::CLEAR_MM - Border::ROUNDING_MM)
+    !(gap >= BorderSpec::CLEAR_MM - BorderSpec::ROUNDING_MM)
 }
 
 impl Spot {
@@ -240,13 +240,13 @@ impl Footprint {
 mod tests {
     use super::*;
 
-    fn border(corner_radius_mm: f64, holes: &[[f64; 3]], marks: &[[f64; 3]]) -> Border {
+    fn border(corner_radius_mm: f64, holes: &[[f64; 3]], marks: &[[f64; 3]]) -> BorderSpec {
         let spots = |list: &[[f64; 3]]| {
             let spot = |&[x_mm, y_mm, diameter_mm]: &[f64; 3]| Spot { x_mm, y_mm, diameter_mm };
             list.iter().map(spot).collect()
         };
         let (holes, marks) = (spots(holes), spots(marks));
-        Border { width_mm: 8.0, rim_mm: 2.0, corner_radius_mm, holes, marks }
+        BorderSpec { width_mm: 8.0, rim_mm: 2.0, corner_radius_mm, holes, marks }
     }
 
     const RECT: Footprint = Footprint::Rect { half_mm: [30.0, 20.0] };

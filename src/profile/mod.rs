@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 pub use accept::{Accept, Accepted, Bound};
-pub use border::{Border, Feature, Footprint, Misfit, Spot};
+pub use border::{BorderSpec, Feature, Footprint, Misfit, Spot};
 pub use complaint::{Complaint, Complaints};
 pub use projection::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
 pub use sag::{GridError, SagAxis, SagGrid};
@@ -185,7 +185,7 @@ pub struct Part {
     /// Material under the mirror's lowest point, in millimetres.
     pub base_mm: f64,
     /// A flat rim around the mirror.
-    pub border: Option<Border>,
+    pub border: Option<BorderSpec>,
 }
 
 /// How closely facets must follow the mirror: by one limit or two, of which the stricter rules at

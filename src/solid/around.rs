@@ -1,7 +1,7 @@
 //! The stock around a face: its flat top, side and base, with marks and through holes.
 
 use super::{SolidError, kept, put, sides, wall};
-use crate::geom::{DVec2, Drilled, Land, Precision, Stock, TriMesh};
+use crate::geom::{Border, DVec2, Drilled, Land, Precision, TriMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// A hole's loops at its upper end and in the base, counter-clockwise from above.
@@ -33,7 +33,7 @@ pub fn land(
 pub fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
-    stock: &Stock,
+    stock: &Border,
     of_land: Vec<Bore>,
     precision: Precision,
 ) -> Result<(), SolidError> {
@@ -66,7 +66,7 @@ pub fn close(
 
 /// How many facets [`close`] and [`land`] add, but for the one at each of the feet and at each edge
 /// of the land.
-pub fn added(stock: &Stock) -> usize {
+pub fn added(stock: &Border) -> usize {
     let corners = |list: &[Drilled]| -> usize {
         list.iter().map(|round| round.polygon(DVec2::ZERO).len()).sum()
     };
@@ -159,16 +159,16 @@ mod tests {
     use crate::geom::Contour;
 
     /// A plate 6 by 6 by 1 around the square face 2 by 2 at height 2.
-    fn plate(holes: &[[f64; 3]], marks: &[[f64; 3]]) -> Stock {
+    fn plate(holes: &[[f64; 3]], marks: &[[f64; 3]]) -> Border {
         let drilled = |list: &[[f64; 3]]| {
             let one = |&[x, y, d]: &[f64; 3]| Drilled { at: DVec2::new(x, y), diameter_mm: d };
             list.iter().map(one).collect()
         };
         let contour = Contour::Rect { half: DVec2::splat(3.0), corner_mm: 0.0 };
-        Stock { contour, top_mm: 1.0, holes: drilled(holes), marks: drilled(marks), land: None }
+        Border { contour, top_mm: 1.0, holes: drilled(holes), marks: drilled(marks), land: None }
     }
 
-    fn closed(stock: &Stock, precision: Precision) -> Result<Solid, SolidError> {
+    fn closed(stock: &Border, precision: Precision) -> Result<Solid, SolidError> {
         Solid::from_face(&tests::face(), Some(stock), precision)
     }
 
@@ -215,7 +215,7 @@ mod tests {
         // Beyond the side.
         assert_eq!(refused(&[[2.9, 0.0, 1.0]], &[]).1, "two edges cross");
         assert!(closed(&plate(&[[9.0, 0.0, 1.0]], &[]), Precision::Double).is_err());
-        let high = Stock { top_mm: 2.0, ..plate(&[], &[]) };
+        let high = Border { top_mm: 2.0, ..plate(&[], &[]) };
         let sunk = SolidError::Sunk { lowest_mm: 2.0, top_mm: 2.0 };
         assert_eq!(closed(&high, Precision::Double).unwrap_err(), sunk);
     }

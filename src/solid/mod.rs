@@ -7,7 +7,7 @@ mod defect;
 pub use check::check;
 pub use defect::{Check, Defect, Rim};
 
-use crate::geom::{DVec2, DVec3, Precision, Stock, TriMesh};
+use crate::geom::{Border, DVec2, DVec3, Precision, TriMesh};
 use thiserror::Error;
 
 /// A closed, oriented 2-manifold of one piece with positive volume, whose facets all have an area.
@@ -78,7 +78,7 @@ impl Solid {
     /// flat top, what is in the flat top touches each other or the result fails [`check`].
     pub fn from_face(
         face: &TriMesh,
-        stock: Option<&Stock>,
+        stock: Option<&Border>,
         precision: Precision,
     ) -> Result<Self, SolidError> {
         let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
@@ -158,7 +158,7 @@ impl Solid {
 /// How many facets [`Solid::from_face`] adds to a face with so many edges around it and around its
 /// hole (0: it has none).
 #[must_use]
-pub fn added(outer: usize, hole: usize, stock: Option<&Stock>) -> usize {
+pub fn added(outer: usize, hole: usize, stock: Option<&Border>) -> usize {
     // With stock, what ends on the rim's feet is the flat top in the place of the base.
     3 * outer + hole + stock.map_or(0, around::added)
 }

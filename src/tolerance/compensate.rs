@@ -1,7 +1,7 @@
 //! What is adjusted when the system is put together or calibrated: the picture is shifted, turned
 //! and magnified, the mirror tilted and moved, so that least squares of displacement remain.
 
-use crate::num::larger;
+use crate::num::max_or_nan;
 use serde::{Serialize, Serializer};
 
 /// An adjustment. Focusing a camera changes its magnification, and nothing else that a displacement
@@ -174,8 +174,8 @@ impl Pixels {
     /// The larger of each figure.
     #[must_use]
     pub fn worst(self, other: Self) -> Self {
-        let rms_px = larger(self.rms_px, other.rms_px);
-        Self { rms_px, p95_px: larger(self.p95_px, other.p95_px) }
+        let rms_px = max_or_nan(self.rms_px, other.rms_px);
+        Self { rms_px, p95_px: max_or_nan(self.p95_px, other.p95_px) }
     }
 }
 

@@ -8,10 +8,10 @@ use super::source::{Kind, Source, Texture};
 use super::spread::{facets_displace, terraced};
 use super::tally::{Piece, Tally};
 use crate::geom::{DVec2, Outline};
-use crate::mirror::{Mirror, Patches};
+use crate::mirror::{BicubicSpline, Mirror};
 use crate::num::random::Stream;
 use crate::num::{cos, sin};
-use crate::optics::{Camera, View};
+use crate::optics::{Camera, ImagingTask};
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -35,7 +35,7 @@ pub struct Question {
     /// Shapes of the textures.
     pub texture: Texture,
     /// A measured form error, over X and Y of the part, mm.
-    pub map: Option<Patches>,
+    pub map: Option<BicubicSpline>,
     /// What is adjusted.
     pub compensators: Vec<Compensator>,
     /// Which figure counts.
@@ -91,7 +91,12 @@ impl Engine {
     /// Prepares `question` for a mirror under a camera that shows a view; none where no pixel sees
     /// the target in it.
     #[must_use]
-    pub fn new(mirror: &Mirror, camera: &Camera, view: &View, question: Question) -> Option<Self> {
+    pub fn new(
+        mirror: &Mirror,
+        camera: &Camera,
+        view: &ImagingTask,
+        question: Question,
+    ) -> Option<Self> {
         let (centre, half) = extent(mirror);
         let size = 2.0 * half[0].max(half[1]);
         let (mut forms, mut fields) = (Vec::new(), Vec::new());
@@ -359,7 +364,7 @@ pub(super) fn placed_by(kind: Kind, pixel_mm: f64, texture: &Texture) -> Option<
 /// Middle and half sides, mm, of the rectangle around the mirror in X and Y of the part.
 #[must_use]
 pub fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
-    let bounds = mirror.whole().bounds();
+    let bounds = mirror.full_outline().bounds();
     let rim = match mirror.outline {
         Outline::Ring { outer, .. } => vec![DVec2::new(outer, 0.0)],
         Outline::Rect(_) => {
@@ -370,7 +375,7 @@ pub fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
         }
     };
     let places: Vec<DVec2> =
-        rim.into_iter().map(|q| mirror.place(q, &mirror.row(q.y).at(q.x)).truncate()).collect();
+        rim.into_iter().map(|q| mirror.position(q, &mirror.row(q.y).at(q.x)).truncate()).collect();
     if let ([rim], Outline::Ring { .. }) = (places.as_slice(), mirror.outline) {
         return ([0.0; 2], [rim.x; 2]);
     }

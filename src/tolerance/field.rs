@@ -183,7 +183,7 @@ pub fn slope_modes(length: f64, size: f64) -> Vec<(Field, f64)> {
 #[inline]
 pub fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
     let left = -(from_track * curvature).square() + 1.0;
-    let root = if left.centre() > 0.25 { left.sqrt() } else { S::constant(0.5) };
+    let root = if left.mid() > 0.25 { left.sqrt() } else { S::constant(0.5) };
     [from_track.square() * curvature / (root + 1.0), from_track * curvature / root]
 }
 

@@ -83,7 +83,7 @@ fn sinc(x: f64) -> f64 {
 
 /// The Bernoulli polynomial of degree 3 of the fractional part.
 fn bernoulli<S: Scalar>(x: S) -> S {
-    let x = x - x.centre().floor();
+    let x = x - x.mid().floor();
     x * (x - 0.5) * (x - 1.0)
 }
 

@@ -33,7 +33,7 @@ impl Square {
     /// Whether a place lies inside.
     #[inline]
     pub fn holds<S: Scalar>(&self, at: [S; 2]) -> bool {
-        let within = |k: usize| (at[k].centre() - self.centre[k]).abs() <= self.half;
+        let within = |k: usize| (at[k].mid() - self.centre[k]).abs() <= self.half;
         within(0) && within(1)
     }
 }
@@ -196,9 +196,9 @@ pub fn off(
     let miss = |[u, v]: [f64; 2]| {
         let at = [square.centre[0] + square.half * u, square.centre[1] + square.half * v];
         let (found, exact) = (found(at), exact(at));
-        (0..3).map(|k| (found[k] - exact[k]).abs()).fold(0.0, crate::num::larger)
+        (0..3).map(|k| (found[k] - exact[k]).abs()).fold(0.0, crate::num::max_or_nan)
     };
-    PLACES.into_iter().map(miss).fold(0.0, crate::num::larger)
+    PLACES.into_iter().map(miss).fold(0.0, crate::num::max_or_nan)
 }
 
 #[cfg(test)]

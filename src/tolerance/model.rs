@@ -15,9 +15,9 @@ use super::samples::FORM_TERMS;
 use super::source::Texture;
 use super::tally::{Counter, Piece, Tally};
 use crate::geom::{Chart, DVec2, DVec3};
-use crate::mirror::{Mirror, Patches};
+use crate::mirror::{BicubicSpline, Mirror};
 use crate::num::{Dual, Scalar};
-use crate::optics::{Camera, View, stereo};
+use crate::optics::{Camera, ImagingTask, stereographic};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use tool::Tool;
@@ -138,7 +138,7 @@ pub struct System {
     /// The camera, as designed.
     pub camera: Camera,
     /// What the picture should show.
-    pub view: View,
+    pub view: ImagingTask,
     /// Places of the picture that stand for all of it, each for an area as large as the others'.
     pub samples: Vec<Sample>,
     /// Share of the picture of the mirror that they stand for: where they see the target.
@@ -155,7 +155,7 @@ pub struct System {
     /// Wave vector of the waviness, 1/mm.
     wave: [f64; 2],
     tool: Tool,
-    map: Option<Patches>,
+    map: Option<BicubicSpline>,
     /// Of this system and all that are made of it.
     pub(super) counter: Arc<Counter>,
 }
@@ -169,10 +169,10 @@ impl System {
     /// the picture of the mirror; hits move by about `reach` mm. `fields` are the form errors.
     #[must_use]
     pub fn new(
-        parts: (&Mirror, &Camera, &View),
+        parts: (&Mirror, &Camera, &ImagingTask),
         fields: Vec<Field>,
         texture: &Texture,
-        map: Option<Patches>,
+        map: Option<BicubicSpline>,
         count: usize,
         reach: f64,
     ) -> Self {
@@ -185,7 +185,7 @@ impl System {
         };
         let sag = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
         let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
-        let farthest = mirror.whole().bounds().size().max_element();
+        let farthest = mirror.full_outline().bounds().size().max_element();
         let mut system = Self {
             camera,
             view,
@@ -240,14 +240,14 @@ impl System {
     /// Z and slope of the designed surface of `mirror`, the whole one or a panel, at (X, Y) of the
     /// part, near the height `z_mm`, with derivatives as the mirror itself has them.
     pub(super) fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2], z_mm: f64) -> [S; 3] {
-        let q = DVec2::new(at[0].centre(), at[1].centre());
-        let Some(place) = mirror.under_near(&self.sag, q, z_mm) else {
+        let q = DVec2::new(at[0].mid(), at[1].mid());
+        let Some(place) = mirror.intersect_camera_ray_near(&self.sag, q, z_mm) else {
             return [S::constant(f64::NAN); 3];
         };
         let point = mirror.row(place.y).at(place.x);
         let slope = mirror.slope(place, &point);
         // What Newton's method left of the way to q.
-        let found = mirror.place(place, &point);
+        let found = mirror.position(place, &point);
         let z = found.z + slope.dot(q - found.truncate());
         let away = [at[0] - q.x, at[1] - q.y];
         if is_plain::<S>() {
@@ -263,7 +263,7 @@ impl System {
     fn bend(&self, mirror: &Mirror, q: DVec2, place: DVec2, z_mm: f64) -> [[f64; 2]; 2] {
         if mirror.chart.vergence == 0.0 {
             let flip = if mirror.reflects(place) { -1.0 } else { 1.0 };
-            let bend = mirror.surface.curvature(DVec2::new(place.x, flip * place.y));
+            let bend = mirror.surface.hessian(DVec2::new(place.x, flip * place.y));
             return [[bend.xx, flip * bend.xy], [flip * bend.xy, bend.yy]];
         }
         const STEP: f64 = 1e-4;
@@ -280,7 +280,9 @@ impl System {
     /// Curvature of the tool's tracks at a place of the part, 1/mm; not a number off the mirror.
     pub(super) fn groove(&self, mirror: &Mirror, at: DVec3) -> f64 {
         let q = at.truncate();
-        let Some(place) = mirror.under_near(&self.sag, q, at.z) else { return f64::NAN };
+        let Some(place) = mirror.intersect_camera_ray_near(&self.sag, q, at.z) else {
+            return f64::NAN;
+        };
         let slope = mirror.slope(place, &mirror.row(place.y).at(place.x));
         self.tool.curvature(slope.to_array(), self.bend(mirror, q, place, at.z))
     }
@@ -427,13 +429,13 @@ impl System {
         }
     }
 
-    /// [`View::locate`] for all kinds of numbers.
+    /// [`ImagingTask::locate`] for all kinds of numbers.
     pub(super) fn place<S: Scalar>(&self, near: DVec2, at: [S; 3], leaving: [S; 3]) -> [S; 2] {
         let flip = if self.view.reflects(near) { -1.0 } else { 1.0 };
         let from = [at[0], at[1] * flip, at[2] - self.view.origin_mm];
-        let sigma = stereo::sigma([leaving[0], leaving[1] * flip, leaving[2]]);
-        let seen = self.view.target.seen(from, sigma);
-        let [x, y] = self.view.projection.locate(seen, DVec2::new(near.x, near.y * flip));
+        let sigma = stereographic::sigma([leaving[0], leaving[1] * flip, leaving[2]]);
+        let seen = self.view.target.direction_from_origin(from, sigma);
+        let [x, y] = self.view.projection.image_of(seen, DVec2::new(near.x, near.y * flip));
         [x, y * flip]
     }
 }
@@ -467,14 +469,14 @@ fn meet<S: Scalar>(
     for _ in 0..MOST_STEPS {
         let [x, y, z] = [0, 1, 2].map(|k| from[k] + along[k] * t);
         // Nor is what is not a number near.
-        let near = |x: S, hit: f64| (x.centre() - hit).abs() <= farthest;
+        let near = |x: S, hit: f64| (x.mid() - hit).abs() <= farthest;
         if !(near(x, hit.x) && near(y, hit.y)) {
             return None;
         }
         let [f, f_x, f_y] = surface([x, y]);
         let step = (z - f) / (along[2] - along[0] * f_x - along[1] * f_y);
         t = t - step;
-        if step.centre().abs() < LAST_STEP {
+        if step.mid().abs() < LAST_STEP {
             let at = [0, 1, 2].map(|k| from[k] + along[k] * t);
             if let (true, Some((before, [p, q]))) = (is_plain::<S>(), last) {
                 // So short a step changes the slope as the one before did.

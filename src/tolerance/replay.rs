@@ -6,7 +6,7 @@ use super::engine::{Engine, Made};
 use super::model::{Pose, Sample};
 use super::source::Kind;
 use crate::geom::{DVec2, DVec3, Ray};
-use crate::num::larger;
+use crate::num::max_or_nan;
 use crate::num::random::Stream;
 use crate::num::stats::{Summary, or_null};
 use crate::optics::reflect;
@@ -123,7 +123,7 @@ impl Engine {
     #[must_use]
     pub fn off_surface(&self, made: &Made, vertices: &[DVec3]) -> f64 {
         let off = |v: &DVec3| (v.z - self.surface(made, *v)[0]).abs();
-        parallel::map_slice(vertices, 1, off).into_iter().fold(0.0, larger)
+        parallel::map_slice(vertices, 1, off).into_iter().fold(0.0, max_or_nan)
     }
 
     /// Whether a ray in the frame of the grown part, aimed by `sample`, meets the made surface on the

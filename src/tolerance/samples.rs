@@ -84,7 +84,7 @@ impl System {
     fn region(&self) -> Outline {
         let half =
             0.5 * self.camera.pixel_mm * DVec2::from_array(self.camera.pixels.map(f64::from));
-        let whole = self.mirror.whole();
+        let whole = self.mirror.full_outline();
         let own = self.mirror.chart == self.camera.chart;
         let bounds = match whole {
             Outline::Ring { outer, .. } if own && outer <= half.min_element() => return whole,
@@ -92,7 +92,7 @@ impl System {
             _ => {
                 // The rim is among the samples; between two of them it may reach a little farther.
                 let image = |q: DVec2| {
-                    let at = self.mirror.place(q, &self.mirror.row(q.y).at(q.x));
+                    let at = self.mirror.position(q, &self.mirror.row(q.y).at(q.x));
                     self.camera.chart.coordinates(at).0
                 };
                 let seen = whole.samples(RIM).into_iter().flatten().map(|(q, _)| image(q));
@@ -176,8 +176,8 @@ impl System {
 
     /// Where the image point `q` sees the mirror, as chart coordinates.
     fn sees(&self, q: DVec2) -> Option<DVec2> {
-        let place = self.mirror.under(&self.camera.chart, q)?;
-        self.mirror.whole().aims(place).then_some(place)
+        let place = self.mirror.intersect_camera_ray(&self.camera.chart, q)?;
+        self.mirror.full_outline().aims(place).then_some(place)
     }
 
     /// The number of the panel at `place` of the chart.
@@ -216,7 +216,7 @@ impl System {
     fn sample(&self, fitters: &[Fitter], point: DVec2, place: DVec2, reach: f64) -> Option<Sample> {
         let panel = self.panel(place);
         let at = self.mirror.row(place.y).at(place.x);
-        let hit = self.mirror.place(place, &at);
+        let hit = self.mirror.position(place, &at);
         let slope = self.mirror.slope(place, &at).to_array();
         let of = |half: f64| Square { centre: [hit.x, hit.y], half };
         let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {

@@ -9,7 +9,7 @@
 use super::{Fate, Seen, Witness};
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
-use crate::optics::{Camera, Fold, Projection, View};
+use crate::optics::{Camera, Fold, ImagingTask, Projection};
 use crate::parallel;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -91,7 +91,7 @@ pub struct Column {
 /// The directions that the filled pixels' centres show.
 struct Panorama<'a> {
     camera: &'a Camera,
-    view: &'a View,
+    view: &'a ImagingTask,
     /// Azimuth and elevation, radians, row by row.
     angles: Vec<Option<[f64; 2]>>,
 }
@@ -104,12 +104,12 @@ impl Coverage {
         witness: &Witness,
         fates: &[Fate],
         camera: &Camera,
-        view: &View,
+        view: &ImagingTask,
         width_mm: f64,
     ) -> Self {
         let angles = |k: usize| {
             let seen: &Seen = &witness.seen[k];
-            let shown = || view.shown(seen.at, seen.direction);
+            let shown = || view.direction_from_origin(seen.at, seen.direction);
             let angles = |d: DVec3| [atan2(d.x, d.y), asin(d.z.clamp(-1.0, 1.0))];
             (fates[k] == Fate::Filled).then(|| angles(shown()))
         };

@@ -115,7 +115,7 @@ impl<'a> Drawing<'a> {
         let chart = camera.chart;
         let start =
             if chart.vergence == 0.0 { top_mm } else { chart.plane_mm + 1.0 / chart.vergence };
-        let way = chart.shrink(hi.z);
+        let way = chart.view_scale(hi.z);
         let extent = lo.abs().max(hi.abs()).max_element().max(start.abs());
         let margin = MARGIN + 64.0 * f64::EPSILON * extent / camera.pixel_mm;
         // (What is no number fails.)
@@ -158,7 +158,7 @@ impl<'a> Drawing<'a> {
     #[inline]
     fn place(&self, v: DVec3) -> DVec2 {
         let Camera { pixels: [columns, rows], chart, .. } = self.rays.camera;
-        let scale = self.per_mm / chart.shrink(v.z);
+        let scale = self.per_mm / chart.view_scale(v.z);
         DVec2::new(0.5 * f64::from(columns) + v.x * scale, 0.5 * f64::from(rows) - v.y * scale)
     }
 

@@ -4,7 +4,7 @@ use super::sweep::{Glimpse, Sweep, Tally};
 use super::{Hit, Scene};
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
-use crate::optics::{View, reflect};
+use crate::optics::{ImagingTask, reflect};
 use crate::parallel;
 
 /// What a camera ray is meant to do: an entry of the table handed to the witness.
@@ -92,7 +92,7 @@ impl Witness {
     pub fn trace(
         scene: &Scene,
         normals: Option<&[[DVec3; 3]]>,
-        view: Option<&View>,
+        view: Option<&ImagingTask>,
         [columns, rows]: [u32; 2],
         table: impl Fn(u32) -> Vec<Intent> + Sync,
     ) -> Self {
@@ -110,7 +110,7 @@ impl Witness {
     pub fn sweep(
         sweep: &Sweep,
         normals: Option<&[[DVec3; 3]]>,
-        view: Option<&View>,
+        view: Option<&ImagingTask>,
         table: impl Fn(u32) -> Vec<Intent> + Sync,
     ) -> (Self, Tally) {
         let [columns, rows] = sweep.pixels().map(|n| n as usize);
@@ -187,7 +187,7 @@ pub(super) fn shadowed(scene: &Scene, ray: &Ray, t: f64, facet: u32, direction: 
 fn judge(
     scene: &Scene,
     normals: Option<&[[DVec3; 3]]>,
-    view: Option<&View>,
+    view: Option<&ImagingTask>,
     intent: &Intent,
     found: &Glimpse,
 ) -> Seen {
@@ -199,11 +199,11 @@ fn judge(
         return seen;
     };
     let errors = |direction: DVec3| {
-        let content = view.locate(at, direction, point);
+        let content = view.image_of(at, direction, point);
         Errors {
             ray: angle(direction, wanted),
             image_mm: (content - point).length(),
-            facet_mm: view.projection.apart(content, intent.designed),
+            facet_mm: view.projection.image_distance(content, intent.designed),
         }
     };
     let smooth = normals.map(|normals| {

@@ -31,7 +31,7 @@ pub fn pieces(optics: &Optics, photo: [usize; 2]) -> Result<Vec<Piece>, UnwrapEr
     let mirror = optics.mirror;
     let Outline::Rect(panel) = mirror.outline else { return Err(UnwrapError::Round) };
     let corner = |q: DVec2| {
-        let at = mirror.place(q, &mirror.surface.at(q));
+        let at = mirror.position(q, &mirror.surface.at(q));
         let pixel = optics.pixel(optics.camera.chart.coordinates(at).0);
         [pixel[0] * scale[0], pixel[1] * scale[1]]
     };

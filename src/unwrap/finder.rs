@@ -73,23 +73,23 @@ impl<'a> Finder<'a> {
     fn content(&self, at: DVec2, near: DVec2) -> DVec2 {
         let Optics { mirror, camera, view } = self.optics;
         let point = mirror.surface.at(at);
-        let place = mirror.place(at, &point).to_array();
+        let place = mirror.position(at, &point).to_array();
         let slope = mirror.slope(at, &point).to_array();
-        DVec2::from_array(view.content(&camera.chart, place, slope, near))
+        DVec2::from_array(view.image_of_seen(&camera.chart, place, slope, near))
     }
 
     /// The derivatives of [`Finder::content`], inverted.
     fn follows(&self, at: DVec2, near: DVec2) -> DMat2 {
         let Optics { mirror, camera, view } = self.optics;
         let point = mirror.surface.at(at);
-        let bend = mirror.surface.curvature(at);
+        let bend = mirror.surface.hessian(at);
         let (q, slope) = (at.to_array(), point.slope.to_array());
         let q: [Dual<2>; 2] = [0, 1].map(|k| Dual::variable(q[k], k));
         let f = Dual { value: point.f, slope };
         let bends = [[bend.xx, bend.xy], [bend.xy, bend.yy]];
         let p = [0, 1].map(|k| Dual { value: slope[k], slope: bends[k] });
-        let place = mirror.chart.place(q, f);
-        let content = view.content(&camera.chart, place, mirror.chart.slope(q, p), near);
+        let place = mirror.chart.position(q, f);
+        let content = view.image_of_seen(&camera.chart, place, mirror.chart.slope(q, p), near);
         // Rows are contents, columns variables.
         DMat2::from_cols_array_2d(&content.map(|c| c.slope)).transpose().inverse()
     }
@@ -133,7 +133,7 @@ impl Search<'_> {
             // A mirror reflected in a plane sees the reflected world.
             let flip = if panel == 0 { DVec2::ONE } else { DVec2::new(1.0, -1.0) };
             let wanted = (DVec2::from_array(sigma) * flip).to_array();
-            let place = DVec2::from_array(view.projection.locate(wanted, centre));
+            let place = DVec2::from_array(view.projection.image_of(wanted, centre));
             // Just beyond one end of a full turn is what is just before the other.
             let turns = if turn > 0.0 { &[0.0, -turn, turn][..] } else { &[0.0] };
             for shift in turns {
@@ -143,7 +143,7 @@ impl Search<'_> {
                 }
                 let found = self.finder.settle(intended, &mut self.known[panel]);
                 let Some(at) = found.filter(|at| mirror.outline.contains(*at)) else { continue };
-                let on = mirror.place(at, &mirror.surface.at(at));
+                let on = mirror.position(at, &mirror.surface.at(at));
                 let image = camera.chart.coordinates(on).0 * flip;
                 let pixel = self.finder.optics.pixel(image);
                 let seen = |k: usize| (0.0..=f64::from(camera.pixels[k])).contains(&pixel[k]);

@@ -17,7 +17,7 @@ pub use panorama::{Panorama, STEEPEST_DEG};
 pub use table::TableError;
 
 use crate::mirror::Mirror;
-use crate::optics::{Camera, View};
+use crate::optics::{Camera, ImagingTask};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use thiserror::Error;
 
@@ -29,7 +29,7 @@ pub struct Optics<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// What the picture is meant to show.
-    pub view: &'a View,
+    pub view: &'a ImagingTask,
 }
 
 /// Why a photo cannot be unwrapped.

@@ -282,7 +282,7 @@ fn means(design: &morion::design::Design, eye_mm: f64) -> [f64; 2] {
     for (u, a) in nodes.iter().zip(&weights) {
         for (v, b) in nodes.iter().zip(&weights) {
             let q = area.centre() + 0.5 * area.size() * DVec2::new(*u, *v);
-            let z = mirror.place(q, &mirror.surface.at(q)).z;
+            let z = mirror.position(q, &mirror.surface.at(q)).z;
             height += 0.25 * a * b * z;
             depth += 0.25 * a * b * log(eye_mm - z);
         }
@@ -344,9 +344,9 @@ fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
     for k in 0..steps * steps {
         let at = DVec2::new(f64::from(k % steps) + 0.5, f64::from(k / steps) + 0.5);
         let image = (at * 2.0 / f64::from(steps) - DVec2::ONE) * reach;
-        let Some(q) = mirror.under(&camera.chart, image) else { continue };
+        let Some(q) = mirror.intersect_camera_ray(&camera.chart, image) else { continue };
         if mirror.outline.contains(q) {
-            sum += log(eye_mm - mirror.place(q, &mirror.surface.at(q)).z);
+            sum += log(eye_mm - mirror.position(q, &mirror.surface.at(q)).z);
             count += 1;
         }
     }

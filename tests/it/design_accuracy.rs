@@ -148,10 +148,12 @@ fn fill_frame_gives_the_filled_elevation_range() {
     for (law, expected) in [("cylindrical", 30.50), ("mercator", 32.0)] {
         let design = folded(law, "refit", "crest", 8);
         let Rect { min, max } = panel(&design);
-        assert!((design.mirror.whole().bounds().size() - DVec2::new(60.0, 45.0)).length() < 1e-5);
+        assert!(
+            (design.mirror.full_outline().bounds().size() - DVec2::new(60.0, 45.0)).length() < 1e-5
+        );
         assert!(min.y == 0.0 && (max - min - DVec2::new(60.0, 22.5)).length() < 1e-5);
         let view = design.view.unwrap();
-        let top = view.wanted(DVec2::new(0.0, max.y), morion::geom::DVec3::ZERO);
+        let top = view.direction_of(DVec2::new(0.0, max.y), morion::geom::DVec3::ZERO);
         let elevation = degrees(asin(top.z));
         assert!((elevation - expected).abs() < 0.05, "{law} {elevation}");
         // Exactly 3 pi / 16 of the law's coordinate (docs/theory.md, T37).
@@ -184,13 +186,13 @@ fn crest_and_valley_are_ridges_of_the_right_sense() {
 fn a_strip_turned_by_half_a_turn_is_the_same_problem_with_the_other_sign() {
     let plain = strip("cylindrical", 10);
     let turned = Wish::strip("cylindrical", [0.0, 360.0], [-30.0, 30.0], 10).made();
-    assert!(turned.mirror.even[0]);
+    assert!(turned.mirror.mirror_symmetric[0]);
     for (q, _) in gauss_grid(panel(&plain), 12) {
         assert!((height(&plain, q) + height(&turned, q)).abs() < 1e-12);
     }
     // An uneven range needs the odd terms, and reaches the same kind of fit with them.
     let uneven = Wish::strip("mercator", [-90.0, 200.0], [-30.0, 30.0], 20).made();
-    assert!(!uneven.mirror.even[0]);
+    assert!(!uneven.mirror.mirror_symmetric[0]);
     assert!(worst_mrad(&uneven) < 1e-8, "{:?}", uneven.facts);
 }
 
@@ -201,7 +203,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
     let text = text.text().replace("base_mm = 62500.0", "base_mm = 0.001");
     let mirror = morion::design::design(&parsed(&text), None).unwrap().mirror;
     let row = mirror.row(mirror.outline.bounds().min.y);
-    let near_180 = |x: f64| mirror.place(DVec2::ZERO, &row.at(x)).z;
+    let near_180 = |x: f64| mirror.position(DVec2::ZERO, &row.at(x)).z;
     // Least near azimuth 180, which no even division of the range meets.
     let least = (0..100_000).map(|k| near_180(4.0e5 + f64::from(k))).fold(f64::INFINITY, f64::min);
     assert!((least - 0.001).abs() < 1e-4, "{least}");
@@ -240,7 +242,7 @@ fn the_residual_of_a_wide_pinhole_is_resolved() {
         let off = |(q, weight): (DVec2, f64)| {
             let point = mirror.row(q.y).at(q.x);
             let ray = design.camera.ray(q, mirror.chart.plane_mm);
-            let normal = view.wanted(q, mirror.place(q, &point)) - ray.direction;
+            let normal = view.direction_of(q, mirror.position(q, &point)) - ray.direction;
             let wanted = [-normal.x / normal.z, -normal.y / normal.z];
             let [x, y] = mirror.chart.chart_slope(q.to_array(), wanted);
             weight * (point.slope - DVec2::new(x, y)).length_squared()

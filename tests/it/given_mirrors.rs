@@ -193,7 +193,7 @@ fn the_paraboloid_of_the_law_is_the_designed_one() {
         let frames = [&built.report, &designed].map(|report| report.frame.clone().unwrap());
         assert!((frames[0].filled - frames[1].filled).abs() < 1e-3);
         for (q, _) in smooth.outline.samples(12).concat() {
-            let [a, b] = [&smooth, &built.design.mirror].map(|m| m.place(q, &m.surface.at(q)));
+            let [a, b] = [&smooth, &built.design.mirror].map(|m| m.position(q, &m.surface.at(q)));
             assert!((a - b).length() < 1e-9, "{a} {b}");
         }
     }
@@ -279,7 +279,7 @@ fn facets_of_a_polynomial_are_on_its_closed_form() {
         for t in 0..facts.optical_triangles {
             let corners = mesh.corners(t);
             for v in corners {
-                let smooth = mirror.place(v.truncate(), &mirror.row(v.y).at(v.x));
+                let smooth = mirror.position(v.truncate(), &mirror.row(v.y).at(v.x));
                 assert_eq!(v.z.to_bits(), smooth.z.to_bits(), "{v}");
                 assert!((v.z - sag(v.truncate()) - up).abs() < 1e-12, "{v} {terms}");
                 assert!(v.x.abs() <= 30.0 && v.y.abs() <= 22.5);

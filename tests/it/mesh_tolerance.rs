@@ -49,9 +49,10 @@ fn sampled(design: &Design, corners: [DVec3; 3], places: &[[f64; 3]]) -> Sampled
         // On one camera ray.
         let (q, _) = mirror.chart.coordinates(point);
         let smooth = mirror.surface.at(q);
-        let place = mirror.place(q, &smooth);
+        let place = mirror.position(q, &smooth);
         let shown = |at: DVec3, slope: DVec2| {
-            let content = view.content(&design.camera.chart, at.to_array(), slope.to_array(), q);
+            let content =
+                view.image_of_seen(&design.camera.chart, at.to_array(), slope.to_array(), q);
             DVec2::from_array(content)
         };
         let facet = (shown(point, flat) - shown(place, mirror.slope(q, &smooth))).length();
@@ -153,7 +154,7 @@ fn hold_shape(design: &Design, face: &Face) {
         assert!(area > 0.0, "facet {t} is empty or inverted: {a} {b} {c}");
         shadow += 0.5 * area;
     }
-    match design.mirror.whole() {
+    match design.mirror.full_outline() {
         Outline::Rect(rect) if design.mirror.chart.vergence == 0.0 => {
             assert!((shadow / rect.area() - 1.0).abs() < 1e-9, "{shadow} of {}", rect.area());
             hold_rim(rect, mesh);
@@ -161,7 +162,7 @@ fn hold_shape(design: &Design, face: &Face) {
         Outline::Rect(_) => {}
         Outline::Ring { inner, outer } => hold_round_rims(design, mesh, [inner, outer], shadow),
     }
-    for (even, axis) in design.mirror.even.into_iter().zip([DVec3::X, DVec3::Y]) {
+    for (even, axis) in design.mirror.mirror_symmetric.into_iter().zip([DVec3::X, DVec3::Y]) {
         assert!(!even || is_symmetric(mesh, 1.0 - 2.0 * axis), "not symmetric along {axis}");
     }
     if design.mirror.folded {
@@ -189,7 +190,7 @@ fn edges(mesh: &TriMesh) -> HashMap<(u32, u32), u32> {
 fn hold_round_rims(design: &Design, mesh: &TriMesh, radii: [f64; 2], shadow: f64) {
     let rims = radii.map(|r| {
         let q = DVec2::new(r, 0.0);
-        design.mirror.place(q, &design.mirror.surface.at(q)).x
+        design.mirror.position(q, &design.mirror.surface.at(q)).x
     });
     let mut counts = [0; 2];
     for ((a, b), _) in edges(mesh).into_iter().filter(|&(_, count)| count == 1) {

@@ -6,14 +6,14 @@ use crate::support::parts::{CONQUISTADOR, case, cases};
 use crate::support::{designed, meshed, share, unlimited};
 use morion::design::Design;
 use morion::export::{read_obj, read_stl};
-use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Precision, Stock};
+use morion::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
 use morion::pipeline::{Silent, Source, build, foresee};
 use morion::profile::{Format, Spot};
 use morion::report::{Reason, Report, Verdict};
 use morion::solid::{Solid, added, rim};
 use std::f64::consts::PI;
 
-fn stock(design: &Design) -> &Stock {
+fn stock(design: &Design) -> &Border {
     design.stock.as_ref().expect("a border")
 }
 
@@ -30,7 +30,7 @@ fn drilled_away(design: &Design, area: impl Fn(&Drilled) -> f64) -> f64 {
     let Some(land) = &stock.land else { return holes + marks };
     let Outline::Ring { inner, .. } = design.mirror.outline else { panic!("a land in no ring") };
     let q = DVec2::new(0.0, inner);
-    let z = design.mirror.place(q, &design.mirror.surface.at(q)).z;
+    let z = design.mirror.position(q, &design.mirror.surface.at(q)).z;
     holes + marks + land.holes.iter().map(|d| z * area(d)).sum::<f64>()
 }
 
@@ -93,7 +93,7 @@ fn the_expected_volume_has_true_circles() {
             }
             Contour::Rect { half, corner_mm: c } => 4.0 * half.x * half.y - (4.0 - PI) * c * c,
         };
-        let covered = match (design.mirror.whole(), design.mirror.chart.vergence == 0.0) {
+        let covered = match (design.mirror.full_outline(), design.mirror.chart.vergence == 0.0) {
             (Outline::Rect(rect), true) => rect.area(),
             (Outline::Ring { .. }, _) => PI * 900.0,
             _ => curved(&design),
@@ -108,7 +108,7 @@ fn the_expected_volume_has_true_circles() {
 
 /// The area inside the rim of a pinhole's strip, by Green's theorem along its four sides.
 fn curved(design: &Design) -> f64 {
-    let rect = design.mirror.whole().bounds();
+    let rect = design.mirror.full_outline().bounds();
     let corners = [
         rect.min,
         DVec2::new(rect.max.x, rect.min.y),
@@ -121,7 +121,7 @@ fn curved(design: &Design) -> f64 {
         let (a, b) = (corners[k], corners[(k + 1) % 4]);
         around.extend((0..n).map(|j| {
             let q = a + (b - a) * (f64::from(j) / f64::from(n));
-            design.mirror.place(q, &design.mirror.surface.at(q)).truncate()
+            design.mirror.position(q, &design.mirror.surface.at(q)).truncate()
         }));
     }
     let next = around.iter().cycle().skip(1);

@@ -90,7 +90,7 @@ impl Paraboloid {
     fn shipped() -> Self {
         let design = designed(&shipped("parabolic"));
         let h = 30.0 / tan(radians(50.0));
-        let top = design.mirror.place(DVec2::ZERO, &design.mirror.surface.at(DVec2::ZERO));
+        let top = design.mirror.position(DVec2::ZERO, &design.mirror.surface.at(DVec2::ZERO));
         let height_mm = design.camera.chart.plane_mm;
         Self { focus: top - DVec3::Z * (0.5 * h), h, pixel_mm: 60.0 / 480.0, height_mm }
     }

@@ -407,11 +407,11 @@ fn vertices_of_the_obj_lie_on_the_design_to_the_last_bit() {
     for text in layouts() {
         let built = built(&edited(&text, &[("facet_px = 3", "facet_px = 2")]));
         let (mesh, mirror) = (built.obj().mesh, &built.design.mirror);
-        let outline = mirror.whole();
+        let outline = mirror.full_outline();
         let optical = vertices(&mesh, 0..built.optical().0);
         assert!(optical.len() > 800);
         for v in optical.into_iter().map(|v| mesh.vertices[v as usize]) {
-            let sag = mirror.place(v.truncate(), &mirror.row(v.y).at(v.x)).z;
+            let sag = mirror.position(v.truncate(), &mirror.row(v.y).at(v.x)).z;
             assert_eq!(v.z.to_bits(), sag.to_bits(), "{v}, sag {sag}");
             assert!(outline.contains(v.truncate()), "{v}");
         }

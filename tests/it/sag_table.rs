@@ -152,7 +152,7 @@ fn tables_of_both_panels_and_of_pinhole_mirrors_lie_on_their_designs() {
         let profile = parsed(&text);
         let made = made(&profile);
         let mirror = morion::design::design(&profile, None).unwrap().mirror;
-        let outline = mirror.whole();
+        let outline = mirror.full_outline();
         for &[x, y, z, a, b, c] in &made.rows {
             // Back along the camera's ray, which the writer goes the other way.
             let (q, f) = mirror.chart.coordinates(DVec3::new(x, y, z));

@@ -41,20 +41,20 @@ fn rays(design: &Design) -> Vec<(DVec2, Ray)> {
 /// The witness over the whole sensor, its table made from the design here.
 fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> Witness {
     let camera = design.camera;
-    let outline = design.mirror.whole();
+    let outline = design.mirror.full_outline();
     let view = design.view.as_ref().unwrap();
     let row = |row: u32| {
         let intent = |column: u32| {
             let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let mirror = design.mirror.row(point.y).at(point.x);
             let normal = design.mirror.normal(point, &mirror);
-            let at = design.mirror.place(point, &mirror);
+            let at = design.mirror.position(point, &mirror);
             Intent {
                 ray: camera.ray(point, 1e3),
                 point,
                 aimed: outline.contains(point),
-                wanted: view.wanted(point, at),
-                designed: view.locate(at, reflect(DVec3::NEG_Z, normal), point),
+                wanted: view.direction_of(point, at),
+                designed: view.image_of(at, reflect(DVec3::NEG_Z, normal), point),
             }
         };
         (0..camera.pixels[0]).map(intent).collect()
@@ -80,7 +80,7 @@ fn every_pixel_obeys_the_law_of_reflection() {
         for (q, ray) in rays(&design) {
             let (outcome, hit, leaving) = look(&scene, &ray);
             if outcome != Outcome::Hit {
-                assert!(!design.mirror.whole().contains(q), "{q} is not seen: {outcome:?}");
+                assert!(!design.mirror.full_outline().contains(q), "{q} is not seen: {outcome:?}");
                 continue;
             }
             hits += 1;
@@ -225,7 +225,7 @@ fn rims_that_rounding_moves_outwards_stay_on_their_panel() {
     assert_eq!((report.verdict, &report.reasons[..]), (Verdict::Pass, &[][..]));
     // The panels continue beyond their outer rims.
     let mirror = designed(&profile).mirror;
-    let rim = mirror.whole().bounds().max.y;
+    let rim = mirror.full_outline().bounds().max.y;
     for y in [rim, -rim] {
         let (on, off) = (mirror.row(y).at(3.0), mirror.row(y * (1.0 + 1e-12)).at(3.0));
         assert!((on.f - off.f).abs() < 1e-9 && (on.slope - off.slope).length() < 1e-9, "{y}");
@@ -262,7 +262,7 @@ fn per_size(profile: &Profile, facet_px: [f64; 2], error: impl Fn(&Seen) -> f64)
         let profile = with_facets(profile, px);
         let design = designed(&profile);
         let solid = solid(&profile, &design);
-        let size = (design.mirror.whole().area() / solid.optical() as f64).sqrt();
+        let size = (design.mirror.full_outline().area() / solid.optical() as f64).sqrt();
         let scene = Scene::new(solid.mesh().clone());
         let rms = witness(&design, &scene, None).summary(|seen| Some(error(seen))).unwrap().rms;
         println!("{px} px: size {size:.4} mm, error {rms:.5}");

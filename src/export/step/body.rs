@@ -5,10 +5,10 @@ use super::fit::{Fit, Form};
 use super::part21::{Data, Edge, Id, Part, Vertex, Way, list, reversed};
 use super::rim::Rim;
 use super::spline::{Axis, Net};
-use crate::geom::{DVec2, DVec3, Land, Stock};
+use crate::geom::{Border, DVec2, DVec3, Land};
 
 /// Writes the body; its number.
-pub fn body(data: &mut Data, fit: &Fit, stock: Option<&Stock>) -> Id {
+pub fn body(data: &mut Data, fit: &Fit, stock: Option<&Border>) -> Id {
     let (mut faces, mut lows) = (Vec::new(), Vec::new());
     let foot_mm = stock.map_or(0.0, |stock| stock.top_mm);
     let foot = match &fit.form {

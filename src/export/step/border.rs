@@ -1,12 +1,12 @@
 //! The material around a mirror: outer walls, flat top, holes, marks and base plane.
 
 use super::part21::{Data, Edge, Id, Part, Vertex, Way, real, reversed};
-use crate::geom::{Contour, DVec2, DVec3, Drilled, Stock};
+use crate::geom::{Border, Contour, DVec2, DVec3, Drilled};
 use std::f64::consts::FRAC_PI_4;
 
 /// Writes the faces of `stock` around the mirror's walls, whose feet run counterclockwise from
 /// above, with the lower ends of other holes in its base.
-pub fn border(data: &mut Data, stock: &Stock, feet: &[Way], lows: &[Edge], faces: &mut Vec<Id>) {
+pub fn border(data: &mut Data, stock: &Border, feet: &[Way], lows: &[Edge], faces: &mut Vec<Id>) {
     let top_mm = stock.top_mm;
     let [low, high] = match stock.contour {
         Contour::Circle { radius_mm } => {

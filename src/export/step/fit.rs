@@ -5,9 +5,9 @@ use super::ground::Ground;
 use super::knots::{Lines, MOST_SPANS, breaks, fine};
 use super::rim::Rim;
 use super::spline::{Axis, Net};
-use crate::geom::{DVec2, DVec3, Stock};
+use crate::geom::{Border, DVec2, DVec3};
 use crate::mirror::Mirror;
-use crate::num::{larger, radians};
+use crate::num::{max_or_nan, radians};
 
 /// The largest distance of the spline from the mirror, mm.
 const LIMIT_MM: f64 = 2e-6;
@@ -44,7 +44,7 @@ impl Fit {
     ///
     /// # Errors
     /// [`FitError::Land`] when it has some, and the land is none.
-    pub fn carries(&self, stock: Option<&Stock>) -> Result<(), FitError> {
+    pub fn carries(&self, stock: Option<&Border>) -> Result<(), FitError> {
         let drilled = stock.is_some_and(|stock| stock.land.is_some());
         let flat = matches!(&self.form, Form::Turned { points, .. } if points[0].x > 0.0);
         if drilled && !flat { Err(FitError::Land) } else { Ok(()) }
@@ -144,7 +144,7 @@ fn turned(ground: &Ground, ring: [f64; 2]) -> Result<Fit, FitError> {
             let (first, b) = radius.basis(rho);
             ((0..4).map(|k| b[k] * z[first + k]).sum::<f64>() - wanted).abs()
         };
-        let error_mm = places.iter().zip(heights(&places)).map(off).fold(0.0, larger);
+        let error_mm = places.iter().zip(heights(&places)).map(off).fold(0.0, max_or_nan);
         if error_mm <= LIMIT_MM {
             let at = |(rho, &z): (f64, &f64)| DVec3::new(fine(rho), 0.0, z);
             let points = radius.greville().into_iter().zip(&z).map(at).collect();
@@ -211,7 +211,7 @@ fn error(ground: &Ground, net: &Net) -> f64 {
     let (us, vs) = (places(0), places(1));
     let (found, wanted) = (net.grid(&us, &vs), ground.grid(&us, &vs));
     let mut worst = 0.0f64;
-    let mut look = |off: f64| worst = larger(worst, off);
+    let mut look = |off: f64| worst = max_or_nan(worst, off);
     for (j, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
         for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
             if ground.contains(DVec2::new(us[i], vs[j])) {

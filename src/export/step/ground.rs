@@ -54,12 +54,12 @@ impl<'a> Ground<'a> {
             domain: mirror.outline.bounds(),
             ring: None,
             radial: None,
-            even: mirror.even,
+            even: mirror.mirror_symmetric,
         };
         let Outline::Ring { inner, outer } = mirror.outline else { return Ok(ground) };
         let out = |r: f64| {
             let q = DVec2::new(r, 0.0);
-            mirror.place(q, &mirror.surface.at(q)).x
+            mirror.position(q, &mirror.surface.at(q)).x
         };
         let ring = match &mirror.surface {
             Surface::Round(_) => [inner, outer].map(out),
@@ -107,9 +107,9 @@ impl<'a> Ground<'a> {
             return Some((point.f, point.slope.x));
         }
         let above = Chart { vergence: 0.0, ..self.mirror.chart };
-        let q = self.mirror.under(&above, place)?;
+        let q = self.mirror.intersect_camera_ray(&above, place)?;
         let point = self.mirror.surface.at(q);
-        Some((self.mirror.place(q, &point).z, self.mirror.slope(q, &point).x))
+        Some((self.mirror.position(q, &point).z, self.mirror.slope(q, &point).x))
     }
 
     /// The round part; that of a sum is smooth inside an annulus too.
@@ -164,7 +164,7 @@ impl<'a> Ground<'a> {
         let plane_mm = self.mirror.chart.plane_mm;
         let Some(radial) = &self.radial else {
             let row = self.mirror.surface.row(v);
-            let point = |&u: &f64| self.mirror.place(DVec2::new(u, v), &row.at(u));
+            let point = |&u: &f64| self.mirror.position(DVec2::new(u, v), &row.at(u));
             return us.iter().map(point).collect();
         };
         let rest = match &self.mirror.surface {
@@ -242,7 +242,7 @@ fn rounded_up(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mirror::{Round, Sheet};
+    use crate::mirror::{RadialLegendre, TensorLegendre};
     use crate::num::legendre::Series;
 
     fn mirror(surface: Surface, vergence: f64, ring: [f64; 2]) -> Mirror {
@@ -251,15 +251,15 @@ mod tests {
             chart: Chart { vergence, plane_mm: 20.0 },
             outline: Outline::Ring { inner: ring[0], outer: ring[1] },
             folded: false,
-            even: [false; 2],
+            mirror_symmetric: [false; 2],
         }
     }
 
     /// f = 2 - 4 t / 25 + t^2 / 625 with t = r^2, u = 2 t / 25 - 1.
-    fn bowl() -> Round {
+    fn bowl() -> RadialLegendre {
         // t = 12.5 (u + 1), u^2 = (2 P2 + 1) / 3.
         let c = [0.25 + 0.25 / 3.0, -2.0 + 0.5, 0.25 * 2.0 / 3.0];
-        Round::new(Series::from_fn(3, 1, |i, _| c[i]), [0.0, 5.0], 1.0)
+        RadialLegendre::new(Series::from_fn(3, 1, |i, _| c[i]), [0.0, 5.0], 1.0)
     }
 
     /// Rounding of the slopes grows with the fifth power of the distance from the rim.
@@ -295,7 +295,7 @@ mod tests {
         let [_, rim] = ground.ring.unwrap();
         for k in 0..=20 {
             let q = DVec2::new(0.6, -0.8) * (5.0 * f64::from(k) / 20.0);
-            let wanted = mirror.place(q, &mirror.surface.at(q));
+            let wanted = mirror.position(q, &mirror.surface.at(q));
             assert!(wanted.truncate().length() <= rim + 1e-14);
             let found = ground.grid(&[wanted.x], &[wanted.y])[0][0];
             assert!((found - wanted).length() < 1e-12, "{found} {wanted}");
@@ -306,7 +306,7 @@ mod tests {
     fn sums_go_on_too_and_other_charts_are_refused() {
         let series = Series::from_fn(2, 2, |i, j| (i * j) as f64);
         let (centre, half) = (DVec2::ZERO, DVec2::splat(5.0));
-        let sheet = Sheet { series, centre, half, scale_mm: 1.0 };
+        let sheet = TensorLegendre { series, centre, half, scale_mm: 1.0 };
         let sum = Surface::Sum(bowl(), sheet);
         let tilted = mirror(sum.clone(), 0.0, [1.0, 5.0]);
         let ground = Ground::new(&tilted).unwrap();

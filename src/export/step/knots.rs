@@ -3,7 +3,7 @@
 use super::ground::Ground;
 use super::spline::Axis;
 use crate::geom::{DVec2, DVec3};
-use crate::num::larger;
+use crate::num::max_or_nan;
 
 /// Spans along an axis at first and at most.
 const FIRST_SPANS: usize = 8;
@@ -40,7 +40,7 @@ pub fn breaks(ground: &Ground, lines: &Lines, limit: f64) -> Vec<f64> {
     let mut breaks = spread(&lines.ends, &[1.0], FIRST_SPANS, lines.even);
     loop {
         let errors = errors(ground, lines, &breaks);
-        let worst = errors.iter().copied().fold(0.0, larger);
+        let worst = errors.iter().copied().fold(0.0, max_or_nan);
         let spans = breaks.len() - 1;
         if worst <= limit || spans >= MOST_SPANS || worst.is_nan() {
             return breaks;
@@ -126,7 +126,7 @@ fn errors(ground: &Ground, lines: &Lines, breaks: &[f64]) -> Vec<f64> {
         for l in (0..count).filter(is_in) {
             let at = |r: usize| DVec3::from_slice(&found[3 * ((first + r) * count + l)..]) * b[r];
             let off = ((0..4).map(at).sum::<DVec3>() - wanted[l]).length();
-            errors[k / PARTS] = larger(errors[k / PARTS], off);
+            errors[k / PARTS] = max_or_nan(errors[k / PARTS], off);
         }
     }
     errors
@@ -159,8 +159,8 @@ mod tests {
 
     #[test]
     fn what_is_not_a_number_is_the_worst() {
-        assert!(larger(1.0, f64::NAN).is_nan() && larger(f64::NAN, 1.0).is_nan());
-        assert_eq!((larger(1.0, 2.0), larger(2.0, 1.0)), (2.0, 2.0));
+        assert!(max_or_nan(1.0, f64::NAN).is_nan() && max_or_nan(f64::NAN, 1.0).is_nan());
+        assert_eq!((max_or_nan(1.0, 2.0), max_or_nan(2.0, 1.0)), (2.0, 2.0));
     }
 
     #[test]

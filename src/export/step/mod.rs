@@ -23,7 +23,7 @@ mod spline;
 pub use fit::{Fit, fit};
 
 use super::Label;
-use crate::geom::{DVec3, Stock};
+use crate::geom::{Border, DVec3};
 use part21::{Data, Id, list, quoted};
 use std::io::{self, Write};
 use thiserror::Error;
@@ -80,7 +80,7 @@ pub enum FitError {
 pub fn write_step(
     out: &mut impl Write,
     fit: &Fit,
-    stock: Option<&Stock>,
+    stock: Option<&Border>,
     label: &Label,
 ) -> io::Result<()> {
     let mut data = Data::default();
@@ -110,7 +110,7 @@ pub fn write_step(
 }
 
 /// The product, its shape and the body.
-fn product(data: &mut Data, fit: &Fit, stock: Option<&Stock>, label: &Label) {
+fn product(data: &mut Data, fit: &Fit, stock: Option<&Border>, label: &Label) {
     let name = quoted(&label.profile);
     let context = data.add("APPLICATION_CONTEXT('automotive design')");
     data.add(format_args!(

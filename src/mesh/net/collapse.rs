@@ -98,7 +98,7 @@ mod tests {
     use crate::mesh::Limits;
     use crate::mesh::needs::{Needs, Place};
     use crate::mesh::region::Sight;
-    use crate::mirror::{Mirror, Sheet, Surface};
+    use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
 
     /// A corner of triangles that are the worse the longer they are for their height.
@@ -127,11 +127,12 @@ mod tests {
     fn needs() -> Needs {
         let half = DVec2::splat(10.0);
         let series = Series::from_fn(2, 2, |_, _| 0.0);
-        let sheet = Sheet { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
+        let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
         let outline = Outline::Rect(Rect { min: -half, max: half });
         let surface = Surface::Tensor(sheet);
-        let mirror = Mirror { surface, chart, outline, folded: false, even: [false; 2] };
+        let mirror =
+            Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
         let sight = Sight { mirror: &mirror, camera: chart, view: None };
         let precision = Precision::Double;
         let limits = Limits { chord_mm: Some(1e-3), facet_mm: None, precision };

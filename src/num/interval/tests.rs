@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::num::sample::Draws;
-use crate::num::special::{AtanOverRoot, Fade, LogOver, TanOverRoot};
+use crate::num::special::{AtanOverRoot, Ln1pOverX, OneMinusExpOverX, TanOverRoot};
 
 type Unary = (&'static str, fn(Interval) -> Interval, fn(f64) -> f64, [f64; 2]);
 
@@ -22,8 +22,8 @@ const UNARY: [Unary; 12] = unary! {
     cos in -20.0, 20.0;
     tan in -1.57, 1.57;
     atan in -9.0, 9.0;
-    fade in -20.0, 20.0;
-    log_over in -0.9999, 20.0;
+    one_minus_exp_over_x in -20.0, 20.0;
+    ln_1p_over_x in -0.9999, 20.0;
     tan_over_root in -0.45, 2.4673;
     atan_over_root in -0.2, 20.0;
 };
@@ -68,7 +68,7 @@ fn arithmetic_holds_its_values() {
             assert!((-x).contains(-p) && x.hull(y).contains(p) && x.hull(y).contains(q));
             assert!(x.atan2(y).contains(Scalar::atan2(p, q)), "{x:?} {y:?}");
             assert!(x.mignitude() <= p.abs() && p.abs() <= x.magnitude());
-            assert!(x.contains(x.centre()) && x.width() >= p - a[0]);
+            assert!(x.contains(x.mid()) && x.width() >= p - a[0]);
         }
     }
 }
@@ -105,21 +105,21 @@ fn what_is_undefined_is_the_whole_line() {
         Interval::new(1.5, 1.6).tan(),
         crossing.atan2(crossing),
         crossing.atan2(Interval::new(-2.0, -1.0)),
-        Interval::new(-2.0, 1.0).log_over(),
-        Interval::new(-1.0, 1.0).log_over(),
+        Interval::new(-2.0, 1.0).ln_1p_over_x(),
+        Interval::new(-1.0, 1.0).ln_1p_over_x(),
         Interval::new(2.0, 2.5).tan_over_root(),
         Interval::new(-2.0, 1.0).tan_over_root(),
         Interval::new(-2.0, 1.0).atan_over_root(),
         Interval::point(0.0) * Interval::WHOLE,
         Interval::WHOLE - Interval::WHOLE,
         Interval::WHOLE.tan(),
-        Interval::WHOLE.curve(&LogOver)[2],
+        Interval::WHOLE.curve(&Ln1pOverX)[2],
         Interval::new(2.0, 2.5).curve(&TanOverRoot)[0],
         Interval::new(2.0, 2.5).curve(&TanOverRoot)[1],
     ] {
         assert_eq!(found, Interval::WHOLE);
     }
-    assert_eq!(Interval::WHOLE.centre(), 0.0);
+    assert_eq!(Interval::WHOLE.mid(), 0.0);
     assert!(!Interval::WHOLE.is_finite() && crossing.is_finite());
 }
 
@@ -135,7 +135,7 @@ fn infinite_and_extreme_ends_lose_nothing() {
     let finite = |i: usize, j: usize| ENDS[i..=j].iter().filter(|x| x.is_finite());
     for (i, j) in pairs() {
         let x = Interval::new(ENDS[i], ENDS[j]);
-        assert!(x.centre().is_finite());
+        assert!(x.mid().is_finite());
         for (name, over, at, _) in UNARY {
             let found = over(x);
             assert!(found.lo <= found.hi);
@@ -143,9 +143,12 @@ fn infinite_and_extreme_ends_lose_nothing() {
                 assert!(found.contains(p), "{name} {x:?}: {p} not in {found:?}");
             }
         }
-        for parts in
-            [x.curve(&Fade), x.curve(&LogOver), x.curve(&TanOverRoot), x.curve(&AtanOverRoot)]
-        {
+        for parts in [
+            x.curve(&OneMinusExpOverX),
+            x.curve(&Ln1pOverX),
+            x.curve(&TanOverRoot),
+            x.curve(&AtanOverRoot),
+        ] {
             assert!(parts.iter().all(|part| part.lo <= part.hi));
         }
         for (k, l) in pairs() {

@@ -1,6 +1,6 @@
 //! The flat rim around the mirror: its keys, and whether everything in it has room.
 
-use super::super::border::{Border, Feature, Spot};
+use super::super::border::{BorderSpec, Feature, Spot};
 use super::super::reader::Need::Optional;
 use super::super::reader::{Reader, Section};
 use super::super::values::{Placed, Rows, number, rows, within};
@@ -24,7 +24,7 @@ pub(super) struct Found {
 }
 
 pub(super) fn read(reader: &mut Reader, section: &Section) -> Found {
-    let least = |f: f64| (Border::LEAST_MM..=1e6).contains(&f);
+    let least = |f: f64| (BorderSpec::LEAST_MM..=1e6).contains(&f);
     let must = "a number from 0.1 to 1000000";
     let hint = "the width of a flat rim around the mirror, as in border_mm = 8";
     let width = number(reader, section, "border_mm", Optional, must, hint, least);
@@ -59,7 +59,7 @@ fn spots(reader: &mut Reader, section: &Section, key: &str) -> Vec<Placed<Spot>>
         let [x, y] = [x, y].map(|v| within(reader, &centres, v, must, hint, |f| f.abs() <= 1e6));
         let diameters = format!("the diameters in {path}");
         let must = "numbers from 0.1 to 1000000";
-        let least = |f: f64| (Border::LEAST_MM..=1e6).contains(&f);
+        let least = |f: f64| (BorderSpec::LEAST_MM..=1e6).contains(&f);
         let diameter = within(reader, &diameters, diameter, must, hint, least);
         let (Some(x_mm), Some(y_mm), Some(diameter_mm)) = (x, y, diameter) else { return spots };
         spots.push(Placed { value: Spot { x_mm, y_mm, diameter_mm }, at: entry.at });
@@ -120,9 +120,9 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
 
 impl Found {
     /// The border over a base of this thickness.
-    pub(super) fn border(&self, base_mm: f64) -> Option<Border> {
+    pub(super) fn border(&self, base_mm: f64) -> Option<BorderSpec> {
         let spots = |list: &[Placed<Spot>]| list.iter().map(|spot| spot.value).collect();
-        Some(Border {
+        Some(BorderSpec {
             width_mm: self.width?.value,
             rim_mm: self.rim.map_or(0.5 * base_mm, |rim| rim.value),
             corner_radius_mm: self.corner.map_or(0.0, |corner| corner.value),

@@ -4,15 +4,15 @@ use super::super::field::{Field, ripple};
 use super::super::footprint::Footprint;
 use super::{Ground, Sample, State, System, added};
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::Patches;
+use crate::mirror::BicubicSpline;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
 
 impl System {
     /// The measured form error with derivatives.
-    pub(super) fn mapped<S: Scalar>(map: &Patches, at: [S; 2]) -> [S; 3] {
-        let q = DVec2::new(at[0].centre(), at[1].centre());
-        let (point, bend) = (map.at(q), map.curvature(q));
+    pub(super) fn mapped<S: Scalar>(map: &BicubicSpline, at: [S; 2]) -> [S; 3] {
+        let q = DVec2::new(at[0].mid(), at[1].mid());
+        let (point, bend) = (map.at(q), map.hessian(q));
         let away = [at[0] - q.x, at[1] - q.y];
         [
             away[0] * point.slope.x + away[1] * point.slope.y + point.f,
@@ -111,7 +111,7 @@ impl System {
 impl System {
     /// Whether a place of the part, before it is grown, is surely on the mirror.
     pub fn holds(&self, at: DVec3) -> bool {
-        self.mirror.whole().aims(self.mirror.chart.coordinates(at).0)
+        self.mirror.full_outline().aims(self.mirror.chart.coordinates(at).0)
     }
 }
 

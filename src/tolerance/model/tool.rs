@@ -41,7 +41,7 @@ impl Tool {
         at: [S; 2],
     ) -> [S; 3] {
         let across = at[0] * self.way[0] + at[1] * self.way[1];
-        let track = (across.centre() / stepover + phase).round() - phase;
+        let track = (across.mid() / stepover + phase).round() - phase;
         let from_track = across - track * stepover;
         let [height, slope] = cusp(ground.groove, from_track);
         let mean = ground.footprint.sawtooth(self.way, stepover, from_track);

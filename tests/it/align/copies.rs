@@ -123,7 +123,7 @@ impl Part {
     }
 
     pub fn width(&self) -> f64 {
-        self.design.mirror.whole().bounds().size().max_element()
+        self.design.mirror.full_outline().bounds().size().max_element()
     }
 
     /// The optical face alone.
@@ -135,7 +135,7 @@ impl Part {
     /// rim to rim, and no vertex but on the mirror.
     pub fn scan(&self, n: usize) -> TriMesh {
         let mirror = &self.design.mirror;
-        let outline = mirror.whole();
+        let outline = mirror.full_outline();
         let bounds = outline.bounds();
         let step = bounds.size().max_element() / n as f64;
         // Even numbers: a fold in the middle is an edge of facets.
@@ -153,7 +153,7 @@ impl Part {
             } else {
                 q
             };
-            mesh.vertices.push(mirror.place(q, &mirror.row(q.y).at(q.x)));
+            mesh.vertices.push(mirror.position(q, &mirror.row(q.y).at(q.x)));
         }
         for k in 0..columns * rows {
             let a = k / columns * (columns + 1) + k % columns;

@@ -5,7 +5,7 @@ use crate::support::{designed, profile, shipped};
 use morion::design::Design;
 use morion::geom::{DVec2, DVec3};
 use morion::num::{asin, cos, sin, tan};
-use morion::optics::{reflect, stereo};
+use morion::optics::{reflect, stereographic};
 use morion::pencil::{Pencil, Spot, over_sensor, quantiles};
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -34,8 +34,8 @@ fn shown(design: &Design, origin: DVec3, way: DVec3, start: f64) -> DVec2 {
     let at = origin + way * b;
     let (q, _) = mirror.chart.coordinates(at);
     let direction = reflect(way, mirror.normal(q, &mirror.row(q.y).at(q.x)));
-    let seen = view.as_ref().map_or(direction, |view| view.shown(at, direction));
-    DVec2::from_array(stereo::sigma(seen.to_array()))
+    let seen = view.as_ref().map_or(direction, |view| view.direction_from_origin(at, direction));
+    DVec2::from_array(stereographic::sigma(seen.to_array()))
 }
 
 /// A lens at one pixel.
@@ -50,7 +50,7 @@ impl<'a> Bench<'a> {
     fn new(design: &'a Design, image: DVec2) -> Self {
         let mirror = &design.mirror;
         assert_eq!(mirror.chart, design.camera.chart);
-        let at = mirror.place(image, &mirror.row(image.y).at(image.x));
+        let at = mirror.position(image, &mirror.row(image.y).at(image.x));
         Self { design, image, at }
     }
 
@@ -94,7 +94,7 @@ impl<'a> Bench<'a> {
     /// The shift that the mirror's curvature predicts.
     fn predicted(&self, pupil: DVec2, focus_mm: f64) -> DVec2 {
         let Design { mirror, camera, view, .. } = self.design;
-        let quadric = mirror.quadric(self.image);
+        let quadric = mirror.local_surface(self.image);
         let pencil = Pencil::new(&camera.chart, view.as_ref(), self.image, &quadric).unwrap();
         pencil.focus * pupil - pupil * phi(self.design, focus_mm)
     }
@@ -139,7 +139,7 @@ fn designs() -> Vec<(&'static str, Design, f64, f64)> {
 
 /// Image points well inside the mirror and off its ridge.
 fn places(design: &Design) -> Vec<DVec2> {
-    let whole = design.mirror.whole();
+    let whole = design.mirror.full_outline();
     let bounds = whole.bounds();
     let shares = [0.09, 0.23, 0.41, 0.62, 0.77, 0.93];
     let grid = shares.iter().flat_map(|x| shares.iter().map(|y| DVec2::new(*x, *y)));
@@ -202,7 +202,7 @@ fn the_largest_aperture_blurs_to_one_pixel_by_rays_too() {
         for row in (7..camera.pixels[1]).step_by(23) {
             for column in (5..camera.pixels[0]).step_by(19) {
                 let image = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-                let whole = design.mirror.whole();
+                let whole = design.mirror.full_outline();
                 let edge = 3.0 * camera.pixel_mm;
                 let near = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
                 let inside = near.iter().all(|way| whole.contains(image + *way * edge));
@@ -244,7 +244,7 @@ fn mirrors_of_a_single_viewpoint_have_no_astigmatism() {
     // t = r / h = tan(psi / 2) at the rim, and the slope is -t.
     let h = 30.0 / tan(0.5 * morion::num::radians(100.0));
     for r in [0.0, 7.0, 18.0, 29.0] {
-        let quadric = design.mirror.quadric(DVec2::new(r, 0.0));
+        let quadric = design.mirror.local_surface(DVec2::new(r, 0.0));
         let image = DVec2::new(r, 0.0);
         let pencil = Pencil::new(&camera.chart, None, image, &quadric).unwrap();
         let behind = 0.5 * h * (1.0 + r * r / (h * h));
@@ -304,7 +304,7 @@ export.formats = [\"stl\"]
         let Design { mirror, camera, .. } = &design;
         let [width, height] = camera.pixels;
         let spots = over_sensor(mirror, camera, None, [0..width, 0..height], Spot::new);
-        let centre = mirror.place(DVec2::ZERO, &mirror.surface.at(DVec2::ZERO)) - DVec3::Z * r;
+        let centre = mirror.position(DVec2::ZERO, &mirror.surface.at(DVec2::ZERO)) - DVec3::Z * r;
         let mut compared = 0;
         for (k, spot) in spots.iter().enumerate() {
             let Some(spot) = spot else { continue };

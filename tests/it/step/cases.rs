@@ -3,7 +3,7 @@
 use crate::support::builds::parsed;
 use crate::support::{designed, profile, shipped};
 use morion::design::design;
-use morion::geom::{Contour, DVec2, DVec3, Drilled, Outline, Stock};
+use morion::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline};
 use morion::mirror::Mirror;
 use morion::profile::{Profile, SagGrid};
 use std::f64::consts::PI;
@@ -12,7 +12,7 @@ use std::fmt::Write;
 pub struct Case {
     pub name: String,
     pub mirror: Mirror,
-    pub stock: Option<Stock>,
+    pub stock: Option<Border>,
 }
 
 /// A profile whose mesh does not matter.
@@ -115,9 +115,9 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// Holes on the left and right of any mirror of 60 mm, and two marks.
-fn stock(contour: Contour) -> Stock {
+fn stock(contour: Contour) -> Border {
     let drilled = |x: f64, y: f64, diameter_mm: f64| Drilled { at: DVec2::new(x, y), diameter_mm };
-    Stock {
+    Border {
         contour,
         top_mm: 3.5,
         holes: vec![drilled(36.0, 4.0, 4.2), drilled(-35.5, -3.0, 3.2)],
@@ -139,7 +139,7 @@ fn wavy() -> SagGrid {
 
 /// The area that a mirror covers, seen from above, mm^2.
 pub fn footprint(mirror: &Mirror) -> f64 {
-    let place = |q: DVec2| -> DVec3 { mirror.place(q, &mirror.surface.at(q)) };
+    let place = |q: DVec2| -> DVec3 { mirror.position(q, &mirror.surface.at(q)) };
     match mirror.outline {
         Outline::Ring { outer, .. } => {
             let rho = if mirror.chart.vergence == 0.0 { outer } else { place(DVec2::X * outer).x };

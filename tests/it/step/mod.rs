@@ -274,7 +274,7 @@ fn resolved(file: &File, values: &[Value]) {
 fn from_mirror(mirror: &Mirror, p: DVec3) -> Option<f64> {
     let (mut q, _) = mirror.chart.coordinates(p);
     if let Outline::Rect(_) = mirror.outline {
-        let Outline::Rect(whole) = mirror.whole() else { panic!("no rectangle") };
+        let Outline::Rect(whole) = mirror.full_outline() else { panic!("no rectangle") };
         // Rounding may have put the rim a little outside.
         assert!((q - q.clamp(whole.min, whole.max)).length() < 4e-9, "{q}");
         q = q.clamp(whole.min, whole.max);
@@ -283,7 +283,7 @@ fn from_mirror(mirror: &Mirror, p: DVec3) -> Option<f64> {
     }
     let point = mirror.row(q.y).at(q.x);
     let normal = mirror.normal(q, &point).normalize();
-    Some((mirror.place(q, &point) - p).dot(normal).abs())
+    Some((mirror.position(q, &point) - p).dot(normal).abs())
 }
 
 #[test]

@@ -102,7 +102,7 @@ pub fn rims(design: &Design) -> [f64; 2] {
 
 /// Z of the designed panel over (X, Y), for an orthographic camera.
 pub fn sag(design: &Design, q: DVec2) -> f64 {
-    design.mirror.place(q, &design.mirror.surface.at(q)).z
+    design.mirror.position(q, &design.mirror.surface.at(q)).z
 }
 
 /// The profile without limits on the picture but its own.

@@ -147,7 +147,7 @@ pub fn eye(design: &Design, distance_mm: f64) -> Option<DVec3> {
 /// The camera's ray through image point `q`, reflected by the vector law at the mirror's normal.
 pub fn trace(design: &Design, eye: Option<DVec3>, q: DVec2) -> Trace {
     let point = design.mirror.row(q.y).at(q.x);
-    let at = design.mirror.place(q, &point);
+    let at = design.mirror.position(q, &point);
     let normal = design.mirror.normal(q, &point).normalize();
     let ray = match eye {
         None => DVec3::NEG_Z,

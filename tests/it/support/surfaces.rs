@@ -3,11 +3,11 @@
 use morion::design::design;
 use morion::geom::{Chart, DVec2, Outline, Precision, Rect};
 use morion::mesh::{Face, Limits, MeshError, mesh};
-use morion::mirror::{Mirror, Sheet, Surface};
+use morion::mirror::{Mirror, Surface, TensorLegendre};
 use morion::num::legendre::{Series, values};
 use morion::num::quadrature::gauss_legendre;
 use morion::num::{cos, sin};
-use morion::optics::View;
+use morion::optics::ImagingTask;
 use morion::pipeline::load;
 
 /// Fewest triangles at which the economy is held to its targets.
@@ -43,7 +43,7 @@ pub struct Case {
     pub name: &'static str,
     pub mirror: Mirror,
     pub camera: Chart,
-    pub view: Option<View>,
+    pub view: Option<ImagingTask>,
     pub rule: Rule,
     /// A usual limit, mm on the mirror.
     pub usual_mm: f64,
@@ -144,11 +144,11 @@ impl Formula {
         let series = series(self.degree, self.even, at);
         let (centre, half) = (DVec2::ZERO, DVec2::splat(HALF_MM));
         Mirror {
-            surface: Surface::Tensor(Sheet { series, centre, half, scale_mm: 1.0 }),
+            surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
             chart: Chart { vergence: 0.0, plane_mm: 0.0 },
             outline: Outline::Rect(Rect { min: -half, max: half }),
             folded: false,
-            even: self.even,
+            mirror_symmetric: self.even,
         }
     }
 }

@@ -105,7 +105,7 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
         Limits { chord_mm: None, facet_mm: Some(limit * pixel), precision: Precision::Double };
     let face = mesh(mirror, &camera.chart, Some(view), limits).unwrap().mesh;
     let facets = face.triangles.len() as f64;
-    let area = mirror.whole().area() / (pixel * pixel);
+    let area = mirror.full_outline().area() / (pixel * pixel);
     let scene = Scene::new(face);
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     let asked = Question { samples: 400, ..question(vec![fixed(Kind::TiltX, 1.0)], &[]) };
@@ -115,13 +115,14 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
             let ray: Ray = camera.ray(q, camera.chart.plane_mm + 50.0);
             let (_, hit, leaving) = look(&scene, &ray);
             let at = ray.at(hit?.t);
-            let place = mirror.under(&camera.chart, q)?;
+            let place = mirror.intersect_camera_ray(&camera.chart, q)?;
             // Beyond the ridge it sees another panel.
-            (mirror.reflects(place) == mirror.reflects(mirror.under(&camera.chart, point)?))
-                .then_some(())?;
+            (mirror.reflects(place)
+                == mirror.reflects(mirror.intersect_camera_ray(&camera.chart, point)?))
+            .then_some(())?;
             let row = mirror.row(place.y).at(place.x);
             let smooth = reflect(ray.direction, mirror.normal(place, &row));
-            Some((view.locate(at, leaving, point) - view.locate(at, smooth, point)) / pixel)
+            Some((view.image_of(at, leaving, point) - view.image_of(at, smooth, point)) / pixel)
         };
         let all: Option<Vec<DVec2>> = shifts().map(shown).collect();
         let Some(all) = all else { continue };

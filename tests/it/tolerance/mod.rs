@@ -8,7 +8,7 @@ mod statistics;
 mod work;
 
 use morion::design::Design;
-use morion::mirror::Patches;
+use morion::mirror::BicubicSpline;
 use morion::tolerance::{
     Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
     Source,
@@ -61,6 +61,6 @@ fn engine(design: &Design, question: Question) -> Engine {
 }
 
 /// The same with a measured form error.
-fn with_map(question: Question, map: Patches) -> Question {
+fn with_map(question: Question, map: BicubicSpline) -> Question {
     Question { map: Some(map), ..question }
 }

@@ -5,7 +5,7 @@ use crate::support::{designed, profile, shipped};
 use morion::design::Design;
 use morion::geom::{DVec2, DVec3};
 use morion::machining::{Raster, Survey};
-use morion::mirror::{Knots, Patches};
+use morion::mirror::{BicubicSpline, Knots};
 use morion::num::random::Stream;
 use morion::num::{cos, radians, sin};
 use morion::optics::reflect;
@@ -132,8 +132,8 @@ fn a_perturbed_picture_is_that_of_rays_traced_by_hand() {
                 ray.direction = (point * 9e-4 / half_width).extend(-1.0).normalize();
             }
             // Chart coordinates of the mirror's point on the ray: Newton by differences.
-            let mut at = mirror.under(&camera.chart, point).unwrap();
-            let surface = |at: DVec2| world(mirror.place(at, &mirror.row(at.y).at(at.x)));
+            let mut at = mirror.intersect_camera_ray(&camera.chart, point).unwrap();
+            let surface = |at: DVec2| world(mirror.position(at, &mirror.row(at.y).at(at.x)));
             let across = [ray.direction.any_orthonormal_vector()];
             let across = [across[0], ray.direction.cross(across[0])];
             let off = |at: DVec2| {
@@ -149,7 +149,7 @@ fn a_perturbed_picture_is_that_of_rays_traced_by_hand() {
             }
             let normal = turned(mirror.normal(at, &mirror.row(at.y).at(at.x)));
             let hit = surface(at);
-            let seen = view.locate(hit, reflect(ray.direction, normal), point);
+            let seen = view.image_of(hit, reflect(ray.direction, normal), point);
             let exact = (seen - content) / camera.pixel_mm;
             let found = DVec2::new(found[2 * k], found[2 * k + 1]);
             assert!((found - exact).length() < 1e-8, "{name} {point}: {found} {exact}");
@@ -274,7 +274,7 @@ fn a_measured_map_acts_as_what_it_holds() {
             1e-3 * (1.5 * u * u - 0.5) / 1.5
         })
         .collect();
-    let map = Patches::new(x, y, &heights).unwrap();
+    let map = BicubicSpline::new(x, y, &heights).unwrap();
     let sources = vec![fixed(Kind::Map, 1.0), fixed(Kind::Legendre(2, 0), 1.0)];
     let engine = engine(&design, with_map(question(sources.clone(), &[]), map));
     let [mapped, by_map] = both(&engine, &[(Kind::Map, 1.0)]);

@@ -161,7 +161,7 @@ fn the_files_have_the_form_and_the_size_that_formulas_say() {
         let u = at.x / half;
         let form = 0.08 * (1.5 * u * u - 0.5) / 1.5;
         let q = DVec2::new(at.x, at.y);
-        let designed = design.mirror.place(q, &design.mirror.row(q.y).at(q.x)).z;
+        let designed = design.mirror.position(q, &design.mirror.row(q.y).at(q.x)).z;
         rest.push((at.y, at.z - designed - form));
     }
     let (mut cc, mut cs, mut ss) = (0.0, 0.0, 0.0);

@@ -3,7 +3,7 @@
 use super::{engine, fixed, question, usual, with_map};
 use crate::support::shipped_builds;
 use crate::support::{designed, share, shipped};
-use morion::mirror::{Knots, Patches};
+use morion::mirror::{BicubicSpline, Knots};
 use morion::tolerance::{
     Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source,
     SourceFacts, Study, Trial, Unmet, quantile, worst_offenders,
@@ -80,7 +80,7 @@ fn systematic_errors_add_with_their_signs() {
             2e-6 * u * u - 1e-6 * u * v
         })
         .collect();
-    let map = Patches::new(x, y, &heights).unwrap();
+    let map = BicubicSpline::new(x, y, &heights).unwrap();
     let (tilt, share) = (fixed(Kind::TiltX, 0.4), fixed(Kind::Map, 20.0));
     for (sources, near) in [
         (vec![share, tilt], 1e-2),

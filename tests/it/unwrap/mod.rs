@@ -56,9 +56,11 @@ fn apart(panorama: &Panorama, a: [f32; 3], b: [f32; 3]) -> f64 {
 /// Where the mirror's point over image point `q` is and which way its ray leaves, by vectors.
 fn traced(design: &Design, q: DVec2) -> Option<(DVec3, DVec3)> {
     let Design { mirror, camera, .. } = design;
-    let at = mirror.under(&camera.chart, q).filter(|at| mirror.whole().contains(*at))?;
+    let at = mirror
+        .intersect_camera_ray(&camera.chart, q)
+        .filter(|at| mirror.full_outline().contains(*at))?;
     let point = mirror.row(at.y).at(at.x);
-    let place = mirror.place(at, &point);
+    let place = mirror.position(at, &point);
     let ray = camera.ray(q, place.z + 1.0);
     Some((place, reflect(ray.direction, mirror.normal(at, &point))))
 }
@@ -73,7 +75,7 @@ fn photo(design: &Design, world: &Raster, scale: usize) -> Raster {
             let (x, y) = ((k % width) as f64 + dx, (k / width) as f64 + dy);
             let q = design.camera.image_point(x / scale as f64, y / scale as f64);
             let Some((at, direction)) = traced(design, q) else { continue };
-            let [azimuth, elevation] = angles(view.shown(at, direction));
+            let [azimuth, elevation] = angles(view.direction_from_origin(at, direction));
             let light = seen(world, azimuth, elevation);
             sum = [0, 1, 2].map(|c| sum[c] + 0.25 * light[c]);
         }
@@ -152,9 +154,9 @@ export.formats = [\"stl\"]
 fn inside(design: &Design, [x, y]: [f32; 2]) -> bool {
     let on = |dx: f64, dy: f64| {
         let q = design.camera.image_point(f64::from(x) + dx, f64::from(y) + dy);
-        let bounds = design.mirror.whole().bounds();
+        let bounds = design.mirror.full_outline().bounds();
         let round = matches!(design.mirror.outline, morion::geom::Outline::Ring { .. });
-        design.mirror.whole().contains(q) && (!round || q.length() > 0.3 * bounds.max.x)
+        design.mirror.full_outline().contains(q) && (!round || q.length() > 0.3 * bounds.max.x)
     };
     let [width, height] = design.camera.pixels.map(|n| n as f32);
     let frame = |a: f32, most: f32| (0.0..=most).contains(&a);
@@ -213,7 +215,7 @@ fn the_map_is_the_inverse_of_the_ray_trace_and_misses_nothing() {
         // Where in the panorama the ray of a place belongs, pixels.
         let belongs = |x: f64, y: f64| {
             let (at, direction) = traced(&design, design.camera.image_point(x, y))?;
-            let [azimuth, elevation] = angles(view.shown(at, direction));
+            let [azimuth, elevation] = angles(view.direction_from_origin(at, direction));
             let middle = panorama.left + 0.5 * width as f64 * panorama.per_px;
             let across = wrap_turn(azimuth - middle) / panorama.per_px + 0.5 * width as f64;
             Some([across, (panorama.top - z(elevation)) / panorama.per_px])
@@ -273,8 +275,9 @@ fn facets_move_content_by_no_more_than_their_bound() {
         let ray = design.camera.ray(found.image, 100.0);
         let (outcome, Some(hit), direction) = glance(&scene, &ray) else { continue };
         assert_eq!(outcome, Outcome::Hit);
-        let content = view.locate(ray.at(hit.t), direction, found.image);
-        worst = worst.max(view.projection.apart(content, found.intended) / design.camera.pixel_mm);
+        let content = view.image_of(ray.at(hit.t), direction, found.image);
+        worst = worst
+            .max(view.projection.image_distance(content, found.intended) / design.camera.pixel_mm);
         count += 1;
     }
     println!("{count} places, worst {worst:.3} of {bound:.3} px");

@@ -5,7 +5,7 @@ use super::Case;
 use morion::geom::{Chart, DVec2, DVec3, Precision, turn};
 use morion::mesh::{Bound, Face, Prover};
 use morion::mirror::Mirror;
-use morion::optics::View;
+use morion::optics::ImagingTask;
 use rayon::prelude::*;
 
 /// What rounding in the samples themselves may add, as a share of the mirror's size.
@@ -19,7 +19,7 @@ const WORST: usize = 2000;
 pub struct Seen<'a> {
     pub mirror: &'a Mirror,
     pub camera: &'a Chart,
-    pub view: Option<&'a View>,
+    pub view: Option<&'a ImagingTask>,
 }
 
 impl Case {
@@ -36,7 +36,7 @@ impl Seen<'_> {
         let chart = &self.mirror.chart;
         let (q, _) = chart.coordinates(p);
         let own = self.mirror.surface.at(q);
-        let chord = p.distance(self.mirror.place(q, &own));
+        let chord = p.distance(self.mirror.position(q, &own));
         let Some(view) = self.view else { return [chord, 0.0] };
         let normal = (b - a).cross(c - a);
         let flat = -normal.truncate() / normal.z;
@@ -44,15 +44,20 @@ impl Seen<'_> {
             (q, q)
         } else {
             let image = self.camera.coordinates(p).0;
-            (image, self.mirror.under(self.camera, image).expect("a mirror under the facet"))
+            (
+                image,
+                self.mirror
+                    .intersect_camera_ray(self.camera, image)
+                    .expect("a mirror under the facet"),
+            )
         };
         let shown = |at: DVec3, slope: DVec2| {
-            let content = view.content(self.camera, at.to_array(), slope.to_array(), image);
+            let content = view.image_of_seen(self.camera, at.to_array(), slope.to_array(), image);
             DVec2::from_array(content)
         };
         let point = self.mirror.surface.at(under);
-        let smooth = shown(self.mirror.place(under, &point), self.mirror.slope(under, &point));
-        [chord, view.projection.apart(shown(p, flat), smooth)]
+        let smooth = shown(self.mirror.position(under, &point), self.mirror.slope(under, &point));
+        [chord, view.projection.image_distance(shown(p, flat), smooth)]
     }
 
     /// The largest of each error over a facet: at `n` steps a side, then by steps uphill from the

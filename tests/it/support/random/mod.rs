@@ -7,10 +7,10 @@ pub mod shape;
 use super::draws::Draws;
 use morion::geom::{Chart, DVec2, Outline, Precision, Rect};
 use morion::mesh::{Face, Limits, MeshError, mesh};
-use morion::mirror::{Knots, Mirror, Patches, Round, Sheet, Surface};
+use morion::mirror::{BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre};
 use morion::num::legendre::Series;
 use morion::num::{cos, exp, log, radians, sin};
-use morion::optics::{Law, Projection, Rims, Strip, Target, View};
+use morion::optics::{ImagingTask, Law, Projection, Rims, Strip, Target};
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -64,7 +64,7 @@ pub fn each<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R>
 pub struct Case {
     pub mirror: Mirror,
     pub camera: Chart,
-    pub view: Option<View>,
+    pub view: Option<ImagingTask>,
     pub limits: Limits,
 }
 
@@ -162,8 +162,8 @@ fn form(r: &mut Draws, half: DVec2, ratio: f64, wild: f64, lean: f64, even: [boo
     Form { series, bend: [most * more, most * more / ratio] }
 }
 
-fn sheet(series: Series, rect: Rect) -> Sheet {
-    Sheet { series, centre: rect.centre(), half: 0.5 * rect.size(), scale_mm: 1.0 }
+fn sheet(series: Series, rect: Rect) -> TensorLegendre {
+    TensorLegendre { series, centre: rect.centre(), half: 0.5 * rect.size(), scale_mm: 1.0 }
 }
 
 /// Corners on the grid of single precision.
@@ -173,19 +173,19 @@ fn single(rect: Rect) -> Rect {
 }
 
 /// Looking to the side, or all around: with what a slope changes the image by, mm.
-fn looking(r: &mut Draws, outer: f64, target: Target, lean: bool) -> (View, f64) {
+fn looking(r: &mut Draws, outer: f64, target: Target, lean: bool) -> (ImagingTask, f64) {
     if lean {
         let laws = [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea];
         let (law, scale_mm) =
             (laws[(r.unit() * 4.0) as usize].clone(), r.inside([0.3, 1.0]) * outer);
         let projection = Projection::Strip(Strip { law, scale_mm, azimuth: 0.0, z: 0.0 });
-        return (View { projection, target, origin_mm: 20.0, fold: None }, scale_mm);
+        return (ImagingTask { projection, target, origin_mm: 20.0, fold: None }, scale_mm);
     }
     let radius = [0.0, outer];
     // Has a derivative wherever a mirror looks.
     let rims = Rims { radius, psi: [0.0, radians(r.inside([60.0, 110.0]))], vergence: 0.0 };
     let projection = Projection::Radial { law: rims.parabolic(), radius };
-    (View { projection, target, origin_mm: 20.0, fold: None }, outer)
+    (ImagingTask { projection, target, origin_mm: 20.0, fold: None }, outer)
 }
 
 /// The mirror of `kind` numbered `seed`, within limits that ask for about `facets` facets.
@@ -269,7 +269,7 @@ pub fn case(kind: Kind, seed: u64, facets: [f64; 2]) -> Case {
             1 => first,
             _ => rest * more[i - 2],
         });
-        (Round::new(series, [inner, size], 1.0), 8.0 * bend.abs())
+        (RadialLegendre::new(series, [inner, size], 1.0), 8.0 * bend.abs())
     };
     let (surface, bend) = match kind {
         Kind::Round => {
@@ -295,13 +295,13 @@ pub fn case(kind: Kind, seed: u64, facets: [f64; 2]) -> Case {
                 plain.at(DVec2::new(at(knots[0], k % count[0]), at(knots[1], k / count[0]))).f
             };
             let values: Vec<f64> = (0..count[0] * count[1]).map(node).collect();
-            let patches = Patches::new(knots[0], knots[1], &values).expect("a grid");
+            let patches = BicubicSpline::new(knots[0], knots[1], &values).expect("a grid");
             (Surface::Patches(patches), of.bend)
         }
         _ => (Surface::Tensor(sheet(of.series, rect)), of.bend),
     };
     let folded = kind == Kind::Folded;
-    let mirror = Mirror { surface, chart, outline, folded, even };
+    let mirror = Mirror { surface, chart, outline, folded, mirror_symmetric: even };
 
     let target = match kind {
         Kind::Near => Target::Cylinder { radius_mm: 400.0 + 2.0 * size },

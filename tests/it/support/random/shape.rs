@@ -52,7 +52,7 @@ impl Case {
                 return Err(format!("the rim from vertex {start} ends at {at}"));
             }
         }
-        let outline = self.mirror.whole();
+        let outline = self.mirror.full_outline();
         let wanted =
             if matches!(outline, Outline::Ring { inner, .. } if inner > 0.0) { 2 } else { 1 };
         let share = area / outline.area() - 1.0;

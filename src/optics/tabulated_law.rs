@@ -13,12 +13,12 @@ enum Rungs {
 /// A law through given points: elevation, or isometric latitude, as a monotone cubic of the image
 /// coordinate z (paper's units). Beyond its ends it goes on linearly.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ladder {
+pub struct TabulatedLaw {
     curve: MonotoneCubic,
     rungs: Rungs,
 }
 
-impl Ladder {
+impl TabulatedLaw {
     /// The law that shows elevation `elevations[k]` (radians, inside +-pi/2) at `z[k]`, elevation
     /// interpolated; None unless both rise strictly and there are two or more.
     #[must_use]
@@ -41,7 +41,7 @@ impl Ladder {
     /// exp(-m) at image coordinate `z`.
     #[inline]
     pub fn shrink<S: Scalar>(&self, z: S) -> S {
-        let value = z.through(&self.curve);
+        let value = z.map(&self.curve);
         match self.rungs {
             Rungs::Elevation => (value * -0.5 + FRAC_PI_4).tan(),
             Rungs::Latitude => (-value).exp(),
@@ -55,7 +55,7 @@ impl Ladder {
             Rungs::Elevation => shrink.atan() * -2.0 + FRAC_PI_2,
             Rungs::Latitude => -shrink.log(),
         };
-        value.through(&self.curve.inverse())
+        value.map(&self.curve.inverse())
     }
 }
 
@@ -68,10 +68,10 @@ mod tests {
     const DEGREES: [f64; 5] = [-41.0, -10.0, 3.0, 4.0, 62.0];
     const Z: [f64; 5] = [-1.0, -0.2, 0.1, 0.3, 1.4];
 
-    fn ladders() -> [Ladder; 2] {
+    fn ladders() -> [TabulatedLaw; 2] {
         let e = DEGREES.map(radians);
         let m = e.map(|e| asinh(tan(e)));
-        [Ladder::of_elevations(&Z, &e).unwrap(), Ladder::of_latitudes(&Z, &m).unwrap()]
+        [TabulatedLaw::of_elevations(&Z, &e).unwrap(), TabulatedLaw::of_latitudes(&Z, &m).unwrap()]
     }
 
     #[test]
@@ -112,8 +112,8 @@ mod tests {
 
     #[test]
     fn what_does_not_rise_is_no_ladder() {
-        assert!(Ladder::of_elevations(&[0.0, 1.0], &[0.1, 0.0]).is_none());
-        assert!(Ladder::of_latitudes(&[0.0, 0.0], &[0.0, 0.1]).is_none());
-        assert!(Ladder::of_latitudes(&[0.0], &[0.1]).is_none());
+        assert!(TabulatedLaw::of_elevations(&[0.0, 1.0], &[0.1, 0.0]).is_none());
+        assert!(TabulatedLaw::of_latitudes(&[0.0, 0.0], &[0.0, 0.1]).is_none());
+        assert!(TabulatedLaw::of_latitudes(&[0.0], &[0.1]).is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! Axisymmetric surfaces: one Legendre series along the radius.
 
 use super::bounds::OFF;
-use super::{Bounds, Curvature, Point};
+use super::{DerivativeBounds, HeightAndSlope, Hessian};
 use crate::geom::{DVec2, Outline};
 use crate::num::legendre::{Jet, Row, Series};
 use crate::num::{Interval, Scalar, bernstein};
@@ -13,7 +13,7 @@ const RUN: usize = 32;
 /// The surface f(r) = s G(u), u over [-1, 1]: of r^2 for discs, where the surface is smooth at the
 /// centre, of r for rings.
 #[derive(Debug, Clone)]
-pub struct Round {
+pub struct RadialLegendre {
     /// G, a series in u alone (one column).
     series: Series,
     /// The same, ready for values of u.
@@ -33,7 +33,7 @@ struct Steps {
     dd: f64,
 }
 
-impl Round {
+impl RadialLegendre {
     /// The surface of G = `series`.
     ///
     /// # Panics
@@ -72,24 +72,24 @@ impl Round {
     /// Height and slope at one point.
     #[inline]
     #[must_use]
-    pub fn at(&self, q: DVec2) -> Point {
+    pub fn at(&self, q: DVec2) -> HeightAndSlope {
         let r2 = q.length_squared();
         let Steps { f, d, .. } = self.steps(r2, &self.row.gradient(self.unit(r2)));
-        Point { f, slope: q * d }
+        HeightAndSlope { f, slope: q * d }
     }
 
     /// Second derivatives at one point, 1/mm.
     #[must_use]
-    pub fn curvature(&self, q: DVec2) -> Curvature {
+    pub fn hessian(&self, q: DVec2) -> Hessian {
         let r2 = q.length_squared();
         let Steps { d, dd, .. } = self.steps(r2, &self.row.jet(self.unit(r2)));
-        Curvature { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y }
+        Hessian { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y }
     }
 
     /// Bounds over the points of a box whose distance from the axis lies within the surface's
     /// radii.
     #[must_use]
-    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
         let (q, r2) = self.reach(lo, hi);
         let edges = [self.unit(r2.lo), self.unit(r2.hi)];
         let [ranges] = self.ranges(&edges)[..] else { unreachable!("one range for two edges") };
@@ -151,7 +151,7 @@ impl Round {
         edges.windows(2).zip(third).zip(&jets).map(ranges).collect()
     }
 
-    fn of_ranges(&self, q: [Interval; 2], r2: Interval, ranges: [Interval; 4]) -> Bounds {
+    fn of_ranges(&self, q: [Interval; 2], r2: Interval, ranges: [Interval; 4]) -> DerivativeBounds {
         let [inner, outer] = self.radius;
         let [g, g1, g2, g3] = ranges;
         let [d, dd, ddd] = if inner == 0.0 {
@@ -167,7 +167,7 @@ impl Round {
         };
         let [x, y] = q;
         let [xx, yy] = q.map(Interval::square);
-        Bounds {
+        DerivativeBounds {
             f: g,
             slope: [d * x, d * y],
             hessian: [d + dd * xx, dd * x * y, d + dd * yy],
@@ -184,7 +184,7 @@ impl Round {
 /// Bounds of a round surface over boxes, from those over many rings.
 #[derive(Debug, Clone)]
 pub struct Rings {
-    round: Round,
+    round: RadialLegendre,
     /// u where the first ring begins, and rings to a unit of u.
     start: f64,
     per_unit: f64,
@@ -197,7 +197,7 @@ impl Rings {
 
     /// The rings of `round`.
     #[must_use]
-    pub fn new(round: &Round) -> Self {
+    pub fn new(round: &RadialLegendre) -> Self {
         let [start, end] = round.squares().map(|r2| round.unit(r2));
         let step = (end - start) / Self::COUNT as f64;
         let edges: Vec<f64> = (0..=Self::COUNT).map(|k| start + step * k as f64).collect();
@@ -209,9 +209,9 @@ impl Rings {
         }
     }
 
-    /// What [`Round::bounds`] gives, but for the width of the rings.
+    /// What [`RadialLegendre::bounds`] gives, but for the width of the rings.
     #[must_use]
-    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
         let (q, r2) = self.round.reach(lo, hi);
         let [first, last] = [r2.lo, r2.hi].map(|r2| {
             let ring = (self.round.unit(r2) - self.start) * self.per_unit;
@@ -231,18 +231,21 @@ mod tests {
     type Exact = fn(f64) -> [f64; 3];
 
     /// f = 0.01 r^4 - 0.3 r^2 on a disc of radius 5, f = r^2 / 4 - r on a ring of 1..5.
-    fn surfaces() -> [(Round, Exact); 2] {
+    fn surfaces() -> [(RadialLegendre, Exact); 2] {
         // r^2 = 12.5 (u + 1); u^2 = (2 P2 + 1) / 3.
         let disc =
             [1.5625 * (4.0 / 3.0) - 0.3 * 12.5, 1.5625 * 2.0 - 0.3 * 12.5, 1.5625 * (2.0 / 3.0)];
         // r = 3 + 2 u.
         let ring = [(9.0 + 4.0 / 3.0) / 4.0 - 3.0, 3.0 - 2.0, (8.0 / 3.0) / 4.0];
         [
-            (Round::new(Series::from_fn(3, 1, |i, _| disc[i] / 2.0), [0.0, 5.0], 2.0), |r| {
-                let r2 = r * r;
-                [0.01 * r2 * r2 - 0.3 * r2, 0.04 * r2 * r - 0.6 * r, 0.12 * r2 - 0.6]
-            }),
-            (Round::new(Series::from_fn(3, 1, |i, _| ring[i]), [1.0, 5.0], 1.0), |r| {
+            (
+                RadialLegendre::new(Series::from_fn(3, 1, |i, _| disc[i] / 2.0), [0.0, 5.0], 2.0),
+                |r| {
+                    let r2 = r * r;
+                    [0.01 * r2 * r2 - 0.3 * r2, 0.04 * r2 * r - 0.6 * r, 0.12 * r2 - 0.6]
+                },
+            ),
+            (RadialLegendre::new(Series::from_fn(3, 1, |i, _| ring[i]), [1.0, 5.0], 1.0), |r| {
                 [0.25 * r * r - r, 0.5 * r - 1.0, 0.5]
             }),
         ]
@@ -256,7 +259,7 @@ mod tests {
                 let (q, [f, f1, f2]) = (n * r, exact(r));
                 let point = surface.at(q);
                 assert!((point.f - f).abs() < 1e-13 && (point.slope - n * f1).length() < 1e-13);
-                let c = surface.curvature(q);
+                let c = surface.hessian(q);
                 let across = DVec2::new(0.8, 0.6);
                 assert!((c.times(n) - n * f2).length() < 1e-13);
                 assert!((c.times(across) - across * f1 / r).length() < 1e-13);
@@ -268,7 +271,7 @@ mod tests {
     fn bounds_hold_at_every_sample() {
         for (surface, _) in surfaces() {
             let rings = Rings::new(&surface);
-            let each = |bounds: Bounds| (0..81).map(move |j| (bounds, j));
+            let each = |bounds: DerivativeBounds| (0..81).map(move |j| (bounds, j));
             for k in 0..64 {
                 let lo = DVec2::new(f64::from(k % 8) - 4.0, f64::from(k / 8) - 4.0) * 0.8;
                 let hi = lo + 0.8;
@@ -280,7 +283,7 @@ mod tests {
                     if r < surface.radius[0] || r > surface.radius[1] {
                         continue;
                     }
-                    let (point, c) = (surface.at(q), surface.curvature(q));
+                    let (point, c) = (surface.at(q), surface.hessian(q));
                     assert!(bounds.f.contains(point.f));
                     assert!(bounds.slope[0].contains(point.slope.x));
                     assert!(bounds.slope[1].contains(point.slope.y));
@@ -289,7 +292,7 @@ mod tests {
                     }
                     let h = 1e-5;
                     let d = |e: DVec2| {
-                        let (a, b) = (surface.curvature(q + e * h), surface.curvature(q - e * h));
+                        let (a, b) = (surface.hessian(q + e * h), surface.hessian(q - e * h));
                         [a.xx - b.xx, a.xy - b.xy, a.yy - b.yy].map(|x| x / (2.0 * h))
                     };
                     let (dx, dy) = (d(DVec2::X), d(DVec2::Y));

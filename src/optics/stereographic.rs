@@ -78,7 +78,7 @@ pub fn vector<S: Scalar>(sigma: [S; 2]) -> [S; 3] {
 pub fn sigma<S: Scalar>(v: [S; 3]) -> [S; 2] {
     let across = square([v[0], v[1]]);
     let length = (across + v[2].square()).sqrt();
-    if v[2].centre() >= 0.0 {
+    if v[2].mid() >= 0.0 {
         let below = length + v[2];
         [v[0] / below, v[1] / below]
     } else {

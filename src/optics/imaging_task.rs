@@ -1,11 +1,11 @@
 //! Views: what every point of the image must see, and where in the image what is seen belongs.
 //!
 //! Image points are (X, Y) mm on the camera's reference plane; directions are stereographic
-//! coordinates ([`stereo`]) of the part frame (X to the right of the picture, Y up in it, Z along
+//! coordinates ([`stereographic`]) of the part frame (X to the right of the picture, Y up in it, Z along
 //! the axis towards the camera).
 
-use super::field::Field;
-use super::{RadialLaw, Strip, Target, stereo};
+use super::slope_field::SlopeField;
+use super::{RadialLaw, Strip, Target, stereographic};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{Dual, Interval, Jet2, Scalar};
 use std::f64::consts::TAU;
@@ -28,19 +28,19 @@ pub enum Projection {
 impl Projection {
     /// What image point `q` must see.
     #[inline]
-    pub fn wanted<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+    pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         match self {
-            Self::Strip(strip) => strip.wanted(q),
-            Self::Radial { law, .. } => law.wanted(q),
+            Self::Strip(strip) => strip.direction_of(q),
+            Self::Radial { law, .. } => law.direction_of(q),
         }
     }
 
     /// The image point, nearest to `near` where there are several, that must see `sigma`.
     #[inline]
-    pub fn locate<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
+    pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
         match self {
-            Self::Strip(strip) => strip.locate(sigma, near),
-            Self::Radial { law, .. } => law.locate(sigma),
+            Self::Strip(strip) => strip.image_of(sigma, near),
+            Self::Radial { law, .. } => law.image_of(sigma),
         }
     }
 
@@ -68,7 +68,7 @@ impl Projection {
     /// How far apart two image points are by what they must see: azimuth repeats every turn.
     #[inline]
     #[must_use]
-    pub fn apart(&self, a: DVec2, b: DVec2) -> f64 {
+    pub fn image_distance(&self, a: DVec2, b: DVec2) -> f64 {
         let mut way = a - b;
         if let Self::Strip(strip) = self {
             let turn = TAU * strip.scale_mm;
@@ -102,7 +102,7 @@ impl Fold {
     }
 }
 
-/// What is known of [`View::curl`] at a place, 1/mm.
+/// What is known of [`ImagingTask::curl`] at a place, 1/mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurlBounds {
     /// Surely holds the exact one: bounds of every rounding.
@@ -116,7 +116,7 @@ pub struct CurlBounds {
 /// on a panel and its reflection in the plane Y = 0 (a mirror reflected in a plane sees the
 /// reflected world).
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub struct ImagingTask {
     /// The designed panel's projection.
     pub projection: Projection,
     /// Where the world is.
@@ -127,44 +127,50 @@ pub struct View {
     pub fold: Option<Fold>,
 }
 
-impl View {
+impl ImagingTask {
     /// The direction that image point `q` of the designed panel must see from the mirror point
     /// `at`, as a stereographic coordinate.
     #[inline]
-    pub fn aim<S: Scalar>(&self, q: [S; 2], at: [S; 3]) -> [S; 2] {
-        self.target.aim(self.relative(at), self.projection.wanted(q))
+    pub fn direction_at<S: Scalar>(&self, q: [S; 2], at: [S; 3]) -> [S; 2] {
+        self.target.direction_at(self.relative(at), self.projection.direction_of(q))
     }
 
     /// The field s(q, f) that the chart slope of an exact mirror equals (docs/theory.md, T12). For
     /// targets at infinity it does not depend on f.
     #[inline]
     pub fn field<S: Scalar>(&self, chart: &Chart, q: [S; 2], f: S) -> [S; 2] {
-        self.under(chart).towards(q, f, self.projection.wanted(q))
+        self.slope_field(chart).slope_for(q, f, self.projection.direction_of(q))
     }
 
     /// The image point of the designed panel where that belongs which the camera of `chart` sees in
     /// a mirror through `at` of slope `p`; `near` chooses among several.
     #[inline]
-    pub fn content<S: Scalar>(&self, chart: &Chart, at: [S; 3], p: [S; 2], near: DVec2) -> [S; 2] {
-        self.content_along(chart.view(at), || at, p, near)
+    pub fn image_of_seen<S: Scalar>(
+        &self,
+        chart: &Chart,
+        at: [S; 3],
+        p: [S; 2],
+        near: DVec2,
+    ) -> [S; 2] {
+        self.image_of_seen_along(chart.view(at), || at, p, near)
     }
 
     /// The same for a ray whose angle to the axis has the tangent `view`. Targets at infinity do not
     /// ask where it is met, `at`.
     #[inline]
-    pub fn content_along<S: Scalar>(
+    pub fn image_of_seen_along<S: Scalar>(
         &self,
         view: [S; 2],
         at: impl FnOnce() -> [S; 3],
         p: [S; 2],
         near: DVec2,
     ) -> [S; 2] {
-        let seen = stereo::reflect(stereo::towards_camera(view), p);
+        let seen = stereographic::reflect(stereographic::towards_camera(view), p);
         let seen = match self.target {
             Target::Infinity => seen,
-            target => target.seen(self.relative(at()), seen),
+            target => target.direction_from_origin(self.relative(at()), seen),
         };
-        self.projection.locate(seen, near)
+        self.projection.image_of(seen, near)
     }
 
     /// W . curl W / |W|^2 at height `f` over image point `q`, 1/mm: zero everywhere exactly when an
@@ -175,7 +181,7 @@ impl View {
         let [x, y, h] = [Dual::variable(x, 0), Dual::variable(y, 1), Dual::variable(h, 2)];
         let s: [Dual<3>; 2] = self.field(chart, [x, y], h);
         let along = std::array::from_fn(|k| s.map(|s| s.slope[k]));
-        self.under(chart).curl(q.to_array(), f, s.map(|s| s.value), along)
+        self.slope_field(chart).curl(q.to_array(), f, s.map(|s| s.value), along)
     }
 
     /// What is known of the curl at a place.
@@ -191,7 +197,7 @@ impl View {
         };
         let along =
             [s.map(|s| s.gradient[0]), s.map(|s| s.gradient[1]), by_h.map(|s| s.gradient[0])];
-        let (under, s) = (self.under(chart), s.map(|s| s.value));
+        let (under, s) = (self.slope_field(chart), s.map(|s| s.value));
         let [in_x, in_y, [f, g]] = along;
         let all = [in_x[0], in_x[1], in_y[0], in_y[1], s[1] * f, s[0] * g];
         let size: f64 = all.iter().map(|derivative| derivative.magnitude()).sum();
@@ -200,8 +206,8 @@ impl View {
     }
 
     /// The slope field's camera and target.
-    fn under<'a>(&self, chart: &'a Chart) -> Field<'a> {
-        Field { chart, target: self.target, origin_mm: self.origin_mm }
+    fn slope_field<'a>(&self, chart: &'a Chart) -> SlopeField<'a> {
+        SlopeField { chart, target: self.target, origin_mm: self.origin_mm }
     }
 
     /// `at` relative to the target's origin.
@@ -218,22 +224,26 @@ impl View {
 
     /// The unit direction that image point `q`, on any panel, must see from the mirror point `at`.
     #[must_use]
-    pub fn wanted(&self, q: DVec2, at: DVec3) -> DVec3 {
+    pub fn direction_of(&self, q: DVec2, at: DVec3) -> DVec3 {
         let flip = self.flip(q);
         let (q, at) = (q * flip.truncate(), at * flip);
         let from = self.relative(at.to_array());
-        flip * stereo::direction(self.target.aim(from, self.projection.wanted(q.to_array())))
+        flip * stereographic::direction(
+            self.target.direction_at(from, self.projection.direction_of(q.to_array())),
+        )
     }
 
     /// The direction from the target's origin of what a ray that leaves `at` in the unit direction
     /// `direction` shows; the direction itself for targets at infinity.
     #[must_use]
-    pub fn shown(&self, at: DVec3, direction: DVec3) -> DVec3 {
+    pub fn direction_from_origin(&self, at: DVec3, direction: DVec3) -> DVec3 {
         match self.target {
             Target::Infinity => direction,
             target => {
                 let from = self.relative(at.to_array());
-                stereo::direction(target.seen(from, stereo::sigma(direction.to_array())))
+                stereographic::direction(
+                    target.direction_from_origin(from, stereographic::sigma(direction.to_array())),
+                )
             }
         }
     }
@@ -241,11 +251,13 @@ impl View {
     /// The image point, on the panel of `near` or beyond its rim, where that belongs which a ray
     /// that leaves `at` in the unit direction `direction` shows.
     #[must_use]
-    pub fn locate(&self, at: DVec3, direction: DVec3, near: DVec2) -> DVec2 {
+    pub fn image_of(&self, at: DVec3, direction: DVec3, near: DVec2) -> DVec2 {
         let flip = self.flip(near);
         let from = self.relative((at * flip).to_array());
-        let seen = self.target.seen(from, stereo::sigma((direction * flip).to_array()));
-        let place = self.projection.locate(seen, near * flip.truncate());
+        let seen = self
+            .target
+            .direction_from_origin(from, stereographic::sigma((direction * flip).to_array()));
+        let place = self.projection.image_of(seen, near * flip.truncate());
         DVec2::from_array(place) * flip.truncate()
     }
 
@@ -270,20 +282,20 @@ mod tests {
         Projection::Radial { law: rims.equiangular(), radius: rims.radius }
     }
 
-    fn views() -> Vec<View> {
+    fn views() -> Vec<ImagingTask> {
         let targets = [Target::Infinity, Target::Cylinder { radius_mm: 70.0 }];
         let mut views = Vec::new();
         for target in targets {
             for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
                 let fold = Some(Fold::Above);
-                views.push(View { projection: strip(law), target, origin_mm: 8.0, fold });
+                views.push(ImagingTask { projection: strip(law), target, origin_mm: 8.0, fold });
             }
-            views.push(View { projection: ring(), target, origin_mm: 8.0, fold: None });
+            views.push(ImagingTask { projection: ring(), target, origin_mm: 8.0, fold: None });
         }
         let target = Target::Plane { height_mm: -300.0 };
         let rims = Rims { radius: [6.0, 31.0], psi: [110.0, 140.0].map(radians), vergence: 0.0 };
         let projection = Projection::Radial { law: rims.cylinder(), radius: rims.radius };
-        views.push(View { projection, target, origin_mm: 8.0, fold: None });
+        views.push(ImagingTask { projection, target, origin_mm: 8.0, fold: None });
         views
     }
 
@@ -307,10 +319,11 @@ mod tests {
                     // By vectors.
                     let normal = DVec3::new(-p[0], -p[1], 1.0);
                     let seen = reflect(chart.ray(q, 99.0).direction, normal);
-                    assert!((seen - view.wanted(q, at)).length() < 1e-13, "{view:?} {q}");
-                    let content = view.content(&chart, at.to_array(), p, q + DVec2::new(1.5, 0.0));
+                    assert!((seen - view.direction_of(q, at)).length() < 1e-13, "{view:?} {q}");
+                    let content =
+                        view.image_of_seen(&chart, at.to_array(), p, q + DVec2::new(1.5, 0.0));
                     assert!((DVec2::from_array(content) - q).length() < 1e-11, "{view:?} {q}");
-                    assert!((view.locate(at, seen, q) - q).length() < 1e-11, "{view:?} {q}");
+                    assert!((view.image_of(at, seen, q) - q).length() < 1e-11, "{view:?} {q}");
                 }
             }
         }
@@ -322,7 +335,7 @@ mod tests {
             for chart in charts() {
                 let w = |r: DVec3| {
                     let (q, _) = chart.coordinates(r);
-                    view.wanted(q, r) - chart.ray(q, 99.0).direction
+                    view.direction_of(q, r) - chart.ray(q, 99.0).direction
                 };
                 for q in points().step_by(7) {
                     let f = 0.03 * q.x;
@@ -342,7 +355,8 @@ mod tests {
     #[test]
     fn curl_vanishes_where_a_mirror_exists() {
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-        let exact = |projection, target| View { projection, target, origin_mm: 3.0, fold: None };
+        let exact =
+            |projection, target| ImagingTask { projection, target, origin_mm: 3.0, fold: None };
         let cylinder = Target::Cylinder { radius_mm: 70.0 };
         for q in points() {
             let mercator = exact(strip(Law::Mercator), Target::Infinity);
@@ -365,8 +379,12 @@ mod tests {
             for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
                 let strip = Strip { law: law.clone(), scale_mm, azimuth: 0.1, z: 0.0 };
                 let projection = Projection::Strip(strip);
-                let view =
-                    View { projection, target: Target::Infinity, origin_mm: 0.0, fold: None };
+                let view = ImagingTask {
+                    projection,
+                    target: Target::Infinity,
+                    origin_mm: 0.0,
+                    fold: None,
+                };
                 for k in 0..400 {
                     let (x, z) = (f64::from(k % 20) * 0.3 - 3.0, f64::from(k / 20) * 0.05 - 0.5);
                     let q = DVec2::new(x, z) * scale_mm;
@@ -398,7 +416,7 @@ mod tests {
             for chart in charts() {
                 for q in points() {
                     let mut of = |projection| {
-                        let view = View { projection, target, origin_mm: 3.0, fold: None };
+                        let view = ImagingTask { projection, target, origin_mm: 3.0, fold: None };
                         let CurlBounds { range, condition } = view.curl_bounds(&chart, q, 1.0);
                         let ulps = range.width() / (f64::EPSILON * condition);
                         most = most.max(ulps);
@@ -420,7 +438,7 @@ mod tests {
         let view = &views()[0];
         let (above, below) = (DVec2::new(-7.0, 20.0), DVec2::new(-7.0, -20.0));
         let angle = |d: DVec3| atan2(d.x, d.y);
-        let [up, down] = [above, below].map(|q| view.wanted(q, DVec3::ZERO));
+        let [up, down] = [above, below].map(|q| view.direction_of(q, DVec3::ZERO));
         assert!((wrap_turn(angle(up) + angle(down) - radians(180.0))).abs() < 1e-12);
         assert_eq!(up.z, down.z);
     }
@@ -430,10 +448,13 @@ mod tests {
         let (turn, way) = (19.0 * TAU, DVec2::new(0.3, -0.4));
         for x in [-2.0, -1.0, 0.0, 1.0] {
             let far = DVec2::new(x * turn, 2.0) + way;
-            assert!((strip(Law::Mercator).apart(far, DVec2::new(0.0, 2.0)) - 0.5).abs() < 1e-13);
+            assert!(
+                (strip(Law::Mercator).image_distance(far, DVec2::new(0.0, 2.0)) - 0.5).abs()
+                    < 1e-13
+            );
         }
-        assert_eq!(ring().apart(DVec2::new(turn, 0.0), DVec2::ZERO), turn);
-        assert!(strip(Law::Mercator).apart(DVec2::NAN, DVec2::ZERO).is_nan());
+        assert_eq!(ring().image_distance(DVec2::new(turn, 0.0), DVec2::ZERO), turn);
+        assert!(strip(Law::Mercator).image_distance(DVec2::NAN, DVec2::ZERO).is_nan());
     }
 
     #[test]
@@ -441,7 +462,7 @@ mod tests {
         let strip = Strip { law: Law::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
         let edge = DVec2::new(10.0 * std::f64::consts::PI - 0.01, 1.0);
         let beyond = edge + DVec2::new(0.02, 0.0);
-        let back = DVec2::from_array(strip.locate(strip.wanted(beyond.to_array()), edge));
+        let back = DVec2::from_array(strip.image_of(strip.direction_of(beyond.to_array()), edge));
         assert!((back - beyond).length() < 1e-12);
     }
 }

@@ -1,12 +1,12 @@
 //! The slope field of a camera and a target, whatever the projection.
 
-use super::{Target, stereo};
+use super::{Target, stereographic};
 use crate::geom::Chart;
 use crate::num::Scalar;
 
 /// What turns a wanted direction into the chart slope of a mirror that shows it.
 #[derive(Debug, Clone, Copy)]
-pub struct Field<'a> {
+pub struct SlopeField<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// Where the world is.
@@ -15,21 +15,21 @@ pub struct Field<'a> {
     pub origin_mm: f64,
 }
 
-impl Field<'_> {
+impl SlopeField<'_> {
     /// The field s (docs/theory.md, T12) at height `f` mm over image point `q` where direction
     /// `wanted` from the target's origin is to be seen. For targets at infinity it does not depend
     /// on f.
     #[inline]
-    pub fn towards<S: Scalar>(&self, q: [S; 2], f: S, wanted: [S; 2]) -> [S; 2] {
+    pub fn slope_for<S: Scalar>(&self, q: [S; 2], f: S, wanted: [S; 2]) -> [S; 2] {
         let seen = match self.target {
             Target::Infinity => wanted,
             target => {
-                let [x, y, z] = self.chart.place(q, f);
-                target.aim([x, y, z - self.origin_mm], wanted)
+                let [x, y, z] = self.chart.position(q, f);
+                target.direction_at([x, y, z - self.origin_mm], wanted)
             }
         };
-        let camera = stereo::towards_camera(q.map(|x| x * self.chart.vergence));
-        self.chart.chart_slope(q, stereo::slope_between(camera, seen))
+        let camera = stereographic::towards_camera(q.map(|x| x * self.chart.vergence));
+        self.chart.chart_slope(q, stereographic::slope_between(camera, seen))
     }
 
     /// W . curl W / |W|^2, 1/mm, at height `f` over image point `q` where the field is `s` and its

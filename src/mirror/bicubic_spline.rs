@@ -1,6 +1,6 @@
 //! Sag on a regular grid: the bicubic spline through it, twice differentiable.
 
-use super::{Bounds, Curvature, Point, Union};
+use super::{DerivativeBounds, HeightAndSlope, Hessian, UnionBound};
 use crate::geom::DVec2;
 use crate::num::Interval;
 use crate::parallel;
@@ -23,7 +23,7 @@ type Node = [f64; 4];
 /// The tensor product of cubic splines through heights on a regular grid, "not a knot" at the ends
 /// (the two pieces at each end are one cubic). Outside the grid the end patches go on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Patches {
+pub struct BicubicSpline {
     x: Knots,
     y: Knots,
     nodes: Vec<Node>,
@@ -156,7 +156,7 @@ fn sum(left: [f64; 2], right: [f64; 2], w: &[f64; 4]) -> f64 {
     left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3]
 }
 
-impl Patches {
+impl BicubicSpline {
     /// The spline through `values`, row after row along X; none for fewer than
     /// [`LEAST_KNOTS`] knots along an axis, steps that are not positive, a wrong number of values
     /// or values that are not finite.
@@ -184,10 +184,10 @@ impl Patches {
 
     /// The spline on the line of constant `y`.
     #[must_use]
-    pub fn row(&self, y: f64) -> PatchesRow<'_> {
+    pub fn row(&self, y: f64) -> BicubicSplineRow<'_> {
         let (j, t) = self.y.find(y);
         let row = |j: usize| &self.nodes[j * self.x.count..(j + 1) * self.x.count];
-        PatchesRow {
+        BicubicSplineRow {
             x: self.x,
             per_step: DVec2::new(1.0 / self.x.step, 1.0 / self.y.step),
             rows: [row(j), row(j + 1)],
@@ -198,13 +198,13 @@ impl Patches {
 
     /// Height and slope at one point.
     #[must_use]
-    pub fn at(&self, q: DVec2) -> Point {
+    pub fn at(&self, q: DVec2) -> HeightAndSlope {
         self.row(q.y).at(q.x)
     }
 
     /// Second derivatives at one point, 1/mm.
     #[must_use]
-    pub fn curvature(&self, q: DVec2) -> Curvature {
+    pub fn hessian(&self, q: DVec2) -> Hessian {
         let ((i, s), (j, t)) = (self.x.find(q.x), self.y.find(q.y));
         let column =
             |i: usize| [&self.nodes[j * self.x.count + i], &self.nodes[(j + 1) * self.x.count + i]];
@@ -212,7 +212,7 @@ impl Patches {
             sum(fold(column(i), &across), fold(column(i + 1), &across), &along)
         };
         let (dx, dy) = (self.x.step, self.y.step);
-        Curvature {
+        Hessian {
             xx: second(hermite_bend(s), hermite(t)) / (dx * dx),
             xy: second(hermite_slope(s), hermite_slope(t)) / (dx * dy),
             yy: second(hermite(s), hermite_bend(t)) / (dy * dy),
@@ -222,16 +222,16 @@ impl Patches {
     /// Bounds over a box: those of the patches that it touches, each only a little wider than its
     /// share of the box.
     #[must_use]
-    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> Bounds {
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
         let across = |(j, t): (usize, [f64; 2])| {
             self.x.touched(lo.x, hi.x).map(move |(i, s)| self.patch(i, j, s, t))
         };
         let all = self.y.touched(lo.y, hi.y).flat_map(across);
-        all.reduce(Union::union).expect("a box touches a patch")
+        all.reduce(UnionBound::union).expect("a box touches a patch")
     }
 
     /// Bounds over the shares `s` and `t` of the patch from node (`i`, `j`).
-    fn patch(&self, i: usize, j: usize, s: [f64; 2], t: [f64; 2]) -> Bounds {
+    fn patch(&self, i: usize, j: usize, s: [f64; 2], t: [f64; 2]) -> DerivativeBounds {
         let node = |i: usize, j: usize| &self.nodes[j * self.x.count + i];
         let corners = [[node(i, j), node(i + 1, j)], [node(i, j + 1), node(i + 1, j + 1)]];
         // net[b][a]: Bernstein coefficient a along s, b along t.
@@ -267,7 +267,7 @@ impl Patches {
             Interval::new(lo - slack, hi + slack)
                 * (FALLING[p] * FALLING[q] / (power(w, p) * power(h, q)))
         };
-        Bounds {
+        DerivativeBounds {
             f: range(0, 0),
             slope: [range(1, 0), range(0, 1)],
             hessian: [range(2, 0), range(1, 1), range(0, 2)],
@@ -305,7 +305,7 @@ fn differences(net: &[[f64; 4]; 4]) -> [[[f64; 4]; 4]; 4] {
 
 /// Patches on one line of constant y.
 #[derive(Debug, Clone)]
-pub struct PatchesRow<'a> {
+pub struct BicubicSplineRow<'a> {
     x: Knots,
     per_step: DVec2,
     rows: [&'a [Node]; 2],
@@ -313,11 +313,11 @@ pub struct PatchesRow<'a> {
     slope: [f64; 4],
 }
 
-impl PatchesRow<'_> {
+impl BicubicSplineRow<'_> {
     /// Height and slope at `x`.
     #[inline]
     #[must_use]
-    pub fn at(&self, x: f64) -> Point {
+    pub fn at(&self, x: f64) -> HeightAndSlope {
         let (i, s) = self.x.find(x);
         let column = |i: usize| self.rows.map(|row| &row[i]);
         let (left, right) = (column(i), column(i + 1));
@@ -327,7 +327,7 @@ impl PatchesRow<'_> {
             sum(l, r, &hermite_slope(s)),
             sum(fold(left, &self.slope), fold(right, &self.slope), &along),
         );
-        Point { f: sum(l, r, &along), slope: slope * self.per_step }
+        HeightAndSlope { f: sum(l, r, &along), slope: slope * self.per_step }
     }
 }
 
@@ -337,20 +337,20 @@ mod tests {
     use crate::num::sample::Draws;
     use crate::num::{cos, sin};
 
-    fn grid(x: Knots, y: Knots, f: impl Fn(DVec2) -> f64) -> Patches {
+    fn grid(x: Knots, y: Knots, f: impl Fn(DVec2) -> f64) -> BicubicSpline {
         let node = |k: usize| f(DVec2::new(x.at(k % x.count), y.at(k / x.count)));
         let values: Vec<f64> = (0..x.count * y.count).map(node).collect();
-        Patches::new(x, y, &values).unwrap()
+        BicubicSpline::new(x, y, &values).unwrap()
     }
 
     fn knots(first: f64, last: f64, count: usize) -> Knots {
         Knots { first, step: (last - first) / (count - 1) as f64, count }
     }
 
-    fn rough(seed: u64) -> Patches {
+    fn rough(seed: u64) -> BicubicSpline {
         let mut r = Draws::new(seed);
         let values: Vec<f64> = (0..63).map(|_| r.inside([-1.0, 1.0])).collect();
-        Patches::new(knots(-3.0, 2.0, 9), knots(1.0, 4.0, 7), &values).unwrap()
+        BicubicSpline::new(knots(-3.0, 2.0, 9), knots(1.0, 4.0, 7), &values).unwrap()
     }
 
     #[test]
@@ -364,7 +364,7 @@ mod tests {
             let patches = grid(knots(-1.0, 2.0, nx), knots(-2.0, 1.0, ny), f);
             for _ in 0..200 {
                 let q = DVec2::new(r.inside([-1.2, 2.2]), r.inside([-2.2, 1.2]));
-                let Point { f: found, slope } = patches.at(q);
+                let HeightAndSlope { f: found, slope } = patches.at(q);
                 assert!((found - f(q)).abs() < 1e-13, "{nx} {q}: {found} {}", f(q));
                 let (x, y) = (q.x, q.y);
                 let (g, h) =
@@ -372,7 +372,7 @@ mod tests {
                 let (g1, h1) = (0.5 - x * (0.6 + 0.6 * x), -0.2 - y * (0.8 - 0.3 * y));
                 let (g2, h2) = (-0.6 - 1.2 * x, -0.8 + 0.6 * y);
                 assert!((slope - DVec2::new(g1 * h, g * h1)).length() < 1e-12);
-                let c = patches.curvature(q);
+                let c = patches.hessian(q);
                 let off = (c.xx - g2 * h).abs() + (c.xy - g1 * h1).abs() + (c.yy - g * h2).abs();
                 assert!(off < 1e-10, "{off}");
             }
@@ -392,7 +392,7 @@ mod tests {
                 (DVec2::new(a - e, b), DVec2::new(a + e, b)),
                 (DVec2::new(c, d - e), DVec2::new(c, d + e)),
             ] {
-                let (l, r) = (patches.curvature(before), patches.curvature(after));
+                let (l, r) = (patches.hessian(before), patches.hessian(after));
                 let jump = (l.xx - r.xx).abs() + (l.xy - r.xy).abs() + (l.yy - r.yy).abs();
                 assert!(jump < 1e-6, "{jump}");
             }
@@ -427,7 +427,7 @@ mod tests {
                 let bounds = patches.bounds(lo, hi);
                 for _ in 0..50 {
                     let q = DVec2::new(r.inside([x0, x1]), r.inside([y0, y1]));
-                    let (p, c) = (patches.at(q), patches.curvature(q));
+                    let (p, c) = (patches.at(q), patches.hessian(q));
                     assert!(bounds.f.contains(p.f), "{:?} {}", bounds.f, p.f);
                     assert!(
                         bounds.slope[0].contains(p.slope.x) && bounds.slope[1].contains(p.slope.y)
@@ -440,7 +440,7 @@ mod tests {
                     let inside = |q: DVec2| lo.cmple(q).all() && q.cmple(hi).all();
                     let same = |q: DVec2| patches.x.find(q.x).0;
                     if inside(q - e) && inside(q + e) && same(q - e) == same(q + e) {
-                        let (a, b) = (patches.curvature(q + e), patches.curvature(q - e));
+                        let (a, b) = (patches.hessian(q + e), patches.hessian(q - e));
                         for (range, d) in
                             bounds.third.iter().zip([a.xx - b.xx, a.xy - b.xy, a.yy - b.yy])
                         {
@@ -453,7 +453,7 @@ mod tests {
             // A point's bounds are no wider than a share of the patch makes them.
             let q = DVec2::new(-0.3, 2.2);
             let width = patches.bounds(q, q).slope[0].width();
-            let c = patches.curvature(q);
+            let c = patches.hessian(q);
             assert!(width < 0.1 * (c.norm() + 1.0), "{width}");
         }
     }
@@ -461,10 +461,10 @@ mod tests {
     #[test]
     fn what_is_no_grid_is_refused() {
         let k = knots(0.0, 1.0, 4);
-        assert!(Patches::new(k, k, &[0.0; 16]).is_some());
-        assert!(Patches::new(k, k, &[0.0; 15]).is_none());
-        assert!(Patches::new(k, k, &[f64::NAN; 16]).is_none());
-        assert!(Patches::new(knots(0.0, 1.0, 3), k, &[0.0; 12]).is_none());
-        assert!(Patches::new(knots(1.0, 0.0, 4), k, &[0.0; 16]).is_none());
+        assert!(BicubicSpline::new(k, k, &[0.0; 16]).is_some());
+        assert!(BicubicSpline::new(k, k, &[0.0; 15]).is_none());
+        assert!(BicubicSpline::new(k, k, &[f64::NAN; 16]).is_none());
+        assert!(BicubicSpline::new(knots(0.0, 1.0, 3), k, &[0.0; 12]).is_none());
+        assert!(BicubicSpline::new(knots(1.0, 0.0, 4), k, &[0.0; 16]).is_none());
     }
 }

@@ -5,14 +5,14 @@ use crate::num::legendre::{Row, Series};
 
 /// Height (mm) and slope of a surface at a point of its chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct HeightAndSlope {
     /// f, mm.
     pub f: f64,
     /// (f_x, f_y), dimensionless.
     pub slope: DVec2,
 }
 
-impl Point {
+impl HeightAndSlope {
     /// That of the sum of two surfaces.
     pub(super) fn plus(&self, other: &Self) -> Self {
         Self { f: self.f + other.f, slope: self.slope + other.slope }
@@ -21,7 +21,7 @@ impl Point {
 
 /// Second derivatives of the height, 1/mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curvature {
+pub struct Hessian {
     /// f_xx.
     pub xx: f64,
     /// f_xy.
@@ -30,7 +30,7 @@ pub struct Curvature {
     pub yy: f64,
 }
 
-impl Curvature {
+impl Hessian {
     /// Determinant of the Hessian: negative on saddles.
     #[must_use]
     pub fn det(&self) -> f64 {
@@ -56,7 +56,7 @@ impl Curvature {
 /// The surface f = s F(u, v), where (u, v) runs over [-1, 1]^2 as q runs over a rectangle, F is the
 /// paper's f in the paper's units and s the scale in mm per unit.
 #[derive(Debug, Clone)]
-pub struct Sheet {
+pub struct TensorLegendre {
     /// F.
     pub series: Series,
     /// Where (u, v) = (0, 0), mm.
@@ -67,7 +67,7 @@ pub struct Sheet {
     pub scale_mm: f64,
 }
 
-impl Sheet {
+impl TensorLegendre {
     /// Its reflection across the line where coordinate `axis` (0 = x, 1 = y) vanishes: terms of odd
     /// degree in it change their sign.
     #[must_use]
@@ -84,8 +84,8 @@ impl Sheet {
 
     /// The sheet on the line of constant `y`.
     #[must_use]
-    pub fn row(&self, y: f64) -> SheetRow {
-        SheetRow {
+    pub fn row(&self, y: f64) -> TensorLegendreRow {
+        TensorLegendreRow {
             row: self.series.row((y - self.centre.y) / self.half.y),
             centre: self.centre.x,
             per_mm: 1.0 / self.half.x,
@@ -96,28 +96,28 @@ impl Sheet {
 
     /// Height and slope at one point.
     #[must_use]
-    pub fn at(&self, q: DVec2) -> Point {
+    pub fn at(&self, q: DVec2) -> HeightAndSlope {
         // As `SheetRow::at` has it.
         let (u, v) =
             ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
         let jet = self.series.gradient(u, v);
         let slope = DVec2::from_array(jet.gradient) * (self.scale_mm / self.half);
-        Point { f: self.scale_mm * jet.f, slope }
+        HeightAndSlope { f: self.scale_mm * jet.f, slope }
     }
 
     /// Second derivatives at one point, 1/mm.
     #[must_use]
-    pub fn curvature(&self, q: DVec2) -> Curvature {
+    pub fn hessian(&self, q: DVec2) -> Hessian {
         let u = (q - self.centre) / self.half;
         let [xx, xy, yy] = self.series.row(u.y).jet(u.x).hessian.map(|h| h * self.scale_mm);
         let (a, b) = (self.half.x, self.half.y);
-        Curvature { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
+        Hessian { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
     }
 }
 
 /// A sheet on one line of constant Y.
 #[derive(Debug, Clone)]
-pub struct SheetRow {
+pub struct TensorLegendreRow {
     row: Row,
     centre: f64,
     per_mm: f64,
@@ -125,13 +125,16 @@ pub struct SheetRow {
     slope: DVec2,
 }
 
-impl SheetRow {
+impl TensorLegendreRow {
     /// Height and slope at `x`.
     #[inline]
     #[must_use]
-    pub fn at(&self, x: f64) -> Point {
+    pub fn at(&self, x: f64) -> HeightAndSlope {
         let jet = self.row.gradient((x - self.centre) * self.per_mm);
-        Point { f: self.scale * jet.f, slope: DVec2::from_array(jet.gradient) * self.slope }
+        HeightAndSlope {
+            f: self.scale * jet.f,
+            slope: DVec2::from_array(jet.gradient) * self.slope,
+        }
     }
 }
 
@@ -143,7 +146,7 @@ mod tests {
     fn a_reflection_is_the_sheet_at_reflected_places() {
         let series = Series::from_fn(5, 4, |i, j| f64::from(1 + (7 * i + 3 * j) as u32 % 5));
         let (centre, half) = (DVec2::new(2.0, -3.0), DVec2::new(10.0, 7.0));
-        let sheet = Sheet { series, centre, half, scale_mm: 0.3 };
+        let sheet = TensorLegendre { series, centre, half, scale_mm: 0.3 };
         for (axis, sign) in [DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0)].into_iter().enumerate() {
             let reflected = sheet.reflected(axis);
             for q in [DVec2::new(0.5, 0.25), DVec2::new(-6.0, 2.0), DVec2::new(7.5, -8.0)] {
@@ -157,13 +160,13 @@ mod tests {
     }
 
     /// f = 0.02 x^2 y on a rectangle off the origin, as a Legendre series.
-    fn sheet() -> Sheet {
+    fn sheet() -> TensorLegendre {
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
         // X = 3 + 4u, Y = -2 + 5v; u^2 = (2 P2 + 1)/3.
         let x2 = [9.0 + 16.0 / 3.0, 24.0, 32.0 / 3.0];
         let y = [-2.0, 5.0];
         let series = Series::from_fn(3, 2, |i, j| 0.01 * x2[i] * y[j]);
-        Sheet { series, centre, half, scale_mm: 2.0 }
+        TensorLegendre { series, centre, half, scale_mm: 2.0 }
     }
 
     #[test]
@@ -172,7 +175,7 @@ mod tests {
         let point = sheet().at(q);
         assert!((point.f - 0.02 * 2.25 * -4.0).abs() < 1e-13);
         assert!((point.slope - DVec2::new(0.04 * 1.5 * -4.0, 0.02 * 2.25)).length() < 1e-14);
-        let c = sheet().curvature(q);
+        let c = sheet().hessian(q);
         assert!((c.xx + 0.16).abs() < 1e-14 && (c.xy - 0.06).abs() < 1e-14 && c.yy.abs() < 1e-14);
         assert!((c.det() + 0.0036).abs() < 1e-14);
         assert!((c.norm() - 0.18).abs() < 1e-13);

@@ -8,7 +8,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Cubics side by side. Piece k lies between `borders` k and k + 1 (the outermost are infinite)
 /// and has the coefficients `terms[k]` of the powers of x - `anchors[k]`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Pieces {
+pub(super) struct PiecewiseCubic {
     pub(super) borders: Vec<f64>,
     pub(super) anchors: Vec<f64>,
     pub(super) terms: Vec<[f64; 4]>,
@@ -46,7 +46,7 @@ fn cubic_over(terms: [f64; 4], from: f64, to: f64) -> [Interval; 3] {
     [range(0, &flat), range(1, &bend), range(2, &[])]
 }
 
-impl Pieces {
+impl PiecewiseCubic {
     /// The piece that `x` is in: at a border, the one that begins there.
     #[inline]
     fn find(&self, x: f64) -> usize {
@@ -97,7 +97,7 @@ pub(super) fn chords(knots: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::num::Curve;
+    use crate::num::SmoothFn;
     use crate::num::sample::Draws;
     use crate::num::sin;
 
@@ -111,7 +111,7 @@ pub(super) mod tests {
     }
 
     /// Do the ranges over parts of [lo, hi] hold what is at points inside?
-    pub fn holds(curve: &impl Curve, [lo, hi]: [f64; 2], r: &mut Draws) {
+    pub fn holds(curve: &impl SmoothFn, [lo, hi]: [f64; 2], r: &mut Draws) {
         for _ in 0..100 {
             let range = r.range([lo, hi]);
             let over = curve.over(range);
@@ -125,7 +125,7 @@ pub(super) mod tests {
     }
 
     /// Largest distance from sin(1.5 x) on [-1, 1] of the curve through `n` + 1 even points of it.
-    pub fn error<C: Curve>(n: u32, through: impl Fn(&[f64], &[f64]) -> Option<C>) -> f64 {
+    pub fn error<C: SmoothFn>(n: u32, through: impl Fn(&[f64], &[f64]) -> Option<C>) -> f64 {
         let f = |x: f64| sin(1.5 * x);
         let even = |n: u32| (0..=n).map(move |k| 2.0 * f64::from(k) / f64::from(n) - 1.0);
         let knots: Vec<f64> = even(n).collect();

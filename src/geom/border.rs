@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// rim and the contour; its flat top is below the mirror's lowest point, so that a vertical wall
 /// goes all around the mirror.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stock {
+pub struct Border {
     /// The part's outer side, a vertical wall.
     pub contour: Contour,
     /// Z of the flat top, positive.
@@ -56,7 +56,7 @@ pub struct Drilled {
     pub diameter_mm: f64,
 }
 
-impl Stock {
+impl Border {
     /// The most by which the chords of a meshed circle cut inside it, mm. The chords' ends lie on
     /// the circle.
     pub const CHORD_MM: f64 = 2e-3;
@@ -190,7 +190,7 @@ fn arc(radius: f64) -> Vec<DVec2> {
         return vec![DVec2::ZERO];
     }
     // 1 - cos(t) <= t^2 / 2 for half a chord's angle t.
-    let chords = (FRAC_PI_2 * f64::sqrt(radius / (8.0 * Stock::CHORD_MM))).ceil().max(2.0);
+    let chords = (FRAC_PI_2 * f64::sqrt(radius / (8.0 * Border::CHORD_MM))).ceil().max(2.0);
     let at = |k: usize| {
         let angle = FRAC_PI_2 * k as f64 / chords;
         radius * DVec2::new(cos(angle), sin(angle))
@@ -240,12 +240,12 @@ mod tests {
             for (a, b) in corners.iter().zip(next) {
                 assert!(contour.inset(*a).abs() < 1e-14 && a != b, "{contour:?} {a}");
                 let cut = contour.inset(0.5 * (*a + *b));
-                assert!((-1e-14..=Stock::CHORD_MM).contains(&cut), "{contour:?}: {cut}");
+                assert!((-1e-14..=Border::CHORD_MM).contains(&cut), "{contour:?}: {cut}");
                 assert!(a.perp_dot(*b) > 0.0);
             }
             let lost = contour.area() - area(&corners);
             let rounded = contour.area() < 100.0 || corners.len() > 4;
-            assert!((-1e-12..60.0 * Stock::CHORD_MM).contains(&lost), "{contour:?}: {lost}");
+            assert!((-1e-12..60.0 * Border::CHORD_MM).contains(&lost), "{contour:?}: {lost}");
             assert_eq!(lost > 1e-6, rounded, "{contour:?}: {lost}");
         }
         let Contour::Rect { .. } = contours()[4] else { panic!() };
@@ -258,8 +258,8 @@ mod tests {
         for radius in [0.05, 0.5, 3.0, 40.0, 1e5] {
             let corners = circle(radius);
             let cut = radius - (0.5 * (corners[0] + corners[1])).length();
-            assert!(cut <= Stock::CHORD_MM, "{radius}: {cut}");
-            assert!(cut > 0.5 * Stock::CHORD_MM || corners.len() < 40, "{radius}: {cut}");
+            assert!(cut <= Border::CHORD_MM, "{radius}: {cut}");
+            assert!(cut > 0.5 * Border::CHORD_MM || corners.len() < 40, "{radius}: {cut}");
             assert_eq!(corners[corners.len() / 2], DVec2::new(-radius, 0.0));
         }
     }
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn volumes_and_distances_are_those_of_a_plate() {
         let drilled = |x, y, diameter_mm| Drilled { at: DVec2::new(x, y), diameter_mm };
-        let stock = Stock {
+        let stock = Border {
             contour: Contour::Rect { half: DVec2::new(20.0, 10.0), corner_mm: 3.0 },
             top_mm: 4.0,
             holes: vec![drilled(16.0, 0.0, 4.0)],
@@ -277,7 +277,7 @@ mod tests {
         };
         let exact = 4.0 * (800.0 - 9.0 * (4.0 - PI) - 200.0 - 4.0 * PI) - PI / 3.0 - 6.0 * PI;
         assert!((stock.volume(200.0) - exact).abs() < 1e-11);
-        assert!(stock.chords_mm3() > 0.0 && stock.chords_mm3() < 4.0 * 32.0 * Stock::CHORD_MM);
+        assert!(stock.chords_mm3() > 0.0 && stock.chords_mm3() < 4.0 * 32.0 * Border::CHORD_MM);
         for (x, y, z, beside, off) in [
             // On the flat top, the base, the side, a hole's wall, a mark's tip and flank.
             (0.0, 8.0, 4.0, 3.0, 0.0),

@@ -1,32 +1,32 @@
 //! A mirror near one of its points: all that first derivatives of reflected rays depend on.
 
-use super::{Curvature, Point};
+use super::{HeightAndSlope, Hessian};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{Dual, Scalar};
 
 /// A point of a mirror with the first and second derivatives of Z over X and Y there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quadric {
+pub struct LocalSurface {
     /// The point, mm.
     pub at: DVec3,
     /// (Z_X, Z_Y).
     pub slope: DVec2,
     /// Z_XX, Z_XY and Z_YY, 1/mm.
-    pub bend: Curvature,
+    pub hessian: Hessian,
 }
 
-impl Quadric {
+impl LocalSurface {
     /// From the height over image point `q` of `chart` and its derivatives there.
     #[must_use]
-    pub fn new(chart: &Chart, q: DVec2, point: &Point, curvature: &Curvature) -> Self {
-        let Curvature { xx, xy, yy } = *curvature;
+    pub fn new(chart: &Chart, q: DVec2, point: &HeightAndSlope, curvature: &Hessian) -> Self {
+        let Hessian { xx, xy, yy } = *curvature;
         let q = [Dual::<2>::variable(q.x, 0), Dual::variable(q.y, 1)];
         let f = Dual { value: point.f, slope: point.slope.to_array() };
         let s = [
             Dual { value: point.slope.x, slope: [xx, xy] },
             Dual { value: point.slope.y, slope: [xy, yy] },
         ];
-        let [x, y, z] = chart.place(q, f);
+        let [x, y, z] = chart.position(q, f);
         let p = chart.slope(q, s);
         // Derivatives along X and Y from those along q.
         let size = x.slope[0] * y.slope[1] - x.slope[1] * y.slope[0];
@@ -38,18 +38,18 @@ impl Quadric {
         Self {
             at: DVec3::new(x.value, y.value, z.value),
             slope: DVec2::new(p[0].value, p[1].value),
-            bend: Curvature { xx, xy: 0.5 * (xy + yx), yy },
+            hessian: Hessian { xx, xy: 0.5 * (xy + yx), yy },
         }
     }
 
     /// The reflection in the plane Y = 0.
     #[must_use]
     pub fn reflected(self) -> Self {
-        let Curvature { xx, xy, yy } = self.bend;
+        let Hessian { xx, xy, yy } = self.hessian;
         Self {
             at: self.at * DVec3::new(1.0, -1.0, 1.0),
             slope: self.slope * DVec2::new(1.0, -1.0),
-            bend: Curvature { xx, xy: -xy, yy },
+            hessian: Hessian { xx, xy: -xy, yy },
         }
     }
 
@@ -58,7 +58,7 @@ impl Quadric {
     /// at height `top_mm` and moves by `tangent` for every mm that it falls.
     #[inline]
     pub fn meet<S: Scalar>(&self, from: [S; 2], top_mm: f64, tangent: [S; 2]) -> ([S; 3], [S; 2]) {
-        let Self { at, slope, bend } = *self;
+        let Self { at, slope, hessian: bend } = *self;
         let fall = top_mm - at.z;
         let beside = [0, 1].map(|k| from[k] + tangent[k] * fall - at[k]);
         let rise = (beside[0] * slope.x + beside[1] * slope.y)
@@ -73,7 +73,7 @@ impl Quadric {
 mod tests {
     use super::*;
     use crate::geom::{Outline, Rect};
-    use crate::mirror::{Mirror, Sheet, Surface};
+    use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
 
     /// A bumpy folded mirror over [-20, 20] x [0, 30].
@@ -83,11 +83,11 @@ mod tests {
         let (centre, half) = (DVec2::new(0.0, 15.0), DVec2::new(20.0, 15.0));
         let series = Series::from_fn(5, 4, wave);
         Mirror {
-            surface: Surface::Tensor(Sheet { series, centre, half, scale_mm: 3.0 }),
+            surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 3.0 }),
             chart: Chart { vergence, plane_mm: 8.0 },
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: true,
-            even: [false; 2],
+            mirror_symmetric: [false; 2],
         }
     }
 
@@ -96,10 +96,10 @@ mod tests {
         let mut q = at;
         for _ in 0..60 {
             let point = mirror.row(q.y).at(q.x);
-            q += at - mirror.place(q, &point).truncate();
+            q += at - mirror.position(q, &point).truncate();
         }
         let point = mirror.row(q.y).at(q.x);
-        (mirror.place(q, &point).z, mirror.slope(q, &point))
+        (mirror.position(q, &point).z, mirror.slope(q, &point))
     }
 
     #[test]
@@ -108,7 +108,7 @@ mod tests {
         for vergence in [0.0, 0.012] {
             let mirror = mirror(vergence);
             for q in [DVec2::new(7.0, 11.0), DVec2::new(-13.0, -22.0), DVec2::new(1.0, 3.0)] {
-                let quadric = mirror.quadric(q);
+                let quadric = mirror.local_surface(q);
                 let at = quadric.at.truncate();
                 let (z, slope) = over(&mirror, at);
                 assert!((quadric.at.z - z).abs() < 1e-11);
@@ -117,10 +117,10 @@ mod tests {
                     (over(&mirror, at + way * h).1 - over(&mirror, at - way * h).1) / (2.0 * h)
                 };
                 let (x, y) = (change(DVec2::X), change(DVec2::Y));
-                let off = [quadric.bend.xx - x.x, quadric.bend.xy - x.y];
-                let more = [quadric.bend.xy - y.x, quadric.bend.yy - y.y];
+                let off = [quadric.hessian.xx - x.x, quadric.hessian.xy - x.y];
+                let more = [quadric.hessian.xy - y.x, quadric.hessian.yy - y.y];
                 let worst = off.iter().chain(&more).fold(0.0, |m: f64, e| m.max(e.abs()));
-                assert!(worst < 1e-8, "{vergence} {q}: {worst:e} of {:?}", quadric.bend);
+                assert!(worst < 1e-8, "{vergence} {q}: {worst:e} of {:?}", quadric.hessian);
             }
         }
     }
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn rays_meet_it_as_they_meet_the_mirror_up_to_second_order() {
         let mirror = mirror(0.012);
-        let quadric = mirror.quadric(DVec2::new(7.0, 11.0));
+        let quadric = mirror.local_surface(DVec2::new(7.0, 11.0));
         let (top, tangent) = (70.0, DVec2::new(0.1, 0.2));
         let from = quadric.at.truncate() - tangent * (top - quadric.at.z);
         let off = |size: f64| {
