@@ -2,9 +2,9 @@
 //!
 //! usage: cargo bench --bench files [-- TRIANGLES]
 
-use morion::export::{Label, read_3mf, read_stl, write_3mf, write_stl};
-use morion::geom::{DVec3, Precision, TriMesh};
-use morion::solid::Solid;
+use morion::internals::export::{Label, read_3mf, read_stl, write_3mf, write_stl};
+use morion::internals::geom::{DVec3, Precision, TriMesh};
+use morion::internals::solid::Solid;
 use std::error::Error;
 use std::fs::File;
 use std::io::{BufWriter, Write};

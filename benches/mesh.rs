@@ -5,10 +5,10 @@
 #[path = "../tests/it/support/surfaces.rs"]
 mod surfaces;
 
-use morion::geom::{Outline, Precision};
-use morion::mesh::Face;
-use morion::mirror::{Mirror, Surface};
-use morion::num::log;
+use morion::internals::geom::{Outline, Precision};
+use morion::internals::mesh::Face;
+use morion::internals::mirror::{Mirror, Surface};
+use morion::internals::num::log;
 use serde_json::{Value, json};
 use std::error::Error;
 use std::fs::{self, File};

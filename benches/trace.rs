@@ -3,13 +3,13 @@
 //! A pair is a camera ray with the shadow test of its reflected ray: rays given; outcome, facet and
 //! direction out.
 
-use morion::design::{Design, design};
-use morion::export::{Label, read_stl, write_stl};
-use morion::geom::{DVec3, Precision, Ray, TriMesh};
-use morion::mesh::{Limits, mesh};
-use morion::pipeline::load;
-use morion::solid::Solid;
-use morion::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
+use morion::internals::design::{Design, design};
+use morion::internals::export::{Label, read_stl, write_stl};
+use morion::internals::geom::{DVec3, Precision, Ray, TriMesh};
+use morion::internals::mesh::{Limits, mesh};
+use morion::internals::pipeline::load;
+use morion::internals::solid::Solid;
+use morion::internals::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
 use std::error::Error;
 use std::fs::{self, File};
 use std::hint::black_box;

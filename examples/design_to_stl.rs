@@ -2,12 +2,12 @@
 //!
 //! `cargo run --release --example design_to_stl`
 
-use morion::design::design;
-use morion::export::{Label, write_stl};
-use morion::geom::Precision;
-use morion::mesh::{Limits, mesh};
-use morion::profile::Profile;
-use morion::solid::Solid;
+use morion::internals::design::design;
+use morion::internals::export::{Label, write_stl};
+use morion::internals::geom::Precision;
+use morion::internals::mesh::{Limits, mesh};
+use morion::internals::profile::Profile;
+use morion::internals::solid::Solid;
 
 /// A telecentric camera over a strip 60 mm wide; a law that a mirror can meet exactly.
 const PROFILE: &str = r#"

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example pictures -- panoramic out`
 
-use morion::pipeline::{Silent, Wanted, load, render};
+use morion::internals::pipeline::{Silent, Wanted, load, render};
 use std::path::PathBuf;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

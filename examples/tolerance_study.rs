@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --example tolerance_study -- conquistador`
 
-use morion::pipeline::{Silent, Trials, tolerance};
-use morion::profile::shipped;
-use morion::tolerance::SourceFacts;
+use morion::internals::pipeline::{Silent, Trials, tolerance};
+use morion::internals::profile::shipped;
+use morion::internals::tolerance::SourceFacts;
 
 const PROCESSES: [&str; 6] =
     ["spdt", "polished", "ultra-precision-cnc", "precision-cnc", "standard-cnc", "sla-print"];

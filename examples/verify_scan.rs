@@ -4,8 +4,8 @@
 //!
 //! Without a file the part is made first, turned and shifted as a scanner might see it.
 
-use morion::export::read_stl;
-use morion::pipeline::{Inspection, Silent, build, inspect, load};
+use morion::internals::export::read_stl;
+use morion::internals::pipeline::{Inspection, Silent, build, inspect, load};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

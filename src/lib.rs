@@ -3,29 +3,29 @@
 //!
 //! # Words
 //!
-//! - **profile**: the TOML file that says what is wanted ([`profile`]).
-//! - **camera**: which ray each image point sends out; orthographic or pinhole ([`optics::Camera`]).
+//! - **profile**: the TOML file that says what is wanted (`profile`).
+//! - **camera**: which ray each image point sends out; orthographic or pinhole (`optics::Camera`).
 //! - **projection**: which world direction, or point of a target surface, an image point must see
-//!   ([`optics::Projection`]; with the target, [`optics::ImagingTask`]).
-//! - **law**: how an image row or radius maps to elevation ([`optics::Law`], [`optics::RadialLaw`]).
-//! - **chart**: image coordinates and a height along the camera's rays ([`geom::Chart`]).
+//!   (`optics::Projection`; with the target, `optics::ImagingTask`).
+//! - **law**: how an image row or radius maps to elevation (`optics::Law`, `optics::RadialLaw`).
+//! - **chart**: image coordinates and a height along the camera's rays (`geom::Chart`).
 //! - **panel**: one smooth mirror sheet over one image region; a conquistador has two, the second
 //!   being the reflection of the first.
-//! - **mirror**: the designed panels ([`mirror::Mirror`]).
-//! - **optical face**: the facets that reflect ([`mesh::Face`]).
-//! - **solid**: optical face, skirt and base, closed ([`solid::Solid`]).
-//! - **stock**: a flat rim around the mirror, with holes and marks ([`geom::Border`]).
-//! - **scallop**: what a cutter leaves between two lines of its raster ([`machining`]).
+//! - **mirror**: the designed panels (`mirror::Mirror`).
+//! - **optical face**: the facets that reflect (`mesh::Face`).
+//! - **solid**: optical face, skirt and base, closed (`solid::Solid`).
+//! - **stock**: a flat rim around the mirror, with holes and marks (`geom::Border`).
+//! - **scallop**: what a cutter leaves between two lines of its raster (`machining`).
 //! - **as cut**: as the cutter leaves it, before polishing.
 //! - **ray error**: angle between the direction seen and the direction wanted.
 //! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
 //! - **facet error**: the part of it that flat facets cause.
-//! - **error source**: what can be off in a made system ([`tolerance::Kind`]); **limit**: by how
+//! - **error source**: what can be off in a made system (`tolerance::Kind`); **limit**: by how
 //!   much; **compensator**: what is adjusted in return.
-//! - **witness**: the ray trace of the file that was written ([`trace::Witness`]).
+//! - **witness**: the ray trace of the file that was written (`trace::Witness`).
 //! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to
-//!   ([`unwrap::Panorama`], [`unwrap::Map`]).
-//! - **pencil**: the bundle of camera rays that makes one pixel, after the mirror ([`pencil`]).
+//!   (`unwrap::Panorama`, `unwrap::Map`).
+//! - **pencil**: the bundle of camera rays that makes one pixel, after the mirror (`pencil`).
 //! - **crest / valley**: a ridge where two panels meet, standing out of / sunk into the part.
 //!
 //! # Frames and units
@@ -47,8 +47,8 @@
 //!                unwrap <- [photo]
 //! ```
 //!
-//! Which module may use which; everything below [`profile`] may use [`num`] and `parallel`, the one
-//! door to threads, and from [`optics`] on [`geom`] too:
+//! Which module may use which; everything below `profile` may use `num` and `parallel`, the one
+//! door to threads, and from `optics` on `geom` too:
 //!
 //! ```text
 //! parallel
@@ -72,35 +72,40 @@
 //! cli                pipeline, profile, report
 //! ```
 //!
-//! [`trace`], the witness, uses nothing of the design: it gets a table of intended rays.
+//! `trace`, the witness, uses nothing of the design: it gets a table of intended rays.
 //!
 //! # What is not promised
 //!
 //! Bounds and checks are about the file's triangles and the designed surface. Nothing is said
-//! about what a machine makes of the file, but for the geometry of an ideal ball ([`machining`]).
+//! about what a machine makes of the file, but for the geometry of an ideal ball (`machining`).
 
-pub mod align;
+mod align;
 #[cfg(feature = "cli")]
-pub mod cli;
-pub mod design;
-pub mod export;
-pub mod geom;
-pub mod machining;
-pub mod mesh;
-pub mod mirror;
-pub mod num;
-pub mod optics;
+mod cli;
+mod design;
+mod export;
+mod geom;
+#[doc(hidden)]
+pub mod internals;
+mod machining;
+mod mesh;
+mod mirror;
+mod num;
+mod optics;
 mod parallel;
-pub mod pencil;
-pub mod pipeline;
-pub mod profile;
-pub mod raster;
-pub mod render;
-pub mod report;
-pub mod solid;
-pub mod tolerance;
-pub mod trace;
-pub mod unwrap;
+mod pencil;
+mod pipeline;
+mod profile;
+mod raster;
+mod render;
+mod report;
+mod solid;
+mod tolerance;
+mod trace;
+mod unwrap;
+
+pub use pipeline::{Silent, build, load};
+pub use report::text;
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

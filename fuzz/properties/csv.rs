@@ -1,9 +1,9 @@
 //! Tables: heights on a grid (a given mirror, or a measured form error) and the sag table.
 
-use morion::design::design;
-use morion::export::read_sag;
-use morion::pipeline::{Silent, Source, foresee};
-use morion::profile::{Profile, SagAxis, SagGrid};
+use morion::internals::design::design;
+use morion::internals::export::read_sag;
+use morion::internals::pipeline::{Silent, Source, foresee};
+use morion::internals::profile::{Profile, SagAxis, SagGrid};
 use std::sync::LazyLock;
 
 /// A mirror of the grid's heights, of which it uses the middle.
@@ -20,7 +20,7 @@ export.formats = [\"stl\"]
 
 pub fn holds(bytes: &[u8]) {
     if let Ok(rows) = read_sag(bytes) {
-        let line = |row: &morion::export::SagRow| {
+        let line = |row: &morion::internals::export::SagRow| {
             let ([x, y, z], [a, b, c]) = (row.at.to_array(), row.normal.to_array());
             format!("{x},{y},{z},{a},{b},{c}\n")
         };

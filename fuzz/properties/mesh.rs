@@ -1,13 +1,13 @@
 //! What a mesh of any making has to stand: being checked, traced and aligned, as `verify` does it.
 
-use morion::align::align;
-use morion::design::{Design, design};
-use morion::export::Reread;
-use morion::geom::{DVec2, DVec3, Welder};
-use morion::pipeline::{Silent, Source, verify};
-use morion::profile::Profile;
-use morion::solid::check;
-use morion::trace::{Intent, Outcome, Scene, Sweep, Witness};
+use morion::internals::align::align;
+use morion::internals::design::{Design, design};
+use morion::internals::export::Reread;
+use morion::internals::geom::{DVec2, DVec3, Welder};
+use morion::internals::pipeline::{Silent, Source, verify};
+use morion::internals::profile::Profile;
+use morion::internals::solid::check;
+use morion::internals::trace::{Intent, Outcome, Scene, Sweep, Witness};
 use std::sync::LazyLock;
 use tempfile::tempdir;
 

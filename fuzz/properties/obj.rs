@@ -1,8 +1,8 @@
 //! OBJ text.
 
 use super::mesh;
-use morion::export::read_obj;
-use morion::geom::TriMesh;
+use morion::internals::export::read_obj;
+use morion::internals::geom::TriMesh;
 
 /// `lot` 0 asks for all that can be asked, other ones for less.
 pub fn holds(bytes: &[u8], lot: u8) {

@@ -1,6 +1,6 @@
 //! Profile text: what is read stays the same under a comment, what is refused is placed.
 
-use morion::profile::Profile;
+use morion::internals::profile::Profile;
 
 const FILE: &str = "fuzzed.toml";
 

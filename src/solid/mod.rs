@@ -11,7 +11,7 @@ use crate::geom::{Border, DVec2, DVec3, Precision, TriMesh};
 use thiserror::Error;
 
 /// A closed, oriented 2-manifold of one piece with positive volume, whose facets all have an area.
-/// There is no way to make one that does not pass [`check`].
+/// There is no way to make one that does not pass `check`.
 #[derive(Debug, Clone)]
 pub struct Solid {
     mesh: TriMesh,

@@ -3,9 +3,9 @@
 use crate::random_profiles::wanted::{self, Wanted};
 use crate::support::random::each;
 use crate::support::times;
-use morion::design::{Cause, DesignError, Goal, Trouble, design};
-use morion::num::{radians, tan};
-use morion::profile::{Profile, SagGrid};
+use morion::internals::design::{Cause, DesignError, Goal, Trouble, design};
+use morion::internals::num::{radians, tan};
+use morion::internals::profile::{Profile, SagGrid};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 

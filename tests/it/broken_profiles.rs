@@ -1,7 +1,7 @@
 //! Broken profiles: each is refused with exactly the complaints that are written down beside it.
 
 use crate::support::builds::{folder, morion};
-use morion::profile::Profile;
+use morion::internals::profile::Profile;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -3,13 +3,13 @@
 use crate::support;
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::{share, small_but, times};
-use morion::design::Design;
-use morion::geom::Precision;
-use morion::mesh::{Budget, Closing, Face, Forecast, Limits, MeshError, mesh};
-use morion::num::exp;
-use morion::pipeline::{Silent, build};
-use morion::profile::shipped;
-use morion::solid::{Solid, added, rim};
+use morion::internals::design::Design;
+use morion::internals::geom::Precision;
+use morion::internals::mesh::{Budget, Closing, Face, Forecast, Limits, MeshError, mesh};
+use morion::internals::num::exp;
+use morion::internals::pipeline::{Silent, build};
+use morion::internals::profile::shipped;
+use morion::internals::solid::{Solid, added, rim};
 use rayon::prelude::*;
 use serde_json::Value;
 

@@ -4,10 +4,10 @@ use crate::support::oracle::{
     self, Errors, Strip, Trace, Wish, World, eye, integral, order, pinhole, rad, trace,
 };
 use crate::support::{designed, panel, rims, shipped_builds, shipped_but};
-use morion::export::{read_3mf, read_stl};
-use morion::geom::{DVec2, DVec3, Rect};
-use morion::num::quadrature::gauss_legendre;
-use morion::num::{cos, exp, log, sin, tan};
+use morion::internals::export::{read_3mf, read_stl};
+use morion::internals::geom::{DVec2, DVec3, Rect};
+use morion::internals::num::quadrature::gauss_legendre;
+use morion::internals::num::{cos, exp, log, sin, tan};
 use std::f64::consts::PI;
 
 const FAR: f64 = f64::INFINITY;
@@ -112,7 +112,8 @@ fn check_round(name: &str, distance: f64, inner_mm: f64, psi_deg: [f64; 2], worl
         if eye.is_some() { log(1.0 - z / distance) } else { z }
     };
     let mean = 2.0 * integral(inner, outer, |r| r * depth(r)) / (outer * outer - inner * inner);
-    let mean = if eye.is_some() { distance * (1.0 - morion::num::exp(mean)) } else { mean };
+    let mean =
+        if eye.is_some() { distance * (1.0 - morion::internals::num::exp(mean)) } else { mean };
     let origin = design.view.as_ref().unwrap().origin_mm;
     assert!((origin - design.mirror.chart.plane_mm - mean).abs() < 1e-9, "{name} {origin}");
     let [psi0, psi1] = psi_deg.map(rad);
@@ -123,19 +124,20 @@ fn check_round(name: &str, distance: f64, inner_mm: f64, psi_deg: [f64; 2], worl
         let t2 = (r * r - inner * inner) / (outer * outer - inner * inner);
         let psi = match name {
             "equiangular" if eye.is_some() => {
-                let [t0, t1, t] = [inner, outer, r].map(|r| morion::num::atan(r / distance));
+                let [t0, t1, t] =
+                    [inner, outer, r].map(|r| morion::internals::num::atan(r / distance));
                 psi0 + (psi1 - psi0) * (t - t0) / (t1 - t0)
             }
             "equiangular" | "tangent-proportional" => psi0 + (psi1 - psi0) * t,
             "area-proportional" => psi0 + (psi1 - psi0) * t2,
             "equi-areal" => oracle::acos(cos(psi0) + (cos(psi1) - cos(psi0)) * t2),
-            "plane" => morion::num::atan(tan(psi1) * r / outer),
+            "plane" => morion::internals::num::atan(tan(psi1) * r / outer),
             "cylinder" => {
                 let cot = 1.0 / tan(psi0) + (1.0 / tan(psi1) - 1.0 / tan(psi0)) * t;
-                0.5 * PI - morion::num::atan(cot)
+                0.5 * PI - morion::internals::num::atan(cot)
             }
             "conical" => {
-                let [t1, t] = [outer, r].map(|r| morion::num::atan(r / distance));
+                let [t1, t] = [outer, r].map(|r| morion::internals::num::atan(r / distance));
                 psi1 - t1 + t
             }
             _ => panic!("{name}"),
@@ -274,7 +276,7 @@ fn a_far_target_is_at_infinity() {
 }
 
 /// Means over the picture of the panel: of Z, and the geometric one of depths below `eye_mm`.
-fn means(design: &morion::design::Design, eye_mm: f64) -> [f64; 2] {
+fn means(design: &morion::internals::design::Design, eye_mm: f64) -> [f64; 2] {
     let mirror = &design.mirror;
     let area = mirror.outline.bounds();
     let (nodes, weights) = gauss_legendre(40);
@@ -361,7 +363,7 @@ fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
 
 #[test]
 fn the_part_is_as_large_and_the_camera_where_the_report_says() {
-    for shipped in morion::profile::shipped() {
+    for shipped in morion::internals::profile::shipped() {
         let report = shipped_builds::report(shipped.name);
         let layout = report.layout.expect("in every report of a build");
         let folder = shipped_builds::folder().join(shipped.name);

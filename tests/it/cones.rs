@@ -4,10 +4,10 @@
 use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::{limits, meshed, times, with_limits};
-use morion::design::design;
-use morion::mesh::{MeshError, forecast};
-use morion::num::{exp, radians, tan};
-use morion::profile::Profile;
+use morion::internals::design::design;
+use morion::internals::mesh::{MeshError, forecast};
+use morion::internals::num::{exp, radians, tan};
+use morion::internals::profile::Profile;
 use rayon::prelude::*;
 
 /// Share by which a forecast may be off.

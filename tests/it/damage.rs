@@ -2,11 +2,11 @@
 
 use crate::support::builds::{SMALL, command, files, folder, morion, parsed, save, told};
 use crate::support::small_but;
-use morion::export::{Reread, read_obj, read_stl};
-use morion::geom::DVec3;
-use morion::pipeline::{Observer, Silent, build, verify};
-use morion::profile::Profile;
-use morion::report::{Reason, Report, Verdict};
+use morion::internals::export::{Reread, read_obj, read_stl};
+use morion::internals::geom::DVec3;
+use morion::internals::pipeline::{Observer, Silent, build, verify};
+use morion::internals::profile::Profile;
+use morion::internals::report::{Reason, Report, Verdict};
 use std::path::Path;
 
 const STL: &str = "formats = [\"stl\"]";

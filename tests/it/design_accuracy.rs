@@ -2,9 +2,11 @@
 
 use crate::support::oracle::{self, Wish, gauss_grid, shrink};
 use crate::support::{builds::parsed, panel, shipped_text};
-use morion::design::Design;
-use morion::geom::{DVec2, Rect};
-use morion::num::{asin, cos, cosh, degrees, exp, hypot, quadrature::gauss_legendre, sinh};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, Rect};
+use morion::internals::num::{
+    asin, cos, cosh, degrees, exp, hypot, quadrature::gauss_legendre, sinh,
+};
 use std::f64::consts::PI;
 
 fn strip(law: &str, degree: usize) -> Design {
@@ -153,7 +155,7 @@ fn fill_frame_gives_the_filled_elevation_range() {
         );
         assert!(min.y == 0.0 && (max - min - DVec2::new(60.0, 22.5)).length() < 1e-5);
         let view = design.view.unwrap();
-        let top = view.direction_of(DVec2::new(0.0, max.y), morion::geom::DVec3::ZERO);
+        let top = view.direction_of(DVec2::new(0.0, max.y), morion::internals::geom::DVec3::ZERO);
         let elevation = degrees(asin(top.z));
         assert!((elevation - expected).abs() < 0.05, "{law} {elevation}");
         // Exactly 3 pi / 16 of the law's coordinate (docs/theory.md, T37).
@@ -201,7 +203,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
     let text =
         Wish { width_mm: 1e6, ..Wish::strip("cylindrical", [-90.0, 200.0], [-30.0, 30.0], 12) };
     let text = text.text().replace("base_mm = 62500.0", "base_mm = 0.001");
-    let mirror = morion::design::design(&parsed(&text), None).unwrap().mirror;
+    let mirror = morion::internals::design::design(&parsed(&text), None).unwrap().mirror;
     let row = mirror.row(mirror.outline.bounds().min.y);
     let near_180 = |x: f64| mirror.position(DVec2::ZERO, &row.at(x)).z;
     // Least near azimuth 180, which no even division of the range meets.
@@ -212,7 +214,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
 #[test]
 fn the_base_is_as_thick_as_asked_under_every_kind_of_mirror() {
     for name in ["panoramic", "conquistador", "conformal", "hyperbolic", "cylinder", "conical"] {
-        let design = morion::design::design(&parsed(shipped_text(name)), None).unwrap();
+        let design = morion::internals::design::design(&parsed(shipped_text(name)), None).unwrap();
         let area = design.mirror.outline.bounds();
         let mut least = f64::INFINITY;
         for k in 0..401 * 401 {

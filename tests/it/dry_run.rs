@@ -2,8 +2,8 @@
 
 use crate::support::builds::{self, SMALL, edited, folder, morion, save, told};
 use crate::support::{self, share, small_but, times};
-use morion::pipeline::{Silent, build, foresee};
-use morion::profile::{Format, MeshLimits, Profile, shipped};
+use morion::internals::pipeline::{Silent, build, foresee};
+use morion::internals::profile::{Format, MeshLimits, Profile, shipped};
 use rayon::prelude::*;
 use serde_json::Value;
 

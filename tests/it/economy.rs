@@ -1,8 +1,8 @@
 //! How many triangles a tolerance costs, over the fewest that could do.
 
 use crate::support::surfaces::{ENOUGH, FORMULAS, Formula, HALF_MM, cases};
-use morion::geom::{DVec2, Precision};
-use morion::mesh::{Limits, mesh};
+use morion::internals::geom::{DVec2, Precision};
+use morion::internals::mesh::{Limits, mesh};
 
 /// The sheets are their formulas, so that the peers of the benchmark mesh the same surfaces.
 #[test]

@@ -3,9 +3,9 @@
 
 use crate::support::builds::parsed;
 use crate::support::{designed, meshed, share, shipped, times, with_limits};
-use morion::mesh::{MeshError, forecast};
-use morion::num::{radians, tan};
-use morion::profile::Profile;
+use morion::internals::mesh::{MeshError, forecast};
+use morion::internals::num::{radians, tan};
+use morion::internals::profile::Profile;
 
 /// Widest step between neighbouring limits.
 const STEP: f64 = 1.02;

@@ -41,7 +41,7 @@ fn profiles_of_the_fuzzer_are_read_or_refused_at_a_place() {
 
 #[test]
 fn the_shipped_profiles_are_seeds_of_the_fuzzer_too() {
-    for shipped in morion::profile::shipped() {
+    for shipped in morion::internals::profile::shipped() {
         profile::holds(shipped.text.as_bytes());
     }
 }

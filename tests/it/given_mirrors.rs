@@ -3,13 +3,13 @@
 
 use crate::support::builds::{self, edited, files, folder, lasting, morion, save, told};
 use crate::support::unlimited;
-use morion::design::{Design, design};
-use morion::export::{read_obj, read_stl};
-use morion::geom::{DVec2, DVec3};
-use morion::num::stats::Summary;
-use morion::num::{hypot, radians, sin, tan};
-use morion::pipeline::{Silent, Source, build, load, verify};
-use morion::report::{Report, Verdict};
+use morion::internals::design::{Design, design};
+use morion::internals::export::{read_obj, read_stl};
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::stats::Summary;
+use morion::internals::num::{hypot, radians, sin, tan};
+use morion::internals::pipeline::{Silent, Source, build, load, verify};
+use morion::internals::report::{Report, Verdict};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::{fmt::Write, path::PathBuf};

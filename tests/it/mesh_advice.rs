@@ -4,8 +4,8 @@ use crate::random_profiles::wanted::{self, Wanted};
 use crate::support::builds::folder;
 use crate::support::random::each;
 use crate::support::times;
-use morion::pipeline::{Silent, Source, build, foresee};
-use morion::profile::Profile;
+use morion::internals::pipeline::{Silent, Source, build, foresee};
+use morion::internals::profile::Profile;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 

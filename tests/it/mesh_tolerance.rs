@@ -4,11 +4,11 @@
 //! The true errors are sampled here from the mirror itself, with nothing of the proof.
 
 use crate::support::{designed, limits, meshed, profile, sag, share, shipped, with_limits};
-use morion::design::Design;
-use morion::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
-use morion::mesh::{Bound, Face, Limits, Prover};
-use morion::profile::Profile;
-use morion::solid::Solid;
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
+use morion::internals::mesh::{Bound, Face, Limits, Prover};
+use morion::internals::profile::Profile;
+use morion::internals::solid::Solid;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 

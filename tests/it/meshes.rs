@@ -3,7 +3,7 @@
 
 use crate::support::random::{Case, Kind, QUICK, SLOW, case, each};
 use crate::support::times;
-use morion::mesh::MeshError;
+use morion::internals::mesh::MeshError;
 use std::collections::BTreeMap;
 
 /// How a case went.

@@ -2,10 +2,10 @@
 
 use crate::support::oracle::{self, Strip, Trace, Wish, World, gauss_grid, trace};
 use crate::support::{builds::parsed, panel, rims, shipped_text};
-use morion::design::{Design, design};
-use morion::geom::{DVec2, DVec3};
-use morion::mirror::Surface;
-use morion::num::legendre::Series;
+use morion::internals::design::{Design, design};
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::mirror::Surface;
+use morion::internals::num::legendre::Series;
 
 const FAR: f64 = f64::INFINITY;
 

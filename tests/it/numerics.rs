@@ -2,10 +2,10 @@
 
 use crate::support::oracle::{self, Strip, Wish, World, gauss_grid, pinhole, shrink};
 use crate::support::{builds::parsed, share, shipped_text, times};
-use morion::design::Design;
-use morion::geom::{DVec2, Rect};
-use morion::mirror::Surface;
-use morion::num::{hypot, sin};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, Rect};
+use morion::internals::mirror::Surface;
+use morion::internals::num::{hypot, sin};
 use std::f64::consts::PI;
 
 const FAR: f64 = f64::INFINITY;
@@ -303,7 +303,7 @@ fn more_degrees_never_leave_more_of_round_mirrors() {
         let mut last = f64::INFINITY;
         for degree in [1, 2, 3, 5, 8, 12, 20, 30, 40] {
             let text = format!("{}degree = {degree} #{}", &text[..at], &text[at + 9..]);
-            let facts = match morion::design::design(&parsed(&text), None) {
+            let facts = match morion::internals::design::design(&parsed(&text), None) {
                 Ok(design) => design.facts,
                 Err(error) => {
                     // Coarse mirrors see what this law shows nowhere: inside of the centre.

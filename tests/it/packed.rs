@@ -3,10 +3,10 @@
 use crate::support::builds::{SMALL, folder, morion, parsed, save, told};
 use crate::support::package::TYPES;
 use crate::support::small_but;
-use morion::export::{ReadError, read_3mf, read_stl};
-use morion::geom::{DVec3, TriMesh};
-use morion::pipeline::{Observer, Silent, build, verify};
-use morion::report::Verdict;
+use morion::internals::export::{ReadError, read_3mf, read_stl};
+use morion::internals::geom::{DVec3, TriMesh};
+use morion::internals::pipeline::{Observer, Silent, build, verify};
+use morion::internals::report::Verdict;
 use std::fmt::Write as _;
 use std::io::{Cursor, Read, Write as _};
 use std::path::Path;

@@ -4,13 +4,13 @@
 use crate::support::builds::{folder, parsed};
 use crate::support::parts::{CONQUISTADOR, case, cases};
 use crate::support::{designed, meshed, share, unlimited};
-use morion::design::Design;
-use morion::export::{read_obj, read_stl};
-use morion::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
-use morion::pipeline::{Silent, Source, build, foresee};
-use morion::profile::{Format, Spot};
-use morion::report::{Reason, Report, Verdict};
-use morion::solid::{Solid, added, rim};
+use morion::internals::design::Design;
+use morion::internals::export::{read_obj, read_stl};
+use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
+use morion::internals::pipeline::{Silent, Source, build, foresee};
+use morion::internals::profile::{Format, Spot};
+use morion::internals::report::{Reason, Report, Verdict};
+use morion::internals::solid::{Solid, added, rim};
 use std::f64::consts::PI;
 
 fn stock(design: &Design) -> &Border {
@@ -19,7 +19,7 @@ fn stock(design: &Design) -> &Border {
 
 /// The area of a polygon of n corners on a circle.
 fn polygon_area(radius: f64, n: usize) -> f64 {
-    0.5 * n as f64 * radius * radius * morion::num::sin(2.0 * PI / n as f64)
+    0.5 * n as f64 * radius * radius * morion::internals::num::sin(2.0 * PI / n as f64)
 }
 
 /// The volume of cylinders and cones that take up such areas.
@@ -201,7 +201,7 @@ fn a_vertex_off_the_stock_fails() {
     let verified = |text: &str| {
         let path = folder.path().join("moved.obj");
         std::fs::write(&path, text).unwrap();
-        morion::pipeline::verify(&source, &path, &Silent).unwrap()
+        morion::internals::pipeline::verify(&source, &path, &Silent).unwrap()
     };
     assert_eq!(verified(&plain).verdict, Verdict::Pass);
     // A hole's lower rim, a mark's tip, the side; each 0.1 mm off.
@@ -233,7 +233,7 @@ fn a_part_without_its_holes_is_not_the_part() {
     let (_, folder) = built(&case("strip, plain"));
     let source = Source { profile: parsed(&text), sag: None };
     let path = folder.path().join("small/mirror.stl");
-    let report = morion::pipeline::verify(&source, &path, &Silent).unwrap();
+    let report = morion::internals::pipeline::verify(&source, &path, &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     let euler = "Euler characteristic 2 instead of -6: its through holes are not 4";
     assert!(report.reasons.iter().any(|r| r.contains(euler)), "{:?}", report.reasons);

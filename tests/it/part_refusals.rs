@@ -4,11 +4,11 @@ use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::meshed;
 use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP};
-use morion::design::{DesignError, design};
-use morion::export::step::{FitError, fit};
-use morion::geom::Precision;
-use morion::profile::Profile;
-use morion::solid::Solid;
+use morion::internals::design::{DesignError, design};
+use morion::internals::export::step::{FitError, fit};
+use morion::internals::geom::Precision;
+use morion::internals::profile::Profile;
+use morion::internals::solid::Solid;
 use std::f64::consts::PI;
 
 /// What does not fit is refused at its place, or by the design where the profile cannot tell.
@@ -168,8 +168,8 @@ fn random_parts_close_or_are_refused() {
                 let across = r.octaves([0.1, most.max(0.11)]);
                 format!(
                     "[{}, {}, {across}]",
-                    far * morion::num::cos(way),
-                    far * morion::num::sin(way)
+                    far * morion::internals::num::cos(way),
+                    far * morion::internals::num::sin(way)
                 )
             };
             (0..count).map(spot).collect::<Vec<_>>().join(", ")

@@ -2,7 +2,7 @@
 
 use crate::support::least::{strip_of, with};
 use crate::support::shipped_text;
-use morion::profile::{
+use morion::internals::profile::{
     Accept, Camera, Format, Layout, Light, MeshLimits, Method, MethodKind, PanelSource, Part,
     Profile, Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target,
     Tolerance, shipped,

@@ -1,7 +1,7 @@
 //! Valid combinations of camera, projection, layout, shape and part, and the types they come to.
 
 use crate::support::least::{strip_of, with};
-use morion::profile::{
+use morion::internals::profile::{
     Camera, Conic, Layout, Method, MethodKind, Polynomial, Projection, RadialLaw, RadialProjection,
     Shape, StripLaw, StripProjection, Target, Term,
 };

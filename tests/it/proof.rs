@@ -4,9 +4,9 @@
 use crate::support::random::errors::Seen;
 use crate::support::random::{Case, Kind, QUICK, SLOW, case, each};
 use crate::support::{designed, limits, meshed, share, shipped, times};
-use morion::geom::Precision;
-use morion::mesh::{Face, Limits, mesh};
-use morion::profile::{MeshLimits, Shipped};
+use morion::internals::geom::Precision;
+use morion::internals::mesh::{Face, Limits, mesh};
+use morion::internals::profile::{MeshLimits, Shipped};
 
 /// A face's bound over the largest error of it that is found, at most.
 const LOOSE: f64 = 1.10;
@@ -33,7 +33,7 @@ fn hold(what: &str, seen: Seen, face: &Face, limits: &Limits, n: u32, climb: boo
 
 #[test]
 fn bounds_of_shipped_profiles_are_true_and_tight() {
-    for (k, Shipped { name, .. }) in morion::profile::shipped().iter().enumerate() {
+    for (k, Shipped { name, .. }) in morion::internals::profile::shipped().iter().enumerate() {
         let coarser = [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)];
         for (times_chord, times_facet) in share(3, k, coarser) {
             let mut profile = shipped(name);

@@ -1,8 +1,8 @@
 //! README against the program.
 
 use crate::support::shipped_builds;
-use morion::export::read_stl;
-use morion::report::text;
+use morion::internals::export::read_stl;
+use morion::internals::report::text;
 
 const README: &str = include_str!("../../README.md");
 

@@ -1,11 +1,11 @@
 //! Limits and sizes at the far ends: a face within its limits, or a typed refusal, and soon.
 
 use crate::support::{self, designed, limits, meshed, profile, share, shipped, with_limits};
-use morion::design::design;
-use morion::geom::Precision;
-use morion::mesh::{Face, MeshError};
-use morion::profile::Profile;
-use morion::solid::Solid;
+use morion::internals::design::design;
+use morion::internals::geom::Precision;
+use morion::internals::mesh::{Face, MeshError};
+use morion::internals::profile::Profile;
+use morion::internals::solid::Solid;
 
 /// A face, if there is one, is finite, within its limits and closes; a refusal has figures.
 fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {

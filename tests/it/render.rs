@@ -2,9 +2,9 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
 use crate::support::{designed, refused, shipped};
-use morion::geom::{DVec2, DVec3};
-use morion::num::{asinh, radians, tan};
-use morion::raster::{Raster, srgb};
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::{asinh, radians, tan};
+use morion::internals::raster::{Raster, srgb};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -199,7 +199,9 @@ fn a_panorama_is_seen_at_its_pixels_and_in_one_colour_without_edges() {
             };
             let azimuth = (q - 320.0) / 640.0 * 180.0;
             let z = (up / 640.0 - 3.0 / 16.0) * PI;
-            let elevation = morion::num::degrees(morion::num::atan(morion::num::sinh(z)));
+            let elevation = morion::internals::num::degrees(morion::internals::num::atan(
+                morion::internals::num::sinh(z),
+            ));
             let azimuth = if upper { azimuth } else { 180.0 - azimuth };
             let azimuth = if azimuth > 180.0 { azimuth - 360.0 } else { azimuth };
             let found = at(&picture, x, y).map(|light| f64::from(srgb::encode(light)));

@@ -2,11 +2,11 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::{small_but, small_strip};
-use morion::design::{Design, design};
-use morion::export::{Reread, read_obj, read_stl};
-use morion::geom::{DVec2, DVec3, TriMesh, angle};
-use morion::pipeline::{Silent, build};
-use morion::report::{Report, Verdict, html, text};
+use morion::internals::design::{Design, design};
+use morion::internals::export::{Reread, read_obj, read_stl};
+use morion::internals::geom::{DVec2, DVec3, TriMesh, angle};
+use morion::internals::pipeline::{Silent, build};
+use morion::internals::report::{Report, Verdict, html, text};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

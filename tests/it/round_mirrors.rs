@@ -2,9 +2,9 @@
 
 use crate::support::oracle::{self, Wish, acos, eye, integral, pinhole, polar, rad, trace};
 use crate::support::{builds::parsed, rims, shipped_text};
-use morion::design::{Cause, Design, DesignError, design};
-use morion::geom::{DVec2, DVec3};
-use morion::num::{atan, atan2, cos, exp, hypot, log, sin, tan};
+use morion::internals::design::{Cause, Design, DesignError, design};
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::{atan, atan2, cos, exp, hypot, log, sin, tan};
 
 const WIDTH: f64 = 60.0;
 
@@ -368,7 +368,7 @@ fn laws_hold_with_either_camera_and_either_rim() {
 #[test]
 fn what_lies_behind_the_mirror_is_refused() {
     // The rim's ray is 16.7 degrees off the axis: beyond 163.3 degrees no mirror can send it.
-    let rim = 180.0 - morion::num::degrees(atan(0.3));
+    let rim = 180.0 - morion::internals::num::degrees(atan(0.3));
     for law in ["equiangular", "tangent-proportional", "equi-areal", "hyperbolic"] {
         for (off, seen) in [(-8.0, true), (1.0, false), (8.0, false)] {
             let law = format!("[projection.{law}]\nouter_polar_deg = {:?}", rim + off);

@@ -2,11 +2,11 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, parsed, save};
 use crate::support::{shipped_text, small_but};
-use morion::geom::{DVec2, DVec3, Outline, angle};
-use morion::num::hypot;
-use morion::pipeline::{Observer, Silent, build, load};
-use morion::profile::Profile;
-use morion::report::{Report, Verdict};
+use morion::internals::geom::{DVec2, DVec3, Outline, angle};
+use morion::internals::num::hypot;
+use morion::internals::pipeline::{Observer, Silent, build, load};
+use morion::internals::profile::Profile;
+use morion::internals::report::{Report, Verdict};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -151,7 +151,7 @@ fn tables_of_both_panels_and_of_pinhole_mirrors_lie_on_their_designs() {
         };
         let profile = parsed(&text);
         let made = made(&profile);
-        let mirror = morion::design::design(&profile, None).unwrap().mirror;
+        let mirror = morion::internals::design::design(&profile, None).unwrap().mirror;
         let outline = mirror.full_outline();
         for &[x, y, z, a, b, c] in &made.rows {
             // Back along the camera's ray, which the writer goes the other way.

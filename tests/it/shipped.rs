@@ -1,8 +1,8 @@
 //! Every shipped profile builds, and passes.
 
 use crate::support::shipped_builds;
-use morion::profile::shipped;
-use morion::report::Verdict;
+use morion::internals::profile::shipped;
+use morion::internals::report::Verdict;
 
 /// What a shipped mirror's report must say, beside the verdict.
 fn passes(name: &str) {

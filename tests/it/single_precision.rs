@@ -2,7 +2,7 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
 use crate::support::small_but;
-use morion::raster::Raster;
+use morion::internals::raster::Raster;
 use serde_json::Value;
 use std::path::Path;
 

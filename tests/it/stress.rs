@@ -2,8 +2,8 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, parsed};
 use crate::support::share;
-use morion::pipeline::{Silent, Source, build};
-use morion::report::{Reason, Report};
+use morion::internals::pipeline::{Silent, Source, build};
+use morion::internals::report::{Reason, Report};
 use serde_json::Value;
 
 /// The small profile with a frame of so few pixels that its rays take no time, and limits that suit.

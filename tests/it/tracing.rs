@@ -5,11 +5,11 @@ use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::parts::case;
 use crate::support::{designed, meshed, profile, shipped};
-use morion::geom::{Chart, DVec3, Precision, Ray, TriMesh};
-use morion::optics::Camera;
-use morion::profile::{MeshLimits, Profile};
-use morion::solid::Solid;
-use morion::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
+use morion::internals::geom::{Chart, DVec3, Precision, Ray, TriMesh};
+use morion::internals::optics::Camera;
+use morion::internals::profile::{MeshLimits, Profile};
+use morion::internals::solid::Solid;
+use morion::internals::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
 use rayon::prelude::*;
 
 /// Numbers in [0, 1), the same for the same `k` (splitmix64).
@@ -54,7 +54,7 @@ fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<Glimpse>, 
 
 #[test]
 fn shortcuts_change_nothing_for_shipped_mirrors() {
-    let names: Vec<&str> = morion::profile::shipped().iter().map(|p| p.name).collect();
+    let names: Vec<&str> = morion::internals::profile::shipped().iter().map(|p| p.name).collect();
     names.par_iter().for_each(|name| {
         let mut profile = shipped(name);
         profile.mesh = MeshLimits { facet_px: Some(8.0), ..MeshLimits::default() };
@@ -177,7 +177,7 @@ fn on_grid(v: DVec3) -> DVec3 {
 /// neighbourhood on the inner side. `n` x `n` quads on each side of a cube, its corners in whole
 /// units.
 fn body(n: u32) -> TriMesh {
-    let mut welder = morion::geom::Welder::new(0);
+    let mut welder = morion::internals::geom::Welder::new(0);
     for side in 0..6u32 {
         let axis = (side / 2) as usize;
         let outwards = side % 2 == 0;

@@ -106,8 +106,12 @@ fn a_profile_changed_in_memory_is_another_one() {
     let build = |chord_um| {
         let mut profile = builds::parsed(SMALL);
         profile.mesh.chord_um = Some(chord_um);
-        let source = morion::pipeline::Source::from(profile);
-        let report = morion::pipeline::build(&source, folder.path(), &morion::pipeline::Silent);
+        let source = morion::internals::pipeline::Source::from(profile);
+        let report = morion::internals::pipeline::build(
+            &source,
+            folder.path(),
+            &morion::internals::pipeline::Silent,
+        );
         report.unwrap().mesh.unwrap().chord_um.limit
     };
     assert_eq!([20.0, 10.0, 10.0, 20.0].map(build), [20.0, 10.0, 10.0, 20.0].map(Some));

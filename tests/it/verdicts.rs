@@ -1,8 +1,8 @@
 //! Verdicts on mirrors that are sound parts and poor pictures, and the ways out that they name.
 
 use crate::support::builds::{folder, parsed};
-use morion::pipeline::{Silent, Source, build};
-use morion::report::{Reason, ReasonKind, Report, Verdict};
+use morion::internals::pipeline::{Silent, Source, build};
+use morion::internals::report::{Reason, ReasonKind, Report, Verdict};
 
 /// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
 const LAB: &str =

@@ -1,10 +1,10 @@
 //! The volume of the solid is that of the design, as far as the chord error lets it.
 
 use crate::support::{designed, meshed, panel, profile, sag, shipped};
-use morion::design::Design;
-use morion::geom::{DVec2, DVec3, Precision, TriMesh, turn};
-use morion::profile::{MeshLimits, Profile};
-use morion::solid::Solid;
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3, Precision, TriMesh, turn};
+use morion::internals::profile::{MeshLimits, Profile};
+use morion::internals::solid::Solid;
 
 /// The integral of the sag over all panels by Boole's rule, which the design does not know.
 fn quadrature(design: &Design) -> f64 {

@@ -3,16 +3,16 @@
 
 use crate::support::builds::folder;
 use crate::support::{designed, meshed, profile, shipped, unlimited};
-use morion::design::Design;
-use morion::export::{Label, read_obj, write_obj};
-use morion::geom::{DVec2, DVec3, Precision, Ray, TriMesh};
-use morion::num::stats::Summary;
-use morion::optics::reflect;
-use morion::pipeline::{Silent, build};
-use morion::profile::{Format, MeshLimits, Profile};
-use morion::report::{Report, Verdict};
-use morion::solid::Solid;
-use morion::trace::{Intent, Outcome, Scene, Seen, Witness, look};
+use morion::internals::design::Design;
+use morion::internals::export::{Label, read_obj, write_obj};
+use morion::internals::geom::{DVec2, DVec3, Precision, Ray, TriMesh};
+use morion::internals::num::stats::Summary;
+use morion::internals::optics::reflect;
+use morion::internals::pipeline::{Silent, build};
+use morion::internals::profile::{Format, MeshLimits, Profile};
+use morion::internals::report::{Report, Verdict};
+use morion::internals::solid::Solid;
+use morion::internals::trace::{Intent, Outcome, Scene, Seen, Witness, look};
 
 const SMALL: (&str, &str) = ("640, 480", "96, 72");
 const FINER: (&str, &str) = ("facet_px = 4", "facet_px = 2");

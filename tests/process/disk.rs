@@ -2,7 +2,7 @@
 
 use crate::builds::{SMALL, assert_same, command, files, folder, lasting, parsed, save, told};
 use crate::whole::{Home, temporary};
-use morion::pipeline::{Observer, build};
+use morion::internals::pipeline::{Observer, build};
 use std::fs::File;
 use std::path::Path;
 use std::process::Command;

@@ -3,11 +3,11 @@
 use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::{designed, meshed};
-use morion::align::Pose;
-use morion::design::Design;
-use morion::geom::{DVec2, DVec3, Outline, Precision, TriMesh};
-use morion::num::{cos, log, radians, sin};
-use morion::solid::Solid;
+use morion::internals::align::Pose;
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3, Outline, Precision, TriMesh};
+use morion::internals::num::{cos, log, radians, sin};
+use morion::internals::solid::Solid;
 
 impl Draws {
     /// Of the standard normal distribution (Box and Muller).

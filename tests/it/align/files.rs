@@ -4,10 +4,10 @@ use super::copies::{Part, kept, moved, profile_text};
 use crate::support::builds::{folder, morion, told};
 use crate::support::draws::Draws;
 use crate::support::refused;
-use morion::geom::TriMesh;
-use morion::num::cos;
-use morion::pipeline::{Inspection, Silent, Unit, inspect, load};
-use morion::report::{Report, Verdict, text};
+use morion::internals::geom::TriMesh;
+use morion::internals::num::cos;
+use morion::internals::pipeline::{Inspection, Silent, Unit, inspect, load};
+use morion::internals::report::{Report, Verdict, text};
 use std::path::{Path, PathBuf};
 
 /// Limits that the design keeps with little to spare, and such that large facets keep too.
@@ -42,7 +42,7 @@ fn stl(mesh: &TriMesh, factor: f64) -> Vec<u8> {
 }
 
 /// An OBJ with a normal at each corner, all of them along `normals` of the vertices.
-fn obj(mesh: &TriMesh, normals: &[morion::geom::DVec3]) -> String {
+fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
     let mut text = String::new();
     for v in &mesh.vertices {
         text += &format!("v {} {} {}\n", v.x, v.y, v.z);
@@ -162,8 +162,12 @@ fn a_facet_far_away_does_not_hinder() {
     let file = folder.path().join("far.stl");
     let mut mesh = part.solid.clone();
     let first = mesh.vertices.len() as u32;
-    let far = morion::geom::DVec3::new(1e4, 0.0, 0.0);
-    mesh.vertices.extend([far, far + morion::geom::DVec3::Y, far + morion::geom::DVec3::Z]);
+    let far = morion::internals::geom::DVec3::new(1e4, 0.0, 0.0);
+    mesh.vertices.extend([
+        far,
+        far + morion::internals::geom::DVec3::Y,
+        far + morion::internals::geom::DVec3::Z,
+    ]);
     mesh.triangles.push([first, first + 1, first + 2]);
     std::fs::write(&file, stl(&mesh, 1.0)).unwrap();
     let said = "1 facets lie far from the part";
@@ -239,7 +243,7 @@ fn normals_of_the_file_turn_with_it() {
     let pose = Draws::new(6).pose(20.0, 0.2, part.width());
     let clean = part.scan(120);
     let mirror = &part.design.mirror;
-    let normal = |v: &morion::geom::DVec3| {
+    let normal = |v: &morion::internals::geom::DVec3| {
         let q = mirror.chart.coordinates(*v).0;
         pose.rotation * mirror.normal(q, &mirror.row(q.y).at(q.x)).normalize()
     };

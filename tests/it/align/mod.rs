@@ -5,8 +5,8 @@ mod files;
 
 use crate::support::draws::Draws;
 use copies::{Part, decimated, holed, moved, noisy, shipped_like, spiked};
-use morion::align::{AlignError, Alignment, Pose, align};
-use morion::geom::{DVec3, TriMesh};
+use morion::internals::align::{AlignError, Alignment, Pose, align};
+use morion::internals::geom::{DVec3, TriMesh};
 
 /// What is left of `pose` after `found` has undone it, in mm on the mirror and in radians; turns about
 /// the axis count only where the mirror shows them.
@@ -195,7 +195,7 @@ fn what_cannot_be_aligned_is_refused_with_a_remedy() {
     let mut dome = scan.clone();
     for v in &mut dome.vertices {
         let r2 = v.truncate().length_squared();
-        v.z = 12.0 - r2 * r2 * 2e-5 + 6.0 * morion::num::sin(0.4 * v.x + 0.7 * v.y);
+        v.z = 12.0 - r2 * r2 * 2e-5 + 6.0 * morion::internals::num::sin(0.4 * v.x + 0.7 * v.y);
     }
     for (mesh, wanted) in [(&strip, "covers"), (&few, "cover"), (&dome, "does not look like")] {
         let error = align(mirror, mesh).unwrap_err();

@@ -33,7 +33,8 @@ const TABLE: &[(&str, &[&str])] = &[
     ("report", ALL_ABOVE),
     ("pipeline", ALL_ABOVE),
     ("cli", &["parallel", "pipeline", "profile", "report"]),
-    ("main", &["cli", "pipeline", "profile", "report"]),
+    ("internals", ALL_ABOVE),
+    ("main", &["internals"]),
 ];
 
 /// The witness knows nothing of the design, in its tests too.
@@ -209,7 +210,7 @@ fn forbidden_edges_are_reported_with_their_line() {
     assert_eq!(found, ["f.rs:2: optics -> mesh: forbidden"]);
     let found = complaints_in("cli", "fn f() { crate::geom::g() }");
     assert_eq!(found, ["f.rs:1: cli -> geom: forbidden"]);
-    assert_eq!(complaints_in("main", "use morion::{cli, num};").len(), 1);
+    assert_eq!(complaints_in("main", "use morion::{internals, num};").len(), 1);
     assert_eq!(complaints_in("num", "use crate::*;").len(), 1);
     assert_eq!(complaints_in("num", "use crate::stray::S;").len(), 1);
     assert_eq!(complaints_in("stray", "").len(), 1);

@@ -2,11 +2,11 @@
 
 use crate::support::builds::{folder, morion, told};
 use crate::support::{designed, profile, shipped};
-use morion::design::Design;
-use morion::geom::{DVec2, DVec3};
-use morion::num::{asin, cos, sin, tan};
-use morion::optics::{reflect, stereographic};
-use morion::pencil::{Pencil, Spot, over_sensor, quantiles};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::{asin, cos, sin, tan};
+use morion::internals::optics::{reflect, stereographic};
+use morion::internals::pencil::{Pencil, Spot, over_sensor, quantiles};
 use serde_json::Value;
 use std::f64::consts::TAU;
 
@@ -242,7 +242,7 @@ fn mirrors_of_a_single_viewpoint_have_no_astigmatism() {
     let design = designed(&shipped("parabolic"));
     let camera = &design.camera;
     // t = r / h = tan(psi / 2) at the rim, and the slope is -t.
-    let h = 30.0 / tan(0.5 * morion::num::radians(100.0));
+    let h = 30.0 / tan(0.5 * morion::internals::num::radians(100.0));
     for r in [0.0, 7.0, 18.0, 29.0] {
         let quadric = design.mirror.local_surface(DVec2::new(r, 0.0));
         let image = DVec2::new(r, 0.0);
@@ -300,7 +300,9 @@ mesh.chord_um = 20
 export.formats = [\"stl\"]
 "
         );
-        let design = designed(&morion::profile::Profile::parse("s", "s", text.as_bytes()).unwrap());
+        let design = designed(
+            &morion::internals::profile::Profile::parse("s", "s", text.as_bytes()).unwrap(),
+        );
         let Design { mirror, camera, .. } = &design;
         let [width, height] = camera.pixels;
         let spots = over_sensor(mirror, camera, None, [0..width, 0..height], Spot::new);

@@ -130,7 +130,9 @@ fn columns_end_where_the_law_says() {
     let (_, json) = framed(folder.path(), &edited(SMALL, &exact), &[]);
     // The frame is filled up to z = 3 pi / 16 on both sides.
     let z = 3.0 * std::f64::consts::PI / 16.0;
-    let edge = morion::num::degrees(morion::num::asin(morion::num::tanh(z)));
+    let edge = morion::internals::num::degrees(morion::internals::num::asin(
+        morion::internals::num::tanh(z),
+    ));
     let pixel = 180.0 / 160.0;
     for (which, exact) in [("lowest_deg", -edge), ("highest_deg", edge)] {
         for end in ["min", "mean", "max"] {

@@ -1,11 +1,11 @@
 //! The solid angle of a pixel.
 
 use crate::support::{designed, profile, rims, shipped, shipped_but};
-use morion::design::Design;
-use morion::geom::DVec2;
-use morion::num::{cos, radians, sin, tan, tanh};
-use morion::optics::Projection;
-use morion::pencil::over_sensor;
+use morion::internals::design::Design;
+use morion::internals::geom::DVec2;
+use morion::internals::num::{cos, radians, sin, tan, tanh};
+use morion::internals::optics::Projection;
+use morion::internals::pencil::over_sensor;
 use std::f64::consts::{PI, TAU};
 
 /// Solid angle of every pixel, sr, and the pixels' image points.

@@ -3,11 +3,11 @@
 use super::{CUTTING, DISC, cut};
 use crate::support::builds::{self, SMALL, files, folder, morion, save, told};
 use crate::support::small_but;
-use morion::design::design;
-use morion::geom::{DVec2, DVec3};
-use morion::machining::{Fillet, Gouge, Place, corners, outlines};
-use morion::pipeline::{Cutting, load};
-use morion::report::Verdict;
+use morion::internals::design::design;
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::machining::{Fillet, Gouge, Place, corners, outlines};
+use morion::internals::pipeline::{Cutting, load};
+use morion::internals::report::Verdict;
 use serde_json::Value;
 
 #[test]
@@ -40,7 +40,7 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     assert_eq!(gouge.most_beside, None);
     // Ridges that stand out, and those that flatten towards their ends, are none.
     for crest in [builds::parsed(SMALL), load("conformal").unwrap().profile] {
-        let design = morion::design::design(&crest, None).unwrap();
+        let design = morion::internals::design::design(&crest, None).unwrap();
         assert_eq!(Fillet::new(&design.mirror, &design.camera, 0.1 * crest.part.width_mm), None);
     }
     // The part is cut all the same, and is a solid.

@@ -5,9 +5,9 @@ mod program;
 mod scallops;
 
 use crate::support::builds;
-use morion::pipeline::{Cutting, Silent, Source, machining};
-use morion::profile::Profile;
-use morion::report::Machining;
+use morion::internals::pipeline::{Cutting, Silent, Source, machining};
+use morion::internals::profile::Profile;
+use morion::internals::report::Machining;
 use std::path::Path;
 
 const CUTTING: Cutting = Cutting {

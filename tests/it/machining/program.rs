@@ -2,7 +2,7 @@
 
 use crate::support::builds::{self, SMALL, files, folder, morion, save, told};
 use crate::support::refused;
-use morion::geom::DVec3;
+use morion::internals::geom::DVec3;
 use serde_json::Value;
 
 #[test]
@@ -107,7 +107,7 @@ fn the_json_is_the_file_and_no_thread_shows_in_it() {
         assert_eq!(file["bytes"].as_u64().unwrap() as usize, one.1[name].len(), "{name}");
     }
     // The STL is what the report speaks of.
-    let mesh = morion::export::read_stl(&one.1["as-cut.stl"]).unwrap().mesh;
+    let mesh = morion::internals::export::read_stl(&one.1["as-cut.stl"]).unwrap().mesh;
     let optical = json["as_cut"]["optical_triangles"].as_u64().unwrap() as usize;
     assert!(mesh.triangles.len() > optical);
     assert!((0..optical).all(|t| mesh.area_vector(t).dot(DVec3::Z) > 0.0));

@@ -3,12 +3,12 @@
 use super::{CUTTING, DISC, RECTANGLE, cut, given, unseen_profile};
 use crate::support::builds::{self, SMALL, edited, folder, parsed};
 use crate::support::parts::case;
-use morion::design::design;
-use morion::geom::DVec2;
-use morion::machining::{Passes, Place, Raster, Survey, corners, outlines};
-use morion::num::{cos, hypot, radians};
-use morion::pipeline::{Cutting, Silent, Source, load, machining};
-use morion::report::Verdict;
+use morion::internals::design::design;
+use morion::internals::geom::DVec2;
+use morion::internals::machining::{Passes, Place, Raster, Survey, corners, outlines};
+use morion::internals::num::{cos, hypot, radians};
+use morion::internals::pipeline::{Cutting, Silent, Source, load, machining};
+use morion::internals::report::Verdict;
 
 /// A ball that touches a sphere of radius rho at height u has its centre at u (1 + R / rho), on the ray from the
 /// sphere's centre: where a raster crosses the sphere's meridian plane the cut is a row of circles.

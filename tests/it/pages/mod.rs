@@ -2,7 +2,7 @@
 
 mod report_keys;
 
-use morion::profile::Profile;
+use morion::internals::profile::Profile;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

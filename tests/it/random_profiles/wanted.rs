@@ -1,7 +1,7 @@
 //! Random profiles from lists of numbers, which proptest makes smaller when something is wrong: the
 //! smaller the numbers, the plainer the profile.
 
-use morion::num::{exp, log};
+use morion::internals::num::{exp, log};
 use proptest::prelude::*;
 use std::fmt;
 use std::fmt::Write;

@@ -2,10 +2,10 @@
 
 use crate::support::builds::parsed;
 use crate::support::{designed, profile, shipped};
-use morion::design::design;
-use morion::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline};
-use morion::mirror::Mirror;
-use morion::profile::{Profile, SagGrid};
+use morion::internals::design::design;
+use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline};
+use morion::internals::mirror::Mirror;
+use morion::internals::profile::{Profile, SagGrid};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -131,7 +131,8 @@ fn wavy() -> SagGrid {
     let mut text = String::new();
     for k in 0..61 * 61 {
         let (x, y) = (f64::from(k % 61) - 30.0, f64::from(k / 61) - 30.0);
-        let z = 0.5 * morion::num::sin(0.3 * x) * morion::num::cos(0.25 * y) - 0.004 * x * y;
+        let z = 0.5 * morion::internals::num::sin(0.3 * x) * morion::internals::num::cos(0.25 * y)
+            - 0.004 * x * y;
         writeln!(text, "{x},{y},{z}").unwrap();
     }
     SagGrid::parse(text.as_bytes()).unwrap()

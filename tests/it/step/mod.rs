@@ -10,12 +10,12 @@ mod shape;
 use crate::support::draws::Draws;
 use crate::support::shipped;
 use cases::{Case, cases, footprint, unmeshed};
-use morion::design::design;
-use morion::export::Label;
-use morion::export::step::{Fit, FitError, fit, write_step};
-use morion::geom::{Chart, Contour, DVec2, DVec3, Outline};
-use morion::mirror::Mirror;
-use morion::profile::SagGrid;
+use morion::internals::design::design;
+use morion::internals::export::Label;
+use morion::internals::export::step::{Fit, FitError, fit, write_step};
+use morion::internals::geom::{Chart, Contour, DVec2, DVec3, Outline};
+use morion::internals::mirror::Mirror;
+use morion::internals::profile::SagGrid;
 use reading::{Curve, File, Surface, Value, height};
 use shape::{Travelled, distance, normal};
 use std::collections::BTreeMap;
@@ -73,7 +73,7 @@ fn volume(case: &Case) -> f64 {
         Contour::Circle { radius_mm: r } => PI * r * r,
         Contour::Rect { half, corner_mm: r } => 4.0 * half.x * half.y - (4.0 - PI) * r * r,
     };
-    let radii = |drilled: &[morion::geom::Drilled], of: fn(f64) -> f64| -> f64 {
+    let radii = |drilled: &[morion::internals::geom::Drilled], of: fn(f64) -> f64| -> f64 {
         drilled.iter().map(|d| of(0.5 * d.diameter_mm)).sum()
     };
     mirror + stock.top_mm * (contour - footprint(&case.mirror))
@@ -253,7 +253,8 @@ fn holds_together(name: &str, file: &File) {
         let surface = file.surface(curve[1].id());
         for k in 0..997 {
             let angle = 2.0 * PI * f64::from(k) / 997.0;
-            let way = DVec2::new(morion::num::cos(angle), morion::num::sin(angle));
+            let way =
+                DVec2::new(morion::internals::num::cos(angle), morion::internals::num::sin(angle));
             let off = surface.at(way * circle[2].number()) - height(&axis, &points, angle);
             assert!(off.length() < 1e-7, "{name}: {off} at {angle}");
         }
@@ -306,7 +307,10 @@ fn faces_are_the_mirror_to_what_is_said() {
                     for _ in 0..4000 {
                         let p = height(&axis, &points, inner + (outer - inner) * draws.unit());
                         let turn = 2.0 * PI * draws.unit();
-                        let way = DVec2::new(morion::num::cos(turn), morion::num::sin(turn));
+                        let way = DVec2::new(
+                            morion::internals::num::cos(turn),
+                            morion::internals::num::sin(turn),
+                        );
                         let off = from_mirror(&case.mirror, (way * p.x).extend(p.z));
                         worst = worst.max(off.unwrap_or(0.0));
                     }

@@ -1,6 +1,6 @@
 //! A reader of STEP files that knows nothing of the writer.
 
-use morion::geom::{DVec2, DVec3};
+use morion::internals::geom::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// An argument of an instance.
@@ -346,7 +346,7 @@ impl Curve {
                 (0..=count).map(|k| *at + *way * (from + (to - from) * share(k))).collect()
             }
             Self::Circle { at, radius } => {
-                use morion::num::{atan2, cos, sin};
+                use morion::internals::num::{atan2, cos, sin};
                 let [from, to] = [from, to].map(|p| atan2(p.y - at.y, p.x - at.x));
                 let turn = 2.0 * std::f64::consts::PI;
                 let to = if to <= from { to + turn } else { to };

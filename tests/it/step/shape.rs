@@ -1,8 +1,8 @@
 //! Where surfaces are, which way they face, and on which side of an edge.
 
 use super::reading::{Surface, height};
-use morion::geom::{DVec2, DVec3};
-use morion::num::{cos, sin};
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::{cos, sin};
 
 /// The distance of a point from a surface.
 pub fn distance(surface: &Surface, p: DVec3) -> f64 {

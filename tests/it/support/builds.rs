@@ -1,7 +1,7 @@
 //! Whole builds: a small profile, folders, and the program itself. The tests of the process compile this
 //! file too.
 
-use morion::profile::Profile;
+use morion::internals::profile::Profile;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! The least that a profile has to say.
 
 use super::builds::edited;
-use morion::profile::{Profile, Projection, StripProjection};
+use morion::internals::profile::{Profile, Projection, StripProjection};
 
 /// The least that is a profile, with the edits of one test.
 pub fn with(edits: &[(&str, &str)]) -> Result<Profile, String> {

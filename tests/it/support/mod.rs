@@ -14,11 +14,11 @@ mod thorough;
 pub use thorough::times;
 
 use builds::{SMALL, edited, morion, parsed, told};
-use morion::design::{Design, design};
-use morion::geom::{DVec2, Outline, Precision, Rect};
-use morion::mesh::{Face, Limits, MeshError, mesh};
-use morion::pipeline::load;
-use morion::profile::{MeshLimits, Profile};
+use morion::internals::design::{Design, design};
+use morion::internals::geom::{DVec2, Outline, Precision, Rect};
+use morion::internals::mesh::{Face, Limits, MeshError, mesh};
+use morion::internals::pipeline::load;
+use morion::internals::profile::{MeshLimits, Profile};
 use std::path::Path;
 
 /// Every `n`-th of `cases`, begun with another one for each `turn`; all of them in a long run.
@@ -75,7 +75,7 @@ pub fn shipped(name: &str) -> Profile {
 
 /// A shipped profile's text.
 pub fn shipped_text(name: &str) -> &'static str {
-    let found = morion::profile::shipped().iter().find(|profile| profile.name == name);
+    let found = morion::internals::profile::shipped().iter().find(|profile| profile.name == name);
     found.unwrap_or_else(|| panic!("no {name} is shipped")).text
 }
 

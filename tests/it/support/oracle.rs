@@ -2,10 +2,10 @@
 //! literature (docs/theory.md, T5 and T17 to T20) on plain vectors and angles.
 
 use super::{builds::parsed, panel, shipped};
-use morion::design::{Design, DesignError, design};
-use morion::geom::{DVec2, DVec3, Rect};
-use morion::num::quadrature::gauss_legendre;
-use morion::num::{asinh, atan, atan2, cos, exp, log, sin, sinh, tan};
+use morion::internals::design::{Design, DesignError, design};
+use morion::internals::geom::{DVec2, DVec3, Rect};
+use morion::internals::num::quadrature::gauss_legendre;
+use morion::internals::num::{asinh, atan, atan2, cos, exp, log, sin, sinh, tan};
 use std::f64::consts::PI;
 
 pub const ORTHOGRAPHIC: &str = "[camera.orthographic]\npixels = [640, 480]";
@@ -98,9 +98,9 @@ impl Wish {
 
 /// The shipped round mirrors.
 pub fn round() -> impl Iterator<Item = &'static str> {
-    let names = morion::profile::shipped().iter().map(|profile| profile.name);
+    let names = morion::internals::profile::shipped().iter().map(|profile| profile.name);
     names.filter(|name| {
-        matches!(shipped(name).projection, Some(morion::profile::Projection::Radial(_)))
+        matches!(shipped(name).projection, Some(morion::internals::profile::Projection::Radial(_)))
     })
 }
 
@@ -172,7 +172,7 @@ pub fn elevation(law: &str, z: f64) -> f64 {
         "cylindrical" => atan(z),
         "mercator" => atan(sinh(z)),
         "equirectangular" => z,
-        "equal-area" => morion::num::asin(z),
+        "equal-area" => morion::internals::num::asin(z),
         _ => panic!("{law}"),
     }
 }
@@ -233,7 +233,7 @@ pub fn polar(d: DVec3) -> f64 {
 
 /// The angle between two unit vectors.
 pub fn angle(a: DVec3, b: DVec3) -> f64 {
-    2.0 * morion::num::asin((0.5 * (a - b).length()).min(1.0))
+    2.0 * morion::internals::num::asin((0.5 * (a - b).length()).min(1.0))
 }
 
 /// The slope of log y against log x by least squares.

@@ -1,8 +1,8 @@
 //! The shipped profiles, built once in a run of the tests, by the program itself.
 
 use super::builds::{command, told};
-use morion::profile::shipped;
-use morion::report::Report;
+use morion::internals::profile::shipped;
+use morion::internals::report::Report;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 

@@ -1,14 +1,14 @@
 //! The surfaces on which the mesher is measured, and how many triangles it may spend on them.
 
-use morion::design::design;
-use morion::geom::{Chart, DVec2, Outline, Precision, Rect};
-use morion::mesh::{Face, Limits, MeshError, mesh};
-use morion::mirror::{Mirror, Surface, TensorLegendre};
-use morion::num::legendre::{Series, values};
-use morion::num::quadrature::gauss_legendre;
-use morion::num::{cos, sin};
-use morion::optics::ImagingTask;
-use morion::pipeline::load;
+use morion::internals::design::design;
+use morion::internals::geom::{Chart, DVec2, Outline, Precision, Rect};
+use morion::internals::mesh::{Face, Limits, MeshError, mesh};
+use morion::internals::mirror::{Mirror, Surface, TensorLegendre};
+use morion::internals::num::legendre::{Series, values};
+use morion::internals::num::quadrature::gauss_legendre;
+use morion::internals::num::{cos, sin};
+use morion::internals::optics::ImagingTask;
+use morion::internals::pipeline::load;
 
 /// Fewest triangles at which the economy is held to its targets.
 pub const ENOUGH: f64 = 1e5;

@@ -2,14 +2,14 @@
 
 use super::{engine, fixed, question};
 use crate::support::{designed, profile, shipped};
-use morion::design::Design;
-use morion::geom::{DVec2, Precision, Ray};
-use morion::mesh::{Limits, mesh};
-use morion::num::random::Stream;
-use morion::optics::reflect;
-use morion::profile::Profile;
-use morion::tolerance::{Engine, Kind, Question, facets_bound, facets_displace};
-use morion::trace::{Scene, look};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, Precision, Ray};
+use morion::internals::mesh::{Limits, mesh};
+use morion::internals::num::random::Stream;
+use morion::internals::optics::reflect;
+use morion::internals::profile::Profile;
+use morion::internals::tolerance::{Engine, Kind, Question, facets_bound, facets_displace};
+use morion::internals::trace::{Scene, look};
 
 /// Rays along each side of a pixel.
 const SIDE: usize = 40;

@@ -7,9 +7,9 @@ mod replay;
 mod statistics;
 mod work;
 
-use morion::design::Design;
-use morion::mirror::BicubicSpline;
-use morion::tolerance::{
+use morion::internals::design::Design;
+use morion::internals::mirror::BicubicSpline;
+use morion::internals::tolerance::{
     Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
     Source,
 };
@@ -21,7 +21,7 @@ fn fixed(kind: Kind, limit: f64) -> Source {
 
 /// All usual sources of a mirror, as a process leaves them.
 fn usual(design: &Design, process: &Process) -> Vec<Source> {
-    let round = matches!(design.mirror.outline, morion::geom::Outline::Ring { .. });
+    let round = matches!(design.mirror.outline, morion::internals::geom::Outline::Ring { .. });
     let applies = |kind: &Kind| match kind {
         Kind::Legendre(..) => !round,
         Kind::Zernike(_) => round,

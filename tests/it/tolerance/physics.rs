@@ -2,14 +2,14 @@
 
 use super::{engine, fixed, question, usual, with_map};
 use crate::support::{designed, profile, shipped};
-use morion::design::Design;
-use morion::geom::{DVec2, DVec3};
-use morion::machining::{Raster, Survey};
-use morion::mirror::{BicubicSpline, Knots};
-use morion::num::random::Stream;
-use morion::num::{cos, radians, sin};
-use morion::optics::reflect;
-use morion::tolerance::{Compensator, Engine, Kind, Process, Question, ripple_slope};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::machining::{Raster, Survey};
+use morion::internals::mirror::{BicubicSpline, Knots};
+use morion::internals::num::random::Stream;
+use morion::internals::num::{cos, radians, sin};
+use morion::internals::optics::reflect;
+use morion::internals::tolerance::{Compensator, Engine, Kind, Process, Question, ripple_slope};
 
 const STREAM: Stream = Stream { seed: 5, trial: 2 };
 
@@ -176,7 +176,7 @@ fn a_tilt_turns_the_ray_twice() {
         let [found, _] = both(&engine, &[(Kind::TiltX, mrad)]);
         let angle = 2e-3 * mrad;
         // tan e = sinh z.
-        let exact = scale * morion::num::asinh(morion::num::tan(angle));
+        let exact = scale * morion::internals::num::asinh(morion::internals::num::tan(angle));
         for d in found.chunks_exact(2) {
             assert!(d[0].abs() < 1e-7 * scale, "{d:?}");
             assert!((d[1].abs() / exact.abs() - 1.0).abs() < 1e-8, "{mrad}: {d:?} {exact}");

@@ -3,7 +3,7 @@
 use super::{engine, fixed, question};
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
 use crate::support::{self, share};
-use morion::tolerance::Kind;
+use morion::internals::tolerance::Kind;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -363,7 +363,7 @@ fn fixed_errors_have_a_sign() {
 fn every_shipped_mirror_passes_polished_and_none_is_better_printed_than_milled() {
     let folder = folder();
     let home = folder.path();
-    for shipped in share(6, 0, morion::profile::shipped()) {
+    for shipped in share(6, 0, morion::internals::profile::shipped()) {
         let run = |preset: &str| -> serde_json::Value {
             save(home, &format!("{}\n[tolerance]\npreset = \"{preset}\"\n", shipped.text));
             let arguments = ["tolerance", "small.toml", "--trials", "100", "--format", "json"];

@@ -2,9 +2,9 @@
 
 use super::program::refused;
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
-use morion::export::read_stl;
-use morion::geom::{DVec2, DVec3};
-use morion::solid::check;
+use morion::internals::export::read_stl;
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::solid::check;
 use serde_json::Value;
 use std::path::Path;
 
@@ -130,7 +130,7 @@ fn a_replayed_trial_has_the_figures_of_the_run_and_its_files_show_them() {
 fn the_files_have_the_form_and_the_size_that_formulas_say() {
     let folder = folder();
     let home = folder.path();
-    let none: Vec<String> = morion::tolerance::Kind::all()
+    let none: Vec<String> = morion::internals::tolerance::Kind::all()
         .map(|kind| kind.key())
         .filter(|key| !key.starts_with("zernike") && !["map_share", "scale_ppm"].contains(&&**key))
         .filter(|key| key != "legendre_20_um" && key != "waviness_um")
@@ -149,7 +149,8 @@ fn the_files_have_the_form_and_the_size_that_formulas_say() {
     assert_eq!(report["errors"].as_array().unwrap().len(), 3);
     let bytes = std::fs::read(home.join("out/small/replay-3/mirror.stl")).unwrap();
     let mesh = read_stl(&bytes).unwrap().mesh;
-    let profile = morion::pipeline::load(home.join("small.toml").to_str().unwrap()).unwrap();
+    let profile =
+        morion::internals::pipeline::load(home.join("small.toml").to_str().unwrap()).unwrap();
     let design = crate::support::designed(&profile.profile);
     let optical = report["files"][0]["optical_triangles"].as_u64().unwrap() as usize;
     let half = 7.5;
@@ -167,7 +168,7 @@ fn the_files_have_the_form_and_the_size_that_formulas_say() {
     let (mut cc, mut cs, mut ss) = (0.0, 0.0, 0.0);
     for &(y, z) in &rest {
         let phase = std::f64::consts::TAU * y / 4.0;
-        let (c, s) = (morion::num::cos(phase), morion::num::sin(phase));
+        let (c, s) = (morion::internals::num::cos(phase), morion::internals::num::sin(phase));
         with_cos += c * z;
         with_sin += s * z;
         (cc, cs, ss) = (cc + c * c, cs + c * s, ss + s * s);
@@ -178,7 +179,7 @@ fn the_files_have_the_form_and_the_size_that_formulas_say() {
     assert!(((a * a + b * b).sqrt() - 0.0045).abs() < 1e-6, "{a} {b}");
     for &(y, z) in &rest {
         let phase = std::f64::consts::TAU * y / 4.0;
-        let wave = a * morion::num::cos(phase) + b * morion::num::sin(phase);
+        let wave = a * morion::internals::num::cos(phase) + b * morion::internals::num::sin(phase);
         assert!((z - wave).abs() < 1e-5, "{y}: {z} {wave}");
     }
 }

@@ -3,8 +3,8 @@
 use super::{engine, fixed, question, usual, with_map};
 use crate::support::shipped_builds;
 use crate::support::{designed, share, shipped};
-use morion::mirror::{BicubicSpline, Knots};
-use morion::tolerance::{
+use morion::internals::mirror::{BicubicSpline, Knots};
+use morion::internals::tolerance::{
     Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source,
     SourceFacts, Study, Trial, Unmet, quantile, worst_offenders,
 };
@@ -329,7 +329,7 @@ fn random_slope_on_facets_never_improves_the_figure() {
 /// design is over all of its panel and rim.
 #[test]
 fn the_samples_are_the_picture_of_every_shipped_mirror() {
-    for shipped in morion::profile::shipped() {
+    for shipped in morion::internals::profile::shipped() {
         let design = designed(&crate::support::shipped(shipped.name));
         let engine = engine(&design, Question { samples: SAMPLES, ..question(Vec::new(), &[]) });
         let nominal = engine.nominal();

@@ -3,8 +3,8 @@
 use super::{engine, fixed, question, usual};
 use crate::support::builds::{SMALL, edited, folder, morion, save, told};
 use crate::support::{designed, shipped};
-use morion::num::random::Stream;
-use morion::tolerance::{Engine, Kind, Piece, Process};
+use morion::internals::num::random::Stream;
+use morion::internals::tolerance::{Engine, Kind, Piece, Process};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;

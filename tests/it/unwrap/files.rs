@@ -2,7 +2,7 @@
 
 use crate::support::builds::{files, folder, morion, told};
 use crate::support::refused;
-use morion::raster::Raster;
+use morion::internals::raster::Raster;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -5,14 +5,14 @@ mod files;
 
 use crate::support::builds::{SMALL, edited, parsed};
 use crate::support::{self, shipped_text};
-use morion::design::Design;
-use morion::geom::{DVec2, DVec3};
-use morion::num::{atan2, cos, degrees, sin, wrap_turn};
-use morion::optics::{Law, reflect};
-use morion::profile::Profile;
-use morion::raster::Raster;
-use morion::trace::{Outcome, Scene, glance};
-use morion::unwrap::{Finder, Map, Optics, Panorama, cuts};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::num::{atan2, cos, degrees, sin, wrap_turn};
+use morion::internals::optics::{Law, reflect};
+use morion::internals::profile::Profile;
+use morion::internals::raster::Raster;
+use morion::internals::trace::{Outcome, Scene, glance};
+use morion::internals::unwrap::{Finder, Map, Optics, Panorama, cuts};
 use std::f64::consts::{PI, TAU};
 
 /// Waves of the test world's colours around the horizon.
@@ -93,7 +93,9 @@ fn direct(world: &Raster, panorama: &Panorama) -> Raster {
         let elevation = match panorama.law {
             Law::Cylindrical => atan2(z, 1.0),
             Law::Equirectangular => z,
-            _ => atan2(0.5 * (morion::num::exp(z) - morion::num::exp(-z)), 1.0),
+            _ => {
+                atan2(0.5 * (morion::internals::num::exp(z) - morion::internals::num::exp(-z)), 1.0)
+            }
         };
         seen(world, panorama.left + x * panorama.per_px, elevation)
     };
@@ -155,7 +157,7 @@ fn inside(design: &Design, [x, y]: [f32; 2]) -> bool {
     let on = |dx: f64, dy: f64| {
         let q = design.camera.image_point(f64::from(x) + dx, f64::from(y) + dy);
         let bounds = design.mirror.full_outline().bounds();
-        let round = matches!(design.mirror.outline, morion::geom::Outline::Ring { .. });
+        let round = matches!(design.mirror.outline, morion::internals::geom::Outline::Ring { .. });
         design.mirror.full_outline().contains(q) && (!round || q.length() > 0.3 * bounds.max.x)
     };
     let [width, height] = design.camera.pixels.map(|n| n as f32);
@@ -229,8 +231,8 @@ fn the_map_is_the_inverse_of_the_ray_trace_and_misses_nothing() {
             off.x -= turn * (off.x / turn).round();
             // In pixels of the photo: near the axis a panorama has many to one.
             let share = match design.mirror.outline {
-                morion::geom::Outline::Rect(_) => 1.0,
-                morion::geom::Outline::Ring { outer, .. } => {
+                morion::internals::geom::Outline::Rect(_) => 1.0,
+                morion::internals::geom::Outline::Ring { outer, .. } => {
                     design.camera.image_point(f64::from(*x), f64::from(*y)).length() / outer
                 }
             };

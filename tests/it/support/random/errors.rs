@@ -2,10 +2,10 @@
 //! followed uphill.
 
 use super::Case;
-use morion::geom::{Chart, DVec2, DVec3, Precision, turn};
-use morion::mesh::{Bound, Face, Prover};
-use morion::mirror::Mirror;
-use morion::optics::ImagingTask;
+use morion::internals::geom::{Chart, DVec2, DVec3, Precision, turn};
+use morion::internals::mesh::{Bound, Face, Prover};
+use morion::internals::mirror::Mirror;
+use morion::internals::optics::ImagingTask;
 use rayon::prelude::*;
 
 /// What rounding in the samples themselves may add, as a share of the mirror's size.

@@ -5,12 +5,14 @@ pub mod errors;
 pub mod shape;
 
 use super::draws::Draws;
-use morion::geom::{Chart, DVec2, Outline, Precision, Rect};
-use morion::mesh::{Face, Limits, MeshError, mesh};
-use morion::mirror::{BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre};
-use morion::num::legendre::Series;
-use morion::num::{cos, exp, log, radians, sin};
-use morion::optics::{ImagingTask, Law, Projection, Rims, Strip, Target};
+use morion::internals::geom::{Chart, DVec2, Outline, Precision, Rect};
+use morion::internals::mesh::{Face, Limits, MeshError, mesh};
+use morion::internals::mirror::{
+    BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre,
+};
+use morion::internals::num::legendre::Series;
+use morion::internals::num::{cos, exp, log, radians, sin};
+use morion::internals::optics::{ImagingTask, Law, Projection, Rims, Strip, Target};
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};

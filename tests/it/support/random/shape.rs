@@ -1,8 +1,8 @@
 //! The shape that every face has, whatever its mirror.
 
 use super::Case;
-use morion::geom::{DVec2, Outline, Precision, turn};
-use morion::mesh::Face;
+use morion::internals::geom::{DVec2, Outline, Precision, turn};
+use morion::internals::mesh::Face;
 use std::collections::HashMap;
 
 impl Case {

@@ -1,0 +1,64 @@
+//! All modules as they are, for the tests, benches, fuzz targets and the program of this package alone:
+//! nothing here is promised to stay.
+
+pub mod align {
+    pub use crate::align::*;
+}
+#[cfg(feature = "cli")]
+pub mod cli {
+    pub use crate::cli::*;
+}
+pub mod design {
+    pub use crate::design::*;
+}
+pub mod export {
+    pub use crate::export::*;
+}
+pub mod geom {
+    pub use crate::geom::*;
+}
+pub mod machining {
+    pub use crate::machining::*;
+}
+pub mod mesh {
+    pub use crate::mesh::*;
+}
+pub mod mirror {
+    pub use crate::mirror::*;
+}
+pub mod num {
+    pub use crate::num::*;
+}
+pub mod optics {
+    pub use crate::optics::*;
+}
+pub mod pencil {
+    pub use crate::pencil::*;
+}
+pub mod pipeline {
+    pub use crate::pipeline::*;
+}
+pub mod profile {
+    pub use crate::profile::*;
+}
+pub mod raster {
+    pub use crate::raster::*;
+}
+pub mod render {
+    pub use crate::render::*;
+}
+pub mod report {
+    pub use crate::report::*;
+}
+pub mod solid {
+    pub use crate::solid::*;
+}
+pub mod tolerance {
+    pub use crate::tolerance::*;
+}
+pub mod trace {
+    pub use crate::trace::*;
+}
+pub mod unwrap {
+    pub use crate::unwrap::*;
+}
