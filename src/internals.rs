@@ -4,6 +4,9 @@
 pub mod align {
     pub use crate::align::*;
 }
+pub mod bench {
+    pub use crate::bench::*;
+}
 #[cfg(feature = "cli")]
 pub mod cli {
     pub use crate::cli::*;

@@ -69,7 +69,8 @@
 //! tolerance          optics, mirror, trace
 //! report             results of all of these
 //! pipeline           all of these, and the file system
-//! cli                pipeline, profile, report
+//! bench              all of these, and the file system
+//! cli                bench, pipeline, profile, report
 //! ```
 //!
 //! `trace`, the witness, uses nothing of the design: it gets a table of intended rays.
@@ -80,6 +81,7 @@
 //! about what a machine makes of the file, but for the geometry of an ideal ball (`machining`).
 
 mod align;
+mod bench;
 #[cfg(feature = "cli")]
 mod cli;
 mod design;

@@ -6,11 +6,12 @@ mod progress;
 mod signals;
 mod styles;
 
+use crate::bench::{BenchOptions, bench};
 use crate::parallel;
 use crate::pipeline::{
-    self, Benching, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, bench,
-    blur, build_with, foresee, frame, inspect, load, machining, render, replay, tolerance,
-    tolerance_merged, tolerance_part, unwrap,
+    self, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, blur, build_with,
+    foresee, frame, inspect, load, machining, render, replay, tolerance, tolerance_merged,
+    tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Aperture, Prospect, Report, Verdict, text, visible};
@@ -187,7 +188,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         }
         Command::Bench { profiles, quick, suggest, out } => {
             let wanted =
-                Benching { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
+                BenchOptions { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
             let bench = bench(out, &wanted, &progress)?;
             show(arguments, || bench.text(), || bench.json())?;
             let missed = bench.suggestions.iter().any(|found| found.settings.is_none());

@@ -177,9 +177,6 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// The benchmark cannot run or be drawn.
-    #[error("cannot benchmark: {0}")]
-    Bench(String),
     /// A photo cannot be unwrapped.
     #[error(transparent)]
     Photo(#[from] PhotoError),

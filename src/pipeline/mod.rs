@@ -5,7 +5,6 @@
 //! its own name, with the report beside it.
 
 mod advice;
-mod bench;
 mod blur;
 mod build;
 mod drawings;
@@ -35,7 +34,6 @@ mod verdict;
 mod verify;
 
 pub use crate::align::Unit;
-pub use bench::{Benching, bench};
 pub use blur::blur;
 pub use build::{Effort, build, build_with};
 pub use error::Error;
@@ -52,6 +50,16 @@ pub use tolerance::{Part, Trials, tolerance, tolerance_merged, tolerance_part};
 pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
 pub use verify::{Inspection, inspect, verify};
 
+/// What the benchmark times and writes, stage by stage.
+pub(crate) use {
+    examine::intents,
+    files::{Folder, Staged, read as read_file},
+    observer::Clock,
+    question::{Prepared, prepared},
+    reread::reread,
+    sight::above,
+};
+
 use crate::design::{Design, design};
 use crate::export::Label;
 use crate::mesh::{Bound, Face};
@@ -61,18 +69,16 @@ use crate::report::{FileFacts, MeshFacts, ProfileId, Report, SCHEMA, SolidFacts}
 use crate::solid::Solid;
 use examine::Evidence;
 use facets::Facets;
-use files::{Folder, Staged};
-use observer::Clock;
 use std::io::{self, Write};
 
-fn designed(from: &Source) -> Result<(Design, String), Error> {
+pub(crate) fn designed(from: &Source) -> Result<(Design, String), Error> {
     let design = design(&from.profile, from.sag.as_ref())
         .map_err(|source| Error::Design { profile: from.profile.name.clone(), source })?;
     let note = design.facts.method.to_owned();
     Ok((design, note))
 }
 
-fn meshed(
+pub(crate) fn meshed(
     clock: &Clock,
     profile: &Profile,
     design: &Design,

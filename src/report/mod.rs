@@ -1,7 +1,5 @@
 //! Results -> bytes: JSON, CSV, HTML, pictures and the terminal's summary. It computes nothing.
 
-mod bench;
-mod bench_plots;
 mod blur;
 mod frame;
 mod html;
@@ -9,7 +7,6 @@ mod machining;
 mod map;
 mod measured;
 mod outside;
-mod paper;
 mod plot;
 mod prospect;
 mod reason;
@@ -23,7 +20,6 @@ mod tolerance_plots;
 mod unwrapped;
 
 pub use crate::profile::Aperture;
-pub use bench::{Bench, Order, Run, Settings, Suggestion, Sweep};
 pub use blur::{BlurReport, Focus, Images, Spots};
 pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;
@@ -33,12 +29,14 @@ pub use machining::{
 };
 pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use outside::visible;
+pub(crate) use plot::{Failure, svg};
 pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
 pub use reason::{Reason, ReasonKind};
 pub use rendering::Rendering;
 pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{Opened, Sharpness};
 pub use text::text;
+pub(crate) use text::{digits, pretty, written};
 pub use tolerance::{FacetsFrom, ToleranceReport, read_trial, trial_columns, trial_line};
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 

@@ -20,14 +20,14 @@ pub fn text(report: &Report) -> String {
 }
 
 /// A result as JSON of several lines.
-pub(super) fn pretty(result: &impl Serialize) -> String {
+pub(crate) fn pretty(result: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(result).expect("string keys and plain values only");
     text.push('\n');
     text
 }
 
 /// What `write` writes, in which nothing steers a terminal.
-pub(super) fn written(write: impl FnOnce(&mut String) -> std::fmt::Result) -> String {
+pub(crate) fn written(write: impl FnOnce(&mut String) -> std::fmt::Result) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write(&mut out);
@@ -231,7 +231,7 @@ pub(super) fn figures(summary: Option<Summary>) -> String {
 }
 
 /// Three or four digits that matter.
-pub(super) fn digits(x: f64) -> String {
+pub(crate) fn digits(x: f64) -> String {
     if x != 0.0 && x.abs() < 1e-3 { format!("{x:.2e}") } else { format!("{x:.3}") }
 }
 

@@ -32,7 +32,8 @@ const TABLE: &[(&str, &[&str])] = &[
     ("unwrap", &["mirror", "optics", "raster", "geom", "num", "parallel"]),
     ("report", ALL_ABOVE),
     ("pipeline", ALL_ABOVE),
-    ("cli", &["parallel", "pipeline", "profile", "report"]),
+    ("bench", ALL_ABOVE),
+    ("cli", &["bench", "parallel", "pipeline", "profile", "report"]),
     ("internals", ALL_ABOVE),
     ("main", &["internals"]),
 ];
@@ -41,8 +42,8 @@ const TABLE: &[(&str, &[&str])] = &[
 const TRACE_NEVER: &[&str] = &["mirror", "design", "mesh", "solid", "export"];
 
 /// The threads' library, beside `parallel`: the size of the pool.
-const MAY_NAME_RAYON: &[&str] = &["parallel", "pipeline"];
-const MAY_TOUCH_THE_SYSTEM: &[&str] = &["pipeline", "cli", "main"];
+const MAY_NAME_RAYON: &[&str] = &["parallel", "bench"];
+const MAY_TOUCH_THE_SYSTEM: &[&str] = &["pipeline", "bench", "cli", "main"];
 const MAX_LINES: usize = 500;
 
 /// The sources speak of the project alone.

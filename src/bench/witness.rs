@@ -1,13 +1,10 @@
 //! Rays of the witness against the error of the pixel error that it finds.
 
-use super::{Error, Subject, Sweep, order, run, timed};
+use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
 use crate::design::Design;
 use crate::optics::Camera;
-use crate::pipeline::examine::intents;
-use crate::pipeline::observer::{Clock, Silent};
-use crate::pipeline::reread::reread;
-use crate::pipeline::sight::above;
-use crate::trace::{Scene, Sweep as Rays, Witness};
+use crate::pipeline::{Clock, Silent, above, intents, reread};
+use crate::trace::{Scene, Sweep, Witness};
 use std::convert::Infallible;
 
 /// Pixels to the side, as shares of the camera's own; and those of the truth.
@@ -17,7 +14,7 @@ const TRUTH: f64 = 4.0;
 /// Cameras of more and fewer pixels look into the mesh that the profile asks for. The error is that of
 /// the RMS pixel error (in the camera's own pixels) against the one by most rays. A facet's error is
 /// independent of its neighbours', so it falls as the root of the number of rays.
-pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
     let (scales, truth) = if quick { (&SCALES[..4], 0.25 * TRUTH) } else { (&SCALES[..], TRUTH) };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
@@ -34,10 +31,10 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
         }
     }
     let orders = [
-        order(&runs, "error ~ rays", -0.5, |run| (run.setting, run.error)),
-        order(&runs, "error ~ time", -0.5, |run| (run.time_ms, run.error)),
+        convergence_order(&runs, "error ~ rays", -0.5, |run| (run.setting, run.error)),
+        convergence_order(&runs, "error ~ time", -0.5, |run| (run.time_ms, run.error)),
     ];
-    Ok(Sweep {
+    Ok(BenchSweep {
         name: "witness",
         about: "Rays of the witness",
         setting: "rays",
@@ -54,7 +51,7 @@ fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
     let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
     let pixel_mm = own.pixel_mm * f64::from(own.pixels[0]) / f64::from(pixels[0]);
     let scaled = Design { camera: Camera { pixels, pixel_mm, ..*own }, ..design.clone() };
-    let rays = Rays::new(scene, &scaled.camera, above(scene));
+    let rays = Sweep::new(scene, &scaled.camera, above(scene));
     let table = intents(&scaled, scene, 0.0);
     let (witness, _) = Witness::sweep(&rays, None, design.view.as_ref(), table);
     let found = witness.summary(|seen| seen.errors.map(|errors| errors.image_mm));

@@ -1,27 +1,51 @@
 //! Run time against error: what each setting costs, and what it brings.
 
+mod canvas;
 mod design;
 mod fit;
 mod mesh;
+mod plots;
+mod results;
 mod suggest;
 mod trials;
 mod witness;
 
-use super::files::{self, Folder};
-use super::observer::{Clock, Observer, Stage};
-use super::source::{Source, load};
-use super::{Error, designed};
+pub use results::{
+    BenchReport, BenchRun, BenchSweep, ConvergenceOrder, SuggestedSettings, Suggestion,
+};
+
 use crate::design::Design;
+use crate::pipeline::{
+    Clock, FileError, Folder, Observer, Source, SourceError, Stage, Staged, designed, load,
+    read_file,
+};
 use crate::profile::shipped;
-use crate::report::{Bench, Run, Sweep};
-use fit::{mark_pareto, order};
+use fit::{convergence_order, mark_pareto};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// A benchmark cannot be run or drawn.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    /// A profile cannot be read.
+    #[error(transparent)]
+    Profile(#[from] SourceError),
+    /// A stage cannot be done.
+    #[error(transparent)]
+    Stage(#[from] crate::pipeline::Error),
+    /// The disk refuses.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The pool of one thread cannot be started, or a plot not be drawn.
+    #[error("cannot benchmark: {0}")]
+    Plot(String),
+}
 
 /// What to sweep.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Benching {
+pub struct BenchOptions {
     /// The profiles, as typed; all shipped ones where none is named.
     pub profiles: Vec<String>,
     /// Few settings, one run of each.
@@ -47,11 +71,11 @@ impl Subject {
     }
 
     /// The bytes of its profile.
-    fn text(&self) -> Result<Vec<u8>, Error> {
+    fn text(&self) -> Result<Vec<u8>, BenchError> {
         let known = shipped().iter().find(|profile| profile.name == self.named);
         match known {
             Some(known) if !Path::new(&self.named).is_file() => Ok(known.text.as_bytes().to_vec()),
-            _ => Ok(files::read(Path::new(&self.named))?),
+            _ => Ok(read_file(Path::new(&self.named))?),
         }
     }
 }
@@ -61,32 +85,36 @@ impl Subject {
 /// settings beside them.
 ///
 /// # Errors
-/// [`enum@Error`] when a stage cannot be done or the disk refuses.
-pub fn bench(out: &Path, wanted: &Benching, observer: &dyn Observer) -> Result<Bench, Error> {
+/// [`BenchError`] when a stage cannot be done or the disk refuses.
+pub fn bench(
+    out: &Path,
+    options: &BenchOptions,
+    observer: &dyn Observer,
+) -> Result<BenchReport, BenchError> {
     let clock = Clock::new(observer);
     let folder = Folder::create(&out.join("bench"))?;
-    let named: Vec<String> = match wanted.profiles.is_empty() {
+    let named: Vec<String> = match options.profiles.is_empty() {
         true => shipped().iter().map(|profile| profile.name.to_owned()).collect(),
-        false => wanted.profiles.clone(),
+        false => options.profiles.clone(),
     };
     let subject = |named: String| {
         let source = load(&named)?;
         let design = designed(&source)?.0;
-        Ok::<_, Error>(Subject { named, source, design })
+        Ok::<_, BenchError>(Subject { named, source, design })
     };
     let subjects: Vec<Subject> = named.into_iter().map(subject).collect::<Result<_, _>>()?;
-    let quick = wanted.quick;
-    let swept = |stage: Stage, sweep: &dyn Fn() -> Result<Sweep, Error>| {
+    let quick = options.quick;
+    let swept = |stage: Stage, sweep: &dyn Fn() -> Result<BenchSweep, BenchError>| {
         clock.stage(stage, || {
             let sweep = sweep()?;
             let note = format!("{}: {} runs", sweep.name, sweep.runs.len());
-            Ok::<_, Error>((sweep, note))
+            Ok::<_, BenchError>((sweep, note))
         })
     };
     let mut sweeps = vec![
         swept(Stage::Design, &|| design::sweep(&subjects, quick))?,
-        swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::Rule::Facet, quick))?,
-        swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::Rule::Chord, quick))?,
+        swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::GoverningLimit::Facet, quick))?,
+        swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::GoverningLimit::Chord, quick))?,
         swept(Stage::Trace, &|| witness::sweep(&subjects, quick))?,
         swept(Stage::Trials, &|| trials::sweep(&subjects, quick))?,
     ];
@@ -94,7 +122,7 @@ pub fn bench(out: &Path, wanted: &Benching, observer: &dyn Observer) -> Result<B
 
     let mut suggestions = Vec::new();
     let mut staged = Vec::new();
-    if let Some(target_px) = wanted.suggest_px {
+    if let Some(target_px) = options.suggest_px {
         for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
             let (suggestion, text) = suggest::suggest(subject, &sweeps, target_px)?;
             if let (Some(found), Some(text)) = (&suggestion.settings, text) {
@@ -103,9 +131,9 @@ pub fn bench(out: &Path, wanted: &Benching, observer: &dyn Observer) -> Result<B
             suggestions.push(suggestion);
         }
     }
-    let bench = Bench { schema: 2, sweeps, suggestions };
+    let bench = BenchReport { schema: 2, sweeps, suggestions };
     clock.stage(Stage::Report, || {
-        let fail = |error: Box<dyn std::error::Error>| Error::Bench(error.to_string());
+        let fail = |error: Box<dyn std::error::Error>| BenchError::Plot(error.to_string());
         for sweep in &bench.sweeps {
             let (svg, png) = (sweep.svg().map_err(fail)?, sweep.png().map_err(fail)?);
             let files =
@@ -116,8 +144,8 @@ pub fn bench(out: &Path, wanted: &Benching, observer: &dyn Observer) -> Result<B
             }
         }
         staged.push(folder.stage("bench.json", |out| out.write_all(bench.json().as_bytes()))?);
-        staged.into_iter().try_for_each(files::Staged::publish)?;
-        Ok::<_, Error>(((), folder.path().display().to_string()))
+        staged.into_iter().try_for_each(Staged::publish)?;
+        Ok::<_, BenchError>(((), folder.path().display().to_string()))
     })?;
     Ok(bench)
 }
@@ -146,7 +174,7 @@ fn run(
     time_ms: f64,
     error: f64,
     figures: BTreeMap<&'static str, f64>,
-) -> Run {
+) -> BenchRun {
     let (profile, series) = (profile.to_owned(), series.to_owned());
-    Run { profile, series, setting, time_ms, error, pareto: false, figures }
+    BenchRun { profile, series, setting, time_ms, error, pareto: false, figures }
 }

@@ -1,9 +1,10 @@
 //! Degree against error: how far a design of finite degree is from the best one there is.
 
-use super::{Error, Subject, Sweep, run, timed};
+use super::{BenchError, BenchSweep, Subject, run, timed};
 use crate::design::{Facts, design};
 use crate::mirror::Surface;
 use crate::num::stats::Summary;
+use crate::pipeline::Error;
 use crate::profile::{Method, MethodKind, Profile, Shape};
 
 /// Every method.
@@ -20,11 +21,11 @@ const QUICK: (&[usize], usize) = (&[4, 6, 8, 10], 12);
 /// the least that any of the designs and some of still higher degree come to: over the optimum, as far
 /// as it is known. Shapes are analytic, so it falls exponentially, to where the method's own optimum
 /// lies.
-pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
     let one_core = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()
-        .map_err(|error| Error::Bench(error.to_string()))?;
+        .map_err(|error| BenchError::Plot(error.to_string()))?;
     let mut runs = Vec::new();
     for subject in subjects {
         let Shape::Designed(own) = subject.source.profile.shape else { continue };
@@ -60,7 +61,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
             }));
         }
     }
-    Ok(Sweep {
+    Ok(BenchSweep {
         name: "design",
         about: "Degree of the design",
         setting: "degree",

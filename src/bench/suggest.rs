@@ -1,12 +1,9 @@
 //! The cheapest settings that reach a pixel error.
 
 use super::design::METHODS;
-use super::{Error, Run, Subject, Sweep};
-use crate::pipeline::observer::{Clock, Silent};
-use crate::pipeline::reread::reread;
-use crate::pipeline::{designed, meshed};
+use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
+use crate::pipeline::{Clock, Silent, designed, meshed, reread};
 use crate::profile::{Method, Profile, Shape};
-use crate::report::{Settings, Suggestion};
 use std::time::Instant;
 use toml_edit::{DocumentMut, Item, Table, value};
 
@@ -19,27 +16,28 @@ const AIM: f64 = 0.98;
 /// profile's text with them.
 pub fn suggest(
     subject: &Subject,
-    sweeps: &[Sweep],
+    sweeps: &[BenchSweep],
     target_px: f64,
-) -> Result<(Suggestion, Option<String>), Error> {
-    let of = |name: &str| -> Vec<&Run> {
+) -> Result<(Suggestion, Option<String>), BenchError> {
+    let of = |name: &str| -> Vec<&BenchRun> {
         let sweep = sweeps.iter().find(|sweep| sweep.name == name);
         let runs = sweep.map_or(&[][..], |sweep| &sweep.runs);
         runs.iter().filter(|run| run.profile == subject.name()).collect()
     };
     let (designs, meshes) = (of("design"), of("mesh-facet"));
-    let design_px = |run: &Run| run.figures["pixel_rms_px"];
+    let design_px = |run: &BenchRun| run.figures["pixel_rms_px"];
     let least_px = designs.iter().map(|run| design_px(run)).fold(f64::INFINITY, f64::min);
     let mut suggestion =
         Suggestion { profile: subject.name().to_owned(), target_px, settings: None, least_px };
     // By the time that the design takes and a mesh which leaves the rest of the error to facets.
-    let mut candidates: Vec<(f64, &Run, f64)> = designs
+    let mut candidates: Vec<(f64, &BenchRun, f64)> = designs
         .iter()
         .filter(|run| design_px(run) < AIM * target_px)
         .filter_map(|run| {
             let left = target_px * target_px - design_px(run) * design_px(run);
             let facet_px = left.sqrt();
-            let nearest = |mesh: &&&Run| (mesh.setting / facet_px).max(facet_px / mesh.setting);
+            let nearest =
+                |mesh: &&&BenchRun| (mesh.setting / facet_px).max(facet_px / mesh.setting);
             let mesh = meshes.iter().min_by(|a, b| nearest(a).total_cmp(&nearest(b)))?;
             let ratio = mesh.setting / facet_px;
             Some((run.time_ms + mesh.time_ms * ratio * ratio, *run, facet_px))
@@ -59,10 +57,10 @@ pub fn suggest(
 /// The settings of the design `run` with facets so fine that the witness finds no more than `target_px`.
 fn reached(
     subject: &Subject,
-    run: &Run,
+    run: &BenchRun,
     mut facet_px: f64,
     target_px: f64,
-) -> Result<Option<(Settings, Method)>, Error> {
+) -> Result<Option<(SuggestedSettings, Method)>, BenchError> {
     let minimax = run.series.ends_with(", minimax");
     let word = run.series.trim_end_matches(", minimax");
     let Some(kind) = METHODS.into_iter().find(|kind| kind.name() == word) else {
@@ -71,7 +69,7 @@ fn reached(
     let method = Method { kind, degree: run.setting as usize, minimax };
     let clock = Clock::new(&Silent);
     let design_px = run.figures["pixel_rms_px"];
-    let mut best: Option<Settings> = None;
+    let mut best: Option<SuggestedSettings> = None;
     for _ in 0..TRIES {
         facet_px = rounded(facet_px);
         if best.as_ref().is_some_and(|best| facet_px <= best.facet_px) {
@@ -92,7 +90,7 @@ fn reached(
         // As a report has it.
         let pixel_rms_px = found.scaled(1.0 / design.camera.pixel_mm).rms;
         if pixel_rms_px <= target_px {
-            best = Some(Settings {
+            best = Some(SuggestedSettings {
                 method: word.to_owned(),
                 minimax,
                 degree: method.degree,

@@ -1,8 +1,7 @@
 //! Monte Carlo trials against the width of the yield's interval.
 
-use super::{Error, Subject, Sweep, order, run, timed};
-use crate::pipeline::observer::{Clock, Silent};
-use crate::pipeline::question::{Prepared, prepared};
+use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
+use crate::pipeline::{Clock, Prepared, Silent, prepared};
 use crate::tolerance::{Yield, quantile};
 use std::convert::Infallible;
 
@@ -11,7 +10,7 @@ const SEED: u64 = 1;
 
 /// More and more trials, traced in full. The error is the width of the 95 % interval of the yield, at the
 /// budget that half of the parts keep: it falls as the root of their number.
-pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
+pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
     let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
@@ -43,11 +42,11 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<Sweep, Error> {
         }
     }
     let orders = [
-        order(&runs, "error ~ trials", -0.5, |run| (run.setting, run.error)),
-        order(&runs, "time ~ trials", 1.0, |run| (run.setting, run.time_ms)),
-        order(&runs, "error ~ time", -0.5, |run| (run.time_ms, run.error)),
+        convergence_order(&runs, "error ~ trials", -0.5, |run| (run.setting, run.error)),
+        convergence_order(&runs, "time ~ trials", 1.0, |run| (run.setting, run.time_ms)),
+        convergence_order(&runs, "error ~ time", -0.5, |run| (run.time_ms, run.error)),
     ];
-    Ok(Sweep {
+    Ok(BenchSweep {
         name: "trials",
         about: "Trials of the Monte Carlo",
         setting: "trials",

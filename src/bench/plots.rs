@@ -1,8 +1,8 @@
 //! Sweeps of a benchmark as plots of error against run time.
 
-use super::bench::{Run, Sweep};
-use super::paper::Paper;
-use super::plot::{Failure, svg};
+use super::canvas::RasterCanvas;
+use super::{BenchRun, BenchSweep};
+use crate::report::{Failure, svg};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
@@ -13,7 +13,7 @@ const LETTERS: i32 = 15;
 const NAMES: i32 = 375;
 const PIECE: i32 = 28;
 
-impl Sweep {
+impl BenchSweep {
     /// Error against run time, both logarithmic: a curve a profile and series, with rings around the
     /// runs that no other of their profile beats in both.
     ///
@@ -28,13 +28,13 @@ impl Sweep {
     /// # Errors
     /// What the drawing library or the encoder reports.
     pub fn png(&self) -> Result<Vec<u8>, Failure> {
-        let mut paper = Paper::new(SIZE);
+        let mut canvas = RasterCanvas::new(SIZE);
         {
-            let root = paper.into_drawing_area();
+            let root = canvas.into_drawing_area();
             self.draw(&root)?;
             root.present()?;
         }
-        Ok(paper.png()?)
+        Ok(canvas.png()?)
     }
 
     fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), Failure>
@@ -42,8 +42,8 @@ impl Sweep {
         B::ErrorType: 'static,
     {
         // What is no error has no place on a logarithmic axis.
-        let shown = |run: &&Run| run.error > 0.0 && run.error.is_finite();
-        let runs: Vec<&Run> = self.runs.iter().filter(shown).collect();
+        let shown = |run: &&BenchRun| run.error > 0.0 && run.error.is_finite();
+        let runs: Vec<&BenchRun> = self.runs.iter().filter(shown).collect();
         let font = ("sans-serif", LETTERS);
         let mut chart = ChartBuilder::on(root)
             .caption(self.about, ("sans-serif", 20))
@@ -114,7 +114,8 @@ impl Sweep {
                 }
             }
             let best = runs.iter().filter(|run| run.profile == *profile && run.pareto);
-            let ring = |run: &&Run| Circle::new((run.time_ms, run.error), 5, BLACK.stroke_width(1));
+            let ring =
+                |run: &&BenchRun| Circle::new((run.time_ms, run.error), 5, BLACK.stroke_width(1));
             chart.draw_series(best.map(ring))?;
         }
         Ok(())
@@ -136,7 +137,7 @@ fn decade(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bench::tests::sweep;
+    use super::super::results::tests::sweep;
 
     #[test]
     fn axes_run_from_decade_to_decade() {

@@ -16,15 +16,15 @@ use std::convert::Infallible;
 /// Letters whose cells are about as high as is asked.
 const FONTS: [&MonoFont; 3] = [&ascii::FONT_7X13, &ascii::FONT_9X15, &ascii::FONT_10X20];
 
-/// White paper.
-pub struct Paper {
+/// A canvas of pixels, white at first.
+pub struct RasterCanvas {
     size: (u32, u32),
     rgb: Vec<u8>,
 }
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
-impl Paper {
+impl RasterCanvas {
     /// Columns and rows.
     pub fn new(size: (u32, u32)) -> Self {
         Self { size, rgb: vec![255; 3 * size.0 as usize * size.1 as usize] }
@@ -35,7 +35,7 @@ impl Paper {
         png::encode(self.size.0, self.size.1, &self.rgb)
     }
 
-    /// Where a pixel's bytes begin, if it is on the paper.
+    /// Where a pixel's bytes begin, if it is on it.
     fn at(&self, (x, y): BackendCoord) -> Option<usize> {
         let (x, y) = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         let (width, height) = self.size;
@@ -43,7 +43,7 @@ impl Paper {
     }
 }
 
-impl DrawingBackend for &mut Paper {
+impl DrawingBackend for &mut RasterCanvas {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {

@@ -1,14 +1,15 @@
 //! Limits of the mesh against the errors that are proven of it, its size, time and memory.
 
-use super::{Error, Subject, Sweep, order, run, timed};
+use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
 use crate::geom::Precision;
 use crate::mesh::{Face, Limits, forecast, mesh};
 use crate::num::{exp, log};
+use crate::pipeline::Error;
 use std::fs;
 
 /// Which limit governs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Rule {
+pub enum GoverningLimit {
     /// The image's displacement: falls as the root of the number of triangles.
     Facet,
     /// The height between facet and mirror: falls as their number.
@@ -21,19 +22,27 @@ const SIZES: [f64; 5] = [1e4, 3e4, 1e5, 3e5, 1e6];
 const FITTED: f64 = 5e4;
 
 /// Meshes of 1e4 to 1e6 triangles, each within one limit alone.
-pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Error> {
+pub fn sweep(
+    subjects: &[Subject],
+    rule: GoverningLimit,
+    quick: bool,
+) -> Result<BenchSweep, BenchError> {
     let (name, about, [setting, error], per_triangle) = match rule {
-        Rule::Facet => ("mesh-facet", "Facet error of the mesh", ["facet_px", "bound_px"], -0.5),
-        Rule::Chord => ("mesh-chord", "Chord error of the mesh", ["chord_um", "bound_um"], -1.0),
+        GoverningLimit::Facet => {
+            ("mesh-facet", "Facet error of the mesh", ["facet_px", "bound_px"], -0.5)
+        }
+        GoverningLimit::Chord => {
+            ("mesh-chord", "Chord error of the mesh", ["chord_um", "bound_um"], -1.0)
+        }
     };
     let sizes = if quick { &SIZES[..3] } else { &SIZES };
     let mut runs = Vec::new();
     for subject in subjects {
         let design = &subject.design;
         let unit_mm = match rule {
-            Rule::Facet if design.view.is_none() => continue,
-            Rule::Facet => design.camera.pixel_mm,
-            Rule::Chord => 1e-3,
+            GoverningLimit::Facet if design.view.is_none() => continue,
+            GoverningLimit::Facet => design.camera.pixel_mm,
+            GoverningLimit::Chord => 1e-3,
         };
         let (mirror, chart, view) = (&design.mirror, &design.camera.chart, design.view.as_ref());
         let fail = |source| Error::Mesh { profile: subject.name().to_owned(), source };
@@ -54,8 +63,8 @@ pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Err
             drop(first);
             let (time_ms, face) = timed(quick, || mesh(mirror, chart, view, limits).map_err(fail))?;
             let (reached, least) = match rule {
-                Rule::Facet => (face.bound.facet_mm, face.optimum.facet(limit * unit_mm)),
-                Rule::Chord => (face.bound.chord_mm, face.optimum.chord(limit * unit_mm)),
+                GoverningLimit::Facet => (face.bound.facet_mm, face.optimum.facet(limit * unit_mm)),
+                GoverningLimit::Chord => (face.bound.chord_mm, face.optimum.chord(limit * unit_mm)),
             };
             let figures = figures(&face, least, bytes, time_ms);
             runs.push(run((subject.name(), ""), limit, time_ms, reached / unit_mm, figures));
@@ -64,19 +73,25 @@ pub fn sweep(subjects: &[Subject], rule: Rule, quick: bool) -> Result<Sweep, Err
     let large: Vec<_> =
         runs.iter().filter(|run| run.figures["triangles"] > FITTED).cloned().collect();
     let orders = [
-        order(&large, "error ~ triangles", per_triangle, |run| {
+        convergence_order(&large, "error ~ triangles", per_triangle, |run| {
             (run.figures["triangles"], run.error)
         }),
-        order(&large, "time ~ triangles", 1.0, |run| (run.figures["triangles"], run.time_ms)),
-        order(&large, "error ~ time", per_triangle, |run| (run.time_ms, run.error)),
+        convergence_order(&large, "time ~ triangles", 1.0, |run| {
+            (run.figures["triangles"], run.time_ms)
+        }),
+        convergence_order(&large, "error ~ time", per_triangle, |run| (run.time_ms, run.error)),
     ];
     let orders = orders.into_iter().flatten().collect();
-    Ok(Sweep { name, about, setting, error, runs, orders })
+    Ok(BenchSweep { name, about, setting, error, runs, orders })
 }
 
-fn limits(rule: Rule, limit_mm: f64) -> Limits {
+fn limits(rule: GoverningLimit, limit_mm: f64) -> Limits {
     let of = |this| (rule == this).then_some(limit_mm);
-    Limits { chord_mm: of(Rule::Chord), facet_mm: of(Rule::Facet), precision: Precision::Double }
+    Limits {
+        chord_mm: of(GoverningLimit::Chord),
+        facet_mm: of(GoverningLimit::Facet),
+        precision: Precision::Double,
+    }
 }
 
 fn figures(

@@ -1,22 +1,22 @@
 //! Benchmark results as JSON, CSV and a table.
 
-use super::text::{digits, pretty, written};
+use crate::report::{digits, pretty, written};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// One run: what a setting costs, and how far from the truth it leaves the result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Run {
+pub struct BenchRun {
     /// Profile.
     pub profile: String,
     /// What else tells curves apart, such as the method.
     pub series: String,
-    /// In the unit of [`Sweep::setting`].
+    /// In the unit of [`BenchSweep::setting`].
     pub setting: f64,
     /// Run time, ms.
     pub time_ms: f64,
-    /// In the unit of [`Sweep::error`].
+    /// In the unit of [`BenchSweep::error`].
     pub error: f64,
     /// Whether no other run of its curves' profile is both faster and nearer.
     pub pareto: bool,
@@ -26,7 +26,7 @@ pub struct Run {
 
 /// How one quantity goes with another, y ~ x^p within each curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Order {
+pub struct ConvergenceOrder {
     /// y against x.
     pub of: &'static str,
     /// p, fitted to all curves at once.
@@ -39,7 +39,7 @@ pub struct Order {
 
 /// Runs that differ in one setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Sweep {
+pub struct BenchSweep {
     /// File name without ending.
     pub name: &'static str,
     /// What was swept.
@@ -49,9 +49,9 @@ pub struct Sweep {
     /// The error, with its unit.
     pub error: &'static str,
     /// Curve by curve.
-    pub runs: Vec<Run>,
+    pub runs: Vec<BenchRun>,
     /// What was fitted.
-    pub orders: Vec<Order>,
+    pub orders: Vec<ConvergenceOrder>,
 }
 
 /// The cheapest settings that reach a pixel error.
@@ -62,14 +62,14 @@ pub struct Suggestion {
     /// The pixel error asked for, RMS against the projection, px.
     pub target_px: f64,
     /// The settings; none where the design alone is farther off.
-    pub settings: Option<Settings>,
+    pub settings: Option<SuggestedSettings>,
     /// The least pixel error of any design, px.
     pub least_px: f64,
 }
 
 /// Settings of a profile, and what came of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Settings {
+pub struct SuggestedSettings {
     /// Method.
     pub method: String,
     /// Whether the largest error is made small.
@@ -90,17 +90,17 @@ pub struct Settings {
 
 /// `bench.json`, schema 2.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Bench {
+pub struct BenchReport {
     /// Version of these keys.
     pub schema: u32,
     /// What was swept.
-    pub sweeps: Vec<Sweep>,
+    pub sweeps: Vec<BenchSweep>,
     /// What was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub suggestions: Vec<Suggestion>,
 }
 
-impl Sweep {
+impl BenchSweep {
     /// A line a run.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -109,7 +109,7 @@ impl Sweep {
         let head = ["profile", "series", self.setting, "time_ms", self.error, "pareto"];
         let mut out = [&head[..], &keys].concat().join(",") + "\n";
         for run in &self.runs {
-            let Run { profile, series, setting, time_ms, error, pareto, figures } = run;
+            let BenchRun { profile, series, setting, time_ms, error, pareto, figures } = run;
             // Writing to a string cannot fail.
             let _ = write!(out, "{profile},{series},{setting},{time_ms:.4},{error:e},{pareto}");
             for key in &keys {
@@ -128,7 +128,7 @@ impl Sweep {
         writeln!(out, "{about}  (* nothing is both faster and nearer)")?;
         writeln!(out, "  {:22}{:26}{setting:>14}{:>12}  {error}", "profile", "", "time ms")?;
         for run in &self.runs {
-            let Run { profile, series, setting, time_ms, error, pareto, .. } = run;
+            let BenchRun { profile, series, setting, time_ms, error, pareto, .. } = run;
             let star = if *pareto { " *" } else { "" };
             let setting =
                 if setting.fract() == 0.0 { setting.to_string() } else { digits(*setting) };
@@ -137,14 +137,14 @@ impl Sweep {
                 "  {profile:22}{series:26}{setting:>14}{time_ms:>12.2}  {error:.3e}{star}"
             )?;
         }
-        for Order { of, order, sigma, theory } in &self.orders {
+        for ConvergenceOrder { of, order, sigma, theory } in &self.orders {
             writeln!(out, "  {of} ^ {order:.2} +- {sigma:.2}; theory {theory}")?;
         }
         writeln!(out)
     }
 }
 
-impl Bench {
+impl BenchReport {
     /// `bench.json`.
     #[must_use]
     pub fn json(&self) -> String {
@@ -171,8 +171,16 @@ impl Suggestion {
                 digits(*least_px)
             );
         };
-        let Settings { method, minimax, degree, facet_px, triangles, pixel_rms_px, time_ms, file } =
-            found;
+        let SuggestedSettings {
+            method,
+            minimax,
+            degree,
+            facet_px,
+            triangles,
+            pixel_rms_px,
+            time_ms,
+            file,
+        } = found;
         let goal = if *minimax { ", minimax" } else { "" };
         writeln!(
             out,
@@ -188,8 +196,8 @@ pub(super) mod tests {
     use super::*;
 
     /// Two profiles of two curves.
-    pub fn sweep() -> Sweep {
-        let run = |profile: &str, series: &str, k: i32| Run {
+    pub fn sweep() -> BenchSweep {
+        let run = |profile: &str, series: &str, k: i32| BenchRun {
             profile: profile.into(),
             series: series.into(),
             setting: f64::from(k),
@@ -200,7 +208,7 @@ pub(super) mod tests {
         };
         let curve = |profile, series| [4, 8].map(|k| run(profile, series, k)).to_vec();
         let runs = [curve("panoramic", "a"), curve("panoramic", "b"), curve("conical", "a")];
-        Sweep {
+        BenchSweep {
             name: "design",
             about: "Degree",
             setting: "degree",
@@ -216,7 +224,7 @@ pub(super) mod tests {
         let csv = sweep.csv();
         assert_eq!(csv.lines().count(), 1 + 6);
         assert_eq!(csv.lines().nth(2), Some("panoramic,a,8,64.0000,3.75e0,true,,8"));
-        let bench = Bench { schema: 2, sweeps: vec![sweep], suggestions: Vec::new() };
+        let bench = BenchReport { schema: 2, sweeps: vec![sweep], suggestions: Vec::new() };
         assert_eq!(bench.text().lines().count(), 2 + 6 + 1);
         assert_eq!(bench.text().matches(" *\n").count(), 3);
     }

@@ -1,11 +1,11 @@
 //! What can be read off many runs.
 
+use super::{BenchRun, ConvergenceOrder};
 use crate::num::log;
-use crate::report::{Order, Run};
 
 /// Marks the runs that no other of the same profile beats in time and error both.
-pub fn mark_pareto(runs: &mut [Run]) {
-    let beats = |a: &Run, b: &Run| {
+pub fn mark_pareto(runs: &mut [BenchRun]) {
+    let beats = |a: &BenchRun, b: &BenchRun| {
         a.profile == b.profile
             && a.time_ms <= b.time_ms
             && a.error <= b.error
@@ -18,12 +18,12 @@ pub fn mark_pareto(runs: &mut [Run]) {
 
 /// The order p of y ~ x^p within each profile's curve, fitted by least squares to all of `runs` at once,
 /// each curve with a constant of its own; none without two points on one curve.
-pub fn order(
-    runs: &[Run],
+pub fn convergence_order(
+    runs: &[BenchRun],
     of: &'static str,
     theory: f64,
-    point: impl Fn(&Run) -> (f64, f64),
-) -> Option<Order> {
+    point: impl Fn(&BenchRun) -> (f64, f64),
+) -> Option<ConvergenceOrder> {
     let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
     profiles.dedup();
     let (mut centred, mut freedom) = (Vec::new(), 0usize);
@@ -45,7 +45,7 @@ pub fn order(
     let left: f64 = centred.iter().map(|(x, y)| (y - order * x) * (y - order * x)).sum();
     // One of the degrees of freedom is the order's own.
     let sigma = (left / (freedom.max(2) - 1) as f64 / xx).sqrt();
-    (xx > 0.0).then_some(Order { of, order, sigma, theory })
+    (xx > 0.0).then_some(ConvergenceOrder { of, order, sigma, theory })
 }
 
 #[cfg(test)]
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
     use crate::num::exp;
 
-    fn runs(curves: &[(&str, f64)], order: f64) -> Vec<Run> {
+    fn runs(curves: &[(&str, f64)], order: f64) -> Vec<BenchRun> {
         let each = |&(profile, factor): &(&str, f64)| {
             [1.0, 3.0, 10.0, 30.0].map(|x| {
                 super::super::run(
@@ -72,12 +72,13 @@ mod tests {
     fn orders_are_found_within_curves_of_any_height() {
         for exact in [-2.0, -0.5, 0.0, 1.0] {
             let runs = runs(&[("a", 1.0), ("b", 1e6), ("c", 1e-4)], exact);
-            let found = order(&runs, "", exact, |run| (run.setting, run.time_ms)).unwrap();
+            let found =
+                convergence_order(&runs, "", exact, |run| (run.setting, run.time_ms)).unwrap();
             assert!((found.order - exact).abs() < 1e-9 && found.sigma < 1e-7, "{found:?}");
         }
         let single = &runs(&[("a", 1.0)], 1.0)[..1];
-        assert!(order(single, "", 1.0, |run| (run.setting, run.time_ms)).is_none());
-        assert!(order(&[], "", 1.0, |run| (run.setting, run.time_ms)).is_none());
+        assert!(convergence_order(single, "", 1.0, |run| (run.setting, run.time_ms)).is_none());
+        assert!(convergence_order(&[], "", 1.0, |run| (run.setting, run.time_ms)).is_none());
     }
 
     #[test]
