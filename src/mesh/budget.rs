@@ -3,7 +3,7 @@
 //! The number falls as the limit is loosened, nearly as a power of it. Forecasts aim; meshes
 //! tell by how much the forecasts are off, and the next aim allows for that.
 
-use super::{Face, Forecast, Limits, MeshError, Mesher, Optimum};
+use super::{Face, Limits, MeshError, MeshForecast, Mesher, Optimum};
 use crate::geom::{Chart, Precision};
 use crate::mirror::Mirror;
 use crate::num::{exp, log};
@@ -47,9 +47,9 @@ const HAIR: f64 = 1e-6;
 const FINER: [(usize, usize); 2] = [(20_000, 8), (200_000, 3)];
 
 /// How many triangles closing a face adds, which is not for the mesh to know.
-pub trait Closing {
+pub trait ClosureCount {
     /// To a face that is foreseen.
-    fn foreseen(&self, forecast: &Forecast) -> f64;
+    fn foreseen(&self, forecast: &MeshForecast) -> f64;
     /// To a face that is made.
     fn counted(&self, face: &Face) -> usize;
 }
@@ -68,23 +68,23 @@ pub struct Budget<'a> {
     /// Most triangles of the closed part.
     pub triangles: usize,
     /// What closing adds.
-    pub closing: &'a dyn Closing,
+    pub closing: &'a dyn ClosureCount,
 }
 
 /// Limits that suit a budget, and the mesh that they let foresee.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plan {
+pub struct MeshPlan {
     /// The one limit.
     pub limits: Limits,
     /// What a mesh within it will be.
-    pub forecast: Forecast,
+    pub forecast: MeshForecast,
 }
 
 /// The loose limit of the fewest triangles, and how many these are.
-type Fewest = Result<(Plan, f64), MeshError>;
+type FewestTriangles = Result<(MeshPlan, f64), MeshError>;
 
 /// What meshes that were made tell.
-struct Tried {
+struct BudgetSearch {
     bracket: Bracket,
     /// The one of the least error that fitted.
     best: Option<Face>,
@@ -94,7 +94,7 @@ struct Tried {
     least: usize,
 }
 
-impl Tried {
+impl BudgetSearch {
     /// The number of triangles of the mesh within `limit`; infinite where it is refused and a looser
     /// limit may help.
     fn make(&mut self, budget: &Budget, mesher: &mut Mesher, limit: f64) -> Result<f64, MeshError> {
@@ -112,7 +112,7 @@ impl Tried {
                         self.best = Some(face);
                     }
                 } else if limit >= self.bracket.loosest {
-                    return Err(MeshError::Few { most, least: self.least });
+                    return Err(MeshError::BudgetTooSmall { most, least: self.least });
                 }
                 count as f64
             }
@@ -130,14 +130,14 @@ impl Budget<'_> {
     /// The finest mesh that, closed, has no more triangles than the budget.
     ///
     /// # Errors
-    /// [`MeshError::Few`] when there is none, and what no looser limit helps against.
+    /// [`MeshError::BudgetTooSmall`] when there is none, and what no looser limit helps against.
     pub fn mesh(&self) -> Result<Face, MeshError> {
         let most = self.triangles as f64;
         let small = MESHES.into_iter().find(|(below, _)| self.triangles < *below);
         let usual = small.map_or(LARGE_MESHES, |(_, meshes)| meshes);
         let mut mesher = self.mesher();
         let mut tried =
-            Tried { bracket: self.bracket(), best: None, refusals: 0, least: usize::MAX };
+            BudgetSearch { bracket: self.bracket(), best: None, refusals: 0, least: usize::MAX };
         let fewest = self.loosest(&mut mesher);
         if fewest.as_ref().is_ok_and(|(_, count)| *count > CLOSE * most) {
             tried.make(self, &mut mesher, tried.bracket.loosest)?;
@@ -167,7 +167,7 @@ impl Budget<'_> {
     }
 
     /// Tries some limits below those that fitted: numbers of triangles do not rise with every one.
-    fn finer(&self, mesher: &mut Mesher, tried: &mut Tried) {
+    fn finer(&self, mesher: &mut Mesher, tried: &mut BudgetSearch) {
         let steps = FINER.into_iter().find(|(below, _)| self.triangles < *below);
         let mut limit = tried.bracket.fits;
         for _ in 0..steps.map_or(0, |(_, steps)| steps) {
@@ -191,7 +191,7 @@ impl Budget<'_> {
     ///
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
-    pub fn foresee(&self) -> Result<Plan, MeshError> {
+    pub fn foresee(&self) -> Result<MeshPlan, MeshError> {
         let mut mesher = self.mesher();
         let fewest = self.loosest(&mut mesher);
         let plan = self.aim(&mut mesher, fewest)?;
@@ -200,12 +200,12 @@ impl Budget<'_> {
             return Ok(plan);
         }
         let least = self.foreseen(&mesher.forecast(plan.limits)?) as usize;
-        Err(MeshError::Few { most: self.triangles, least })
+        Err(MeshError::BudgetTooSmall { most: self.triangles, least })
     }
 
     /// The loose limit of the fewest triangles, and how many these are: hardly any mesh has fewer.
-    fn loosest(&self, mesher: &mut Mesher) -> Fewest {
-        let mut fewest: Option<(Plan, f64)> = None;
+    fn loosest(&self, mesher: &mut Mesher) -> FewestTriangles {
+        let mut fewest: Option<(MeshPlan, f64)> = None;
         let mut limit = LOOSEST * self.size();
         loop {
             let limits = self.limits(limit);
@@ -217,14 +217,14 @@ impl Budget<'_> {
             let count = self.foreseen(&forecast);
             match fewest {
                 Some(fewest) if count >= fewest.1 => return Ok(fewest),
-                _ => fewest = Some((Plan { limits, forecast }, count)),
+                _ => fewest = Some((MeshPlan { limits, forecast }, count)),
             }
             limit /= LOOSE_STEP;
         }
     }
 
     /// The limit at which a forecast comes nearest to the budget, or that of the `fewest`.
-    fn aim(&self, mesher: &mut Mesher, fewest: Fewest) -> Result<Plan, MeshError> {
+    fn aim(&self, mesher: &mut Mesher, fewest: FewestTriangles) -> Result<MeshPlan, MeshError> {
         let target = AIM * self.triangles as f64;
         let near = NEAR[usize::from(!self.is_small())];
         let fitting = target * (1.0 + near);
@@ -246,9 +246,9 @@ impl Budget<'_> {
                 Ok(forecast) => {
                     let count = self.foreseen(&forecast);
                     // Until one fits, the one that is nearest to it.
-                    let is_less = |(_, kept): &(Plan, f64)| *kept > fitting && count < *kept;
+                    let is_less = |(_, kept): &(MeshPlan, f64)| *kept > fitting && count < *kept;
                     if count <= fitting || plan.as_ref().is_none_or(is_less) {
-                        plan = Some((Plan { limits, forecast }, count));
+                        plan = Some((MeshPlan { limits, forecast }, count));
                     }
                     count
                 }
@@ -268,7 +268,7 @@ impl Budget<'_> {
         Mesher::new(self.mirror, self.camera, self.view)
     }
 
-    fn foreseen(&self, forecast: &Forecast) -> f64 {
+    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
         forecast.facets + self.closing.foreseen(forecast)
     }
 
@@ -278,7 +278,7 @@ impl Budget<'_> {
         Limits { chord_mm, facet_mm, precision: self.precision }
     }
 
-    fn limit_of(&self, plan: &Plan) -> f64 {
+    fn limit_of(&self, plan: &MeshPlan) -> f64 {
         plan.limits.facet_mm.or(plan.limits.chord_mm).expect("one limit is set")
     }
 
@@ -312,22 +312,22 @@ impl Budget<'_> {
     }
 
     /// Theory's: the facet error falls with a facet's size, the chord error with its square.
-    fn power(&self) -> Power {
-        Power { theory: if self.view.is_some() { 2.0 } else { 1.0 }, last: None }
+    fn power(&self) -> PowerLaw {
+        PowerLaw { theory: if self.view.is_some() { 2.0 } else { 1.0 }, last: None }
     }
 }
 
 /// The power of the limit that the number of triangles falls by, as the last two tries tell it: where rims
 /// need most of the triangles, or a mirror is flat, the number hardly follows the limit.
 #[derive(Debug)]
-struct Power {
+struct PowerLaw {
     /// Theory's power, and the largest.
     theory: f64,
     /// Logarithms of the last limit and its number.
     last: Option<[f64; 2]>,
 }
 
-impl Power {
+impl PowerLaw {
     /// A factor on `limit`, which has `count` triangles, towards `target` triangles.
     fn step(&mut self, limit: f64, count: f64, target: f64) -> f64 {
         if count.is_infinite() {
@@ -356,7 +356,9 @@ impl Bracket {
     /// An error that a looser limit may not meet counts as too many triangles.
     fn too_strict(&self, limit: f64, error: MeshError) -> Result<f64, MeshError> {
         match error {
-            MeshError::TooMany { .. } | MeshError::Floor { .. } | MeshError::Single { .. }
+            MeshError::TooMany { .. }
+            | MeshError::NotRefinable { .. }
+            | MeshError::PrecisionLimit { .. }
                 if limit < self.loosest =>
             {
                 Ok(f64::INFINITY)

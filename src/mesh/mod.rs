@@ -12,46 +12,29 @@
 //! panel is meshed on one half or quarter, a folded mirror on one panel: displacements of the image
 //! are the same in all of them.
 
+mod bound;
 mod budget;
-mod cell;
-mod corner;
-mod course;
-mod crowd;
-mod deviation;
-mod doubt;
-mod draft;
-mod ground;
-mod needs;
-mod net;
-mod optimum;
-mod pack;
-mod plane;
-mod proof;
+mod coarse;
 mod refine;
-mod region;
-mod rim;
-mod subdivide;
+mod sizing;
 #[cfg(test)]
 mod tests;
-mod tight;
-mod tighten;
-mod written;
 
-pub use budget::{Budget, Closing, Plan};
-pub use doubt::Near;
-pub use optimum::Optimum;
-pub use proof::{Bound, Prover, Vertex};
+pub use bound::error_bounder::{ErrorBound, ErrorBounder, SurfaceVertex};
+pub use budget::{Budget, ClosureCount, MeshPlan};
+pub use refine::probe::ImageSingularity;
+pub use sizing::optimum::Optimum;
 
 use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::ImagingTask;
 use crate::parallel;
-use draft::{Draft, Trial};
-use needs::Needs;
-use refine::refine;
-use region::Sight;
+use bound::region::ImagingProblem;
+use coarse::coarse_mesh::{CoarseCandidate, CoarseMesh};
+use refine::repair::refine;
+use refine::subdivide::subdivide;
+use sizing::field::SizingField;
 use std::collections::HashSet;
-use subdivide::subdivide;
 use thiserror::Error;
 
 /// Most points of a coarse mesh, and of each of its sides: ten times what is aimed at.
@@ -73,7 +56,7 @@ pub struct Limits {
 impl Limits {
     /// Whether `bound` is within both.
     #[must_use]
-    pub fn hold(&self, bound: &Bound) -> bool {
+    pub fn hold(&self, bound: &ErrorBound) -> bool {
         self.chord_mm.is_none_or(|limit| bound.chord_mm <= limit)
             && self.facet_mm.is_none_or(|limit| bound.facet_mm <= limit)
     }
@@ -94,7 +77,7 @@ pub struct Face {
     /// The first this many facets belong to the designed panel, the rest to its reflection.
     pub designed: usize,
     /// What holds on every facet, for the mesh as it is and rounded to single precision.
-    pub bound: Bound,
+    pub bound: ErrorBound,
     /// How few triangles could do, by theory.
     pub optimum: Optimum,
 }
@@ -117,26 +100,26 @@ pub enum MeshError {
     /// coarse for.
     #[error(
         "at X {:.4} mm, Y {:.4} mm a facet of {size_mm:.1e} mm still has a bound of {} (chord) and \
-         {} (image); {}", at.x, at.y, proven(bound.chord_mm), proven(bound.facet_mm), advised(*near)
+         {} (image); {}", at.x, at.y, proven(bound.chord_mm), proven(bound.facet_mm), advised(*singularity)
     )]
-    Floor {
+    NotRefinable {
         /// Where.
         at: DVec2,
         /// Longest edge, mm.
         size_mm: f64,
         /// What could be proven there.
-        bound: Bound,
+        bound: ErrorBound,
         /// Whether double precision would do better there.
-        digits: bool,
+        holds_in_double: bool,
         /// What makes errors of the image large there.
-        near: Option<Near>,
+        singularity: Option<ImageSingularity>,
     },
     /// Rounding to single precision alone keeps facets from a limit.
     #[error(
         "single precision carries no better than {} at X {:.4} mm, Y {:.4} mm; loosen the limit",
         carried(*chord_mm, *facet_mm), at.x, at.y
     )]
-    Single {
+    PrecisionLimit {
         /// Where.
         at: DVec2,
         /// The chord that it carries there, mm, if that limit cannot be kept.
@@ -149,7 +132,7 @@ pub enum MeshError {
         "max_triangles = {most} is too few: the coarsest mesh of this mirror comes to {least} \
          triangles; raise max_triangles to that"
     )]
-    Few {
+    BudgetTooSmall {
         /// The number allowed.
         most: usize,
         /// The fewest that were reached.
@@ -161,7 +144,7 @@ pub enum MeshError {
          facet_px has no meaning; raise the degree, narrow the elevation range, or give chord_um \
          alone", at.x, at.y
     )]
-    Pole {
+    OnAxis {
         /// Where.
         at: DVec2,
     },
@@ -171,13 +154,13 @@ pub enum MeshError {
          elsewhere; narrow the elevation range or keep it further from +-90 degrees, or give \
          chord_um alone", at.x, at.y
     )]
-    Crowded {
+    SizeContrast {
         /// Where.
         at: DVec2,
     },
     /// spade refused a point.
     #[error("the point ({x}, {y}) cannot be triangulated: {reason}")]
-    Point {
+    PointRejected {
         /// X, mm.
         x: f64,
         /// Y, mm.
@@ -188,7 +171,7 @@ pub enum MeshError {
 }
 
 /// What is to be done about a facet that splitting does not help.
-fn advised(near: Option<Near>) -> String {
+fn advised(near: Option<ImageSingularity>) -> String {
     let loosen = "loosen chord_um or facet_px";
     near.map_or_else(|| loosen.to_owned(), |near| format!("{near}, or {loosen}"))
 }
@@ -225,7 +208,7 @@ pub fn mesh(
 
 /// How large a mesh will be.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Forecast {
+pub struct MeshForecast {
     /// Facets of the optical face.
     pub facets: f64,
     /// Edges around it (and around its hole, if there is one).
@@ -244,25 +227,25 @@ pub fn forecast(
     camera: &Chart,
     view: Option<&ImagingTask>,
     limits: Limits,
-) -> Result<Forecast, MeshError> {
+) -> Result<MeshForecast, MeshError> {
     Mesher::new(mirror, camera, view).forecast(limits)
 }
 
 /// Meshes and foresees by several limits: what is known of the mirror is found out once.
 struct Mesher<'a> {
-    sight: Sight<'a>,
-    needs: Option<Needs>,
-    prover: Option<Prover<'a>>,
+    sight: ImagingProblem<'a>,
+    needs: Option<SizingField>,
+    prover: Option<ErrorBounder<'a>>,
 }
 
 impl<'a> Mesher<'a> {
     fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a ImagingTask>) -> Self {
-        Self { sight: Sight { mirror, camera: *camera, view }, needs: None, prover: None }
+        Self { sight: ImagingProblem { mirror, camera: *camera, view }, needs: None, prover: None }
     }
 
     /// See [`mesh`].
     fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
-        let Sight { mirror, camera, view } = self.sight;
+        let ImagingProblem { mirror, camera, view } = self.sight;
         let made = || self.drafted(limits, |prover, draft| made(prover, draft, limits));
         // From a thread of the pool, the others are reached more quickly.
         let (made, optimum) = parallel::join(made, || Optimum::new(mirror, &camera, view));
@@ -275,7 +258,7 @@ impl<'a> Mesher<'a> {
     }
 
     /// See [`forecast`].
-    fn forecast(&mut self, limits: Limits) -> Result<Forecast, MeshError> {
+    fn forecast(&mut self, limits: Limits) -> Result<MeshForecast, MeshError> {
         self.foresee(limits, |prover, draft| {
             let mirror = prover.mirror();
             if !draft.is_told_by_making(copies(mirror)) {
@@ -284,20 +267,20 @@ impl<'a> Mesher<'a> {
             let panel = made(prover, draft, limits)?.0;
             let panels = if mirror.folded { 2.0 } else { 1.0 };
             let [facets, rim] = [panel.triangles.len(), rim(mirror, &panel)];
-            Ok(Forecast { facets: panels * facets as f64, rim: panels * rim as f64 })
+            Ok(MeshForecast { facets: panels * facets as f64, rim: panels * rim as f64 })
         })
     }
 
     /// What a forecast says when nothing is made for it.
-    fn estimate(&mut self, limits: Limits) -> Result<Forecast, MeshError> {
+    fn estimate(&mut self, limits: Limits) -> Result<MeshForecast, MeshError> {
         self.foresee(limits, |prover, draft| Ok(estimate(prover.mirror(), draft)))
     }
 
     fn foresee(
         &mut self,
         limits: Limits,
-        by: impl FnOnce(&Prover, &Draft) -> Result<Forecast, MeshError> + Send,
-    ) -> Result<Forecast, MeshError> {
+        by: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<MeshForecast, MeshError> + Send,
+    ) -> Result<MeshForecast, MeshError> {
         // From a thread of the pool, the others are reached more quickly.
         parallel::join(|| self.drafted(limits, by), || ()).0
     }
@@ -306,19 +289,19 @@ impl<'a> Mesher<'a> {
     fn drafted<T>(
         &mut self,
         limits: Limits,
-        make: impl FnOnce(&Prover, &Draft) -> Result<T, MeshError>,
+        make: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError>,
     ) -> Result<T, MeshError> {
         let sight = self.sight;
         assert!(sight.view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
         let domain = domain(sight.mirror);
         let known = self.needs.take().and_then(|needs| needs.under(limits));
-        let needs = known.unwrap_or_else(|| Needs::new(&sight, domain, limits));
+        let needs = known.unwrap_or_else(|| SizingField::new(&sight, domain, limits));
         self.needs = Some(needs.clone());
         let known = self.prover.take().filter(|prover| prover.precision == limits.precision);
         // Neither keeps all threads busy.
         let (prover, trial) = parallel::join(
-            || known.unwrap_or_else(|| Prover::over(domain, sight, limits.precision)),
-            || Trial::new(sight.mirror, &needs, domain, copies(sight.mirror)),
+            || known.unwrap_or_else(|| ErrorBounder::over(domain, sight, limits.precision)),
+            || CoarseCandidate::new(sight.mirror, &needs, domain, copies(sight.mirror)),
         );
         let prover = self.prover.insert(prover);
         let draft = trial?.judged(prover, limits)?;
@@ -327,7 +310,11 @@ impl<'a> Mesher<'a> {
 }
 
 /// The mesh of the designed panel that a draft comes to, and what is proven of it.
-fn made(prover: &Prover, draft: &Draft, limits: Limits) -> Result<(TriMesh, Bound), MeshError> {
+fn made(
+    prover: &ErrorBounder,
+    draft: &CoarseMesh,
+    limits: Limits,
+) -> Result<(TriMesh, ErrorBound), MeshError> {
     let mirror = prover.mirror();
     let (mut mesh, bound) = refine(prover, draft, subdivide(draft), copies(mirror), limits)?;
     for axis in [0, 1] {
@@ -339,13 +326,13 @@ fn made(prover: &Prover, draft: &Draft, limits: Limits) -> Result<(TriMesh, Boun
 }
 
 /// The size of what a draft comes to, by samples of its facets.
-fn estimate(mirror: &Mirror, draft: &Draft) -> Forecast {
+fn estimate(mirror: &Mirror, draft: &CoarseMesh) -> MeshForecast {
     // Sides on which the part meets its reflection are inside the face.
     let seam = [mirror.mirror_symmetric[0], mirror.mirror_symmetric[1] || mirror.folded];
     let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
     let copies = copies(mirror);
     let sides = draft.net.sides().filter(is_rim).count() * draft.cells.parts * copies;
-    Forecast { facets: draft.facets() * copies as f64, rim: sides as f64 }
+    MeshForecast { facets: draft.facets() * copies as f64, rim: sides as f64 }
 }
 
 /// The number of edges at the rim of a mirror's panel; those on which a folded mirror's two panels meet

@@ -1,7 +1,7 @@
 //! Whole meshes of every kind of mirror, sampled against their proven bounds by independent code.
 
-use super::doubt::{Doubt, Shrunk};
-use super::{Bound, Face, Limits, MeshError, Prover, Vertex, mesh};
+use super::refine::probe::{ProbeOutcome, RefinementProbe};
+use super::{ErrorBound, ErrorBounder, Face, Limits, MeshError, SurfaceVertex, mesh};
 use crate::geom::{Chart, DVec2, DVec3, Outline, Precision, Rect, turn};
 use crate::mirror::{Mirror, RadialLegendre, Surface, TensorLegendre};
 use crate::num::legendre::{Series, values};
@@ -85,7 +85,7 @@ impl Case {
         face
     }
 
-    fn vertex(&self, prover: &Prover, at: DVec3) -> Vertex {
+    fn vertex(&self, prover: &ErrorBounder, at: DVec3) -> SurfaceVertex {
         let q = self.mirror.chart.coordinates(at).0;
         prover.vertex(q, self.mirror.surface.at(q))
     }
@@ -118,7 +118,8 @@ impl Case {
     /// Holds every facet to its own bound, at `n` steps per edge; the share of the face's bounds
     /// that samples reach.
     fn hold(&self, face: &Face, n: usize) -> [f64; 2] {
-        let prover = Prover::new(&self.mirror, &self.camera, Some(&self.view), Precision::Single);
+        let prover =
+            ErrorBounder::new(&self.mirror, &self.camera, Some(&self.view), Precision::Single);
         let mut largest = [0.0f64; 2];
         for t in 0..face.designed {
             let exact = face.mesh.corners(t);
@@ -139,7 +140,7 @@ impl Case {
                 }
             }
         }
-        let Bound { chord_mm, facet_mm, .. } = face.bound;
+        let ErrorBound { chord_mm, facet_mm, .. } = face.bound;
         [largest[0] / chord_mm, largest[1] / facet_mm]
     }
 
@@ -215,8 +216,8 @@ fn conformal() -> Case {
 #[test]
 fn an_error_that_is_no_number_is_not_forgotten() {
     let (unknown, known) = (
-        Bound { facet_mm: f64::NAN, ..Bound::default() },
-        Bound { facet_mm: 3.0, ..Bound::default() },
+        ErrorBound { facet_mm: f64::NAN, ..ErrorBound::default() },
+        ErrorBound { facet_mm: 3.0, ..ErrorBound::default() },
     );
     for both in [unknown.max(known), known.max(unknown)] {
         assert!(both.facet_mm.is_nan());
@@ -231,7 +232,7 @@ fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
     let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
     let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
     let case = Case { mirror, camera: PINHOLE, view };
-    let prover = Prover::new(&case.mirror, &case.camera, Some(&case.view), Precision::Single);
+    let prover = ErrorBounder::new(&case.mirror, &case.camera, Some(&case.view), Precision::Single);
     let mut draws = Draws::new(5);
     let mut largest = 0.0f64;
     for _ in 0..4000 {
@@ -269,23 +270,23 @@ fn what_rounding_tilts_is_the_worse_the_smaller_it_is() {
     let facet = |size: f64| [DVec2::ZERO, DVec2::X, DVec2::Y].map(|step| corner + step * size);
     for precision in [Precision::Single, Precision::Double] {
         let limits = Limits { chord_mm: None, facet_mm: Some(0.1), precision };
-        let prover = Prover::new(&mirror, &camera, Some(&view), precision);
-        let doubt = Doubt::new(&prover, limits);
+        let prover = ErrorBounder::new(&mirror, &camera, Some(&view), precision);
+        let doubt = RefinementProbe::new(&prover, limits);
         // Facet errors are as the size.
         let [once, twice] = [0.6, 1.2].map(|size| match doubt.shrink(facet(size)) {
-            Shrunk::Holds(parts) => parts,
+            ProbeOutcome::Converges(parts) => parts,
             other => panic!("{other:?}"),
         });
         assert!((3.5..4.5).contains(&(twice / once)), "{once} {twice}");
-        let wants_digits = |doubt: &Doubt, size: f64| match doubt.floor(facet(size)) {
-            MeshError::Floor { digits, .. } => digits,
+        let wants_digits = |doubt: &RefinementProbe, size: f64| match doubt.floor(facet(size)) {
+            MeshError::NotRefinable { holds_in_double, .. } => holds_in_double,
             other => panic!("{other}"),
         };
         assert!(!wants_digits(&doubt, 0.6));
         // A thousandth of that limit is beyond corners that nearly hit the mirror, too.
-        let strict = Doubt::new(&prover, Limits { facet_mm: Some(1e-4), ..limits });
+        let strict = RefinementProbe::new(&prover, Limits { facet_mm: Some(1e-4), ..limits });
         let (small, is_single) = (strict.shrink(facet(2e-3)), precision == Precision::Single);
-        assert_eq!(small == Shrunk::Worsens, is_single, "{small:?}");
+        assert_eq!(small == ProbeOutcome::Diverges, is_single, "{small:?}");
         assert_eq!(wants_digits(&strict, 2e-3), is_single);
     }
 }

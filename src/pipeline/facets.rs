@@ -6,7 +6,8 @@ use super::formats::{TRACED, drawings, meshes, precision};
 use crate::design::Design;
 use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
-    Budget, Closing, Face, Forecast, Limits, MeshError, Plan, forecast as forecast_within, mesh,
+    Budget, ClosureCount, Face, Limits, MeshError, MeshForecast, MeshPlan,
+    forecast as forecast_within, mesh,
 };
 use crate::profile::{Format, Profile};
 use crate::report::{Reason, ReasonKind};
@@ -35,18 +36,18 @@ pub fn face(profile: &Profile, design: &Design) -> Result<Facets<Face>, Error> {
 }
 
 /// What is foreseen of that face.
-pub fn plan(profile: &Profile, design: &Design) -> Result<Facets<Plan>, Error> {
+pub fn plan(profile: &Profile, design: &Design) -> Result<Facets<MeshPlan>, Error> {
     at_precision(profile, design, |precision| match profile.mesh.max_triangles {
         Some(triangles) => Spending::new(design).budget(triangles, precision).foresee(),
         None => {
             let limits = limits(profile, design, precision);
-            Ok(Plan { limits, forecast: forecast(design, limits)? })
+            Ok(MeshPlan { limits, forecast: forecast(design, limits)? })
         }
     })
 }
 
 /// What is foreseen of the face that keeps `limits`.
-pub fn forecast(design: &Design, limits: Limits) -> Result<Forecast, MeshError> {
+pub fn forecast(design: &Design, limits: Limits) -> Result<MeshForecast, MeshError> {
     forecast_within(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
 }
 
@@ -60,7 +61,7 @@ pub fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limit
 }
 
 /// How many facets close the face that is foreseen.
-pub fn added_to(forecast: &Forecast, design: &Design) -> usize {
+pub fn added_to(forecast: &MeshForecast, design: &Design) -> usize {
     let hole = match design.mirror.outline {
         // As if neighbours on both rims were equally far apart.
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
@@ -85,8 +86,8 @@ impl<'a> Spending<'a> {
     }
 }
 
-impl Closing for Spending<'_> {
-    fn foreseen(&self, forecast: &Forecast) -> f64 {
+impl ClosureCount for Spending<'_> {
+    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
         added_to(forecast, self.0) as f64
     }
 
@@ -158,8 +159,8 @@ fn refusal(
     error: &MeshError,
 ) -> Option<String> {
     let (at, chord_mm, facet_mm) = match *error {
-        MeshError::Single { at, chord_mm, facet_mm } => (at, chord_mm, facet_mm),
-        MeshError::Floor { at, bound, digits: true, .. } => {
+        MeshError::PrecisionLimit { at, chord_mm, facet_mm } => (at, chord_mm, facet_mm),
+        MeshError::NotRefinable { at, bound, holds_in_double: true, .. } => {
             let limits = limits(profile, design, Precision::Single);
             let missed = |bound: f64, limit: Option<f64>| {
                 limit.is_some_and(|limit| !(bound <= limit)).then_some(bound)

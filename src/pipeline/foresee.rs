@@ -11,7 +11,7 @@ use crate::design::Design;
 use crate::export::step::Fit;
 use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
 use crate::geom::{Outline, Precision};
-use crate::mesh::{Bound, Limits, Plan, mesh};
+use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{Foreseen, ProfileId, Prospect, ProspectFile, ProspectMesh, Reason};
@@ -79,7 +79,7 @@ pub fn check_room(
 }
 
 /// The mesh that is foreseen, or why there will be none although the build goes on.
-fn planned(profile: &Profile, design: &Design) -> Result<Result<Facets<Plan>, Reason>, Error> {
+fn planned(profile: &Profile, design: &Design) -> Result<Result<Facets<MeshPlan>, Reason>, Error> {
     match facets::plan(profile, design) {
         Ok(facets) => Ok(Ok(facets)),
         Err(error) => left_out(profile, error).map(Err),
@@ -90,10 +90,10 @@ fn prospect(
     profile: &Profile,
     design: &Design,
     fit: Option<&Fit>,
-    facets: &Result<Facets<Plan>, Reason>,
+    facets: &Result<Facets<MeshPlan>, Reason>,
 ) -> Prospect {
     // As long as that of the build, whose bounds are not known yet.
-    let label = label(profile, design, Some(&Bound::default()));
+    let label = label(profile, design, Some(&ErrorBound::default()));
     let form = Form::of(&design.mirror);
     let drawing = Drawing { profile, design, form: &form, fit, label: &label };
     let drawn = drawings(profile).map(|format| foreseen(format, drawing.bytes(format)));
@@ -125,10 +125,10 @@ fn foreseen(format: Format, bytes: u64) -> ProspectFile {
 fn meshes(
     profile: &Profile,
     design: &Design,
-    facets: &Facets<Plan>,
+    facets: &Facets<MeshPlan>,
     label: &Label,
 ) -> (ProspectMesh, Vec<ProspectFile>) {
-    let Plan { limits, forecast } = facets.made;
+    let MeshPlan { limits, forecast } = facets.made;
     let size = size(design, forecast.facets.round() as usize, &facets.made);
     let tolerances = profile.mesh.max_triangles.map(|_| reached(design, &facets.made));
     let pixel = design.camera.pixel_mm;
@@ -171,7 +171,7 @@ fn packed(design: &Design, limits: Limits, label: &Label) -> Option<u64> {
 }
 
 /// The solid that is foreseen, by Euler's formula.
-fn size(design: &Design, optical: usize, plan: &Plan) -> Size {
+fn size(design: &Design, optical: usize, plan: &MeshPlan) -> Size {
     let ring = matches!(design.mirror.outline, Outline::Ring { inner, .. } if inner > 0.0);
     let rim = plan.forecast.rim.round() as usize;
     let more = added_to(&plan.forecast, design);
@@ -183,7 +183,7 @@ fn size(design: &Design, optical: usize, plan: &Plan) -> Size {
 /// The chord and the facet error that a number of triangles is good for: the one it is spent on,
 /// and the other by the errors of a coarse mesh, as the chord is of second order in a facet's size
 /// and the facet error of first.
-fn reached(design: &Design, plan: &Plan) -> [Option<f64>; 2] {
+fn reached(design: &Design, plan: &MeshPlan) -> [Option<f64>; 2] {
     const COARSE: f64 = 30_000.0;
     let Limits { chord_mm: None, facet_mm: Some(facet), precision } = plan.limits else {
         return [plan.limits.chord_mm, None];

@@ -62,7 +62,7 @@ pub(crate) use {
 
 use crate::design::{Design, design};
 use crate::export::Label;
-use crate::mesh::{Bound, Face};
+use crate::mesh::{ErrorBound, Face};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{FileFacts, MeshFacts, ProfileId, Report, SCHEMA, SolidFacts};
@@ -119,10 +119,10 @@ fn write(
 }
 
 /// What every file says about itself: tolerances asked and reached, too.
-fn label(profile: &Profile, design: &Design, bound: Option<&Bound>) -> Label {
+fn label(profile: &Profile, design: &Design, bound: Option<&ErrorBound>) -> Label {
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
     let reached =
-        |of: &dyn Fn(&Bound) -> f64| bound.map_or("-".into(), |b| format!("{:.3}", of(b)));
+        |of: &dyn Fn(&ErrorBound) -> f64| bound.map_or("-".into(), |b| format!("{:.3}", of(b)));
     let tolerances = format!(
         "chord um {}:{} facet px {}:{}",
         limit(profile.mesh.chord_um),

@@ -5,7 +5,7 @@ use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save,
 use crate::support::{share, small_but, times};
 use morion::internals::design::Design;
 use morion::internals::geom::Precision;
-use morion::internals::mesh::{Budget, Closing, Face, Forecast, Limits, MeshError, mesh};
+use morion::internals::mesh::{Budget, ClosureCount, Face, Limits, MeshError, MeshForecast, mesh};
 use morion::internals::num::exp;
 use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::shipped;
@@ -16,8 +16,8 @@ use serde_json::Value;
 /// Counts what a solid adds.
 struct Closed;
 
-impl Closing for Closed {
-    fn foreseen(&self, forecast: &Forecast) -> f64 {
+impl ClosureCount for Closed {
+    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
         3.0 * forecast.rim
     }
 
@@ -32,8 +32,8 @@ struct Drilled;
 
 const AROUND: usize = 3000;
 
-impl Closing for Drilled {
-    fn foreseen(&self, forecast: &Forecast) -> f64 {
+impl ClosureCount for Drilled {
+    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
         Closed.foreseen(forecast) + AROUND as f64
     }
 
@@ -146,7 +146,9 @@ fn what_stands_against_a_finer_mesh_is_said_where_a_budget_is_not_used() {
 #[test]
 fn a_budget_below_the_coarsest_mesh_is_refused_with_a_number_that_does() {
     let design = support::designed(&support::shipped("hyperbolic"));
-    let Err(MeshError::Few { most: 100, least }) = within(&design, 100, Precision::Single) else {
+    let Err(MeshError::BudgetTooSmall { most: 100, least }) =
+        within(&design, 100, Precision::Single)
+    else {
         panic!("not refused");
     };
     assert_eq!(closed(&within(&design, least, Precision::Single).unwrap()), least);
@@ -160,7 +162,7 @@ fn the_fewest_triangles_are_foreseen() {
     let (precision, triangles) = (Precision::Single, AROUND + 50);
     let budget = Budget { mirror, camera, view, precision, triangles, closing: &Drilled };
     let least = |error: MeshError| match error {
-        MeshError::Few { least, .. } => least as f64,
+        MeshError::BudgetTooSmall { least, .. } => least as f64,
         error => panic!("{error}"),
     };
     let made = least(budget.mesh().map(|face| closed(&face)).unwrap_err());

@@ -6,7 +6,7 @@
 use crate::support::{designed, limits, meshed, profile, sag, share, shipped, with_limits};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3, Outline, Precision, Rect, TriMesh, turn};
-use morion::internals::mesh::{Bound, Face, Limits, Prover};
+use morion::internals::mesh::{ErrorBound, ErrorBounder, Face, Limits};
 use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
 use rayon::prelude::*;
@@ -73,8 +73,12 @@ fn rounded(corner: DVec3) -> DVec3 {
 /// Samples every facet of the designed panel coarsely and an even choice of them densely, as
 /// designed and as single precision leaves it; each must keep its own bound.
 fn largest_errors(design: &Design, face: &Face) -> Sampled {
-    let prover =
-        Prover::new(&design.mirror, &design.camera.chart, design.view.as_ref(), Precision::Single);
+    let prover = ErrorBounder::new(
+        &design.mirror,
+        &design.camera.chart,
+        design.view.as_ref(),
+        Precision::Single,
+    );
     let (coarse, dense) = (weights(2), weights(9));
     let stride = face.designed.div_ceil(DENSE);
     let facet = |t: usize| {
@@ -103,7 +107,7 @@ fn largest_errors(design: &Design, face: &Face) -> Sampled {
     (0..face.designed).into_par_iter().map(facet).reduce(Sampled::default, Sampled::max)
 }
 
-fn keeps(bound: &Bound, limits: &Limits) -> bool {
+fn keeps(bound: &ErrorBound, limits: &Limits) -> bool {
     let within = |found: f64, limit: Option<f64>| limit.is_none_or(|limit| found <= limit);
     within(bound.chord_mm, limits.chord_mm) && within(bound.facet_mm, limits.facet_mm)
 }

@@ -18,13 +18,13 @@ fn outcome(case: &Case) -> Outcome {
     let face = match case.mesh() {
         Ok(face) => face,
         Err(MeshError::TooMany { .. }) => return Outcome::Refused("too many facets"),
-        Err(MeshError::Floor { .. } | MeshError::Single { .. }) => {
+        Err(MeshError::NotRefinable { .. } | MeshError::PrecisionLimit { .. }) => {
             return Outcome::Refused("limits under what digits allow");
         }
-        Err(MeshError::Pole { .. } | MeshError::Crowded { .. }) => {
+        Err(MeshError::OnAxis { .. } | MeshError::SizeContrast { .. }) => {
             return Outcome::Refused("a look along the axis");
         }
-        Err(error @ (MeshError::Point { .. } | MeshError::Few { .. })) => {
+        Err(error @ (MeshError::PointRejected { .. } | MeshError::BudgetTooSmall { .. })) => {
             return Outcome::Wrong(error.to_string());
         }
     };

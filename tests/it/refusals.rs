@@ -18,18 +18,18 @@ fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {
             assert!(solid.is_ok(), "{what}: {}", solid.unwrap_err());
         }
         Err(MeshError::TooMany { facets, most }) => assert!(facets > most, "{what}: {facets}"),
-        Err(MeshError::Floor { at, size_mm, bound, .. }) => {
+        Err(MeshError::NotRefinable { at, size_mm, bound, .. }) => {
             assert!(at.is_finite() && size_mm.is_finite(), "{what}: {at} {size_mm}");
             assert!(!limits.hold(bound), "{what}: {bound:?} keeps {limits:?}");
         }
-        Err(MeshError::Single { at, chord_mm, facet_mm }) => {
+        Err(MeshError::PrecisionLimit { at, chord_mm, facet_mm }) => {
             let over = |reached: &Option<f64>, limit: Option<f64>| {
                 reached.is_some_and(|r| limit.is_some_and(|limit| r >= limit))
             };
             let exceeds = over(chord_mm, limits.chord_mm) || over(facet_mm, limits.facet_mm);
             assert!(at.is_finite() && exceeds, "{what}: {chord_mm:?} {facet_mm:?} of {limits:?}");
         }
-        Err(MeshError::Pole { at } | MeshError::Crowded { at }) => {
+        Err(MeshError::OnAxis { at } | MeshError::SizeContrast { at }) => {
             assert!(at.is_finite(), "{what}: {at}")
         }
         Err(error) => panic!("{what}: {error}"),
@@ -58,7 +58,8 @@ fn limits_below_single_precision_are_refused() {
     ] {
         let profile = with_limits(profile(edits), Some(chord_um), None);
         let face = meshed(&profile, &designed(&profile));
-        let refused = matches!(face, Err(MeshError::Floor { .. } | MeshError::Single { .. }));
+        let refused =
+            matches!(face, Err(MeshError::NotRefinable { .. } | MeshError::PrecisionLimit { .. }));
         assert!(refused, "{what}: {:?}", face.err());
         sound(what, &profile, &face);
     }
@@ -70,7 +71,8 @@ fn a_picture_finer_than_rounded_slopes_is_refused() {
     let edits = [("[-180, 180]", "[0, 0.001]"), ("[-30, 30]", "[0, 0.001]")];
     let profile = with_limits(profile(&edits), None, Some(1.0));
     let face = meshed(&profile, &designed(&profile));
-    let refused = matches!(face, Err(MeshError::Floor { .. } | MeshError::Single { .. }));
+    let refused =
+        matches!(face, Err(MeshError::NotRefinable { .. } | MeshError::PrecisionLimit { .. }));
     assert!(refused, "{:?}", face.err());
     sound("a thousandth of a degree", &profile, &face);
 }
@@ -90,7 +92,7 @@ fn a_picture_too_near_to_the_horizon_or_a_pole_is_refused_for_that() {
             face
         };
         let error = of(elevation).expect_err(what);
-        let floor = matches!(error, MeshError::Floor { near: Some(_), .. });
+        let floor = matches!(error, MeshError::NotRefinable { singularity: Some(_), .. });
         assert!(floor && error.to_string().contains(said), "{what}: {error}");
         assert!(of(further).is_ok(), "{what}");
     }

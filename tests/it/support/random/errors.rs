@@ -3,7 +3,7 @@
 
 use super::Case;
 use morion::internals::geom::{Chart, DVec2, DVec3, Precision, turn};
-use morion::internals::mesh::{Bound, Face, Prover};
+use morion::internals::mesh::{ErrorBound, ErrorBounder, Face};
 use morion::internals::mirror::Mirror;
 use morion::internals::optics::ImagingTask;
 use rayon::prelude::*;
@@ -111,10 +111,10 @@ impl Seen<'_> {
         n: u32,
         climb: bool,
     ) -> Result<[f64; 2], String> {
-        let prover = own.then(|| Prover::new(self.mirror, self.camera, self.view, precision));
+        let prover = own.then(|| ErrorBounder::new(self.mirror, self.camera, self.view, precision));
         let chart = &self.mirror.chart;
         let slack = ULP * self.mirror.outline.bounds().size().max_element() + 1e-13;
-        let vertex = |prover: &Prover, at: DVec3| {
+        let vertex = |prover: &ErrorBounder, at: DVec3| {
             let q = chart.coordinates(at).0;
             let is_single = precision == Precision::Single && chart.vergence == 0.0;
             let q = if is_single { q.as_vec2().as_dvec2() } else { q };
@@ -137,7 +137,7 @@ impl Seen<'_> {
                     bounds.push(("tight", prover.bound_tightly([a, b, c])));
                 }
             }
-            for (whose, Bound { chord_mm, facet_mm, .. }) in bounds {
+            for (whose, ErrorBound { chord_mm, facet_mm, .. }) in bounds {
                 // Slopes of facets have the rounding of heights over their size.
                 let rough = slack * 4.0 / size(exact) * self.mirror.outline.bounds().size().x;
                 let facet_held = self.view.is_none() || found[1] <= facet_mm + slack + rough;

@@ -1,6 +1,6 @@
 //! Corners drawn into their neighbours: what is left around them is fewer and larger triangles.
 
-use super::{Corner, GAIN, NONE, Net, SLIGHT};
+use super::{EditableTriangulation, GAIN, NONE, SLIGHT, VertexModel};
 use crate::geom::turn;
 
 /// A corner that is to be drawn into a neighbour.
@@ -14,7 +14,7 @@ pub struct Collapse {
     excess: f64,
 }
 
-impl<C: Corner> Net<'_, C> {
+impl<C: VertexModel> EditableTriangulation<'_, C> {
     /// Whether triangle `t` has gone with a corner that was drawn into another.
     pub fn is_gone(&self, t: u32) -> bool {
         self.triangles[t as usize][0] == NONE
@@ -96,8 +96,8 @@ mod tests {
     use super::*;
     use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
     use crate::mesh::Limits;
-    use crate::mesh::needs::{Needs, Place};
-    use crate::mesh::region::Sight;
+    use crate::mesh::bound::region::ImagingProblem;
+    use crate::mesh::sizing::field::{LocalModel, SizingField};
     use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
 
@@ -105,14 +105,14 @@ mod tests {
     #[derive(Debug, Clone, Copy, PartialEq)]
     struct Bare(DVec2);
 
-    impl Corner for Bare {
+    impl VertexModel for Bare {
         const EACH: bool = true;
 
         fn q(&self) -> DVec2 {
             self.0
         }
 
-        fn excess(_: &Needs, _: &Place, [a, b, c]: [&Self; 3]) -> f64 {
+        fn excess(_: &SizingField, _: &LocalModel, [a, b, c]: [&Self; 3]) -> f64 {
             let (a, b, c) = (a.0, b.0, c.0);
             let sides = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
             sides.into_iter().fold(0.0, f64::max) / turn(a, b, c)
@@ -124,7 +124,7 @@ mod tests {
     }
 
     /// The needs of a plane.
-    fn needs() -> Needs {
+    fn needs() -> SizingField {
         let half = DVec2::splat(10.0);
         let series = Series::from_fn(2, 2, |_, _| 0.0);
         let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
@@ -133,17 +133,22 @@ mod tests {
         let surface = Surface::Tensor(sheet);
         let mirror =
             Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
-        let sight = Sight { mirror: &mirror, camera: chart, view: None };
+        let sight = ImagingProblem { mirror: &mirror, camera: chart, view: None };
         let precision = Precision::Double;
         let limits = Limits { chord_mm: Some(1e-3), facet_mm: None, precision };
-        Needs::new(&sight, outline.bounds(), limits)
+        SizingField::new(&sight, outline.bounds(), limits)
     }
 
     /// A square of side 2 with its corners 0 to 3, and the inner one 4.
-    fn square(needs: &Needs, x: f64, y: f64) -> Net<'_, Bare> {
+    fn square(needs: &SizingField, x: f64, y: f64) -> EditableTriangulation<'_, Bare> {
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (x, y)];
         let points = corners.map(|(x, y)| Bare(DVec2::new(x, y))).to_vec();
-        Net::new(needs, 1.0, points, vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+        EditableTriangulation::new(
+            needs,
+            1.0,
+            points,
+            vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+        )
     }
 
     #[test]
@@ -178,7 +183,7 @@ mod tests {
         let points =
             vec![at(-3.0, -2.0), at(3.0, -2.0), at(0.0, 4.0), at(0.0, -1.9), at(0.0, -1.8)];
         let triangles = vec![[0, 1, 3], [0, 3, 4], [3, 1, 4], [1, 2, 4], [2, 0, 4]];
-        let net = Net::new(&needs, 1.0, points, triangles);
+        let net = EditableTriangulation::new(&needs, 1.0, points, triangles);
         // 0 and 4 share 1, 2 and 3, and so do 1 and 4.
         assert_eq!([0, 1].map(|into| net.collapse_of([4, into])), [None; 2]);
         assert!(net.collapse_of([3, 4]).is_some());

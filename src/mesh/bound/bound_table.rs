@@ -5,7 +5,7 @@
 //! what is known there is turned through the angle that the facet takes.
 
 use super::deviation::Triangle;
-use super::region::{Region, Sight, beyond};
+use super::region::{ImagingProblem, RegionBounds, beyond};
 use crate::geom::{DVec2, Rect};
 use crate::mirror::{BoundGrid, DerivativeBounds, RadialLegendre, Rings, Surface, UnionBound};
 use crate::optics::{ImagingTask, Projection};
@@ -22,13 +22,13 @@ const MARGIN: f64 = 1e-6;
 
 /// What is known.
 #[derive(Debug, Clone)]
-pub enum Ground {
+pub enum BoundTable {
     /// Of boxes on a grid.
     Grid {
         /// Of the mirror.
         bounds: BoundGrid<DerivativeBounds>,
         /// Of facets.
-        regions: BoundGrid<Region>,
+        regions: BoundGrid<RegionBounds>,
         /// How far beside facets that is looked up, mm.
         margin: f64,
     },
@@ -40,13 +40,13 @@ pub enum Ground {
         width: f64,
         /// Of facets, as far as it has been asked for: by size, then by part; the last part is
         /// beyond the rim.
-        regions: Vec<OnceLock<Region>>,
+        regions: Vec<OnceLock<RegionBounds>>,
     },
 }
 
 /// A facet, or a part of one, where it is looked at.
 #[derive(Debug)]
-pub struct Local {
+pub struct FacetFrame {
     /// The turn that brought it there.
     pub turn: DVec2,
     /// It.
@@ -57,10 +57,10 @@ pub struct Local {
     angle: [f64; 2],
 }
 
-impl Local {
+impl FacetFrame {
     /// Whether what is known of `region` holds for a facet with this gradient of h.
     #[inline]
-    pub fn is_known(&self, region: &Region, gradient: DVec2) -> bool {
+    pub fn is_known(&self, region: &RegionBounds, gradient: DVec2) -> bool {
         let g = self.turn.rotate(gradient);
         let [cos, sin] = self.angle;
         // All that turning may make of it.
@@ -70,9 +70,9 @@ impl Local {
     }
 }
 
-impl Ground {
+impl BoundTable {
     /// What is known of the part `part` of the panel.
-    pub fn new(sight: &Sight, part: Rect) -> Self {
+    pub fn new(sight: &ImagingProblem, part: Rect) -> Self {
         if let Some(round) = round(sight) {
             let width = round.radius[1] / COLUMNS as f64;
             let regions = vec![OnceLock::new(); LEVELS * (COLUMNS + 1)];
@@ -82,7 +82,7 @@ impl Ground {
         let parts = sight.parts();
         let regions = bounds.map(parts, |part, bounds| {
             if beyond(&sight.mirror.outline, part) {
-                Region::NOTHING
+                RegionBounds::NOTHING
             } else if parts == 1 {
                 sight.region(part, bounds, None)
             } else {
@@ -94,10 +94,10 @@ impl Ground {
 
     /// The triangle with the given corners where it is looked at.
     #[inline]
-    pub fn local(&self, corners: [DVec2; 3]) -> Local {
+    pub fn local(&self, corners: [DVec2; 3]) -> FacetFrame {
         let Self::Axis { .. } = self else {
             let triangle = Triangle::new(corners);
-            return Local { turn: DVec2::X, triangle, far: 0.0, angle: [1.0, 0.0] };
+            return FacetFrame { turn: DVec2::X, triangle, far: 0.0, angle: [1.0, 0.0] };
         };
         let middle = corners[0] + corners[1] + corners[2];
         let turn = middle.try_normalize().map_or(DVec2::X, |p| DVec2::new(p.x, -p.y));
@@ -112,7 +112,7 @@ impl Ground {
         } else {
             [-1.0, 1.0]
         };
-        Local { turn, triangle, far, angle }
+        FacetFrame { turn, triangle, far, angle }
     }
 
     /// How far beside a triangle what is known of it holds, mm.
@@ -132,7 +132,13 @@ impl Ground {
     /// What is known of a triangle that is (a part of) a facet of the given diameter, and of places
     /// as far beside it as `beside`.
     #[inline]
-    pub fn region(&self, sight: &Sight, local: &Local, diameter: f64, beside: f64) -> Region {
+    pub fn region(
+        &self,
+        sight: &ImagingProblem,
+        local: &FacetFrame,
+        diameter: f64,
+        beside: f64,
+    ) -> RegionBounds {
         let margin = self.margin() + beside;
         let (rings, width, regions) = match self {
             Self::Grid { regions, .. } => {
@@ -164,11 +170,11 @@ impl Ground {
 }
 
 /// What is known of facets of at most some size that begin on part `part` of the X axis.
-fn ring(sight: &Sight, rings: &Rings, width: f64, part: usize, size: f64) -> Region {
+fn ring(sight: &ImagingProblem, rings: &Rings, width: f64, part: usize, size: f64) -> RegionBounds {
     let x = part as f64 * width;
     let part = [DVec2::new(x, 0.0), DVec2::new(x + width, 0.0)];
     if beyond(&sight.mirror.outline, part) {
-        return Region::NOTHING;
+        return RegionBounds::NOTHING;
     }
     let bounds = sight.narrow(&rings.bounds(part[0], part[1]), part);
     let wide = [part[0] - size, part[1] + size];
@@ -182,7 +188,7 @@ fn size(level: usize) -> f64 {
 }
 
 /// The surface, if turning about the axis changes neither it nor what the image must show.
-fn round<'a>(sight: &Sight<'a>) -> Option<&'a RadialLegendre> {
+fn round<'a>(sight: &ImagingProblem<'a>) -> Option<&'a RadialLegendre> {
     let radial = |view: &ImagingTask| matches!(view.projection, Projection::Radial { .. });
     match &sight.mirror.surface {
         Surface::Round(round) if sight.view.is_none_or(radial) => Some(round),

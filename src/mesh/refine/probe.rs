@@ -1,10 +1,10 @@
 //! Whether splitting a facet that is too large does any good, found out before the work: what is
 //! proven of it as it shrinks.
 
-use super::proof::{Bound, Prover, Vertex};
-use super::region::Sight;
-use super::{Limits, MeshError};
 use crate::geom::{DVec2, Precision};
+use crate::mesh::bound::error_bounder::{ErrorBound, ErrorBounder, SurfaceVertex};
+use crate::mesh::bound::region::ImagingProblem;
+use crate::mesh::{Limits, MeshError};
 use crate::num::{asin, degrees};
 use crate::optics::{Target, stereographic};
 use thiserror::Error;
@@ -21,7 +21,7 @@ const HALF_WAY_DEG: f64 = 45.0;
 
 /// Directions near which a small turn of the mirror moves its image far.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum Near {
+pub enum ImageSingularity {
     /// Directions along the target plane.
     #[error(
         "the mirror shows elevation {elevation_deg:.2} degrees there: keep the picture further from the \
@@ -43,24 +43,24 @@ pub enum Near {
 }
 
 /// Proofs of shrinking facets by some limits.
-pub struct Doubt<'a> {
-    prover: &'a Prover<'a>,
+pub struct RefinementProbe<'a> {
+    prover: &'a ErrorBounder<'a>,
     limits: Limits,
 }
 
 /// What becomes of a facet that shrinks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shrunk {
+pub enum ProbeOutcome {
     /// It keeps the limits, about so many times as small in area.
-    Holds(f64),
+    Converges(f64),
     /// It errs the more the smaller it is: rounding tilts it.
-    Worsens,
+    Diverges,
     /// Neither is seen.
-    Unsettled,
+    Unknown,
 }
 
-impl<'a> Doubt<'a> {
-    pub fn new(prover: &'a Prover<'a>, limits: Limits) -> Self {
+impl<'a> RefinementProbe<'a> {
+    pub fn new(prover: &'a ErrorBounder<'a>, limits: Limits) -> Self {
         Self { prover, limits }
     }
 
@@ -73,10 +73,10 @@ impl<'a> Doubt<'a> {
     }
 
     /// By how much a facet must shrink to keep the limits, and what became of it when that was tried.
-    pub fn oversize(&self, facet: [DVec2; 3]) -> (f64, Option<Shrunk>) {
+    pub fn oversize(&self, facet: [DVec2; 3]) -> (f64, Option<ProbeOutcome>) {
         let excess = self.excess(facet, 1.0);
         if excess <= 1.0 {
-            return (excess, Some(Shrunk::Holds(1.0)));
+            return (excess, Some(ProbeOutcome::Converges(1.0)));
         }
         if excess <= LINEAR {
             return (excess, None);
@@ -84,19 +84,19 @@ impl<'a> Doubt<'a> {
         // Bounds of facets that are far too large may be anything.
         let shrunk = self.shrink(facet);
         let by = match shrunk {
-            Shrunk::Holds(parts) => parts.sqrt(),
-            Shrunk::Worsens | Shrunk::Unsettled => excess.min(f64::from(1 << HALVINGS)),
+            ProbeOutcome::Converges(parts) => parts.sqrt(),
+            ProbeOutcome::Diverges | ProbeOutcome::Unknown => excess.min(f64::from(1 << HALVINGS)),
         };
         (by, Some(shrunk))
     }
 
     /// The corners of a facet shrunk `by` a factor towards its middle.
-    fn shrunk(&self, facet: [DVec2; 3], by: f64) -> [Vertex; 3] {
+    fn shrunk(&self, facet: [DVec2; 3], by: f64) -> [SurfaceVertex; 3] {
         let middle = middle(facet);
         facet.map(|p| self.prover.corner(middle + (p - middle) * by))
     }
 
-    fn bound(&self, facet: [DVec2; 3], by: f64) -> Bound {
+    fn bound(&self, facet: [DVec2; 3], by: f64) -> ErrorBound {
         self.prover.bound_roughly(self.shrunk(facet, by).each_ref(), &self.limits)
     }
 
@@ -109,7 +109,7 @@ impl<'a> Doubt<'a> {
     }
 
     /// What becomes of a facet as it is halved again and again.
-    pub fn shrink(&self, facet: [DVec2; 3]) -> Shrunk {
+    pub fn shrink(&self, facet: [DVec2; 3]) -> ProbeOutcome {
         let (mut least, mut growths) = (f64::INFINITY, 0);
         for halvings in 0..=HALVINGS {
             let parts = f64::from(1 << halvings);
@@ -119,16 +119,16 @@ impl<'a> Doubt<'a> {
             }
             if excess <= 1.0 {
                 let parts = parts * excess;
-                return Shrunk::Holds((parts * parts).max(1.0));
+                return ProbeOutcome::Converges((parts * parts).max(1.0));
             }
             growths = if excess >= least && excess < f64::INFINITY { growths + 1 } else { 0 };
             // Once may be chance.
             if growths >= 2 && least > BEYOND_LUCK {
-                return Shrunk::Worsens;
+                return ProbeOutcome::Diverges;
             }
             least = least.min(excess);
         }
-        Shrunk::Unsettled
+        ProbeOutcome::Unknown
     }
 
     /// Whether the facet, which splitting does not help, would hold in double precision.
@@ -136,13 +136,13 @@ impl<'a> Doubt<'a> {
         if self.limits.precision == Precision::Double || self.holds(facet) {
             return false;
         }
-        let prover = Prover { precision: Precision::Double, ..self.prover.clone() };
+        let prover = ErrorBounder { precision: Precision::Double, ..self.prover.clone() };
         let limits = Limits { precision: Precision::Double, ..self.limits };
-        Doubt::new(&prover, limits).holds(facet)
+        RefinementProbe::new(&prover, limits).holds(facet)
     }
 
     fn holds(&self, facet: [DVec2; 3]) -> bool {
-        matches!(self.shrink(facet), Shrunk::Holds(_))
+        matches!(self.shrink(facet), ProbeOutcome::Converges(_))
     }
 
     /// Why a facet that was to be split is not.
@@ -154,19 +154,19 @@ impl<'a> Doubt<'a> {
             let vertex = |q: DVec2| self.prover.vertex(q, self.prover.mirror().surface.at(q));
             bound = self.prover.bound(facet.map(vertex).each_ref());
         }
-        MeshError::Floor {
+        MeshError::NotRefinable {
             at: middle(facet),
             size_mm: a.distance(b).max(b.distance(c)).max(c.distance(a)),
             bound,
-            digits: self.wants_digits(facet),
-            near: self.near(middle(facet)),
+            holds_in_double: self.wants_digits(facet),
+            singularity: self.near(middle(facet)),
         }
     }
 
     /// What makes errors of the image large at `q`.
-    fn near(&self, q: DVec2) -> Option<Near> {
+    fn near(&self, q: DVec2) -> Option<ImageSingularity> {
         self.limits.facet_mm?;
-        let Sight { mirror, camera, view } = self.prover.sight;
+        let ImagingProblem { mirror, camera, view } = self.prover.sight;
         let target = view?.target;
         let point = mirror.surface.at(q);
         let towards =
@@ -174,10 +174,10 @@ impl<'a> Doubt<'a> {
         let seen = stereographic::reflect(towards, mirror.slope(q, &point).to_array());
         let elevation_deg = degrees(asin(stereographic::direction(seen).z.clamp(-1.0, 1.0)));
         if elevation_deg.abs() > HALF_WAY_DEG {
-            return Some(Near::Pole { elevation_deg });
+            return Some(ImageSingularity::Pole { elevation_deg });
         }
         let is_plane = matches!(target, Target::Plane { .. });
-        is_plane.then_some(Near::Horizon { elevation_deg })
+        is_plane.then_some(ImageSingularity::Horizon { elevation_deg })
     }
 }
 

@@ -4,9 +4,9 @@
 
 mod collapse;
 
-use super::corner::Corner;
-use super::needs::{Needs, Place};
+use super::vertex_model::VertexModel;
 use crate::geom::{DVec2, turn};
+use crate::mesh::sizing::field::{LocalModel, SizingField};
 use glam::DMat2;
 
 const NONE: u32 = u32::MAX;
@@ -25,7 +25,7 @@ const SLIGHT: f64 = 0.12;
 const SHORT: f64 = 0.55;
 
 /// Triangles (a, b, c) and (b, a, d).
-struct Pair {
+struct TrianglePair {
     triangles: [u32; 2],
     corners: [u32; 4],
 }
@@ -34,20 +34,20 @@ struct Pair {
 const MOST_AROUND: usize = 16;
 
 /// The edges opposite a corner.
-struct Ring {
+struct VertexLink {
     edges: [[u32; 2]; MOST_AROUND],
     count: usize,
 }
 
-impl Ring {
+impl VertexLink {
     fn edges(&self) -> &[[u32; 2]] {
         &self.edges[..self.count]
     }
 }
 
 /// Triangles in the plane of the chart, and around each corner those that share it.
-pub struct Net<'a, C = DVec2> {
-    needs: &'a Needs,
+pub struct EditableTriangulation<'a, C = DVec2> {
+    needs: &'a SizingField,
     /// What the excess of triangles is multiplied by.
     scale: f64,
     /// Corners.
@@ -59,9 +59,14 @@ pub struct Net<'a, C = DVec2> {
     next: Vec<u32>,
 }
 
-impl<'a, C: Corner> Net<'a, C> {
+impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
     /// A net of triangles that are `scale` times as large as their errors count.
-    pub fn new(needs: &'a Needs, scale: f64, points: Vec<C>, triangles: Vec<[u32; 3]>) -> Self {
+    pub fn new(
+        needs: &'a SizingField,
+        scale: f64,
+        points: Vec<C>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Self {
         let (first, next) = (vec![NONE; points.len()], vec![NONE; 3 * triangles.len()]);
         let scale = 1.0 / (scale * scale);
         let mut net = Self { needs, scale, points, triangles, first, next };
@@ -72,7 +77,7 @@ impl<'a, C: Corner> Net<'a, C> {
     }
 
     /// By how much a triangle exceeds what it may be, in areas.
-    fn excess_of(&self, place: &Place, triangle: [&C; 3]) -> f64 {
+    fn excess_of(&self, place: &LocalModel, triangle: [&C; 3]) -> f64 {
         let [a, b, c] = triangle.map(C::q);
         if !(turn(a, b, c) > 0.0) {
             return f64::INFINITY;
@@ -124,7 +129,7 @@ impl<'a, C: Corner> Net<'a, C> {
     }
 
     /// The triangles beside an edge, if flipping it makes the worse one better.
-    fn better_flipped(&self, edge: [u32; 2]) -> Option<Pair> {
+    fn better_flipped(&self, edge: [u32; 2]) -> Option<TrianglePair> {
         let pair = self.pair(edge)?;
         let [a, b, c, d] = pair.corners.map(|v| &self.points[v as usize]);
         let [pa, pb, pc, pd] = [a, b, c, d].map(C::q);
@@ -148,17 +153,20 @@ impl<'a, C: Corner> Net<'a, C> {
     }
 
     /// The two triangles beside an edge, if there are two and they make a convex quadrangle.
-    fn pair(&self, [a, b]: [u32; 2]) -> Option<Pair> {
+    fn pair(&self, [a, b]: [u32; 2]) -> Option<TrianglePair> {
         let [Some(t), Some(u)] = self.beside([a, b]) else { return None };
         let triangles = if self.runs(t, a, b) { [t, u] } else { [u, t] };
         let [c, d] = triangles.map(|t| self.third(t, a, b));
         let [pa, pb, pc, pd] = [a, b, c, d].map(|v| self.q(v));
         let convex = turn(pa, pd, pc) > 0.0 && turn(pd, pb, pc) > 0.0;
-        convex.then_some(Pair { triangles, corners: [a, b, c, d] })
+        convex.then_some(TrianglePair { triangles, corners: [a, b, c, d] })
     }
 
     /// Flips the edge between a pair.
-    fn turn(&mut self, Pair { triangles: [t, u], corners: [a, b, c, d] }: Pair) -> [u32; 2] {
+    fn turn(
+        &mut self,
+        TrianglePair { triangles: [t, u], corners: [a, b, c, d] }: TrianglePair,
+    ) -> [u32; 2] {
         self.unlink(t as usize);
         self.unlink(u as usize);
         self.triangles[t as usize] = [a, d, c];
@@ -189,8 +197,8 @@ impl<'a, C: Corner> Net<'a, C> {
     }
 
     /// The edges opposite an inner corner, if there are not too many.
-    fn ring(&self, v: u32) -> Option<Ring> {
-        let mut ring = Ring { edges: [[0; 2]; MOST_AROUND], count: 0 };
+    fn ring(&self, v: u32) -> Option<VertexLink> {
+        let mut ring = VertexLink { edges: [[0; 2]; MOST_AROUND], count: 0 };
         let mut balance = 0i64;
         for t in self.around(v) {
             let triangle = self.triangles[t as usize];

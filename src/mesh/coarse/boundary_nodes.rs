@@ -1,9 +1,9 @@
 //! The rim of the meshed part of a mirror: straight sides, arcs, and the points on them.
 
-use super::CROWDED;
-use super::cell::Cells;
-use super::pack::extent;
+use super::point_placement::extent;
 use crate::geom::{DVec2, Outline, Rect, turn};
+use crate::mesh::CROWDED;
+use crate::mesh::sizing::frame_field::FrameField;
 use crate::mirror::Mirror;
 use crate::num::{atan, cos, sin};
 use glam::DMat2;
@@ -60,7 +60,7 @@ impl Arc {
         p.normalize() * self.radius
     }
 
-    fn points(&self, cells: &Cells) -> Option<Vec<DVec2>> {
+    fn points(&self, cells: &FrameField) -> Option<Vec<DVec2>> {
         let [from, to] = self.ends;
         let step = |share: f64| {
             let angle = from + (to - from) * share;
@@ -78,7 +78,7 @@ impl Arc {
 
 /// The rim and its points.
 #[derive(Debug, Clone)]
-pub struct Rim {
+pub struct BoundaryNodes {
     domain: Rect,
     outline: Outline,
     /// Its arcs, the outer one last.
@@ -93,10 +93,10 @@ pub struct Rim {
     pub edges: Vec<[usize; 2]>,
 }
 
-impl Rim {
+impl BoundaryNodes {
     /// The rim of the part `domain` of `mirror`, with points one cell apart; where a side begins along
     /// which cells are too small for that.
-    pub fn new(mirror: &Mirror, domain: Rect, cells: &Cells) -> Result<Self, DVec2> {
+    pub fn new(mirror: &Mirror, domain: Rect, cells: &FrameField) -> Result<Self, DVec2> {
         let mut rim = Self {
             domain,
             outline: mirror.outline,

@@ -4,7 +4,7 @@
 //! tilts small facets, and slivers the most. How far differs from place to place as if at random:
 //! of some tens of places within nanometres one is nearly hit, and there the corner goes.
 
-use super::proof::{Prover, Vertex};
+use super::error_bounder::{ErrorBounder, SurfaceVertex};
 use crate::geom::{DVec2, DVec3, Outline, Precision, Rect};
 
 /// Places that are tried on each side of a corner.
@@ -27,9 +27,9 @@ pub fn rounding_left(step: f64, slope: f64, size: f64) -> f64 {
     (1.0 - 2.0 * FARTHEST * size * slope / step).max(LEAST_LEFT)
 }
 
-impl Prover<'_> {
+impl ErrorBounder<'_> {
     /// A corner at `q` or a few steps of its digits beside it, as the file will have it.
-    pub(super) fn corner(&self, q: DVec2) -> Vertex {
+    pub(crate) fn corner(&self, q: DVec2) -> SurfaceVertex {
         let vertex = self.exactly(self.rounded(q));
         if self.precision == Precision::Double {
             return vertex;
@@ -39,7 +39,7 @@ impl Prover<'_> {
     }
 
     /// The corner at `q`.
-    fn exactly(&self, q: DVec2) -> Vertex {
+    fn exactly(&self, q: DVec2) -> SurfaceVertex {
         self.vertex(q, self.mirror().surface.at(q))
     }
 
@@ -51,7 +51,7 @@ impl Prover<'_> {
     }
 
     /// The directions in which a corner may be moved: anywhere, or along the side that it is on.
-    fn ways(&self, v: &Vertex) -> [Option<DVec2>; 2] {
+    fn ways(&self, v: &SurfaceVertex) -> [Option<DVec2>; 2] {
         let Rect { min, max } = self.part;
         let on = v.q.cmpeq(min) | v.q.cmpeq(max);
         if let Outline::Ring { inner, outer } = self.mirror().outline {
@@ -70,7 +70,7 @@ impl Prover<'_> {
     }
 
     /// The place beside `v` whose rounded corner is nearest to the mirror, of those tried.
-    fn nearest(&self, v: &Vertex) -> DVec2 {
+    fn nearest(&self, v: &SurfaceVertex) -> DVec2 {
         let chart = &self.mirror().chart;
         let k = chart.vergence;
         let grow = 1.0 / (1.0 + k * v.h);
@@ -107,7 +107,7 @@ impl Prover<'_> {
 mod tests {
     use super::*;
     use crate::geom::Chart;
-    use crate::mesh::region::Sight;
+    use crate::mesh::bound::region::ImagingProblem;
     use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
@@ -131,8 +131,8 @@ mod tests {
             folded: false,
             mirror_symmetric: [false; 2],
         };
-        let sight = Sight { mirror: &mirror, camera: mirror.chart, view: None };
-        let prover = Prover::over(rect, sight, Precision::Single);
+        let sight = ImagingProblem { mirror: &mirror, camera: mirror.chart, view: None };
+        let prover = ErrorBounder::over(rect, sight, Precision::Single);
         let mut r = Draws::new(3);
         let mut off: Vec<f64> = (0..1000)
             .map(|_| {

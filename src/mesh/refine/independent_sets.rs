@@ -1,8 +1,8 @@
 //! Corners moved and edges flipped by all threads together, with the same outcome for any number of
 //! them.
 
-use super::corner::Corner;
-use super::net::Net;
+use super::triangulation::EditableTriangulation;
+use super::vertex_model::VertexModel;
 use crate::parallel;
 
 /// Corners or edges a thread looks at at a time, at least.
@@ -10,20 +10,20 @@ const CHUNK: usize = 32;
 
 /// Picks corners that are no neighbours, so that each can be moved without the others.
 #[derive(Default)]
-pub struct Crowd {
+pub struct IndependentSets {
     /// The last pass in which a neighbour of the corner was picked.
     near: Vec<u32>,
     passes: u32,
 }
 
-impl Crowd {
+impl IndependentSets {
     /// Moves all `corners` for which `better` knows a place, and reports them.
-    pub fn move_all<C: Corner>(
+    pub fn move_all<C: VertexModel>(
         &mut self,
-        net: &mut Net<C>,
+        net: &mut EditableTriangulation<C>,
         mut corners: Vec<u32>,
-        better: impl Fn(&Net<C>, u32) -> Option<C> + Sync,
-        mut moved: impl FnMut(&Net<C>, u32),
+        better: impl Fn(&EditableTriangulation<C>, u32) -> Option<C> + Sync,
+        mut moved: impl FnMut(&EditableTriangulation<C>, u32),
     ) {
         while !corners.is_empty() {
             let apart = self.split(net, &mut corners);
@@ -39,7 +39,11 @@ impl Crowd {
     }
 
     /// Takes such corners out of `corners`.
-    fn split<C: Corner>(&mut self, net: &Net<C>, corners: &mut Vec<u32>) -> Vec<u32> {
+    fn split<C: VertexModel>(
+        &mut self,
+        net: &EditableTriangulation<C>,
+        corners: &mut Vec<u32>,
+    ) -> Vec<u32> {
         self.near.resize(net.points.len(), 0);
         self.passes += 1;
         let mut apart = Vec::with_capacity(corners.len() / 2);
@@ -61,7 +65,11 @@ impl Crowd {
 
 /// Flips those of the edges that gain, and what is then to flip around them; the triangles that
 /// changed are reported.
-pub fn flip_all<C: Corner>(net: &mut Net<C>, edges: Vec<[u32; 2]>, changed: impl FnMut(u32)) {
+pub fn flip_all<C: VertexModel>(
+    net: &mut EditableTriangulation<C>,
+    edges: Vec<[u32; 2]>,
+    changed: impl FnMut(u32),
+) {
     let gains = |edge: &[u32; 2]| net.gains_by_flipping(*edge);
     let edges = parallel::gather(edges.len(), CHUNK, |part| {
         edges[part].iter().copied().filter(gains).collect()

@@ -25,7 +25,7 @@ pub fn most_from(proposed: usize) -> usize {
 
 /// The course of the repair of so many proposed facets.
 #[derive(Debug)]
-pub struct Course {
+pub struct RepairProgress {
     proposed: usize,
     /// Rounds that have begun.
     rounds: usize,
@@ -38,7 +38,7 @@ pub struct Course {
     fewest: (usize, usize),
 }
 
-impl Course {
+impl RepairProgress {
     pub fn new(proposed: usize) -> Self {
         let fewest = (usize::MAX, 0);
         Self { proposed, rounds: 0, facets: proposed, failed: usize::MAX, rises: 0, fewest }
@@ -70,8 +70,8 @@ impl Course {
 mod tests {
     use super::*;
 
-    fn course(failed: impl IntoIterator<Item = usize>) -> Course {
-        let mut course = Course::new(100);
+    fn course(failed: impl IntoIterator<Item = usize>) -> RepairProgress {
+        let mut course = RepairProgress::new(100);
         failed.into_iter().for_each(|failed| course.note(failed, 100 + failed));
         course
     }

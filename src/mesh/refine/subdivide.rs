@@ -1,14 +1,14 @@
 //! The fine mesh: every coarse triangle cut into equal parts, along the arcs where it has a side
 //! on one.
 
-use super::draft::Draft;
-use super::net::Net;
-use super::rim::{Arc, Rim};
+use super::triangulation::EditableTriangulation;
 use crate::geom::DVec2;
+use crate::mesh::coarse::boundary_nodes::{Arc, BoundaryNodes};
+use crate::mesh::coarse::coarse_mesh::CoarseMesh;
 use crate::parallel;
 
 /// A triangulation of points, neighbours near each other in both lists.
-pub struct Fine {
+pub struct FineMesh {
     /// Corners.
     pub points: Vec<DVec2>,
     /// Counter-clockwise.
@@ -21,23 +21,23 @@ const NONE: u32 = u32::MAX;
 const CHUNK: usize = 256;
 
 /// Cuts the sides of every triangle of `draft` into its number of parts.
-pub fn subdivide(draft: &Draft) -> Fine {
+pub fn subdivide(draft: &CoarseMesh) -> FineMesh {
     let (plane, parts) = (&draft.net, draft.cells.parts);
-    let cutter = Cutter { plane, rim: &draft.rim, parts, beyond: neighbours(plane) };
+    let cutter = Subdivider { plane, rim: &draft.rim, parts, beyond: neighbours(plane) };
     let pieces = cutter.number();
-    let cut = |pieces: &[Piece]| {
-        let mut fine = Fine { points: Vec::new(), triangles: Vec::new() };
+    let cut = |pieces: &[CoarsePatch]| {
+        let mut fine = FineMesh { points: Vec::new(), triangles: Vec::new() };
         pieces.iter().for_each(|piece| cutter.cut(piece, &mut fine));
         fine
     };
     let cut = parallel::map_chunks(&pieces, CHUNK, cut);
     let (points, triangles): (Vec<_>, Vec<_>) =
         cut.into_iter().map(|fine| (fine.points, fine.triangles)).unzip();
-    Fine { points: points.concat(), triangles: triangles.concat() }
+    FineMesh { points: points.concat(), triangles: triangles.concat() }
 }
 
 /// Triangles in bands of their height, each from left to right.
-fn in_rows(plane: &Net) -> Vec<usize> {
+fn in_rows(plane: &EditableTriangulation) -> Vec<usize> {
     let centre =
         |t: usize| plane.triangles[t].map(|v| plane.points[v as usize]).iter().sum::<DVec2>();
     let centres: Vec<DVec2> = (0..plane.triangles.len()).map(centre).collect();
@@ -54,7 +54,7 @@ fn in_rows(plane: &Net) -> Vec<usize> {
 }
 
 /// A coarse triangle, and which fine points are its.
-struct Piece {
+struct CoarsePatch {
     triangle: usize,
     /// At its corners.
     corners: [u32; 3],
@@ -67,17 +67,17 @@ struct Piece {
     new_sides: [bool; 3],
 }
 
-struct Cutter<'a> {
-    plane: &'a Net<'a>,
-    rim: &'a Rim,
+struct Subdivider<'a> {
+    plane: &'a EditableTriangulation<'a>,
+    rim: &'a BoundaryNodes,
     parts: usize,
     /// For every coarse triangle those beyond its sides.
     beyond: Vec<[u32; 3]>,
 }
 
-impl Cutter<'_> {
+impl Subdivider<'_> {
     /// Numbers the fine points.
-    fn number(&self) -> Vec<Piece> {
+    fn number(&self) -> Vec<CoarsePatch> {
         let (plane, m) = (self.plane, self.parts as u32);
         let mut corners = vec![NONE; plane.points.len()];
         let mut sides = vec![[NONE; 3]; plane.triangles.len()];
@@ -105,13 +105,13 @@ impl Cutter<'_> {
             let mut inner = NONE;
             take(&mut inner, (m - 1) * m.saturating_sub(2) / 2);
             let corners = triangle.map(|v| corners[v as usize]);
-            Piece { triangle: t, corners, sides: sides[t], inner, new_corners, new_sides }
+            CoarsePatch { triangle: t, corners, sides: sides[t], inner, new_corners, new_sides }
         };
         in_rows(plane).into_iter().map(&mut number).collect()
     }
 
     /// Adds what a piece is cut into.
-    fn cut(&self, piece: &Piece, fine: &mut Fine) {
+    fn cut(&self, piece: &CoarsePatch, fine: &mut FineMesh) {
         let (m, corners) = (self.parts, self.plane.triangles[piece.triangle]);
         let (own, starts, inner) = (piece.corners, piece.sides, piece.inner);
         let at = corners.map(|v| self.plane.points[v as usize]);
@@ -177,7 +177,7 @@ impl Cutter<'_> {
 }
 
 /// For every triangle those beyond its sides.
-fn neighbours(plane: &Net) -> Vec<[u32; 3]> {
+fn neighbours(plane: &EditableTriangulation) -> Vec<[u32; 3]> {
     let beyond = |t: usize| {
         let [a, b, c] = plane.triangles[t];
         [[a, b], [b, c], [c, a]].map(|side| {

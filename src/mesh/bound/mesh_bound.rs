@@ -1,8 +1,8 @@
 //! The bound of a whole mesh, near the largest errors that its facets have.
 
-use super::Limits;
-use super::proof::{Bound, Prover, Vertex};
-use super::tight::{Found, Kind, LOOSE, NOTHING};
+use super::branch_and_bound::{Enclosure, ErrorKind, LOOSE, NOTHING};
+use super::error_bounder::{ErrorBound, ErrorBounder, SurfaceVertex};
+use crate::mesh::Limits;
 use crate::parallel;
 
 /// Facets a thread looks at at a time, at least.
@@ -16,21 +16,21 @@ const SLOW_BATCHES: usize = 64;
 const SLOW_SPLITS: usize = 48;
 
 /// A mesh whose facets are proven.
-pub struct Mesh<'a> {
+pub struct MeshBound<'a> {
     /// By whom.
-    pub prover: &'a Prover<'a>,
+    pub prover: &'a ErrorBounder<'a>,
     /// Its corners.
-    pub vertices: &'a [Vertex],
+    pub vertices: &'a [SurfaceVertex],
     /// Their numbers.
     pub facets: &'a [[u32; 3]],
 }
 
-impl<'a> Mesh<'a> {
+impl<'a> MeshBound<'a> {
     /// Bounds over all facets, of which `bounds` are those of each, within `limits`: within some per
     /// cent of errors that are reached, as far as facets can be taken apart for it. Some of the
     /// facets that may have large errors are `largest`.
-    pub fn bound(&self, bounds: &[Bound], largest: &[u32], limits: &Limits) -> Bound {
-        let mut bound = bounds.iter().copied().fold(Bound::default(), Bound::max);
+    pub fn bound(&self, bounds: &[ErrorBound], largest: &[u32], limits: &Limits) -> ErrorBound {
+        let mut bound = bounds.iter().copied().fold(ErrorBound::default(), ErrorBound::max);
         // Mostly, that is near what one of these reaches.
         let reached = parallel::map_slice(largest, FEW, |&t| {
             let (_, reached) = self.prover.estimate(self.corners(t));
@@ -38,7 +38,7 @@ impl<'a> Mesh<'a> {
         });
         let more = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
         let reached = reached.into_iter().fold([0.0; 2], more);
-        for kind in [Kind::Chord, Kind::Facet] {
+        for kind in [ErrorKind::Chord, ErrorKind::Facet] {
             let known = kind.of(&bound);
             let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
             let found = self.largest(kind, bounds, [known, ceiling], kind.of_both(reached));
@@ -47,7 +47,7 @@ impl<'a> Mesh<'a> {
         bound
     }
 
-    fn corners(&self, t: u32) -> [&'a Vertex; 3] {
+    fn corners(&self, t: u32) -> [&'a SurfaceVertex; 3] {
         self.facets[t as usize].map(|v| &self.vertices[v as usize])
     }
 
@@ -55,12 +55,12 @@ impl<'a> Mesh<'a> {
     /// bounds are well over that are taken apart, the largest first.
     fn largest(
         &self,
-        kind: Kind,
-        bounds: &[Bound],
+        kind: ErrorKind,
+        bounds: &[ErrorBound],
         [known, ceiling]: [f64; 2],
         mut reached: f64,
     ) -> f64 {
-        let is_near = |reached: f64| self.prover.is_near(&Found { bound: known, reached });
+        let is_near = |reached: f64| self.prover.is_near(&Enclosure { bound: known, reached });
         if is_near(reached) {
             return known;
         }
@@ -78,7 +78,7 @@ impl<'a> Mesh<'a> {
             }
         }
         loose.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let slow = kind == Kind::Facet && !self.prover.plain;
+        let slow = kind == ErrorKind::Facet && !self.prover.plain;
         let [most, splits] = if slow { [SLOW_BATCHES, SLOW_SPLITS] } else { [usize::MAX; 2] };
         for (k, batch) in loose.chunks(BATCH).enumerate() {
             if is_near(reached) {
@@ -90,7 +90,7 @@ impl<'a> Mesh<'a> {
             }
             let look = |&(quick, t): &(f64, u32)| {
                 let mut left = splits;
-                let near = |found: &Found| {
+                let near = |found: &Enclosure| {
                     left -= 1;
                     left == 0
                         || found.bound <= goal

@@ -5,17 +5,19 @@
 //! (chord) or 4 (facet error) with each halving of its edges. The part that may be worst is halved
 //! first.
 
-use super::Limits;
+use super::bound_table::FacetFrame;
 use super::deviation::{Triangle, largest_quadratic};
-use super::ground::Local;
-use super::proof::{Bound, Facets, Prover, Vertex, gradient_of, size_of};
-use super::region::Sight;
+use super::error_bounder::{
+    ErrorBound, ErrorBounder, FacetPair, SurfaceVertex, gradient_of, size_of,
+};
+use super::region::ImagingProblem;
 use crate::geom::{DVec2, DVec3};
+use crate::mesh::Limits;
 use crate::num::{exp, max_or_nan};
 use crate::optics::ImagingTask;
 
 /// Largest share by which a bound should be over an error that is reached.
-pub(super) const LOOSE: f64 = 0.04;
+pub(crate) const LOOSE: f64 = 0.04;
 /// Most times that a part of one facet is taken apart.
 const MOST_SPLITS: usize = 400;
 /// The same when only the limits are asked about, and where formulas over intervals, which take
@@ -27,27 +29,27 @@ const HOPEFUL: f64 = 4.0;
 /// The same while there is no bound at all.
 const MOST_UNBOUND: usize = 40;
 /// Errors that are nothing, as a share of the mirror's size.
-pub(super) const NOTHING: f64 = 1e-12;
+pub(crate) const NOTHING: f64 = 1e-12;
 /// What of a facet's error its parts may add before their second derivatives are looked at closely.
 const SMALL: f64 = 0.01;
 const SMALL_IF_FINE: f64 = 1.0;
 
 /// Which error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum ErrorKind {
     Chord,
     Facet,
 }
 
-impl Kind {
-    pub fn of(self, bound: &Bound) -> f64 {
+impl ErrorKind {
+    pub fn of(self, bound: &ErrorBound) -> f64 {
         match self {
             Self::Chord => bound.chord_mm,
             Self::Facet => bound.facet_mm,
         }
     }
 
-    pub fn set(self, bound: &mut Bound, to: f64) {
+    pub fn set(self, bound: &mut ErrorBound, to: f64) {
         match self {
             Self::Chord => bound.chord_mm = to,
             Self::Facet => bound.facet_mm = to,
@@ -68,7 +70,7 @@ impl Kind {
 
 /// A place on a facet.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct FacetPoint {
     /// Barycentric coordinates.
     weights: [f64; 3],
     /// In the chart, mm.
@@ -85,35 +87,40 @@ struct Place {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Part {
-    corners: [Place; 3],
+struct SubTriangle {
+    corners: [FacetPoint; 3],
     /// Its error is not larger.
     bound: f64,
 }
 
 /// One error of a facet.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(crate) struct Enclosure {
     /// It is nowhere larger,
     pub bound: f64,
     /// and somewhere at least so large.
     pub reached: f64,
 }
 
-impl Prover<'_> {
+impl ErrorBounder<'_> {
     /// Bounds over a facet whose quick ones, `bound`, are over `limits`, for which it is taken apart
     /// until they are proven to hold or seen to be broken.
     #[must_use]
-    pub fn settle(&self, t: [&Vertex; 3], mut bound: Bound, limits: &Limits) -> Bound {
-        if bound == Bound::NEVER {
+    pub fn settle(
+        &self,
+        t: [&SurfaceVertex; 3],
+        mut bound: ErrorBound,
+        limits: &Limits,
+    ) -> ErrorBound {
+        if bound == ErrorBound::NEVER {
             return bound;
         }
-        for kind in [Kind::Chord, Kind::Facet] {
+        for kind in [ErrorKind::Chord, ErrorKind::Facet] {
             let Some(limit) = kind.limit(limits) else { continue };
             let quick = kind.of(&bound);
             let hopeful = if self.ground.is_fine() { f64::INFINITY } else { HOPEFUL * limit };
             if quick > limit && quick <= hopeful {
-                let slow = kind == Kind::Facet && !self.plain;
+                let slow = kind == ErrorKind::Facet && !self.plain;
                 let mut left = if slow { MOST_SLOW } else { MOST_TO_SETTLE };
                 let found = self.search(t, kind, quick, |found| {
                     left -= 1;
@@ -127,12 +134,12 @@ impl Prover<'_> {
 
     /// Bounds that are near errors which the facet has, as far as it can be taken apart for that.
     #[must_use]
-    pub fn bound_tightly(&self, t: [&Vertex; 3]) -> Bound {
+    pub fn bound_tightly(&self, t: [&SurfaceVertex; 3]) -> ErrorBound {
         let mut bound = self.bound(t);
-        if bound == Bound::NEVER {
+        if bound == ErrorBound::NEVER {
             return bound;
         }
-        for kind in [Kind::Chord, Kind::Facet] {
+        for kind in [ErrorKind::Chord, ErrorKind::Facet] {
             let found = self.search(t, kind, kind.of(&bound), |found| self.is_near(found));
             kind.set(&mut bound, found.bound);
         }
@@ -140,16 +147,16 @@ impl Prover<'_> {
     }
 
     /// Bounds that a few splits bring near those errors which have `limits`, or well below these.
-    pub(super) fn bound_roughly(&self, t: [&Vertex; 3], limits: &Limits) -> Bound {
+    pub(crate) fn bound_roughly(&self, t: [&SurfaceVertex; 3], limits: &Limits) -> ErrorBound {
         const SPLITS: usize = 12;
         const WELL_BELOW: f64 = 0.7;
         let (mut bound, reached) = self.estimate(t);
-        if bound == Bound::NEVER {
+        if bound == ErrorBound::NEVER {
             return bound;
         }
-        for kind in [Kind::Chord, Kind::Facet] {
+        for kind in [ErrorKind::Chord, ErrorKind::Facet] {
             let Some(limit) = kind.limit(limits) else { continue };
-            let quick = Found { bound: kind.of(&bound), reached: kind.of_both(reached) };
+            let quick = Enclosure { bound: kind.of(&bound), reached: kind.of_both(reached) };
             if !(quick.bound <= WELL_BELOW * limit || self.is_near(&quick)) {
                 let mut left = SPLITS;
                 let found = self.search(t, kind, quick.bound, |found| {
@@ -163,31 +170,31 @@ impl Prover<'_> {
     }
 
     /// Whether a bound is as near as it need be.
-    pub(super) fn is_near(&self, found: &Found) -> bool {
+    pub(crate) fn is_near(&self, found: &Enclosure) -> bool {
         let least = NOTHING * self.mirror().outline.bounds().size().max_element();
         found.bound <= ((1.0 + LOOSE) * found.reached).max(least)
     }
 
     /// Whether anything can be said of the image in a facet.
-    pub(super) fn is_bounded(&self, t: [&Vertex; 3]) -> bool {
+    pub(crate) fn is_bounded(&self, t: [&SurfaceVertex; 3]) -> bool {
         let quick = self.bound(t);
-        quick != Bound::NEVER
-            && self.search(t, Kind::Facet, quick.facet_mm, |f| f.bound < f64::INFINITY).bound
+        quick != ErrorBound::NEVER
+            && self.search(t, ErrorKind::Facet, quick.facet_mm, |f| f.bound < f64::INFINITY).bound
                 < f64::INFINITY
     }
 
     /// One error of the facet `t`, of which `quick` is a bound, looked at until `enough` is known.
-    pub(super) fn search(
+    pub(crate) fn search(
         &self,
-        t: [&Vertex; 3],
-        kind: Kind,
+        t: [&SurfaceVertex; 3],
+        kind: ErrorKind,
         quick: f64,
-        mut enough: impl FnMut(&Found) -> bool,
-    ) -> Found {
-        let work = Work::new(self, t, kind);
+        mut enough: impl FnMut(&Enclosure) -> bool,
+    ) -> Enclosure {
+        let work = FacetSearch::new(self, t, kind);
         let quick = if quick.is_nan() { f64::INFINITY } else { quick };
         let mut reached = 0.0f64;
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<SubTriangle> = Vec::new();
         let weights = |i: usize| std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
         let corners = [0, 1, 2].map(|i| work.corner(weights(i), t[i]));
         parts.push(work.part(corners, quick, &mut reached));
@@ -196,8 +203,8 @@ impl Prover<'_> {
             let worst =
                 (0..parts.len()).reduce(|a, b| if parts[b].bound > parts[a].bound { b } else { a });
             let Some(k) = worst else { break };
-            let Part { corners: [a, b, c], bound } = parts[k];
-            let found = Found { bound: max_or_nan(bound, reached), reached };
+            let SubTriangle { corners: [a, b, c], bound } = parts[k];
+            let found = Enclosure { bound: max_or_nan(bound, reached), reached };
             if enough(&found) || (split >= MOST_UNBOUND && !(bound < f64::INFINITY)) {
                 return found;
             }
@@ -211,18 +218,18 @@ impl Prover<'_> {
             }
         }
         let bound = parts.iter().map(|part| part.bound).fold(reached, max_or_nan);
-        Found { bound, reached }
+        Enclosure { bound, reached }
     }
 }
 
 /// All that stays the same while one facet is looked at.
-struct Work<'a> {
-    prover: &'a Prover<'a>,
-    kind: Kind,
+struct FacetSearch<'a> {
+    prover: &'a ErrorBounder<'a>,
+    kind: ErrorKind,
     view: Option<&'a ImagingTask>,
     corners: [DVec2; 3],
     diameter: f64,
-    facets: Facets,
+    facets: FacetPair,
     /// h of the facets' planes on the rays of the exact corners, mm.
     h: [[f64; 3]; 2],
     /// The gradients of these.
@@ -231,9 +238,9 @@ struct Work<'a> {
     shift: f64,
 }
 
-impl<'a> Work<'a> {
-    fn new(prover: &'a Prover<'a>, t: [&Vertex; 3], kind: Kind) -> Self {
-        let facets = Facets::new(t, prover.precision);
+impl<'a> FacetSearch<'a> {
+    fn new(prover: &'a ErrorBounder<'a>, t: [&SurfaceVertex; 3], kind: ErrorKind) -> Self {
+        let facets = FacetPair::new(t, prover.precision);
         let exact = t.map(|v| v.h);
         let rounded = facets
             .single
@@ -242,7 +249,7 @@ impl<'a> Work<'a> {
         Self {
             prover,
             kind,
-            view: prover.sight.view.filter(|_| kind == Kind::Facet),
+            view: prover.sight.view.filter(|_| kind == ErrorKind::Facet),
             corners: t.map(|v| v.q),
             diameter: Triangle::new(t.map(|v| v.q)).diameter,
             h: [exact, rounded],
@@ -257,17 +264,17 @@ impl<'a> Work<'a> {
     }
 
     /// A corner of the facet.
-    fn corner(&self, weights: [f64; 3], v: &Vertex) -> Place {
+    fn corner(&self, weights: [f64; 3], v: &SurfaceVertex) -> FacetPoint {
         self.place(weights, v.q, [v.h, v.gradient.x, v.gradient.y], v.content)
     }
 
     /// Half-way between two places.
-    fn between(&self, a: &Place, b: &Place) -> Place {
+    fn between(&self, a: &FacetPoint, b: &FacetPoint) -> FacetPoint {
         let weights = std::array::from_fn(|i| 0.5 * (a.weights[i] + b.weights[i]));
         self.at(weights)
     }
 
-    fn at(&self, weights: [f64; 3]) -> Place {
+    fn at(&self, weights: [f64; 3]) -> FacetPoint {
         let [a, b, c] = self.corners;
         let q = a * weights[0] + b * weights[1] + c * weights[2];
         let mirror = self.prover.sight.mirror;
@@ -281,7 +288,13 @@ impl<'a> Work<'a> {
         self.place(weights, q, [chart.projective_height(point.f), slope.x, slope.y], DVec2::ZERO)
     }
 
-    fn place(&self, weights: [f64; 3], q: DVec2, [h, x, y]: [f64; 3], content: DVec2) -> Place {
+    fn place(
+        &self,
+        weights: [f64; 3],
+        q: DVec2,
+        [h, x, y]: [f64; 3],
+        content: DVec2,
+    ) -> FacetPoint {
         let flat = self.h.map(|of| of[0] * weights[0] + of[1] * weights[1] + of[2] * weights[2]);
         let (mut shown, mut seen) = (0.0, 0.0f64);
         if let Some(view) = self.view {
@@ -303,12 +316,12 @@ impl<'a> Work<'a> {
             }
         }
         let over = flat.map(|flat| h - flat);
-        Place { weights, q, h, gradient: DVec2::new(x, y), over, seen, shown }
+        FacetPoint { weights, q, h, gradient: DVec2::new(x, y), over, seen, shown }
     }
 
     /// What the mirror shows at the image point `near` of another camera than the chart's.
     fn aside(&self, view: &ImagingTask, near: DVec2) -> Option<DVec2> {
-        let Sight { mirror, camera, .. } = &self.prover.sight;
+        let ImagingProblem { mirror, camera, .. } = &self.prover.sight;
         let q = mirror.intersect_camera_ray(camera, near)?;
         let point = mirror.surface.at(q);
         Some(self.prover.content(view, mirror.position(q, &point), mirror.slope(q, &point), near))
@@ -322,18 +335,18 @@ impl<'a> Work<'a> {
 
     /// The part with the given corners, of which `known` is a bound; what it reaches goes to
     /// `reached`.
-    fn part(&self, corners: [Place; 3], known: f64, reached: &mut f64) -> Part {
+    fn part(&self, corners: [FacetPoint; 3], known: f64, reached: &mut f64) -> SubTriangle {
         let local = self.prover.ground.local(corners.map(|c| c.q));
         let found = match self.kind {
-            Kind::Chord => self.chord(&corners, &local, reached),
-            Kind::Facet => self.facet(&corners, &local, reached),
+            ErrorKind::Chord => self.chord(&corners, &local, reached),
+            ErrorKind::Facet => self.facet(&corners, &local, reached),
         };
         let bound = if found < known { found } else { known };
-        Part { corners, bound }
+        SubTriangle { corners, bound }
     }
 
     /// Bound of the chord in h, and where it may be.
-    fn rise(&self, corners: &[Place; 3], local: &Local, rest: f64) -> (f64, [f64; 3]) {
+    fn rise(&self, corners: &[FacetPoint; 3], local: &FacetFrame, rest: f64) -> (f64, [f64; 3]) {
         let curves = local.triangle.curves(corners.map(|c| local.turn.rotate(c.gradient)));
         let [exact, rounded] =
             [0, 1].map(|k| largest_quadratic(corners.map(|c| c.over[k]), curves));
@@ -341,7 +354,7 @@ impl<'a> Work<'a> {
         (found + rest, at)
     }
 
-    fn chord(&self, corners: &[Place; 3], local: &Local, reached: &mut f64) -> f64 {
+    fn chord(&self, corners: &[FacetPoint; 3], local: &FacetFrame, reached: &mut f64) -> f64 {
         let k = self.vergence();
         let triangle = &local.triangle;
         let [lo, hi] = triangle.reach;
@@ -355,7 +368,7 @@ impl<'a> Work<'a> {
             let bend = size_of(third) * triangle.diameter * triangle.diameter / 6.0;
             rise += self.shift * (steep.fold(0.0, max_or_nan) + bend);
         }
-        let mut consider = |place: &Place| {
+        let mut consider = |place: &FacetPoint| {
             let farthest = place.over.map(f64::abs).into_iter().fold(0.0, f64::max);
             *reached = reached.max(farthest * self.stretch(place));
         };
@@ -366,7 +379,7 @@ impl<'a> Work<'a> {
             return rise;
         }
         let far = lo.abs().max(hi.abs()).length_squared();
-        let lowest = |c: &Place| 1.0 + k * (c.h - c.over[0].max(c.over[1]));
+        let lowest = |c: &FacetPoint| 1.0 + k * (c.h - c.over[0].max(c.over[1]));
         let low = corners.iter().map(lowest).fold(f64::INFINITY, f64::min);
         let lower = low - k * rise;
         let ray = (1.0 + k * k * far).sqrt();
@@ -374,7 +387,7 @@ impl<'a> Work<'a> {
     }
 
     /// mm along the ray per mm of h at a place, at least.
-    fn stretch(&self, place: &Place) -> f64 {
+    fn stretch(&self, place: &FacetPoint) -> f64 {
         let k = self.vergence();
         if k == 0.0 {
             return 1.0;
@@ -383,7 +396,7 @@ impl<'a> Work<'a> {
         (1.0 + k * k * place.q.length_squared()).sqrt() / ((1.0 + k * flat) * (1.0 + k * place.h))
     }
 
-    fn facet(&self, corners: &[Place; 3], local: &Local, reached: &mut f64) -> f64 {
+    fn facet(&self, corners: &[FacetPoint; 3], local: &FacetFrame, reached: &mut f64) -> f64 {
         let triangle = &local.triangle;
         let region = self.prover.ground.region(&self.prover.sight, local, self.diameter, 0.0);
         let chord = if region.drift == 0.0 {

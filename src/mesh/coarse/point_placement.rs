@@ -4,10 +4,10 @@
 //! point is near. Where cells turn or change in size the lattice gets dislocations, rows that
 //! begin or end: no lattice without them follows all cells.
 
-use super::CROWDED;
-use super::cell::Cells;
-use super::rim::Rim;
+use super::boundary_nodes::BoundaryNodes;
 use crate::geom::DVec2;
+use crate::mesh::CROWDED;
+use crate::mesh::sizing::frame_field::FrameField;
 use glam::DMat2;
 use std::collections::VecDeque;
 
@@ -31,7 +31,7 @@ const BEYOND: f64 = 1.5;
 const SETTLED: f64 = 2e-3;
 
 /// A packed panel; the first points are the rim's.
-pub struct Packing {
+pub struct PointPlacement {
     /// Where they are.
     pub points: Vec<DVec2>,
     /// The map from unit steps to steps of the lattice at each.
@@ -45,9 +45,9 @@ pub struct Packing {
     proposed: Vec<DVec2>,
 }
 
-impl Packing {
+impl PointPlacement {
     /// Packs the inside of `rim`; or else a place where cells shrink so that there is no end.
-    pub fn new(cells: &Cells, rim: &Rim) -> Result<Self, DVec2> {
+    pub fn new(cells: &FrameField, rim: &BoundaryNodes) -> Result<Self, DVec2> {
         let mut packing = Self {
             proposed: Vec::new(),
             points: Vec::new(),
@@ -56,7 +56,7 @@ impl Packing {
             active: Vec::new(),
             fixed: rim.points.len(),
         };
-        let mut bins = Bins::new(cells);
+        let mut bins = SpatialGrid::new(cells);
         for &q in &rim.points {
             packing.push(q, cells.at(q), &mut bins);
         }
@@ -82,7 +82,7 @@ impl Packing {
         Ok(packing)
     }
 
-    fn push(&mut self, q: DVec2, cell: DMat2, bins: &mut Bins) -> usize {
+    fn push(&mut self, q: DVec2, cell: DMat2, bins: &mut SpatialGrid) -> usize {
         let index = self.points.len();
         self.points.push(q);
         self.cells.push(cell);
@@ -95,10 +95,10 @@ impl Packing {
     /// Takes up what the points of `queue` propose, and what these propose, until all is full.
     fn grow(
         &mut self,
-        cells: &Cells,
-        rim: &Rim,
+        cells: &FrameField,
+        rim: &BoundaryNodes,
         queue: &mut VecDeque<usize>,
-        bins: &mut Bins,
+        bins: &mut SpatialGrid,
     ) -> Result<(), DVec2> {
         let (ways, turns) = (cells.kind.ways(), cells.kind.turns());
         while let Some(i) = queue.pop_front() {
@@ -145,7 +145,13 @@ impl Packing {
     }
 
     /// The nearest point within `reach` cells of `q`, and how near.
-    fn nearest(&self, q: DVec2, cell: &DMat2, reach: f64, bins: &Bins) -> Option<(usize, f64)> {
+    fn nearest(
+        &self,
+        q: DVec2,
+        cell: &DMat2,
+        reach: f64,
+        bins: &SpatialGrid,
+    ) -> Option<(usize, f64)> {
         let (half, inverse) = (extent(cell) * reach, cell.inverse());
         let mut found = None;
         let mut best = reach * reach;
@@ -163,7 +169,7 @@ impl Packing {
 
     /// Spreads the strain between dislocations: every inner point goes to where its neighbours
     /// would have it. The rim's stay.
-    fn relax(&mut self, cells: &Cells, rim: &Rim) {
+    fn relax(&mut self, cells: &FrameField, rim: &BoundaryNodes) {
         let ways = cells.kind.ways();
         // From each point that it found a point's way, as that point's neighbour would have it.
         let mut starts = Vec::with_capacity(self.points.len() + 1);
@@ -227,7 +233,7 @@ pub fn extent(cell: &DMat2) -> DVec2 {
 }
 
 /// Points by place.
-struct Bins {
+struct SpatialGrid {
     min: DVec2,
     scale: DVec2,
     width: usize,
@@ -236,8 +242,8 @@ struct Bins {
     next: Vec<u32>,
 }
 
-impl Bins {
-    fn new(cells: &Cells) -> Self {
+impl SpatialGrid {
+    fn new(cells: &FrameField) -> Self {
         let domain = cells.needs.domain();
         // Large cells that few points share cost little; the other way round costs time squared.
         let size = cells

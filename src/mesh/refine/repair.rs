@@ -1,16 +1,16 @@
 //! Proof and repair: every facet is asked for its bounds; around those that fail corners are moved
 //! and edges flipped, and, where that does not do, split, until none fails.
 
-use super::course::Course;
-use super::crowd::{Crowd, flip_all};
-use super::doubt::Doubt;
-use super::draft::Draft;
-use super::net::Net;
-use super::proof::{Bound, Prover, Vertex};
-use super::subdivide::Fine;
-use super::tighten::Mesh;
-use super::{Limits, MOST_FACETS, MeshError};
+use super::independent_sets::{IndependentSets, flip_all};
+use super::probe::RefinementProbe;
+use super::repair_progress::RepairProgress;
+use super::subdivide::FineMesh;
+use super::triangulation::EditableTriangulation;
 use crate::geom::{DVec2, TriMesh};
+use crate::mesh::bound::error_bounder::{ErrorBound, ErrorBounder, SurfaceVertex};
+use crate::mesh::bound::mesh_bound::MeshBound;
+use crate::mesh::coarse::coarse_mesh::CoarseMesh;
+use crate::mesh::{Limits, MOST_FACETS, MeshError};
 use crate::parallel;
 use glam::DMat2;
 use std::collections::HashSet;
@@ -32,40 +32,40 @@ const TILTED: f64 = 0.3;
 /// `fine` refined until every facet keeps `limits`, and the bound reached. The face holds `copies`
 /// of it.
 pub fn refine(
-    prover: &Prover,
-    draft: &Draft,
-    fine: Fine,
+    prover: &ErrorBounder,
+    draft: &CoarseMesh,
+    fine: FineMesh,
     copies: usize,
     limits: Limits,
-) -> Result<(TriMesh, Bound), MeshError> {
+) -> Result<(TriMesh, ErrorBound), MeshError> {
     let corner = |&q: &DVec2| prover.corner(q);
-    let vertices: Vec<Vertex> = parallel::map_slice(&fine.points, CHUNK, corner);
+    let vertices: Vec<SurfaceVertex> = parallel::map_slice(&fine.points, CHUNK, corner);
     let all: Vec<u32> = (0..fine.triangles.len() as u32).collect();
-    let proof = Proof { prover, limits };
+    let proof = FacetCheck { prover, limits };
     let mut proven = proof.of(&all, &vertices, &fine.triangles);
-    let net = Net::new(draft.cells.needs, 1.0, vertices, fine.triangles);
-    let (changed, crowd) = (Vec::new(), Crowd::default());
+    let net = EditableTriangulation::new(draft.cells.needs, 1.0, vertices, fine.triangles);
+    let (changed, crowd) = (Vec::new(), IndependentSets::default());
     let (drawn, mended) = (HashSet::new(), HashSet::new());
     let mut repair = Repair { proof: &proof, draft, net, changed, crowd, drawn, mended };
     repair.mend(&mut proven, copies)?;
-    let Net { points, triangles, .. } = &repair.net;
-    let mesh = Mesh { prover, vertices: points, facets: triangles };
+    let EditableTriangulation { points, triangles, .. } = &repair.net;
+    let mesh = MeshBound { prover, vertices: points, facets: triangles };
     let bound = mesh.bound(&proven.bounds, &proven.largest, &limits);
     let (vertices, triangles) = repair.net.into_parts();
     let vertices = vertices.into_iter().map(|v| v.at).collect();
     Ok((TriMesh { vertices, triangles }, bound))
 }
 
-struct Proof<'a> {
-    prover: &'a Prover<'a>,
+struct FacetCheck<'a> {
+    prover: &'a ErrorBounder<'a>,
     limits: Limits,
 }
 
 /// What the proof of some facets tells.
 #[derive(Default)]
-struct Proven {
+struct CheckedFacets {
     /// Of each.
-    bounds: Vec<Bound>,
+    bounds: Vec<ErrorBound>,
     /// Of each chunk of those that keep the limits, the ones with the largest errors at corners and
     /// edges.
     largest: Vec<u32>,
@@ -73,11 +73,16 @@ struct Proven {
     failed: Vec<u32>,
 }
 
-impl Proof<'_> {
+impl FacetCheck<'_> {
     /// Proves the given facets.
-    fn of(&self, facets: &[u32], vertices: &[Vertex], triangles: &[[u32; 3]]) -> Proven {
+    fn of(
+        &self,
+        facets: &[u32],
+        vertices: &[SurfaceVertex],
+        triangles: &[[u32; 3]],
+    ) -> CheckedFacets {
         let chunk = |facets: &[u32]| {
-            let mut proven = Proven::default();
+            let mut proven = CheckedFacets::default();
             let mut largest = [(0.0, None); 2];
             for &t in facets {
                 let facet = triangles[t as usize].map(|v| &vertices[v as usize]);
@@ -100,7 +105,7 @@ impl Proof<'_> {
             proven
         };
         let chunks = parallel::map_chunks(facets, CHUNK, chunk);
-        chunks.into_iter().fold(Proven::default(), |mut all, chunk| {
+        chunks.into_iter().fold(CheckedFacets::default(), |mut all, chunk| {
             all.bounds.extend(chunk.bounds);
             all.largest.extend(chunk.largest);
             all.failed.extend(chunk.failed);
@@ -110,12 +115,12 @@ impl Proof<'_> {
 }
 
 struct Repair<'a> {
-    proof: &'a Proof<'a>,
-    draft: &'a Draft<'a>,
-    net: Net<'a, Vertex>,
+    proof: &'a FacetCheck<'a>,
+    draft: &'a CoarseMesh<'a>,
+    net: EditableTriangulation<'a, SurfaceVertex>,
     /// Facets that are no longer what was proven.
     changed: Vec<u32>,
-    crowd: Crowd,
+    crowd: IndependentSets,
     /// Facets around corners that were drawn into others in this round.
     drawn: HashSet<u32>,
     /// Facets that failed in the last round, and were foreseen to hold as they had been changed in it.
@@ -124,8 +129,8 @@ struct Repair<'a> {
 
 impl Repair<'_> {
     /// Repairs round after round until no facet fails.
-    fn mend(&mut self, proven: &mut Proven, copies: usize) -> Result<(), MeshError> {
-        let mut course = Course::new(self.net.triangles.len());
+    fn mend(&mut self, proven: &mut CheckedFacets, copies: usize) -> Result<(), MeshError> {
+        let mut course = RepairProgress::new(self.net.triangles.len());
         while !proven.failed.is_empty() {
             let facets = (self.net.triangles.len() * copies) as f64;
             if facets > MOST_FACETS {
@@ -145,15 +150,15 @@ impl Repair<'_> {
     }
 
     /// Proves the facets that have changed; of those that have gone nothing is left.
-    fn prove(&mut self, proven: &mut Proven) {
+    fn prove(&mut self, proven: &mut CheckedFacets) {
         let mut changed = std::mem::take(&mut self.changed);
         changed.sort_unstable();
         changed.dedup();
-        proven.bounds.resize(self.net.triangles.len(), Bound::NEVER);
+        proven.bounds.resize(self.net.triangles.len(), ErrorBound::NEVER);
         changed.retain(|&t| {
             let is_gone = self.net.is_gone(t);
             if is_gone {
-                proven.bounds[t as usize] = Bound::default();
+                proven.bounds[t as usize] = ErrorBound::default();
             }
             !is_gone
         });
@@ -166,11 +171,16 @@ impl Repair<'_> {
     }
 
     /// Changes the facets that failed, of all those with these bounds.
-    fn round(&mut self, failed: &[u32], bounds: &[Bound], eager: bool) -> Result<(), MeshError> {
+    fn round(
+        &mut self,
+        failed: &[u32],
+        bounds: &[ErrorBound],
+        eager: bool,
+    ) -> Result<(), MeshError> {
         for &t in failed {
             let facet = self.net.triangles[t as usize].map(|v| self.net.points[v as usize]);
             if self.proof.limits.facet_mm.is_some() && self.proof.prover.sees_the_pole(&facet) {
-                return Err(MeshError::Pole { at: facet[0].q });
+                return Err(MeshError::OnAxis { at: facet[0].q });
             }
         }
         let old = self.net.points.len() as u32;
@@ -212,7 +222,7 @@ impl Repair<'_> {
     }
 
     /// Whether rounding has a large share in a facet's error.
-    fn is_tilted(&self, bound: &Bound) -> bool {
+    fn is_tilted(&self, bound: &ErrorBound) -> bool {
         let limit = self.proof.limits.facet_mm;
         limit.is_some_and(|limit| bound.rounding_mm > TILTED * limit)
     }
@@ -273,7 +283,7 @@ impl Repair<'_> {
         let Self { proof, draft, net, changed, crowd, .. } = self;
         let cells = &draft.cells;
         let fine = |q: DVec2| cells.at(q) * (1.0 / cells.parts as f64);
-        let better = |net: &Net<Vertex>, v: u32| {
+        let better = |net: &EditableTriangulation<SurfaceVertex>, v: u32| {
             net.better_place(v, UNEASY, fine, |q| proof.prover.corner(q))
         };
         crowd.move_all(net, corners.to_vec(), better, |net, v| changed.extend(net.around(v)));
@@ -305,7 +315,7 @@ impl Repair<'_> {
     }
 
     /// The middle of an edge.
-    fn middle(&self, edge: [u32; 2]) -> Vertex {
+    fn middle(&self, edge: [u32; 2]) -> SurfaceVertex {
         let [p, q] = edge.map(|v| self.net.q(v));
         let is_rim = self.net.beside(edge)[1].is_none();
         let arc = if is_rim { self.draft.rim.arc_through(p, q) } else { None };
@@ -314,7 +324,7 @@ impl Repair<'_> {
     }
 
     /// Splits an edge in its middle, for the sake of facet `of`.
-    fn split(&mut self, edge: [u32; 2], middle: Vertex, of: u32) -> Result<(), MeshError> {
+    fn split(&mut self, edge: [u32; 2], middle: SurfaceVertex, of: u32) -> Result<(), MeshError> {
         if !splits(edge.map(|v| self.net.q(v))) {
             return Err(self.floor(of));
         }
@@ -339,8 +349,9 @@ impl Repair<'_> {
 
     /// Facet `t` is not split.
     fn floor(&self, t: u32) -> MeshError {
-        let Proof { prover, limits } = self.proof;
-        Doubt::new(prover, *limits).floor(self.net.triangles[t as usize].map(|v| self.net.q(v)))
+        let FacetCheck { prover, limits } = self.proof;
+        RefinementProbe::new(prover, *limits)
+            .floor(self.net.triangles[t as usize].map(|v| self.net.q(v)))
     }
 }
 

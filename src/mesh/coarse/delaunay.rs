@@ -1,13 +1,13 @@
 //! The coarse mesh: the packing triangulated, and improved by the errors that the quadratic model
 //! foresees.
 
-use super::MeshError;
-use super::cell::Cells;
-use super::crowd::{Crowd, flip_all};
-use super::net::Net;
-use super::pack::{Packing, extent};
-use super::rim::Rim;
+use super::boundary_nodes::BoundaryNodes;
+use super::point_placement::{PointPlacement, extent};
 use crate::geom::DVec2;
+use crate::mesh::MeshError;
+use crate::mesh::refine::independent_sets::{IndependentSets, flip_all};
+use crate::mesh::refine::triangulation::EditableTriangulation;
+use crate::mesh::sizing::frame_field::FrameField;
 use crate::num::{exp, log};
 use glam::DMat2;
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
@@ -20,10 +20,10 @@ const UNEASY: f64 = 1.04;
 
 /// Triangulates a packing inside its rim, which the first points are.
 pub fn triangulate<'a>(
-    packing: Packing,
-    rim: &Rim,
-    cells: &Cells<'a>,
-) -> Result<Net<'a>, MeshError> {
+    packing: PointPlacement,
+    rim: &BoundaryNodes,
+    cells: &FrameField<'a>,
+) -> Result<EditableTriangulation<'a>, MeshError> {
     let stretch = stretch(&packing.cells);
     // Of points in one place spade would keep one, and number all after it anew.
     let mut met = HashSet::new();
@@ -32,7 +32,7 @@ pub fn triangulate<'a>(
     let (points, frames): (Vec<_>, Vec<_>) = both.filter(|(q, _)| is_new(*q)).unzip();
     let scaled = points.iter().map(|&q| q * stretch);
     let scaled = scaled.map(|q| Point2::new(q.x, q.y)).collect();
-    let refuse = |reason: InsertionError| MeshError::Point {
+    let refuse = |reason: InsertionError| MeshError::PointRejected {
         x: f64::NAN,
         y: f64::NAN,
         reason: reason.to_string(),
@@ -46,11 +46,15 @@ pub fn triangulate<'a>(
         .filter(|&triangle| rim.keeps(triangle))
         .map(|triangle| triangle.map(|v| v as u32))
         .collect();
-    let net = Net::new(cells.needs, cells.parts as f64, points, triangles);
+    let net = EditableTriangulation::new(cells.needs, cells.parts as f64, points, triangles);
     Ok(improve(net, cells, &frames))
 }
 
-fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
+fn improve<'a>(
+    mut net: EditableTriangulation<'a>,
+    cells: &FrameField,
+    frames: &[DMat2],
+) -> EditableTriangulation<'a> {
     let easy = UNEASY * cells.aim() * cells.aim();
     let mut edges: Vec<[u32; 2]> = net
         .triangles
@@ -59,7 +63,7 @@ fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
         .filter(|[a, b]| a < b)
         .collect();
     let mut active: Vec<u32> = (0..net.points.len() as u32).collect();
-    let mut crowd = Crowd::default();
+    let mut crowd = IndependentSets::default();
     // What has changed since it was last looked at.
     let mut loose = vec![false; net.points.len()];
     let mut stale = vec![false; net.triangles.len()];
@@ -74,7 +78,9 @@ fn improve<'a>(mut net: Net<'a>, cells: &Cells, frames: &[DMat2]) -> Net<'a> {
             }
         }
         active.iter().for_each(|&v| loose[v as usize] = false);
-        let better = |net: &Net, v: u32| net.better_place(v, easy, |_| frames[v as usize], |q| q);
+        let better = |net: &EditableTriangulation, v: u32| {
+            net.better_place(v, easy, |_| frames[v as usize], |q| q)
+        };
         crowd.move_all(&mut net, std::mem::take(&mut active), better, |net, v| {
             net.around(v).for_each(|t| stale[t as usize] = true);
         });

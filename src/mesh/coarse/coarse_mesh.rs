@@ -1,17 +1,17 @@
 //! The draft of a mesh: a coarse one, each triangle of which will be cut into as many equal facets,
 //! of the size at which the fewest will do.
 
-use super::cell::{Cells, Kind};
-use super::course::most_from;
-use super::doubt::{Doubt, Shrunk};
-use super::needs::Needs;
-use super::net::Net;
-use super::pack::Packing;
-use super::plane;
-use super::proof::Prover;
-use super::rim::Rim;
-use super::{Limits, MOST_FACETS, MeshError};
+use super::boundary_nodes::BoundaryNodes;
+use super::delaunay;
+use super::point_placement::PointPlacement;
 use crate::geom::{DVec2, Rect};
+use crate::mesh::bound::error_bounder::ErrorBounder;
+use crate::mesh::refine::probe::{ProbeOutcome, RefinementProbe};
+use crate::mesh::refine::repair_progress::most_from;
+use crate::mesh::refine::triangulation::EditableTriangulation;
+use crate::mesh::sizing::field::SizingField;
+use crate::mesh::sizing::frame_field::{FrameField, LatticeKind};
+use crate::mesh::{Limits, MOST_FACETS, MeshError};
 use crate::mirror::Mirror;
 use crate::parallel;
 
@@ -55,17 +55,17 @@ const TOLD: f64 = 5e6;
 
 /// By how much smaller than the model has them facets of a draft mostly come out right: squares
 /// suffer where cells turn.
-fn usual(kind: Kind) -> f64 {
+fn usual(kind: LatticeKind) -> f64 {
     match kind {
-        Kind::ImageSquares => 0.86,
-        Kind::Squares => 0.93,
-        Kind::Triangles | Kind::ImageTriangles => 1.0,
+        LatticeKind::ImageSquares => 0.86,
+        LatticeKind::Squares => 0.93,
+        LatticeKind::Triangles | LatticeKind::ImageTriangles => 1.0,
     }
 }
 
 /// What a proof of some facets says of a draft's size.
 #[derive(Debug, Clone, Copy, Default)]
-struct Judgement {
+struct GrowthEstimate {
     /// Facets that will be there after all repairs, for every one drawn.
     growth: f64,
     /// The same, when what repairs cost is counted.
@@ -75,7 +75,7 @@ struct Judgement {
     least: f64,
 }
 
-impl Judgement {
+impl GrowthEstimate {
     fn is_good(&self) -> bool {
         self.cost <= COSTLY * self.least
     }
@@ -87,45 +87,45 @@ fn mean(taken: DVec2) -> f64 {
 }
 
 /// A coarse mesh of the meshed part of a mirror.
-pub struct Draft<'a> {
+pub struct CoarseMesh<'a> {
     /// The lattice it was drawn from.
-    pub cells: Cells<'a>,
+    pub cells: FrameField<'a>,
     /// Its rim.
-    pub rim: Rim,
+    pub rim: BoundaryNodes,
     /// Its triangles.
-    pub net: Net<'a>,
-    found: Judgement,
-    samples: Vec<Sample>,
+    pub net: EditableTriangulation<'a>,
+    found: GrowthEstimate,
+    samples: Vec<FacetSample>,
 }
 
 /// One facet of a draft.
-struct Sample {
+struct FacetSample {
     corners: [DVec2; 3],
     /// By how much it must shrink to keep the limits,
     oversize: f64,
     /// and what became of it when it did, where that was tried.
-    shrunk: Option<Shrunk>,
+    shrunk: Option<ProbeOutcome>,
 }
 
 /// The first draft of a mesh, on which no proof has been tried.
-pub struct Trial<'a> {
+pub struct CoarseCandidate<'a> {
     /// The cells of the draft that is wanted.
-    cells: Cells<'a>,
+    cells: FrameField<'a>,
     domain: Rect,
     copies: usize,
-    first: Draft<'a>,
+    first: CoarseMesh<'a>,
 }
 
-impl<'a> Trial<'a> {
+impl<'a> CoarseCandidate<'a> {
     /// A trial for the part `domain` of `mirror`, of which the face holds `copies`.
     pub fn new(
         mirror: &Mirror,
-        needs: &'a Needs,
+        needs: &'a SizingField,
         domain: Rect,
         copies: usize,
     ) -> Result<Self, MeshError> {
         needs.outlast_rounding(mirror)?;
-        let cells = Cells::new(needs, &mirror.outline, AIM, COARSE);
+        let cells = FrameField::new(needs, &mirror.outline, AIM, COARSE);
         let count = cells.count(&mirror.outline);
         let facets = count * copies as f64;
         if !(facets <= MOST_FACETS) {
@@ -138,16 +138,20 @@ impl<'a> Trial<'a> {
         } else if usual < 1.0 {
             coarse.rescale(AIM * usual);
         }
-        let first = Draft::new(mirror, domain, coarse)?;
+        let first = CoarseMesh::new(mirror, domain, coarse)?;
         Ok(Self { cells, domain, copies, first })
     }
 
     /// A draft of the size at which, as far as proofs of some facets tell, the fewest will do.
-    pub fn judged(self, prover: &Prover, limits: Limits) -> Result<Draft<'a>, MeshError> {
+    pub fn judged(
+        self,
+        prover: &ErrorBounder,
+        limits: Limits,
+    ) -> Result<CoarseMesh<'a>, MeshError> {
         let Self { mut cells, domain, copies, first } = self;
-        let draw = |cells: &Cells<'a>| {
+        let draw = |cells: &FrameField<'a>| {
             Ok::<_, MeshError>(
-                Draft::new(prover.mirror(), domain, cells.clone())?.judged(prover, limits),
+                CoarseMesh::new(prover.mirror(), domain, cells.clone())?.judged(prover, limits),
             )
         };
         let first = first.judged(prover, limits);
@@ -180,14 +184,14 @@ impl<'a> Trial<'a> {
     }
 }
 
-impl<'a> Draft<'a> {
+impl<'a> CoarseMesh<'a> {
     /// The part `domain` of `mirror` covered with `cells`.
-    fn new(mirror: &Mirror, domain: Rect, cells: Cells<'a>) -> Result<Self, MeshError> {
-        let crowded = |at| MeshError::Crowded { at };
-        let rim = Rim::new(mirror, domain, &cells).map_err(crowded)?;
-        let packing = Packing::new(&cells, &rim).map_err(crowded)?;
-        let net = plane::triangulate(packing, &rim, &cells)?;
-        Ok(Self { cells, rim, net, found: Judgement::default(), samples: Vec::new() })
+    fn new(mirror: &Mirror, domain: Rect, cells: FrameField<'a>) -> Result<Self, MeshError> {
+        let crowded = |at| MeshError::SizeContrast { at };
+        let rim = BoundaryNodes::new(mirror, domain, &cells).map_err(crowded)?;
+        let packing = PointPlacement::new(&cells, &rim).map_err(crowded)?;
+        let net = delaunay::triangulate(packing, &rim, &cells)?;
+        Ok(Self { cells, rim, net, found: GrowthEstimate::default(), samples: Vec::new() })
     }
 
     /// About how many facets come of it.
@@ -208,11 +212,12 @@ impl<'a> Draft<'a> {
     }
 
     /// The same, judged by the proof of one facet of each of some triangles.
-    fn judged(mut self, prover: &Prover, limits: Limits) -> Self {
-        let (doubt, facets) = (Doubt::new(prover, limits), self.sampled().collect::<Vec<_>>());
+    fn judged(mut self, prover: &ErrorBounder, limits: Limits) -> Self {
+        let (doubt, facets) =
+            (RefinementProbe::new(prover, limits), self.sampled().collect::<Vec<_>>());
         self.samples = parallel::map_slice(&facets, 1, |&corners| {
             let (oversize, shrunk) = doubt.oversize(corners);
-            Sample { corners, oversize, shrunk }
+            FacetSample { corners, oversize, shrunk }
         });
         let mut excess: Vec<f64> = self.samples.iter().map(|sample| sample.oversize).collect();
         excess.sort_by(f64::total_cmp);
@@ -232,7 +237,7 @@ impl<'a> Draft<'a> {
         let (scale, least) = best.map(of).filter(is_sound).unwrap_or((1.0, 1.0));
         let repaired = share(after[excess.partition_point(|&e| e <= 1.0)]);
         let growth = 1.0 + YIELD / REPAIR * repaired;
-        self.found = Judgement { growth, cost: 1.0 + repaired, scale, least };
+        self.found = GrowthEstimate { growth, cost: 1.0 + repaired, scale, least };
         self
     }
 
@@ -240,7 +245,7 @@ impl<'a> Draft<'a> {
     /// to make too many of them.
     fn undoubted(
         mut self,
-        prover: &Prover,
+        prover: &ErrorBounder,
         limits: Limits,
         copies: usize,
     ) -> Result<Self, MeshError> {
@@ -251,23 +256,25 @@ impl<'a> Draft<'a> {
         if limits.facet_mm.is_some() && self.drawn() > MANY {
             self.keeps_off_the_pole(prover)?;
         }
-        let doubt = Doubt::new(prover, limits);
+        let doubt = RefinementProbe::new(prover, limits);
         let shrink =
-            |sample: &Sample| sample.shrunk.unwrap_or_else(|| doubt.shrink(sample.corners));
+            |sample: &FacetSample| sample.shrunk.unwrap_or_else(|| doubt.shrink(sample.corners));
         let shrunk = parallel::map_slice(&self.samples, 1, shrink);
-        let worst = |of: &dyn Fn(&Shrunk) -> bool| {
+        let worst = |of: &dyn Fn(&ProbeOutcome) -> bool| {
             let found = self.samples.iter().zip(&shrunk).filter(|(_, shrunk)| of(shrunk));
             let excess =
                 found.map(|(sample, _)| (doubt.excess(sample.corners, 1.0), sample.corners));
             excess.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, corners)| doubt.floor(corners))
         };
-        let worsens = |shrunk: &Shrunk| *shrunk == Shrunk::Worsens;
+        let worsens = |shrunk: &ProbeOutcome| *shrunk == ProbeOutcome::Diverges;
         let worse = shrunk.iter().filter(|shrunk| worsens(shrunk)).count();
         if worse as f64 > HOPELESS * shrunk.len() as f64 {
             return Err(worst(&worsens).expect("there are some"));
         }
         // What is not settled is not counted.
-        let parts = |shrunk: &Shrunk| if let Shrunk::Holds(parts) = *shrunk { parts } else { 1.0 };
+        let parts = |shrunk: &ProbeOutcome| {
+            if let ProbeOutcome::Converges(parts) = *shrunk { parts } else { 1.0 }
+        };
         let growth = shrunk.iter().map(parts).sum::<f64>() / shrunk.len() as f64;
         self.found.growth = growth;
         let facets = self.drawn() * ALONG * growth * copies as f64;
@@ -281,7 +288,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Whether no facet is near places where the mirror may look along its axis.
-    fn keeps_off_the_pole(&self, prover: &Prover) -> Result<(), MeshError> {
+    fn keeps_off_the_pole(&self, prover: &ErrorBounder) -> Result<(), MeshError> {
         let sees = |t: &[u32; 3]| {
             let mut parts = vec![(t.map(|v| self.net.points[v as usize]), 1)];
             while let Some(([a, b, c], size)) = parts.pop() {
@@ -303,7 +310,7 @@ impl<'a> Draft<'a> {
             triangles[part].iter().find_map(sees).into_iter().collect()
         });
         match seen.into_iter().next() {
-            Some(at) => Err(MeshError::Pole { at }),
+            Some(at) => Err(MeshError::OnAxis { at }),
             None => Ok(()),
         }
     }

@@ -1,12 +1,12 @@
 //! What a net may know of its corners: where they are, or also what the mirror does there.
 
-use super::needs::{Needs, Place};
-use super::proof::Vertex;
 use crate::geom::{DVec2, DVec3};
+use crate::mesh::bound::error_bounder::SurfaceVertex;
+use crate::mesh::sizing::field::{LocalModel, SizingField};
 use glam::{DMat3, Vec3Swizzles};
 
 /// What a net knows of a corner.
-pub trait Corner: Copy + Send + Sync {
+pub trait VertexModel: Copy + Send + Sync {
     /// Whether every triangle is asked at its own place, lest flips go round in circles.
     const EACH: bool;
 
@@ -14,7 +14,7 @@ pub trait Corner: Copy + Send + Sync {
     fn q(&self) -> DVec2;
 
     /// By how much the errors of a triangle at `place` exceed what they may be, in areas.
-    fn excess(needs: &Needs, place: &Place, triangle: [&Self; 3]) -> f64;
+    fn excess(needs: &SizingField, place: &LocalModel, triangle: [&Self; 3]) -> f64;
 
     /// About what corners a little beside it would be, of which `neighbours` tell enough.
     fn beside<'a>(&self, neighbours: impl Iterator<Item = &'a Self>) -> impl Fn(DVec2) -> Self
@@ -23,7 +23,7 @@ pub trait Corner: Copy + Send + Sync {
 }
 
 /// Where it is: errors are those of the quadratic model.
-impl Corner for DVec2 {
+impl VertexModel for DVec2 {
     const EACH: bool = false;
 
     #[inline]
@@ -32,7 +32,7 @@ impl Corner for DVec2 {
     }
 
     #[inline]
-    fn excess(needs: &Needs, place: &Place, [a, b, c]: [&Self; 3]) -> f64 {
+    fn excess(needs: &SizingField, place: &LocalModel, [a, b, c]: [&Self; 3]) -> f64 {
         needs.excess(place, b - a, c - a)
     }
 
@@ -42,7 +42,7 @@ impl Corner for DVec2 {
 }
 
 /// What the mirror does there: errors follow from it.
-impl Corner for Vertex {
+impl VertexModel for SurfaceVertex {
     const EACH: bool = true;
 
     #[inline]
@@ -51,7 +51,7 @@ impl Corner for Vertex {
     }
 
     #[inline]
-    fn excess(needs: &Needs, place: &Place, triangle: [&Self; 3]) -> f64 {
+    fn excess(needs: &SizingField, place: &LocalModel, triangle: [&Self; 3]) -> f64 {
         needs.excess_of(place, triangle)
     }
 
@@ -80,8 +80,8 @@ impl Corner for Vertex {
 mod tests {
     use super::*;
     use crate::geom::{Chart, Outline, Precision, Rect};
-    use crate::mesh::region::Sight;
-    use crate::mesh::{Limits, Prover};
+    use crate::mesh::bound::region::ImagingProblem;
+    use crate::mesh::{ErrorBounder, Limits};
     use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
@@ -116,8 +116,8 @@ mod tests {
     const LIMITS: Limits =
         Limits { chord_mm: Some(1e-3), facet_mm: None, precision: Precision::Double };
 
-    fn vertices(mirror: &Mirror, at: [DVec2; 3]) -> [Vertex; 3] {
-        let prover = Prover::new(mirror, &TOP, None, Precision::Double);
+    fn vertices(mirror: &Mirror, at: [DVec2; 3]) -> [SurfaceVertex; 3] {
+        let prover = ErrorBounder::new(mirror, &TOP, None, Precision::Double);
         at.map(|q| prover.vertex(q, mirror.surface.at(q)))
     }
 
@@ -133,8 +133,8 @@ mod tests {
         let mut r = Draws::new(5);
         for (form, exact) in [([0.02, 0.01, 0.03, 0.0], true), ([0.02, 0.01, -0.03, 1e-3], false)] {
             let mirror = mirror(form);
-            let sight = Sight { mirror: &mirror, camera: TOP, view: None };
-            let needs = Needs::new(&sight, mirror.outline.bounds(), LIMITS);
+            let sight = ImagingProblem { mirror: &mirror, camera: TOP, view: None };
+            let needs = SizingField::new(&sight, mirror.outline.bounds(), LIMITS);
             let mut farthest = 0.0f64;
             for _ in 0..100 {
                 let at = triangle(&mut r);
@@ -142,7 +142,7 @@ mod tests {
                 // The model of the first corner's place.
                 let place = needs.at(at[0]);
                 let by_model = DVec2::excess(&needs, &place, at.each_ref());
-                let by_mirror = Vertex::excess(&needs, &place, known.each_ref());
+                let by_mirror = SurfaceVertex::excess(&needs, &place, known.each_ref());
                 assert!(by_model > 1.0, "{by_model}");
                 farthest = farthest.max((by_mirror / by_model - 1.0).abs());
             }

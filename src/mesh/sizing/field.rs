@@ -2,12 +2,12 @@
 //! its image does with slopes, and the limits that rounding leaves. Facets are shaped by these;
 //! whether they hold is for the proof to say.
 
-use super::deviation::{Triangle, largest_deviation};
-use super::proof::{Vertex, gradient_of};
-use super::region::Sight;
-use super::written::{LEAST_LEFT, rounding_left};
-use super::{Limits, MeshError};
 use crate::geom::{Chart, DVec2, Outline, Precision, Rect};
+use crate::mesh::bound::deviation::{Triangle, largest_deviation};
+use crate::mesh::bound::error_bounder::{SurfaceVertex, gradient_of};
+use crate::mesh::bound::region::ImagingProblem;
+use crate::mesh::bound::vertex_snapping::{LEAST_LEFT, rounding_left};
+use crate::mesh::{Limits, MeshError};
 use crate::mirror::{Hessian, Mirror};
 use crate::num::{Dual, exp, max_or_nan};
 use crate::parallel;
@@ -37,7 +37,7 @@ const SIDE: usize = 512;
 
 /// The model at one place.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct LocalModel {
     /// Second derivatives of h, 1/mm.
     pub curvature: Hessian,
     /// Image displacement (mm) per change of h's gradient.
@@ -48,7 +48,7 @@ pub struct Place {
     rounding: f64,
 }
 
-impl Place {
+impl LocalModel {
     const ZERO: Self = Self {
         curvature: Hessian { xx: 0.0, xy: 0.0, yy: 0.0 },
         per_slope: DMat2::ZERO,
@@ -96,15 +96,15 @@ impl Place {
 
 /// The places of a panel and the limits there.
 #[derive(Clone)]
-pub struct Needs {
+pub struct SizingField {
     domain: Rect,
-    table: Arc<Vec<Place>>,
+    table: Arc<Vec<LocalModel>>,
     limits: Limits,
 }
 
-impl Needs {
+impl SizingField {
     /// The needs of the part `domain` of a mirror.
-    pub fn new(sight: &Sight, domain: Rect, limits: Limits) -> Self {
+    pub fn new(sight: &ImagingProblem, domain: Rect, limits: Limits) -> Self {
         let outline = &sight.mirror.outline;
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
         let place = |&q: &DVec2| place(sight, into(outline, q), limits.precision);
@@ -136,7 +136,7 @@ impl Needs {
     }
 
     /// The model at `q`.
-    pub fn at(&self, q: DVec2) -> Place {
+    pub fn at(&self, q: DVec2) -> LocalModel {
         let last = CELLS as f64;
         let share = (q - self.domain.min) / self.domain.size() * last;
         let share = share.clamp(DVec2::ZERO, DVec2::splat(last));
@@ -144,7 +144,7 @@ impl Needs {
         let [i, j] = share.to_array().map(|x| (x as usize).min(CELLS - 1));
         let f = share - DVec2::new(i as f64, j as f64);
         let k = j * (CELLS + 1) + i;
-        let mut place = Place::ZERO;
+        let mut place = LocalModel::ZERO;
         place.add(&self.table[k], (1.0 - f.x) * (1.0 - f.y));
         place.add(&self.table[k + 1], f.x * (1.0 - f.y));
         place.add(&self.table[k + CELLS + 1], (1.0 - f.x) * f.y);
@@ -154,7 +154,7 @@ impl Needs {
 
     /// How many times as large as it may be the area of a facet with edges `a` and `b` is, when
     /// rounding is left out of it.
-    pub fn excess(&self, place: &Place, a: DVec2, b: DVec2) -> f64 {
+    pub fn excess(&self, place: &LocalModel, a: DVec2, b: DVec2) -> f64 {
         let Limits { chord_mm, facet_mm, .. } = self.limits;
         let by_chord = chord_mm.map_or(0.0, |limit| place.chord(a, b) / (limit - place.rounding));
         let by_facet = facet_mm.map_or(0.0, |limit| place.facet_squared(a, b) / (limit * limit));
@@ -162,7 +162,7 @@ impl Needs {
     }
 
     /// The same of a facet of which is known what the mirror does at its corners.
-    pub fn excess_of(&self, place: &Place, t: [&Vertex; 3]) -> f64 {
+    pub fn excess_of(&self, place: &LocalModel, t: [&SurfaceVertex; 3]) -> f64 {
         let Limits { chord_mm, facet_mm, precision } = self.limits;
         let q = t.map(|v| v.q);
         let by_chord = chord_mm.map_or(0.0, |limit| {
@@ -172,7 +172,8 @@ impl Needs {
         let by_facet = facet_mm.map_or(0.0, |limit| {
             let shift = |h: [f64; 3]| {
                 let flat = gradient_of(q, h);
-                let of = |v: &Vertex| (place.per_slope * (flat - v.gradient)).length_squared();
+                let of =
+                    |v: &SurfaceVertex| (place.per_slope * (flat - v.gradient)).length_squared();
                 t.map(of).into_iter().fold(0.0, max_or_nan)
             };
             let exact = shift(t.map(|v| v.h));
@@ -189,7 +190,7 @@ impl Needs {
     }
 
     /// The factor by which a facet with edges `a` and `b` may be enlarged; rounding included.
-    pub fn room(&self, place: &Place, a: DVec2, b: DVec2) -> f64 {
+    pub fn room(&self, place: &LocalModel, a: DVec2, b: DVec2) -> f64 {
         let by_chord = self
             .limits
             .chord_mm
@@ -205,7 +206,7 @@ impl Needs {
     }
 
     /// The factor by which an edge may be enlarged.
-    pub fn edge_room(&self, place: &Place, d: DVec2) -> f64 {
+    pub fn edge_room(&self, place: &LocalModel, d: DVec2) -> f64 {
         let chord = place.curvature.times(d).dot(d).abs() / 8.0 * place.stretch;
         let by_chord = self
             .limits
@@ -230,7 +231,7 @@ impl Needs {
         if reached < limit {
             return Ok(());
         }
-        Err(MeshError::Single { at, chord_mm: Some(reached), facet_mm: None })
+        Err(MeshError::PrecisionLimit { at, chord_mm: Some(reached), facet_mm: None })
     }
 
     /// Places close to each other along the domain's sides, on which corners move along them alone, and
@@ -274,7 +275,7 @@ impl Needs {
     pub fn outlast_tilting(
         &self,
         outline: &Outline,
-        sides: impl Fn(&Place) -> [DVec2; 2],
+        sides: impl Fn(&LocalModel) -> [DVec2; 2],
     ) -> Result<(), MeshError> {
         let Some(limit) = self.limits.facet_mm else { return Ok(()) };
         let least = |q: DVec2| {
@@ -288,7 +289,7 @@ impl Needs {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         match found.get(found.len() / 2) {
             Some(&(reached, at)) if reached >= limit => {
-                Err(MeshError::Single { at, chord_mm: None, facet_mm: Some(reached) })
+                Err(MeshError::PrecisionLimit { at, chord_mm: None, facet_mm: Some(reached) })
             }
             _ => Ok(()),
         }
@@ -328,7 +329,7 @@ fn into(outline: &Outline, q: DVec2) -> DVec2 {
 }
 
 /// What the tolerances depend on at `q`.
-fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
+fn place(sight: &ImagingProblem, q: DVec2, precision: Precision) -> LocalModel {
     let mirror = sight.mirror;
     let chart = &mirror.chart;
     let k = chart.vergence;
@@ -351,7 +352,7 @@ fn place(sight: &Sight, q: DVec2, precision: Precision) -> Place {
         let [x, y] = view.image_of_seen(&sight.camera, at.to_array().map(fixed), slope, image);
         DMat2::from_cols_array_2d(&[[x.slope[0], y.slope[0]], [x.slope[1], y.slope[1]]])
     });
-    Place {
+    LocalModel {
         curvature: all_round(curvature),
         per_slope,
         stretch: length_of_ray(chart, q) / (grow * grow),

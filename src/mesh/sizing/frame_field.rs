@@ -7,7 +7,7 @@
 //! triangles with legs along the directions that are conjugate in the curvature and perpendicular
 //! in the image, for then a facet shows what the mirror shows in the middle of its longest edge.
 
-use super::needs::{Needs, Place, SLENDER};
+use super::field::{LocalModel, SLENDER, SizingField};
 use crate::geom::{DVec2, Outline};
 use crate::parallel;
 use glam::DMat2;
@@ -37,7 +37,7 @@ const HEXAGON: [DVec2; 6] = [
 
 /// Kinds of lattices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum LatticeKind {
     /// Equilateral triangles in the metric of the curvature.
     Triangles,
     /// Equilateral triangles in the metric of the image.
@@ -48,7 +48,7 @@ pub enum Kind {
     ImageSquares,
 }
 
-impl Kind {
+impl LatticeKind {
     const ALL: [Self; 4] =
         [Self::Triangles, Self::Squares, Self::ImageTriangles, Self::ImageSquares];
     /// Those for a mirror without an image.
@@ -73,7 +73,7 @@ impl Kind {
     }
 
     /// By how much a cell may be enlarged at a place.
-    fn room(self, needs: &Needs, place: &Place, shape: &DMat2) -> f64 {
+    fn room(self, needs: &SizingField, place: &LocalModel, shape: &DMat2) -> f64 {
         let ways = self.ways();
         let [a, b] = [*shape * ways[0], *shape * ways[1]];
         let room = needs.room(place, a, b);
@@ -81,15 +81,15 @@ impl Kind {
     }
 
     /// The cell's map from unit steps, of any size.
-    fn shape(self, place: &Place) -> DMat2 {
+    fn shape(self, place: &LocalModel) -> DMat2 {
         let h = &place.curvature;
-        let curvature = Symmetric { xx: h.xx, xy: h.xy, yy: h.yy };
+        let curvature = SymmetricMatrix { xx: h.xx, xy: h.xy, yy: h.yy };
         let image = || place.per_slope * curvature.matrix();
         match self {
             Self::Triangles => curvature.spread().1,
             Self::ImageTriangles => {
                 let k = image();
-                Symmetric::of(k.transpose() * k).spread().1
+                SymmetricMatrix::of(k.transpose() * k).spread().1
             }
             Self::Squares => {
                 let (lengths, _) = curvature.spread();
@@ -99,7 +99,7 @@ impl Kind {
             Self::ImageSquares => {
                 // K = A H has K e_k of unit length for e_k = A' y_k / s_k, with A H A' y = s y.
                 let a = place.per_slope;
-                let both = Symmetric::of(a * curvature.matrix() * a.transpose());
+                let both = SymmetricMatrix::of(a * curvature.matrix() * a.transpose());
                 let sides = a.transpose() * both.axes();
                 let s = both.values().abs();
                 let [x, y] = [sides.x_axis / s.x, sides.y_axis / s.y];
@@ -116,13 +116,13 @@ impl Kind {
 
 /// A symmetric matrix.
 #[derive(Debug, Clone, Copy)]
-struct Symmetric {
+struct SymmetricMatrix {
     xx: f64,
     xy: f64,
     yy: f64,
 }
 
-impl Symmetric {
+impl SymmetricMatrix {
     fn of(m: DMat2) -> Self {
         Self { xx: m.x_axis.x, xy: 0.5 * (m.x_axis.y + m.y_axis.x), yy: m.y_axis.y }
     }
@@ -163,18 +163,18 @@ impl Symmetric {
 
 /// The cells of one panel.
 #[derive(Clone)]
-pub struct Cells<'a> {
+pub struct FrameField<'a> {
     /// What they must do.
-    pub needs: &'a Needs,
+    pub needs: &'a SizingField,
     /// The lattice.
-    pub kind: Kind,
+    pub kind: LatticeKind,
     /// Fine cells to the side of one of these.
     pub parts: usize,
     aim: f64,
     /// Steps between nodes along the domain's sides.
     side: usize,
     /// What suits the nodes alone, as they are asked.
-    alone: Arc<Vec<Alone>>,
+    alone: Arc<Vec<UngradedCell>>,
     /// The fine lattice's at the nodes.
     nodes: Vec<DMat2>,
     /// Between each four nodes, bilinear: at the first, and what x, y and x y add.
@@ -184,7 +184,7 @@ pub struct Cells<'a> {
 
 /// What suits one place, whatever its neighbours want.
 #[derive(Debug, Clone, Copy)]
-struct Alone {
+struct UngradedCell {
     /// The cell, of any size.
     shape: DMat2,
     /// The square root of its area.
@@ -193,14 +193,15 @@ struct Alone {
     room: f64,
 }
 
-impl<'a> Cells<'a> {
+impl<'a> FrameField<'a> {
     /// The cells of the kind of which the fewest will do, `aim` times as large as the limits allow
     /// facets of the quadratic model to be.
-    pub fn new(needs: &'a Needs, outline: &Outline, aim: f64, most: f64) -> Self {
+    pub fn new(needs: &'a SizingField, outline: &Outline, aim: f64, most: f64) -> Self {
         let rough =
-            |&kind: &Kind| (kind, Self::graded(needs, kind, aim, ROUGH_SIDE).count(outline));
-        let better = |a: (Kind, f64), b: (Kind, f64)| if b.1 < a.1 { b } else { a };
-        let kinds: &[Kind] = if needs.sees() { &Kind::ALL } else { &Kind::BLIND };
+            |&kind: &LatticeKind| (kind, Self::graded(needs, kind, aim, ROUGH_SIDE).count(outline));
+        let better = |a: (LatticeKind, f64), b: (LatticeKind, f64)| if b.1 < a.1 { b } else { a };
+        let kinds: &[LatticeKind] =
+            if needs.sees() { &LatticeKind::ALL } else { &LatticeKind::BLIND };
         let counts = parallel::map_slice(kinds, 1, rough);
         let (kind, _) = counts.into_iter().reduce(better).expect("there are kinds");
         let mut cells = Self::graded(needs, kind, aim, SIDE);
@@ -215,13 +216,13 @@ impl<'a> Cells<'a> {
     }
 
     /// The cells of one kind, as they come; not yet ready to be looked up between nodes.
-    fn graded(needs: &'a Needs, kind: Kind, aim: f64, side: usize) -> Self {
+    fn graded(needs: &'a SizingField, kind: LatticeKind, aim: f64, side: usize) -> Self {
         let nodes: Vec<DVec2> = needs.domain().grid(side, side).map(|(q, _)| q).collect();
         let alone = |&q: &DVec2| {
             let place = needs.at(q);
             let shape = kind.shape(&place);
             let size = shape.determinant().abs().sqrt();
-            Alone { shape, size, room: kind.room(needs, &place, &shape) }
+            UngradedCell { shape, size, room: kind.room(needs, &place, &shape) }
         };
         let mut cells = Self {
             needs,
@@ -263,7 +264,7 @@ impl<'a> Cells<'a> {
     }
 
     /// Two sides of a facet at a place.
-    pub fn sides(&self, place: &Place) -> [DVec2; 2] {
+    pub fn sides(&self, place: &LocalModel) -> [DVec2; 2] {
         let shape = self.kind.shape(place);
         [shape * self.kind.ways()[0], shape * self.kind.ways()[1]]
     }
@@ -327,7 +328,7 @@ impl<'a> Cells<'a> {
         let domain = self.needs.domain();
         let parts = self.parts as f64;
         let cap = LARGEST * domain.size().min_element() / parts;
-        let size = |alone: &Alone| {
+        let size = |alone: &UngradedCell| {
             let size = self.aim * alone.room * alone.size;
             if size < cap { size } else { cap }
         };
@@ -359,8 +360,8 @@ impl<'a> Cells<'a> {
                 (0..width).rev().for_each(|i| limit(&mut table, i, j));
             }
         }
-        let node = |(alone, largest): (&Alone, f64)| {
-            let &Alone { shape, size, room } = alone;
+        let node = |(alone, largest): (&UngradedCell, f64)| {
+            let &UngradedCell { shape, size, room } = alone;
             let (room, largest) = (self.aim * room, SLACK * largest);
             // A place that asks for nothing, or of which nothing is known, takes what others leave.
             let scale = if room * size < largest { room } else { largest / size };

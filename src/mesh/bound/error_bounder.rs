@@ -17,14 +17,14 @@
 //!
 //! *Another camera.* When the chart is that of parallel rays and the camera is not, mirror and
 //! facet are compared along Z, and what the camera sees in the mirror is a little aside: drift
-//! times chord (`Region::drift`), by which c moves |c'| times as much.
+//! times chord (`RegionBounds::drift`), by which c moves |c'| times as much.
 //!
 //! These bounds are quick, and near the truth where facets are small against the mirror; `tight`
 //! takes a facet apart where they are not.
 
+use super::bound_table::{BoundTable, FacetFrame};
 use super::deviation::{Triangle, largest_deviation};
-use super::ground::{Ground, Local};
-use super::region::{Contents, Plane, Region, Sight, second, sides};
+use super::region::{ContentBounds, FacetPlanes, ImagingProblem, RegionBounds, second, sides};
 use crate::geom::{Chart, DVec2, DVec3, Precision, Rect, turn};
 use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::{Interval, exp, max_or_nan};
@@ -32,7 +32,7 @@ use crate::optics::ImagingTask;
 
 /// A corner of a facet with what the mirror does there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vertex {
+pub struct SurfaceVertex {
     /// Place in the mirror's chart, mm.
     pub q: DVec2,
     /// Position, mm.
@@ -50,9 +50,9 @@ pub struct Vertex {
     pub content: DVec2,
 }
 
-impl Vertex {
+impl SurfaceVertex {
     /// The mirror's slope (Z_X, Z_Y) there.
-    pub(super) fn slope(&self, chart: &Chart) -> DVec2 {
+    pub(crate) fn slope(&self, chart: &Chart) -> DVec2 {
         let along = self.gradient / (1.0 + chart.vergence * self.h);
         DVec2::from_array(chart.slope(self.q.to_array(), along.to_array()))
     }
@@ -69,7 +69,7 @@ impl Vertex {
 
 /// Upper bounds of the errors of one facet, or of all.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Bound {
+pub struct ErrorBound {
     /// Distance between facet and mirror along the rays of the mirror's chart, mm.
     pub chord_mm: f64,
     /// Displacement of the image against the smooth mirror, mm on the mirror.
@@ -78,8 +78,8 @@ pub struct Bound {
     pub rounding_mm: f64,
 }
 
-impl Bound {
-    pub(super) const NEVER: Self =
+impl ErrorBound {
+    pub(crate) const NEVER: Self =
         Self { chord_mm: f64::INFINITY, facet_mm: f64::INFINITY, rounding_mm: f64::INFINITY };
 
     /// What holds for both.
@@ -95,16 +95,16 @@ impl Bound {
 
 /// Bounds the errors of facets of one panel.
 #[derive(Debug, Clone)]
-pub struct Prover<'a> {
-    pub(super) sight: Sight<'a>,
-    pub(super) plain: bool,
-    pub(super) precision: Precision,
+pub struct ErrorBounder<'a> {
+    pub(crate) sight: ImagingProblem<'a>,
+    pub(crate) plain: bool,
+    pub(crate) precision: Precision,
     /// The part of the panel in which the facets are.
-    pub(super) part: Rect,
-    pub(super) ground: Ground,
+    pub(crate) part: Rect,
+    pub(crate) ground: BoundTable,
 }
 
-impl<'a> Prover<'a> {
+impl<'a> ErrorBounder<'a> {
     /// A prover for the designed panel of `mirror`, as the camera with chart `camera` sees it;
     /// what its image must show is `view`'s. The camera's chart is the mirror's, or the mirror's
     /// is that of parallel rays. Without a view there are no bounds of the image.
@@ -116,12 +116,16 @@ impl<'a> Prover<'a> {
         view: Option<&'a ImagingTask>,
         precision: Precision,
     ) -> Self {
-        Self::over(mirror.outline.bounds(), Sight { mirror, camera: *camera, view }, precision)
+        Self::over(
+            mirror.outline.bounds(),
+            ImagingProblem { mirror, camera: *camera, view },
+            precision,
+        )
     }
 
     /// The same for facets inside `part` of the panel.
-    pub(super) fn over(part: Rect, sight: Sight<'a>, precision: Precision) -> Self {
-        let ground = Ground::new(&sight, part);
+    pub(crate) fn over(part: Rect, sight: ImagingProblem<'a>, precision: Precision) -> Self {
+        let ground = BoundTable::new(&sight, part);
         Self { sight, plain: sight.is_plain(), precision, part, ground }
     }
 
@@ -134,8 +138,8 @@ impl<'a> Prover<'a> {
     /// The corner at `q` of the mirror's chart, over which the mirror's point is `point`.
     #[inline]
     #[must_use]
-    pub fn vertex(&self, q: DVec2, point: HeightAndSlope) -> Vertex {
-        let Sight { mirror, camera, view } = &self.sight;
+    pub fn vertex(&self, q: DVec2, point: HeightAndSlope) -> SurfaceVertex {
+        let ImagingProblem { mirror, camera, view } = &self.sight;
         let chart = &mirror.chart;
         let at = mirror.position(q, &point);
         let (h, gradient) = if chart.vergence == 0.0 {
@@ -146,7 +150,7 @@ impl<'a> Prover<'a> {
         let image = if camera == chart { q } else { camera.coordinates(at).0 };
         let content =
             view.map_or(DVec2::ZERO, |view| self.content(view, at, mirror.slope(q, &point), image));
-        let vertex = Vertex { q, at, h, rounding: 0.0, gradient, image, content };
+        let vertex = SurfaceVertex { q, at, h, rounding: 0.0, gradient, image, content };
         match self.precision {
             Precision::Single => vertex.rounded(chart),
             Precision::Double => vertex,
@@ -156,16 +160,16 @@ impl<'a> Prover<'a> {
     /// Bounds over the facet `t`, counter-clockwise seen from above; infinite for a facet that is
     /// not.
     #[must_use]
-    pub fn bound(&self, t: [&Vertex; 3]) -> Bound {
+    pub fn bound(&self, t: [&SurfaceVertex; 3]) -> ErrorBound {
         self.estimate(t).0
     }
 
     /// The same, and how large the chord and the facet error surely become somewhere on it.
     #[inline]
-    pub(super) fn estimate(&self, t: [&Vertex; 3]) -> (Bound, [f64; 2]) {
+    pub(crate) fn estimate(&self, t: [&SurfaceVertex; 3]) -> (ErrorBound, [f64; 2]) {
         let corners = t.map(|v| v.q);
         if !(turn(corners[0], corners[1], corners[2]) > 0.0) {
-            return (Bound::NEVER, [0.0; 2]);
+            return (ErrorBound::NEVER, [0.0; 2]);
         }
         let local = self.ground.local(corners);
         let triangle = &local.triangle;
@@ -176,10 +180,10 @@ impl<'a> Prover<'a> {
         let chord = (quadratic + rest) * region.stretch;
         let surely = (quadratic - rest) * self.least_stretch(t, quadratic + rest);
 
-        let facets = Facets::new(t, self.precision);
+        let facets = FacetPair::new(t, self.precision);
         let chord_mm = chord + self.moved(t, (triangle, &region), &facets);
         let Some(view) = self.sight.view else {
-            return (Bound { chord_mm, ..Bound::default() }, [surely, 0.0]);
+            return (ErrorBound { chord_mm, ..ErrorBound::default() }, [surely, 0.0]);
         };
         let apart = |a: DVec2, b: DVec2| view.projection.image_distance(a, b);
         let (largest, rounding_mm, facet_mm) = if self.plain {
@@ -193,7 +197,7 @@ impl<'a> Prover<'a> {
             }
             (largest, rounding, largest + triangle.bend(region.second))
         } else {
-            let shown = |facet: &Facet| [0, 1, 2].map(|i| self.shown(view, facet, t, i));
+            let shown = |facet: &FlatFacet| [0, 1, 2].map(|i| self.shown(view, facet, t, i));
             let farthest = |a: [DVec2; 3], b: [DVec2; 3]| {
                 a.into_iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, max_or_nan)
             };
@@ -206,12 +210,12 @@ impl<'a> Prover<'a> {
             }
             (largest, rounding, self.in_image(t, &local, &facets, &region, [largest, chord_mm]))
         };
-        (Bound { chord_mm, facet_mm, rounding_mm }, [surely, largest])
+        (ErrorBound { chord_mm, facet_mm, rounding_mm }, [surely, largest])
     }
 
     /// mm along the camera's ray per mm of h, at least, where the mirror is within `off` of a facet.
     #[inline]
-    fn least_stretch(&self, t: [&Vertex; 3], off: f64) -> f64 {
+    fn least_stretch(&self, t: [&SurfaceVertex; 3], off: f64) -> f64 {
         let k = self.sight.mirror.chart.vergence;
         if k == 0.0 {
             return 1.0;
@@ -223,10 +227,10 @@ impl<'a> Prover<'a> {
     /// Facet error where it varies over the facet, and is at most `corners` at its corners.
     fn in_image(
         &self,
-        t: [&Vertex; 3],
-        local: &Local,
-        facets: &Facets,
-        region: &Region,
+        t: [&SurfaceVertex; 3],
+        local: &FacetFrame,
+        facets: &FacetPair,
+        region: &RegionBounds,
         [corners, chord]: [f64; 2],
     ) -> f64 {
         let shift = self.shift(t, facets);
@@ -262,19 +266,19 @@ impl<'a> Prover<'a> {
 
     /// How far from a facet's place, in the chart, a camera that is not the chart's sees the mirror.
     #[inline]
-    pub(super) fn aside(&self, region: &Region, chord: f64) -> f64 {
+    pub(crate) fn aside(&self, region: &RegionBounds, chord: f64) -> f64 {
         times(region.drift, chord)
     }
 
     /// Contents over the box of (a part of) one facet with heights `h` at its corners, and as far
     /// around it as `aside`; and what linear interpolation of them leaves out.
-    pub(super) fn closely(
+    pub(crate) fn closely(
         &self,
         corners: [DVec2; 3],
         h: [f64; 3],
-        facets: &Facets,
+        facets: &FacetPair,
         aside: f64,
-    ) -> (Contents, f64) {
+    ) -> (ContentBounds, f64) {
         let view = self.sight.view.expect("an image to prove something of");
         let local = self.ground.local(corners);
         let [lo, hi] = local.triangle.reach;
@@ -287,12 +291,12 @@ impl<'a> Prover<'a> {
 
     /// What linear interpolation of the contents of (a part of) one facet leaves out, where for the
     /// mirror what is known of the region serves, as far around as `aside`.
-    pub(super) fn bend_closely(
+    pub(crate) fn bend_closely(
         &self,
         corners: [DVec2; 3],
         h: [f64; 3],
-        facets: &Facets,
-        (region, aside): (&Region, f64),
+        facets: &FacetPair,
+        (region, aside): (&RegionBounds, f64),
     ) -> f64 {
         let view = self.sight.view.expect("an image to prove something of");
         let local = self.ground.local(corners);
@@ -307,7 +311,13 @@ impl<'a> Prover<'a> {
     }
 
     /// The planes of a facet, of which a part has heights `h` at its corners, where it is looked at.
-    fn plane(&self, local: &Local, part: [DVec2; 2], h: [f64; 3], facets: &Facets) -> Plane {
+    fn plane(
+        &self,
+        local: &FacetFrame,
+        part: [DVec2; 2],
+        h: [f64; 3],
+        facets: &FacetPair,
+    ) -> FacetPlanes {
         let k = self.sight.mirror.chart.vergence;
         let most = h.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let least = h.into_iter().fold(f64::INFINITY, f64::min);
@@ -318,18 +328,24 @@ impl<'a> Prover<'a> {
         let [exact, single] = [&facets.exact, single]
             .map(|facet| local.turn.rotate(facet.slope).to_array().map(Interval::point));
         let slope = [exact[0].hull(single[0]), exact[1].hull(single[1])];
-        Plane::of_slope(k, sides(part), h, slope)
+        FacetPlanes::of_slope(k, sides(part), h, slope)
     }
 
     /// What corner `i` of a facet shows.
     #[inline]
-    fn shown(&self, view: &ImagingTask, facet: &Facet, t: [&Vertex; 3], i: usize) -> DVec2 {
+    fn shown(
+        &self,
+        view: &ImagingTask,
+        facet: &FlatFacet,
+        t: [&SurfaceVertex; 3],
+        i: usize,
+    ) -> DVec2 {
         self.content(view, facet.corners[i], facet.slope, t[i].image)
     }
 
     /// The image point whose wanted direction is seen at `near` where the mirror has `slope`.
     #[inline]
-    pub(super) fn content(
+    pub(crate) fn content(
         &self,
         view: &ImagingTask,
         at: DVec3,
@@ -346,9 +362,14 @@ impl<'a> Prover<'a> {
 
     /// How far rounding moves the facet along the rays, mm.
     #[inline]
-    fn moved(&self, t: [&Vertex; 3], on: (&Triangle, &Region), facets: &Facets) -> f64 {
+    fn moved(
+        &self,
+        t: [&SurfaceVertex; 3],
+        on: (&Triangle, &RegionBounds),
+        facets: &FacetPair,
+    ) -> f64 {
         let (triangle, region) = on;
-        let Facets { exact, single: Some(single) } = facets else { return 0.0 };
+        let FacetPair { exact, single: Some(single) } = facets else { return 0.0 };
         let k = self.sight.mirror.chart.vergence;
         let (mut off, mut lean, mut ray) = (0.0, f64::INFINITY, 1.0f64);
         for (i, v) in t.iter().enumerate() {
@@ -373,7 +394,7 @@ impl<'a> Prover<'a> {
     }
 
     /// h of the facet's plane on the ray of `q`, near its corner `i`.
-    pub(super) fn height(&self, facet: &Facet, i: usize, q: DVec2) -> f64 {
+    pub(crate) fn height(&self, facet: &FlatFacet, i: usize, q: DVec2) -> f64 {
         let chart = &self.sight.mirror.chart;
         let (at, p) = (facet.corners[i].truncate(), facet.slope);
         let up = facet.corners[i].z - chart.plane_mm;
@@ -382,7 +403,7 @@ impl<'a> Prover<'a> {
 
     /// The gradients of h of the exact facet and of the rounded one.
     #[inline]
-    pub(super) fn gradients(&self, t: [&Vertex; 3], facets: &Facets) -> [DVec2; 2] {
+    pub(crate) fn gradients(&self, t: [&SurfaceVertex; 3], facets: &FacetPair) -> [DVec2; 2] {
         let q = t.map(|v| v.q);
         let rounded = facets
             .single
@@ -394,10 +415,10 @@ impl<'a> Prover<'a> {
     /// How far rounding moves a corner in the chart: q = (1 + k h) (X, Y) has the differential
     /// (1 + k h) (d(X, Y) + k q dZ).
     #[inline]
-    pub(super) fn shift(&self, t: [&Vertex; 3], facets: &Facets) -> f64 {
+    pub(crate) fn shift(&self, t: [&SurfaceVertex; 3], facets: &FacetPair) -> f64 {
         let Some(single) = &facets.single else { return 0.0 };
         let k = self.sight.mirror.chart.vergence;
-        let shift = |(v, corner): (&&Vertex, &DVec3)| {
+        let shift = |(v, corner): (&&SurfaceVertex, &DVec3)| {
             let delta = *corner - v.at;
             (1.0 + k * v.h) * (delta.truncate() + v.q * (k * delta.z)).length()
         };
@@ -407,7 +428,7 @@ impl<'a> Prover<'a> {
     /// Whether the facet, of which nothing can be said, lies where the mirror may look at a place
     /// that the image does not have.
     #[must_use]
-    pub fn sees_the_pole(&self, t: &[Vertex; 3]) -> bool {
+    pub fn sees_the_pole(&self, t: &[SurfaceVertex; 3]) -> bool {
         let local = self.ground.local(t.each_ref().map(|v| v.q));
         self.ground.region(&self.sight, &local, local.triangle.diameter, 0.0).pole
             && !self.is_bounded(t.each_ref())
@@ -416,7 +437,7 @@ impl<'a> Prover<'a> {
 
 /// A flat facet.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Facet {
+pub(crate) struct FlatFacet {
     pub corners: [DVec3; 3],
     /// (Z_X, Z_Y).
     pub slope: DVec2,
@@ -424,7 +445,7 @@ pub(super) struct Facet {
     pub moved: f64,
 }
 
-impl Facet {
+impl FlatFacet {
     #[inline]
     fn new(corners: [DVec3; 3], moved: f64) -> Self {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -435,39 +456,39 @@ impl Facet {
 /// The facet through the exact corners, and where the file is single precision the one through
 /// their roundings.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Facets {
-    pub exact: Facet,
-    pub single: Option<Facet>,
+pub(crate) struct FacetPair {
+    pub exact: FlatFacet,
+    pub single: Option<FlatFacet>,
 }
 
-impl Facets {
+impl FacetPair {
     #[inline]
-    pub fn new(t: [&Vertex; 3], precision: Precision) -> Self {
+    pub fn new(t: [&SurfaceVertex; 3], precision: Precision) -> Self {
         let corners = t.map(|v| v.at);
         let single = (precision == Precision::Single).then(|| {
             let rounded = corners.map(|p| p.as_vec3().as_dvec3());
             let moved = (0..3).map(|i| (rounded[i] - corners[i]).length()).fold(0.0, max_or_nan);
-            Facet::new(rounded, moved)
+            FlatFacet::new(rounded, moved)
         });
-        Self { exact: Facet::new(corners, 0.0), single }
+        Self { exact: FlatFacet::new(corners, 0.0), single }
     }
 }
 
 /// The gradient of the facet's h.
 #[inline]
-fn gradient(t: [&Vertex; 3]) -> DVec2 {
+fn gradient(t: [&SurfaceVertex; 3]) -> DVec2 {
     gradient_of(t.map(|v| v.q), t.map(|v| v.h))
 }
 
 /// The gradient of what is linear and `h` at the corners `q`.
 #[inline]
-pub(super) fn gradient_of(q: [DVec2; 3], h: [f64; 3]) -> DVec2 {
+pub(crate) fn gradient_of(q: [DVec2; 3], h: [f64; 3]) -> DVec2 {
     let [ab, ac] = [q[1] - q[0], q[2] - q[0]];
     (ab.perp() * (h[2] - h[0]) - ac.perp() * (h[1] - h[0])) / ab.perp_dot(ac)
 }
 
 /// A bound of a third derivative along any ways of unit length.
-pub(super) fn size_of(third: [Interval; 4]) -> f64 {
+pub(crate) fn size_of(third: [Interval; 4]) -> f64 {
     let [xxx, xxy, xyy, yyy] = third.map(Interval::magnitude);
     (xxx * xxx + 3.0 * (xxy * xxy + xyy * xyy) + yyy * yyy).sqrt()
 }

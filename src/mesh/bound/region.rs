@@ -26,7 +26,7 @@ const PARTS: usize = 4;
 
 /// Bounds that hold all over a region.
 #[derive(Debug, Clone, Copy)]
-pub struct Region {
+pub struct RegionBounds {
     /// Third derivatives of h (xxx, xxy, xyy, yyy), 1/mm^2.
     pub third: [Interval; 4],
     /// mm along the camera's ray per mm of h.
@@ -46,7 +46,7 @@ pub struct Region {
     pub pole: bool,
 }
 
-impl Region {
+impl RegionBounds {
     /// Holds where there is no mirror.
     pub const NOTHING: Self = Self {
         third: [Interval { lo: f64::INFINITY, hi: f64::NEG_INFINITY }; 4],
@@ -60,7 +60,7 @@ impl Region {
     };
 }
 
-impl Region {
+impl RegionBounds {
     /// What holds of a round mirror where this holds on the X axis, turned about by any angle with
     /// a cosine of at least `cos` and a sine of at most `sin` in size.
     #[must_use]
@@ -87,7 +87,7 @@ impl Region {
     }
 }
 
-impl UnionBound for Region {
+impl UnionBound for RegionBounds {
     fn union(self, other: Self) -> Self {
         let ([lo, hi], [other_lo, other_hi]) = (self.gradient, other.gradient);
         Self {
@@ -105,12 +105,12 @@ impl UnionBound for Region {
 
 /// Bounds of the contents of a box: of the mirror's c, and of a facet's c_T.
 #[derive(Debug, Clone, Copy)]
-pub struct Contents {
+pub struct ContentBounds {
     mirror: [Jet; 2],
     facet: [Jet; 2],
 }
 
-impl Contents {
+impl ContentBounds {
     /// |c''| + |c_T''| (xx, xy, yy).
     pub fn second(&self) -> [f64; 3] {
         let (mirror, facet) = (second(&self.mirror), second(&self.facet));
@@ -143,7 +143,7 @@ fn size(parts: impl Iterator<Item = f64>) -> f64 {
 
 /// Ranges for facets in a box of the chart: up = a + p . (X, Y) with up = Z - plane.
 #[derive(Debug, Clone, Copy)]
-pub struct Plane {
+pub struct FacetPlanes {
     h: Interval,
     /// The gradient of h, which is linear in q.
     gradient: [Interval; 2],
@@ -151,7 +151,7 @@ pub struct Plane {
     slope: [Interval; 2],
 }
 
-impl Plane {
+impl FacetPlanes {
     /// Facets with h's gradient in `gradient`.
     fn of_gradient(k: f64, q: [Interval; 2], h: Interval, gradient: [Interval; 2]) -> Self {
         let base = h - (q[0] * gradient[0] + q[1] * gradient[1]);
@@ -172,7 +172,7 @@ pub fn sides([lo, hi]: [DVec2; 2]) -> [Interval; 2] {
 
 /// Who looks at a mirror, and what it must see.
 #[derive(Debug, Clone, Copy)]
-pub struct Sight<'a> {
+pub struct ImagingProblem<'a> {
     /// The mirror.
     pub mirror: &'a Mirror,
     /// The camera's chart.
@@ -181,7 +181,7 @@ pub struct Sight<'a> {
     pub view: Option<&'a ImagingTask>,
 }
 
-impl Sight<'_> {
+impl ImagingProblem<'_> {
     /// Whether all places of a facet show the same: parallel rays in, and only directions count.
     pub fn is_plain(&self) -> bool {
         let parallel = self.camera.vergence == 0.0 && self.mirror.chart.vergence == 0.0;
@@ -202,15 +202,15 @@ impl Sight<'_> {
         [lo, hi]: [DVec2; 2],
         bounds: &DerivativeBounds,
         around: Option<&DerivativeBounds>,
-    ) -> Region {
+    ) -> RegionBounds {
         let chart = &self.mirror.chart;
         let k = chart.vergence;
         let reach = lo.abs().max(hi.abs()).length();
         let low = exp(k * bounds.f.lo);
-        let mut region = Region {
+        let mut region = RegionBounds {
             third: third(bounds, k),
             stretch: (1.0 + k * k * reach * reach).sqrt() / (low * low),
-            ..Region::NOTHING
+            ..RegionBounds::NOTHING
         };
         if let Some(view) = self.view {
             region.drift = self.drift([lo, hi], bounds);
@@ -230,7 +230,7 @@ impl Sight<'_> {
         [lo, hi]: [DVec2; 2],
         [bounds, around]: [&DerivativeBounds; 2],
         levels: usize,
-        region: &mut Region,
+        region: &mut RegionBounds,
     ) {
         let (plane, gradient) = self.planes([lo, hi], around);
         let contents = self.contents(view, [lo, hi], bounds, plane);
@@ -253,15 +253,20 @@ impl Sight<'_> {
         } else {
             let pole = !contents.is_bounded();
             let first = contents.first();
-            let found = Region { second, mirror, first, gradient, pole, ..Region::NOTHING };
+            let found =
+                RegionBounds { second, mirror, first, gradient, pole, ..RegionBounds::NOTHING };
             *region = region.union(found);
         }
     }
 
     /// The facets that may touch a box: with gradients of h in the box returned.
-    fn planes(&self, part: [DVec2; 2], bounds: &DerivativeBounds) -> (Option<Plane>, [DVec2; 2]) {
+    fn planes(
+        &self,
+        part: [DVec2; 2],
+        bounds: &DerivativeBounds,
+    ) -> (Option<FacetPlanes>, [DVec2; 2]) {
         if self.is_plain() {
-            return (None, Region::NOTHING.gradient);
+            return (None, RegionBounds::NOTHING.gradient);
         }
         let chart = &self.mirror.chart;
         let k = chart.vergence;
@@ -277,7 +282,7 @@ impl Sight<'_> {
             chart.projective_height(bounds.f.hi) + slack,
         );
         let gradient = [DVec2::new(wide[0].lo, wide[1].lo), DVec2::new(wide[0].hi, wide[1].hi)];
-        (Some(Plane::of_gradient(k, sides(part), h, wide)), gradient)
+        (Some(FacetPlanes::of_gradient(k, sides(part), h, wide)), gradient)
     }
 
     /// Bounds over a part of a region where `bounds` hold: by Taylor's theorem about its middle.
@@ -328,8 +333,8 @@ impl Sight<'_> {
         view: &ImagingTask,
         [lo, hi]: [DVec2; 2],
         bounds: &DerivativeBounds,
-        plane: Option<Plane>,
-    ) -> Contents {
+        plane: Option<FacetPlanes>,
+    ) -> ContentBounds {
         let chart = &self.mirror.chart;
         let middle = chart.point(0.5 * (lo + hi), bounds.f.mid());
         let near = self.camera.coordinates(middle).0;
@@ -346,7 +351,7 @@ impl Sight<'_> {
         let facet = plane.map_or([Jet::constant(0.0); 2], |plane| {
             self.facet_contents(view, [lo, hi], plane, near)
         });
-        Contents { mirror, facet }
+        ContentBounds { mirror, facet }
     }
 
     /// The contents of facets over a box.
@@ -354,7 +359,7 @@ impl Sight<'_> {
         &self,
         view: &ImagingTask,
         part: [DVec2; 2],
-        plane: Plane,
+        plane: FacetPlanes,
         near: DVec2,
     ) -> [Jet; 2] {
         let chart = &self.mirror.chart;
@@ -378,7 +383,7 @@ impl Sight<'_> {
         }
     }
 
-    /// [`Region::drift`]: |v| / (1 + p . v), with v the tangent of the ray's angle to the axis and
+    /// [`RegionBounds::drift`]: |v| / (1 + p . v), with v the tangent of the ray's angle to the axis and
     /// p the mirror's slope. (The chart is then that of parallel rays.)
     fn drift(&self, part: [DVec2; 2], bounds: &DerivativeBounds) -> f64 {
         if self.camera == self.mirror.chart {
