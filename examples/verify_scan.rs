@@ -5,7 +5,7 @@
 //! Without a file the part is made first, turned and shifted as a scanner might see it.
 
 use morion::internals::export::read_stl;
-use morion::internals::pipeline::{Inspection, Silent, build, inspect, load};
+use morion::internals::pipeline::{Silent, VerifyOptions, build, inspect, load};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
 
     let inspection =
-        Inspection { align: Some(folder.path().to_path_buf()), ..Inspection::default() };
+        VerifyOptions { align: Some(folder.path().to_path_buf()), ..VerifyOptions::default() };
     let report = inspect(&source, &scan, &inspection, &Silent)?;
     if let Some(alignment) = &report.alignment {
         println!("pose:       distances of {:.3} um RMS are left", alignment.rms_um);

@@ -2,7 +2,7 @@
 
 use morion::internals::design::design;
 use morion::internals::export::read_sag;
-use morion::internals::pipeline::{Silent, Source, foresee};
+use morion::internals::pipeline::{Silent, Source, dry_run};
 use morion::internals::profile::{Profile, SagAxis, SagGrid};
 use std::sync::LazyLock;
 
@@ -46,7 +46,7 @@ pub fn holds(bytes: &[u8]) {
     let source = Source { profile: PROFILE.clone(), sag: Some(grid) };
     if design(&source.profile, source.sag.as_ref()).is_ok() && is_shallow {
         // Foreseen or refused.
-        let _ = foresee(&source, &Silent);
+        let _ = dry_run(&source, &Silent);
     }
 }
 

@@ -16,7 +16,7 @@ pub use results::{
 
 use crate::design::Design;
 use crate::pipeline::{
-    Clock, FileError, Folder, Observer, Source, SourceError, Stage, Staged, designed, load,
+    FileError, Folder, Observer, Source, SourceError, Stage, StageTimer, Staged, designed, load,
     read_file,
 };
 use crate::profile::shipped;
@@ -91,7 +91,7 @@ pub fn bench(
     options: &BenchOptions,
     observer: &dyn Observer,
 ) -> Result<BenchReport, BenchError> {
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let folder = Folder::create(&out.join("bench"))?;
     let named: Vec<String> = match options.profiles.is_empty() {
         true => shipped().iter().map(|profile| profile.name.to_owned()).collect(),

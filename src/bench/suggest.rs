@@ -2,7 +2,7 @@
 
 use super::design::METHODS;
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
-use crate::pipeline::{Clock, Silent, designed, meshed, reread};
+use crate::pipeline::{Silent, StageTimer, build_in_memory, designed, meshed};
 use crate::profile::{Method, Profile, Shape};
 use std::time::Instant;
 use toml_edit::{DocumentMut, Item, Table, value};
@@ -67,7 +67,7 @@ fn reached(
         return Ok(None);
     };
     let method = Method { kind, degree: run.setting as usize, minimax };
-    let clock = Clock::new(&Silent);
+    let clock = StageTimer::new(&Silent);
     let design_px = run.figures["pixel_rms_px"];
     let mut best: Option<SuggestedSettings> = None;
     for _ in 0..TRIES {
@@ -84,7 +84,7 @@ fn reached(
         let design = designed(&source)?.0;
         let triangles = meshed(&clock, &profile, &design)?.0.made.mesh.triangles.len();
         let time_ms = 1e3 * began.elapsed().as_secs_f64();
-        let seen = reread(&clock, &profile, &design)?.seen.1;
+        let seen = build_in_memory(&clock, &profile, &design)?.seen.1;
         let found = seen.summary(|seen| seen.errors.map(|errors| errors.image_mm));
         let Some(found) = found else { return Ok(None) };
         // As a report has it.

@@ -1,7 +1,7 @@
 //! Monte Carlo trials against the width of the yield's interval.
 
 use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
-use crate::pipeline::{Clock, Prepared, Silent, prepared};
+use crate::pipeline::{Prepared, Silent, StageTimer, prepared};
 use crate::tolerance::{Yield, quantile};
 use std::convert::Infallible;
 
@@ -14,7 +14,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
     let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
-        let clock = Clock::new(&Silent);
+        let clock = StageTimer::new(&Silent);
         let Prepared { engine, .. } = prepared(&clock, &subject.named, &subject.source)?;
         let sources = &engine.question.sources;
         let most = numbers.last().copied().unwrap_or_default();

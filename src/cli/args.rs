@@ -15,8 +15,8 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
     /// How results are printed
-    #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
-    pub format: Format,
+    #[arg(long, global = true, value_enum, default_value_t = PrintFormat::Text)]
+    pub format: PrintFormat,
     /// No progress on stderr; warnings and errors stay
     #[arg(long, short, global = true)]
     pub quiet: bool,
@@ -66,7 +66,7 @@ pub enum Command {
         align: bool,
         /// Unit of the file's coordinates [default: by its size]
         #[arg(long, value_enum, value_name = "UNIT")]
-        units: Option<Units>,
+        units: Option<UnitArg>,
         /// Folder for the form error's map and the report, in DIR/NAME-verify/ [default: out]
         #[arg(long, value_name = "DIR", requires = "align")]
         out: Option<PathBuf>,
@@ -121,10 +121,10 @@ pub enum Command {
         cuts: bool,
         /// Write the map too, for OpenCV's remap: column and row of the photo for each pixel
         #[arg(long, value_enum, value_name = "FORMAT")]
-        map: Option<MapFormat>,
+        map: Option<MapFormatArg>,
         /// Projection of the panorama [default: the profile's; equirectangular for round mirrors]
         #[arg(long, value_enum, value_name = "LAW")]
-        projection: Option<Rows>,
+        projection: Option<RowsArg>,
         /// Pixels across the panorama [default: the scale of the photo, at the rim of round mirrors]
         #[arg(long, value_name = "N")]
         width: Option<NonZeroUsize>,
@@ -240,7 +240,7 @@ pub enum Command {
 
 /// Formats of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MapFormat {
+pub enum MapFormatArg {
     /// NumPy array of shape (rows, columns, 2)
     Npy,
     /// OpenEXR with the columns in channel R, the rows in G
@@ -249,7 +249,7 @@ pub enum MapFormat {
 
 /// Laws of a panorama's rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Rows {
+pub enum RowsArg {
     /// The tangent of the elevation in equal steps
     Cylindrical,
     /// The elevation in equal steps
@@ -327,16 +327,16 @@ fn percent(text: &str) -> Result<f64, String> {
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum PrintFormat {
     /// A readable summary
     Text,
     /// The report as JSON
     Json,
 }
 
-/// Units of length.
+/// UnitArg of length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Units {
+pub enum UnitArg {
     /// Millimetres
     Mm,
     /// Centimetres
@@ -349,14 +349,14 @@ pub enum Units {
     Um,
 }
 
-impl From<Units> for Unit {
-    fn from(units: Units) -> Self {
+impl From<UnitArg> for Unit {
+    fn from(units: UnitArg) -> Self {
         match units {
-            Units::Mm => Self::Mm,
-            Units::Cm => Self::Cm,
-            Units::M => Self::M,
-            Units::In => Self::In,
-            Units::Um => Self::Um,
+            UnitArg::Mm => Self::Mm,
+            UnitArg::Cm => Self::Cm,
+            UnitArg::M => Self::M,
+            UnitArg::In => Self::In,
+            UnitArg::Um => Self::Um,
         }
     }
 }

@@ -9,13 +9,13 @@ mod styles;
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
 use crate::pipeline::{
-    self, Cutting, Effort, Inspection, Replayed, Source, Trials, Wanted, Way, blur, build_with,
-    foresee, frame, inspect, load, machining, render, replay, tolerance, tolerance_merged,
-    tolerance_part, unwrap,
+    self, Effort, MachiningOptions, RenderOptions, ReplayOptions, Source, Trials, VerifyOptions,
+    Way, blur, build_with, frame, inspect, load, machining, render, replay, tolerance,
+    tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Aperture, Prospect, Report, Verdict, text, visible};
-use args::{Arguments, Command, Format, MapFormat, Rows};
+use crate::report::{Aperture, BuildForecast, Report, Verdict, text, visible};
+use args::{Arguments, Command, MapFormatArg, PrintFormat, RowsArg};
 use clap::Parser;
 use progress::Progress;
 use serde_json::json;
@@ -66,7 +66,8 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             let (mut code, mut failures) = (PASSED, Vec::new());
             for source in &sources {
                 let done = if *dry_run {
-                    foresee(source, &progress).map(|prospect| announce(arguments, &prospect))
+                    pipeline::dry_run(source, &progress)
+                        .map(|prospect| announce(arguments, &prospect))
                 } else {
                     build_with(source, out, effort, &progress)
                         .map(|report| conclude(arguments, &report))
@@ -88,7 +89,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             Ok(PASSED)
         }
         Command::Verify { file, profile, align, units, out } => {
-            let inspection = Inspection {
+            let inspection = VerifyOptions {
                 units: units.map(Into::into),
                 align: align.then(|| out.clone().unwrap_or_else(|| "out".into())),
             };
@@ -96,7 +97,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             conclude(arguments, &report)
         }
         Command::Render { profile, scene, smooth, square_mm, unit_mm, allow_outside, out } => {
-            let wanted = Wanted {
+            let wanted = RenderOptions {
                 scene,
                 smooth: *smooth,
                 square_mm: *square_mm,
@@ -109,9 +110,9 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         }
         Command::Unwrap { photo, profile, out, cuts, map, projection, width } => {
             let remap = Way::Remap {
-                projection: projection.map(Rows::chosen),
+                projection: projection.map(RowsArg::chosen),
                 width: width.map(NonZeroUsize::get),
-                map: map.map(MapFormat::chosen),
+                map: map.map(MapFormatArg::chosen),
             };
             let way = if *cuts { Way::Cuts } else { remap };
             let unwrapped = unwrap(&load(profile)?, photo, way, out, &progress)?;
@@ -138,7 +139,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             out,
             ..
         } => {
-            let wanted = Replayed { trial: *trial, seed: *seed, without };
+            let wanted = ReplayOptions { trial: *trial, seed: *seed, without };
             let report = replay(named, &wanted, out, &progress)?;
             show(arguments, || report.text(), || report.json())?;
             Ok(code(report.verdict))
@@ -151,8 +152,8 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                     let part = tolerance_part(named, &trials, out, &progress)?;
                     let (path, trials) = (part.path.display().to_string(), part.trials);
                     print(&match arguments.format {
-                        Format::Text => visible(&format!("{path}: {trials} trials\n")),
-                        Format::Json => line(&json!({ "part": path, "trials": trials })),
+                        PrintFormat::Text => visible(&format!("{path}: {trials} trials\n")),
+                        PrintFormat::Json => line(&json!({ "part": path, "trials": trials })),
                     })?;
                     return Ok(PASSED);
                 }
@@ -172,7 +173,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             no_as_cut,
             out,
         } => {
-            let cutting = Cutting {
+            let cutting = MachiningOptions {
                 ball_mm: *ball_mm,
                 stepover_mm: *stepover_mm,
                 angle_deg: *angle_deg,
@@ -217,7 +218,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     }
 }
 
-impl Rows {
+impl RowsArg {
     fn chosen(self) -> pipeline::Rows {
         match self {
             Self::Cylindrical => pipeline::Rows::Cylindrical,
@@ -227,7 +228,7 @@ impl Rows {
     }
 }
 
-impl MapFormat {
+impl MapFormatArg {
     fn chosen(self) -> pipeline::MapFormat {
         match self {
             Self::Npy => pipeline::MapFormat::Npy,
@@ -254,7 +255,7 @@ fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
 }
 
 /// Prints what a build would make, the warnings to stderr.
-fn announce(arguments: &Arguments, prospect: &Prospect) -> Result<u8, Failure> {
+fn announce(arguments: &Arguments, prospect: &BuildForecast) -> Result<u8, Failure> {
     prospect.warnings.iter().for_each(|warning| warn(warning));
     show(arguments, || prospect.text(), || prospect.json())?;
     Ok(PASSED)
@@ -288,8 +289,8 @@ fn show(
     json: impl FnOnce() -> String,
 ) -> Result<(), Failure> {
     print(&match arguments.format {
-        Format::Text => styles::styled(&text()),
-        Format::Json => json(),
+        PrintFormat::Text => styles::styled(&text()),
+        PrintFormat::Json => json(),
     })
 }
 

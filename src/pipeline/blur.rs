@@ -1,7 +1,7 @@
 //! The blur: how large a spot each pixel sees through a lens of a given aperture.
 
 use super::files::Folder;
-use super::observer::Clock;
+use super::observer::StageTimer;
 use super::{Error, Observer, Source, Stage, designed, sharpness};
 use crate::design::Design;
 use crate::geom::Chart;
@@ -25,7 +25,7 @@ pub fn blur(
 ) -> Result<BlurReport, Error> {
     let profile = &source.profile;
     let lens = Lens::new(profile, aperture, focus_mm)?;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let design = clock.stage(Stage::Design, || designed(source))?;
     let (report, lengths) = clock.stage(Stage::Blur, || {
         let (report, lengths) = spots(profile, &design, &lens, focus_mm)?;

@@ -1,15 +1,15 @@
 //! A build: every stage, every file, and back from the bytes on the disk.
 
-use super::advice::Advice;
-use super::drawings::{Checked, Drawing, check_table, fitted};
-use super::examine::examine;
-use super::facets::{Facets, left_out};
+use super::build_cache::{self, BuildRecord, Output};
+use super::cad_exports::{CadCheck, CadExports, check_table, fitted};
+use super::camera_view::{CameraView, Distance, picture};
+use super::check_file::check_file;
+use super::dry_run::{check_room, least_bytes};
+use super::face::{AtPrecision, left_out};
 use super::files::{Folder, Staged};
-use super::foresee::{check_room, least_bytes};
 use super::formats::{self, drawings, write_mesh};
-use super::last::{self, Output, Record};
-use super::observer::{Clock, Observer, Stage};
-use super::sight::{Distance, Eye, picture};
+use super::observer::{Observer, Stage, StageTimer};
+use super::size_warnings::SizeWarnings;
 use super::source::Source;
 use super::{Error, assemble, close, designed, label, meshed, verdict, write};
 use crate::design::Design;
@@ -60,13 +60,13 @@ pub fn build_with(
     observer: &dyn Observer,
 ) -> Result<Report, Error> {
     let profile = &source.profile;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let clock = if effort == Effort::Most { clock.without_shortcuts() } else { clock };
     let asked = |format: &Format| profile.formats.contains(format);
-    let inputs = last::inputs(source);
+    let inputs = build_cache::inputs(source);
     if effort == Effort::Least {
         let folder = out.join(&profile.name);
-        if let Some((report, record)) = last::unchanged(&folder, &inputs) {
+        if let Some((report, record)) = build_cache::unchanged(&folder, &inputs) {
             let folder = Folder::create(&folder)?;
             let timings = record.json(&clock);
             folder.stage("timings.json", |out| out.write_all(timings.as_bytes()))?.publish()?;
@@ -75,7 +75,7 @@ pub fn build_with(
         }
     }
     let folder = Folder::create(&out.join(&profile.name))?;
-    folder.holds(least_bytes(profile))?;
+    folder.ensure_space(least_bytes(profile))?;
 
     let design = clock.stage(Stage::Design, || designed(source))?;
     count_unknowns(&clock, &design);
@@ -90,7 +90,7 @@ pub fn build_with(
     let precision = facets.as_ref().map_or(Precision::Double, |facets| facets.precision);
     let label = label(profile, &design, facets.as_ref().ok().map(|facets| &facets.made.bound));
     let drawing =
-        Drawing { profile, design: &design, form: &form, fit: fit.as_ref(), label: &label };
+        CadExports { profile, design: &design, form: &form, fit: fit.as_ref(), label: &label };
     let meshes = match facets {
         Ok(facets) => write_meshes(profile, &clock, &folder, &design, facets, &label)?,
         Err(refused) => Meshes { refused: Some(refused), ..Meshes::default() },
@@ -108,7 +108,7 @@ pub fn build_with(
             checked.push(check(&clock, &drawing, *format, staged, bytes));
             continue;
         }
-        let mut found = examine(&clock, profile, &design, *format, bytes, chord_mm);
+        let mut found = check_file(&clock, profile, &design, *format, bytes, chord_mm);
         found.altered = found.file.sha256 != staged.sha256();
         // A mesh that is made for the rays alone is no file.
         if !asked(format) {
@@ -116,15 +116,15 @@ pub fn build_with(
         }
         let seen = found.seen.take();
         if let (None, Some(seen)) = (&picture, &seen) {
-            picture = Some(painted(&clock, &design, Eye::Mesh(seen))?);
+            picture = Some(painted(&clock, &design, CameraView::Mesh(seen))?);
         }
         evidence.push(found);
     }
     let picture = match picture {
         Some(picture) => picture,
         // Without a mesh file the designed mirror is what there is to see.
-        None if evidence.is_empty() => painted(&clock, &design, Eye::Smooth)?,
-        None => painted(&clock, &design, Eye::Shut)?,
+        None if evidence.is_empty() => painted(&clock, &design, CameraView::Smooth)?,
+        None => painted(&clock, &design, CameraView::Shut)?,
     };
 
     // What the disk made of the bytes may be otherwise the next time.
@@ -132,7 +132,7 @@ pub fn build_with(
     let inputs = if altered { String::new() } else { inputs };
     let mut report = assemble(profile, &design, form, facts, evidence, chord_mm);
     let mut all: Vec<Reason> = refused.into_iter().chain(report.reasons).collect();
-    for Checked { file, reasons, sag } in checked {
+    for CadCheck { file, reasons, sag } in checked {
         all.extend(reasons.into_iter().map(|reason| reason.of_file(&file.name)));
         report.files.push(file);
         report.sag = report.sag.or(sag);
@@ -142,7 +142,7 @@ pub fn build_with(
     report.reasons = all;
     // What was made for the rays alone stays nowhere.
     report.files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
-    let advice = Advice { profile, design: &design, precision };
+    let advice = SizeWarnings { profile, design: &design, precision };
     let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
     report.warnings = advice.on(report.mesh.map_or(0, |mesh| mesh.triangles), &files);
     report.warnings.extend(report.mesh.as_ref().and_then(|mesh| advice.unspent(mesh)));
@@ -167,7 +167,7 @@ pub fn build_with(
         clock.worked(Stage::Write, "files", [files.len() + 1, unasked], "not asked for");
         let output = |file: &Staged| Output::of(file.path(), file.name());
         let outputs = files.iter().chain([&last]).filter_map(output).collect();
-        let record = Record { inputs, outputs, work: clock.work() };
+        let record = BuildRecord { inputs, outputs, work: clock.work() };
         let timings = text("timings.json", &record.json(&clock))?;
         // The report last: where it is new, all that it speaks of is, and before it is the record
         // matches nothing.
@@ -201,10 +201,10 @@ struct Meshes {
 /// solid in memory at a time.
 fn write_meshes(
     profile: &Profile,
-    clock: &Clock,
+    clock: &StageTimer,
     folder: &Folder,
     design: &Design,
-    facets: Facets<Face>,
+    facets: AtPrecision<Face>,
     label: &Label,
 ) -> Result<Meshes, Error> {
     let (mut staged, mut facts) = (Vec::new(), None);
@@ -230,18 +230,18 @@ fn write_meshes(
         staged.push((format, file?));
         closed = Some((formats::precision(format), solid));
     }
-    let Facets { made, formats, refused, .. } = facets;
+    let AtPrecision { made, formats, refused, .. } = facets;
     Ok(Meshes { staged, facts, chord_mm: made.bound.chord_mm, formats, refused })
 }
 
 /// Reads a file that is no mesh.
 fn check(
-    clock: &Clock,
-    drawing: &Drawing,
+    clock: &StageTimer,
+    drawing: &CadExports,
     format: Format,
     staged: &Staged,
     bytes: Vec<u8>,
-) -> Checked {
+) -> CadCheck {
     clock.always(Stage::Read, || {
         let mut checked = drawing.check(format, &bytes);
         if checked.file.sha256 != staged.sha256() {
@@ -254,7 +254,7 @@ fn check(
 }
 
 /// What the camera sees of the test world, as PNG.
-fn painted(clock: &Clock, design: &Design, eye: Eye) -> Result<Vec<u8>, Error> {
+fn painted(clock: &StageTimer, design: &Design, eye: CameraView) -> Result<Vec<u8>, Error> {
     clock.stage(Stage::Picture, || {
         let world = (&TestWorld::new() as &dyn World, Distance::Target);
         let png = picture(design, eye, world, 2).to_png();
@@ -265,7 +265,7 @@ fn painted(clock: &Clock, design: &Design, eye: Eye) -> Result<Vec<u8>, Error> {
 }
 
 /// Counts what the design's symmetry saved.
-fn count_unknowns(clock: &Clock, design: &Design) {
+fn count_unknowns(clock: &StageTimer, design: &Design) {
     if let (Surface::Tensor(sheet), unknowns @ 1..) =
         (&design.mirror.surface, design.facts.unknowns)
     {

@@ -89,17 +89,17 @@ pub struct Staged {
 /// Keeps other commands from giving files in a folder their names, until it is dropped.
 #[derive(Debug)]
 #[must_use]
-pub struct Turn {
+pub struct PublishLock {
     _folder: Option<File>,
 }
 
 /// Passes bytes on and hashes them.
-struct Hashing<W> {
+struct HashingWriter<W> {
     out: W,
     hash: Sha256,
 }
 
-impl<W: Write> Write for Hashing<W> {
+impl<W: Write> Write for HashingWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.out.write(bytes)?;
         self.hash.update(&bytes[..count]);
@@ -122,7 +122,7 @@ impl Folder {
     }
 
     /// Finds out whether there is room for so many bytes. Where that is not known, there is.
-    pub fn holds(&self, bytes: u64) -> Result<(), FileError> {
+    pub fn ensure_space(&self, bytes: u64) -> Result<(), FileError> {
         let free = self.free().unwrap_or(u64::MAX);
         let mb = |bytes: u64| bytes as f64 / 1e6;
         if bytes <= free {
@@ -145,8 +145,8 @@ impl Folder {
 
     /// Waits for the turn to publish files that belong together. Where folders cannot be locked
     /// there is nothing to wait for.
-    fn turn(&self) -> Turn {
-        Turn { _folder: self.locked(File::lock) }
+    fn turn(&self) -> PublishLock {
+        PublishLock { _folder: self.locked(File::lock) }
     }
 
     fn locked(&self, lock: impl FnOnce(&File) -> io::Result<()>) -> Option<File> {
@@ -168,7 +168,7 @@ impl Folder {
     }
 
     /// Finds out whether [`Folder::remove`] could not do its work.
-    fn clears(&self, name: &str) -> Result<(), FileError> {
+    fn ensure_removable(&self, name: &str) -> Result<(), FileError> {
         let path = self.path.join(name);
         let is_file = !path.is_dir();
         let error = || FileError::new("remove", &path)(ErrorKind::IsADirectory.into());
@@ -190,7 +190,7 @@ impl Folder {
     /// The old ones that speak of others go first: a command that is killed leaves files of one set, or
     /// a folder without a report.
     pub fn replace(&self, files: Vec<Staged>, stale: &[&str]) -> Result<(), FileError> {
-        stale.iter().try_for_each(|name| self.clears(name))?;
+        stale.iter().try_for_each(|name| self.ensure_removable(name))?;
         let _turn = self.turn();
         for staged in files.iter().rev().filter(|staged| staged.speaks_of_others()) {
             self.remove(staged.name())?;
@@ -241,10 +241,11 @@ impl Folder {
                 return Err(ErrorKind::IsADirectory.into());
             }
             let file = self.temporary()?;
-            let hashing = Hashing { out: file.as_file(), hash: Sha256::new() };
+            let hashing = HashingWriter { out: file.as_file(), hash: Sha256::new() };
             let mut out = BufWriter::with_capacity(1 << 20, hashing);
             write(&mut out)?;
-            let Hashing { hash, .. } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+            let HashingWriter { hash, .. } =
+                out.into_inner().map_err(io::IntoInnerError::into_error)?;
             // File systems may take the bytes now and find no room for them later; and a renamed
             // file must not be empty after a power cut.
             file.as_file().sync_all()?;
@@ -266,7 +267,7 @@ impl Staged {
         self.target.file_name().and_then(|name| name.to_str()).unwrap_or_default()
     }
 
-    /// Whether it holds figures of other files of its set.
+    /// Whether it ensure_space figures of other files of its set.
     fn speaks_of_others(&self) -> bool {
         [".json", ".html"].iter().any(|end| self.name().ends_with(end))
     }
@@ -376,8 +377,8 @@ mod tests {
         let temporary = tempfile::tempdir().unwrap();
         let folder = Folder::create(temporary.path()).unwrap();
         let free = folder.free().unwrap();
-        assert!(folder.holds(free / 2).is_ok());
-        let error = folder.holds(u64::MAX).unwrap_err().to_string();
+        assert!(folder.ensure_space(free / 2).is_ok());
+        let error = folder.ensure_space(u64::MAX).unwrap_err().to_string();
         assert!(
             error.starts_with("cannot write into the folder ") && error.contains(" MB are free")
         );

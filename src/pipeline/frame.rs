@@ -1,10 +1,10 @@
 //! The frame-fill check: a build up to the witness, in memory, and what the sensor's pixels are
 //! good for.
 
-use super::examine::{pixel_fates, tolerance_px};
+use super::check_file::{pixel_fates, tolerance_px};
 use super::files::Folder;
-use super::observer::Clock;
-use super::reread::{Reread, reread};
+use super::in_memory_build::{InMemoryBuild, build_in_memory};
+use super::observer::StageTimer;
 use super::{Error, Observer, Source, Stage, designed, remedy, verdict};
 use crate::design::{Design, design};
 use crate::optics::Camera;
@@ -36,9 +36,10 @@ pub fn frame(
         });
     }
     let min = min.unwrap_or(profile.accepted().frame_filled.value);
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let design = clock.stage(Stage::Design, || designed(source))?;
-    let Reread { frame: found, seen: (_, witness), .. } = reread(&clock, profile, &design)?;
+    let InMemoryBuild { frame: found, seen: (_, witness), .. } =
+        build_in_memory(&clock, profile, &design)?;
     let (Some(found), Some(view)) = (found, &design.view) else {
         unreachable!("a projection was asked for");
     };

@@ -1,9 +1,9 @@
 //! What a ball cutter makes of a profile's mirror: the survey, the map of where the ball does not fit, and
 //! the as-cut part, written, read back and traced.
 
-use super::examine::{Evidence, examine};
+use super::check_file::{FileCheck, check_file};
 use super::files::{Folder, sha256};
-use super::observer::Clock;
+use super::observer::StageTimer;
 use super::{Error, Observer, Source, Stage, designed, labelled, verdict};
 use crate::design::Design;
 use crate::export::{stl_bytes, write_stl};
@@ -24,7 +24,7 @@ use std::path::Path;
 
 /// How a mirror is to be cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cutting {
+pub struct MachiningOptions {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
     /// Distance of the raster's lines in the plan, mm; none for the largest that keeps both budgets.
@@ -61,14 +61,14 @@ const FILE: &str = "as-cut.stl";
 /// ball that does not fit and a budget that is not kept are negative verdicts.)
 pub fn machining(
     source: &Source,
-    cutting: &Cutting,
+    cutting: &MachiningOptions,
     out: &Path,
     observer: &dyn Observer,
 ) -> Result<Machining, Error> {
     let profile = &source.profile;
     let refused = |source| Error::Machining { profile: profile.name.clone(), source };
     check(cutting, profile.part.width_mm).map_err(refused)?;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let folder = Folder::create(&out.join(&profile.name))?;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let mirror = &design.mirror;
@@ -105,7 +105,7 @@ pub fn machining(
     if let Some(mesh) = cut {
         let optical_triangles = mesh.triangles.len();
         let solid = clock.stage(Stage::Solid, || close(profile, &design, mesh))?;
-        folder.holds(stl_bytes(solid.mesh().triangles.len()))?;
+        folder.ensure_space(stl_bytes(solid.mesh().triangles.len()))?;
         let as_cut = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);
         let label = labelled(profile, &design, as_cut);
         let staged = clock.stage(Stage::Write, || {
@@ -116,7 +116,7 @@ pub fn machining(
         drop(solid);
         // What is cut ends at the mirror's rim.
         let bytes = staged.read()?;
-        let mut evidence = examine(&clock, profile, &design, Format::Stl, bytes, 0.0);
+        let mut evidence = check_file(&clock, profile, &design, Format::Stl, bytes, 0.0);
         evidence.rename(FILE.to_owned());
         evidence.altered = evidence.file.sha256 != staged.sha256();
         found.reasons.extend(witnessed(&evidence));
@@ -153,7 +153,7 @@ pub fn machining(
 }
 
 /// Holds numbers from outside to what they can mean.
-fn check(cutting: &Cutting, width_mm: f64) -> Result<(), MachiningError> {
+fn check(cutting: &MachiningOptions, width_mm: f64) -> Result<(), MachiningError> {
     let positive = "positive and finite";
     let bad = |option, must: &str, found| {
         Err(MachiningError::Input { option, must: must.to_owned(), found })
@@ -194,7 +194,7 @@ fn check(cutting: &Cutting, width_mm: f64) -> Result<(), MachiningError> {
 }
 
 /// The best directions, and the raster in the one asked for or the best to a hundredth of a degree.
-fn directed(survey: &Survey, cutting: &Cutting) -> (BestFacts, Raster) {
+fn directed(survey: &Survey, cutting: &MachiningOptions) -> (BestFacts, Raster) {
     let ball_mm = cutting.ball_mm;
     // Directions hardly depend on it.
     let stepover_mm = cutting.stepover_mm.unwrap_or(FIRST_STEPOVER * ball_mm);
@@ -212,7 +212,7 @@ fn directed(survey: &Survey, cutting: &Cutting) -> (BestFacts, Raster) {
 pub(super) fn survey(
     profile: &Profile,
     design: &Design,
-    cutting: &Cutting,
+    cutting: &MachiningOptions,
 ) -> Result<Machining, Error> {
     let refused = |source| Error::Machining { profile: profile.name.clone(), source };
     Ok(surveyed(profile, design, cutting).map_err(refused)?.1)
@@ -237,7 +237,7 @@ struct Surveyed<'a> {
 fn surveyed<'a>(
     profile: &Profile,
     design: &'a Design,
-    cutting: &Cutting,
+    cutting: &MachiningOptions,
 ) -> Result<(Surveyed<'a>, Machining), MachiningError> {
     let mirror = &design.mirror;
     let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
@@ -442,7 +442,7 @@ fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, St
 }
 
 /// What the witness has against the as-cut part.
-fn witnessed(evidence: &Evidence) -> Vec<String> {
+fn witnessed(evidence: &FileCheck) -> Vec<String> {
     let mut reasons = Vec::new();
     if evidence.altered {
         reasons.push(verdict::ALTERED.to_owned());

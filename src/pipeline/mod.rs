@@ -4,60 +4,60 @@
 //! was written is read, checked and traced like a stranger's file, and only then published under
 //! its own name, with the report beside it.
 
-mod advice;
 mod blur;
 mod build;
-mod drawings;
+mod build_cache;
+mod cad_exports;
+mod camera_view;
+mod check_file;
+mod dry_run;
 mod error;
-mod examine;
-mod facets;
+mod face;
 mod files;
-mod foresee;
 mod formats;
 mod frame;
-mod last;
+mod in_memory_build;
 mod machining;
 mod observer;
 mod question;
 mod remedy;
 mod render;
 mod replay;
-mod reread;
 mod scenery;
-mod shape;
 mod sharpness;
-mod sight;
+mod size_warnings;
 mod source;
 mod tolerance;
 mod unwrap;
 mod verdict;
 mod verify;
+mod vertex_check;
 
 pub use crate::align::Unit;
 pub use blur::blur;
 pub use build::{Effort, build, build_with};
+pub use dry_run::dry_run;
 pub use error::Error;
 pub use files::{FileError, abandon};
-pub use foresee::foresee;
 pub use frame::frame;
-pub use machining::{Cutting, machining};
+pub use machining::{MachiningOptions, machining};
 pub use observer::{Observer, Silent, Stage, Work};
 pub use render::render;
-pub use replay::{Replayed, replay};
-pub use scenery::{SceneError, Wanted};
+pub use replay::{ReplayOptions, replay};
+pub use scenery::{RenderOptions, SceneError};
 pub use source::{Source, SourceError, load};
-pub use tolerance::{Part, Trials, tolerance, tolerance_merged, tolerance_part};
+pub use tolerance::{Trials, TrialsFile, tolerance, tolerance_merged, tolerance_part};
 pub use unwrap::{MapFormat, PhotoError, Rows, Way, unwrap};
-pub use verify::{Inspection, inspect, verify};
+pub use verify::{VerifyOptions, inspect, verify};
 
 /// What the benchmark times and writes, stage by stage.
 pub(crate) use {
-    examine::intents,
+    camera_view::above,
+    check_file::intents,
     files::{Folder, Staged, read as read_file},
-    observer::Clock,
+    in_memory_build::build_in_memory,
+    observer::StageTimer,
     question::{Prepared, prepared},
-    reread::reread,
-    sight::above,
 };
 
 use crate::design::{Design, design};
@@ -67,8 +67,8 @@ use crate::mirror::Form;
 use crate::profile::{Format, Profile};
 use crate::report::{FileFacts, MeshFacts, ProfileId, Report, SCHEMA, SolidFacts};
 use crate::solid::Solid;
-use examine::Evidence;
-use facets::Facets;
+use check_file::FileCheck;
+use face::AtPrecision;
 use std::io::{self, Write};
 
 pub(crate) fn designed(from: &Source) -> Result<(Design, String), Error> {
@@ -79,11 +79,11 @@ pub(crate) fn designed(from: &Source) -> Result<(Design, String), Error> {
 }
 
 pub(crate) fn meshed(
-    clock: &Clock,
+    clock: &StageTimer,
     profile: &Profile,
     design: &Design,
-) -> Result<(Facets<Face>, String), Error> {
-    let facets = facets::face(profile, design)?;
+) -> Result<(AtPrecision<Face>, String), Error> {
+    let facets = face::face(profile, design)?;
     let mirror = &design.mirror;
     let all = facets.made.mesh.triangles.len();
     let reflections = mirror.reflections();
@@ -92,7 +92,7 @@ pub(crate) fn meshed(
     if !clock.shortcuts() {
         for reflected in reflections {
             let reflected = Design { mirror: reflected, ..design.clone() };
-            let again = facets::face(profile, &reflected)?.made;
+            let again = face::face(profile, &reflected)?.made;
             if again.mesh != facets.made.mesh || again.bound != facets.made.bound {
                 return Err(Error::Uneven { profile: profile.name.clone() });
             }
@@ -106,7 +106,7 @@ pub(crate) fn meshed(
 
 /// Writes one file under a temporary name.
 fn write(
-    clock: &Clock,
+    clock: &StageTimer,
     folder: &Folder,
     format: Format,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -160,7 +160,7 @@ fn assemble(
     design: &Design,
     form: Form,
     made: Option<(MeshFacts, SolidFacts)>,
-    evidence: Vec<Evidence>,
+    evidence: Vec<FileCheck>,
     chord_mm: f64,
 ) -> Report {
     let (mesh, solid) = made.unzip();

@@ -104,7 +104,7 @@ pub struct Work {
 }
 
 /// Times the stages for an observer, and counts their work.
-pub struct Clock<'a> {
+pub struct StageTimer<'a> {
     observer: &'a dyn Observer,
     start: Instant,
     stages: Mutex<Vec<(&'static str, f64)>>,
@@ -112,7 +112,7 @@ pub struct Clock<'a> {
     shortcuts: bool,
 }
 
-impl<'a> Clock<'a> {
+impl<'a> StageTimer<'a> {
     /// Starts now.
     pub fn new(observer: &'a dyn Observer) -> Self {
         Self {

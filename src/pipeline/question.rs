@@ -1,8 +1,8 @@
 //! What is asked of a tolerance run: the profile's words, a measured form error, and the facets of the
 //! mesh that the part is made from.
 
-use super::facets::plan;
-use super::observer::Clock;
+use super::face::plan;
+use super::observer::StageTimer;
 use super::source::heights_beside;
 use super::{Error, Source, Stage, designed};
 use crate::design::Design;
@@ -30,7 +30,7 @@ pub struct Prepared {
 }
 
 /// The design of the profile that `named` means, and what is asked of it.
-pub fn prepared(clock: &Clock, named: &str, source: &Source) -> Result<Prepared, Error> {
+pub fn prepared(clock: &StageTimer, named: &str, source: &Source) -> Result<Prepared, Error> {
     let profile = &source.profile;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let map = match &profile.tolerance.map_file {

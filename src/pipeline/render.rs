@@ -1,10 +1,10 @@
 //! `morion render`: a picture of a scene in the mirror.
 
+use super::camera_view::{CameraView, Distance, TracedMesh, above, picture, reflected};
 use super::files::Folder;
-use super::observer::Clock;
-use super::reread::reread;
-use super::scenery::{Scenery, Wanted, stem};
-use super::sight::{Distance, Eye, Seen, above, picture, reflected};
+use super::in_memory_build::build_in_memory;
+use super::observer::StageTimer;
+use super::scenery::{RenderOptions, Scenery, stem};
 use super::{Error, Observer, Source, Stage, designed};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
@@ -24,16 +24,16 @@ const SAMPLES: u32 = 4;
 /// [`enum@Error`] when there is no such scene, or a stage cannot be done; then there is no new file.
 pub fn render(
     source: &Source,
-    wanted: &Wanted,
+    wanted: &RenderOptions,
     out: &Path,
     observer: &dyn Observer,
 ) -> Result<Rendering, Error> {
     let profile = &source.profile;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let scenery = Scenery::read(wanted)?;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let by_mesh = !wanted.smooth || scenery.shows_part();
-    let mesh = if by_mesh { Some(reread(&clock, profile, &design)?) } else { None };
+    let mesh = if by_mesh { Some(build_in_memory(&clock, profile, &design)?) } else { None };
     let seen = mesh.as_ref().map(|reread| &reread.seen);
     let (png, picture) = clock.stage(Stage::Picture, || {
         let picture = taken(&design, seen, scenery, wanted);
@@ -59,8 +59,13 @@ pub fn render(
     })
 }
 
-fn taken(design: &Design, seen: Option<&Seen>, scenery: Scenery, wanted: &Wanted) -> Picture {
-    let eye = seen.map_or(Eye::Smooth, Eye::Mesh);
+fn taken(
+    design: &Design,
+    seen: Option<&TracedMesh>,
+    scenery: Scenery,
+    wanted: &RenderOptions,
+) -> Picture {
+    let eye = seen.map_or(CameraView::Smooth, CameraView::Mesh);
     let far = |world: &dyn World| picture(design, eye, (world, Distance::Target), SAMPLES);
     let around = |world: &dyn World| picture(design, eye, (world, Distance::Around), SAMPLES);
     match (scenery, seen) {

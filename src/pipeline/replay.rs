@@ -1,11 +1,11 @@
 //! One trial of a tolerance run as a part: its imperfect surface as files, its pose, and what the
 //! files show through its camera.
 
-use super::examine::open;
-use super::facets::{self, Facets};
+use super::check_file::open;
+use super::face::{self, AtPrecision};
 use super::files::{FileError, Folder, Staged};
 use super::formats::{precision, write_solid};
-use super::observer::Clock;
+use super::observer::StageTimer;
 use super::question::{Prepared, prepared};
 use super::source::load;
 use super::{Error, Observer, Stage, labelled, verdict};
@@ -23,7 +23,7 @@ use std::path::Path;
 
 /// Which trial, and of what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Replayed<'a> {
+pub struct ReplayOptions<'a> {
     /// Its number.
     pub trial: u64,
     /// What the trials are drawn from.
@@ -36,7 +36,7 @@ pub struct Replayed<'a> {
 const PER_SWING: f64 = 12.0;
 /// Largest number of facets of the optical face.
 const MOST_FACETS: usize = 6_000_000;
-/// Facets with edges of a unit and less, halved from longer ones, on a unit of area.
+/// AtPrecision with edges of a unit and less, halved from longer ones, on a unit of area.
 const PER_AREA: f64 = 5.0;
 /// Rounding along Z of a vertex, in units of a coordinate's last digit: where the mirror is steep
 /// that of X and Y shows too.
@@ -50,14 +50,14 @@ const ROUNDING: f64 = 16.0;
 /// error to be left out is none of it, the surface swings too finely for a mesh, or the disk refuses.
 pub fn replay(
     named: &str,
-    wanted: &Replayed,
+    wanted: &ReplayOptions,
     out: &Path,
     observer: &dyn Observer,
 ) -> Result<ReplayReport, Error> {
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let source = load(named)?;
     let profile = &source.profile;
-    let Replayed { trial, seed, .. } = *wanted;
+    let ReplayOptions { trial, seed, .. } = *wanted;
     let home = out.join(&profile.name);
     let folder = Folder::create(&home.join(format!("replay-{trial}")))?;
     let Prepared { design, engine, .. } = prepared(&clock, named, &source)?;
@@ -75,8 +75,8 @@ pub fn replay(
         return Err(fine());
     }
 
-    let Facets { made: face, formats, refused, .. } = clock.stage(Stage::Mesh, || {
-        let facets = facets::face(profile, &design)?;
+    let AtPrecision { made: face, formats, refused, .. } = clock.stage(Stage::Mesh, || {
+        let facets = face::face(profile, &design)?;
         let mesh = facets.made.mesh.clone();
         let note = format!("{} optical triangles", mesh.triangles.len());
         let mesh = match longest_edge_mm {
@@ -86,9 +86,9 @@ pub fn replay(
             }
             None => mesh,
         };
-        let Facets { precision, formats, refused, .. } = facets;
+        let AtPrecision { precision, formats, refused, .. } = facets;
         let made = displaced(&engine, &made, mesh);
-        Ok::<_, Error>((Facets { made, precision, formats, refused }, note))
+        Ok::<_, Error>((AtPrecision { made, precision, formats, refused }, note))
     })?;
 
     let label = labelled(profile, &design, format!("imperfect: trial {trial} of seed {seed}"));
@@ -230,7 +230,7 @@ fn displaced(engine: &Engine, made: &Made, mut face: TriMesh) -> TriMesh {
 
 /// Reads a file of the made part and traces it, with reasons why it will not do.
 fn witnessed(
-    clock: &Clock,
+    clock: &StageTimer,
     (engine, made, design): (&Engine, &Made, &Design),
     format: Format,
     optical: usize,
@@ -322,7 +322,7 @@ fn objections(found: &ReplayFile, smooth: &Judged, criterion: Criterion) -> Vec<
         [("as made", shown.as_made, smooth.as_made), ("adjusted", shown.adjusted, smooth.adjusted)]
     {
         let (shown, smooth) = (shown.by(criterion), smooth.by(criterion));
-        // Facets that are all there is would meet their own error to rounding.
+        // AtPrecision that are all there is would meet their own error to rounding.
         if !((shown - smooth).abs() <= facets_px * (1.0 + 1e-3)) {
             faults.push(format!(
                 "{what} it shows {shown:.6} px where the made surface has {smooth:.6} px, off by \

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// What is to be rendered, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted<'a> {
+pub struct RenderOptions<'a> {
     /// The name of a scene, or a file.
     pub scene: &'a str,
     /// By the designed mirror instead of the mesh.
@@ -104,7 +104,7 @@ impl Scenery {
     }
 
     /// Finds and reads the scene that is wanted.
-    pub fn read(wanted: &Wanted) -> Result<Self, SceneError> {
+    pub fn read(wanted: &RenderOptions) -> Result<Self, SceneError> {
         let scenery = Self::find(wanted)?;
         let misplaced =
             |option, of| Err(SceneError::Misplaced { option, of, named: wanted.scene.to_owned() });
@@ -120,7 +120,7 @@ impl Scenery {
         Ok(scenery)
     }
 
-    fn find(wanted: &Wanted) -> Result<Self, SceneError> {
+    fn find(wanted: &RenderOptions) -> Result<Self, SceneError> {
         let named = wanted.scene;
         match named {
             "grid" => return Ok(Self::Grid),

@@ -1,8 +1,8 @@
 //! Tolerancing: trials to files, at once or in parts.
 
 use super::files::{self, Folder};
-use super::machining::{Cutting, scalloped, survey};
-use super::observer::Clock;
+use super::machining::{MachiningOptions, scalloped, survey};
+use super::observer::StageTimer;
 use super::question::{Prepared, prepared};
 use super::source::load;
 use super::{Error, Observer, Stage};
@@ -37,7 +37,7 @@ pub fn tolerance(
     out: &Path,
     observer: &dyn Observer,
 ) -> Result<ToleranceReport, Error> {
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
     let asked = prepared(&clock, named, &source)?;
@@ -48,7 +48,7 @@ pub fn tolerance(
 
 /// A part of a run that goes on elsewhere.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct TrialsFile {
     /// The file, for [`tolerance_merged`].
     pub path: PathBuf,
     /// How many trials it holds.
@@ -64,8 +64,8 @@ pub fn tolerance_part(
     trials: &Trials,
     out: &Path,
     observer: &dyn Observer,
-) -> Result<Part, Error> {
-    let clock = Clock::new(observer);
+) -> Result<TrialsFile, Error> {
+    let clock = StageTimer::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
     let Prepared { engine, .. } = prepared(&clock, named, &source)?;
@@ -76,7 +76,7 @@ pub fn tolerance_part(
     let text =
         format!("{PART}{start}..{end} {}\n{}", quoted(named), table(profile, &engine, seed, &made));
     folder.stage(&name, |out| out.write_all(text.as_bytes()))?.publish()?;
-    Ok(Part { path: folder.path().join(name), trials: made.len() as u64 })
+    Ok(TrialsFile { path: folder.path().join(name), trials: made.len() as u64 })
 }
 
 /// Answers by the trials of parts, in any order, as [`tolerance`] does by the same trials at once.
@@ -89,7 +89,7 @@ pub fn tolerance_merged(
     out: &Path,
     observer: &dyn Observer,
 ) -> Result<ToleranceReport, Error> {
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let fault = |path: &Path, reason: String| Error::Part { path: path.to_owned(), reason };
     let Some(first) = parts.first() else {
         return Err(fault(Path::new("--merge"), "no part is named".into()));
@@ -200,7 +200,7 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
 /// What the stage of trials counts.
 const TRIALS: &str = "trials";
 
-fn traced(clock: &Clock, engine: &Engine, trials: &Trials) -> Vec<Trial> {
+fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
     let Trials { range, seed, until } = trials.clone();
     clock.always(Stage::Trials, || {
         let asked = (range.end - range.start) as usize;
@@ -215,7 +215,7 @@ fn traced(clock: &Clock, engine: &Engine, trials: &Trials) -> Vec<Trial> {
 
 /// Writes the answers.
 fn concluded(
-    clock: &Clock,
+    clock: &StageTimer,
     (profile, machining): (&Profile, Option<Machining>),
     Prepared { engine, facets_from, .. }: &Prepared,
     seed: u64,
@@ -250,7 +250,7 @@ fn concluded(
 
 /// What the ball cutter makes of the mirror as designed, where tool tracks are an error source.
 fn tracks(
-    clock: &Clock,
+    clock: &StageTimer,
     (profile, design): (&Profile, &Design),
     engine: &Engine,
 ) -> Result<Option<Machining>, Error> {
@@ -258,7 +258,7 @@ fn tracks(
     let Some(tracks) = sources.iter().find(|source| source.kind == Kind::ToolMarks) else {
         return Ok(None);
     };
-    let cutting = Cutting {
+    let cutting = MachiningOptions {
         ball_mm: texture.ball_radius_mm,
         stepover_mm: Some(tracks.limit),
         // Lines run across the direction in which they follow each other.

@@ -1,7 +1,7 @@
 //! A photo and a profile -> a panorama and its map.
 
 use super::files::{self, Folder, Staged};
-use super::observer::{Clock, Observer, Stage};
+use super::observer::{Observer, Stage, StageTimer};
 use super::{Error, Source, designed};
 use crate::optics::Law;
 use crate::raster::{Raster, RasterError};
@@ -92,7 +92,7 @@ pub fn unwrap(
     observer: &dyn Observer,
 ) -> Result<Unwrapped, Error> {
     let profile = &source.profile;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let name = photo.display().to_string();
     if profile.projection.is_none() {
         return Err(PhotoError::NoProjection { profile: profile.name.clone() }.into());
@@ -162,7 +162,7 @@ pub fn unwrap(
 
 /// Writes all files, then gives them their names.
 fn publish(
-    clock: &Clock,
+    clock: &StageTimer,
     folder: &Path,
     made: Vec<(String, &'static str, Vec<u8>)>,
 ) -> Result<Vec<FileFacts>, Error> {

@@ -1,6 +1,6 @@
 //! The verdict: every reason why a part would not do, with figures.
 
-use super::examine::Evidence;
+use super::check_file::FileCheck;
 use super::remedy;
 use crate::align::FormError;
 use crate::design::Design;
@@ -36,7 +36,7 @@ pub fn of<T>(reasons: &[T]) -> Verdict {
 pub fn reasons(
     profile: &Profile,
     design: &Design,
-    evidence: &[Evidence],
+    evidence: &[FileCheck],
     chord_mm: f64,
     proven_px: Option<f64>,
 ) -> Vec<Reason> {

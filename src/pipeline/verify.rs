@@ -1,8 +1,8 @@
 //! Files of unknown making: CAM exports, and scans of parts that were made.
 
-use super::examine::{Evidence, checked, open, witness};
+use super::check_file::{FileCheck, checked, open, witness};
 use super::files::{self, Folder};
-use super::observer::{Clock, Observer, Stage};
+use super::observer::{Observer, Stage, StageTimer};
 use super::{Error, Source, assemble, designed, verdict};
 use crate::align::{Alignment, FormMap, Size, Unit, align};
 use crate::design::Design;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// How a file of unknown making is looked at.
 #[derive(Debug, Clone, Default)]
-pub struct Inspection {
+pub struct VerifyOptions {
     /// The unit of its coordinates; none: by its size.
     pub units: Option<Unit>,
     /// Fit its pose first, judge it as a measured part, and write the form error's map and the report
@@ -34,7 +34,7 @@ const USUAL_CHORD_UM: f64 = 10.0;
 /// # Errors
 /// [`inspect`]'s.
 pub fn verify(source: &Source, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
-    inspect(source, path, &Inspection::default(), observer)
+    inspect(source, path, &VerifyOptions::default(), observer)
 }
 
 /// Reads an STL, OBJ or 3MF of any making, checks it and traces it against what the profile of `source`
@@ -46,11 +46,11 @@ pub fn verify(source: &Source, path: &Path, observer: &dyn Observer) -> Result<R
 pub fn inspect(
     source: &Source,
     path: &Path,
-    inspection: &Inspection,
+    inspection: &VerifyOptions,
     observer: &dyn Observer,
 ) -> Result<Report, Error> {
     let profile = &source.profile;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let name = path.display().to_string();
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let known = Format::ALL.into_iter().filter(|format| format.is_mesh());
@@ -81,7 +81,7 @@ pub fn inspect(
         (reread, found)
     });
     let mut evidence = match read {
-        Err(error) => Evidence::unreadable(file, error),
+        Err(error) => FileCheck::unreadable(file, error),
         Ok((mut reread, found)) => {
             units = Some(found);
             oversize = size.excess(&reread.mesh);
@@ -225,7 +225,7 @@ fn place(reread: &mut Reread, alignment: &Alignment) {
 
 /// Writes the form error's map and the report.
 fn publish(
-    clock: &Clock,
+    clock: &StageTimer,
     folder: &Folder,
     map: Option<&FormMap>,
     report: &Report,

@@ -30,7 +30,7 @@ pub use machining::{
 pub use measured::{AlignmentFacts, UnitFacts, form_picture};
 pub use outside::visible;
 pub(crate) use plot::{Failure, svg};
-pub use prospect::{Foreseen, Prospect, ProspectFile, ProspectMesh};
+pub use prospect::{BuildForecast, FileForecast, Foreseen, MeshForecast};
 pub use reason::{Reason, ReasonKind};
 pub use rendering::Rendering;
 pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 /// What a build of one profile would come to. Numbers are forecasts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Prospect {
+pub struct BuildForecast {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
     /// Nothing was written.
@@ -15,9 +15,9 @@ pub struct Prospect {
     /// Which profile.
     pub profile: ProfileId,
     /// The mesh; none where the build would go on without one.
-    pub mesh: Option<ProspectMesh>,
+    pub mesh: Option<MeshForecast>,
     /// The mesh files.
-    pub files: Vec<ProspectFile>,
+    pub files: Vec<FileForecast>,
     /// Why files that are asked for would not be written.
     pub reasons: Vec<String>,
     /// What may be a nuisance later, and what to do about it.
@@ -26,7 +26,7 @@ pub struct Prospect {
 
 /// The mesh that is foreseen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ProspectMesh {
+pub struct MeshForecast {
     /// Facets of the optical face.
     pub optical_triangles: usize,
     /// Facets of the solid.
@@ -51,7 +51,7 @@ pub struct Foreseen {
 
 /// A mesh file that is foreseen.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct ProspectFile {
+pub struct FileForecast {
     /// Name in the output folder.
     pub name: String,
     /// Its format's name.
@@ -60,10 +60,10 @@ pub struct ProspectFile {
     pub bytes: u64,
 }
 
-impl Prospect {
+impl BuildForecast {
     /// The forecast for `profile`; nothing in it yet but the mesh and the files.
     #[must_use]
-    pub fn new(profile: ProfileId, mesh: Option<ProspectMesh>, files: Vec<ProspectFile>) -> Self {
+    pub fn new(profile: ProfileId, mesh: Option<MeshForecast>, files: Vec<FileForecast>) -> Self {
         let (reasons, warnings) = (Vec::new(), Vec::new());
         Self { schema: SCHEMA, dry_run: true, profile, mesh, files, reasons, warnings }
     }
@@ -95,7 +95,7 @@ impl Prospect {
     }
 }
 
-fn write_mesh(out: &mut String, mesh: &ProspectMesh) -> std::fmt::Result {
+fn write_mesh(out: &mut String, mesh: &MeshForecast) -> std::fmt::Result {
     let tolerances = [(mesh.chord_um, "chord", "um"), (mesh.facet_px, "facet", "px")];
     let tolerances: Vec<String> = tolerances
         .into_iter()

@@ -7,7 +7,7 @@ use crate::support::{designed, meshed, share, unlimited};
 use morion::internals::design::Design;
 use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
-use morion::internals::pipeline::{Silent, Source, build, foresee};
+use morion::internals::pipeline::{Silent, Source, build, dry_run};
 use morion::internals::profile::{Format, Spot};
 use morion::internals::report::{Reason, Report, Verdict};
 use morion::internals::solid::{Solid, added, rim};
@@ -251,7 +251,7 @@ fn a_rim_in_the_way_is_named() {
 
 /// What is foreseen of the whole part is right within a fifth.
 fn foreseen(what: &str, text: &str, report: &Report) {
-    let prospect = foresee(&Source { profile: parsed(text), sag: None }, &Silent).unwrap();
+    let prospect = dry_run(&Source { profile: parsed(text), sag: None }, &Silent).unwrap();
     let off = prospect.mesh.unwrap().triangles as f64 / report.mesh.unwrap().triangles as f64 - 1.0;
     println!("{what}: triangles off by {off:.3}");
     assert!(off.abs() < 0.2, "{what}: {off}");

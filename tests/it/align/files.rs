@@ -6,7 +6,7 @@ use crate::support::draws::Draws;
 use crate::support::refused;
 use morion::internals::geom::TriMesh;
 use morion::internals::num::cos;
-use morion::internals::pipeline::{Inspection, Silent, Unit, inspect, load};
+use morion::internals::pipeline::{Silent, Unit, VerifyOptions, inspect, load};
 use morion::internals::report::{Report, Verdict, text};
 use std::path::{Path, PathBuf};
 
@@ -59,7 +59,7 @@ fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
 fn look(file: &Path, limits: [f64; 2], units: Option<Unit>, aligned: bool) -> Report {
     let folder = file.parent().unwrap();
     let source = load(profile(folder, limits).to_str().unwrap()).unwrap();
-    let inspection = Inspection { units, align: aligned.then(|| folder.join("made")) };
+    let inspection = VerifyOptions { units, align: aligned.then(|| folder.join("made")) };
     inspect(&source, file, &inspection, &Silent).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -190,7 +190,7 @@ fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
     std::fs::write(&profile, text).unwrap();
     let source = load(profile.to_str().unwrap()).unwrap();
     assert!(source.profile.accept.pixel_error_max_px.is_none());
-    let inspection = Inspection { units: None, align: Some(folder.path().join("made")) };
+    let inspection = VerifyOptions { units: None, align: Some(folder.path().join("made")) };
     for (stretch, verdict) in [(1.0, Verdict::Pass), (1.02, Verdict::Fail)] {
         let mut mesh = part.solid.clone();
         mesh.vertices.iter_mut().for_each(|v| v.z *= stretch);

@@ -6,7 +6,7 @@ use crate::support::small_but;
 use morion::internals::design::design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::machining::{Fillet, Gouge, Place, corners, outlines};
-use morion::internals::pipeline::{Cutting, load};
+use morion::internals::pipeline::{MachiningOptions, load};
 use morion::internals::report::Verdict;
 use serde_json::Value;
 
@@ -14,7 +14,7 @@ use serde_json::Value;
 fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     let folder = folder();
     let profile = builds::parsed(&small_but("\"crest\"", "\"valley\""));
-    let cutting = Cutting {
+    let cutting = MachiningOptions {
         ball_mm: 0.5,
         stepover_mm: Some(0.1),
         as_cut: true,

@@ -7,7 +7,7 @@ use morion::internals::design::design;
 use morion::internals::geom::DVec2;
 use morion::internals::machining::{Passes, Place, Raster, Survey, corners, outlines};
 use morion::internals::num::{cos, hypot, radians};
-use morion::internals::pipeline::{Cutting, Silent, Source, load, machining};
+use morion::internals::pipeline::{MachiningOptions, Silent, Source, load, machining};
 use morion::internals::report::Verdict;
 
 /// A ball that touches a sphere of radius rho at height u has its centre at u (1 + R / rho), on the ray from the
@@ -47,7 +47,7 @@ fn the_cut_of_a_sphere_meets_its_closed_form_along_a_meridian() {
 fn a_flat_mirror_has_the_shop_formulas_and_the_volume_of_its_scallops() {
     let folder = folder();
     let profile = given(RECTANGLE, "terms = [[0, 0, 1]]");
-    let cutting = Cutting {
+    let cutting = MachiningOptions {
         stepover_mm: Some(0.3),
         as_cut: true,
         allowance_mm: 2.0,
@@ -96,8 +96,14 @@ fn the_witness_finds_the_pixel_error_that_was_foreseen() {
         let angle_deg = Some(angle_deg);
         let stepover_mm = Some(stepover_mm);
         let budget_px = Some(1e6);
-        let cutting =
-            Cutting { ball_mm: 2.0, angle_deg, stepover_mm, budget_px, as_cut: true, ..CUTTING };
+        let cutting = MachiningOptions {
+            ball_mm: 2.0,
+            angle_deg,
+            stepover_mm,
+            budget_px,
+            as_cut: true,
+            ..CUTTING
+        };
         let found = cut(&profile, cutting, folder.path());
         assert_eq!((found.verdict, &found.reasons[..]), (Verdict::Pass, &[][..]), "{angle_deg:?}");
         let scallops = found.scallops.as_ref().unwrap();
@@ -130,7 +136,7 @@ fn the_witness_finds_the_pixel_error_that_was_foreseen() {
 #[test]
 fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
     let (folder, profile) = (folder(), builds::parsed(SMALL));
-    let asked = Cutting { budget_px: Some(0.5), scallop_um: Some(0.4), ..CUTTING };
+    let asked = MachiningOptions { budget_px: Some(0.5), scallop_um: Some(0.4), ..CUTTING };
     let first = cut(&profile, asked, folder.path());
     assert_eq!((first.verdict, first.reasons.len()), (Verdict::Fail, 2), "{:?}", first.reasons);
     let px = first.budget.stepover_for_px_mm.unwrap();
@@ -143,7 +149,7 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
     };
     assert!((figures(px).pixel_error_px.unwrap().p95 / 0.5 - 1.0).abs() < 1e-9);
     assert!((figures(um).scallop_um.value / 0.4 - 1.0).abs() < 1e-9);
-    let kept = Cutting { stepover_mm: Some(0.999_999 * px.min(um)), ..asked };
+    let kept = MachiningOptions { stepover_mm: Some(0.999_999 * px.min(um)), ..asked };
     let found = cut(&profile, kept, folder.path());
     assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
     // What is printed is enough, too.
@@ -186,7 +192,7 @@ fn as_cut_parts_with_all_that_is_around_a_mirror_are_solids() {
     for what in ["conquistador, rounded", "annulus, land"] {
         let profile = parsed(&case(what));
         let (angle_deg, budget_px, as_cut) = (Some(25.0), Some(1e6), true);
-        let cutting = Cutting {
+        let cutting = MachiningOptions {
             ball_mm: 6.0,
             stepover_mm: Some(1.1),
             angle_deg,
@@ -212,7 +218,8 @@ fn as_cut_parts_with_all_that_is_around_a_mirror_are_solids() {
 fn a_mirror_that_no_pixel_sees_is_cut_all_the_same() {
     let folder = folder();
     let profile = unseen_profile();
-    let found = cut(&profile, Cutting { stepover_mm: Some(0.3), ..CUTTING }, folder.path());
+    let found =
+        cut(&profile, MachiningOptions { stepover_mm: Some(0.3), ..CUTTING }, folder.path());
     let scallops = found.scallops.as_ref().unwrap();
     assert!(scallops.scallop_um.value > 0.0 && scallops.slope_rms.is_nan());
     assert_eq!((found.verdict, scallops.pixels), (Verdict::Pass, 0));
@@ -230,7 +237,8 @@ fn the_stepover_that_is_offered_instead_is_taken() {
     let source =
         Source::from(given(RECTANGLE, "terms = [[0, 0, 1], [2, 0, -0.02], [0, 2, -0.01]]"));
     for ball_mm in [0.4, 6.0] {
-        let cutting = |mm: f64| Cutting { ball_mm, stepover_mm: Some(mm), as_cut: true, ..CUTTING };
+        let cutting =
+            |mm: f64| MachiningOptions { ball_mm, stepover_mm: Some(mm), as_cut: true, ..CUTTING };
         let found = machining(&source, &cutting(1e-4), folder.path(), &Silent).unwrap();
         assert!(found.as_cut.is_none());
         let text = found.warnings.concat();
@@ -249,10 +257,11 @@ fn the_stepover_that_is_offered_instead_is_taken() {
 fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
     let folder = folder();
     let source: Source = builds::parsed(SMALL).into();
-    let run = |cutting: Cutting| machining(&source, &cutting, folder.path(), &Silent).unwrap();
-    let free = Cutting { ball_mm: 2.0, stepover_mm: None, as_cut: false, ..CUTTING };
+    let run =
+        |cutting: MachiningOptions| machining(&source, &cutting, folder.path(), &Silent).unwrap();
+    let free = MachiningOptions { ball_mm: 2.0, stepover_mm: None, as_cut: false, ..CUTTING };
     for (budget_px, scallop_um) in [(Some(0.3), None), (Some(0.3), Some(0.05)), (None, None)] {
-        let asked = Cutting { budget_px, scallop_um, ..free };
+        let asked = MachiningOptions { budget_px, scallop_um, ..free };
         let found = run(asked);
         assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
         let px = found.budget.p95_px.unwrap();
@@ -264,12 +273,12 @@ fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
         ];
         let most = used[0].max(used[1]);
         assert!(most <= 1.0 && most > 0.99, "{used:?}");
-        let again = run(Cutting { stepover_mm: Some(found.stepover_mm), ..asked });
+        let again = run(MachiningOptions { stepover_mm: Some(found.stepover_mm), ..asked });
         assert_eq!(again.verdict, Verdict::Pass);
-        let wider = run(Cutting { stepover_mm: Some(1.02 * found.stepover_mm), ..asked });
+        let wider = run(MachiningOptions { stepover_mm: Some(1.02 * found.stepover_mm), ..asked });
         assert_eq!(wider.verdict, Verdict::Fail);
     }
-    let fine = run(Cutting { stepover_mm: Some(2e-5), as_cut: true, ..free });
+    let fine = run(MachiningOptions { stepover_mm: Some(2e-5), as_cut: true, ..free });
     assert!(fine.as_cut.is_none());
     assert!(
         fine.warnings.iter().any(|w| w.contains("the as-cut part was not made: with a stepover"))

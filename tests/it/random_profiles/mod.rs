@@ -6,7 +6,7 @@ pub mod wanted;
 use crate::support::builds::folder;
 use crate::support::random::each;
 use crate::support::{times, unlimited};
-use morion::internals::pipeline::{Error, Silent, Source, Trials, build, foresee, tolerance};
+use morion::internals::pipeline::{Error, Silent, Source, Trials, build, dry_run, tolerance};
 use morion::internals::profile::{Profile, SagGrid};
 use morion::internals::report::{ReasonKind, Report, Verdict};
 use proptest::prelude::*;
@@ -379,7 +379,7 @@ export.formats = [\"stl\"]
                  export.formats = [{formats}]\n"
             );
             let profile = Profile::parse("random", "random.toml", text.as_bytes()).unwrap();
-            let error = foresee(&profile.into(), &Silent).unwrap_err();
+            let error = dry_run(&profile.into(), &Silent).unwrap_err();
             assert!(error.to_string().contains(said), "{error}");
         }
     }

@@ -1,11 +1,11 @@
 //! A build without its files: how large everything would be.
 
-use super::advice::Advice;
-use super::drawings::{Drawing, check_table, fitted};
-use super::facets::{self, Facets, added_to, left_out};
+use super::cad_exports::{CadExports, check_table, fitted};
+use super::face::{self, AtPrecision, added_to, left_out};
 use super::files::Folder;
 use super::formats::{TRACED, drawings, mesh_bytes, precision};
-use super::observer::Clock;
+use super::observer::StageTimer;
+use super::size_warnings::SizeWarnings;
 use super::{Error, Observer, Source, Stage, designed, label};
 use crate::design::Design;
 use crate::export::step::Fit;
@@ -14,16 +14,16 @@ use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
-use crate::report::{Foreseen, ProfileId, Prospect, ProspectFile, ProspectMesh, Reason};
+use crate::report::{BuildForecast, FileForecast, Foreseen, MeshForecast, ProfileId, Reason};
 use crate::solid::Solid;
 
 /// Foresees what [`super::build`] would make of the profile of `source`. Touches no file.
 ///
 /// # Errors
 /// [`enum@Error`] when it can be foreseen that a stage cannot be done.
-pub fn foresee(source: &Source, observer: &dyn Observer) -> Result<Prospect, Error> {
+pub fn dry_run(source: &Source, observer: &dyn Observer) -> Result<BuildForecast, Error> {
     let profile = &source.profile;
-    let clock = Clock::new(observer);
+    let clock = StageTimer::new(observer);
     let design = clock.stage(Stage::Design, || designed(source))?;
     clock.stage(Stage::Forecast, || {
         let facets = planned(profile, &design)?;
@@ -75,12 +75,15 @@ pub fn check_room(
     }
     let prospect = prospect(&written, design, fit, &planned(&written, design)?);
     let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
-    Ok(folder.holds((SURE * bytes as f64) as u64)?)
+    Ok(folder.ensure_space((SURE * bytes as f64) as u64)?)
 }
 
 /// The mesh that is foreseen, or why there will be none although the build goes on.
-fn planned(profile: &Profile, design: &Design) -> Result<Result<Facets<MeshPlan>, Reason>, Error> {
-    match facets::plan(profile, design) {
+fn planned(
+    profile: &Profile,
+    design: &Design,
+) -> Result<Result<AtPrecision<MeshPlan>, Reason>, Error> {
+    match face::plan(profile, design) {
         Ok(facets) => Ok(Ok(facets)),
         Err(error) => left_out(profile, error).map(Err),
     }
@@ -90,12 +93,12 @@ fn prospect(
     profile: &Profile,
     design: &Design,
     fit: Option<&Fit>,
-    facets: &Result<Facets<MeshPlan>, Reason>,
-) -> Prospect {
+    facets: &Result<AtPrecision<MeshPlan>, Reason>,
+) -> BuildForecast {
     // As long as that of the build, whose bounds are not known yet.
     let label = label(profile, design, Some(&ErrorBound::default()));
     let form = Form::of(&design.mirror);
-    let drawing = Drawing { profile, design, form: &form, fit, label: &label };
+    let drawing = CadExports { profile, design, form: &form, fit, label: &label };
     let drawn = drawings(profile).map(|format| foreseen(format, drawing.bytes(format)));
     let (mesh, mut files, refused, precision) = match facets {
         Ok(facets) => {
@@ -106,33 +109,33 @@ fn prospect(
     };
     files.extend(drawn);
     let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
-    let mut prospect = Prospect::new(id, mesh, files);
+    let mut prospect = BuildForecast::new(id, mesh, files);
     prospect.reasons = refused
         .into_iter()
         .map(|reason| reason.replace("was not", "would not be").replace("were not", "would not be"))
         .collect();
-    let advice = Advice { profile, design, precision };
+    let advice = SizeWarnings { profile, design, precision };
     let files: Vec<(&str, u64)> = prospect.files.iter().map(|f| (&*f.name, f.bytes)).collect();
     prospect.warnings = advice.on(mesh.map_or(0, |mesh| mesh.triangles), &files);
     prospect
 }
 
-fn foreseen(format: Format, bytes: u64) -> ProspectFile {
-    ProspectFile { name: format.file_name().to_owned(), format: format.name(), bytes }
+fn foreseen(format: Format, bytes: u64) -> FileForecast {
+    FileForecast { name: format.file_name().to_owned(), format: format.name(), bytes }
 }
 
 /// The mesh that is foreseen, and its files.
 fn meshes(
     profile: &Profile,
     design: &Design,
-    facets: &Facets<MeshPlan>,
+    facets: &AtPrecision<MeshPlan>,
     label: &Label,
-) -> (ProspectMesh, Vec<ProspectFile>) {
+) -> (MeshForecast, Vec<FileForecast>) {
     let MeshPlan { limits, forecast } = facets.made;
     let size = size(design, forecast.facets.round() as usize, &facets.made);
     let tolerances = profile.mesh.max_triangles.map(|_| reached(design, &facets.made));
     let pixel = design.camera.pixel_mm;
-    let mesh = ProspectMesh {
+    let mesh = MeshForecast {
         optical_triangles: size.optical,
         triangles: size.optical + size.more,
         max_triangles: profile.mesh.max_triangles,
@@ -156,7 +159,7 @@ fn meshes(
     (mesh, asked.map(|format| foreseen(format, bytes(format))).collect())
 }
 
-/// Facets of a face that is soon made.
+/// AtPrecision of a face that is soon made.
 const SMALL: usize = 30_000;
 
 /// The length of a 3MF, by making it: how well few facets can be packed depends on their order.

@@ -12,7 +12,7 @@ use crate::report::{FileFacts, Reason, ReasonKind, SagFacts};
 use std::io::{self, Write};
 
 /// What such files are drawn from.
-pub struct Drawing<'a> {
+pub struct CadExports<'a> {
     /// What was asked for.
     pub profile: &'a Profile,
     /// The mirror.
@@ -64,7 +64,7 @@ fn sag_path(profile: &Profile) -> SagPath {
 }
 
 /// What the bytes of one such file showed.
-pub struct Checked {
+pub struct CadCheck {
     /// The file.
     pub file: FileFacts,
     /// What is wrong with it, each without the file's name.
@@ -77,7 +77,7 @@ pub struct Checked {
 /// 0.87e-9 at most.
 const LAST_DIGIT: f64 = 1e-9;
 
-impl Drawing<'_> {
+impl CadExports<'_> {
     /// Writes the file.
     pub fn write(&self, format: Format, mut out: impl Write) -> io::Result<()> {
         match format {
@@ -109,7 +109,7 @@ impl Drawing<'_> {
     }
 
     /// Reads its bytes and holds them against the design.
-    pub fn check(&self, format: Format, bytes: &[u8]) -> Checked {
+    pub fn check(&self, format: Format, bytes: &[u8]) -> CadCheck {
         let (reasons, sag) = match format {
             Format::Csv => self.check_sag(bytes),
             Format::Step => (self.check_step(bytes), None),
@@ -121,7 +121,7 @@ impl Drawing<'_> {
             bytes: bytes.len() as u64,
             sha256: sha256(bytes),
         };
-        Checked { file, reasons, sag }
+        CadCheck { file, reasons, sag }
     }
 
     /// Nobody here reads STEP: the bytes must be those that the splines give.

@@ -1,29 +1,33 @@
 //! A build up to the ray trace, in memory: what would be written is read back and traced.
 
-use super::examine::examine;
+use super::camera_view::TracedMesh;
+use super::check_file::check_file;
 use super::formats::write_mesh;
-use super::observer::{Clock, Stage};
-use super::sight::Seen;
+use super::observer::{Stage, StageTimer};
 use super::{Error, close, label, meshed};
 use crate::design::Design;
 use crate::profile::{Format, Profile};
 use crate::trace::Frame;
 
 /// The mesh that a build would write first, as it is read back.
-pub struct Reread {
+pub struct InMemoryBuild {
     /// The format that it was written in.
     pub format: Format,
     /// What the frame as a whole sees, if the profile has a projection.
     pub frame: Option<Frame>,
     /// The mesh and the witness's rays.
-    pub seen: Seen,
+    pub seen: TracedMesh,
 }
 
 /// Meshes, closes, writes in memory, reads back and traces the mirror of `design`.
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done.
-pub fn reread(clock: &Clock, profile: &Profile, design: &Design) -> Result<Reread, Error> {
+pub fn build_in_memory(
+    clock: &StageTimer,
+    profile: &Profile,
+    design: &Design,
+) -> Result<InMemoryBuild, Error> {
     let facets = clock.stage(Stage::Mesh, || meshed(clock, profile, design))?;
     let format = facets.formats[0];
     let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
@@ -38,9 +42,9 @@ pub fn reread(clock: &Clock, profile: &Profile, design: &Design) -> Result<Rerea
     })?;
     let chord_mm = facets.made.bound.chord_mm;
     drop((facets, solid));
-    let evidence = examine(clock, profile, design, format, bytes, chord_mm);
+    let evidence = check_file(clock, profile, design, format, bytes, chord_mm);
     match (evidence.seen, evidence.unreadable) {
-        (Some(seen), _) => Ok(Reread { format, frame: evidence.frame, seen }),
+        (Some(seen), _) => Ok(InMemoryBuild { format, frame: evidence.frame, seen }),
         (None, reason) => {
             let reason = reason.map_or("nothing in it".into(), |reason| reason.to_string());
             Err(failed(reason))

@@ -1,10 +1,10 @@
 //! The second half of a build, which starts from bytes: read, check, trace, look.
 
+use super::camera_view::{TracedMesh, above};
 use super::files::sha256;
 use super::formats::read_mesh;
-use super::observer::{Clock, Stage};
-use super::shape::worst_vertex;
-use super::sight::{Seen, above};
+use super::observer::{Stage, StageTimer};
+use super::vertex_check::worst_vertex;
 use crate::design::Design;
 use crate::export::{ReadError, Reread};
 use crate::geom::{DVec2, DVec3};
@@ -17,7 +17,7 @@ use crate::solid::check;
 use crate::trace::{self, Errors, Fate, Frame, Intent, Outcome, Scene, Sweep, Witness, fates};
 
 /// What the bytes of one file showed.
-pub struct Evidence {
+pub struct FileCheck {
     /// The file.
     pub file: FileFacts,
     /// Whether the bytes are others than were written.
@@ -33,10 +33,10 @@ pub struct Evidence {
     /// The frame.
     pub frame: Option<Frame>,
     /// The mesh and its rays, until the picture is painted.
-    pub seen: Option<Seen>,
+    pub seen: Option<TracedMesh>,
 }
 
-impl Evidence {
+impl FileCheck {
     /// Of a file that could not be read.
     pub fn unreadable(file: FileFacts, error: ReadError) -> Self {
         Self {
@@ -62,24 +62,24 @@ impl Evidence {
 
 /// Reads, checks and traces the bytes of a mesh file against `design`, from which its facets may be
 /// `chord_mm` off.
-pub fn examine(
-    clock: &Clock,
+pub fn check_file(
+    clock: &StageTimer,
     profile: &Profile,
     design: &Design,
     format: Format,
     bytes: Vec<u8>,
     chord_mm: f64,
-) -> Evidence {
+) -> FileCheck {
     let (file, read) = open(clock, format, bytes, |reread| checked(design, reread));
     match read {
         Ok(checked) => witness(clock, profile, design, file, checked, chord_mm),
-        Err(error) => Evidence::unreadable(file, error),
+        Err(error) => FileCheck::unreadable(file, error),
     }
 }
 
 /// Reads the bytes of a mesh file, and does something with what is in it.
 pub fn open<T: Send>(
-    clock: &Clock,
+    clock: &StageTimer,
     format: Format,
     bytes: Vec<u8>,
     then: impl FnOnce(Reread) -> T + Send,
@@ -104,14 +104,14 @@ pub fn open<T: Send>(
 }
 
 /// A mesh, and what it is as a solid.
-pub struct Checked {
+pub struct CheckedMesh {
     reread: Reread,
     solid: SolidFacts,
     vertex: Option<VertexFacts>,
 }
 
 /// Checks a mesh as a solid, and its vertices against `design`.
-pub fn checked(design: &Design, reread: Reread) -> Checked {
+pub fn checked(design: &Design, reread: Reread) -> CheckedMesh {
     let check = check(&reread.mesh).through(design.holes());
     let solid = SolidFacts::new(&check, design.volume());
     let vertex = worst_vertex(design, &reread.mesh.vertices);
@@ -119,19 +119,19 @@ pub fn checked(design: &Design, reread: Reread) -> Checked {
         let at = reread.mesh.vertices[vertex].to_array();
         VertexFacts { at_mm: at, off_mm: off }
     });
-    Checked { reread, solid, vertex }
+    CheckedMesh { reread, solid, vertex }
 }
 
 /// Traces a mesh whose facets may be `chord_mm` off the design.
 pub fn witness(
-    clock: &Clock,
+    clock: &StageTimer,
     profile: &Profile,
     design: &Design,
     file: FileFacts,
-    checked: Checked,
+    checked: CheckedMesh,
     chord_mm: f64,
-) -> Evidence {
-    let Checked { reread: Reread { mesh, normals }, solid, vertex } = checked;
+) -> FileCheck {
+    let CheckedMesh { reread: Reread { mesh, normals }, solid, vertex } = checked;
     let name = file.name.clone();
     let camera = &design.camera;
     clock.always(Stage::Trace, || {
@@ -150,7 +150,7 @@ pub fn witness(
         let mut trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
         trace.worst_vertex = vertex;
         let note = format!("{name}: {} rays aimed at the mirror", trace.rays);
-        let evidence = Evidence {
+        let evidence = FileCheck {
             file,
             altered: false,
             measured: false,

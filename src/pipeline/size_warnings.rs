@@ -1,7 +1,7 @@
 //! Warnings of parts and files that others will find too large, and of mirrors that the frame cuts off,
 //! each with what to do instead.
 
-use super::facets::{added_to, forecast, limits};
+use super::face::{added_to, forecast, limits};
 use crate::design::Design;
 use crate::geom::{Outline, Precision};
 use crate::mesh::{Limits, mesh};
@@ -25,7 +25,7 @@ const FINER_MESHES: usize = 12;
 const CUT_OFF: f64 = 1e-3;
 
 /// What suggestions are drawn from.
-pub struct Advice<'a> {
+pub struct SizeWarnings<'a> {
     /// What was asked for.
     pub profile: &'a Profile,
     /// The mirror.
@@ -34,7 +34,7 @@ pub struct Advice<'a> {
     pub precision: Precision,
 }
 
-impl Advice<'_> {
+impl SizeWarnings<'_> {
     /// Warnings of a part of so many triangles and of files of so many bytes.
     pub fn on(&self, triangles: usize, files: &[(&str, u64)]) -> Vec<String> {
         let name = &self.profile.name;

@@ -1,7 +1,7 @@
 //! The last build in a folder: whether the next one would only repeat it.
 
 use super::files::hex;
-use super::observer::{Clock, Work};
+use super::observer::{StageTimer, Work};
 use super::source::Source;
 use crate::profile::Format;
 use crate::report::Report;
@@ -17,7 +17,7 @@ const UNCHANGED: &str = "nothing has changed since the last build in this folder
 
 /// What a build was made of and what it left, for the next one: part of `timings.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub struct BuildRecord {
     /// SHA-256 of all that its files depend on.
     pub inputs: String,
     /// Its files but for `timings.json` itself.
@@ -26,9 +26,9 @@ pub struct Record {
     pub work: Vec<Work>,
 }
 
-impl Record {
+impl BuildRecord {
     /// `timings.json`: with the times of the build that this is of.
-    pub fn json(&self, clock: &Clock) -> String {
+    pub fn json(&self, clock: &StageTimer) -> String {
         let mut all = clock.timings(&self.work);
         all["inputs"] = self.inputs.as_str().into();
         all["outputs"] = serde_json::json!(self.outputs);
@@ -61,17 +61,17 @@ impl Output {
 /// SHA-256 of all that the files of a build depend on: the program's sources and `source` as it is
 /// understood.
 pub fn inputs(source: &Source) -> String {
-    struct Hashing(Sha256);
+    struct HashingWriter(Sha256);
 
-    impl Write for Hashing {
+    impl Write for HashingWriter {
         fn write_str(&mut self, text: &str) -> fmt::Result {
             self.0.update(text);
             Ok(())
         }
     }
 
-    let mut hash = Hashing(Sha256::new());
-    // Every field is in it, every number to the last digit. Hashing cannot fail.
+    let mut hash = HashingWriter(Sha256::new());
+    // Every field is in it, every number to the last digit. HashingWriter cannot fail.
     let _ = write!(hash, "{} {source:?}", env!("MORION_SOURCES"));
     hex(&hash.0.finalize())
 }
@@ -79,9 +79,9 @@ pub fn inputs(source: &Source) -> String {
 /// The report of the last build in `folder` if it was made of `inputs`, its files are as it left
 /// them, and there is none of another format; and its record as that of a build which had nothing to
 /// do.
-pub fn unchanged(folder: &Path, inputs: &str) -> Option<(Report, Record)> {
+pub fn unchanged(folder: &Path, inputs: &str) -> Option<(Report, BuildRecord)> {
     let read = |name: &str| fs::read(folder.join(name)).ok();
-    let mut record: Record = serde_json::from_slice(&read("timings.json")?).ok()?;
+    let mut record: BuildRecord = serde_json::from_slice(&read("timings.json")?).ok()?;
     let is_same = |output: &Output| {
         Output::of(&folder.join(&output.name), &output.name).as_ref() == Some(output)
     };

@@ -15,7 +15,7 @@ use crate::solid::{added, rim};
 
 /// What is made or foreseen for the files that can have it.
 #[derive(Debug)]
-pub struct Facets<T> {
+pub struct AtPrecision<T> {
     /// The face or the plan of it.
     pub made: T,
     /// Its digits.
@@ -27,18 +27,18 @@ pub struct Facets<T> {
 }
 
 /// The face that the profile asks for.
-pub fn face(profile: &Profile, design: &Design) -> Result<Facets<Face>, Error> {
+pub fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, Error> {
     let Design { mirror, camera, view, .. } = design;
     at_precision(profile, design, |precision| match profile.mesh.max_triangles {
-        Some(triangles) => Spending::new(design).budget(triangles, precision).mesh(),
+        Some(triangles) => ClosingCount::new(design).budget(triangles, precision).mesh(),
         None => mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision)),
     })
 }
 
 /// What is foreseen of that face.
-pub fn plan(profile: &Profile, design: &Design) -> Result<Facets<MeshPlan>, Error> {
+pub fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>, Error> {
     at_precision(profile, design, |precision| match profile.mesh.max_triangles {
-        Some(triangles) => Spending::new(design).budget(triangles, precision).foresee(),
+        Some(triangles) => ClosingCount::new(design).budget(triangles, precision).foresee(),
         None => {
             let limits = limits(profile, design, precision);
             Ok(MeshPlan { limits, forecast: forecast(design, limits)? })
@@ -72,9 +72,9 @@ pub fn added_to(forecast: &MeshForecast, design: &Design) -> usize {
 }
 
 /// What closing adds to faces of a mirror.
-struct Spending<'a>(&'a Design);
+struct ClosingCount<'a>(&'a Design);
 
-impl<'a> Spending<'a> {
+impl<'a> ClosingCount<'a> {
     fn new(design: &'a Design) -> Self {
         Self(design)
     }
@@ -86,7 +86,7 @@ impl<'a> Spending<'a> {
     }
 }
 
-impl ClosureCount for Spending<'_> {
+impl ClosureCount for ClosingCount<'_> {
     fn foreseen(&self, forecast: &MeshForecast) -> f64 {
         added_to(forecast, self.0) as f64
     }
@@ -121,7 +121,7 @@ fn at_precision<T>(
     profile: &Profile,
     design: &Design,
     make: impl Fn(Precision) -> Result<T, MeshError>,
-) -> Result<Facets<T>, Error> {
+) -> Result<AtPrecision<T>, Error> {
     let fail = |source| Error::Mesh { profile: profile.name.clone(), source };
     let formats = meshes(profile);
     let single: Vec<Format> =
@@ -129,11 +129,11 @@ fn at_precision<T>(
     if single.is_empty() {
         let precision = Precision::Double;
         let made = make(precision).map_err(fail)?;
-        return Ok(Facets { made, precision, formats, refused: None });
+        return Ok(AtPrecision { made, precision, formats, refused: None });
     }
     let error = match make(Precision::Single) {
         Ok(made) => {
-            return Ok(Facets { made, precision: Precision::Single, formats, refused: None });
+            return Ok(AtPrecision { made, precision: Precision::Single, formats, refused: None });
         }
         Err(error) => error,
     };
@@ -148,7 +148,7 @@ fn at_precision<T>(
     let precision = Precision::Double;
     let made = make(precision).map_err(fail)?;
     let refused = Some(Reason::new(ReasonKind::SinglePrecision, reason));
-    Ok(Facets { made, precision, formats: others, refused })
+    Ok(AtPrecision { made, precision, formats: others, refused })
 }
 
 /// Why there are no files of the formats in `single`, if `error` is due to that precision.

@@ -10,14 +10,14 @@ use crate::render::{Canvas, Picture, Seen as Painted, World};
 use crate::trace::{Outcome, Scene, Witness, glance};
 
 /// A mesh, ready for more rays, and what became of those sent so far.
-pub type Seen = (Scene, Witness);
+pub type TracedMesh = (Scene, Witness);
 
 /// What reflects the camera's rays.
 #[derive(Clone, Copy)]
-pub enum Eye<'a> {
+pub enum CameraView<'a> {
     /// A mesh that was read back. The witness's own rays are the pixels' centres; whether a place
     /// between them lies in shadow is taken from its pixel's centre.
-    Mesh(&'a Seen),
+    Mesh(&'a TracedMesh),
     /// The designed mirror, as if no part of it were in another's way.
     Smooth,
     /// Nothing.
@@ -38,7 +38,7 @@ pub enum Distance {
 /// samples at edges.
 pub fn picture(
     design: &Design,
-    eye: Eye,
+    eye: CameraView,
     (world, distance): (&dyn World, Distance),
     samples_per_side: u32,
 ) -> Picture {
@@ -57,11 +57,11 @@ pub fn picture(
         Painted::World(Ray { origin: at, direction: shown })
     };
     match eye {
-        Eye::Shut => {
+        CameraView::Shut => {
             let nothing = vec![Painted::Missed; width as usize * height as usize];
             Picture::paint(&canvas, world, &nothing, |_, _| Painted::Missed)
         }
-        Eye::Mesh((scene, witness)) => {
+        CameraView::Mesh((scene, witness)) => {
             let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
                 Outcome::Hit if is_dull(design, at) => Painted::Missed,
                 Outcome::Hit => leaving(at, direction),
@@ -83,7 +83,7 @@ pub fn picture(
             };
             Picture::paint(&canvas, world, &centres, see)
         }
-        Eye::Smooth => {
+        CameraView::Smooth => {
             let row = |y: f64, columns: &[f64]| -> Vec<Painted> {
                 let points = columns.iter().map(|&x| camera.image_point(x, y));
                 let ends = reflected(design, &points.collect::<Vec<_>>());
