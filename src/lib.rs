@@ -20,7 +20,7 @@
 //! - **ray error**: angle between the direction seen and the direction wanted.
 //! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
 //! - **facet error**: the part of it that flat facets cause.
-//! - **error source**: what can be off in a made system (`tolerance::Kind`); **limit**: by how
+//! - **error source**: what can be off in a made system (`tolerance::Perturbation`); **limit**: by how
 //!   much; **compensator**: what is adjusted in return.
 //! - **witness**: the ray trace of the file that was written (`trace::Witness`).
 //! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to

@@ -19,7 +19,6 @@ mod frame;
 mod in_memory_build;
 mod machining;
 mod observer;
-mod question;
 mod remedy;
 mod render;
 mod replay;
@@ -28,6 +27,7 @@ mod sharpness;
 mod size_warnings;
 mod source;
 mod tolerance;
+mod tolerance_spec;
 mod unwrap;
 mod verdict;
 mod verify;
@@ -57,7 +57,7 @@ pub(crate) use {
     files::{Folder, Staged, read as read_file},
     in_memory_build::build_in_memory,
     observer::StageTimer,
-    question::{Prepared, prepared},
+    tolerance_spec::{PreparedStudy, prepared},
 };
 
 use crate::design::{Design, design};

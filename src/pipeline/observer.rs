@@ -184,9 +184,9 @@ impl<'a> StageTimer<'a> {
     }
 
     /// Counts what tracing made systems took in a stage.
-    pub fn toleranced(&self, stage: Stage, tally: tolerance::Tally) {
-        for (piece, counts) in tally.pieces() {
-            self.worked(stage, piece.what(), counts.map(|n| n as usize), piece.why());
+    pub fn toleranced(&self, stage: Stage, tally: tolerance::WorkCounts) {
+        for (kind, counts) in tally.kinds() {
+            self.worked(stage, kind.what(), counts.map(|n| n as usize), kind.why());
         }
     }
 

@@ -6,8 +6,8 @@ use super::face::{self, AtPrecision};
 use super::files::{FileError, Folder, Staged};
 use super::formats::{precision, write_solid};
 use super::observer::StageTimer;
-use super::question::{Prepared, prepared};
 use super::source::load;
+use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Observer, Stage, labelled, verdict};
 use crate::design::Design;
 use crate::export::Reread;
@@ -17,7 +17,7 @@ use crate::parallel;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorDrawn, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
 use crate::solid::{Solid, check};
-use crate::tolerance::{Criterion, Engine, Judged, Kind, Made};
+use crate::tolerance::{Criterion, Displacement, Engine, Perturbation, PerturbedSystem};
 use crate::trace::Scene;
 use std::path::Path;
 
@@ -60,10 +60,10 @@ pub fn replay(
     let ReplayOptions { trial, seed, .. } = *wanted;
     let home = out.join(&profile.name);
     let folder = Folder::create(&home.join(format!("replay-{trial}")))?;
-    let Prepared { design, engine, .. } = prepared(&clock, named, &source)?;
+    let PreparedStudy { design, engine, .. } = prepared(&clock, named, &source)?;
     let mut without = left_out(profile, &engine, wanted.without)?;
     // The file has facets of its own, and no terraces: these are the printer's.
-    let own = [Kind::Facets, Kind::Layers];
+    let own = [Perturbation::Facets, Perturbation::Layers];
     without.extend(sources(&engine).filter(|kind| own.contains(kind)));
     without.sort_unstable();
     without.dedup();
@@ -96,7 +96,7 @@ pub fn replay(
     let mut reasons: Vec<String> = refused.into_iter().map(String::from).collect();
     // Single rays see points of textures.
     let rays = engine.pointwise();
-    let smooth = rays.judged(&made);
+    let smooth = rays.displacement_of(&made);
     for &format in &formats {
         let closed = |source| Error::Solid { profile: profile.name.clone(), format, source };
         let solid = clock.stage(Stage::Solid, || {
@@ -119,7 +119,7 @@ pub fn replay(
 
     let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
     let errors = engine.drawn(seed, trial);
-    let kept: Vec<(Kind, f64)> =
+    let kept: Vec<(Perturbation, f64)> =
         errors.iter().filter(|(kind, _)| !without.contains(kind)).copied().collect();
     let pose = pose(&engine, &made, id.clone(), (seed, trial), &kept);
     let report = ReplayReport {
@@ -128,14 +128,14 @@ pub fn replay(
         seed,
         trial,
         samples: engine.samples(),
-        criterion: engine.question.criterion,
-        reference: engine.question.reference,
+        criterion: engine.spec.criterion,
+        reference: engine.spec.reference,
         errors: errors
             .iter()
             .map(|(kind, value)| ErrorDrawn { source: kind.key(), value: *value })
             .collect(),
         without: without.iter().map(|kind| kind.key()).collect(),
-        repeated: engine.judged(&whole),
+        repeated: engine.displacement_of(&whole),
         smooth,
         longest_edge_mm,
         files,
@@ -155,16 +155,20 @@ pub fn replay(
     Ok(report)
 }
 
-fn sources(engine: &Engine) -> impl Iterator<Item = Kind> {
-    engine.question.sources.iter().map(|source| source.kind)
+fn sources(engine: &Engine) -> impl Iterator<Item = Perturbation> {
+    engine.spec.sources.iter().map(|source| source.kind)
 }
 
 /// The error sources that these keys name.
-fn left_out(profile: &Profile, engine: &Engine, keys: &[String]) -> Result<Vec<Kind>, Error> {
+fn left_out(
+    profile: &Profile,
+    engine: &Engine,
+    keys: &[String],
+) -> Result<Vec<Perturbation>, Error> {
     let kind = |key: &String| {
         let found = sources(engine).find(|kind| kind.key() == *key);
         found.ok_or_else(|| {
-            let known: Vec<String> = sources(engine).map(Kind::key).collect();
+            let known: Vec<String> = sources(engine).map(Perturbation::key).collect();
             let reason = format!("{key} is none of its errors, which are {}", known.join(", "));
             Error::Replay { profile: profile.name.clone(), reason }
         })
@@ -184,14 +188,14 @@ fn too_fine(
     engine: &Engine,
     seed: u64,
     trial: u64,
-    without: &[Kind],
+    without: &[Perturbation],
 ) -> Error {
-    let finest = |kind: Kind| {
-        let others: Vec<Kind> = sources(engine).filter(|other| *other != kind).collect();
+    let finest = |kind: Perturbation| {
+        let others: Vec<Perturbation> = sources(engine).filter(|other| *other != kind).collect();
         let swing = engine.shortest(&engine.replayed(seed, trial, &others))?;
         Some((kind, swing, facets_of(design, swing / PER_SWING)))
     };
-    let mut fine: Vec<(Kind, f64, f64)> =
+    let mut fine: Vec<(Perturbation, f64, f64)> =
         sources(engine).filter(|kind| !without.contains(kind)).filter_map(finest).collect();
     fine.sort_by(|a, b| b.2.total_cmp(&a.2));
     let most = fine.first().map_or(0.0, |finest| finest.2);
@@ -222,7 +226,7 @@ fn middle(design: &Design, a: DVec3, b: DVec3) -> DVec3 {
 }
 
 /// The designed face with the form of a made one.
-fn displaced(engine: &Engine, made: &Made, mut face: TriMesh) -> TriMesh {
+fn displaced(engine: &Engine, made: &PerturbedSystem, mut face: TriMesh) -> TriMesh {
     let up = |_, v: &mut DVec3| v.z += engine.departure(made, *v);
     parallel::for_each_mut(&mut face.vertices, 1, up);
     face
@@ -231,11 +235,11 @@ fn displaced(engine: &Engine, made: &Made, mut face: TriMesh) -> TriMesh {
 /// Reads a file of the made part and traces it, with reasons why it will not do.
 fn witnessed(
     clock: &StageTimer,
-    (engine, made, design): (&Engine, &Made, &Design),
+    (engine, made, design): (&Engine, &PerturbedSystem, &Design),
     format: Format,
     optical: usize,
     staged: &Staged,
-    smooth: &Judged,
+    smooth: &Displacement,
 ) -> Result<(Option<ReplayFile>, Vec<String>), Error> {
     let read = |reread: Reread| {
         let solid = check(&reread.mesh).through(design.holes());
@@ -274,7 +278,7 @@ fn witnessed(
                 rounding_mm,
                 witnessed,
             };
-            faults.extend(objections(&found, smooth, engine.question.criterion));
+            faults.extend(objections(&found, smooth, engine.spec.criterion));
             (found, note)
         })),
     };
@@ -293,7 +297,7 @@ fn rounding(mesh: &TriMesh, format: Format) -> f64 {
 }
 
 /// Why a file does not show the made surface.
-fn objections(found: &ReplayFile, smooth: &Judged, criterion: Criterion) -> Vec<String> {
+fn objections(found: &ReplayFile, smooth: &Displacement, criterion: Criterion) -> Vec<String> {
     let ReplayFile { off_surface_mm, rounding_mm, witnessed, .. } = found;
     let mut faults = Vec::new();
     if !smooth.as_made.kept() {
@@ -336,14 +340,14 @@ fn objections(found: &ReplayFile, smooth: &Judged, criterion: Criterion) -> Vec<
 /// What places the part and what the camera has, of the errors that are not left out.
 fn pose(
     engine: &Engine,
-    made: &Made,
+    made: &PerturbedSystem,
     profile: ProfileId,
     (seed, trial): (u64, u64),
-    errors: &[(Kind, f64)],
+    errors: &[(Perturbation, f64)],
 ) -> PoseFile {
     // All keys, so that readers find them.
-    let of = |kinds: &[Kind]| {
-        let value = |kind: &Kind| errors.iter().find(|e| e.0 == *kind).map_or(0.0, |e| e.1);
+    let of = |kinds: &[Perturbation]| {
+        let value = |kind: &Perturbation| errors.iter().find(|e| e.0 == *kind).map_or(0.0, |e| e.1);
         kinds.iter().map(|kind| (kind.key(), value(kind).into())).collect()
     };
     PoseFile {
@@ -352,22 +356,22 @@ fn pose(
         seed,
         trial,
         part: of(&[
-            Kind::DecentreX,
-            Kind::DecentreY,
-            Kind::Despace,
-            Kind::TiltX,
-            Kind::TiltY,
-            Kind::Clocking,
+            Perturbation::DecentreX,
+            Perturbation::DecentreY,
+            Perturbation::Despace,
+            Perturbation::TiltX,
+            Perturbation::TiltY,
+            Perturbation::Clocking,
         ]),
         world_from_file: engine.placing(made),
         camera: of(&[
-            Kind::Magnification,
-            Kind::Telecentricity,
-            Kind::PrincipalX,
-            Kind::PrincipalY,
-            Kind::Distortion,
+            Perturbation::Magnification,
+            Perturbation::Telecentricity,
+            Perturbation::PrincipalX,
+            Perturbation::PrincipalY,
+            Perturbation::Distortion,
         ]),
-        in_the_files: of(&[Kind::Scale, Kind::Temperature]),
+        in_the_files: of(&[Perturbation::Scale, Perturbation::Temperature]),
         growth: engine.growth(made),
     }
 }

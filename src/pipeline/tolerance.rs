@@ -3,14 +3,16 @@
 use super::files::{self, Folder};
 use super::machining::{MachiningOptions, scalloped, survey};
 use super::observer::StageTimer;
-use super::question::{Prepared, prepared};
 use super::source::load;
+use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::num::random::Stream;
 use crate::profile::Profile;
 use crate::report::{Machining, ProfileId, ToleranceReport, read_trial, trial_columns, trial_line};
-use crate::tolerance::{Engine, Kind, Points, Question, Study, Trial, worst_offenders};
+use crate::tolerance::{
+    Engine, Perturbation, PlotData, Study, ToleranceSpec, Trial, worst_offenders,
+};
 use serde_json::Value;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -68,7 +70,7 @@ pub fn tolerance_part(
     let clock = StageTimer::new(observer);
     let source = load(named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
-    let Prepared { engine, .. } = prepared(&clock, named, &source)?;
+    let PreparedStudy { engine, .. } = prepared(&clock, named, &source)?;
     let made = traced(&clock, &engine, trials);
     let Range { start, end } = trials.range;
     let name = format!("trials-{start}-{end}.csv");
@@ -168,10 +170,9 @@ fn seed_of(text: &str) -> Option<u64> {
 fn heading(profile: &Profile, engine: &Engine, seed: u64) -> String {
     let adjustments: Vec<String> =
         engine.adjustments().iter().map(|a| format!("{} {}", a.name, a.unit)).collect();
-    let sources: Vec<String> =
-        engine.question.sources.iter().map(|source| source.kind.key()).collect();
+    let sources: Vec<String> = engine.spec.sources.iter().map(|source| source.kind.key()).collect();
     // The files that a profile names are none of its bytes, and a build may say what facets do.
-    let limits = engine.question.sources.iter().map(|source| source.limit);
+    let limits = engine.spec.sources.iter().map(|source| source.limit);
     let marks: Vec<u8> =
         engine.marks().into_iter().chain(limits).flat_map(f64::to_le_bytes).collect();
     let name = &profile.name;
@@ -191,7 +192,7 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
     let adjustments = engine.adjustments().len();
     for trial in trials {
         let stream = Stream { seed, trial: trial.index };
-        let draws = engine.draw(&engine.question.sources, &stream);
+        let draws = engine.draw(&engine.spec.sources, &stream);
         trial_line(&mut text, trial, adjustments, draws.into_iter().map(|(_, value)| value));
     }
     text
@@ -204,7 +205,7 @@ fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
     let Trials { range, seed, until } = trials.clone();
     clock.always(Stage::Trials, || {
         let asked = (range.end - range.start) as usize;
-        let made = engine.trials(&engine.question.sources, seed, range, until);
+        let made = engine.trials(&engine.spec.sources, seed, range, until);
         clock.toleranced(Stage::Trials, engine.worked());
         let enough = "the yield is known well enough";
         clock.worked(Stage::Trials, TRIALS, [made.len(), asked - made.len()], enough);
@@ -217,7 +218,7 @@ fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
 fn concluded(
     clock: &StageTimer,
     (profile, machining): (&Profile, Option<Machining>),
-    Prepared { engine, facets_from, .. }: &Prepared,
+    PreparedStudy { engine, facets_from, .. }: &PreparedStudy,
     seed: u64,
     trials: &[Trial],
     folder: &Folder,
@@ -232,7 +233,7 @@ fn concluded(
     let offenders = worst_offenders(&study);
     let report = ToleranceReport::new(id, study, *facets_from, offenders, machining);
     clock.stage(Stage::Report, || {
-        let page = report.html(&Points::new(engine, seed, trials));
+        let page = report.html(&PlotData::new(engine, seed, trials));
         let page = page.map_err(|error| Error::Plot(error.to_string()))?;
         let table = table(profile, engine, seed, trials);
         let trials = folder.stage("trials.csv", |out| out.write_all(table.as_bytes()))?;
@@ -254,8 +255,8 @@ fn tracks(
     (profile, design): (&Profile, &Design),
     engine: &Engine,
 ) -> Result<Option<Machining>, Error> {
-    let Question { sources, texture, budget_px, .. } = &engine.question;
-    let Some(tracks) = sources.iter().find(|source| source.kind == Kind::ToolMarks) else {
+    let ToleranceSpec { sources, texture, budget_px, .. } = &engine.spec;
+    let Some(tracks) = sources.iter().find(|source| source.kind == Perturbation::Stepover) else {
         return Ok(None);
     };
     let cutting = MachiningOptions {

@@ -5,7 +5,7 @@ use super::tolerance::px;
 use super::{FileFacts, ProfileId, Verdict};
 use crate::num::stats::Summary;
 use crate::solid::Check;
-use crate::tolerance::{Criterion, Judged, Placing, Reference, Witnessed};
+use crate::tolerance::{Criterion, Displacement, Reference, RigidTransform, Witnessed};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
@@ -32,9 +32,9 @@ pub struct ReplayReport {
     /// Those that are not in the files: the stand-in for facets, and what was left out.
     pub without: Vec<String>,
     /// The trial's figures, as in `trials.csv`.
-    pub repeated: Judged,
+    pub repeated: Displacement,
     /// The figures of the smooth surface that the files are of, without those errors.
-    pub smooth: Judged,
+    pub smooth: Displacement,
     /// Edges of the optical face are no longer than this before it is displaced, mm; none where
     /// the mesh of the design is fine enough for everything.
     pub longest_edge_mm: Option<f64>,
@@ -92,7 +92,7 @@ pub struct PoseFile {
     /// axis.
     pub part: Map<String, Value>,
     /// The same as a motion, for the file's coordinates.
-    pub world_from_file: Placing,
+    pub world_from_file: RigidTransform,
     /// The camera's errors.
     pub camera: Map<String, Value>,
     /// Errors of size, which the files have already.
@@ -162,8 +162,8 @@ impl ReplayReport {
     }
 }
 
-fn figures(judged: &Judged) -> String {
-    let Judged { as_made, adjusted } = judged;
+fn figures(judged: &Displacement) -> String {
+    let Displacement { as_made, adjusted } = judged;
     let [a, b, c, d] = [as_made.rms_px, as_made.p95_px, adjusted.rms_px, adjusted.p95_px].map(px);
     format!("as made {a} rms, {b} p95; adjusted {c} rms, {d} p95 px")
 }

@@ -3,8 +3,8 @@
 use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{Machining, ProfileId, SCHEMA, Verdict};
 use crate::tolerance::{
-    Criterion, Distribution, Measure, Offender, Pixels, Reference, SourceFacts, Statistics, Study,
-    Trial, Unmet,
+    AllocationError, Criterion, DisplacementPx, Distribution, FormMeasure, Offender, Reference,
+    SourceFacts, Statistics, Study, Trial,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -248,7 +248,7 @@ impl ToleranceReport {
                 limit(source.limit_joint) + mark,
             )?;
         }
-        if self.study.form == Measure::Rms {
+        if self.study.form == FormMeasure::Rms {
             writeln!(out, "  {FORM_RMS}")?;
         }
         if self.study.sources.iter().any(|source| source.systematic) {
@@ -309,12 +309,12 @@ pub(super) fn gap_percent(study: &Study) -> String {
 }
 
 /// Why there are no limits in concert.
-pub(super) fn unmet_words(unmet: Unmet) -> &'static str {
+pub(super) fn unmet_words(unmet: AllocationError) -> &'static str {
     match unmet {
-        Unmet::Design => "the design alone uses it up",
-        Unmet::Systematic => "the errors that keep their limits use it up",
-        Unmet::NothingToShare => "no error that is not fixed displaces the picture",
-        Unmet::RaysLost => "rays are lost at all that were tried",
+        AllocationError::Design => "the design alone uses it up",
+        AllocationError::Systematic => "the errors that keep their limits use it up",
+        AllocationError::NothingToShare => "no error that is not fixed displaces the picture",
+        AllocationError::RaysLost => "rays are lost at all that were tried",
     }
 }
 
@@ -403,13 +403,13 @@ pub fn read_trial(line: &str, adjustments: usize) -> Option<Trial> {
     let mut words = line.split(',');
     let index = words.next()?.parse().ok()?;
     if words.clone().take(4 + adjustments).eq(std::iter::repeat_n(LOST, 4 + adjustments)) {
-        let (before, after) = (Pixels::LOST, Pixels::LOST);
+        let (before, after) = (DisplacementPx::LOST, DisplacementPx::LOST);
         return Some(Trial { index, before, after, steps: Vec::new() });
     }
     let figures: Option<Vec<f64>> =
         words.take(4 + adjustments).map(|word| word.parse().ok()).collect();
     let figures = figures.filter(|figures| figures.len() == 4 + adjustments)?;
-    let pixels = |k: usize| Pixels { rms_px: figures[k], p95_px: figures[k + 1] };
+    let pixels = |k: usize| DisplacementPx { rms_px: figures[k], p95_px: figures[k + 1] };
     Some(Trial { index, before: pixels(0), after: pixels(2), steps: figures[4..].to_vec() })
 }
 
@@ -419,14 +419,14 @@ mod tests {
 
     #[test]
     fn lines_give_the_same_trial_back() {
-        let pixels = |x: f64| Pixels { rms_px: x, p95_px: 1.0 / x };
+        let pixels = |x: f64| DisplacementPx { rms_px: x, p95_px: 1.0 / x };
         let trial = Trial {
             index: 12,
             before: pixels(0.1 + 0.2),
             after: pixels(1e-17),
             steps: vec![-1.0 / 3.0, 7.0],
         };
-        let (before, after) = (Pixels::LOST, Pixels::LOST);
+        let (before, after) = (DisplacementPx::LOST, DisplacementPx::LOST);
         let lost = Trial { index: 3, before, after, steps: Vec::new() };
         for trial in [trial, lost] {
             let mut line = String::new();

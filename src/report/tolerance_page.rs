@@ -9,7 +9,7 @@ use super::tolerance::{
     reference, share, statistics, unmet_words,
 };
 use super::tolerance_plots::plots;
-use crate::tolerance::{Measure, Points, SourceFacts};
+use crate::tolerance::{FormMeasure, PlotData, SourceFacts};
 use std::fmt::Write;
 
 /// Beside [`STYLE`]: numbers to the right, two plots side by side, pages of A4.
@@ -26,13 +26,13 @@ impl ToleranceReport {
     ///
     /// # Errors
     /// What the drawing library reports.
-    pub fn html(&self, points: &Points) -> Result<String, Failure> {
+    pub fn html(&self, points: &PlotData) -> Result<String, Failure> {
         let mut out = String::new();
         self.page(&mut out, points)?;
         Ok(out)
     }
 
-    fn page(&self, out: &mut String, points: &Points) -> Result<(), Failure> {
+    fn page(&self, out: &mut String, points: &PlotData) -> Result<(), Failure> {
         let study = &self.study;
         head(out, &self.profile.name, &format!("{STYLE}{MORE}"), self.verdict)?;
         let [share, low, high] =
@@ -166,7 +166,7 @@ impl ToleranceReport {
             vec![s.source.clone(), s.unit.into(), given, weight, alone, joint]
         };
         table(out, &names, self.study.sources.iter().map(row))?;
-        if self.study.form == Measure::Rms {
+        if self.study.form == FormMeasure::Rms {
             writeln!(out, "<p>{FORM_RMS}</p>")?;
         }
         if let Some(unmet) = self.study.no_limit_joint {

@@ -2,7 +2,7 @@
 
 use super::plot::{Area, BLUE, Failure, GREEN, RED, svg};
 use super::tolerance::percent;
-use crate::tolerance::{Criterion, Points, Study};
+use crate::tolerance::{Criterion, PlotData, Study};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -29,7 +29,7 @@ pub struct Plot {
 ///
 /// # Errors
 /// What the drawing library reports.
-pub fn plots(study: &Study, points: &Points) -> Result<[Plot; 4], Failure> {
+pub fn plots(study: &Study, points: &PlotData) -> Result<[Plot; 4], Failure> {
     let plot = |caption: String, draw: &dyn Fn(&Area) -> Result<(), Failure>| {
         Ok::<_, Failure>(Plot { svg: svg(SIZE, draw)?, caption })
     };
@@ -179,7 +179,7 @@ fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
 }
 
 /// Where the figures lie, with the budget, the percentiles and the share below.
-fn histogram(area: &Area, study: &Study, points: &Points) -> Result<(), Failure> {
+fn histogram(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failure> {
     let finite = || points.figures.iter().copied().filter(|x| x.is_finite());
     let (lo, hi) = finite().fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
     let (lo, hi) = if lo <= hi { (lo, hi) } else { (0.0, study.budget_px) };
@@ -248,7 +248,7 @@ fn histogram(area: &Area, study: &Study, points: &Points) -> Result<(), Failure>
 }
 
 /// Both ways to the figure, trial by trial.
-fn scatter(area: &Area, study: &Study, points: &Points) -> Result<(), Failure> {
+fn scatter(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failure> {
     let pairs = || points.pairs.iter().filter(|pair| pair.iter().all(|x| x.is_finite()));
     let all = || pairs().flatten().copied();
     let (lo, hi) = all().fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
@@ -274,7 +274,7 @@ fn scatter(area: &Area, study: &Study, points: &Points) -> Result<(), Failure> {
 }
 
 /// The share of parts that keep a budget.
-fn yields(area: &Area, study: &Study, points: &Points) -> Result<(), Failure> {
+fn yields(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failure> {
     let least = points.yields.first().map_or(0.0, |first| first.0);
     let most = points.yields.last().map_or(study.budget_px, |last| last.0);
     let xs = least..most;

@@ -121,7 +121,7 @@ pub enum Criterion {
 
 /// RMS and P95 of a displacement over the samples, px. Infinite where a ray is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Pixels {
+pub struct DisplacementPx {
     /// Root of the mean square.
     #[serde(serialize_with = "or_lost")]
     pub rms_px: f64,
@@ -138,7 +138,7 @@ pub fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::Error> {
     if figure.is_finite() { out.serialize_f64(*figure) } else { out.serialize_str("lost") }
 }
 
-impl Pixels {
+impl DisplacementPx {
     /// Those of a system that loses rays.
     pub const LOST: Self = Self { rms_px: f64::INFINITY, p95_px: f64::INFINITY };
 
@@ -213,12 +213,12 @@ mod tests {
     fn figures_are_of_lengths_and_lost_rays_show() {
         let mut field: Vec<f64> =
             (1..=100).flat_map(|k| [0.6 * k as f64, -0.8 * k as f64]).collect();
-        let found = Pixels::of(&field);
+        let found = DisplacementPx::of(&field);
         assert!((found.p95_px - 95.0).abs() < 1e-12);
         assert!((found.rms_px - 3383.5f64.sqrt()).abs() < 1e-12);
         field[7] = f64::NAN;
-        assert_eq!(Pixels::of(&field), Pixels::LOST);
-        let json = serde_json::to_string(&Pixels::of(&field)).unwrap();
+        assert_eq!(DisplacementPx::of(&field), DisplacementPx::LOST);
+        let json = serde_json::to_string(&DisplacementPx::of(&field)).unwrap();
         assert_eq!(json, r#"{"rms_px":"lost","p95_px":"lost"}"#);
     }
 }

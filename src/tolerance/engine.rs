@@ -1,12 +1,12 @@
 //! From drawn errors to displacements of the picture, in full.
 
-use super::compensate::{Adjustment, Compensation, Compensator, Criterion, Pixels};
-use super::field::{Field, Measure, slope_modes};
+use super::compensate::{Adjustment, Compensation, Compensator, Criterion, DisplacementPx};
+use super::error_source::{ErrorSource, Perturbation, TextureShape};
+use super::form_field::{FormField, FormMeasure, slope_modes};
 use super::linear::Linear;
-use super::model::{Pose, Sample, State, System, placed};
-use super::source::{Kind, Source, Texture};
+use super::model::{OpticalSystem, PartPose, PerturbedState, PixelSample, placed};
 use super::spread::{facets_displace, terraced};
-use super::tally::{Piece, Tally};
+use super::work_counts::{WorkCounts, WorkKind};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{BicubicSpline, Mirror};
 use crate::num::random::Stream;
@@ -27,13 +27,13 @@ pub enum Reference {
 
 /// What is asked.
 #[derive(Debug, Clone)]
-pub struct Question {
+pub struct ToleranceSpec {
     /// What can be off.
-    pub sources: Vec<Source>,
+    pub sources: Vec<ErrorSource>,
     /// What the limits of form errors are.
-    pub form: Measure,
+    pub form: FormMeasure,
     /// Shapes of the textures.
-    pub texture: Texture,
+    pub texture: TextureShape,
     /// A measured form error, over X and Y of the part, mm.
     pub map: Option<BicubicSpline>,
     /// What is adjusted.
@@ -54,9 +54,9 @@ pub struct Question {
 
 /// One made system.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Made {
+pub struct PerturbedSystem {
     /// Its errors.
-    pub state: State<f64>,
+    pub state: PerturbedState<f64>,
     /// Radius of the disc over which facets displace pixels evenly, px.
     pub facets_px: f64,
     /// Where what differs from pixel to pixel comes from.
@@ -67,12 +67,12 @@ pub struct Made {
 #[derive(Debug, Clone)]
 pub struct Engine {
     /// What is asked.
-    pub question: Question,
-    pub(super) system: System,
+    pub spec: ToleranceSpec,
+    pub(super) system: OpticalSystem,
     /// Standard deviations of the random slope's waves, whose amplitudes come after the other form
     /// errors'.
     pub(super) modes: Vec<f64>,
-    pub(super) forms: Vec<Kind>,
+    pub(super) forms: Vec<Perturbation>,
     pub(super) linear: Linear,
     pub(super) compensation: Compensation,
     /// Displacement without errors: zero against the design.
@@ -88,61 +88,61 @@ const MOST_REACH: f64 = 0.02;
 const REACH_SIGMAS: f64 = 2.5;
 
 impl Engine {
-    /// Prepares `question` for a mirror under a camera that shows a view; none where no pixel sees
+    /// Prepares `spec` for a mirror under a camera that shows a view; none where no pixel sees
     /// the target in it.
     #[must_use]
     pub fn new(
         mirror: &Mirror,
         camera: &Camera,
         view: &ImagingTask,
-        question: Question,
+        spec: ToleranceSpec,
     ) -> Option<Self> {
         let (centre, half) = extent(mirror);
         let size = 2.0 * half[0].max(half[1]);
         let (mut forms, mut fields) = (Vec::new(), Vec::new());
-        for source in &question.sources {
+        for source in &spec.sources {
             let field = match source.kind {
-                Kind::Legendre(i, j) => Field::legendre(i, j, centre, half, question.form),
-                Kind::Zernike(j) => Field::zernike(j, half[0], question.form),
+                Perturbation::Legendre(i, j) => FormField::legendre(i, j, centre, half, spec.form),
+                Perturbation::Zernike(j) => FormField::zernike(j, half[0], spec.form),
                 _ => continue,
             };
             forms.push(source.kind);
             fields.push(field);
         }
-        let slope = question.sources.iter().any(|source| source.kind == Kind::Slope);
-        let length = question.texture.slope_correlation_mm;
+        let slope = spec.sources.iter().any(|source| source.kind == Perturbation::Slope);
+        let length = spec.texture.slope_correlation_mm;
         let waves = if slope { slope_modes(length, size) } else { Vec::new() };
-        let (waves, modes): (Vec<Field>, Vec<f64>) = waves.into_iter().unzip();
+        let (waves, modes): (Vec<FormField>, Vec<f64>) = waves.into_iter().unzip();
         fields.extend(waves);
-        let texture = question.texture;
-        let reach = reach(&question.sources, &question.texture, camera, size);
-        let map = question.map.clone();
+        let texture = spec.texture;
+        let reach = reach(&spec.sources, &spec.texture, camera, size);
+        let map = spec.map.clone();
         let parts = (mirror, camera, view);
-        let system = System::new(parts, fields, &texture, map, question.samples, reach);
+        let system = OpticalSystem::new(parts, fields, &texture, map, spec.samples, reach);
         let pixel = camera.pixel_mm;
-        let base = match question.reference {
+        let base = match spec.reference {
             Reference::Design => vec![0.0; 2 * system.samples.len()],
             Reference::Projection => {
                 let off = system.samples.iter().map(|s| (s.content - s.point) / pixel);
                 off.flat_map(|d: DVec2| d.to_array()).collect()
             }
         };
-        let linear = Linear::new(&system, &question, forms.len() + modes.len());
-        let compensation = compensation(&system, &linear, &question.compensators);
+        let linear = Linear::new(&system, &spec, forms.len() + modes.len());
+        let compensation = compensation(&system, &linear, &spec.compensators);
         let seen = !system.samples.is_empty();
-        let made = Self { question, system, modes, forms, linear, compensation, base };
+        let made = Self { spec, system, modes, forms, linear, compensation, base };
         seen.then_some(made)
     }
 
     /// The same, ready for errors of these limits: polynomials hold where hits then go. None where
     /// that gains nothing.
-    pub(super) fn widened(&self, sources: &[Source]) -> Option<Self> {
+    pub(super) fn widened(&self, sources: &[ErrorSource]) -> Option<Self> {
         let (_, half) = extent(&self.system.mirror);
         let size = 2.0 * half[0].max(half[1]);
-        let reach = reach(sources, &self.question.texture, &self.system.camera, size);
+        let reach = reach(sources, &self.spec.texture, &self.system.camera, size);
         let system = self.system.widened(reach)?;
         Some(Self {
-            question: self.question.clone(),
+            spec: self.spec.clone(),
             system,
             modes: self.modes.clone(),
             forms: self.forms.clone(),
@@ -155,8 +155,8 @@ impl Engine {
     /// Wave vectors, 1/mm, of the random slope, and each one's share of its RMS.
     pub(super) fn waves(&self) -> Vec<([f64; 2], f64)> {
         let fields = self.system.fields[self.forms.len()..].iter().zip(&self.modes);
-        let of = |(field, deviation): (&Field, &f64)| match field {
-            Field::Cosine(k) => {
+        let of = |(field, deviation): (&FormField, &f64)| match field {
+            FormField::Cosine(k) => {
                 let length = (k[0] * k[0] + k[1] * k[1]).sqrt();
                 Some((*k, deviation * length))
             }
@@ -187,7 +187,7 @@ impl Engine {
     /// errors and the measured one there.
     #[must_use]
     pub fn marks(&self) -> Vec<f64> {
-        let of = |sample: &Sample| {
+        let of = |sample: &PixelSample| {
             let units = self.system.form_units(sample).into_iter().flatten();
             sample.content.to_array().into_iter().chain(units).collect::<Vec<f64>>()
         };
@@ -203,7 +203,7 @@ impl Engine {
 
     /// The work of this engine, and of those made of it, since it was last asked for.
     #[must_use]
-    pub fn worked(&self) -> Tally {
+    pub fn worked(&self) -> WorkCounts {
         self.system.counter.take()
     }
 
@@ -214,10 +214,10 @@ impl Engine {
 
     /// Displacement of the designed picture against the projection.
     #[must_use]
-    pub fn nominal(&self) -> Pixels {
+    pub fn nominal(&self) -> DisplacementPx {
         let pixel = self.system.camera.pixel_mm;
         let off = self.system.samples.iter().map(|s| (s.content - s.point) / pixel);
-        Pixels::of(&off.flat_map(|d: DVec2| d.to_array()).collect::<Vec<f64>>())
+        DisplacementPx::of(&off.flat_map(|d: DVec2| d.to_array()).collect::<Vec<f64>>())
     }
 
     /// What is adjusted.
@@ -227,13 +227,13 @@ impl Engine {
     }
 
     /// The system that `values`, each in its source's unit, make; `stream` gives the patterns.
-    pub fn make(&self, values: &[(Kind, f64)], stream: Stream) -> Made {
+    pub fn make(&self, values: &[(Perturbation, f64)], stream: Stream) -> PerturbedSystem {
         let mut state = self.system.perfect::<f64>();
         let mut facets_px = 0.0;
         for &(kind, value) in values {
             let phase = || stream.pair(kind.stream(), 1)[0];
             match kind {
-                Kind::Slope => {
+                Perturbation::Slope => {
                     let slope = 1e-3 * value;
                     let first = self.forms.len();
                     for (m, pair) in self.modes.chunks(2).enumerate() {
@@ -243,19 +243,21 @@ impl Engine {
                         }
                     }
                 }
-                Kind::Waviness => {
+                Perturbation::Waviness => {
                     let (a, phase) = (0.5e-3 * value, TAU * phase());
                     state.wave = Some([a * cos(phase), -a * sin(phase)]);
                 }
-                Kind::ToolMarks if value != 0.0 => state.tracks = Some([value.abs(), phase()]),
-                Kind::ToolMarks => {}
-                // Evenly over a disc, the mean square is half of its radius'.
-                Kind::Facets => facets_px = SQRT_2 * facets_displace(value),
-                Kind::Layers => {
-                    state.terraced = terraced(value, self.question.texture.wavelength_nm);
+                Perturbation::Stepover if value != 0.0 => {
+                    state.tracks = Some([value.abs(), phase()])
                 }
-                Kind::Map => state.map = Some(value),
-                Kind::Legendre(..) | Kind::Zernike(_) => {
+                Perturbation::Stepover => {}
+                // Evenly over a disc, the mean square is half of its radius'.
+                Perturbation::Facets => facets_px = SQRT_2 * facets_displace(value),
+                Perturbation::Layers => {
+                    state.terraced = terraced(value, self.spec.texture.wavelength_nm);
+                }
+                Perturbation::Map => state.map = Some(value),
+                Perturbation::Legendre(..) | Perturbation::Zernike(_) => {
                     if let Some(k) = self.forms.iter().position(|form| *form == kind) {
                         state.form[k] += 1e-3 * value;
                     }
@@ -267,28 +269,29 @@ impl Engine {
                 }
             }
         }
-        Made { state, facets_px, stream }
+        PerturbedSystem { state, facets_px, stream }
     }
 
-    fn placed(&self, kind: Kind) -> Option<(usize, f64)> {
+    fn placed(&self, kind: Perturbation) -> Option<(usize, f64)> {
         let pixel = self.system.camera.pixel_mm;
-        placed_by(kind, pixel, &self.question.texture)
+        placed_by(kind, pixel, &self.spec.texture)
     }
 
     /// The errors of a trial, each in its source's unit.
     #[must_use]
-    pub fn draw(&self, sources: &[Source], stream: &Stream) -> Vec<(Kind, f64)> {
+    pub fn draw(&self, sources: &[ErrorSource], stream: &Stream) -> Vec<(Perturbation, f64)> {
         sources.iter().map(|source| (source.kind, source.draw(stream))).collect()
     }
 
     /// Displacements, px, x and y of each sample, of several made systems.
     #[must_use]
-    pub fn displacements(&self, made: &[Made]) -> Vec<Vec<f64>> {
-        let poses: Vec<Pose<f64>> = made.iter().map(|m| Pose::new(&m.state.placed)).collect();
+    pub fn displacements(&self, made: &[PerturbedSystem]) -> Vec<Vec<f64>> {
+        let poses: Vec<PartPose<f64>> =
+            made.iter().map(|m| PartPose::new(&m.state.placed)).collect();
         let per = 1.0 / self.system.camera.pixel_mm;
         let mut all: Vec<Vec<f64>> = made.iter().map(|_| self.base.clone()).collect();
         let is_perfect: Vec<bool> = made.iter().map(|m| m.state.is_perfect()).collect();
-        let mut tally = Tally::default();
+        let mut work = WorkCounts::default();
         // Sample by sample: what belongs to one stays in the cache.
         for (k, sample) in self.system.samples.iter().enumerate() {
             let systems = made.iter().zip(&poses).zip(&is_perfect);
@@ -296,34 +299,37 @@ impl Engine {
                 let noise = made.noise(k);
                 let mut moved = [0.0; 2];
                 if *is_perfect {
-                    tally.count(Piece::Rays, [0, 1]);
+                    work.count(WorkKind::Rays, [0, 1]);
                 } else {
-                    let content = self.system.content(sample, pose, &made.state, &mut tally);
+                    let content = self.system.content(sample, pose, &made.state, &mut work);
                     moved = [content[0] - sample.content.x, content[1] - sample.content.y];
                 }
                 out[2 * k] += moved[0] * per + noise[0];
                 out[2 * k + 1] += moved[1] * per + noise[1];
             }
         }
-        self.system.counter.add(tally);
+        self.system.counter.add(work);
         all
     }
 
     /// Figures before and after adjustment, and how far each adjustment was moved: none is where rays
     /// are lost.
     #[must_use]
-    pub fn judge(&self, mut displacement: Vec<f64>) -> (Pixels, Pixels, Vec<f64>) {
-        let before = Pixels::of(&displacement);
+    pub fn compensate(
+        &self,
+        mut displacement: Vec<f64>,
+    ) -> (DisplacementPx, DisplacementPx, Vec<f64>) {
+        let before = DisplacementPx::of(&displacement);
         if !before.kept() {
-            return (Pixels::LOST, Pixels::LOST, Vec::new());
+            return (DisplacementPx::LOST, DisplacementPx::LOST, Vec::new());
         }
         let steps = self.compensation.apply(&mut displacement);
-        let after = if steps.is_empty() { before } else { Pixels::of(&displacement) };
+        let after = if steps.is_empty() { before } else { DisplacementPx::of(&displacement) };
         (before, after, steps)
     }
 }
 
-impl Made {
+impl PerturbedSystem {
     /// What facets displace sample `k` by, px: evenly over a disc, by rejection from the square.
     #[inline]
     pub(super) fn noise(&self, k: usize) -> [f64; 2] {
@@ -332,7 +338,8 @@ impl Made {
         }
         let place = |attempt: u32| {
             let draw = 1 + k as u32 + (attempt << 24);
-            let [u, v] = self.stream.pair(Kind::Facets.stream(), draw).map(|u| 2.0 * u - 1.0);
+            let [u, v] =
+                self.stream.pair(Perturbation::Facets.stream(), draw).map(|u| 2.0 * u - 1.0);
             (u * u + v * v < 1.0).then_some([u, v])
         };
         let [u, v] = (0..128).find_map(place).unwrap_or_default();
@@ -341,22 +348,26 @@ impl Made {
 }
 
 /// Which of the placing numbers a kind changes, and by how much for one of its unit.
-pub(super) fn placed_by(kind: Kind, pixel_mm: f64, texture: &Texture) -> Option<(usize, f64)> {
+pub(super) fn placed_by(
+    kind: Perturbation,
+    pixel_mm: f64,
+    texture: &TextureShape,
+) -> Option<(usize, f64)> {
     let (um, mrad, ppm) = (1e-3, 1e-3, 1e-6);
     Some(match kind {
-        Kind::DecentreX => (placed::SHIFT[0], um),
-        Kind::DecentreY => (placed::SHIFT[1], um),
-        Kind::Despace => (placed::SHIFT[2], um),
-        Kind::TiltX => (placed::TURN[0], mrad),
-        Kind::TiltY => (placed::TURN[1], mrad),
-        Kind::Clocking => (placed::TURN[2], mrad),
-        Kind::Scale => (placed::SCALE, ppm),
-        Kind::Temperature => (placed::SCALE, texture.cte_ppm_per_k * ppm),
-        Kind::Magnification => (placed::MAGNIFICATION, ppm),
-        Kind::Telecentricity => (placed::TELECENTRICITY, mrad),
-        Kind::PrincipalX => (placed::PRINCIPAL[0], pixel_mm),
-        Kind::PrincipalY => (placed::PRINCIPAL[1], pixel_mm),
-        Kind::Distortion => (placed::DISTORTION, ppm),
+        Perturbation::DecentreX => (placed::SHIFT[0], um),
+        Perturbation::DecentreY => (placed::SHIFT[1], um),
+        Perturbation::Despace => (placed::SHIFT[2], um),
+        Perturbation::TiltX => (placed::TURN[0], mrad),
+        Perturbation::TiltY => (placed::TURN[1], mrad),
+        Perturbation::Clocking => (placed::TURN[2], mrad),
+        Perturbation::Scale => (placed::SCALE, ppm),
+        Perturbation::Temperature => (placed::SCALE, texture.cte_ppm_per_k * ppm),
+        Perturbation::Magnification => (placed::MAGNIFICATION, ppm),
+        Perturbation::Telecentricity => (placed::TELECENTRICITY, mrad),
+        Perturbation::PrincipalX => (placed::PRINCIPAL[0], pixel_mm),
+        Perturbation::PrincipalY => (placed::PRINCIPAL[1], pixel_mm),
+        Perturbation::Distortion => (placed::DISTORTION, ppm),
         _ => return None,
     })
 }
@@ -385,7 +396,7 @@ pub fn extent(mirror: &Mirror) -> ([f64; 2], [f64; 2]) {
 }
 
 /// How far, mm, hits move over the mirror, roughly.
-fn reach(sources: &[Source], texture: &Texture, camera: &Camera, size: f64) -> f64 {
+fn reach(sources: &[ErrorSource], texture: &TextureShape, camera: &Camera, size: f64) -> f64 {
     let mut square = 0.0;
     for source in sources {
         let Some((k, unit)) = placed_by(source.kind, camera.pixel_mm, texture) else {
@@ -402,7 +413,7 @@ fn reach(sources: &[Source], texture: &Texture, camera: &Camera, size: f64) -> f
     (REACH_SIGMAS * f64::sqrt(square)).clamp(LEAST_REACH * size, MOST_REACH * size)
 }
 
-fn compensation(system: &System, linear: &Linear, asked: &[Compensator]) -> Compensation {
+fn compensation(system: &OpticalSystem, linear: &Linear, asked: &[Compensator]) -> Compensation {
     let pixel = system.camera.pixel_mm;
     let column = |of: &dyn Fn(DVec2) -> [f64; 2]| -> Vec<f64> {
         system.samples.iter().flat_map(|s| of(s.point / pixel)).collect()

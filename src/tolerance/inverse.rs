@@ -1,29 +1,29 @@
 //! From a budget back to limits: of each source alone, and of all together.
 
-use super::compensate::{Criterion, Pixels};
-use super::crossing::crossing;
+use super::compensate::{Criterion, DisplacementPx};
 use super::engine::Engine;
-use super::source::Source;
-use super::tally::Piece;
+use super::error_source::ErrorSource;
+use super::quadratic_yield_model::QuadraticYieldModel;
+use super::solve_for_target::solve_for_target;
 use super::trials::quantile;
-use super::yardstick::Yardstick;
+use super::work_counts::WorkKind;
 use crate::num::random::Stream;
 use serde::Serialize;
 
 /// A source at its limit, px after adjustment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Impact {
+pub struct Sensitivity {
     /// At the negative and the positive limit, as made. A texture has no sign: both are its root
     /// mean square over some patterns.
-    pub before: [Pixels; 2],
+    pub before: [DisplacementPx; 2],
     /// The same after adjustment.
-    pub after: [Pixels; 2],
+    pub after: [DisplacementPx; 2],
 }
 
-impl Impact {
+impl Sensitivity {
     /// The worse of both signs after adjustment.
     #[must_use]
-    pub fn worst(&self) -> Pixels {
+    pub fn worst(&self) -> DisplacementPx {
         self.after[0].worst(self.after[1])
     }
 }
@@ -61,9 +61,9 @@ const WIDEST: f64 = 4.0;
 
 /// Limits that go together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
+pub struct AllocatedLimits {
     /// The sources with these limits.
-    pub sources: Vec<Source>,
+    pub sources: Vec<ErrorSource>,
     /// Which of them are as wide as limits are made, four times their own, and so have less than
     /// their share of the variance.
     pub widest: Vec<bool>,
@@ -72,7 +72,7 @@ pub struct Joint {
 /// Why there are no limits that go together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Unmet {
+pub enum AllocationError {
     /// The system as designed uses up the budget.
     Design,
     /// With the errors that keep their limits it does.
@@ -86,33 +86,34 @@ pub enum Unmet {
 impl Engine {
     /// What a source does alone at `limit`.
     #[must_use]
-    pub fn impact(&self, source: &Source, seed: u64, limit: f64) -> Impact {
+    pub fn sensitivity(&self, source: &ErrorSource, seed: u64, limit: f64) -> Sensitivity {
         if source.kind.is_texture() {
             let made = |trial| self.make(&[(source.kind, limit)], Stream { seed, trial });
             let made: Vec<_> = (0..PATTERNS).map(made).collect();
             let judged: Vec<_> =
-                self.displacements(&made).into_iter().map(|d| self.judge(d)).collect();
-            let mean = |of: &dyn Fn(usize) -> Pixels| {
-                let square = |pick: fn(Pixels) -> f64| {
+                self.displacements(&made).into_iter().map(|d| self.compensate(d)).collect();
+            let mean = |of: &dyn Fn(usize) -> DisplacementPx| {
+                let square = |pick: fn(DisplacementPx) -> f64| {
                     let sum: f64 = (0..judged.len()).map(|k| pick(of(k)) * pick(of(k))).sum();
                     (sum / judged.len() as f64).sqrt()
                 };
-                Pixels { rms_px: square(|p| p.rms_px), p95_px: square(|p| p.p95_px) }
+                DisplacementPx { rms_px: square(|p| p.rms_px), p95_px: square(|p| p.p95_px) }
             };
             let (before, after) = (mean(&|k| judged[k].0), mean(&|k| judged[k].1));
-            return Impact { before: [before; 2], after: [after; 2] };
+            return Sensitivity { before: [before; 2], after: [after; 2] };
         }
         let stream = Stream { seed, trial: 0 };
         let made = [-limit.abs(), limit.abs()];
         let made = made.map(|value| self.make(&[(source.kind, value)], stream));
-        let judged: Vec<_> = self.displacements(&made).into_iter().map(|d| self.judge(d)).collect();
-        Impact { before: [0, 1].map(|k| judged[k].0), after: [0, 1].map(|k| judged[k].1) }
+        let judged: Vec<_> =
+            self.displacements(&made).into_iter().map(|d| self.compensate(d)).collect();
+        Sensitivity { before: [0, 1].map(|k| judged[k].0), after: [0, 1].map(|k| judged[k].1) }
     }
 
     /// The figure without errors.
     #[must_use]
     pub fn unperturbed(&self) -> f64 {
-        self.judge(self.base.clone()).1.by(self.question.criterion)
+        self.compensate(self.base.clone()).1.by(self.spec.criterion)
     }
 
     /// The limit at which a source alone, at the worse of its signs, or at its own if it is
@@ -120,16 +121,16 @@ impl Engine {
     /// already, where the source does nothing, or where rays are lost or a million of its unit is
     /// reached before.
     #[must_use]
-    pub fn limit_alone(&self, source: &Source, seed: u64) -> Option<f64> {
-        let (budget, start) = (self.question.budget_px, self.unperturbed());
+    pub fn inverse_sensitivity(&self, source: &ErrorSource, seed: u64) -> Option<f64> {
+        let (budget, start) = (self.spec.budget_px, self.unperturbed());
         if !(start < budget) {
             return None;
         }
         let figure = |limit: f64| {
-            let impact = self.impact(source, seed, limit);
+            let impact = self.sensitivity(source, seed, limit);
             let own = usize::from(source.limit >= 0.0);
             let worst = if source.is_systematic() { impact.after[own] } else { impact.worst() };
-            worst.by(self.question.criterion)
+            worst.by(self.spec.criterion)
         };
         let texture = source.kind.is_texture();
         let room = (budget * budget - start * start).sqrt();
@@ -138,11 +139,11 @@ impl Engine {
             let made = self.make(&[(source.kind, 1.0)], Stream { seed, trial: 0 });
             let moved = self.linear_displacement(&made);
             let moved: Vec<f64> = moved.iter().zip(&self.base).map(|(a, b)| a - b).collect();
-            first = first.min(FAR * budget / Pixels::of(&moved).rms_px);
+            first = first.min(FAR * budget / DisplacementPx::of(&moved).rms_px);
         }
         let first = if first.is_finite() && first > 0.0 { first } else { source.limit.abs() };
         let near = if texture { NEAR_TEXTURE } else { NEAR };
-        let found = crossing(first.min(MOST), MOST, [start, budget], near, figure)?;
+        let found = solve_for_target(first.min(MOST), MOST, [start, budget], near, figure)?;
         Some(found.copysign(source.limit))
     }
 
@@ -155,31 +156,32 @@ impl Engine {
     /// keep theirs.
     ///
     /// # Errors
-    /// [`Unmet`] where there are none.
-    pub fn joint(&self, seed: u64) -> Result<Joint, Unmet> {
-        let own = &self.question.sources;
-        let (budget, criterion) = (self.question.budget_px, self.question.criterion);
+    /// [`AllocationError`] where there are none.
+    pub fn allocate_limits(&self, seed: u64) -> Result<AllocatedLimits, AllocationError> {
+        let own = &self.spec.sources;
+        let (budget, criterion) = (self.spec.budget_px, self.spec.criterion);
         if !(self.unperturbed() < budget) {
-            return Err(Unmet::Design);
+            return Err(AllocationError::Design);
         }
-        let fixed = Pixels::of(&self.mean_field(own));
+        let fixed = DisplacementPx::of(&self.mean_field(own));
         if !(fixed.by(criterion) < budget) {
-            return Err(Unmet::Systematic);
+            return Err(AllocationError::Systematic);
         }
         // What is finer than pixels does not displace as its limit: it keeps that.
         let shared =
-            |source: &Source| if source.kind.is_fine() { 0.0 } else { self.variance(source) };
+            |source: &ErrorSource| if source.kind.is_fine() { 0.0 } else { self.variance(source) };
         let variances: Vec<f64> = own.iter().map(shared).collect();
         let acts = |variance: f64| variance.sqrt() > NOTHING_PX;
         let pairs = || own.iter().zip(&variances);
         let weights: f64 = pairs().filter(|p| acts(*p.1)).map(|p| p.0.weight).sum();
         if !(weights > 0.0) {
-            return Err(Unmet::NothingToShare);
+            return Err(AllocationError::NothingToShare);
         }
-        let share = |source: &Source, variance: f64| (source.weight / weights / variance).sqrt();
+        let share =
+            |source: &ErrorSource, variance: f64| (source.weight / weights / variance).sqrt();
         // How much wider than its own each limit is.
         let factors = |scale: f64| -> Vec<f64> {
-            let factor = |(source, &variance): (&Source, &f64)| {
+            let factor = |(source, &variance): (&ErrorSource, &f64)| {
                 if acts(variance) { (scale * share(source, variance)).min(WIDEST) } else { 1.0 }
             };
             pairs().map(factor).collect()
@@ -187,37 +189,39 @@ impl Engine {
         // Where all are as wide as they are made.
         let least = pairs().filter(|p| acts(*p.1)).map(|(s, v)| share(s, *v)).reduce(f64::min);
         let widest = 1.001 * WIDEST / least.unwrap_or(1.0);
-        let joint = |scale: f64| -> Joint {
+        let joint = |scale: f64| -> AllocatedLimits {
             let all = own.iter().zip(factors(scale));
             let (sources, widest) = all
-                .map(|(source, f)| (Source { limit: f * source.limit, ..*source }, f == WIDEST))
+                .map(|(source, f)| {
+                    (ErrorSource { limit: f * source.limit, ..*source }, f == WIDEST)
+                })
                 .unzip();
-            Joint { sources, widest }
+            AllocatedLimits { sources, widest }
         };
-        let target = self.question.target_yield;
-        let yardstick = Yardstick::new(self, seed, MANY);
+        let target = self.spec.target_yield;
+        let model = QuadraticYieldModel::new(self, seed, MANY);
         // The largest scale at which the share `target` has an RMS of `goal` by first derivatives.
         let solved = |goal: f64, first: f64| {
-            let reached = |scale: f64| yardstick.reached(&factors(scale), target);
+            let reached = |scale: f64| model.reached(&factors(scale), target);
             if reached(widest) <= goal {
                 return Ok(widest);
             }
             let least = reached(0.0);
             if !(least < goal) {
-                return Err(Unmet::Systematic);
+                return Err(AllocationError::Systematic);
             }
-            let found = crossing(first.min(widest), widest, [least, goal], EXACT, reached);
-            found.ok_or(Unmet::RaysLost)
+            let found = solve_for_target(first.min(widest), widest, [least, goal], EXACT, reached);
+            found.ok_or(AllocationError::RaysLost)
         };
         // What errors add to the square of the figure that counts, by first derivatives: of the first
         // trials, and of the share `target` of many.
         let added = |figure: f64| figure * figure - fixed.by(criterion) * fixed.by(criterion);
         let linear = |scale: f64, count: u64| -> Vec<f64> {
             if criterion == Criterion::Rms {
-                let squares = yardstick.squares(&factors(scale), count as usize);
+                let squares = model.squares(&factors(scale), count as usize);
                 return squares.into_iter().map(f64::sqrt).collect();
             }
-            self.system.counter.count(Piece::LimitTrials, [0, count as usize]);
+            self.system.counter.count(WorkKind::LimitTrials, [0, count as usize]);
             self.figures(&self.linear_trials(&joint(scale).sources, seed, 0..count))
         };
         let reached = |mut figures: Vec<f64>| {
@@ -227,7 +231,7 @@ impl Engine {
         // The same of the RMS by its quadratic form, which is quick: by their ratio the figure that
         // counts, in full, leads to a goal for it.
         let quick = |scale: f64| {
-            let figure = yardstick.reached(&factors(scale), target);
+            let figure = model.reached(&factors(scale), target);
             figure * figure - fixed.rms_px * fixed.rms_px
         };
         let room = added(budget);
@@ -244,7 +248,7 @@ impl Engine {
         let wide = wide.as_ref().unwrap_or(self);
         let mut lost = false;
         for _ in 0..FULL_ROUNDS {
-            self.system.counter.count(Piece::LimitTrials, [FEW as usize, 0]);
+            self.system.counter.count(WorkKind::LimitTrials, [FEW as usize, 0]);
             let full = self.figures(&wide.trials(&joint(scale).sources, seed, 0..FEW, None));
             let kept = full.iter().filter(|figure| figure.is_finite()).count();
             lost = (kept as f64) < target * FEW as f64;
@@ -262,7 +266,7 @@ impl Engine {
             }
         }
         if lost {
-            return Err(Unmet::RaysLost);
+            return Err(AllocationError::RaysLost);
         }
         Ok(joint(scale))
     }

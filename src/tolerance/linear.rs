@@ -1,10 +1,10 @@
 //! First derivatives of the displacements by every error, exact.
 
-use super::engine::{Engine, Made, Question};
-use super::model::{Ground, PLACED, Pose, Sample, State, System};
-use super::source::{Kind, Source};
+use super::engine::{Engine, PerturbedSystem, ToleranceSpec};
+use super::error_source::{ErrorSource, Perturbation};
+use super::model::{OpticalSystem, PLACED, PartPose, PerturbedState, PixelSample, TextureSite};
 use super::spread::{facets_displace, terraced};
-use super::tally::{Piece, Tally};
+use super::work_counts::{WorkCounts, WorkKind};
 use crate::num::Dual;
 use crate::num::random::Stream;
 use crate::parallel;
@@ -25,22 +25,22 @@ pub struct Linear {
 impl Linear {
     /// Of `system`, which has so many form errors; columns that no source and no compensator may
     /// need are there too but for the map's.
-    pub(super) fn new(system: &System, question: &Question, forms: usize) -> Self {
-        let count = PLACED + forms + TEXTURES + usize::from(question.map.is_some());
+    pub(super) fn new(system: &OpticalSystem, spec: &ToleranceSpec, forms: usize) -> Self {
+        let count = PLACED + forms + TEXTURES + usize::from(spec.map.is_some());
         let per = 1.0 / system.camera.pixel_mm;
-        let of = |sample: &Sample| -> (Vec<[f64; 2]>, [[f64; 2]; 3]) {
-            let mut tally = Tally::default();
+        let of = |sample: &PixelSample| -> (Vec<[f64; 2]>, [[f64; 2]; 3]) {
+            let mut work = WorkCounts::default();
             let mut state = system.perfect::<Dual<PLACED>>();
             state.placed = std::array::from_fn(|k| Dual::variable(0.0, k));
-            let [x, y] = system.content(sample, &Pose::new(&state.placed), &state, &mut tally);
+            let [x, y] = system.content(sample, &PartPose::new(&state.placed), &state, &mut work);
             let placed = (0..PLACED).map(|k| [x.slope[k] * per, y.slope[k] * per]);
             // What is added to the surface acts through its height and slope at the hit.
-            let by = system.by_form(sample, &mut tally).map(|by| by.map(|x| x * per));
+            let by = system.by_form(sample, &mut work).map(|by| by.map(|x| x * per));
             let units = system.form_units(sample);
             let done = PLACED + by.len();
             let avoided = units.len().saturating_sub(by.len());
-            tally.count(Piece::Derivatives, [done, avoided]);
-            system.counter.add(tally);
+            work.count(WorkKind::Derivatives, [done, avoided]);
+            system.counter.add(work);
             let formed = |unit: &[f64; 3]| [0, 1].map(|i| (0..3).map(|k| unit[k] * by[k][i]).sum());
             let (before, map) = units.split_at(forms + 2);
             // Flat terraces have none of the slope.
@@ -77,7 +77,7 @@ impl Linear {
 
     /// Amplitudes of the columns in a state; one more at the end where there is no map.
     #[must_use]
-    pub fn amplitudes(&self, state: &State<f64>) -> Vec<f64> {
+    pub fn amplitudes(&self, state: &PerturbedState<f64>) -> Vec<f64> {
         let placed = state.placed.iter().copied();
         let wave = state.wave.unwrap_or_default();
         let map = state.map.unwrap_or(0.0);
@@ -89,7 +89,7 @@ impl Linear {
 impl Engine {
     /// Displacement of a made system by first derivatives alone.
     #[must_use]
-    pub fn linear_displacement(&self, made: &Made) -> Vec<f64> {
+    pub fn linear_displacement(&self, made: &PerturbedSystem) -> Vec<f64> {
         let mut sum = self.base.clone();
         let amplitudes = self.linear.amplitudes(&made.state);
         let acting: Vec<(f64, &[f64])> = amplitudes
@@ -126,9 +126,10 @@ impl Engine {
     /// errors, and those of the systematic sources, which add with their signs. Of x and y of each
     /// sample, px.
     #[must_use]
-    pub fn mean_field(&self, sources: &[Source]) -> Vec<f64> {
+    pub fn mean_field(&self, sources: &[ErrorSource]) -> Vec<f64> {
         let fixed = sources.iter().filter(|source| source.is_systematic());
-        let values: Vec<(Kind, f64)> = fixed.map(|source| (source.kind, source.limit)).collect();
+        let values: Vec<(Perturbation, f64)> =
+            fixed.map(|source| (source.kind, source.limit)).collect();
         // Nothing in it is drawn.
         let made = self.make(&values, Stream { seed: 0, trial: 0 });
         let mut field = self.linear_displacement(&made);
@@ -139,7 +140,7 @@ impl Engine {
     /// Variance of the displacement, px^2, that a source causes after adjustment: the mean square of
     /// a random one; none of a systematic one, which is part of the [`Engine::mean_field`].
     #[must_use]
-    pub fn variance(&self, source: &Source) -> f64 {
+    pub fn variance(&self, source: &ErrorSource) -> f64 {
         if source.is_systematic() { 0.0 } else { self.mean_square(source) }
     }
 
@@ -147,7 +148,7 @@ impl Engine {
     /// derivatives and its distribution. Patterns finer than the distance of samples count as
     /// independent from sample to sample.
     #[must_use]
-    pub fn mean_square(&self, source: &Source) -> f64 {
+    pub fn mean_square(&self, source: &ErrorSource) -> f64 {
         let square = source.limit * source.limit * source.distribution.mean_square();
         let strength = square.sqrt();
         let Self { linear, .. } = self;
@@ -162,38 +163,40 @@ impl Engine {
         let form = |k: usize| 1e-6 * of(PLACED + k);
         square
             * match source.kind {
-                Kind::Slope => {
+                Perturbation::Slope => {
                     let first = self.forms.len();
                     let modes = self.modes.iter().enumerate();
                     modes.map(|(m, a)| a * a * form(first + m)).sum()
                 }
-                Kind::Waviness => 0.125 * (form(linear.forms) + form(linear.forms + 1)),
-                Kind::ToolMarks => {
+                Perturbation::Waviness => 0.125 * (form(linear.forms) + form(linear.forms + 1)),
+                Perturbation::Stepover => {
                     let way = self.system.track_way();
                     let by = |k: usize| {
                         let [_, x, y] = linear.by_form[k];
                         let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
-                        let Ground { groove, footprint } = &self.system.samples[k].ground;
+                        let TextureSite { groove, footprint } = &self.system.samples[k].site;
                         let seen = groove * groove * footprint.sawtooth_share(way, strength);
                         seen * (moved[0] * moved[0] + moved[1] * moved[1])
                     };
                     let mean = (0..self.samples()).map(by).sum::<f64>() / count;
                     free * mean / 12.0
                 }
-                Kind::Facets => {
+                Perturbation::Facets => {
                     let moved = facets_displace(strength);
                     return free * moved * moved;
                 }
-                Kind::Layers => {
-                    let share = terraced(strength, self.question.texture.wavelength_nm);
+                Perturbation::Layers => {
+                    let share = terraced(strength, self.spec.texture.wavelength_nm);
                     return share * share * of(PLACED + linear.forms + 2);
                 }
-                Kind::Map if self.question.map.is_some() => of(PLACED + linear.forms + TEXTURES),
-                Kind::Map => 0.0,
-                Kind::Legendre(..) | Kind::Zernike(_) => {
+                Perturbation::Map if self.spec.map.is_some() => {
+                    of(PLACED + linear.forms + TEXTURES)
+                }
+                Perturbation::Map => 0.0,
+                Perturbation::Legendre(..) | Perturbation::Zernike(_) => {
                     self.forms.iter().position(|form| *form == source.kind).map_or(0.0, form)
                 }
-                kind => super::engine::placed_by(kind, pixel, &self.question.texture)
+                kind => super::engine::placed_by(kind, pixel, &self.spec.texture)
                     .map_or(0.0, |(k, unit)| unit * unit * of(k)),
             }
     }
@@ -205,7 +208,7 @@ mod tests {
     use crate::design::design;
     use crate::geom::DVec2;
     use crate::pipeline::load;
-    use crate::tolerance::{Criterion, Measure, Process, Reference};
+    use crate::tolerance::{Criterion, FormMeasure, Process, Reference};
 
     fn length(field: &[f64]) -> f64 {
         field.iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -219,14 +222,15 @@ mod tests {
         let design = design(&load(name).unwrap().profile, None).unwrap();
         let view = design.view.as_ref().unwrap();
         let process = Process::ALL[2];
-        let source = |kind: Kind| {
+        let source = |kind: Perturbation| {
             let (limit, distribution) = process.usual(kind);
-            Source { kind, limit, distribution, weight: 1.0 }
+            ErrorSource { kind, limit, distribution, weight: 1.0 }
         };
-        let kinds = Kind::all().filter(|k| !matches!(k, Kind::Map | Kind::Facets));
-        let question = Question {
+        let kinds =
+            Perturbation::all().filter(|k| !matches!(k, Perturbation::Map | Perturbation::Facets));
+        let spec = ToleranceSpec {
             sources: kinds.map(source).collect(),
-            form: Measure::Pv,
+            form: FormMeasure::Pv,
             texture: process.texture,
             map: None,
             compensators: Vec::new(),
@@ -237,14 +241,14 @@ mod tests {
             target_yield: 0.9,
             samples: 40,
         };
-        let engine = Engine::new(&design.mirror, &design.camera, view, question).unwrap();
+        let engine = Engine::new(&design.mirror, &design.camera, view, spec).unwrap();
         assert_eq!(engine.expanded(), engine.samples());
         let mut plain = engine.system.clone();
         for sample in &mut plain.samples {
             (sample.base, sample.form) = (None, Vec::new());
         }
         let forms = engine.forms.len() + engine.modes.len();
-        let exact = Linear::new(&plain, &engine.question, forms);
+        let exact = Linear::new(&plain, &engine.spec, forms);
         // What does nearly nothing is rounding.
         let largest = exact.columns().iter().map(|c| length(c)).fold(0.0, f64::max);
         for (k, (found, exact)) in engine.linear.columns().iter().zip(exact.columns()).enumerate() {
@@ -253,12 +257,12 @@ mod tests {
             assert!(off < 1e-10, "{name} {k}: {off:e}");
         }
         // Displacements of a whole trial.
-        let made = engine.trial(&engine.question.sources, 1, 3);
-        let pose = Pose::new(&made.state.placed);
+        let made = engine.trial(&engine.spec.sources, 1, 3);
+        let pose = PartPose::new(&made.state.placed);
         for (sample, plain) in engine.system.samples.iter().zip(&plain.samples) {
-            let content = |system: &System, sample: &Sample| {
-                let tally = &mut Tally::default();
-                DVec2::from_array(system.content(sample, &pose, &made.state, tally))
+            let content = |system: &OpticalSystem, sample: &PixelSample| {
+                let work = &mut WorkCounts::default();
+                DVec2::from_array(system.content(sample, &pose, &made.state, work))
             };
             let off = content(&engine.system, sample) - content(&engine.system, plain);
             let off = off.length() / engine.system.camera.pixel_mm;

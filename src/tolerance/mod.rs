@@ -13,36 +13,38 @@
 //! surface goes on there).
 
 mod compensate;
-mod crossing;
 mod engine;
-mod field;
+mod error_source;
 mod footprint;
+mod form_field;
 mod inverse;
 mod linear;
-mod local;
+mod local_polynomial;
 mod model;
-mod plots;
+mod plot_data;
 mod preset;
+mod quadratic_yield_model;
 mod replay;
-mod samples;
-mod source;
+mod sampling;
+mod solve_for_target;
 mod spread;
 mod study;
-mod tally;
 mod trials;
-mod yardstick;
+mod work_counts;
 mod yields;
 
-pub use compensate::{Adjustment, Compensator, Criterion, Pixels};
-pub use engine::{Engine, Made, Question, Reference, extent};
-pub use field::{Measure, form_of_pv};
-pub use inverse::{Impact, Joint, Unmet};
-pub use plots::{Offender, Points, worst_offenders};
+pub use compensate::{Adjustment, Compensator, Criterion, DisplacementPx};
+pub use engine::{Engine, PerturbedSystem, Reference, ToleranceSpec, extent};
+pub use error_source::{
+    Distribution, ErrorSource, Perturbation, TextureShape, ripple_slope, scallop_height,
+};
+pub use form_field::{FormMeasure, form_of_pv};
+pub use inverse::{AllocatedLimits, AllocationError, Sensitivity};
+pub use plot_data::{Offender, PlotData, worst_offenders};
 pub use preset::{MOUNT, Process};
-pub use replay::{Judged, Placing, Witnessed};
-pub use source::{Distribution, Kind, Source, Texture, ripple_slope, scallop_height};
-pub use spread::{Spread, facets_bound, facets_displace, scattered};
-pub use study::{AdjustmentFacts, Gap, SourceFacts, Study};
-pub use tally::{Piece, Tally};
+pub use replay::{Displacement, RigidTransform, Witnessed};
+pub use spread::{BlurAndScatter, facets_bound, facets_displace, scattered};
+pub use study::{AdjustmentFacts, LinearityGap, SourceFacts, Study};
 pub use trials::{Statistics, Trial, quantile};
+pub use work_counts::{WorkCounts, WorkKind};
 pub use yields::Yield;

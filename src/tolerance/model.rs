@@ -5,26 +5,26 @@
 //! departure along Z over the part's X and Y), is reflected, and goes back into the world, where
 //! the view says which image point the thing it meets belongs to.
 
-mod departure;
-mod tool;
+mod ball_cutter;
+mod surface_departure;
 
-use super::field::{Field, ripple};
+use super::error_source::TextureShape;
 use super::footprint::Footprint;
-use super::local::{Square, terms, value, values};
-use super::samples::FORM_TERMS;
-use super::source::Texture;
-use super::tally::{Counter, Piece, Tally};
+use super::form_field::{FormField, ripple};
+use super::local_polynomial::{ExpansionSquare, terms, value, values};
+use super::sampling::FORM_TERMS;
+use super::work_counts::{WorkCounter, WorkCounts, WorkKind};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::mirror::{BicubicSpline, Mirror};
 use crate::num::{Dual, Scalar};
 use crate::optics::{Camera, ImagingTask, stereographic};
+use ball_cutter::BallCutter;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use tool::Tool;
 
 /// Numbers that say how mirror and camera are placed.
 pub const PLACED: usize = 12;
-/// Their order in a [`State`]: shifts (mm), turns about X, Y and the axis (rad), growth;
+/// Their order in a [`PerturbedState`]: shifts (mm), turns about X, Y and the axis (rad), growth;
 /// magnification, telecentricity (rad at half the width), principal point (mm), distortion (at
 /// half the width).
 pub mod placed {
@@ -40,7 +40,7 @@ pub mod placed {
 
 /// What a made system has of each error.
 #[derive(Debug, Clone, PartialEq)]
-pub struct State<S> {
+pub struct PerturbedState<S> {
     /// See [`placed`].
     pub placed: [S; PLACED],
     /// Amplitudes of the form errors, mm.
@@ -56,7 +56,7 @@ pub struct State<S> {
     pub terraced: f64,
 }
 
-impl State<f64> {
+impl PerturbedState<f64> {
     /// Whether mirror and rays are as designed.
     pub fn is_perfect(&self) -> bool {
         let none = |x: f64| x == 0.0;
@@ -71,13 +71,13 @@ impl State<f64> {
 
 /// Part to world: turned by `turn`, after growth, then shifted.
 #[derive(Debug, Clone)]
-pub struct Pose<S> {
+pub struct PartPose<S> {
     turn: [[S; 3]; 3],
     shift: [S; 3],
     scale: S,
 }
 
-impl<S: Scalar> Pose<S> {
+impl<S: Scalar> PartPose<S> {
     /// The pose that `placed` says.
     pub fn new(placed: &[S; PLACED]) -> Self {
         let [x, y, z] = placed::TURN.map(|k| placed[k]);
@@ -104,7 +104,7 @@ impl<S: Scalar> Pose<S> {
 
 /// What textures look like where a pixel sees the mirror.
 #[derive(Debug, Clone, Copy)]
-pub struct Ground {
+pub struct TextureSite {
     /// Curvature that the tool's tracks have there, 1/mm.
     pub groove: f64,
     /// What the pixel sees of it: the mean of a texture over this.
@@ -113,7 +113,7 @@ pub struct Ground {
 
 /// A pixel that sees the mirror, and the mirror there.
 #[derive(Debug, Clone)]
-pub struct Sample {
+pub struct PixelSample {
     /// Its image point, mm from the axis.
     pub point: DVec2,
     /// The image point where the content that it sees belongs, of the system as designed.
@@ -122,25 +122,25 @@ pub struct Sample {
     pub(super) panel: usize,
     pub(super) hit: DVec3,
     pub(super) slope: [f64; 2],
-    pub(super) square: Square,
-    pub(super) ground: Ground,
+    pub(super) square: ExpansionSquare,
+    pub(super) site: TextureSite,
     /// Height and slopes of the designed surface: degree and coefficients of polynomials, where
     /// these are it to rounding. (Derivatives of the height's would have its rounding magnified.)
     pub(super) base: Option<(usize, Vec<[f64; 3]>)>,
-    /// Coefficients of the form errors, one after the other, all of [`System::form_degree`]; none
+    /// Coefficients of the form errors, one after the other, all of [`OpticalSystem::form_degree`]; none
     /// where that is not enough.
     pub(super) form: Vec<f64>,
 }
 
 /// A designed system and how it can be off.
 #[derive(Debug, Clone)]
-pub struct System {
+pub struct OpticalSystem {
     /// The camera, as designed.
     pub camera: Camera,
     /// What the picture should show.
     pub view: ImagingTask,
     /// Places of the picture that stand for all of it, each for an area as large as the others'.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<PixelSample>,
     /// Share of the picture of the mirror that they stand for: where they see the target.
     pub share: f64,
     pub(super) mirror: Mirror,
@@ -150,38 +150,38 @@ pub struct System {
     half_width: f64,
     /// How far from its own hit, mm along X and along Y, a sample's ray is followed.
     farthest: f64,
-    pub(super) fields: Vec<Field>,
+    pub(super) fields: Vec<FormField>,
     pub(super) form_degree: usize,
     /// Wave vector of the waviness, 1/mm.
     wave: [f64; 2],
-    tool: Tool,
+    tool: BallCutter,
     map: Option<BicubicSpline>,
     /// Of this system and all that are made of it.
-    pub(super) counter: Arc<Counter>,
+    pub(super) counter: Arc<WorkCounter>,
 }
 
 /// Most steps of Newton's method, and a step, mm, after which the place is known to rounding.
 const MOST_STEPS: usize = 40;
 const LAST_STEP: f64 = 1e-8;
 
-impl System {
+impl OpticalSystem {
     /// The system of `mirror`, `camera` and `view`, with about `count` samples spread evenly over
     /// the picture of the mirror; hits move by about `reach` mm. `fields` are the form errors.
     #[must_use]
     pub fn new(
         parts: (&Mirror, &Camera, &ImagingTask),
-        fields: Vec<Field>,
-        texture: &Texture,
+        fields: Vec<FormField>,
+        texture: &TextureShape,
         map: Option<BicubicSpline>,
         count: usize,
         reach: f64,
     ) -> Self {
         let (mirror, camera, view) = (parts.0.clone(), *parts.1, parts.2.clone());
-        let wave = Texture::way(texture.waviness_direction_deg)
+        let wave = TextureShape::way(texture.waviness_direction_deg)
             .map(|way| way * TAU / texture.waviness_period_mm);
-        let tool = Tool {
+        let tool = BallCutter {
             ball: texture.ball_radius_mm,
-            way: Texture::way(texture.stepover_direction_deg),
+            way: TextureShape::way(texture.stepover_direction_deg),
         };
         let sag = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
         let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
@@ -209,7 +209,7 @@ impl System {
     }
 
     /// The same with other samples, without polynomials of the form errors.
-    pub(super) fn with(&self, samples: Vec<Sample>) -> Self {
+    pub(super) fn with(&self, samples: Vec<PixelSample>) -> Self {
         Self {
             view: self.view.clone(),
             samples,
@@ -225,9 +225,9 @@ impl System {
 
     /// The state without errors.
     #[must_use]
-    pub fn perfect<S: Scalar>(&self) -> State<S> {
+    pub fn perfect<S: Scalar>(&self) -> PerturbedState<S> {
         let zero = S::constant(0.0);
-        State {
+        PerturbedState {
             placed: [zero; PLACED],
             form: vec![0.0; self.fields.len()],
             wave: None,
@@ -292,19 +292,19 @@ impl System {
     /// mirror's size of where it does as designed, or terraces reflect most of the light.
     pub fn content<S: Scalar>(
         &self,
-        sample: &Sample,
-        pose: &Pose<S>,
-        state: &State<S>,
-        tally: &mut Tally,
+        sample: &PixelSample,
+        pose: &PartPose<S>,
+        state: &PerturbedState<S>,
+        work: &mut WorkCounts,
     ) -> [S; 2] {
-        tally.count(Piece::Rays, [1, 0]);
+        work.count(WorkKind::Rays, [1, 0]);
         let mut sum = [0.0; FORM_TERMS];
         let count = terms(self.form_degree);
         if sample.form.is_empty() {
-            let forms = |at: [S; 2]| self.forms(&state.form, &sample.ground.footprint, at);
+            let forms = |at: [S; 2]| self.forms(&state.form, &sample.site.footprint, at);
             let zeros = state.form.iter().filter(|a| **a == 0.0).count();
-            tally.count(Piece::Forms, [state.form.len() - zeros, zeros]);
-            return self.seen(sample, pose, state, tally, forms);
+            work.count(WorkKind::Forms, [state.form.len() - zeros, zeros]);
+            return self.seen(sample, pose, state, work, forms);
         }
         let sum = &mut sum[..count];
         // Four at a time: the sum is fetched less often.
@@ -327,25 +327,25 @@ impl System {
         for (a, form) in rest.iter().zip(forms.remainder().chunks_exact(count)) {
             sum.iter_mut().zip(form).for_each(|(sum, c)| *sum += a * c);
         }
-        tally.count(Piece::Forms, [state.form.len() - avoided, avoided]);
+        work.count(WorkKind::Forms, [state.form.len() - avoided, avoided]);
         let (degree, sum) = (self.form_degree, &*sum);
-        self.seen(sample, pose, state, tally, |at| {
+        self.seen(sample, pose, state, work, |at| {
             if sample.square.holds(at) {
                 value(degree, sum, &sample.square, at)
             } else {
-                self.forms(&state.form, &sample.ground.footprint, at)
+                self.forms(&state.form, &sample.site.footprint, at)
             }
         })
     }
 
     /// How content moves, mm, with a height of 1 mm and a slope of 1 along X and along Y added to
     /// the designed surface where `sample` sees it: x and y of each.
-    pub(super) fn by_form(&self, sample: &Sample, tally: &mut Tally) -> [[f64; 2]; 3] {
+    pub(super) fn by_form(&self, sample: &PixelSample, work: &mut WorkCounts) -> [[f64; 2]; 3] {
         let state = self.perfect::<Dual<3>>();
-        let pose = Pose::new(&state.placed);
+        let pose = PartPose::new(&state.placed);
         let plane = [0, 1, 2].map(|k| Dual::<3>::variable(0.0, k));
-        tally.count(Piece::Rays, [1, 0]);
-        let [x, y] = self.seen(sample, &pose, &state, tally, |at| {
+        work.count(WorkKind::Rays, [1, 0]);
+        let [x, y] = self.seen(sample, &pose, &state, work, |at| {
             let [dx, dy] = [at[0] - sample.hit.x, at[1] - sample.hit.y];
             [plane[0] + plane[1] * dx + plane[2] * dy, plane[1], plane[2]]
         });
@@ -354,9 +354,9 @@ impl System {
 
     /// Height and slopes, where `sample` sees the designed surface, of a unit of each form error,
     /// of the waviness' cosine and sine, and of the measured form error if there is one.
-    pub(super) fn form_units(&self, sample: &Sample) -> Vec<[f64; 3]> {
+    pub(super) fn form_units(&self, sample: &PixelSample) -> Vec<[f64; 3]> {
         let at = [sample.hit.x, sample.hit.y];
-        let footprint = &sample.ground.footprint;
+        let footprint = &sample.site.footprint;
         let forms = self.fields.iter().map(|field| {
             let seen = field.seen(footprint);
             field.at(at).map(|x| seen * x)
@@ -369,24 +369,24 @@ impl System {
     /// The same content, with form errors that are `form`.
     fn seen<S: Scalar>(
         &self,
-        sample: &Sample,
-        pose: &Pose<S>,
-        state: &State<S>,
-        tally: &mut Tally,
+        sample: &PixelSample,
+        pose: &PartPose<S>,
+        state: &PerturbedState<S>,
+        work: &mut WorkCounts,
         form: impl Fn([S; 2]) -> [S; 3],
     ) -> [S; 2] {
         let surface = |at: [S; 2]| {
             let designed = match &sample.base {
                 Some((degree, c)) if sample.square.holds(at) => {
-                    tally.count(Piece::Surface, [0, 1]);
+                    work.count(WorkKind::Surface, [0, 1]);
                     values(*degree, c, &sample.square, at)
                 }
                 _ => {
-                    tally.count(Piece::Surface, [1, 0]);
+                    work.count(WorkKind::Surface, [1, 0]);
                     self.designed(&self.panels[sample.panel], at, sample.hit.z)
                 }
             };
-            self.textured(added(designed, 1.0, form(at)), state, at, &sample.ground)
+            self.textured(added(designed, 1.0, form(at)), state, at, &sample.site)
         };
         // Most of the light goes where flat tops send it: there is no picture.
         if state.terraced > 0.5 {
@@ -412,7 +412,11 @@ impl System {
     }
 
     /// The camera's ray through the pixel: a point of it and its direction, of any length.
-    pub(super) fn ray<S: Scalar>(&self, sample: &Sample, placed: &[S; PLACED]) -> ([S; 3], [S; 3]) {
+    pub(super) fn ray<S: Scalar>(
+        &self,
+        sample: &PixelSample,
+        placed: &[S; PLACED],
+    ) -> ([S; 3], [S; 3]) {
         let q = sample.point;
         let far = q.length_squared() / (self.half_width * self.half_width);
         let grown = placed[placed::MAGNIFICATION] + placed[placed::DISTORTION] * far + 1.0;
@@ -454,7 +458,7 @@ fn is_plain<S>() -> bool {
 /// farther from that than `farthest`.
 #[inline]
 fn meet<S: Scalar>(
-    sample: &Sample,
+    sample: &PixelSample,
     farthest: f64,
     (from, along): ([S; 3], [S; 3]),
     mut surface: impl FnMut([S; 2]) -> [S; 3],

@@ -4,7 +4,7 @@
 //! profile. Form is peak to valley of each low-order term, waviness peak to valley, slope RMS over
 //! spatial wavelengths of millimetres.
 
-use super::source::{Distribution, Kind, Texture};
+use super::error_source::{Distribution, Perturbation, TextureShape};
 
 /// A way of making.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,11 +24,11 @@ pub struct Process {
     /// Height of a printer's layers, um; 0 where there are none.
     pub layer_um: f64,
     /// Lengths and directions of all these, and the usual material's expansion.
-    pub texture: Texture,
+    pub texture: TextureShape,
 }
 
-const fn texture(cte_ppm_per_k: f64, period: f64, correlation: f64, ball: f64) -> Texture {
-    Texture {
+const fn texture(cte_ppm_per_k: f64, period: f64, correlation: f64, ball: f64) -> TextureShape {
+    TextureShape {
         cte_ppm_per_k,
         waviness_period_mm: period,
         waviness_direction_deg: 90.0,
@@ -128,19 +128,21 @@ impl Process {
 
     /// The usual limit of a kind of error, with its distribution; a mesh's own is not usual.
     #[must_use]
-    pub fn usual(&self, kind: Kind) -> (f64, Distribution) {
+    pub fn usual(&self, kind: Perturbation) -> (f64, Distribution) {
         let mounted = MOUNT.iter().find(|(k, _)| *k == kind);
         if let Some((_, limit)) = mounted {
             return (*limit, Distribution::Uniform);
         }
         match kind {
-            Kind::Scale => (self.scale_ppm, Distribution::Truncated),
-            Kind::Legendre(..) | Kind::Zernike(_) => (self.form_um, Distribution::Truncated),
-            Kind::Waviness => (self.waviness_um, Distribution::Fixed),
-            Kind::Slope => (self.slope_mrad, Distribution::Fixed),
-            Kind::ToolMarks => (self.stepover_mm, Distribution::Fixed),
-            Kind::Layers => (self.layer_um, Distribution::Fixed),
-            Kind::Map => (1.0, Distribution::Fixed),
+            Perturbation::Scale => (self.scale_ppm, Distribution::Truncated),
+            Perturbation::Legendre(..) | Perturbation::Zernike(_) => {
+                (self.form_um, Distribution::Truncated)
+            }
+            Perturbation::Waviness => (self.waviness_um, Distribution::Fixed),
+            Perturbation::Slope => (self.slope_mrad, Distribution::Fixed),
+            Perturbation::Stepover => (self.stepover_mm, Distribution::Fixed),
+            Perturbation::Layers => (self.layer_um, Distribution::Fixed),
+            Perturbation::Map => (1.0, Distribution::Fixed),
             _ => (0.0, Distribution::Fixed),
         }
     }
@@ -149,17 +151,17 @@ impl Process {
 /// What a mount with ground faces and pins leaves, what a camera on it does, and a heated room: 50
 /// um, half a milliradian; telecentric lenses lean by 0.1 degrees and less, and distort by 0.1 %
 /// and less (makers' data sheets), half of which remains.
-pub const MOUNT: [(Kind, f64); 12] = [
-    (Kind::DecentreX, 50.0),
-    (Kind::DecentreY, 50.0),
-    (Kind::Despace, 50.0),
-    (Kind::TiltX, 0.5),
-    (Kind::TiltY, 0.5),
-    (Kind::Clocking, 1.0),
-    (Kind::Temperature, 10.0),
-    (Kind::Magnification, 500.0),
-    (Kind::Telecentricity, 1.0),
-    (Kind::PrincipalX, 1.0),
-    (Kind::PrincipalY, 1.0),
-    (Kind::Distortion, 500.0),
+pub const MOUNT: [(Perturbation, f64); 12] = [
+    (Perturbation::DecentreX, 50.0),
+    (Perturbation::DecentreY, 50.0),
+    (Perturbation::Despace, 50.0),
+    (Perturbation::TiltX, 0.5),
+    (Perturbation::TiltY, 0.5),
+    (Perturbation::Clocking, 1.0),
+    (Perturbation::Temperature, 10.0),
+    (Perturbation::Magnification, 500.0),
+    (Perturbation::Telecentricity, 1.0),
+    (Perturbation::PrincipalX, 1.0),
+    (Perturbation::PrincipalY, 1.0),
+    (Perturbation::Distortion, 500.0),
 ];

@@ -1,10 +1,10 @@
 //! One trial again: the surface that a file of it must have, and what a file shows through the
 //! camera of that trial.
 
-use super::compensate::Pixels;
-use super::engine::{Engine, Made};
-use super::model::{Pose, Sample};
-use super::source::Kind;
+use super::compensate::DisplacementPx;
+use super::engine::{Engine, PerturbedSystem};
+use super::error_source::Perturbation;
+use super::model::{PartPose, PixelSample};
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::max_or_nan;
 use crate::num::random::Stream;
@@ -16,11 +16,11 @@ use serde::Serialize;
 
 /// How far each adjustment was moved, and what remains.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Judged {
+pub struct Displacement {
     /// Figures as made.
-    pub as_made: Pixels,
+    pub as_made: DisplacementPx,
     /// Figures after adjustment.
-    pub adjusted: Pixels,
+    pub adjusted: DisplacementPx,
 }
 
 /// What a file of a made part shows: the camera's ray of each sample, its nearest facet, and the
@@ -40,7 +40,7 @@ pub struct Witnessed {
     /// Not reflected by the optical face, where the made surface is.
     pub lost: usize,
     /// The displacements' figures.
-    pub displacement: Judged,
+    pub displacement: Displacement,
     /// What the facets' own slopes displace: reflection by the facet against that by the made
     /// surface at the same place, px. None when no ray hits.
     #[serde(serialize_with = "or_null")]
@@ -49,7 +49,7 @@ pub struct Witnessed {
 
 /// The matrix R and the shift t, mm, of world = R part + t.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Placing {
+pub struct RigidTransform {
     /// Rows of R.
     pub turn: [[f64; 3]; 3],
     /// t, mm.
@@ -59,13 +59,13 @@ pub struct Placing {
 impl Engine {
     /// The errors of a trial, each in its source's unit.
     #[must_use]
-    pub fn drawn(&self, seed: u64, index: u64) -> Vec<(Kind, f64)> {
-        self.draw(&self.question.sources, &Stream { seed, trial: index })
+    pub fn drawn(&self, seed: u64, index: u64) -> Vec<(Perturbation, f64)> {
+        self.draw(&self.spec.sources, &Stream { seed, trial: index })
     }
 
     /// The system of a trial without some of its errors; the others are as they are with them.
     #[must_use]
-    pub fn replayed(&self, seed: u64, index: u64, without: &[Kind]) -> Made {
+    pub fn replayed(&self, seed: u64, index: u64, without: &[Perturbation]) -> PerturbedSystem {
         let mut values = self.drawn(seed, index);
         values.retain(|(kind, _)| !without.contains(kind));
         self.make(&values, Stream { seed, trial: index })
@@ -73,45 +73,45 @@ impl Engine {
 
     /// Figures of a made system.
     #[must_use]
-    pub fn judged(&self, made: &Made) -> Judged {
+    pub fn displacement_of(&self, made: &PerturbedSystem) -> Displacement {
         self.figures_of(self.displacements(std::slice::from_ref(made)).remove(0))
     }
 
-    fn figures_of(&self, displacement: Vec<f64>) -> Judged {
-        let (as_made, adjusted, _) = self.judge(displacement);
-        Judged { as_made, adjusted }
+    fn figures_of(&self, displacement: Vec<f64>) -> Displacement {
+        let (as_made, adjusted, _) = self.compensate(displacement);
+        Displacement { as_made, adjusted }
     }
 
     /// How far the made surface lies over the designed one at a place of the part, mm, before the
     /// part is grown.
     #[must_use]
-    pub fn departure(&self, made: &Made, at: DVec3) -> f64 {
+    pub fn departure(&self, made: &PerturbedSystem, at: DVec3) -> f64 {
         self.system.departure(&made.state, at)[0]
     }
 
     /// The shortest length, mm, over which that swings; none where there is no departure.
     #[must_use]
-    pub fn shortest(&self, made: &Made) -> Option<f64> {
+    pub fn shortest(&self, made: &PerturbedSystem) -> Option<f64> {
         self.system.shortest(&made.state)
     }
 
     /// How much larger a made part is, about the origin.
     #[must_use]
-    pub fn growth(&self, made: &Made) -> f64 {
+    pub fn growth(&self, made: &PerturbedSystem) -> f64 {
         1.0 + made.state.placed[super::model::placed::SCALE]
     }
 
     /// Where the part is put.
     #[must_use]
-    pub fn placing(&self, made: &Made) -> Placing {
-        let pose = Pose::new(&made.state.placed);
+    pub fn placing(&self, made: &PerturbedSystem) -> RigidTransform {
+        let pose = PartPose::new(&made.state.placed);
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|e| pose.turned(e));
         let turn = [0, 1, 2].map(|row| columns.map(|column| column[row]));
-        Placing { turn, shift_mm: super::model::placed::SHIFT.map(|k| made.state.placed[k]) }
+        RigidTransform { turn, shift_mm: super::model::placed::SHIFT.map(|k| made.state.placed[k]) }
     }
 
     /// The made surface, Z and slope, under a place of the grown part that is near it.
-    fn surface(&self, made: &Made, at: DVec3) -> [f64; 3] {
+    fn surface(&self, made: &PerturbedSystem, at: DVec3) -> [f64; 3] {
         let growth = self.growth(made);
         let at = at / growth;
         let design = self.system.designed(&self.system.mirror, at.truncate().to_array(), at.z);
@@ -121,14 +121,14 @@ impl Engine {
 
     /// The largest distance along Z, mm, of `vertices` of a file from the made surface.
     #[must_use]
-    pub fn off_surface(&self, made: &Made, vertices: &[DVec3]) -> f64 {
+    pub fn off_surface(&self, made: &PerturbedSystem, vertices: &[DVec3]) -> f64 {
         let off = |v: &DVec3| (v.z - self.surface(made, *v)[0]).abs();
         parallel::map_slice(vertices, 1, off).into_iter().fold(0.0, max_or_nan)
     }
 
     /// Whether a ray in the frame of the grown part, aimed by `sample`, meets the made surface on the
     /// mirror: Newton's method.
-    fn meets(&self, made: &Made, sample: &Sample, ray: &Ray) -> bool {
+    fn meets(&self, made: &PerturbedSystem, sample: &PixelSample, ray: &Ray) -> bool {
         const MOST_STEPS: usize = 40;
         let mut t = (sample.height() - ray.origin.z) / ray.direction.z;
         for _ in 0..MOST_STEPS {
@@ -147,8 +147,8 @@ impl Engine {
     /// Traces a file's mesh, whose first `optical` facets have the surface and the size of a made
     /// part, in its place and under its camera.
     #[must_use]
-    pub fn witness(&self, made: &Made, scene: &Scene, optical: usize) -> Witnessed {
-        let pose = Pose::new(&made.state.placed);
+    pub fn witness(&self, made: &PerturbedSystem, scene: &Scene, optical: usize) -> Witnessed {
+        let pose = PartPose::new(&made.state.placed);
         let shift = DVec3::from_array(self.placing(made).shift_mm);
         let out = |v: DVec3| DVec3::from_array(pose.turned(v.to_array()));
         let back = |v: DVec3| DVec3::from_array(pose.turned_back(v.to_array()));

@@ -5,14 +5,14 @@
 //! and the rest is reflected as by the smooth mirror.
 
 use super::engine::Engine;
-use super::source::{Kind, Source, ripple_slope};
+use super::error_source::{ErrorSource, Perturbation, ripple_slope};
 use crate::num::exp;
 use serde::Serialize;
 use std::f64::consts::PI;
 
 /// What a texture at its limit does besides displacing content, over the picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Spread {
+pub struct BlurAndScatter {
     /// Blur within a pixel, px: root of the mean square distance from its mean, of the light that is
     /// turned.
     pub blur_px: f64,
@@ -78,11 +78,11 @@ type Local = (f64, f64);
 impl Engine {
     /// What `source` spreads at its limit, in the mean of its distribution.
     #[must_use]
-    pub fn spread(&self, source: &Source) -> Spread {
+    pub fn spread(&self, source: &ErrorSource) -> BlurAndScatter {
         let value = source.limit * source.distribution.mean_square().sqrt();
-        let Some(local) = self.local(source.kind, value) else { return Spread::default() };
+        let Some(local) = self.local(source.kind, value) else { return BlurAndScatter::default() };
         let count = self.samples();
-        let wavelength_mm = 1e-6 * self.question.texture.wavelength_nm;
+        let wavelength_mm = 1e-6 * self.spec.texture.wavelength_nm;
         let mut sum = [0.0; 2];
         for k in 0..count {
             let (blur, heights) = local(k);
@@ -92,12 +92,12 @@ impl Engine {
             sum[1] += share;
         }
         let [square, share] = sum.map(|sum| sum / count as f64);
-        Spread { blur_px: square.sqrt(), scattered: share }
+        BlurAndScatter { blur_px: square.sqrt(), scattered: share }
     }
 
     /// What a texture of strength `value` spreads at each sample; none of other errors.
-    fn local(&self, kind: Kind, value: f64) -> Option<Box<dyn Fn(usize) -> Local + '_>> {
-        let texture = &self.question.texture;
+    fn local(&self, kind: Perturbation, value: f64) -> Option<Box<dyn Fn(usize) -> Local + '_>> {
+        let texture = &self.spec.texture;
         let samples = &self.system.samples;
         // Square of what a slope of 1 along a direction displaces, px^2.
         let by = |k: usize, way: [f64; 2]| {
@@ -106,17 +106,17 @@ impl Engine {
         };
         // A wave of some RMS slope.
         let wave = move |k: usize, vector: [f64; 2], slope: f64| -> Local {
-            let seen = samples[k].ground.footprint.ripple(vector);
+            let seen = samples[k].site.footprint.ripple(vector);
             let length = (vector[0] * vector[0] + vector[1] * vector[1]).sqrt();
             let left = slope * slope * (1.0 - seen * seen);
             (left * by(k, vector.map(|x| x / length)), left / (length * length))
         };
         Some(match kind {
-            Kind::Waviness => {
+            Perturbation::Waviness => {
                 let slope = ripple_slope(1e-3 * value, texture.waviness_period_mm);
                 Box::new(move |k| wave(k, self.system.wave(), slope))
             }
-            Kind::Slope => {
+            Perturbation::Slope => {
                 let waves = self.waves();
                 Box::new(move |k| {
                     let all =
@@ -124,24 +124,24 @@ impl Engine {
                     all.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
                 })
             }
-            Kind::ToolMarks => {
+            Perturbation::Stepover => {
                 let way = self.system.track_way();
                 Box::new(move |k| {
-                    let ground = &samples[k].ground;
-                    let left = 1.0 - ground.footprint.sawtooth_share(way, value);
-                    let curvature = ground.groove * ground.groove * left;
+                    let site = &samples[k].site;
+                    let left = 1.0 - site.footprint.sawtooth_share(way, value);
+                    let curvature = site.groove * site.groove * left;
                     let square = value * value;
                     // Of a parabola c x^2 / 2 over a period s: c^2 s^4 / 720.
                     (curvature * square / 12.0 * by(k, way), curvature * square * square / 720.0)
                 })
             }
-            Kind::Facets => {
+            Perturbation::Facets => {
                 let [all, mean] = [facet_rms(value), facets_displace(value)];
                 Box::new(move |k| {
                     let left = (all * all - mean * mean).max(0.0);
                     // Both slopes together, and a facet's radius.
                     let slope = left / (0.5 * (by(k, [1.0, 0.0]) + by(k, [0.0, 1.0])));
-                    let area = samples[k].ground.footprint.area();
+                    let area = samples[k].site.footprint.area();
                     let radius = FACET_RADIUS * value.abs() * area.sqrt();
                     let height = FACET_HEIGHT * radius;
                     (left, slope * height * height)

@@ -1,11 +1,11 @@
 //! Everything that is asked, answered.
 
-use super::compensate::{Criterion, Pixels, or_lost};
+use super::compensate::{Criterion, DisplacementPx, or_lost};
 use super::engine::{Engine, Reference};
-use super::field::Measure;
-use super::inverse::Unmet;
-use super::source::{Distribution, Source};
-use super::spread::Spread;
+use super::error_source::{Distribution, ErrorSource};
+use super::form_field::FormMeasure;
+use super::inverse::AllocationError;
+use super::spread::BlurAndScatter;
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
 use crate::parallel;
@@ -29,7 +29,7 @@ pub struct Study {
     /// What displacements are measured from.
     pub reference: Reference,
     /// What the limits of form errors are.
-    pub form: Measure,
+    pub form: FormMeasure,
     /// The most that it may be.
     pub budget_px: f64,
     /// The most that textures may blur within a pixel, px.
@@ -37,7 +37,7 @@ pub struct Study {
     /// The share of parts that must keep the budget.
     pub target_yield: f64,
     /// The design against the projection.
-    pub nominal: Pixels,
+    pub nominal: DisplacementPx,
     /// The sources, that with the largest impact after adjustment first.
     pub sources: Vec<SourceFacts>,
     /// What textures blur within a pixel, px: RMS over the picture, the root of the sum of the sources'
@@ -47,7 +47,7 @@ pub struct Study {
     pub scattered: f64,
     /// Why there are no limits in concert, if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub no_limit_joint: Option<Unmet>,
+    pub no_limit_joint: Option<AllocationError>,
     /// RMS of what all parts have in common after adjustment: the design's displacement and those of
     /// the systematic sources, added with their signs, by first derivatives.
     pub mean_px: f64,
@@ -68,7 +68,7 @@ pub struct Study {
     #[serde(rename = "yield")]
     pub yields: Yield,
     /// First derivatives against the full trace.
-    pub gap: Gap,
+    pub gap: LinearityGap,
     /// The adjustments.
     pub adjustments: Vec<AdjustmentFacts>,
     /// Whether the yield is the target or more, and the blur within its budget.
@@ -104,7 +104,7 @@ pub struct SourceFacts {
     pub plus_adjusted_px: f64,
     /// What it blurs and scatters at its limit; of textures, others do neither.
     #[serde(flatten)]
-    pub spread: Spread,
+    pub spread: BlurAndScatter,
     /// Its share of the variance after adjustment; 0 of a systematic source, which has none.
     pub share_of_variance: f64,
     /// The limit at which it alone uses up the budget; none where there is none.
@@ -119,7 +119,7 @@ pub struct SourceFacts {
 
 /// First derivatives against the full trace, over the same trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Gap {
+pub struct LinearityGap {
     /// Over so many trials, those that lose no rays.
     pub trials: u64,
     /// Root of the mean square of the difference, px; lost without such trials.
@@ -155,21 +155,21 @@ impl Study {
     /// Of `trials`, which follow each other and are not none, of `seed`.
     #[must_use]
     pub fn new(engine: &Engine, seed: u64, trials: &[Trial]) -> Self {
-        let question = &engine.question;
-        let figure = |pixels: Pixels| pixels.by(question.criterion);
+        let spec = &engine.spec;
+        let figure = |pixels: DisplacementPx| pixels.by(spec.criterion);
         let first = trials.first().map_or(0, |trial| trial.index);
         let repeated = REPEATED.min(trials.len() as u64);
-        let linear = engine.linear_trials(&question.sources, seed, first..first + repeated);
+        let linear = engine.linear_trials(&spec.sources, seed, first..first + repeated);
         let full = engine.figures(trials);
         let by_linear = engine.figures(&linear);
         let gap = gap(&by_linear, &full);
 
-        let variances: Vec<f64> = question.sources.iter().map(|s| engine.variance(s)).collect();
+        let variances: Vec<f64> = spec.sources.iter().map(|s| engine.variance(s)).collect();
         let variance: f64 = variances.iter().sum();
-        let mean_px = Pixels::of(&engine.mean_field(&question.sources)).rms_px;
-        let joint = engine.joint(seed);
-        let facts = |(k, source): (usize, &Source)| {
-            let impact = engine.impact(source, seed, source.limit);
+        let mean_px = DisplacementPx::of(&engine.mean_field(&spec.sources)).rms_px;
+        let joint = engine.allocate_limits(seed);
+        let facts = |(k, source): (usize, &ErrorSource)| {
+            let impact = engine.sensitivity(source, seed, source.limit);
             let [minus_px, plus_px] = impact.before.map(figure);
             let [minus_adjusted_px, plus_adjusted_px] = impact.after.map(figure);
             SourceFacts {
@@ -185,13 +185,12 @@ impl Study {
                 plus_adjusted_px,
                 spread: engine.spread(source),
                 share_of_variance: if variance > 0.0 { variances[k] / variance } else { 0.0 },
-                limit_alone: engine.limit_alone(source, seed),
+                limit_alone: engine.inverse_sensitivity(source, seed),
                 limit_joint: joint.as_ref().ok().map(|joint| joint.sources[k].limit),
                 limit_joint_widest: joint.as_ref().is_ok_and(|joint| joint.widest[k]),
             }
         };
-        let mut sources =
-            parallel::map(question.sources.len(), 1, |k| facts((k, &question.sources[k])));
+        let mut sources = parallel::map(spec.sources.len(), 1, |k| facts((k, &spec.sources[k])));
         let worst = |facts: &SourceFacts| facts.minus_adjusted_px.max(facts.plus_adjusted_px);
         sources.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
 
@@ -208,12 +207,12 @@ impl Study {
             trials: trials.len() as u64,
             samples: engine.samples(),
             picture_share: engine.share(),
-            criterion: question.criterion,
-            reference: question.reference,
-            form: question.form,
-            budget_px: question.budget_px,
-            budget_blur_px: question.budget_blur_px,
-            target_yield: question.target_yield,
+            criterion: spec.criterion,
+            reference: spec.reference,
+            form: spec.form,
+            budget_px: spec.budget_px,
+            budget_blur_px: spec.budget_blur_px,
+            target_yield: spec.target_yield,
             nominal: engine.nominal(),
             sources,
             blur_px,
@@ -229,13 +228,13 @@ impl Study {
             yields,
             gap,
             adjustments: adjustments(engine, &kept),
-            passes: yields.share >= question.target_yield && blur_px <= question.budget_blur_px,
+            passes: yields.share >= spec.target_yield && blur_px <= spec.budget_blur_px,
         }
     }
 }
 
 /// Of figures by first derivatives and of the full traces that they repeat.
-fn gap(linear: &[f64], full: &[f64]) -> Gap {
+fn gap(linear: &[f64], full: &[f64]) -> LinearityGap {
     let pairs = || linear.iter().zip(full).filter(|(_, full)| full.is_finite());
     let trials = pairs().count() as f64;
     let off: f64 = pairs().map(|(a, b)| (a - b) * (a - b)).sum();
@@ -243,7 +242,7 @@ fn gap(linear: &[f64], full: &[f64]) -> Gap {
     let mean = pairs().map(|pair| pair.1).sum::<f64>() / trials;
     // Where nothing moves, nothing is off.
     let relative = if rms_px == 0.0 { 0.0 } else { rms_px / mean };
-    Gap { trials: trials as u64, rms_px, relative }
+    LinearityGap { trials: trials as u64, rms_px, relative }
 }
 
 fn adjustments(engine: &Engine, trials: &[&Trial]) -> Vec<AdjustmentFacts> {

@@ -1,8 +1,8 @@
 //! Monte Carlo: many made systems, each a function of the seed and its own number.
 
-use super::compensate::{Pixels, or_lost};
-use super::engine::{Engine, Made};
-use super::source::Source;
+use super::compensate::{DisplacementPx, or_lost};
+use super::engine::{Engine, PerturbedSystem};
+use super::error_source::ErrorSource;
 use super::yields::Yield;
 use crate::num::random::Stream;
 use crate::parallel;
@@ -15,9 +15,9 @@ pub struct Trial {
     /// Its number.
     pub index: u64,
     /// As made.
-    pub before: Pixels,
+    pub before: DisplacementPx,
     /// After adjustment.
-    pub after: Pixels,
+    pub after: DisplacementPx,
     /// How far each adjustment was moved, in its unit; empty where rays are lost.
     pub steps: Vec<f64>,
 }
@@ -102,7 +102,7 @@ const CHECKED: u64 = 500;
 impl Engine {
     /// The system of trial `index`.
     #[must_use]
-    pub fn trial(&self, sources: &[Source], seed: u64, index: u64) -> Made {
+    pub fn trial(&self, sources: &[ErrorSource], seed: u64, index: u64) -> PerturbedSystem {
         let stream = Stream { seed, trial: index };
         self.make(&self.draw(sources, &stream), stream)
     }
@@ -112,7 +112,7 @@ impl Engine {
     #[must_use]
     pub fn trials(
         &self,
-        sources: &[Source],
+        sources: &[ErrorSource],
         seed: u64,
         range: Range<u64>,
         until: Option<f64>,
@@ -132,16 +132,22 @@ impl Engine {
 
     /// The same by first derivatives alone.
     #[must_use]
-    pub fn linear_trials(&self, sources: &[Source], seed: u64, range: Range<u64>) -> Vec<Trial> {
-        let linear = |made: &[Made]| made.iter().map(|m| self.linear_displacement(m)).collect();
+    pub fn linear_trials(
+        &self,
+        sources: &[ErrorSource],
+        seed: u64,
+        range: Range<u64>,
+    ) -> Vec<Trial> {
+        let linear =
+            |made: &[PerturbedSystem]| made.iter().map(|m| self.linear_displacement(m)).collect();
         self.block(range, linear, sources, seed)
     }
 
     fn block(
         &self,
         range: Range<u64>,
-        displacements: impl Fn(&[Made]) -> Vec<Vec<f64>> + Sync,
-        sources: &[Source],
+        displacements: impl Fn(&[PerturbedSystem]) -> Vec<Vec<f64>> + Sync,
+        sources: &[ErrorSource],
         seed: u64,
     ) -> Vec<Trial> {
         let batches: Vec<Range<u64>> = (range.start..range.end)
@@ -149,9 +155,9 @@ impl Engine {
             .map(|from| from..range.end.min(from.saturating_add(BATCH)))
             .collect();
         let batch = |batch: &Range<u64>| {
-            let made: Vec<Made> =
+            let made: Vec<PerturbedSystem> =
                 batch.clone().map(|index| self.trial(sources, seed, index)).collect();
-            let judged = displacements(&made).into_iter().map(|d| self.judge(d));
+            let judged = displacements(&made).into_iter().map(|d| self.compensate(d));
             let trial = |(index, (before, after, steps))| Trial { index, before, after, steps };
             batch.clone().zip(judged).map(trial).collect::<Vec<Trial>>()
         };
@@ -161,14 +167,14 @@ impl Engine {
     /// The figures that count, of each trial.
     #[must_use]
     pub fn figures(&self, trials: &[Trial]) -> Vec<f64> {
-        trials.iter().map(|trial| trial.after.by(self.question.criterion)).collect()
+        trials.iter().map(|trial| trial.after.by(self.spec.criterion)).collect()
     }
 
     /// The share of the trials that keep the budget; those that lose rays do not.
     #[must_use]
     pub fn yields(&self, trials: &[Trial]) -> Yield {
         let figures = self.figures(trials);
-        let good = figures.iter().filter(|x| **x <= self.question.budget_px).count();
+        let good = figures.iter().filter(|x| **x <= self.spec.budget_px).count();
         Yield::of(good as u64, figures.len() as u64)
     }
 }

@@ -1,6 +1,6 @@
 //! What pixels see of textures and of facets: means over footprints, against many rays each.
 
-use super::{engine, fixed, question};
+use super::{engine, fixed, spec};
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, Precision, Ray};
@@ -8,7 +8,9 @@ use morion::internals::mesh::{Limits, mesh};
 use morion::internals::num::random::Stream;
 use morion::internals::optics::reflect;
 use morion::internals::profile::Profile;
-use morion::internals::tolerance::{Engine, Kind, Question, facets_bound, facets_displace};
+use morion::internals::tolerance::{
+    Engine, Perturbation, ToleranceSpec, facets_bound, facets_displace,
+};
 use morion::internals::trace::{Scene, look};
 
 /// Rays along each side of a pixel.
@@ -36,9 +38,9 @@ fn webcam() -> Profile {
 
 /// A texture alone, by the engine's means and by rays spread over each pixel: the principal point is
 /// shifted by parts of a pixel.
-fn means(engine: &Engine, value: (Kind, f64)) -> [Vec<f64>; 3] {
+fn means(engine: &Engine, value: (Perturbation, f64)) -> [Vec<f64>; 3] {
     let stream = Stream { seed: 5, trial: 2 };
-    let of = |engine: &Engine, values: &[(Kind, f64)]| {
+    let of = |engine: &Engine, values: &[(Perturbation, f64)]| {
         engine.displacements(&[engine.make(values, stream)]).remove(0)
     };
     let points = engine.pointwise();
@@ -46,7 +48,7 @@ fn means(engine: &Engine, value: (Kind, f64)) -> [Vec<f64>; 3] {
     let mut mean = vec![0.0; found.len()];
     let mut squares = mean.clone();
     for [x, y] in shifts() {
-        let shift = [(Kind::PrincipalX, x), (Kind::PrincipalY, y)];
+        let shift = [(Perturbation::PrincipalX, x), (Perturbation::PrincipalY, y)];
         let [with, without] = [of(&points, &[value, shift[0], shift[1]]), of(&points, &shift)];
         for (k, (a, b)) in with.iter().zip(&without).enumerate() {
             let moved = (a - b) / (SIDE * SIDE) as f64;
@@ -63,14 +65,14 @@ fn content_moves_by_the_mean_over_a_pixel_and_blurs_by_the_rest() {
     let designs = [designed(&shipped("conquistador")), designed(&webcam())];
     for (k, design) in designs.iter().enumerate() {
         for (kind, limit) in [
-            (Kind::ToolMarks, 0.02),
-            (Kind::ToolMarks, 0.07),
-            (Kind::ToolMarks, 0.15),
-            (Kind::ToolMarks, 0.3),
-            (Kind::Waviness, 0.01),
-            (Kind::Slope, 0.1),
+            (Perturbation::Stepover, 0.02),
+            (Perturbation::Stepover, 0.07),
+            (Perturbation::Stepover, 0.15),
+            (Perturbation::Stepover, 0.3),
+            (Perturbation::Waviness, 0.01),
+            (Perturbation::Slope, 0.1),
         ] {
-            let mut asked = question(vec![fixed(kind, limit)], &[]);
+            let mut asked = spec(vec![fixed(kind, limit)], &[]);
             // Waves of a few pixels, and light that no height is too small for.
             asked.texture.waviness_period_mm = 0.17;
             asked.texture.slope_correlation_mm = 0.15;
@@ -108,7 +110,7 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
     let area = mirror.full_outline().area() / (pixel * pixel);
     let scene = Scene::new(face);
     let (mut sums, mut count) = ([0.0; 2], 0.0);
-    let asked = Question { samples: 400, ..question(vec![fixed(Kind::TiltX, 1.0)], &[]) };
+    let asked = ToleranceSpec { samples: 400, ..spec(vec![fixed(Perturbation::TiltX, 1.0)], &[]) };
     for (point, _) in engine(design, asked).places() {
         let shown = |shift: [f64; 2]| {
             let q = point + DVec2::from_array(shift) * pixel;
@@ -156,7 +158,7 @@ fn facets_finer_than_pixels_average_out() {
 #[test]
 fn cusps_far_below_the_wavelength_scatter_and_turn_no_rays() {
     let design = designed(&shipped("conical"));
-    let mut asked = question(vec![fixed(Kind::ToolMarks, 0.005)], &[]);
+    let mut asked = spec(vec![fixed(Perturbation::Stepover, 0.005)], &[]);
     asked.texture.ball_radius_mm = 1.0;
     let source = asked.sources[0];
     let engine = engine(&design, asked);
@@ -172,14 +174,14 @@ fn cusps_far_below_the_wavelength_scatter_and_turn_no_rays() {
 #[test]
 fn terraces_of_a_print_show_something_else() {
     let design = designed(&shipped("conquistador"));
-    let engine = engine(&design, question(vec![fixed(Kind::Layers, 50.0)], &[]));
+    let engine = engine(&design, spec(vec![fixed(Perturbation::Layers, 50.0)], &[]));
     let stream = Stream { seed: 1, trial: 0 };
-    let made = engine.make(&[(Kind::Layers, 50.0)], stream);
+    let made = engine.make(&[(Perturbation::Layers, 50.0)], stream);
     let linear = engine.linear_displacement(&made);
     assert!(square(&linear).sqrt() > 100.0);
-    let (before, ..) = engine.judge(engine.displacements(&[made]).remove(0));
+    let (before, ..) = engine.compensate(engine.displacements(&[made]).remove(0));
     assert!(!(before.rms_px < 100.0), "{before:?}");
     // Layers far below the wavelength do little.
-    let fine = engine.mean_square(&fixed(Kind::Layers, 1e-4));
+    let fine = engine.mean_square(&fixed(Perturbation::Layers, 1e-4));
     assert!(fine.sqrt() < 0.1, "{fine}");
 }

@@ -10,39 +10,39 @@ mod work;
 use morion::internals::design::Design;
 use morion::internals::mirror::BicubicSpline;
 use morion::internals::tolerance::{
-    Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
-    Source,
+    Compensator, Criterion, Distribution, Engine, ErrorSource, FormMeasure, Perturbation, Process,
+    Reference, ToleranceSpec,
 };
 
 /// A source that is always at `limit`.
-fn fixed(kind: Kind, limit: f64) -> Source {
-    Source { kind, limit, distribution: Distribution::Fixed, weight: 1.0 }
+fn fixed(kind: Perturbation, limit: f64) -> ErrorSource {
+    ErrorSource { kind, limit, distribution: Distribution::Fixed, weight: 1.0 }
 }
 
 /// All usual sources of a mirror, as a process leaves them.
-fn usual(design: &Design, process: &Process) -> Vec<Source> {
+fn usual(design: &Design, process: &Process) -> Vec<ErrorSource> {
     let round = matches!(design.mirror.outline, morion::internals::geom::Outline::Ring { .. });
-    let applies = |kind: &Kind| match kind {
-        Kind::Legendre(..) => !round,
-        Kind::Zernike(_) => round,
-        Kind::Telecentricity => design.camera.chart.vergence == 0.0,
-        Kind::Map => false,
+    let applies = |kind: &Perturbation| match kind {
+        Perturbation::Legendre(..) => !round,
+        Perturbation::Zernike(_) => round,
+        Perturbation::Telecentricity => design.camera.chart.vergence == 0.0,
+        Perturbation::Map => false,
         _ => true,
     };
-    let source = |kind: Kind| {
+    let source = |kind: Perturbation| {
         let (limit, distribution) = match kind {
-            Kind::Facets => (0.5, Distribution::Fixed),
+            Perturbation::Facets => (0.5, Distribution::Fixed),
             kind => process.usual(kind),
         };
-        Source { kind, limit, distribution, weight: 1.0 }
+        ErrorSource { kind, limit, distribution, weight: 1.0 }
     };
-    Kind::all().filter(applies).map(source).filter(|source| source.limit != 0.0).collect()
+    Perturbation::all().filter(applies).map(source).filter(|source| source.limit != 0.0).collect()
 }
 
-fn question(sources: Vec<Source>, compensators: &[Compensator]) -> Question {
-    Question {
+fn spec(sources: Vec<ErrorSource>, compensators: &[Compensator]) -> ToleranceSpec {
+    ToleranceSpec {
         sources,
-        form: Measure::Pv,
+        form: FormMeasure::Pv,
         texture: Process::named("precision-cnc").unwrap().texture,
         map: None,
         compensators: compensators.to_vec(),
@@ -55,12 +55,12 @@ fn question(sources: Vec<Source>, compensators: &[Compensator]) -> Question {
     }
 }
 
-fn engine(design: &Design, question: Question) -> Engine {
+fn engine(design: &Design, spec: ToleranceSpec) -> Engine {
     let view = design.view.as_ref().unwrap();
-    Engine::new(&design.mirror, &design.camera, view, question).unwrap()
+    Engine::new(&design.mirror, &design.camera, view, spec).unwrap()
 }
 
 /// The same with a measured form error.
-fn with_map(question: Question, map: BicubicSpline) -> Question {
-    Question { map: Some(map), ..question }
+fn with_map(spec: ToleranceSpec, map: BicubicSpline) -> ToleranceSpec {
+    ToleranceSpec { map: Some(map), ..spec }
 }

@@ -1,6 +1,6 @@
 //! The perturbed system against closed forms, central differences and rays traced by hand.
 
-use super::{engine, fixed, question, usual, with_map};
+use super::{engine, fixed, spec, usual, with_map};
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
@@ -9,7 +9,9 @@ use morion::internals::mirror::{BicubicSpline, Knots};
 use morion::internals::num::random::Stream;
 use morion::internals::num::{cos, radians, sin};
 use morion::internals::optics::reflect;
-use morion::internals::tolerance::{Compensator, Engine, Kind, Process, Question, ripple_slope};
+use morion::internals::tolerance::{
+    Compensator, Engine, Perturbation, Process, ToleranceSpec, ripple_slope,
+};
 
 const STREAM: Stream = Stream { seed: 5, trial: 2 };
 
@@ -23,7 +25,7 @@ fn precise() -> &'static Process {
 }
 
 /// Displacement of `values`, made and by first derivatives.
-fn both(engine: &Engine, values: &[(Kind, f64)]) -> [Vec<f64>; 2] {
+fn both(engine: &Engine, values: &[(Perturbation, f64)]) -> [Vec<f64>; 2] {
     let made = engine.make(values, STREAM);
     let full = engine.displacements(std::slice::from_ref(&made)).remove(0);
     [full, engine.linear_displacement(&made)]
@@ -37,19 +39,19 @@ fn length(field: &[f64]) -> f64 {
 fn derivatives_agree_with_central_differences() {
     for (name, design) in designs() {
         let sources = usual(&design, precise());
-        let engine = engine(&design, question(sources.clone(), &[]));
+        let engine = engine(&design, spec(sources.clone(), &[]));
         for source in sources {
             // Facets are drawn, and displace by what is drawn; tracks have a test of their own.
-            if source.kind == Kind::Facets {
-                let [full, linear] = both(&engine, &[(Kind::Facets, 0.5)]);
+            if source.kind == Perturbation::Facets {
+                let [full, linear] = both(&engine, &[(Perturbation::Facets, 0.5)]);
                 assert!(full == linear && length(&full) > 0.0);
                 continue;
             }
-            if source.kind == Kind::ToolMarks {
+            if source.kind == Perturbation::Stepover {
                 continue;
             }
             // By Richardson, of fourth order.
-            let step = if source.kind == Kind::Waviness { 1e-2 } else { 2e-2 };
+            let step = if source.kind == Perturbation::Waviness { 1e-2 } else { 2e-2 };
             let h = step * source.limit;
             let difference = |h: f64| -> Vec<f64> {
                 let [up, _] = both(&engine, &[(source.kind, h)]);
@@ -78,10 +80,10 @@ fn derivatives_agree_with_central_differences() {
 #[test]
 fn fine_tracks_displace_by_the_derivative() {
     for (name, design) in designs() {
-        let asked = question(vec![fixed(Kind::ToolMarks, 0.02)], &[]);
+        let asked = spec(vec![fixed(Perturbation::Stepover, 0.02)], &[]);
         let engine = engine(&design, asked).pointwise();
         let remains = [1e-2, 1e-3, 1e-4].map(|stepover| {
-            let [full, linear] = both(&engine, &[(Kind::ToolMarks, stepover)]);
+            let [full, linear] = both(&engine, &[(Perturbation::Stepover, stepover)]);
             let off: Vec<f64> = full.iter().zip(&linear).map(|(a, b)| a - b).collect();
             assert!(length(&linear) > 0.0);
             length(&off) / length(&linear)
@@ -96,21 +98,21 @@ fn fine_tracks_displace_by_the_derivative() {
 #[test]
 fn a_perturbed_picture_is_that_of_rays_traced_by_hand() {
     for (name, design) in designs() {
-        let engine = engine(&design, question(usual(&design, precise()), &[]));
+        let engine = engine(&design, spec(usual(&design, precise()), &[]));
         let telecentric = design.camera.chart.vergence == 0.0;
         let values = [
-            (Kind::DecentreX, 40.0),
-            (Kind::DecentreY, -30.0),
-            (Kind::Despace, 60.0),
-            (Kind::TiltX, 0.8),
-            (Kind::TiltY, -0.5),
-            (Kind::Clocking, 1.1),
-            (Kind::Scale, 150.0),
-            (Kind::Magnification, -400.0),
-            (Kind::PrincipalX, 0.7),
-            (Kind::PrincipalY, -0.4),
-            (Kind::Distortion, 300.0),
-            (Kind::Telecentricity, if telecentric { 0.9 } else { 0.0 }),
+            (Perturbation::DecentreX, 40.0),
+            (Perturbation::DecentreY, -30.0),
+            (Perturbation::Despace, 60.0),
+            (Perturbation::TiltX, 0.8),
+            (Perturbation::TiltY, -0.5),
+            (Perturbation::Clocking, 1.1),
+            (Perturbation::Scale, 150.0),
+            (Perturbation::Magnification, -400.0),
+            (Perturbation::PrincipalX, 0.7),
+            (Perturbation::PrincipalY, -0.4),
+            (Perturbation::Distortion, 300.0),
+            (Perturbation::Telecentricity, if telecentric { 0.9 } else { 0.0 }),
         ];
         let [found, _] = both(&engine, &values);
         let Design { mirror, camera, .. } = &design;
@@ -169,11 +171,11 @@ fn a_tilt_turns_the_ray_twice() {
         ("projection.cylindrical", "projection.mercator"),
     ]);
     let design = designed(&given);
-    let engine = engine(&design, question(vec![fixed(Kind::TiltX, 1.0)], &[]));
+    let engine = engine(&design, spec(vec![fixed(Perturbation::TiltX, 1.0)], &[]));
     // A radian of azimuth is 6 mm / 20 degrees; mercator's z is the isometric latitude.
     let scale = 6.0 / radians(20.0) / design.camera.pixel_mm;
     for mrad in [0.3, 1.0, 5.0, -20.0] {
-        let [found, _] = both(&engine, &[(Kind::TiltX, mrad)]);
+        let [found, _] = both(&engine, &[(Perturbation::TiltX, mrad)]);
         let angle = 2e-3 * mrad;
         // tan e = sinh z.
         let exact = scale * morion::internals::num::asinh(morion::internals::num::tan(angle));
@@ -197,8 +199,8 @@ fn textures_displace_by_their_rms_slope() {
     let design = designed(&given);
     let texture = precise().texture;
     let scale = 6.0 / radians(20.0) / design.camera.pixel_mm;
-    let rms = |kind: Kind, limit: f64| {
-        let engine = engine(&design, question(vec![fixed(kind, limit)], &[])).pointwise();
+    let rms = |kind: Perturbation, limit: f64| {
+        let engine = engine(&design, spec(vec![fixed(kind, limit)], &[])).pointwise();
         let made: Vec<_> = (0..300)
             .map(|trial| engine.make(&[(kind, limit)], Stream { seed: 1, trial }))
             .collect();
@@ -207,18 +209,18 @@ fn textures_displace_by_their_rms_slope() {
         let predicted = engine.variance(&fixed(kind, limit)).sqrt();
         (rms / scale, predicted / scale)
     };
-    let (ripple, predicted) = rms(Kind::Waviness, 0.1);
+    let (ripple, predicted) = rms(Perturbation::Waviness, 0.1);
     let exact = ripple_slope(0.1e-3, texture.waviness_period_mm);
     assert!((predicted / exact - 1.0).abs() < 0.01, "{predicted} {exact}");
     assert!((ripple / exact - 1.0).abs() < 0.06, "{ripple} {exact}");
-    let (tracks, predicted) = rms(Kind::ToolMarks, 0.02);
+    let (tracks, predicted) = rms(Perturbation::Stepover, 0.02);
     // On ground that slopes by 45 degrees across the tracks these are sqrt 2 times as far apart, and
     // their slope against it is 2 times as much along Z.
     let exact = 8f64.sqrt() * 0.02 / (12.0f64.sqrt() * texture.ball_radius_mm);
     assert!((predicted / exact - 1.0).abs() < 1e-4, "{predicted} {exact}");
     assert!((tracks / exact - 1.0).abs() < 0.06, "{tracks} {exact}");
     // An isotropic slope: both directions turn the ray alike.
-    let (random, predicted) = rms(Kind::Slope, 0.2);
+    let (random, predicted) = rms(Perturbation::Slope, 0.2);
     assert!((predicted / 0.2e-3 - 1.0).abs() < 1e-3, "{predicted}");
     assert!((random / 0.2e-3 - 1.0).abs() < 0.06, "{random}");
 }
@@ -230,8 +232,8 @@ fn tracks_displace_as_scallops_do() {
         let design = designed(&shipped(name));
         let texture = precise().texture;
         let stepover_mm = 0.02;
-        let source = fixed(Kind::ToolMarks, stepover_mm);
-        let asked = Question { samples: 2000, ..question(vec![source], &[]) };
+        let source = fixed(Perturbation::Stepover, stepover_mm);
+        let asked = ToleranceSpec { samples: 2000, ..spec(vec![source], &[]) };
         let found = engine(&design, asked).pointwise().variance(&source).sqrt();
         let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
         // Tracks that follow each other along Y run along X.
@@ -247,14 +249,14 @@ fn tracks_displace_as_scallops_do() {
 fn adjustments_undo_what_they_can() {
     let design = designed(&shipped("conformal"));
     let all = [Compensator::Shift, Compensator::Rotation, Compensator::Magnification];
-    let engine = engine(&design, question(usual(&design, precise()), &all));
+    let engine = engine(&design, spec(usual(&design, precise()), &all));
     for (kind, limit, exact) in [
-        (Kind::PrincipalX, 1.0, [-1.0, 0.0, 0.0, 0.0]),
-        (Kind::PrincipalY, 1.0, [0.0, -1.0, 0.0, 0.0]),
-        (Kind::Magnification, 500.0, [0.0, 0.0, 0.0, -500.0]),
+        (Perturbation::PrincipalX, 1.0, [-1.0, 0.0, 0.0, 0.0]),
+        (Perturbation::PrincipalY, 1.0, [0.0, -1.0, 0.0, 0.0]),
+        (Perturbation::Magnification, 500.0, [0.0, 0.0, 0.0, -500.0]),
     ] {
         let [displacement, _] = both(&engine, &[(kind, limit)]);
-        let (before, after, steps) = engine.judge(displacement);
+        let (before, after, steps) = engine.compensate(displacement);
         assert!(after.rms_px < 1e-6 * before.rms_px, "{kind:?} {before:?} {after:?}");
         for (step, exact) in steps.iter().zip(exact) {
             assert!((step - exact).abs() < 1e-6 * limit, "{kind:?} {steps:?}");
@@ -275,10 +277,10 @@ fn a_measured_map_acts_as_what_it_holds() {
         })
         .collect();
     let map = BicubicSpline::new(x, y, &heights).unwrap();
-    let sources = vec![fixed(Kind::Map, 1.0), fixed(Kind::Legendre(2, 0), 1.0)];
-    let engine = engine(&design, with_map(question(sources.clone(), &[]), map));
-    let [mapped, by_map] = both(&engine, &[(Kind::Map, 1.0)]);
-    let [term, by_term] = both(&engine, &[(Kind::Legendre(2, 0), 1.0)]);
+    let sources = vec![fixed(Perturbation::Map, 1.0), fixed(Perturbation::Legendre(2, 0), 1.0)];
+    let engine = engine(&design, with_map(spec(sources.clone(), &[]), map));
+    let [mapped, by_map] = both(&engine, &[(Perturbation::Map, 1.0)]);
+    let [term, by_term] = both(&engine, &[(Perturbation::Legendre(2, 0), 1.0)]);
     let off = |a: &[f64], b: &[f64]| {
         length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>()) / length(b)
     };

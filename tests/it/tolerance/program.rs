@@ -1,9 +1,9 @@
 //! The command: files, streams, exit codes, and runs in parts.
 
-use super::{engine, fixed, question};
+use super::{engine, fixed, spec};
 use crate::support::builds::{SMALL, edited, files, folder, morion, save, told};
 use crate::support::{self, share};
-use morion::internals::tolerance::Kind;
+use morion::internals::tolerance::Perturbation;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -94,8 +94,8 @@ fn parts_with_different_maps_are_refused() {
 #[test]
 fn a_run_ends_early_after_the_same_trials_on_any_threads() {
     let design = support::designed(&support::profile(&[]));
-    let sources = vec![fixed(Kind::Slope, 2.0), fixed(Kind::Waviness, 1.0)];
-    let mut asked = question(sources.clone(), &[]);
+    let sources = vec![fixed(Perturbation::Slope, 2.0), fixed(Perturbation::Waviness, 1.0)];
+    let mut asked = spec(sources.clone(), &[]);
     asked.samples = 40;
     let half = engine(&design, asked.clone()).trials(&sources, 3, 0..200, None);
     let mut figures: Vec<f64> = half.iter().map(|trial| trial.after.rms_px).collect();
@@ -221,7 +221,7 @@ fn the_verdict_is_the_exit_code_and_json_is_the_file() {
 fn absurd_limits_lose_rays_and_say_so() {
     let folder = folder();
     let home = folder.path();
-    let keys = Kind::all().map(|kind| kind.key()).filter(|key| {
+    let keys = Perturbation::all().map(|kind| kind.key()).filter(|key| {
         !key.starts_with("zernike") && !["map_share", "stepover_mm"].contains(&&**key)
     });
     let limits: String = keys.map(|key| format!("{key} = 1e6\n")).collect();

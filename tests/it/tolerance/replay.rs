@@ -130,7 +130,7 @@ fn a_replayed_trial_has_the_figures_of_the_run_and_its_files_show_them() {
 fn the_files_have_the_form_and_the_size_that_formulas_say() {
     let folder = folder();
     let home = folder.path();
-    let none: Vec<String> = morion::internals::tolerance::Kind::all()
+    let none: Vec<String> = morion::internals::tolerance::Perturbation::all()
         .map(|kind| kind.key())
         .filter(|key| !key.starts_with("zernike") && !["map_share", "scale_ppm"].contains(&&**key))
         .filter(|key| key != "legendre_20_um" && key != "waviness_um")

@@ -1,12 +1,12 @@
 //! Monte Carlo against the linear model, budgets fed forward, and the same bits in every order.
 
-use super::{engine, fixed, question, usual, with_map};
+use super::{engine, fixed, spec, usual, with_map};
 use crate::support::shipped_builds;
 use crate::support::{designed, share, shipped};
 use morion::internals::mirror::{BicubicSpline, Knots};
 use morion::internals::tolerance::{
-    Compensator, Criterion, Engine, Kind, Pixels, Process, Question, Reference, Source,
-    SourceFacts, Study, Trial, Unmet, quantile, worst_offenders,
+    AllocationError, Compensator, Criterion, DisplacementPx, Engine, ErrorSource, Perturbation,
+    Process, Reference, SourceFacts, Study, ToleranceSpec, Trial, quantile, worst_offenders,
 };
 
 /// Samples that a run of the program takes.
@@ -19,7 +19,7 @@ fn process() -> &'static Process {
 }
 
 fn trials(engine: &Engine, seed: u64, count: u64) -> Vec<Trial> {
-    engine.trials(&engine.question.sources, seed, 0..count, None)
+    engine.trials(&engine.spec.sources, seed, 0..count, None)
 }
 
 fn rms(trials: &[Trial]) -> f64 {
@@ -34,7 +34,7 @@ fn the_root_of_the_sum_of_squares_is_that_of_the_trials() {
     {
         let design = designed(&shipped(name));
         let sources = usual(&design, process());
-        let engine = engine(&design, question(sources, compensators));
+        let engine = engine(&design, spec(sources, compensators));
         let found = rms(&trials(&engine, 4, 1500));
         let foreseen = rss(&engine);
         assert!((foreseen / found - 1.0).abs() < 0.05, "{name} {foreseen} {found}");
@@ -44,8 +44,8 @@ fn the_root_of_the_sum_of_squares_is_that_of_the_trials() {
 /// What first derivatives say of the trials' RMS: the square of what all have in common, and the
 /// variances of the rest.
 fn rss(engine: &Engine) -> f64 {
-    let sources = &engine.question.sources;
-    let mean = Pixels::of(&engine.mean_field(sources)).rms_px;
+    let sources = &engine.spec.sources;
+    let mean = DisplacementPx::of(&engine.mean_field(sources)).rms_px;
     let variance: f64 = sources.iter().map(|source| engine.variance(source)).sum();
     (mean * mean + variance).sqrt()
 }
@@ -55,18 +55,21 @@ fn rss(engine: &Engine) -> f64 {
 fn systematic_errors_add_with_their_signs() {
     // A decentred mirror under a decentred sensor, each with a displacement like the other's.
     let design = designed(&shipped("conical"));
-    let mut sources = vec![fixed(Kind::DecentreX, 50.0), fixed(Kind::PrincipalX, 1.0)];
+    let mut sources =
+        vec![fixed(Perturbation::DecentreX, 50.0), fixed(Perturbation::PrincipalX, 1.0)];
     let squares = |engine: &Engine| -> f64 {
-        engine.question.sources.iter().map(|source| engine.mean_square(source)).sum()
+        engine.spec.sources.iter().map(|source| engine.mean_square(source)).sum()
     };
-    let alone = engine(&design, question(sources.clone(), &[]));
+    let alone = engine(&design, spec(sources.clone(), &[]));
     let found = rms(&trials(&alone, 4, 3));
     assert!((rss(&alone) / found - 1.0).abs() < 1e-3, "{} {found}", rss(&alone));
     let unsigned = squares(&alone).sqrt();
     assert!((unsigned / found - 1.0).abs() > 0.1, "{unsigned} {found}");
-    sources.extend(usual(&design, process()).into_iter().filter(|s| s.kind != Kind::DecentreX));
-    sources.retain(|s| s.kind != Kind::PrincipalX || s.is_systematic());
-    let all = engine(&design, question(sources, &ALL));
+    sources.extend(
+        usual(&design, process()).into_iter().filter(|s| s.kind != Perturbation::DecentreX),
+    );
+    sources.retain(|s| s.kind != Perturbation::PrincipalX || s.is_systematic());
+    let all = engine(&design, spec(sources, &ALL));
     let found = rms(&trials(&all, 4, 600));
     assert!((rss(&all) / found - 1.0).abs() < 0.05, "{} {found}", rss(&all));
 
@@ -81,12 +84,12 @@ fn systematic_errors_add_with_their_signs() {
         })
         .collect();
     let map = BicubicSpline::new(x, y, &heights).unwrap();
-    let (tilt, share) = (fixed(Kind::TiltX, 0.4), fixed(Kind::Map, 20.0));
+    let (tilt, share) = (fixed(Perturbation::TiltX, 0.4), fixed(Perturbation::Map, 20.0));
     for (sources, near) in [
         (vec![share, tilt], 1e-2),
         ([vec![share, tilt], vec![usual(&design, process())[1]]].concat(), 0.05),
     ] {
-        let asked = Question { reference: Reference::Projection, ..question(sources, &ALL[..2]) };
+        let asked = ToleranceSpec { reference: Reference::Projection, ..spec(sources, &ALL[..2]) };
         let engine = engine(&design, with_map(asked, map.clone()));
         let found = rms(&trials(&engine, 4, 300));
         assert!((rss(&engine) / found - 1.0).abs() < near, "{} {found}", rss(&engine));
@@ -101,15 +104,15 @@ fn systematic_errors_add_with_their_signs() {
 fn systematic_errors_use_up_their_part_of_the_budget() {
     let design = designed(&shipped("conquistador"));
     let mut sources = usual(&design, process());
-    let tilt = sources.iter().position(|s| s.kind == Kind::TiltX).unwrap();
-    sources[tilt] = fixed(Kind::TiltX, 2.5);
-    let asked = |sources: &[Source], budget_px| Question {
+    let tilt = sources.iter().position(|s| s.kind == Perturbation::TiltX).unwrap();
+    sources[tilt] = fixed(Perturbation::TiltX, 2.5);
+    let asked = |sources: &[ErrorSource], budget_px| ToleranceSpec {
         budget_px,
         samples: 60,
-        ..question(sources.to_vec(), &ALL)
+        ..spec(sources.to_vec(), &ALL)
     };
     let before = engine(&design, asked(&sources, 1.0));
-    let joint = before.joint(3).unwrap();
+    let joint = before.allocate_limits(3).unwrap();
     assert!(joint.sources[tilt] == sources[tilt] && !joint.widest[tilt]);
     assert_eq!(before.variance(&sources[tilt]), 0.0);
     let after = engine(&design, asked(&joint.sources, 1.0));
@@ -118,15 +121,17 @@ fn systematic_errors_use_up_their_part_of_the_budget() {
     let reached = quantile(&figures, 0.9);
     assert!((reached - 1.0).abs() < 0.01, "{reached}");
     // Alone it is at its own sign.
-    let limit = before.limit_alone(&sources[tilt], 3).unwrap();
-    let alone = engine(&design, asked(&[fixed(Kind::TiltX, limit)], 1.0));
+    let limit = before.inverse_sensitivity(&sources[tilt], 3).unwrap();
+    let alone = engine(&design, asked(&[fixed(Perturbation::TiltX, limit)], 1.0));
     assert!((rms(&trials(&alone, 3, 1)) - 1.0).abs() < 1e-3, "{limit}");
 
-    let none = |sources: &[Source], budget| engine(&design, asked(sources, budget)).joint(3).err();
-    assert_eq!(none(&sources, 0.3), Some(Unmet::Systematic));
-    assert_eq!(none(&sources[tilt..=tilt], 1.0), Some(Unmet::NothingToShare));
-    let asked = Question { reference: Reference::Projection, ..asked(&sources, 0.3) };
-    assert_eq!(engine(&design, asked).joint(3).err(), Some(Unmet::Design));
+    let none = |sources: &[ErrorSource], budget| {
+        engine(&design, asked(sources, budget)).allocate_limits(3).err()
+    };
+    assert_eq!(none(&sources, 0.3), Some(AllocationError::Systematic));
+    assert_eq!(none(&sources[tilt..=tilt], 1.0), Some(AllocationError::NothingToShare));
+    let asked = ToleranceSpec { reference: Reference::Projection, ..asked(&sources, 0.3) };
+    assert_eq!(engine(&design, asked).allocate_limits(3).err(), Some(AllocationError::Design));
 }
 
 /// A trial in which a ray does not meet the mirror is lost: it fails, and figures are of the others.
@@ -135,7 +140,7 @@ fn lost_trials_fail_and_leave_finite_figures() {
     let design = designed(&shipped("conquistador"));
     let mut sources = usual(&design, process());
     sources[0].limit = 8e4;
-    let asked = Question { budget_px: 1e4, samples: 60, ..question(sources, &ALL) };
+    let asked = ToleranceSpec { budget_px: 1e4, samples: 60, ..spec(sources, &ALL) };
     let engine = engine(&design, asked);
     let all = trials(&engine, 4, 60);
     let study = Study::new(&engine, 4, &all);
@@ -160,7 +165,7 @@ fn lost_trials_fail_and_leave_finite_figures() {
 fn a_study_tells_sources_by_their_impact() {
     let design = designed(&shipped("hyperbolic"));
     let sources = usual(&design, process());
-    let engine = engine(&design, Question { samples: 40, ..question(sources, &ALL) });
+    let engine = engine(&design, ToleranceSpec { samples: 40, ..spec(sources, &ALL) });
     let study = Study::new(&engine, 4, &trials(&engine, 4, 100));
     let shares: f64 = study.sources.iter().map(|s| s.share_of_variance).sum();
     assert!((shares - 1.0).abs() < 1e-12);
@@ -177,10 +182,10 @@ fn first_derivatives_foresee_every_trial() {
     for name in ["conquistador", "hyperbolic"] {
         let design = designed(&shipped(name));
         let mut sources = usual(&design, process());
-        sources.retain(|source| source.kind != Kind::ToolMarks);
-        let engine = engine(&design, Question { samples: 60, ..question(sources, &ALL) });
+        sources.retain(|source| source.kind != Perturbation::Stepover);
+        let engine = engine(&design, ToleranceSpec { samples: 60, ..spec(sources, &ALL) });
         let full = trials(&engine, 4, 200);
-        let linear = engine.linear_trials(&engine.question.sources, 4, 0..200);
+        let linear = engine.linear_trials(&engine.spec.sources, 4, 0..200);
         for (full, linear) in full.iter().zip(&linear) {
             let (a, b) = (full.after.rms_px, linear.after.rms_px);
             assert!((a / b - 1.0).abs() < 0.03, "{name} {}: {a} {b}", full.index);
@@ -191,22 +196,22 @@ fn first_derivatives_foresee_every_trial() {
 #[test]
 fn trials_do_not_depend_on_threads_or_on_their_company() {
     let design = designed(&shipped("conquistador"));
-    let engine = engine(&design, question(usual(&design, process()), &ALL));
+    let engine = engine(&design, spec(usual(&design, process()), &ALL));
     let all = trials(&engine, 9, 130);
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert!(pool.install(|| trials(&engine, 9, 130)) == all);
     }
-    let part = |range| engine.trials(&engine.question.sources, 9, range, None);
+    let part = |range| engine.trials(&engine.spec.sources, 9, range, None);
     let parts = [part(0..1), part(1..64), part(64..130)].concat();
     assert!(parts == all);
     // A trial's own system, rebuilt from its number alone.
-    let made = engine.trial(&engine.question.sources, 9, 77);
+    let made = engine.trial(&engine.spec.sources, 9, 77);
     let (before, after, steps) =
-        engine.judge(engine.displacements(std::slice::from_ref(&made)).remove(0));
+        engine.compensate(engine.displacements(std::slice::from_ref(&made)).remove(0));
     assert_eq!((before, after, &steps), (all[77].before, all[77].after, &all[77].steps));
     // A source more changes none of the others' draws.
-    let fewer: Vec<Source> = engine.question.sources[1..].to_vec();
+    let fewer: Vec<ErrorSource> = engine.spec.sources[1..].to_vec();
     let rest = engine.trial(&fewer, 9, 77);
     assert_eq!(rest.state.form, made.state.form);
     assert_eq!(rest.state.placed[1..], made.state.placed[1..]);
@@ -215,9 +220,9 @@ fn trials_do_not_depend_on_threads_or_on_their_company() {
 #[test]
 fn trials_end_when_the_yield_is_known_well_enough() {
     let design = designed(&shipped("conquistador"));
-    let asked = Question { samples: 40, ..question(usual(&design, process()), &ALL) };
+    let asked = ToleranceSpec { samples: 40, ..spec(usual(&design, process()), &ALL) };
     let engine = engine(&design, asked);
-    let until = |width| engine.trials(&engine.question.sources, 1, 0..3000, Some(width));
+    let until = |width| engine.trials(&engine.spec.sources, 1, 0..3000, Some(width));
     let (some, most) = (until(0.09), until(1e-6));
     assert!(some.len() % 500 == 0 && some.len() < most.len(), "{}", some.len());
     assert!(engine.yields(&some).width() <= 0.09);
@@ -242,28 +247,29 @@ fn limits_fed_forward_hit_the_budget() {
             (_, Reference::Projection, P95) => 3.0,
             _ => 1.0,
         };
-        let asked = Question {
+        let asked = ToleranceSpec {
             reference,
             criterion,
             budget_px: budget,
             samples: 150,
-            ..question(sources, &ALL)
+            ..spec(sources, &ALL)
         };
         let name = &format!("{name} {criterion:?}");
         let before = engine(&design, asked.clone());
         for source in &asked.sources {
-            let Some(limit) = before.limit_alone(source, 3) else { continue };
-            let reached = before.impact(source, 3, limit).worst().by(criterion);
+            let Some(limit) = before.inverse_sensitivity(source, 3) else { continue };
+            let reached = before.sensitivity(source, 3, limit).worst().by(criterion);
             assert!((reached / budget - 1.0).abs() < 0.01, "{name} {source:?} {limit}");
             // However far off its own limit is.
-            if [Kind::TiltX, Kind::Scale].contains(&source.kind) {
-                let tiny = Source { limit: 1e-9, ..*source };
-                assert_eq!(before.limit_alone(&tiny, 3), Some(limit), "{name}");
+            if [Perturbation::TiltX, Perturbation::Scale].contains(&source.kind) {
+                let tiny = ErrorSource { limit: 1e-9, ..*source };
+                assert_eq!(before.inverse_sensitivity(&tiny, 3), Some(limit), "{name}");
             }
         }
-        let joint = before.joint(3).unwrap();
+        let joint = before.allocate_limits(3).unwrap();
         // As if they were written into the profile.
-        let after = engine(&design, Question { sources: joint.sources.clone(), ..asked.clone() });
+        let after =
+            engine(&design, ToleranceSpec { sources: joint.sources.clone(), ..asked.clone() });
         let forward = |seed, count| after.trials(&joint.sources, seed, 0..count, None);
         let mut figures = after.figures(&forward(3, 4000));
         figures.sort_by(f64::total_cmp);
@@ -279,7 +285,7 @@ fn limits_fed_forward_hit_the_budget() {
         // Equal weights, equal shares, but for what is not widened further.
         let shared = joint.sources.iter().filter(|source| !source.kind.is_fine());
         let most = shared.map(|source| before.variance(source)).fold(0.0, f64::max);
-        for (k, (own, source)) in before.question.sources.iter().zip(&joint.sources).enumerate() {
+        for (k, (own, source)) in before.spec.sources.iter().zip(&joint.sources).enumerate() {
             let share = before.variance(source) / most;
             let widest = joint.widest[k];
             if source.kind.is_fine() {
@@ -300,8 +306,8 @@ fn dear_sources_get_more_of_the_budget() {
     let design = designed(&shipped("conquistador"));
     let mut sources = usual(&design, process());
     sources[3].weight = 5.0;
-    let engine = engine(&design, question(sources, &[]));
-    let joint = engine.joint(3).unwrap();
+    let engine = engine(&design, spec(sources, &[]));
+    let joint = engine.allocate_limits(3).unwrap();
     let [dear, cheap] = [3, 4].map(|k| engine.variance(&joint.sources[k]));
     assert!((dear / cheap - 5.0).abs() < 1e-9);
 }
@@ -314,8 +320,8 @@ fn random_slope_on_facets_never_improves_the_figure() {
         let design = designed(&shipped(name));
         let mut last = 0.0;
         for slope in [0.0, 0.05, 0.1, 0.2, 0.5] {
-            let sources = vec![fixed(Kind::Facets, 1.0), fixed(Kind::Slope, slope)];
-            let engine = engine(&design, question(sources.clone(), &ALL));
+            let sources = vec![fixed(Perturbation::Facets, 1.0), fixed(Perturbation::Slope, slope)];
+            let engine = engine(&design, spec(sources.clone(), &ALL));
             let found = rms(&trials(&engine, 2, 400));
             let exact = (engine.variance(&sources[0]) + engine.variance(&sources[1])).sqrt();
             assert!(found > last, "{name} {slope}: {found} {last}");
@@ -331,7 +337,7 @@ fn random_slope_on_facets_never_improves_the_figure() {
 fn the_samples_are_the_picture_of_every_shipped_mirror() {
     for shipped in morion::internals::profile::shipped() {
         let design = designed(&crate::support::shipped(shipped.name));
-        let engine = engine(&design, Question { samples: SAMPLES, ..question(Vec::new(), &[]) });
+        let engine = engine(&design, ToleranceSpec { samples: SAMPLES, ..spec(Vec::new(), &[]) });
         let nominal = engine.nominal();
         let whole = shipped_builds::report(shipped.name).design.pixel_error_px.unwrap();
         // A mirror that is exact is so but for rounding.
@@ -348,12 +354,12 @@ fn the_samples_are_the_picture_of_every_shipped_mirror() {
 #[test]
 fn a_perfect_part_of_a_design_beyond_the_budget_fails() {
     let design = designed(&shipped("conquistador"));
-    let asked = Question {
+    let asked = ToleranceSpec {
         samples: SAMPLES,
         criterion: Criterion::P95,
         reference: Reference::Projection,
         budget_px: 2.6,
-        ..question(Vec::new(), &[])
+        ..spec(Vec::new(), &[])
     };
     let engine = engine(&design, asked);
     assert!(engine.yields(&trials(&engine, 1, 20)).share == 0.0);
@@ -365,9 +371,9 @@ fn a_perfect_part_of_a_design_beyond_the_budget_fails() {
 fn forms_displace_the_whole_picture() {
     for name in ["panoramic", "conquistador"] {
         let design = designed(&shipped(name));
-        let source = fixed(Kind::Legendre(0, 3), 1.0);
+        let source = fixed(Perturbation::Legendre(0, 3), 1.0);
         let made = |samples: usize| {
-            let engine = engine(&design, Question { samples, ..question(vec![source], &[]) });
+            let engine = engine(&design, ToleranceSpec { samples, ..spec(vec![source], &[]) });
             engine.mean_square(&source).sqrt()
         };
         let (usual, dense) = (made(SAMPLES), made(40_000));
@@ -380,13 +386,13 @@ fn forms_displace_the_whole_picture() {
 fn the_worst_of_systematic_errors_have_the_signs_that_they_were_given() {
     let design = designed(&shipped("conquistador"));
     let sources = [
-        (Kind::Distortion, 12_500.0),
-        (Kind::PrincipalX, 20.0),
-        (Kind::TiltX, 1.0),
-        (Kind::Scale, 2000.0),
+        (Perturbation::Distortion, 12_500.0),
+        (Perturbation::PrincipalX, 20.0),
+        (Perturbation::TiltX, 1.0),
+        (Perturbation::Scale, 2000.0),
     ];
     let sources = sources.map(|(kind, limit)| fixed(kind, limit)).to_vec();
-    let engine = engine(&design, question(sources, &ALL));
+    let engine = engine(&design, spec(sources, &ALL));
     let study = Study::new(&engine, 4, &trials(&engine, 4, 3));
     let worse = |s: &SourceFacts| s.minus_adjusted_px > s.plus_adjusted_px;
     assert!(study.sources.iter().any(worse), "no sign that would do more");

@@ -1,19 +1,19 @@
 //! What a run counts as done and as avoided.
 
-use super::{engine, fixed, question, usual};
+use super::{engine, fixed, spec, usual};
 use crate::support::builds::{SMALL, edited, folder, morion, save, told};
 use crate::support::{designed, shipped};
 use morion::internals::num::random::Stream;
-use morion::internals::tolerance::{Engine, Kind, Piece, Process};
+use morion::internals::tolerance::{Engine, Perturbation, Process, WorkKind};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 const STREAM: Stream = Stream { seed: 3, trial: 1 };
 
-fn worked(engine: &Engine, piece: Piece) -> [u64; 2] {
+fn worked(engine: &Engine, kind: WorkKind) -> [u64; 2] {
     let tally = engine.worked();
-    let found = tally.pieces().find(|(other, _)| *other == piece);
+    let found = tally.kinds().find(|(other, _)| *other == kind);
     found.map_or([0, 0], |(_, counts)| counts)
 }
 
@@ -23,20 +23,20 @@ fn rays_that_errors_leave_alone_are_where_tracing_finds_them() {
     for name in ["conquistador", "hyperbolic"] {
         let design = designed(&shipped(name));
         let sources = usual(&design, Process::named("precision-cnc").unwrap());
-        let engine = engine(&design, question(sources, &[]));
+        let engine = engine(&design, spec(sources, &[]));
         let all = engine.samples() as u64;
-        assert_ne!(worked(&engine, Piece::Rays), [0, 0]);
-        let facets = (Kind::Facets, 0.5);
+        assert_ne!(worked(&engine, WorkKind::Rays), [0, 0]);
+        let facets = (Perturbation::Facets, 0.5);
         let still = engine.make(&[facets], STREAM);
         let skipped = engine.displacements(&[still.clone(), still]);
-        assert_eq!(worked(&engine, Piece::Rays), [0, 2 * all], "{name}");
-        let moved = engine.make(&[facets, (Kind::DecentreX, 1e-300)], STREAM);
+        assert_eq!(worked(&engine, WorkKind::Rays), [0, 2 * all], "{name}");
+        let moved = engine.make(&[facets, (Perturbation::DecentreX, 1e-300)], STREAM);
         let traced = engine.displacements(&[moved]);
-        assert_eq!(worked(&engine, Piece::Rays), [all, 0], "{name}");
+        assert_eq!(worked(&engine, WorkKind::Rays), [all, 0], "{name}");
         assert!(skipped[0] == traced[0] && skipped[1] == traced[0], "{name}");
         assert!(traced[0].iter().any(|x| *x != 0.0));
         // Nothing was counted since.
-        assert_eq!(worked(&engine, Piece::Rays), [0, 0]);
+        assert_eq!(worked(&engine, WorkKind::Rays), [0, 0]);
     }
 }
 
@@ -44,34 +44,34 @@ fn rays_that_errors_leave_alone_are_where_tracing_finds_them() {
 fn what_an_engine_evaluates_and_what_stands_for_it_is_counted() {
     let design = designed(&shipped("conquistador"));
     let sources = usual(&design, Process::named("precision-cnc").unwrap());
-    let forms = sources.iter().filter(|s| matches!(s.kind, Kind::Legendre(..))).count();
-    let of = |sources| engine(&design, question(sources, &[]));
+    let forms = sources.iter().filter(|s| matches!(s.kind, Perturbation::Legendre(..))).count();
+    let of = |sources| engine(&design, spec(sources, &[]));
     let full = of(sources);
     let all = full.samples() as u64;
     // Twelve numbers that place, height and two slopes; form errors have columns made of these.
-    let [done, avoided] = worked(&full, Piece::Derivatives);
+    let [done, avoided] = worked(&full, WorkKind::Derivatives);
     assert!(done == 15 * all && avoided > (forms as u64) * all, "{done} {avoided}");
     assert_eq!(full.expanded() as u64, all);
     let one = |kind, value| full.displacements(&[full.make(&[(kind, value)], STREAM)]);
-    one(Kind::DecentreX, 1.0);
-    let tally: Vec<_> = full.worked().pieces().collect();
-    let at = |piece| tally.iter().find(|(other, _)| *other == piece).unwrap().1;
-    assert_eq!(at(Piece::Rays), [all, 0]);
+    one(Perturbation::DecentreX, 1.0);
+    let tally: Vec<_> = full.worked().kinds().collect();
+    let at = |kind| tally.iter().find(|(other, _)| *other == kind).unwrap().1;
+    assert_eq!(at(WorkKind::Rays), [all, 0]);
     // Each ray takes a step of Newton's or more, and no error of form has an amplitude.
-    let [evaluated, expanded] = at(Piece::Surface);
+    let [evaluated, expanded] = at(WorkKind::Surface);
     assert!(evaluated == 0 && (all..8 * all).contains(&expanded), "{expanded}");
-    let [added, left] = at(Piece::Forms);
+    let [added, left] = at(WorkKind::Forms);
     // Those of the last incomplete four are not looked at.
     assert!(added < 4 * all && left > 10 * added && (added + left) % all == 0, "{added} {left}");
-    one(Kind::Slope, 1.0);
-    let [more, less] = worked(&full, Piece::Forms);
+    one(Perturbation::Slope, 1.0);
+    let [more, less] = worked(&full, WorkKind::Forms);
     assert!(more + less == added + left && more > less, "{more} {less}");
     // Far from where they are seen polynomials are no longer the mirror.
-    one(Kind::DecentreX, 5e3);
-    assert!(worked(&full, Piece::Surface)[0] > all);
+    one(Perturbation::DecentreX, 5e3);
+    assert!(worked(&full, WorkKind::Surface)[0] > all);
     // Of fewer sources, fewer derivatives are avoided.
-    let few = of(vec![fixed(Kind::DecentreX, 1.0)]);
-    let [few, none] = worked(&few, Piece::Derivatives);
+    let few = of(vec![fixed(Perturbation::DecentreX, 1.0)]);
+    let [few, none] = worked(&few, WorkKind::Derivatives);
     assert!(few == 15 * all && none == 0, "{few} {none}");
 }
 

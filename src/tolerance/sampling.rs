@@ -1,9 +1,9 @@
 //! Which places of the picture stand for it, and polynomials of the mirror where they see it.
 
 use super::footprint::Footprint;
-use super::local::{Fitter, Square, off, terms, value, values};
-use super::model::{Ground, Pose, Sample, System};
-use super::tally::{Piece, Tally};
+use super::local_polynomial::{ExpansionSquare, Fitter, off, terms, value, values};
+use super::model::{OpticalSystem, PartPose, PixelSample, TextureSite};
+use super::work_counts::{WorkCounts, WorkKind};
 use crate::geom::{DVec2, DVec3, Outline, Rect};
 use crate::num::{cos, sin};
 use crate::parallel;
@@ -52,16 +52,16 @@ fn lattice(region: &Outline, count: usize) -> impl Iterator<Item = DVec2> {
     })
 }
 
-impl System {
+impl OpticalSystem {
     /// Number of samples near whose hits polynomials are the designed surface and the form errors.
     pub(super) fn expanded(&self) -> usize {
-        let smooth = |sample: &&Sample| sample.base.is_some() && self.form_degree > 0;
+        let smooth = |sample: &&PixelSample| sample.base.is_some() && self.form_degree > 0;
         self.samples.iter().filter(smooth).count()
     }
 
     /// About `count` samples, spread evenly over the picture of the mirror, but no closer than
     /// pixels, and the share of that picture where they see the target; hits move by about `reach` mm.
-    pub(super) fn spread(&self, count: usize, reach: f64) -> (Vec<Sample>, f64) {
+    pub(super) fn spread(&self, count: usize, reach: f64) -> (Vec<PixelSample>, f64) {
         let region = self.region();
         let places = |count: usize| -> Vec<DVec2> {
             lattice(&region, count).filter(|&q| self.sees(q).is_some()).collect()
@@ -73,7 +73,7 @@ impl System {
         let fitters = DEGREES.map(Fitter::new);
         let sample = |&q: &DVec2| self.sample(&fitters, q, self.sees(q)?, reach);
         let places = places(count);
-        let samples: Vec<Sample> = parallel::gather(places.len(), 1, |part| {
+        let samples: Vec<PixelSample> = parallel::gather(places.len(), 1, |part| {
             places[part].iter().filter_map(sample).collect()
         });
         let share = samples.len() as f64 / places.len().max(1) as f64;
@@ -110,8 +110,8 @@ impl System {
     /// surface on them; none where they are not.
     pub(super) fn widened(&self, reach: f64) -> Option<Self> {
         let fitters = DEGREES.map(Fitter::new);
-        let fitted = |sample: &Sample, half: f64| {
-            let square = Square { half, ..sample.square };
+        let fitted = |sample: &PixelSample, half: f64| {
+            let square = ExpansionSquare { half, ..sample.square };
             self.fitted(&fitters, sample.panel, &square, sample.hit.z).map(|base| (square, base))
         };
         // Some tell of the others.
@@ -121,13 +121,13 @@ impl System {
         let halves = WIDER.map(|share| share * reach).into_iter().filter(wider);
         let half = halves.into_iter().find(|half| all_fit(*half))?;
         // (Without a copy of the form errors' many coefficients.)
-        let wider = |sample: &Sample| {
-            let &Sample { point, content, panel, hit, slope, ground, .. } = sample;
+        let wider = |sample: &PixelSample| {
+            let &PixelSample { point, content, panel, hit, slope, site, .. } = sample;
             let (square, base) = match fitted(sample, half) {
                 Some((square, base)) => (square, Some(base)),
                 None => (sample.square, sample.base.clone()),
             };
-            Sample { point, content, panel, hit, slope, square, ground, base, form: Vec::new() }
+            PixelSample { point, content, panel, hit, slope, square, site, base, form: Vec::new() }
         };
         let mut wide = self.with(parallel::map_slice(&self.samples, 1, wider));
         wide.expand_forms();
@@ -138,7 +138,7 @@ impl System {
     /// The same with samples that see points.
     pub(super) fn pointwise(&self) -> Self {
         let mut made = self.clone();
-        made.samples.iter_mut().for_each(|sample| sample.ground.footprint = Footprint::POINT);
+        made.samples.iter_mut().for_each(|sample| sample.site.footprint = Footprint::POINT);
         made.expand_forms();
         made
     }
@@ -146,10 +146,10 @@ impl System {
     /// Gives the samples polynomials of the form errors, of one degree for all.
     pub(super) fn expand_forms(&mut self) {
         let fields = &self.fields;
-        let expanded = |sample: &Sample, fitter: &Fitter| -> Option<Vec<f64>> {
+        let expanded = |sample: &PixelSample, fitter: &Fitter| -> Option<Vec<f64>> {
             let mut all = Vec::new();
             for field in fields {
-                let seen = field.seen(&sample.ground.footprint);
+                let seen = field.seen(&sample.site.footprint);
                 let c = fitter.fit(&sample.square, |at| [field.at(at)[0]]).concat();
                 let found = |at| value(fitter.degree(), &c, &sample.square, at);
                 if !(off(&sample.square, found, |at| field.at(at)) <= SMOOTH_FORM) {
@@ -186,7 +186,7 @@ impl System {
     }
 
     /// Whether a place of the part, before it is grown, is on the panel that `sample` sees.
-    pub(super) fn sees_own(&self, sample: &Sample, at: DVec3) -> bool {
+    pub(super) fn sees_own(&self, sample: &PixelSample, at: DVec3) -> bool {
         self.panel(self.mirror.chart.coordinates(at).0) == sample.panel
     }
 
@@ -195,7 +195,7 @@ impl System {
         &self,
         fitters: &[Fitter],
         panel: usize,
-        square: &Square,
+        square: &ExpansionSquare,
         z_mm: f64,
     ) -> Option<(usize, Vec<[f64; 3]>)> {
         let calls = Cell::new(0);
@@ -209,16 +209,22 @@ impl System {
             let smooth = off(square, found, designed) <= SMOOTH;
             smooth.then_some((fitter.degree(), c))
         });
-        self.counter.count(Piece::Surface, [calls.get(), 0]);
+        self.counter.count(WorkKind::Surface, [calls.get(), 0]);
         found
     }
 
-    fn sample(&self, fitters: &[Fitter], point: DVec2, place: DVec2, reach: f64) -> Option<Sample> {
+    fn sample(
+        &self,
+        fitters: &[Fitter],
+        point: DVec2,
+        place: DVec2,
+        reach: f64,
+    ) -> Option<PixelSample> {
         let panel = self.panel(place);
         let at = self.mirror.row(place.y).at(place.x);
         let hit = self.mirror.position(place, &at);
         let slope = self.mirror.slope(place, &at).to_array();
-        let of = |half: f64| Square { centre: [hit.x, hit.y], half };
+        let of = |half: f64| ExpansionSquare { centre: [hit.x, hit.y], half };
         let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {
             let base = self.fitted(fitters, panel, &square, hit.z)?;
             Some((square, Some(base)))
@@ -228,13 +234,14 @@ impl System {
         let chart = &self.camera.chart;
         let footprint = Footprint::of(chart, self.camera.pixel_mm, point, hit, slope);
         let groove = self.groove(&self.panels[panel], hit);
-        let (ground, form) = (Ground { groove, footprint }, Vec::new());
-        let mut sample = Sample { point, content, panel, hit, slope, square, ground, base, form };
+        let (site, form) = (TextureSite { groove, footprint }, Vec::new());
+        let mut sample =
+            PixelSample { point, content, panel, hit, slope, square, site, base, form };
         let perfect = self.perfect::<f64>();
-        let pose = Pose::new(&perfect.placed);
-        let mut tally = Tally::default();
-        sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect, &mut tally));
-        self.counter.add(tally);
+        let pose = PartPose::new(&perfect.placed);
+        let mut work = WorkCounts::default();
+        sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect, &mut work));
+        self.counter.add(work);
         sample.content.is_finite().then_some(sample)
     }
 }

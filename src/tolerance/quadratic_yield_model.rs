@@ -2,27 +2,27 @@
 //! each a quadratic form of its sources' factors, whatever the number of pixels.
 
 use super::compensate::Compensation;
-use super::engine::{Engine, Made};
-use super::source::{Kind, Source};
-use super::tally::{Counter, Piece};
+use super::engine::{Engine, PerturbedSystem};
+use super::error_source::{ErrorSource, Perturbation};
 use super::trials::quantile;
+use super::work_counts::{WorkCounter, WorkKind};
 use crate::num::random::Stream;
 use crate::parallel;
 use std::sync::Arc;
 
 /// Trials, and what any factors on their sources' limits make of them.
 #[derive(Debug, Clone)]
-pub struct Yardstick {
+pub struct QuadraticYieldModel {
     sources: usize,
     /// Of each trial, px^2: what each source adds with what is there without errors, then for each
     /// source its mean products with itself and (twice) with those after it.
     forms: Vec<Vec<f64>>,
     /// Mean square without errors, px^2.
     base: f64,
-    counter: Arc<Counter>,
+    counter: Arc<WorkCounter>,
 }
 
-impl Yardstick {
+impl QuadraticYieldModel {
     /// Trials 0 to `count` of `seed`.
     #[must_use]
     pub fn new(engine: &Engine, seed: u64, count: u64) -> Self {
@@ -40,10 +40,10 @@ impl Yardstick {
         let row = |a: &Vec<f64>| columns.iter().map(|b| mean(a, b)).collect();
         let products: Vec<Vec<f64>> = parallel::map_slice(&columns, 1, row);
         let with_base: Vec<f64> = columns.iter().map(|a| 2.0 * mean(a, &base)).collect();
-        let sources = &engine.question.sources;
+        let sources = &engine.spec.sources;
         // Of the limit's square: what is finer than pixels grows faster than its limit, and full traces
         // correct that.
-        let unit = |source: &Source| {
+        let unit = |source: &ErrorSource| {
             engine.mean_square(&source.fixed(source.limit)) / (source.limit * source.limit)
         };
         let units: Vec<f64> = sources.iter().map(unit).collect();
@@ -55,9 +55,9 @@ impl Yardstick {
             let patterns: Vec<Vec<(usize, f64)>> = drawn
                 .iter()
                 .map(|&(kind, value)| match kind {
-                    Kind::ToolMarks | Kind::Facets => Vec::new(),
+                    Perturbation::Stepover | Perturbation::Facets => Vec::new(),
                     _ => {
-                        let Made { state, .. } = engine.make(&[(kind, value)], stream);
+                        let PerturbedSystem { state, .. } = engine.make(&[(kind, value)], stream);
                         let all = linear.amplitudes(&state).into_iter().enumerate();
                         // A measured form error has no column where there is none.
                         all.take(columns.len()).filter(|(_, a)| *a != 0.0).collect()
@@ -74,7 +74,9 @@ impl Yardstick {
                     by.iter_mut().zip(&products[column]).for_each(|(by, p)| *by += a * p);
                 }
                 let noise = match drawn[s] {
-                    (Kind::ToolMarks | Kind::Facets, value) => value * value * units[s],
+                    (Perturbation::Stepover | Perturbation::Facets, value) => {
+                        value * value * units[s]
+                    }
                     _ => 0.0,
                 };
                 form.push(along(&by, pattern) + noise);
@@ -103,7 +105,7 @@ impl Yardstick {
             sum.max(0.0)
         };
         let forms = &self.forms[..count.min(self.forms.len())];
-        self.counter.count(Piece::LimitTrials, [0, forms.len()]);
+        self.counter.count(WorkKind::LimitTrials, [0, forms.len()]);
         parallel::map_slice(forms, 1, of)
     }
 

@@ -16,14 +16,14 @@ pub const fn terms(degree: usize) -> usize {
 
 /// The square that a polynomial holds on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Square {
+pub struct ExpansionSquare {
     /// Its middle, mm.
     pub centre: [f64; 2],
     /// Half its side, mm.
     pub half: f64,
 }
 
-impl Square {
+impl ExpansionSquare {
     /// (u, v) of a place: within [-1, 1] inside the square.
     #[inline]
     pub fn unit<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
@@ -41,7 +41,7 @@ impl Square {
 /// Value and derivatives by x and y, per mm, of the polynomial with the coefficients `c` of u^i v^j
 /// in the order (0, 0), (0, 1) ... (0, degree), (1, 0) ...
 #[inline]
-pub fn value<S, C>(degree: usize, c: &[C], square: &Square, at: [S; 2]) -> [S; 3]
+pub fn value<S, C>(degree: usize, c: &[C], square: &ExpansionSquare, at: [S; 2]) -> [S; 3]
 where
     S: Scalar + Add<C, Output = S>,
     C: Copy,
@@ -70,7 +70,7 @@ where
 pub fn values<S: Scalar, const N: usize>(
     degree: usize,
     c: &[[f64; N]],
-    square: &Square,
+    square: &ExpansionSquare,
     at: [S; 2],
 ) -> [S; N] {
     let [u, v] = square.unit(at);
@@ -134,7 +134,7 @@ impl Fitter {
     #[must_use]
     pub fn fit<const N: usize>(
         &self,
-        square: &Square,
+        square: &ExpansionSquare,
         f: impl Fn([f64; 2]) -> [f64; N],
     ) -> Vec<[f64; N]> {
         let places = |axis: usize| -> Vec<f64> {
@@ -178,7 +178,7 @@ impl Fitter {
 /// How far height or slope of `found` is from those of `exact`, at places in the square between the
 /// points that polynomials are made of.
 pub fn off(
-    square: &Square,
+    square: &ExpansionSquare,
     found: impl Fn([f64; 2]) -> [f64; 3],
     exact: impl Fn([f64; 2]) -> [f64; 3],
 ) -> f64 {
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn polynomials_are_met_and_smooth_functions_nearly() {
-        let square = Square { centre: [3.0, -7.0], half: 0.4 };
+        let square = ExpansionSquare { centre: [3.0, -7.0], half: 0.4 };
         let sextic = |[x, y]: [f64; 2]| {
             let (a, b) = (x * y * (x - y) * x * y, 0.3 * y * y * y * y * y * y);
             let a_x = 3.0 * x * x * y * y - 2.0 * x * y * y * y;
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn slopes_are_those_of_the_polynomial() {
-        let square = Square { centre: [1.0, 2.0], half: 0.5 };
+        let square = ExpansionSquare { centre: [1.0, 2.0], half: 0.5 };
         let c = Fitter::new(5).fit(&square, |[x, y]| [x * x * y + y * y * y * y]).concat();
         let (x, y) = (1.3, 1.7);
         let [f, f_x, f_y] = value(5, &c, &square, [x, y]);

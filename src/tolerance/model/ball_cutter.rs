@@ -1,19 +1,19 @@
 //! Tracks of a ball cutter.
 
-use super::super::field::cusp;
-use super::Ground;
+use super::super::form_field::cusp;
+use super::TextureSite;
 use crate::num::Scalar;
 
 /// The tool.
 #[derive(Debug, Clone, Copy)]
-pub struct Tool {
+pub struct BallCutter {
     /// Radius of the ball, mm.
     pub ball: f64,
     /// The direction in which tracks follow each other.
     pub way: [f64; 2],
 }
 
-impl Tool {
+impl BallCutter {
     /// Curvature of tracks over the mirror, of Z by the distance from the track in the plan, 1/mm, where
     /// the mirror has slope p and second derivatives H. A ball of radius R that touches it there is over
     /// it by half the form M = sqrt(1 + p^2) (I + p p^T) / R - H; a track is the least of all balls along
@@ -37,15 +37,15 @@ impl Tool {
     pub fn cusp<S: Scalar>(
         &self,
         [stepover, phase]: [f64; 2],
-        ground: &Ground,
+        site: &TextureSite,
         at: [S; 2],
     ) -> [S; 3] {
         let across = at[0] * self.way[0] + at[1] * self.way[1];
         let track = (across.mid() / stepover + phase).round() - phase;
         let from_track = across - track * stepover;
-        let [height, slope] = cusp(ground.groove, from_track);
-        let mean = ground.footprint.sawtooth(self.way, stepover, from_track);
-        let slope = slope + mean * ground.groove;
+        let [height, slope] = cusp(site.groove, from_track);
+        let mean = site.footprint.sawtooth(self.way, stepover, from_track);
+        let slope = slope + mean * site.groove;
         [height, slope * self.way[0], slope * self.way[1]]
     }
 }

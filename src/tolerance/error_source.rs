@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// What is off. Rotations and the scale are about the part frame's origin, the middle of the base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum Perturbation {
     /// The mirror is shifted along X.
     DecentreX,
     /// The mirror is shifted along Y.
@@ -50,7 +50,7 @@ pub enum Kind {
     /// 1 / sqrt(1 + g^2) across it.
     Slope,
     /// Cusps that a ball cutter leaves between tracks so far apart, of any phase.
-    ToolMarks,
+    Stepover,
     /// Flat terraces that a printer's layers of this height leave: what reflects is level.
     Layers,
     /// Flat facets of the mesh that the part is made from: the bound of the picture's displacement.
@@ -63,7 +63,7 @@ const LEGENDRE: [(u8, u8); 9] =
 /// The form errors of discs: defocus, astigmatism, coma, trefoil, spherical.
 const ZERNIKE: std::ops::RangeInclusive<u8> = 4..=11;
 
-impl Kind {
+impl Perturbation {
     /// Every kind, in the order of reports.
     pub fn all() -> impl Iterator<Item = Self> {
         let placed = [
@@ -82,7 +82,7 @@ impl Kind {
             Self::Distortion,
         ];
         let legendre = LEGENDRE.into_iter().map(|(i, j)| Self::Legendre(i, j));
-        let textures = [Self::Waviness, Self::Slope, Self::ToolMarks, Self::Layers, Self::Facets];
+        let textures = [Self::Waviness, Self::Slope, Self::Stepover, Self::Layers, Self::Facets];
         let rest = [Self::Map].into_iter().chain(textures);
         placed.into_iter().chain(legendre).chain(ZERNIKE.map(Self::Zernike)).chain(rest)
     }
@@ -109,7 +109,7 @@ impl Kind {
             Self::Map => "map_share".into(),
             Self::Waviness => "waviness_um".into(),
             Self::Slope => "slope_mrad".into(),
-            Self::ToolMarks => "stepover_mm".into(),
+            Self::Stepover => "stepover_mm".into(),
             Self::Layers => "layer_um".into(),
             Self::Facets => "facets_px".into(),
         }
@@ -132,7 +132,7 @@ impl Kind {
             Self::Temperature => "K",
             Self::PrincipalX | Self::PrincipalY | Self::Facets => "px",
             Self::Map => "of the map",
-            Self::ToolMarks => "mm",
+            Self::Stepover => "mm",
             _ => "um",
         }
     }
@@ -140,14 +140,14 @@ impl Kind {
     /// Whether every part has all of it, in a pattern that differs from part to part.
     #[must_use]
     pub fn is_texture(self) -> bool {
-        matches!(self, Self::Waviness | Self::Slope | Self::ToolMarks | Self::Facets)
+        matches!(self, Self::Waviness | Self::Slope | Self::Stepover | Self::Facets)
     }
 
     /// Whether it is usually finer than pixels, which see the mean of it: its displacement grows faster
     /// than its limit.
     #[must_use]
     pub fn is_fine(self) -> bool {
-        matches!(self, Self::ToolMarks | Self::Facets)
+        matches!(self, Self::Stepover | Self::Facets)
     }
 
     /// The number of its random stream: the same whatever other sources there are.
@@ -169,7 +169,7 @@ impl Kind {
             Self::Map => 13,
             Self::Waviness => 14,
             Self::Slope => 15,
-            Self::ToolMarks => 16,
+            Self::Stepover => 16,
             Self::Facets => 17,
             Self::Layers => 18,
             Self::Legendre(i, j) => 100 + 10 * u32::from(i) + u32::from(j),
@@ -230,9 +230,9 @@ impl Distribution {
 
 /// An error source.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Source {
+pub struct ErrorSource {
     /// What is off.
-    pub kind: Kind,
+    pub kind: Perturbation,
     /// By how much, in the unit of its kind; negative only of a systematic error.
     pub limit: f64,
     /// How likely.
@@ -242,7 +242,7 @@ pub struct Source {
     pub weight: f64,
 }
 
-impl Source {
+impl ErrorSource {
     /// Whether it is the same in every part: fixed, and no texture. Such errors add as they are,
     /// with their signs; they have no variance.
     #[must_use]
@@ -266,7 +266,7 @@ impl Source {
 
 /// What shapes the textures and the thermal expansion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Texture {
+pub struct TextureShape {
     /// Thermal expansion of the part, 1e-6 / K.
     pub cte_ppm_per_k: f64,
     /// Period of the waviness, mm.
@@ -283,7 +283,7 @@ pub struct Texture {
     pub wavelength_nm: f64,
 }
 
-impl Texture {
+impl TextureShape {
     /// Unit vector of a direction.
     pub(super) fn way(degrees: f64) -> [f64; 2] {
         let angle = radians(degrees);
@@ -311,12 +311,12 @@ mod tests {
 
     #[test]
     fn keys_name_their_kind_and_streams_differ() {
-        let all: Vec<Kind> = Kind::all().collect();
+        let all: Vec<Perturbation> = Perturbation::all().collect();
         for (k, kind) in all.iter().enumerate() {
-            assert_eq!(Kind::of_key(&kind.key()), Some(*kind));
+            assert_eq!(Perturbation::of_key(&kind.key()), Some(*kind));
             assert!(all[..k].iter().all(|other| other.stream() != kind.stream()));
         }
-        assert_eq!(Kind::of_key("colour"), None);
+        assert_eq!(Perturbation::of_key("colour"), None);
     }
 
     #[test]

@@ -13,7 +13,7 @@ const AT_LOSS: f64 = 1.05;
 /// by the power of x with which its square grows over that of the start, inside what is known to be
 /// too little and too much. None where it does not change, where it is not finite before, and where
 /// x would be more than `most`.
-pub fn crossing(
+pub fn solve_for_target(
     first: f64,
     most: f64,
     [start, goal]: [f64; 2],
@@ -93,7 +93,7 @@ mod tests {
         for first in [1e-6, 1.0, 40.0, 1e6] {
             for (k, (f, start, exact)) in cases.into_iter().enumerate() {
                 count.set(0);
-                let found = crossing(first, 1e6, [start, 1.0], 1e-9, counted(f));
+                let found = solve_for_target(first, 1e6, [start, 1.0], 1e-9, counted(f));
                 let right = match (found, exact) {
                     (Some(found), Some(exact)) => (found / exact - 1.0).abs() < 1e-7,
                     (found, exact) => found == exact,

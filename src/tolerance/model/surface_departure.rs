@@ -1,14 +1,14 @@
 //! How far a made surface is from the designed one, and how finely it does so.
 
-use super::super::field::{Field, ripple};
 use super::super::footprint::Footprint;
-use super::{Ground, Sample, State, System, added};
+use super::super::form_field::{FormField, ripple};
+use super::{OpticalSystem, PerturbedState, PixelSample, TextureSite, added};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::BicubicSpline;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
 
-impl System {
+impl OpticalSystem {
     /// The measured form error with derivatives.
     pub(super) fn mapped<S: Scalar>(map: &BicubicSpline, at: [S; 2]) -> [S; 3] {
         let q = DVec2::new(at[0].mid(), at[1].mid());
@@ -33,13 +33,15 @@ impl System {
         while let Some((a, field)) = rest.next() {
             // A wave's cosine and sine follow each other.
             let sine = rest.next_if(|(_, next)| match (field, next) {
-                (Field::Cosine(k), Field::Sine(same)) => k == same,
+                (FormField::Cosine(k), FormField::Sine(same)) => k == same,
                 _ => false,
             });
             let seen = || field.seen(footprint);
             sum = match (field, sine) {
                 (_, Some((b, _))) if *a == 0.0 && *b == 0.0 => sum,
-                (Field::Cosine(k), Some((b, _))) => added(sum, seen(), ripple(*k, [*a, *b], at)),
+                (FormField::Cosine(k), Some((b, _))) => {
+                    added(sum, seen(), ripple(*k, [*a, *b], at))
+                }
                 _ if *a != 0.0 => added(sum, seen() * *a, field.at(at)),
                 _ => sum,
             };
@@ -48,31 +50,31 @@ impl System {
     }
 
     /// `sum` and the waviness, the measured form error and the tool's tracks, height and slope, as
-    /// they are on `ground`.
+    /// they are on `site`.
     pub(super) fn textured<S: Scalar>(
         &self,
         mut sum: [S; 3],
-        state: &State<S>,
+        state: &PerturbedState<S>,
         at: [S; 2],
-        ground: &Ground,
+        site: &TextureSite,
     ) -> [S; 3] {
         if let Some(wave) = state.wave {
-            let seen = ground.footprint.ripple(self.wave);
+            let seen = site.footprint.ripple(self.wave);
             sum = added(sum, seen, ripple(self.wave, wave, at));
         }
         if let (Some(map), Some(share)) = (&self.map, state.map) {
             sum = added(sum, share, Self::mapped(map, at));
         }
         if let Some(tracks) = state.tracks {
-            sum = added(sum, 1.0, self.tool.cusp(tracks, ground, at));
+            sum = added(sum, 1.0, self.tool.cusp(tracks, site, at));
         }
         sum
     }
 
     /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
     pub(in crate::tolerance) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
-        let Sample { hit, ground, .. } = &self.samples[k];
-        self.tool.cusp(tracks, ground, [hit.x, hit.y])
+        let PixelSample { hit, site, .. } = &self.samples[k];
+        self.tool.cusp(tracks, site, [hit.x, hit.y])
     }
 
     /// Wave vector of the waviness, 1/mm.
@@ -87,17 +89,17 @@ impl System {
 
     /// Height and slope of the made surface over the designed one at a place of the part, before it
     /// is grown.
-    pub fn departure(&self, state: &State<f64>, place: DVec3) -> [f64; 3] {
+    pub fn departure(&self, state: &PerturbedState<f64>, place: DVec3) -> [f64; 3] {
         let at = place.truncate().to_array();
         let groove = if state.tracks.is_some() { self.groove(&self.mirror, place) } else { 0.0 };
         let footprint = Footprint::POINT;
         let forms = self.forms(&state.form, &footprint, at);
-        self.textured(forms, state, at, &Ground { groove, footprint })
+        self.textured(forms, state, at, &TextureSite { groove, footprint })
     }
 
     /// The shortest length, mm, over which this departure swings: a period, a distance of tracks or
     /// of a map's knots, half the mirror of a polynomial. None where there is no departure.
-    pub fn shortest(&self, state: &State<f64>) -> Option<f64> {
+    pub fn shortest(&self, state: &PerturbedState<f64>) -> Option<f64> {
         let forms = state.form.iter().zip(&self.fields).filter(|(a, _)| **a != 0.0);
         let wave = state.wave.filter(|a| *a != [0.0; 2]).map(|_| period(self.wave));
         let tracks = state.tracks.map(|[stepover, _]| stepover);
@@ -108,21 +110,21 @@ impl System {
     }
 }
 
-impl System {
+impl OpticalSystem {
     /// Whether a place of the part, before it is grown, is surely on the mirror.
     pub fn holds(&self, at: DVec3) -> bool {
         self.mirror.full_outline().aims(self.mirror.chart.coordinates(at).0)
     }
 }
 
-impl Sample {
+impl PixelSample {
     /// Z where it sees the designed mirror, mm.
     pub fn height(&self) -> f64 {
         self.hit.z
     }
 }
 
-impl Field {
+impl FormField {
     /// The share of it that a pixel of this footprint sees.
     pub(in crate::tolerance) fn seen(&self, footprint: &Footprint) -> f64 {
         match self {

@@ -11,8 +11,8 @@ use crate::mirror::{BicubicSpline, Knots, Mirror};
 use crate::profile::{Format, Profile, SagAxis};
 use crate::report::FacetsFrom;
 use crate::tolerance::{
-    Compensator, Criterion, Distribution, Engine, Kind, Measure, Process, Question, Reference,
-    Source as ErrorSource, Texture, extent, facets_bound, form_of_pv,
+    Compensator, Criterion, Distribution, Engine, ErrorSource, FormMeasure, Perturbation, Process,
+    Reference, TextureShape, ToleranceSpec, extent, facets_bound, form_of_pv,
 };
 
 /// About how many places stand for the picture: a Fibonacci number, as lattices have that many. RMS
@@ -20,7 +20,7 @@ use crate::tolerance::{
 const SAMPLES: usize = 987;
 
 /// A question, ready to be answered.
-pub struct Prepared {
+pub struct PreparedStudy {
     /// The design.
     pub design: Design,
     /// What traces it.
@@ -30,7 +30,7 @@ pub struct Prepared {
 }
 
 /// The design of the profile that `named` means, and what is asked of it.
-pub fn prepared(clock: &StageTimer, named: &str, source: &Source) -> Result<Prepared, Error> {
+pub fn prepared(clock: &StageTimer, named: &str, source: &Source) -> Result<PreparedStudy, Error> {
     let profile = &source.profile;
     let design = clock.stage(Stage::Design, || designed(source))?;
     let map = match &profile.tolerance.map_file {
@@ -42,17 +42,17 @@ pub fn prepared(clock: &StageTimer, named: &str, source: &Source) -> Result<Prep
         .view
         .as_ref()
         .ok_or_else(|| Error::NoProjection { work: "tolerance", profile: name() })?;
-    let (asked, facets_from) = question(profile, &design, map, meshed(profile, &design)?)?;
+    let (asked, facets_from) = spec(profile, &design, map, meshed(profile, &design)?)?;
     let engine = clock.stage(Stage::Sensitivities, || {
         let engine = Engine::new(&design.mirror, &design.camera, view, asked)
             .ok_or_else(|| Error::Unseen { profile: name() })?;
         clock.toleranced(Stage::Sensitivities, engine.worked());
-        let sources = engine.question.sources.len();
+        let sources = engine.spec.sources.len();
         let [pixels, expanded] = [engine.samples(), engine.expanded()];
         let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");
         Ok::<_, Error>((engine, note))
     })?;
-    Ok(Prepared { design, engine, facets_from })
+    Ok(PreparedStudy { design, engine, facets_from })
 }
 
 /// The measured form error in `file`, which must cover the mirror.
@@ -88,7 +88,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)
         Some(word) => word == "step",
         None => first.is_none_or(|format| *format == Format::Step),
     };
-    let key = Kind::Facets.key();
+    let key = Perturbation::Facets.key();
     if let Some((_, px)) = profile.tolerance.limits.iter().find(|limit| limit.0 == key) {
         return Ok(Some((*px, FacetsFrom::Limits)));
     }
@@ -112,27 +112,27 @@ fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)
 }
 
 /// What the profile asks, with what is usual where it says nothing.
-fn question(
+fn spec(
     profile: &Profile,
     design: &Design,
     map: Option<BicubicSpline>,
     meshed: Option<(f64, FacetsFrom)>,
-) -> Result<(Question, Option<FacetsFrom>), Error> {
+) -> Result<(ToleranceSpec, Option<FacetsFrom>), Error> {
     let asked = &profile.tolerance;
     let process = Process::named(asked.preset).expect("the profile knows the presets");
-    let form = if asked.form == "rms" { Measure::Rms } else { Measure::Pv };
+    let form = if asked.form == "rms" { FormMeasure::Rms } else { FormMeasure::Pv };
     let round = matches!(design.mirror.outline, Outline::Ring { .. });
-    let applies = |kind: &Kind| match kind {
-        Kind::Legendre(..) => !round,
-        Kind::Zernike(_) => round,
-        Kind::Telecentricity => design.camera.chart.vergence == 0.0,
-        Kind::Map => map.is_some(),
+    let applies = |kind: &Perturbation| match kind {
+        Perturbation::Legendre(..) => !round,
+        Perturbation::Zernike(_) => round,
+        Perturbation::Telecentricity => design.camera.chart.vergence == 0.0,
+        Perturbation::Map => map.is_some(),
         _ => true,
     };
-    let source = |kind: Kind| {
+    let source = |kind: Perturbation| {
         let key = kind.key();
         let (usual, distribution) = match kind {
-            Kind::Facets => (meshed.map_or(0.0, |(px, _)| px), Distribution::Fixed),
+            Perturbation::Facets => (meshed.map_or(0.0, |(px, _)| px), Distribution::Fixed),
             kind => process.usual(kind),
         };
         let of = |values: &[(&str, f64)]| values.iter().find(|v| v.0 == key).map(|v| v.1);
@@ -148,12 +148,15 @@ fn question(
             weight: of(&asked.weights).unwrap_or(1.0),
         }
     };
-    let sources: Vec<ErrorSource> =
-        Kind::all().filter(applies).map(source).filter(|source| source.limit != 0.0).collect();
-    let has_facets = sources.iter().any(|source| source.kind == Kind::Facets);
+    let sources: Vec<ErrorSource> = Perturbation::all()
+        .filter(applies)
+        .map(source)
+        .filter(|source| source.limit != 0.0)
+        .collect();
+    let has_facets = sources.iter().any(|source| source.kind == Perturbation::Facets);
     let facets_from = meshed.map(|(_, from)| from).filter(|_| has_facets);
     let usual = process.texture;
-    let texture = Texture {
+    let texture = TextureShape {
         cte_ppm_per_k: asked.expansion_ppm_per_k.unwrap_or(usual.cte_ppm_per_k),
         waviness_period_mm: asked.waviness_period_mm.unwrap_or(usual.waviness_period_mm),
         waviness_direction_deg: asked
@@ -166,12 +169,12 @@ fn question(
             .unwrap_or(usual.stepover_direction_deg),
         wavelength_nm: profile.light.wavelength_nm,
     };
-    let tracks = sources.iter().find(|source| source.kind == Kind::ToolMarks);
+    let tracks = sources.iter().find(|source| source.kind == Perturbation::Stepover);
     if let Some(tracks) = tracks.filter(|t| t.limit >= 2.0 * texture.ball_radius_mm) {
         let (stepover_mm, ball_radius_mm) = (tracks.limit, texture.ball_radius_mm);
         return Err(Error::Tracks { profile: profile.name.clone(), stepover_mm, ball_radius_mm });
     }
-    let question = Question {
+    let spec = ToleranceSpec {
         sources,
         form,
         texture,
@@ -187,7 +190,7 @@ fn question(
         target_yield: asked.target_yield,
         samples: SAMPLES,
     };
-    Ok((question, facets_from))
+    Ok((spec, facets_from))
 }
 
 fn distribution_of(word: &str) -> Distribution {
@@ -234,12 +237,12 @@ mod tests {
         assert!(PRESETS.iter().all(|word| Process::named(word).is_some()));
         // Every key of an error is known to the profile, and there are no others.
         let mut lines = String::from("[tolerance]\nmap_file = \"map.csv\"\n[tolerance.limits]\n");
-        for kind in Kind::all() {
+        for kind in Perturbation::all() {
             let _ = writeln!(lines, "{} = 0", kind.key());
         }
         let read = profile(&lines).tolerance;
-        assert_eq!(read.limits.len(), Kind::all().count());
-        assert!(read.limits.iter().all(|(key, _)| Kind::of_key(key).is_some()));
+        assert_eq!(read.limits.len(), Perturbation::all().count());
+        assert!(read.limits.iter().all(|(key, _)| Perturbation::of_key(key).is_some()));
     }
 
     #[test]
@@ -248,7 +251,7 @@ mod tests {
             let source: Source =
                 Profile::parse(shipped.name, shipped.name, shipped.text.as_bytes()).unwrap().into();
             let (design, _) = designed(&source).unwrap();
-            let (asked, _) = question(&source.profile, &design, None, None).unwrap();
+            let (asked, _) = spec(&source.profile, &design, None, None).unwrap();
             // (This asks for no facets, as where the part is made from the STEP.)
             assert!(asked.sources.len() >= 23, "{}: {}", shipped.name, asked.sources.len());
         }
@@ -259,15 +262,15 @@ mod tests {
         )
         .into();
         let (design, _) = designed(&source).unwrap();
-        let (asked, _) = question(&source.profile, &design, None, None).unwrap();
-        let tilt = asked.sources.iter().find(|s| s.kind == Kind::TiltX).unwrap();
+        let (asked, _) = spec(&source.profile, &design, None, None).unwrap();
+        let tilt = asked.sources.iter().find(|s| s.kind == Perturbation::TiltX).unwrap();
         assert_eq!((tilt.limit, tilt.distribution), (3.0, Distribution::Normal));
-        assert!(asked.sources.iter().all(|s| s.kind != Kind::TiltY));
+        assert!(asked.sources.iter().all(|s| s.kind != Perturbation::TiltY));
         assert_eq!((asked.texture.ball_radius_mm, asked.criterion), (0.7, Criterion::P95));
         assert_eq!(asked.compensators, [Compensator::Tilt]);
         let wide: Source =
             profile("[tolerance]\nball_radius_mm = 0.01\n[tolerance.limits]\nstepover_mm = 0.02\n")
                 .into();
-        assert!(matches!(question(&wide.profile, &design, None, None), Err(Error::Tracks { .. })));
+        assert!(matches!(spec(&wide.profile, &design, None, None), Err(Error::Tracks { .. })));
     }
 }

@@ -39,7 +39,7 @@ pub fn worst_offenders(study: &Study) -> Vec<Offender> {
 
 /// Curves and points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Points {
+pub struct PlotData {
     /// The figure that counts of each trial after adjustment, px, smallest first; lost rays make
     /// it infinite.
     pub figures: Vec<f64>,
@@ -56,19 +56,19 @@ const STEPS: usize = 200;
 /// How far beyond the best and the worst figure, or the budget, they go.
 const BEYOND: f64 = 1.05;
 
-impl Points {
+impl PlotData {
     /// Of `trials`, which follow each other and are not none, of `seed`.
     #[must_use]
     pub fn new(engine: &Engine, seed: u64, trials: &[Trial]) -> Self {
         let first = trials.first().map_or(0, |trial| trial.index);
         let shown = first..first + trials.len().min(PAIRS) as u64;
-        let linear = engine.linear_trials(&engine.question.sources, seed, shown);
+        let linear = engine.linear_trials(&engine.spec.sources, seed, shown);
         let mut figures = engine.figures(trials);
         let pairs = figures.iter().zip(engine.figures(&linear)).map(|(a, b)| [*a, b]).collect();
         figures.sort_by(f64::total_cmp);
         let finite = figures.partition_point(|x| x.is_finite());
         let worst = figures[..finite].last().copied().unwrap_or(0.0);
-        let asked = engine.question.budget_px;
+        let asked = engine.spec.budget_px;
         let most = BEYOND * worst.max(asked);
         let least = figures.first().map_or(asked, |best| best.min(asked)) / BEYOND;
         let step = |k: usize| {

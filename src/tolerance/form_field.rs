@@ -1,6 +1,6 @@
 //! Departures of the made surface from the designed one, along Z over (X, Y) of the part frame.
 
-use super::source::Kind;
+use super::error_source::Perturbation;
 use crate::num::{Scalar, cos, log, sin};
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// What the size of a form error's term is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Measure {
+pub enum FormMeasure {
     /// From its highest to its lowest place.
     Pv,
     /// Its root mean square over the term's rectangle or disc.
@@ -18,7 +18,7 @@ pub enum Measure {
 /// A departure of unit size: of a term one millimetre by its measure, of a wave an amplitude of one
 /// millimetre.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Field {
+pub enum FormField {
     /// Sum of c u^i v^j over (i, j, c), with (u, v) = ((x, y) - centre) / half.
     Polynomial {
         /// Where (u, v) = (0, 0), mm.
@@ -35,44 +35,46 @@ pub enum Field {
 }
 
 /// What makes P_i P_j, up to degrees of 4, one by its measure.
-fn legendre_per(i: u8, j: u8, measure: Measure) -> f64 {
+fn legendre_per(i: u8, j: u8, measure: FormMeasure) -> f64 {
     match measure {
-        Measure::Pv => {
+        FormMeasure::Pv => {
             const LEAST: [f64; 5] = [1.0, -1.0, -0.5, -1.0, -3.0 / 7.0];
             let [a, b] = [i, j].map(|n| LEAST[usize::from(n)]);
             1.0 / (1.0 - (a * b).min(a).min(b))
         }
         // The mean square of P_n is 1 / (2 n + 1).
-        Measure::Rms => (f64::from(2 * i + 1) * f64::from(2 * j + 1)).sqrt(),
+        FormMeasure::Rms => (f64::from(2 * i + 1) * f64::from(2 * j + 1)).sqrt(),
     }
 }
 
 /// What makes a Zernike term of one peak to valley one by its measure.
-fn zernike_per(j: u8, measure: Measure) -> f64 {
+fn zernike_per(j: u8, measure: FormMeasure) -> f64 {
     match (measure, j) {
-        (Measure::Pv, _) => 1.0,
+        (FormMeasure::Pv, _) => 1.0,
         // Noll's own polynomials have a mean square of 1.
-        (Measure::Rms, 4) => 2.0 * 3f64.sqrt(),
-        (Measure::Rms, 5 | 6) => 2.0 * 6f64.sqrt(),
-        (Measure::Rms, 7..=10) => 4.0 * 2f64.sqrt(),
-        (Measure::Rms, _) => 1.5 * 5f64.sqrt(),
+        (FormMeasure::Rms, 4) => 2.0 * 3f64.sqrt(),
+        (FormMeasure::Rms, 5 | 6) => 2.0 * 6f64.sqrt(),
+        (FormMeasure::Rms, 7..=10) => 4.0 * 2f64.sqrt(),
+        (FormMeasure::Rms, _) => 1.5 * 5f64.sqrt(),
     }
 }
 
 /// By its measure, the size of a form error that is one peak to valley; 1 for all other errors.
 #[must_use]
-pub fn form_of_pv(kind: Kind, measure: Measure) -> f64 {
+pub fn form_of_pv(kind: Perturbation, measure: FormMeasure) -> f64 {
     match kind {
-        Kind::Legendre(i, j) => legendre_per(i, j, Measure::Pv) / legendre_per(i, j, measure),
-        Kind::Zernike(j) => zernike_per(j, Measure::Pv) / zernike_per(j, measure),
+        Perturbation::Legendre(i, j) => {
+            legendre_per(i, j, FormMeasure::Pv) / legendre_per(i, j, measure)
+        }
+        Perturbation::Zernike(j) => zernike_per(j, FormMeasure::Pv) / zernike_per(j, measure),
         _ => 1.0,
     }
 }
 
-impl Field {
+impl FormField {
     /// The Legendre term of degrees `i` and `j` up to 4 over a rectangle.
     #[must_use]
-    pub fn legendre(i: u8, j: u8, centre: [f64; 2], half: [f64; 2], measure: Measure) -> Self {
+    pub fn legendre(i: u8, j: u8, centre: [f64; 2], half: [f64; 2], measure: FormMeasure) -> Self {
         const P: [&[f64]; 5] = [
             &[1.0],
             &[0.0, 1.0],
@@ -90,7 +92,7 @@ impl Field {
     /// The Zernike term of Noll's index `j`, 4 to 11, over a disc about the axis (R. Noll, *Zernike
     /// polynomials and atmospheric turbulence*, 1976).
     #[must_use]
-    pub fn zernike(j: u8, radius: f64, measure: Measure) -> Self {
+    pub fn zernike(j: u8, radius: f64, measure: FormMeasure) -> Self {
         let terms: &[(usize, usize, f64)] = match j {
             4 => &[(2, 0, 1.0), (0, 2, 1.0), (0, 0, -0.5)],
             5 => &[(1, 1, 1.0)],
@@ -163,7 +165,7 @@ const MODES: usize = 24;
 /// sample the spectrum k^0 exp(-k^2 length^2 / 4) of the slope evenly, all directions alike. Each
 /// comes as cosine and sine; none is longer than four times `size`.
 #[must_use]
-pub fn slope_modes(length: f64, size: f64) -> Vec<(Field, f64)> {
+pub fn slope_modes(length: f64, size: f64) -> Vec<(FormField, f64)> {
     // Turned on by the golden angle, no two waves have one direction.
     let golden = PI * (3.0 - 5.0f64.sqrt());
     let mode = |m: usize| {
@@ -172,7 +174,7 @@ pub fn slope_modes(length: f64, size: f64) -> Vec<(Field, f64)> {
         let angle = golden * m as f64;
         let k = [k * cos(angle), k * sin(angle)];
         let deviation = 1.0 / ((MODES as f64).sqrt() * (k[0] * k[0] + k[1] * k[1]).sqrt());
-        [(Field::Cosine(k), deviation), (Field::Sine(k), deviation)]
+        [(FormField::Cosine(k), deviation), (FormField::Sine(k), deviation)]
     };
     (0..MODES).flat_map(mode).collect()
 }
@@ -191,19 +193,19 @@ pub fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
 mod tests {
     use super::*;
     use crate::num::random::Stream;
-    use crate::tolerance::source::scallop_height;
+    use crate::tolerance::error_source::scallop_height;
 
-    fn terms(measure: Measure) -> Vec<(Field, [f64; 2])> {
+    fn terms(measure: FormMeasure) -> Vec<(FormField, [f64; 2])> {
         let (centre, half) = ([1.0, -2.0], [30.0, 20.0]);
         let degrees = [(2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (2, 2)];
-        let rect = degrees.map(|(i, j)| (Field::legendre(i, j, centre, half, measure), half));
-        let disc = (4..=11).map(|j| (Field::zernike(j, 25.0, measure), [25.0; 2]));
+        let rect = degrees.map(|(i, j)| (FormField::legendre(i, j, centre, half, measure), half));
+        let disc = (4..=11).map(|j| (FormField::zernike(j, 25.0, measure), [25.0; 2]));
         rect.into_iter().chain(disc).collect()
     }
 
     #[test]
     fn terms_have_a_peak_to_valley_of_one_and_their_slope() {
-        for (k, (field, half)) in terms(Measure::Pv).into_iter().enumerate() {
+        for (k, (field, half)) in terms(FormMeasure::Pv).into_iter().enumerate() {
             let round = k >= 9;
             let centre = if round { [0.0; 2] } else { [1.0, -2.0] };
             let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -222,13 +224,13 @@ mod tests {
             assert!((hi - lo - 1.0).abs() < 3e-3, "{k}: {lo} {hi}");
         }
         let k = [0.3, -0.8];
-        let waves = [Field::Cosine(k), Field::Sine(k)];
+        let waves = [FormField::Cosine(k), FormField::Sine(k)];
         let (at, [a, b]) = ([7.0, -4.5], [2.0, -3.0]);
         let [cosine, sine] = waves.each_ref().map(|wave| wave.at(at));
         for (both, (c, s)) in ripple(k, [a, b], at).into_iter().zip(cosine.into_iter().zip(sine)) {
             assert!((both - a * c - b * s).abs() < 1e-14);
         }
-        for field in terms(Measure::Pv).into_iter().map(|t| t.0).chain(waves) {
+        for field in terms(FormMeasure::Pv).into_iter().map(|t| t.0).chain(waves) {
             let (x, y, h) = (7.0, -4.5, 1e-5);
             let f = |x: f64, y: f64| field.at([x, y])[0];
             let [_, f_x, f_y] = field.at([x, y]);
@@ -239,7 +241,7 @@ mod tests {
 
     #[test]
     fn terms_measured_by_rms_have_one_of_one() {
-        for (k, (field, half)) in terms(Measure::Rms).into_iter().enumerate() {
+        for (k, (field, half)) in terms(FormMeasure::Rms).into_iter().enumerate() {
             let round = k >= 9;
             let centre = if round { [0.0; 2] } else { [1.0, -2.0] };
             let (mut squares, mut area) = (0.0, 0.0);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Piece {
+pub enum WorkKind {
     /// Rays of made systems, met with the made mirror.
     Rays,
     /// Places of the designed surface that are asked for.
@@ -18,10 +18,15 @@ pub enum Piece {
     LimitTrials,
 }
 
-const PIECES: [Piece; 5] =
-    [Piece::Rays, Piece::Surface, Piece::Forms, Piece::Derivatives, Piece::LimitTrials];
+const WORK_KINDS: [WorkKind; 5] = [
+    WorkKind::Rays,
+    WorkKind::Surface,
+    WorkKind::Forms,
+    WorkKind::Derivatives,
+    WorkKind::LimitTrials,
+];
 
-impl Piece {
+impl WorkKind {
     /// What is done.
     #[must_use]
     pub fn what(self) -> &'static str {
@@ -49,44 +54,44 @@ impl Piece {
 
 /// Of each piece, how many were `[done, avoided]`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Tally([[u64; 2]; PIECES.len()]);
+pub struct WorkCounts([[u64; 2]; WORK_KINDS.len()]);
 
-impl Tally {
+impl WorkCounts {
     /// Counts some of a piece.
     #[inline]
-    pub(super) fn count(&mut self, piece: Piece, [done, avoided]: [usize; 2]) {
-        let [d, a] = &mut self.0[piece as usize];
+    pub(super) fn count(&mut self, kind: WorkKind, [done, avoided]: [usize; 2]) {
+        let [d, a] = &mut self.0[kind as usize];
         *d += done as u64;
         *a += avoided as u64;
     }
 
     /// Every piece of which there was any.
-    pub fn pieces(&self) -> impl Iterator<Item = (Piece, [u64; 2])> {
-        PIECES.into_iter().zip(self.0).filter(|(_, counts)| *counts != [0, 0])
+    pub fn kinds(&self) -> impl Iterator<Item = (WorkKind, [u64; 2])> {
+        WORK_KINDS.into_iter().zip(self.0).filter(|(_, counts)| *counts != [0, 0])
     }
 }
 
 /// A tally that threads share. (Sums do not depend on their order.)
 #[derive(Debug, Default)]
-pub(super) struct Counter([[AtomicU64; 2]; PIECES.len()]);
+pub(super) struct WorkCounter([[AtomicU64; 2]; WORK_KINDS.len()]);
 
-impl Counter {
-    pub fn add(&self, tally: Tally) {
-        let both = self.0.as_flattened().iter().zip(tally.0.as_flattened());
+impl WorkCounter {
+    pub fn add(&self, work: WorkCounts) {
+        let both = self.0.as_flattened().iter().zip(work.0.as_flattened());
         both.for_each(|(all, more)| {
             all.fetch_add(*more, Ordering::Relaxed);
         });
     }
 
     /// Counts some of a piece.
-    pub fn count(&self, piece: Piece, counts: [usize; 2]) {
-        let mut tally = Tally::default();
-        tally.count(piece, counts);
-        self.add(tally);
+    pub fn count(&self, kind: WorkKind, counts: [usize; 2]) {
+        let mut work = WorkCounts::default();
+        work.count(kind, counts);
+        self.add(work);
     }
 
     /// What was counted since the last call.
-    pub fn take(&self) -> Tally {
-        Tally(array::from_fn(|k| array::from_fn(|i| self.0[k][i].swap(0, Ordering::Relaxed))))
+    pub fn take(&self) -> WorkCounts {
+        WorkCounts(array::from_fn(|k| array::from_fn(|i| self.0[k][i].swap(0, Ordering::Relaxed))))
     }
 }
