@@ -9,7 +9,7 @@ use morion::internals::geom::{DVec3, Precision, Ray, TriMesh};
 use morion::internals::mesh::{Limits, mesh};
 use morion::internals::pipeline::load;
 use morion::internals::solid::Solid;
-use morion::internals::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
+use morion::internals::trace::{CameraTrace, Outcome, RayEnd, Scene, TraceCounts};
 use std::error::Error;
 use std::fs::{self, File};
 use std::hint::black_box;
@@ -89,39 +89,39 @@ fn main() -> Result<(), Box<dyn Error>> {
                 black_box(Scene::new(mesh.clone()));
             });
             lines.push(format!("build_general_{threads} {general:.3} ms"));
-            let sweep = Sweep::new(&scene, &design.camera, top);
-            let (mut glimpses, tally) = sweep.run();
+            let trace = CameraTrace::new(&scene, &design.camera, top);
+            let (mut ends, counts) = trace.run();
             let first = least(options.runs, plain, |scene| {
-                black_box(Sweep::new(scene, &design.camera, top).run_into(&mut glimpses));
+                black_box(CameraTrace::new(scene, &design.camera, top).run_into(&mut ends));
             });
             let next = least(
                 options.runs,
                 || (),
                 |()| {
-                    black_box(sweep.run_into(&mut glimpses));
+                    black_box(trace.run_into(&mut ends));
                 },
             );
             lines.push(format!("build_proofs_{threads} {:.3} ms", (first - next).max(0.0)));
-            let all = sweep.without_shortcuts();
+            let all = trace.without_shortcuts();
             let slow = least(options.runs.min(3), || (), |()| drop(black_box(all.run())));
-            let pairs = glimpses.len() as f64;
+            let pairs = ends.len() as f64;
             let rate = |ms: f64| pairs / ms * 1e-3;
             lines.push(format!("pairs_{threads} {:.3} M/s ({next:.3} ms)", rate(next)));
             lines.push(format!("pairs_without_shortcuts_{threads} {:.3} M/s", rate(slow)));
             if threads == 1 {
-                let Tally { drawn, searched, proven, followed } = tally;
+                let TraceCounts { rasterized, searched, proven, followed } = counts;
                 println!(
-                    "{drawn} drawn, {searched} searched; {proven} proven, {followed} followed"
+                    "{rasterized} rasterized, {searched} searched; {proven} proven, {followed} followed"
                 );
             }
-            found = glimpses;
+            found = ends;
         });
     }
     let times = lines.join("\n") + "\n";
     print!("{times}");
     if let Some(folder) = &options.dump {
-        let sweep = Sweep::new(&scene, &design.camera, top);
-        dump(Path::new(folder), &sweep, &found)?;
+        let trace = CameraTrace::new(&scene, &design.camera, top);
+        dump(Path::new(folder), &trace, &found)?;
         fs::write(Path::new(folder).join("morion.txt"), times)?;
     }
     Ok(())
@@ -165,7 +165,7 @@ fn least<T>(runs: usize, new: impl Fn() -> T, mut run: impl FnMut(&T)) -> f64 {
     times.fold(f64::INFINITY, f64::min)
 }
 
-fn dump(folder: &Path, sweep: &Sweep, found: &[Glimpse]) -> Result<(), Box<dyn Error>> {
+fn dump(folder: &Path, trace: &CameraTrace, found: &[RayEnd]) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let numbers = |name: &str, all: &mut dyn Iterator<Item = f64>| -> Result<(), Box<dyn Error>> {
         let mut out = BufWriter::new(File::create(folder.join(name))?);
@@ -174,13 +174,13 @@ fn dump(folder: &Path, sweep: &Sweep, found: &[Glimpse]) -> Result<(), Box<dyn E
         }
         Ok(out.flush()?)
     };
-    let mesh = sweep.scene().mesh();
+    let mesh = trace.scene().mesh();
     numbers("vertices.f64", &mut mesh.vertices.iter().flat_map(DVec3::to_array))?;
     let triangles: Vec<u8> =
         mesh.triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();
     fs::write(folder.join("triangles.u32"), triangles)?;
-    let [columns, rows] = sweep.pixels();
-    let rays = (0..columns * rows).map(|k| sweep.ray(k % columns, k / columns));
+    let [columns, rows] = trace.pixels();
+    let rays = (0..columns * rows).map(|k| trace.ray(k % columns, k / columns));
     numbers(
         "rays.f64",
         &mut rays.flat_map(|Ray { origin, direction }| {
@@ -196,7 +196,7 @@ fn dump(folder: &Path, sweep: &Sweep, found: &[Glimpse]) -> Result<(), Box<dyn E
     numbers(
         "found.f64",
         &mut found.iter().flat_map(|seen| {
-            let facet = if seen.facet == Glimpse::NO_FACET { -1.0 } else { f64::from(seen.facet) };
+            let facet = if seen.facet == RayEnd::NO_FACET { -1.0 } else { f64::from(seen.facet) };
             let [x, y, z] = seen.direction.to_array();
             [outcome(seen.outcome), facet, seen.t, x, y, z]
         }),

@@ -22,7 +22,7 @@
 //! - **facet error**: the part of it that flat facets cause.
 //! - **error source**: what can be off in a made system (`tolerance::Perturbation`); **limit**: by how
 //!   much; **compensator**: what is adjusted in return.
-//! - **witness**: the ray trace of the file that was written (`trace::Witness`).
+//! - **witness**: the ray trace of the file that was written (`trace::TraceResult`).
 //! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to
 //!   (`unwrap::Panorama`, `unwrap::Map`).
 //! - **pencil**: the bundle of camera rays that makes one pixel, after the mirror (`pencil`).

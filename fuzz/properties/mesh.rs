@@ -7,7 +7,7 @@ use morion::internals::geom::{DVec2, DVec3, Welder};
 use morion::internals::pipeline::{Silent, Source, verify};
 use morion::internals::profile::Profile;
 use morion::internals::solid::check;
-use morion::internals::trace::{Intent, Outcome, Scene, Sweep, Witness};
+use morion::internals::trace::{CameraTrace, ExpectedRay, Outcome, Scene, TraceResult};
 use std::sync::LazyLock;
 use tempfile::tempdir;
 
@@ -80,23 +80,21 @@ fn traced(read: &Reread) {
     let Some((lo, hi)) = scene.bounds() else { return };
     let top = hi.z + (hi - lo).max_element();
     let camera = &DESIGN.camera;
-    let table = |row: u32| -> Vec<Intent> {
-        let intent = |column: u32| {
-            let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            let ray = camera.ray(point, top);
-            Intent { ray, point, aimed: true, wanted: DVec3::Z, designed: DVec2::ZERO }
-        };
-        (0..camera.pixels[0]).map(intent).collect()
-    };
+    let expected = ExpectedRay { aimed: true, direction: DVec3::Z, designed: DVec2::ZERO };
+    let table = |_| vec![expected; camera.pixels[0] as usize];
     let view = DESIGN.view.as_ref();
-    let one_by_one = Witness::trace(&scene, None, view, camera.pixels, table);
-    let (at_once, _) = Witness::sweep(&Sweep::new(&scene, camera, top), None, view, table);
-    for (a, b) in one_by_one.seen.iter().zip(&at_once.seen) {
+    let trace = CameraTrace::new(&scene, camera, top);
+    let (at_once, _) = TraceResult::new(&trace, None, view, table);
+    let (one_by_one, _) = TraceResult::new(&trace.without_shortcuts(), None, view, table);
+    for (a, b) in one_by_one.pixels.iter().zip(&at_once.pixels) {
         let alike = match (a.outcome, b.outcome) {
             // By whichever facet was found first.
             (Outcome::Shadowed(_), Outcome::Shadowed(_)) => true,
             (a, b) => a == b,
         };
-        assert!(alike && a.at == b.at && a.direction == b.direction, "{a:?} is not {b:?}");
+        assert!(
+            alike && a.hit_point == b.hit_point && a.direction == b.direction,
+            "{a:?} is not {b:?}"
+        );
     }
 }

@@ -3,8 +3,8 @@
 use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
 use crate::design::Design;
 use crate::optics::Camera;
-use crate::pipeline::{Silent, StageTimer, above, build_in_memory, intents};
-use crate::trace::{Scene, Sweep, Witness};
+use crate::pipeline::{Silent, StageTimer, above, build_in_memory, expected_rays};
+use crate::trace::{CameraTrace, Scene, TraceResult};
 use std::convert::Infallible;
 
 /// Pixels to the side, as shares of the camera's own; and those of the truth.
@@ -51,10 +51,10 @@ fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
     let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
     let pixel_mm = own.pixel_mm * f64::from(own.pixels[0]) / f64::from(pixels[0]);
     let scaled = Design { camera: Camera { pixels, pixel_mm, ..*own }, ..design.clone() };
-    let rays = Sweep::new(scene, &scaled.camera, above(scene));
-    let table = intents(&scaled, scene, 0.0);
-    let (witness, _) = Witness::sweep(&rays, None, design.view.as_ref(), table);
-    let found = witness.summary(|seen| seen.errors.map(|errors| errors.image_mm));
+    let trace = CameraTrace::new(scene, &scaled.camera, above(scene));
+    let table = expected_rays(&scaled, 0.0);
+    let (witness, _) = TraceResult::new(&trace, None, design.view.as_ref(), table);
+    let found = witness.summary(|pixel| pixel.errors.map(|errors| errors.image_mm));
     let rms = found.map_or(f64::NAN, |summary| summary.rms / own.pixel_mm);
     (rms, f64::from(pixels[0]) * f64::from(pixels[1]))
 }

@@ -7,10 +7,10 @@ use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
 use crate::parallel;
 use crate::render::{Canvas, Picture, Seen as Painted, World};
-use crate::trace::{Outcome, Scene, Witness, glance};
+use crate::trace::{Outcome, PixelTrace, Scene, TraceResult};
 
 /// A mesh, ready for more rays, and what became of those sent so far.
-pub type TracedMesh = (Scene, Witness);
+pub type TracedMesh = (Scene, TraceResult);
 
 /// What reflects the camera's rays.
 #[derive(Clone, Copy)]
@@ -69,17 +69,18 @@ pub fn picture(
                 Outcome::Shadowed(_) => Painted::Shadowed,
                 Outcome::BackFace => Painted::BackFace,
             };
-            let ends = witness.seen.iter().map(|end| painted(end.outcome, end.at, end.direction));
-            let centres: Vec<Painted> = ends.collect();
+            let centre =
+                |pixel: &PixelTrace| painted(pixel.outcome, pixel.hit_point, pixel.direction);
+            let centres: Vec<Painted> = witness.pixels.iter().map(centre).collect();
             let top = above(scene);
             let see = |x: f64, y: f64| {
-                let centre = &witness.seen[y as usize * width as usize + x as usize];
+                let centre = &witness.pixels[y as usize * width as usize + x as usize];
                 if let Outcome::Shadowed(_) = centre.outcome {
                     return Painted::Shadowed;
                 }
                 let ray = camera.ray(camera.image_point(x, y), top);
-                let (outcome, hit, direction) = glance(scene, &ray);
-                painted(outcome, hit.map_or(DVec3::ZERO, |hit| ray.at(hit.t)), direction)
+                let end = scene.trace_primary(&ray);
+                painted(end.outcome, end.hit_point(&ray), end.direction)
             };
             Picture::paint(&canvas, world, &centres, see)
         }

@@ -14,7 +14,10 @@ use crate::parallel;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
-use crate::trace::{self, Errors, Fate, Frame, Intent, Outcome, Scene, Sweep, Witness, fates};
+use crate::trace::{
+    CameraTrace, ExpectedRay, FrameFill, Outcome, PixelClass, PixelTrace, RayErrors, Scene,
+    TraceResult, classify_pixels,
+};
 
 /// What the bytes of one file showed.
 pub struct FileCheck {
@@ -31,7 +34,7 @@ pub struct FileCheck {
     /// How many rays what is around the mirror shadows.
     pub by_rim: usize,
     /// The frame.
-    pub frame: Option<Frame>,
+    pub frame: Option<FrameFill>,
     /// The mesh and its rays, until the picture is painted.
     pub seen: Option<TracedMesh>,
 }
@@ -136,15 +139,15 @@ pub fn witness(
     let camera = &design.camera;
     clock.always(Stage::Trace, || {
         let scene = Scene::new(mesh);
-        let table = intents(design, &scene, chord_mm);
-        let sweep = Sweep::new(&scene, camera, above(&scene));
-        let sweep = if clock.shortcuts() { sweep } else { sweep.without_shortcuts() };
-        let (witness, tally) =
-            Witness::sweep(&sweep, normals.as_deref(), design.view.as_ref(), table);
-        clock.traced(tally);
+        let table = expected_rays(design, chord_mm);
+        let trace = CameraTrace::new(&scene, camera, above(&scene));
+        let trace = if clock.shortcuts() { trace } else { trace.without_shortcuts() };
+        let (witness, counts) =
+            TraceResult::new(&trace, normals.as_deref(), design.view.as_ref(), table);
+        clock.traced(counts);
         let frame = design.view.is_some().then(|| {
-            let fates = pixel_fates(profile, design, &witness);
-            Frame::new(&witness, &fates, camera.pixels, tolerance_px(profile))
+            let classes = pixel_classes(profile, design, &witness);
+            FrameFill::new(&witness, &classes, camera.pixels, tolerance_px(profile))
         });
         let has_normals = normals.is_some();
         let mut trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
@@ -169,23 +172,23 @@ pub fn tolerance_px(profile: &Profile) -> f64 {
     profile.accepted().pixel_error_max_px.value
 }
 
-/// What becomes of every pixel.
-pub fn pixel_fates(profile: &Profile, design: &Design, witness: &Witness) -> Vec<Fate> {
+/// Class of every pixel.
+pub fn pixel_classes(profile: &Profile, design: &Design, witness: &TraceResult) -> Vec<PixelClass> {
     let camera = &design.camera;
     let folded = design.view.as_ref().is_some_and(|view| view.fold.is_some());
-    fates(witness, camera.pixels, camera.pixel_mm, tolerance_px(profile), folded)
+    classify_pixels(witness, camera.pixels, camera.pixel_mm, tolerance_px(profile), folded)
 }
 
-fn by_rim(design: &Design, scene: &Scene, witness: &Witness) -> usize {
+fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
     let Some(stock) = &design.stock else { return 0 };
     let top = stock.top_mm * (1.0 + 1e-6);
     let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
     witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
 
-/// The table of intended rays, a row of the sensor at a time. Rays that may pass by the rim of facets
+/// The table of expected rays, a row of the sensor at a time. Rays that may pass by the rim of facets
 /// `chord_mm` off the mirror are not aimed at it.
-pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) -> Vec<Intent> {
+pub fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> Vec<ExpectedRay> {
     let Design { mirror, view, camera, .. } = design;
     let outline = mirror.full_outline();
     // The mirror's own camera sees the rim of the facets where the mirror's is.
@@ -195,7 +198,6 @@ pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) ->
         let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
         !(aims(at + step) && aims(at - step))
     };
-    let top = above(scene);
     move |row| {
         let image_point =
             |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
@@ -205,38 +207,38 @@ pub fn intents(design: &Design, scene: &Scene, chord_mm: f64) -> impl Fn(u32) ->
             .map(|&q| mirror.intersect_camera_ray(&camera.chart, q).unwrap_or(DVec2::INFINITY))
             .collect();
         let designed = mirror.eval_many(&places);
-        let intent = |((point, place), designed): ((DVec2, DVec2), HeightAndSlope)| {
-            let ray = camera.ray(point, top);
-            let (wanted, aimed) = (DVec3::Z, false);
-            let mut intent = Intent { ray, point, aimed, wanted, designed: DVec2::ZERO };
+        let expected = |((point, place), designed): ((DVec2, DVec2), HeightAndSlope)| {
+            let mut expected =
+                ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
             if !outline.aims(place) {
-                return intent;
+                return expected;
             }
+            let arriving = camera.ray(point, 0.0).direction;
             let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
-            intent.aimed = off_mm == 0.0 || !beside(at, ray.direction, normal);
-            if let (true, Some(view)) = (intent.aimed, view) {
-                intent.wanted = view.direction_of(point, at);
-                intent.designed = view.image_of(at, reflect(ray.direction, normal), point);
+            expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);
+            if let (true, Some(view)) = (expected.aimed, view) {
+                expected.direction = view.direction_of(point, at);
+                expected.designed = view.image_of(at, reflect(arriving, normal), point);
             }
-            intent
+            expected
         };
-        points.into_iter().zip(places).zip(designed).map(intent).collect()
+        points.into_iter().zip(places).zip(designed).map(expected).collect()
     }
 }
 
 fn trace_facts(
     file: String,
-    witness: &Witness,
+    witness: &TraceResult,
     pixel_mm: f64,
     has_normals: bool,
     solid: SolidFacts,
 ) -> TraceFacts {
-    let facts = |errors: fn(&trace::Seen) -> Option<Errors>| {
-        let summary = |pick: fn(Errors) -> f64, unit: f64| {
-            witness.summary(|seen| errors(seen).map(pick)).map(|s| s.scaled(unit))
+    let facts = |errors: fn(&PixelTrace) -> Option<RayErrors>| {
+        let summary = |pick: fn(RayErrors) -> f64, unit: f64| {
+            witness.summary(|pixel| errors(pixel).map(pick)).map(|s| s.scaled(unit))
         };
         let (ray_error_mrad, (pixel_error_px, facet_error_px)) = parallel::join(
-            || summary(|e| e.ray, 1e3),
+            || summary(|e| e.angle_rad, 1e3),
             || {
                 parallel::join(
                     || summary(|e| e.image_mm, 1.0 / pixel_mm),
@@ -253,8 +255,8 @@ fn trace_facts(
         missed: witness.count(|o| o == Outcome::Missed),
         shadowed: witness.count(|o| matches!(o, Outcome::Shadowed(_))),
         back_face: witness.count(|o| o == Outcome::BackFace),
-        errors: facts(|seen| seen.errors),
-        interpolated_normals: has_normals.then(|| facts(|seen| seen.smooth)),
+        errors: facts(|pixel| pixel.errors),
+        interpolated_normals: has_normals.then(|| facts(|pixel| pixel.smooth)),
         worst_vertex: None,
         solid,
     }

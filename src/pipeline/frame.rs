@@ -1,7 +1,7 @@
 //! The frame-fill check: a build up to the witness, in memory, and what the sensor's pixels are
 //! good for.
 
-use super::check_file::{pixel_fates, tolerance_px};
+use super::check_file::{pixel_classes, tolerance_px};
 use super::files::Folder;
 use super::in_memory_build::{InMemoryBuild, build_in_memory};
 use super::observer::StageTimer;
@@ -12,7 +12,7 @@ use crate::parallel;
 use crate::pencil::{Pencil, over_sensor, weights};
 use crate::profile::{self, Layout, Profile, shipped};
 use crate::report::{FrameReport, ProfileId, Resolution, RoundMirror};
-use crate::trace::{Coverage, Range};
+use crate::trace::{Coverage, MinMeanMax};
 use std::path::Path;
 
 /// Checks how the profile of `source` fills its frame: designs, meshes, closes, writes in memory, reads
@@ -45,11 +45,16 @@ pub fn frame(
     };
 
     let camera = &design.camera;
-    let fates = pixel_fates(profile, &design, &witness);
+    let classes = pixel_classes(profile, &design, &witness);
     let tolerance = tolerance_px(profile);
     let coverage = clock.always(Stage::Coverage, || {
-        let coverage =
-            Coverage::new(&witness, &fates, camera, view, design.mirror.outline.bounds().size().x);
+        let coverage = Coverage::new(
+            &witness,
+            &classes,
+            camera,
+            view,
+            design.mirror.outline.bounds().size().x,
+        );
         let note = format!("{:.3} deg around", coverage.azimuth_deg);
         (coverage, note)
     });
@@ -76,7 +81,7 @@ pub fn frame(
         reasons,
     };
     let png = clock.stage(Stage::Picture, || {
-        let png = report.png(&fates, &usr).map_err(|e| Error::Picture(e.to_string()))?;
+        let png = report.png(&classes, &usr).map_err(|e| Error::Picture(e.to_string()))?;
         let note = format!("{} kB", png.len() / 1000);
         Ok::<_, Error>((png, note))
     })?;
@@ -115,7 +120,7 @@ fn resolution(pixels: impl Iterator<Item = (Option<f64>, u64)>) -> Resolution {
     let any = count > 0;
     Resolution {
         pixels: count,
-        pixel_usr: any.then_some(Range { min, mean: sum / count as f64, max }),
+        pixel_usr: any.then_some(MinMeanMax { min, mean: sum / count as f64, max }),
         ratio: any.then_some(max / min),
         total_sr: sum * 1e-6,
     }

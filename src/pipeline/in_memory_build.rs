@@ -7,14 +7,14 @@ use super::observer::{Stage, StageTimer};
 use super::{Error, close, label, meshed};
 use crate::design::Design;
 use crate::profile::{Format, Profile};
-use crate::trace::Frame;
+use crate::trace::FrameFill;
 
 /// The mesh that a build would write first, as it is read back.
 pub struct InMemoryBuild {
     /// The format that it was written in.
     pub format: Format,
     /// What the frame as a whole sees, if the profile has a projection.
-    pub frame: Option<Frame>,
+    pub frame: Option<FrameFill>,
     /// The mesh and the witness's rays.
     pub seen: TracedMesh,
 }

@@ -53,7 +53,7 @@ pub use verify::{VerifyOptions, inspect, verify};
 /// What the benchmark times and writes, stage by stage.
 pub(crate) use {
     camera_view::above,
-    check_file::intents,
+    check_file::expected_rays,
     files::{Folder, Staged, read as read_file},
     in_memory_build::build_in_memory,
     observer::StageTimer,

@@ -1,7 +1,7 @@
 //! Progress: who watches a build, and how long its stages take.
 
 use crate::tolerance;
-use crate::trace::Tally;
+use crate::trace::TraceCounts;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -175,10 +175,10 @@ impl<'a> StageTimer<'a> {
     }
 
     /// Counts rays that were traced.
-    pub fn traced(&self, tally: Tally) {
-        let Tally { drawn, searched, proven, followed } = tally;
+    pub fn traced(&self, counts: TraceCounts) {
+        let TraceCounts { rasterized, searched, proven, followed } = counts;
         let drawing = "facets are drawn over the pixels, with the same result";
-        self.worked(Stage::Trace, "camera rays searched for", [searched, drawn], drawing);
+        self.worked(Stage::Trace, "camera rays searched for", [searched, rasterized], drawing);
         let leaving = "they provably meet nothing";
         self.worked(Stage::Trace, "reflected rays followed", [followed, proven], leaving);
     }

@@ -7,7 +7,7 @@ use crate::design::Design;
 use crate::geom::{Border, Outline};
 use crate::profile::{Accepted, Bound, Format, Profile};
 use crate::report::{Reason, ReasonKind, TraceFacts, Verdict};
-use crate::trace::Frame;
+use crate::trace::FrameFill;
 
 /// Why a file does not pass that is another than was written.
 pub const ALTERED: &str = "the bytes on the disk are not those that were written";
@@ -81,7 +81,7 @@ pub fn reasons(
 }
 
 /// That too little of the frame is filled.
-fn unfilled(frame: &Frame, least: Bound) -> Reason {
+fn unfilled(frame: &FrameFill, least: Bound) -> Reason {
     let key = "accept.frame_filled";
     let words = if least.usual {
         format!("are usual ({key} sets another share)")

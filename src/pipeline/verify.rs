@@ -107,8 +107,8 @@ pub fn inspect(
     let seen = evidence.seen.take();
     let map = seen.filter(|_| folder.is_some()).map(|(_, witness)| {
         FormMap::new(&design.mirror, &design.camera, |pixel| {
-            let seen = &witness.seen[pixel];
-            (seen.outcome != Outcome::Missed).then_some(seen.at)
+            let traced = &witness.pixels[pixel];
+            (traced.outcome != Outcome::Missed).then_some(traced.hit_point)
         })
     });
     let mut report = assemble(profile, &design, form, None, vec![evidence], chord_mm);

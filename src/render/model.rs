@@ -226,13 +226,13 @@ fn gathered(
 
 impl World for Model {
     fn light(&self, ray: &Ray, footprint_rad: f64) -> [f32; 3] {
-        let Some(hit) = self.scene.first(ray) else { return backdrop(ray.direction.z) };
+        let Some(hit) = self.scene.nearest_hit(ray) else { return backdrop(ray.direction.z) };
         let facet = &self.facets[hit.facet as usize];
         let Material { mut matter, ref picture } = self.materials[facet.material];
         let area = self.scene.mesh().area_vector(hit.facet as usize);
         if let Some(picture) = picture {
             let [a, b, c] = facet.places;
-            let [p, q, r] = hit.weights;
+            let [p, q, r] = hit.barycentric;
             let at = a * p + b * q + c * r;
             let [width, height] = picture.size();
             let texels = (b - a).perp_dot(c - a).abs() * (width * height) as f64;

@@ -93,7 +93,7 @@ impl Setup<'_> {
         if t < end && q.abs().cmple(self.half_mm).all() {
             (end, light) = (t, shown(q).map_or([0.3; 3], &painted));
         }
-        if let Some(hit) = self.scene.first(ray).filter(|hit| hit.t < end) {
+        if let Some(hit) = self.scene.nearest_hit(ray).filter(|hit| hit.t < end) {
             let normal = self.scene.mesh().area_vector(hit.facet as usize).normalize_or(DVec3::Z);
             end = hit.t;
             light = lights.shade(&Matter::new(0x9fb3c8, 0.35), normal, ray.direction, true);

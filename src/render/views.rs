@@ -78,7 +78,7 @@ pub fn views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> P
         let at = 0.5 * (lo + hi) + aside;
         let origin = eye.right * at.x + eye.up * at.y + eye.towards * reach;
         let ray = Ray { origin, direction: -eye.towards };
-        let Some(hit) = scene.first(&ray) else { return [1.0; 3] };
+        let Some(hit) = scene.nearest_hit(&ray) else { return [1.0; 3] };
         let facet = || scene.mesh().area_vector(hit.facet as usize).normalize_or(eye.towards);
         let outward = normal(ray.at(hit.t)).unwrap_or_else(facet);
         eye.lights().shade(&matter, outward, ray.direction, true)

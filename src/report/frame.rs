@@ -4,7 +4,7 @@ use super::map::{Colour, Map, grey};
 use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{ProfileId, Verdict};
 use crate::raster::EncodingError;
-use crate::trace::{Coverage, Fate, Frame, Range};
+use crate::trace::{Coverage, FrameFill, MinMeanMax, PixelClass};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -16,7 +16,7 @@ pub struct FrameReport {
     /// Which profile.
     pub profile: ProfileId,
     /// The witness's count, as in `report.json`.
-    pub frame: Frame,
+    pub frame: FrameFill,
     /// What the filled pixels cover of the world.
     pub coverage: Coverage,
     /// The solid angle of a pixel of the designed mirror.
@@ -37,7 +37,7 @@ pub struct Resolution {
     /// Pixels whose centres are aimed at the mirror.
     pub pixels: u64,
     /// Solid angle of the world that a pixel shows, microsteradians; none without pixels.
-    pub pixel_usr: Option<Range>,
+    pub pixel_usr: Option<MinMeanMax>,
     /// The largest over the smallest.
     pub ratio: Option<f64>,
     /// All pixels together, sr.
@@ -54,7 +54,7 @@ pub struct RoundMirror {
     pub resolution: Resolution,
 }
 
-/// Colour and name of the causes, in the order of [`Fate::LOST`].
+/// Colour and name of the causes, in the order of [`PixelClass::LOST`].
 const LOST: [(Colour, &str); 7] = [
     ([31, 59, 115], "beyond the mirror"),
     ([255, 140, 0], "at the rim"),
@@ -167,22 +167,26 @@ impl FrameReport {
     /// What the encoder reports.
     ///
     /// # Panics
-    /// When `fates` or `usr` have not one entry a pixel of the frame.
-    pub fn png(&self, fates: &[Fate], usr: &[Option<f64>]) -> Result<Vec<u8>, EncodingError> {
-        assert_eq!(fates.len(), usr.len(), "one entry a pixel");
-        let Range { min, mean, max } =
-            self.resolution.pixel_usr.unwrap_or(Range { min: 0.0, mean: 0.0, max: 0.0 });
+    /// When `classes` or `usr` have not one entry a pixel of the frame.
+    pub fn png(
+        &self,
+        classes: &[PixelClass],
+        usr: &[Option<f64>],
+    ) -> Result<Vec<u8>, EncodingError> {
+        assert_eq!(classes.len(), usr.len(), "one entry a pixel");
+        let MinMeanMax { min, mean, max } =
+            self.resolution.pixel_usr.unwrap_or(MinMeanMax { min: 0.0, mean: 0.0, max: 0.0 });
         // Where all are equal but for rounding there is no scale.
         let even = !(max - min > 1e-6 * mean);
         let share = |usr: f64| if even { 0.5 } else { (usr - min) / (max - min) };
-        let colour = |(fate, usr): (&Fate, &Option<f64>)| match fate {
-            Fate::Filled => grey(usr.map_or(0.0, share)),
-            fate => Fate::LOST.iter().position(|f| f == fate).map_or([0; 3], |k| LOST[k].0),
+        let colour = |(class, usr): (&PixelClass, &Option<f64>)| match class {
+            PixelClass::Filled => grey(usr.map_or(0.0, share)),
+            class => PixelClass::LOST.iter().position(|f| f == class).map_or([0; 3], |k| LOST[k].0),
         };
         let counts = self.frame.lost.counts();
         let map = Map {
             pixels: self.frame.pixels,
-            colours: fates.iter().zip(usr).map(colour).collect(),
+            colours: classes.iter().zip(usr).map(colour).collect(),
             title: "solid angle of a pixel, usr".into(),
             ramp: grey,
             ticks: if even {

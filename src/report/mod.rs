@@ -46,7 +46,7 @@ use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::profile::Accepted;
 use crate::solid::Check;
-use crate::trace::Frame;
+use crate::trace::FrameFill;
 use serde::{Deserialize, Serialize};
 
 /// Version of the report's schema: keys may be added, never changed.
@@ -94,7 +94,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
     pub form_error_um: Option<FormError>,
     /// The frame as the first mesh file shows it; absent when none could be read.
-    pub frame: Option<Frame>,
+    pub frame: Option<FrameFill>,
     /// How sharp the picture is through a lens; absent where no pixel has a spot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sharpness: Option<Sharpness>,

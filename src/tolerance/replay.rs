@@ -11,7 +11,7 @@ use crate::num::random::Stream;
 use crate::num::stats::{Summary, or_null};
 use crate::optics::reflect;
 use crate::parallel;
-use crate::trace::{Outcome, Scene, look};
+use crate::trace::{Outcome, Scene};
 use serde::Serialize;
 
 /// How far each adjustment was moved, and what remains.
@@ -164,18 +164,18 @@ impl Engine {
             let direction = back(DVec3::from_array(along)).normalize();
             let origin = back(DVec3::from_array(origin) - shift) - direction * above;
             let ray = Ray { origin, direction };
-            let (outcome, hit, leaving) = look(scene, &ray);
-            let reflected = matches!(outcome, Outcome::Hit | Outcome::Shadowed(_));
+            let traced = scene.trace(&ray);
+            let reflected = matches!(traced.outcome, Outcome::Hit | Outcome::Shadowed(_));
             let beyond = (End::Beyond, [smooth[2 * k], smooth[2 * k + 1]], None);
-            let Some(hit) = hit.filter(|hit| reflected && (hit.facet as usize) < optical) else {
+            if !(reflected && (traced.facet as usize) < optical) {
                 let lost = (End::Lost, [f64::NAN; 2], None);
                 return if self.meets(made, sample, &ray) { lost } else { beyond };
-            };
+            }
             // Errors led it over the ridge: of its own panel it sees nothing.
-            if !self.system.sees_own(sample, ray.at(hit.t) / self.growth(made)) {
+            let at = traced.hit_point(&ray);
+            if !self.system.sees_own(sample, at / self.growth(made)) {
                 return beyond;
             }
-            let at = ray.at(hit.t);
             let world = (out(at) + shift).to_array();
             let content = |leaving: DVec3| {
                 let leaving = out(leaving).to_array();
@@ -183,10 +183,10 @@ impl Engine {
             };
             let [_, x, y] = self.surface(made, at);
             let by_surface = content(reflect(direction, DVec3::new(-x, -y, 1.0)));
-            let by_facet = content(leaving);
+            let by_facet = content(traced.direction);
             let base = DVec2::new(self.base[2 * k], self.base[2 * k + 1]);
             let moved = base + (by_facet - sample.content) / pixel;
-            let end = if outcome == Outcome::Hit { End::Hit } else { End::Shadowed };
+            let end = if traced.outcome == Outcome::Hit { End::Hit } else { End::Shadowed };
             (end, moved.to_array(), Some((by_facet - by_surface).length() / pixel))
         };
         let seen: Vec<_> = parallel::map(self.samples(), 1, look_through);

@@ -1,12 +1,13 @@
-//! Which part of the world the filled pixels cover, up to their edges: around the horizon, at the
-//! seam of a full turn, and up and down each column.
+//! Coverage of the world by the filled pixels, up to their edges: around the horizon, at the seam of a
+//! full turn, and up and down each column.
 //!
 //! A flat facet under parallel rays shows one direction all over its area, so a ray at a pixel's edge
-//! says no more than the facet error allows. Neighbouring pixels of a panel are taken to cover what
-//! lies between the directions of their centres, and what an edge sees is carried on by a straight
-//! line from the centres of the nearest pixels, in which facet errors average out.
+//! says no more than the facet error allows. Neighbouring pixels of a panel are taken to cover all
+//! between the directions of their centres, and the direction of an edge is extrapolated by a straight
+//! line through the centres of the nearest pixels, in which facet errors average out.
 
-use super::{Fate, Seen, Witness};
+use super::frame_fill::PixelClass;
+use super::trace_result::{PixelTrace, TraceResult};
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, Fold, ImagingTask, Projection};
@@ -14,45 +15,45 @@ use crate::parallel;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Pixels from which an edge's direction is carried on.
+/// Pixels from which the direction of an edge is extrapolated.
 const NEAREST: usize = 8;
-/// A gap in azimuth that rounding leaves between neighbours, radians.
-const SLIT: f64 = 1e-9;
+/// Largest gap in azimuth that rounding leaves between neighbours, radians.
+const ROUNDING_GAP: f64 = 1e-9;
 
-/// What the filled pixels cover of the world. Directions are those from the target's origin.
+/// Azimuths and elevations covered by the filled pixels, as directions from the target's origin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Coverage {
     /// Azimuth that at least one pixel sees, degrees, 360 for all around.
     pub azimuth_deg: f64,
     /// Azimuth that none sees, from and to, degrees, eastward; one that crosses +-180 ends beyond 180.
     pub gaps_deg: Vec<[f64; 2]>,
-    /// Where a picture of the full turn is cut, and its ends meet in the world.
+    /// Seams of a picture of the full turn, where its ends meet in the world.
     pub seams: Vec<Seam>,
     /// Least elevation of a column's pixels, over the columns that see any, degrees.
-    pub lowest_deg: Option<Range>,
+    pub lowest_deg: Option<MinMeanMax>,
     /// Greatest elevation of a column's pixels, degrees.
-    pub highest_deg: Option<Range>,
+    pub highest_deg: Option<MinMeanMax>,
     /// Every column, from the left.
     #[serde(skip)]
-    pub columns: Vec<Column>,
+    pub columns: Vec<ColumnCoverage>,
 }
 
 /// Two edges of the picture that show the same azimuth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Seam {
-    /// Which edges of the picture meet: of a strip its left and its right one, of a folded mirror the
-    /// edges of both panels on one side.
+    /// The edges of the picture that meet: of a strip its left and its right one, of a folded mirror
+    /// those of both panels on one side.
     pub edges: &'static str,
     /// Azimuth lost between them, row by row, in pixels of the picture's scale; negative where they
     /// overlap.
-    pub gap_px: Range,
+    pub gap_px: MinMeanMax,
     /// The same in degrees.
-    pub gap_deg: Range,
+    pub gap_deg: MinMeanMax,
 }
 
-/// Least, mean and greatest.
+/// Least, mean and greatest of some values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Range {
+pub struct MinMeanMax {
     /// Least.
     pub min: f64,
     /// Mean.
@@ -61,8 +62,8 @@ pub struct Range {
     pub max: f64,
 }
 
-impl Range {
-    /// Of `values`; none without any.
+impl MinMeanMax {
+    /// The three of `values`; `None` without any.
     #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -79,17 +80,17 @@ impl Range {
     }
 }
 
-/// What one column sees.
+/// Coverage of one column of pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Column {
+pub struct ColumnCoverage {
     /// Filled pixels.
     pub filled: usize,
     /// Least and greatest elevation up to their edges, degrees.
     pub elevation_deg: Option<[f64; 2]>,
 }
 
-/// The directions that the filled pixels' centres show.
-struct Panorama<'a> {
+/// Directions shown by the centres of the filled pixels.
+struct DirectionGrid<'a> {
     camera: &'a Camera,
     view: &'a ImagingTask,
     /// Azimuth and elevation, radians, row by row.
@@ -97,32 +98,33 @@ struct Panorama<'a> {
 }
 
 impl Coverage {
-    /// What the pixels of `witness` with [`Fate::Filled`] cover, as `camera` shows them; each panel of
-    /// the mirror is `width_mm` wide in the image.
+    /// Coverage by the pixels of `trace` whose class is [`PixelClass::Filled`], as `camera` shows them;
+    /// each panel of the mirror is `width_mm` wide in the image.
     #[must_use]
     pub fn new(
-        witness: &Witness,
-        fates: &[Fate],
+        trace: &TraceResult,
+        classes: &[PixelClass],
         camera: &Camera,
         view: &ImagingTask,
         width_mm: f64,
     ) -> Self {
         let angles = |k: usize| {
-            let seen: &Seen = &witness.seen[k];
-            let shown = || view.direction_from_origin(seen.at, seen.direction);
+            let pixel: &PixelTrace = &trace.pixels[k];
+            let shown = || view.direction_from_origin(pixel.hit_point, pixel.direction);
             let angles = |d: DVec3| [atan2(d.x, d.y), asin(d.z.clamp(-1.0, 1.0))];
-            (fates[k] == Fate::Filled).then(|| angles(shown()))
+            (classes[k] == PixelClass::Filled).then(|| angles(shown()))
         };
-        let angles = parallel::map(witness.seen.len(), 1, angles);
-        let panorama = Panorama { camera, view, angles };
+        let angles = parallel::map(trace.pixels.len(), 1, angles);
+        let panorama = DirectionGrid { camera, view, angles };
         let [width, height] = camera.pixels;
-        let around = parallel::map(height as usize, 1, |row| union(panorama.around(row as u32)));
-        let covered = union(around.concat());
+        let azimuths =
+            parallel::map(height as usize, 1, |row| union(panorama.azimuths(row as u32)));
+        let covered = union(azimuths.concat());
         let columns = parallel::map(width as usize, 1, |column| panorama.column(column as u32));
         let over = |end: usize| {
             let ends: Vec<f64> =
                 columns.iter().filter_map(|c| c.elevation_deg).map(|e| e[end]).collect();
-            Range::of(&ends)
+            MinMeanMax::of(&ends)
         };
         Self {
             azimuth_deg: degrees(covered.iter().fold(0.0, |sum, [a, b]| sum + (b - a))),
@@ -135,21 +137,22 @@ impl Coverage {
     }
 }
 
-impl Panorama<'_> {
+impl DirectionGrid<'_> {
+    /// Azimuth and elevation of a filled pixel, radians.
     fn at(&self, column: u32, row: u32) -> Option<[f64; 2]> {
         let [width, height] = self.camera.pixels;
         let inside = column < width && row < height;
         inside.then(|| self.angles[row as usize * width as usize + column as usize])?
     }
 
-    /// On the reflected panel.
+    /// Whether a row shows the reflected panel of a folded mirror.
     fn reflects(&self, row: u32) -> bool {
         self.view.reflects(self.camera.image_point(0.5, f64::from(row) + 0.5))
     }
 
-    /// Intervals of azimuth that the pixels of `row` cover, to their neighbours to the right and
-    /// below, and to both ends.
-    fn around(&self, row: u32) -> Vec<[f64; 2]> {
+    /// Intervals of azimuth covered by the pixels of `row`: to their neighbours to the right and below,
+    /// and to both ends.
+    fn azimuths(&self, row: u32) -> Vec<[f64; 2]> {
         let mut intervals = Vec::new();
         let mut span = |from: f64, to: f64| {
             let step = wrap_turn(to - from);
@@ -176,7 +179,7 @@ impl Panorama<'_> {
     }
 
     /// Azimuth of the first filled pixel's centre in `row` and of its left edge, of the last one's
-    /// right edge and centre, continued from one to the other.
+    /// right edge and centre, continuous from one to the other.
     fn ends(&self, row: u32) -> Option<[f64; 4]> {
         let mut line: Vec<[f64; 2]> = Vec::new();
         for column in 0..self.camera.pixels[0] {
@@ -187,12 +190,13 @@ impl Panorama<'_> {
         }
         let (first, last) = (*line.first()?, *line.last()?);
         let near = line.len().min(NEAREST);
-        let left = carried(&line[..near], first[0] - 0.5);
-        let right = carried(&line[line.len() - near..], last[0] + 0.5);
+        let left = extrapolate(&line[..near], first[0] - 0.5);
+        let right = extrapolate(&line[line.len() - near..], last[0] + 0.5);
         Some([first[1], left, right, last[1]])
     }
 
-    fn column(&self, column: u32) -> Column {
+    /// Coverage of a column: each run of filled pixels is extrapolated to its outer edges.
+    fn column(&self, column: u32) -> ColumnCoverage {
         let height = self.camera.pixels[1];
         let mut filled = 0;
         let mut range: Option<[f64; 2]> = None;
@@ -210,13 +214,13 @@ impl Panorama<'_> {
         }
         for run in runs.iter().filter(|run| !run.is_empty()) {
             let near = run.len().min(NEAREST);
-            let top = carried(&run[..near], run[0][0] - 0.5);
-            let bottom = carried(&run[run.len() - near..], run[run.len() - 1][0] + 0.5);
+            let top = extrapolate(&run[..near], run[0][0] - 0.5);
+            let bottom = extrapolate(&run[run.len() - near..], run[run.len() - 1][0] + 0.5);
             let all = run.iter().map(|point| point[1]).chain([top, bottom]);
             let with = range.into_iter().flatten();
-            range = Range::of(&all.chain(with).collect::<Vec<_>>()).map(|r| [r.min, r.max]);
+            range = MinMeanMax::of(&all.chain(with).collect::<Vec<_>>()).map(|r| [r.min, r.max]);
         }
-        Column { filled, elevation_deg: range.map(|range| range.map(degrees)) }
+        ColumnCoverage { filled, elevation_deg: range.map(|range| range.map(degrees)) }
     }
 
     /// The seams of a picture of the full turn.
@@ -232,7 +236,7 @@ impl Panorama<'_> {
         let ends: Vec<Option<[f64; 4]>> =
             parallel::map(height as usize, 1, |row| self.ends(row as u32));
         let seam = |edges: &'static str, gaps: &[f64]| {
-            let range = Range::of(gaps)?;
+            let range = MinMeanMax::of(gaps)?;
             let (gap_px, gap_deg) = (range.scaled(1.0 / pixel), range.scaled(degrees(1.0)));
             Some(Seam { edges, gap_px, gap_deg })
         };
@@ -262,8 +266,8 @@ impl Panorama<'_> {
     }
 }
 
-/// The straight line through `points`, in the sense of least squares, at `x`.
-fn carried(points: &[[f64; 2]], x: f64) -> f64 {
+/// Value at `x` of the straight line fitted to `points` by least squares.
+fn extrapolate(points: &[[f64; 2]], x: f64) -> f64 {
     let count = points.len() as f64;
     let mean = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / count);
     let off = |p: &[f64; 2]| [p[0] - mean[0], p[1] - mean[1]];
@@ -275,8 +279,7 @@ fn carried(points: &[[f64; 2]], x: f64) -> f64 {
     if square > 0.0 { mean[1] + product / square * (x - mean[0]) } else { mean[1] }
 }
 
-/// The union of intervals of azimuth (radians, first end in [-pi, pi]), within -pi to pi and in
-/// order.
+/// Union of intervals of azimuth (radians, first end in [-pi, pi]), within -pi to pi, sorted.
 fn union(intervals: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut parts = Vec::with_capacity(intervals.len());
     for [a, b] in intervals {
@@ -300,21 +303,21 @@ fn union(intervals: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut merged: Vec<[f64; 2]> = Vec::new();
     for [a, b] in parts {
         match merged.last_mut() {
-            Some(last) if a <= last[1] + SLIT => last[1] = last[1].max(b),
+            Some(last) if a <= last[1] + ROUNDING_GAP => last[1] = last[1].max(b),
             _ => merged.push([a, b]),
         }
     }
     merged
 }
 
-/// What a union leaves of the full turn; the part across +-pi in one piece, its end beyond pi.
+/// Complement of a union in the full turn; the gap across +-pi is one interval that ends beyond pi.
 fn gaps(covered: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let (Some(first), Some(last)) = (covered.first(), covered.last()) else {
         return vec![[-PI, PI]];
     };
     let between = covered.windows(2).map(|pair| [pair[0][1], pair[1][0]]);
     let across = [last[1], first[0] + TAU];
-    between.chain([across]).filter(|[a, b]| b - a > 2.0 * SLIT).collect()
+    between.chain([across]).filter(|[a, b]| b - a > 2.0 * ROUNDING_GAP).collect()
 }
 
 #[cfg(test)]
@@ -335,18 +338,21 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_carried_on_through_noise() {
+    fn a_line_is_extrapolated_through_noise() {
         let noisy = [0.3, -0.3, 0.3, -0.3].iter().enumerate();
         let points: Vec<[f64; 2]> =
             noisy.map(|(k, e)| [k as f64, 2.0 - 3.0 * k as f64 + e]).collect();
-        assert!((carried(&points, 3.5) - (2.0 - 10.5)).abs() < 0.3);
-        assert!((carried(&[[1.0, 5.0], [3.0, 9.0]], 3.5) - 10.0).abs() < 1e-14);
-        assert_eq!(carried(&[[1.0, 5.0]], 9.0), 5.0);
+        assert!((extrapolate(&points, 3.5) - (2.0 - 10.5)).abs() < 0.3);
+        assert!((extrapolate(&[[1.0, 5.0], [3.0, 9.0]], 3.5) - 10.0).abs() < 1e-14);
+        assert_eq!(extrapolate(&[[1.0, 5.0]], 9.0), 5.0);
     }
 
     #[test]
     fn a_range_holds_its_values() {
-        assert_eq!(Range::of(&[3.0, 1.0, 2.0]), Some(Range { min: 1.0, mean: 2.0, max: 3.0 }));
-        assert_eq!(Range::of(&[]), None);
+        assert_eq!(
+            MinMeanMax::of(&[3.0, 1.0, 2.0]),
+            Some(MinMeanMax { min: 1.0, mean: 2.0, max: 3.0 })
+        );
+        assert_eq!(MinMeanMax::of(&[]), None);
     }
 }

@@ -1,24 +1,31 @@
-//! The witness: rays against the triangles of a file.
+//! The witness: camera rays traced against the triangles that were read from a file.
 //!
-//! It knows only those triangles and a table of intended rays handed to it, so it cannot agree
-//! with a wrong design.
+//! It knows the triangles, the camera and a table of expected rays that it is handed, but neither
+//! mirror nor mesh generator, so it cannot repeat an error of theirs.
+//!
+//! [`Scene`] answers for any ray through a hierarchical grid. [`CameraTrace`] takes all rays of a
+//! camera at once: it rasterizes the facets and proves reflected rays unoccluded in packets, with the
+//! same result to the bit. [`TraceResult`] compares them with the table; [`FrameFill`] and [`Coverage`]
+//! evaluate it.
 
-mod closed;
+mod camera_rays;
+mod camera_trace;
+mod closed_mesh;
 mod coverage;
-mod drawing;
-mod frame;
-mod grid;
-mod ground;
-mod lattice;
-mod line;
-mod rays;
+mod fragment;
+mod frame_fill;
+mod hierarchical_grid;
+mod occlusion;
+mod rasterizer;
+mod ray_end;
 mod scene;
-mod spot;
-mod sweep;
-mod witness;
+mod sheared_ray;
+mod trace_result;
+mod uniform_grid;
 
-pub use coverage::{Column, Coverage, Range, Seam};
-pub use frame::{Fate, Frame, Lost, fates};
+pub use camera_trace::{CameraTrace, TraceCounts};
+pub use coverage::{ColumnCoverage, Coverage, MinMeanMax, Seam};
+pub use frame_fill::{FrameFill, LostPixels, PixelClass, classify_pixels};
+pub use ray_end::{Outcome, RayEnd};
 pub use scene::{Hit, Scene};
-pub use sweep::{Glimpse, Sweep, Tally};
-pub use witness::{Errors, Intent, Outcome, Seen, Witness, glance, look};
+pub use trace_result::{ExpectedRay, PixelTrace, RayErrors, TraceResult};

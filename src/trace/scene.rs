@@ -1,39 +1,39 @@
-//! A mesh that rays can be asked against.
+//! A mesh with the search structures for rays against it.
 
-use super::grid::Grid;
-use super::ground::Ground;
-use super::line::{Across, Line, Shear, crossing, weights};
+use super::hierarchical_grid::HierarchicalGrid;
+use super::occlusion::OcclusionProof;
+use super::sheared_ray::{Shear, ShearedRay, ShearedVertex, barycentric, intersect};
 use crate::geom::{DVec3, Ray, TriMesh};
 use std::sync::OnceLock;
 
-/// Where a ray meets a facet.
+/// Intersection of a ray with a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Distance along the ray, mm.
     pub t: f64,
     /// The facet.
     pub facet: u32,
-    /// Barycentric weights of the facet's corners.
-    pub weights: [f64; 3],
+    /// Barycentric coordinates in the facet.
+    pub barycentric: [f64; 3],
 }
 
-/// A triangle mesh with what is needed to find the facets a ray meets.
+/// A triangle mesh with the grid that finds the facets a ray meets.
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: TriMesh,
     bounds: Option<(DVec3, DVec3)>,
-    grid: Grid,
+    grid: HierarchicalGrid,
     /// Made when it is first asked for: never from within a trace, whose threads would wait for it
     /// while it waits for them.
-    ground: OnceLock<Option<Ground>>,
+    occlusion_proof: OnceLock<Option<OcclusionProof>>,
 }
 
 impl Scene {
-    /// Takes over `mesh`; no promise is asked of it.
+    /// A scene of `mesh`, which need be neither closed nor consistent.
     #[must_use]
     pub fn new(mesh: TriMesh) -> Self {
-        let (bounds, grid) = (mesh.bounds(), Grid::new(&mesh));
-        Self { mesh, bounds, grid, ground: OnceLock::new() }
+        let (bounds, grid) = (mesh.bounds(), HierarchicalGrid::new(&mesh));
+        Self { mesh, bounds, grid, occlusion_proof: OnceLock::new() }
     }
 
     /// The triangles.
@@ -48,20 +48,20 @@ impl Scene {
         self.bounds
     }
 
-    /// What proves that reflected rays meet none.
-    pub(super) fn ground(&self) -> Option<&Ground> {
-        self.ground.get_or_init(|| Ground::new(&self.mesh)).as_ref()
+    /// Proof that reflected rays are unoccluded; `None` for a mesh that is not closed.
+    pub(super) fn occlusion_proof(&self) -> Option<&OcclusionProof> {
+        self.occlusion_proof.get_or_init(|| OcclusionProof::new(&self.mesh)).as_ref()
     }
 
-    /// The nearest facet ahead of the ray's origin; of two at the same distance (a ray through an
-    /// edge) the one with the lower number.
+    /// Nearest intersection ahead of the ray's origin; of two at the same distance (a ray through an
+    /// edge) that with the lower facet number.
     #[must_use]
-    pub fn first(&self, ray: &Ray) -> Option<Hit> {
-        let line = Line::new(ray);
+    pub fn nearest_hit(&self, ray: &Ray) -> Option<Hit> {
+        let line = ShearedRay::new(ray);
         let mut nearest: Option<(f64, u32)> = None;
         self.grid.walk(ray, |facets| {
             for &facet in facets {
-                if let Some(t) = self.meet(&line, facet) {
+                if let Some(t) = self.intersect(&line, facet) {
                     let nearer = nearest.is_none_or(|nearest| (t, facet) < nearest);
                     if t > 0.0 && nearer {
                         nearest = Some((t, facet));
@@ -70,18 +70,18 @@ impl Scene {
             }
             nearest.map_or(f64::INFINITY, |(t, _)| t)
         });
-        nearest.map(|(t, facet)| Hit { t, facet, weights: self.weights(ray, facet) })
+        nearest.map(|(t, facet)| Hit { t, facet, barycentric: self.barycentric(ray, facet) })
     }
 
     /// A facet other than `from` that the ray meets further than `clear` mm from its origin; the
     /// first one found.
     #[must_use]
-    pub fn blocker(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
-        let line = Line::new(ray);
+    pub fn occluder(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
+        let line = ShearedRay::new(ray);
         let mut found = None;
         self.grid.walk(ray, |facets| {
             let blocks = |&&facet: &&u32| {
-                facet != from && self.meet(&line, facet).is_some_and(|t| t > clear)
+                facet != from && self.intersect(&line, facet).is_some_and(|t| t > clear)
             };
             found = found.or(facets.iter().find(blocks).copied());
             if found.is_some() { 0.0 } else { f64::INFINITY }
@@ -89,21 +89,21 @@ impl Scene {
         found
     }
 
-    /// Barycentric weights of the corners of `facet` where the ray meets it.
-    pub(super) fn weights(&self, ray: &Ray, facet: u32) -> [f64; 3] {
-        let [a, b, c] = self.across(&Line::new(ray), facet);
-        weights(a, b, c)
+    /// Barycentric coordinates in `facet` where the ray's line meets its plane.
+    pub(super) fn barycentric(&self, ray: &Ray, facet: u32) -> [f64; 3] {
+        let [a, b, c] = self.sheared(&ShearedRay::new(ray), facet);
+        barycentric(a, b, c)
     }
 
     #[inline]
-    fn meet(&self, line: &Line, facet: u32) -> Option<f64> {
-        let [a, b, c] = self.across(line, facet);
-        let (met, t) = crossing(a, b, c);
+    fn intersect(&self, line: &ShearedRay, facet: u32) -> Option<f64> {
+        let [a, b, c] = self.sheared(line, facet);
+        let (met, t) = intersect(a, b, c);
         met.then_some(t)
     }
 
     #[inline]
-    fn across(&self, line: &Line, facet: u32) -> [Across; 3] {
+    fn sheared(&self, line: &ShearedRay, facet: u32) -> [ShearedVertex; 3] {
         self.mesh.corners(facet as usize).map(|v| line.project(v))
     }
 }
@@ -148,8 +148,8 @@ mod tests {
     fn brute_force(scene: &Scene, ray: &Ray) -> Option<Hit> {
         let facets = 0..scene.mesh.triangles.len() as u32;
         let hits = facets.filter_map(|facet| {
-            let t = scene.meet(&Line::new(ray), facet)?;
-            Some(Hit { t, facet, weights: scene.weights(ray, facet) })
+            let t = scene.intersect(&ShearedRay::new(ray), facet)?;
+            Some(Hit { t, facet, barycentric: scene.barycentric(ray, facet) })
         });
         hits.filter(|h| h.t > 0.0).min_by(|a, b| a.t.total_cmp(&b.t).then(a.facet.cmp(&b.facet)))
     }
@@ -171,11 +171,12 @@ mod tests {
             }
             let ray = Ray { origin, direction: direction.normalize() };
             let expected = brute_force(&scene, &ray);
-            assert_eq!(scene.first(&ray), expected, "ray {k} {ray:?}");
+            assert_eq!(scene.nearest_hit(&ray), expected, "ray {k} {ray:?}");
             let clear = 1e-6;
-            let blocked = (0..scene.mesh.triangles.len() as u32)
-                .any(|t| t != 7 && scene.meet(&Line::new(&ray), t).is_some_and(|t| t > clear));
-            assert_eq!(scene.blocker(&ray, 7, clear).is_some(), blocked, "ray {k} {ray:?}");
+            let blocked = (0..scene.mesh.triangles.len() as u32).any(|t| {
+                t != 7 && scene.intersect(&ShearedRay::new(&ray), t).is_some_and(|t| t > clear)
+            });
+            assert_eq!(scene.occluder(&ray, 7, clear).is_some(), blocked, "ray {k} {ray:?}");
             hits += usize::from(expected.is_some());
         }
         assert!(hits > 4000, "{hits}");
@@ -200,7 +201,8 @@ mod tests {
                 if k % 2 == 0 { DVec3::ZERO } else { DVec3::new(r(3) - 0.5, r(4) - 0.5, 0.0) };
             let direction = (DVec3::NEG_Z + 0.3 * tilt).normalize();
             let ray = Ray { origin: foot.extend(9.0), direction };
-            let hit = scene.first(&ray).unwrap_or_else(|| panic!("ray {k} fell through: {ray:?}"));
+            let hit =
+                scene.nearest_hit(&ray).unwrap_or_else(|| panic!("ray {k} fell through: {ray:?}"));
             assert!(hit.facet < 2 * 24 * 24, "ray {k} reached the base: {ray:?}");
         }
     }
@@ -219,7 +221,7 @@ mod tests {
                     let x = nudge(border, ulps);
                     for direction in [DVec3::NEG_Z, DVec3::new(1e-17, -1e-17, -1.0)] {
                         let ray = Ray { origin: DVec3::new(x, other, 9.0 * width), direction };
-                        assert!(scene.first(&ray).is_some(), "lost: {ray:?}");
+                        assert!(scene.nearest_hit(&ray).is_some(), "lost: {ray:?}");
                         tried += 1;
                     }
                 }
@@ -229,21 +231,21 @@ mod tests {
     }
 
     #[test]
-    fn weights_give_the_point() {
+    fn barycentric_coordinates_give_the_point() {
         let scene = Scene::new(terrain(5));
         let ray = Ray {
             origin: DVec3::new(2.3, 3.4, 9.0),
             direction: DVec3::new(0.1, -0.2, -1.0).normalize(),
         };
-        let hit = scene.first(&ray).unwrap();
+        let hit = scene.nearest_hit(&ray).unwrap();
         let corners = scene.mesh().corners(hit.facet as usize);
-        let point: DVec3 = corners.iter().zip(hit.weights).map(|(c, w)| *c * w).sum();
+        let point: DVec3 = corners.iter().zip(hit.barycentric).map(|(c, w)| *c * w).sum();
         assert!((point - ray.at(hit.t)).length() < 1e-13);
     }
 
     #[test]
     fn an_empty_mesh_meets_nothing() {
         let ray = Ray { origin: DVec3::Z, direction: DVec3::NEG_Z };
-        assert_eq!(Scene::new(TriMesh::default()).first(&ray), None);
+        assert_eq!(Scene::new(TriMesh::default()).nearest_hit(&ray), None);
     }
 }

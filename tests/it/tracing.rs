@@ -9,7 +9,7 @@ use morion::internals::geom::{Chart, DVec3, Precision, Ray, TriMesh};
 use morion::internals::optics::Camera;
 use morion::internals::profile::{MeshLimits, Profile};
 use morion::internals::solid::Solid;
-use morion::internals::trace::{Glimpse, Outcome, Scene, Sweep, Tally};
+use morion::internals::trace::{CameraTrace, Outcome, RayEnd, Scene, TraceCounts};
 use rayon::prelude::*;
 
 /// Numbers in [0, 1), the same for the same `k` (splitmix64).
@@ -21,24 +21,24 @@ fn above(scene: &Scene) -> f64 {
     scene.bounds().map_or(1.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }
 
-/// Holds a sweep against the same without shortcuts, and returns how it was traced.
-fn compared(what: &str, scene: &Scene, camera: &Camera) -> (Vec<Glimpse>, Tally) {
-    let sweep = Sweep::new(scene, camera, above(scene));
-    let (found, tally) = sweep.run();
-    let (expected, plain) = sweep.without_shortcuts().run();
-    assert_eq!((plain.drawn, plain.proven), (0, 0));
+/// Holds a trace against the same without shortcuts, and returns how it was traced.
+fn compared(what: &str, scene: &Scene, camera: &Camera) -> (Vec<RayEnd>, TraceCounts) {
+    let trace = CameraTrace::new(scene, camera, above(scene));
+    let (found, counts) = trace.run();
+    let (expected, plain) = trace.without_shortcuts().run();
+    assert_eq!((plain.rasterized, plain.proven), (0, 0));
     for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
         let same = found.t.to_bits() == expected.t.to_bits() && found == expected;
         assert!(same, "{what}, ray {k}: {found:?} for {expected:?}");
     }
-    let reflected = |seen: &&Glimpse| matches!(seen.outcome, Outcome::Hit | Outcome::Shadowed(_));
-    assert_eq!(tally.proven + tally.followed, found.iter().filter(reflected).count(), "{what}");
-    assert_eq!(tally.drawn + tally.searched, found.len(), "{what}");
-    (found, tally)
+    let reflected = |seen: &&RayEnd| matches!(seen.outcome, Outcome::Hit | Outcome::Shadowed(_));
+    assert_eq!(counts.proven + counts.followed, found.iter().filter(reflected).count(), "{what}");
+    assert_eq!(counts.rasterized + counts.searched, found.len(), "{what}");
+    (found, counts)
 }
 
 /// The same for the mirror of `profile` under its own camera with fewer pixels.
-fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<Glimpse>, Tally) {
+fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<RayEnd>, TraceCounts) {
     let design = designed(profile);
     let face = meshed(profile, &design).unwrap();
     let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), precision).unwrap();
@@ -58,16 +58,16 @@ fn shortcuts_change_nothing_for_shipped_mirrors() {
     names.par_iter().for_each(|name| {
         let mut profile = shipped(name);
         profile.mesh = MeshLimits { facet_px: Some(8.0), ..MeshLimits::default() };
-        let (_, tally) = swept(name, &profile, Precision::Single);
-        println!("{name}: {tally:?}");
-        assert_eq!(tally.searched, 0, "{name}");
-        assert!(tally.followed < tally.proven, "{name}: {tally:?}");
+        let (_, counts) = swept(name, &profile, Precision::Single);
+        println!("{name}: {counts:?}");
+        assert_eq!(counts.searched, 0, "{name}");
+        assert!(counts.followed < counts.proven, "{name}: {counts:?}");
     });
 }
 
 #[test]
 fn shortcuts_change_nothing_where_there_is_shadow() {
-    let shadowed = |found: &[Glimpse]| {
+    let shadowed = |found: &[RayEnd]| {
         found.iter().filter(|seen| matches!(seen.outcome, Outcome::Shadowed(_))).count()
     };
     let fold = |ridge: &str| format!("layout.conquistador = {{ fill_frame = true, {ridge} }}");
@@ -84,11 +84,11 @@ fn shortcuts_change_nothing_where_there_is_shadow() {
         ("pinhole, rounded", parsed(&case("pinhole, rounded")), false),
     ];
     cases.into_par_iter().for_each(|(what, profile, shadow)| {
-        let (found, tally) = swept(what, &profile, Precision::Double);
+        let (found, counts) = swept(what, &profile, Precision::Double);
         let shadowed = shadowed(&found);
-        println!("{what}: {shadowed} shadowed, {tally:?}");
+        println!("{what}: {shadowed} shadowed, {counts:?}");
         assert_eq!(shadowed > 100, shadow, "{what}: {shadowed}");
-        assert!(tally.proven > 100, "{what}: {tally:?}");
+        assert!(counts.proven > 100, "{what}: {counts:?}");
     });
 }
 
@@ -138,18 +138,18 @@ fn shortcuts_change_nothing_for_any_mesh_and_camera() {
                 pixel_mm: [0.5, 0.37, 1.0][(seed % 3) as usize],
                 chart: Chart { vergence, plane_mm: 2.0 * random(seed) },
             };
-            let (found, tally) = compared(&format!("heap {seed}"), &scene, &camera);
-            let is = |pick: fn(&Glimpse) -> bool| found.iter().filter(|seen| pick(seen)).count();
+            let (found, counts) = compared(&format!("heap {seed}"), &scene, &camera);
+            let is = |pick: fn(&RayEnd) -> bool| found.iter().filter(|seen| pick(seen)).count();
             if seed % 5 == 4 {
-                assert_eq!(tally.proven, 0);
+                assert_eq!(counts.proven, 0);
             }
             // The last pinhole is among the facets.
             // A pinhole may be among the facets.
-            assert!(tally.searched == 0 || vergence > 0.0, "heap {seed}");
+            assert!(counts.searched == 0 || vergence > 0.0, "heap {seed}");
             [
                 is(|seen| matches!(seen.outcome, Outcome::Shadowed(_))),
                 is(|seen| seen.outcome == Outcome::BackFace),
-                tally.proven,
+                counts.proven,
             ]
         })
         .collect();
@@ -224,7 +224,7 @@ fn a_million_rays_from_within_never_slip_between_facets() {
         Ray { origin: from, direction: (target - from).normalize() }
     };
     let lost = (0..1_000_000u64).into_par_iter().filter(|&k| {
-        let hit = scene.first(&aim(k));
+        let hit = scene.nearest_hit(&aim(k));
         !hit.is_some_and(|hit| hit.t < 2.0 * HALF)
     });
     assert_eq!(lost.count(), 0);
@@ -255,8 +255,8 @@ fn nine_million_camera_rays_never_slip_between_facets() {
         };
         let solid = Solid::from_face(&face, None, Precision::Double).unwrap();
         let scene = Scene::new(solid.mesh().clone());
-        let (found, tally) = Sweep::new(&scene, &camera, above(&scene)).run();
-        assert_eq!(tally.drawn, found.len());
+        let (found, counts) = CameraTrace::new(&scene, &camera, above(&scene)).run();
+        assert_eq!(counts.rasterized, found.len());
         let lost = (1..PIXELS - 1)
             .flat_map(|row| (1..PIXELS - 1).map(move |column| row * PIXELS + column))
             .filter(|&k| {
@@ -298,7 +298,7 @@ fn hits_are_those_of_exact_arithmetic() {
             // Not of unit length, but exact: distances are then in its lengths.
             let ray = Ray { origin, direction: target - origin };
             let (o, d) = (whole(origin), whole(ray.direction));
-            let hit = scene.first(&ray).unwrap_or_else(|| panic!("ray {k} is lost: {ray:?}"));
+            let hit = scene.nearest_hit(&ray).unwrap_or_else(|| panic!("ray {k} is lost: {ray:?}"));
             let corners = mesh.corners(hit.facet as usize);
             let [a, b, c] = corners.map(|v| minus(whole(v), o));
             let sides = [volume(d, b, c), volume(d, c, a), volume(d, a, b)];

@@ -12,7 +12,9 @@ use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::{Format, MeshLimits, Profile};
 use morion::internals::report::{Report, Verdict};
 use morion::internals::solid::Solid;
-use morion::internals::trace::{Intent, Outcome, Scene, Seen, Witness, look};
+use morion::internals::trace::{
+    CameraTrace, ExpectedRay, Outcome, PixelTrace, RayEnd, Scene, TraceResult,
+};
 
 const SMALL: (&str, &str) = ("640, 480", "96, 72");
 const FINER: (&str, &str) = ("facet_px = 4", "facet_px = 2");
@@ -39,31 +41,30 @@ fn rays(design: &Design) -> Vec<(DVec2, Ray)> {
 }
 
 /// The witness over the whole sensor, its table made from the design here.
-fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> Witness {
+fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> TraceResult {
     let camera = design.camera;
     let outline = design.mirror.full_outline();
     let view = design.view.as_ref().unwrap();
     let row = |row: u32| {
-        let intent = |column: u32| {
+        let expected = |column: u32| {
             let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let mirror = design.mirror.row(point.y).at(point.x);
             let normal = design.mirror.normal(point, &mirror);
             let at = design.mirror.position(point, &mirror);
-            Intent {
-                ray: camera.ray(point, 1e3),
-                point,
+            ExpectedRay {
                 aimed: outline.contains(point),
-                wanted: view.direction_of(point, at),
+                direction: view.direction_of(point, at),
                 designed: view.image_of(at, reflect(DVec3::NEG_Z, normal), point),
             }
         };
-        (0..camera.pixels[0]).map(intent).collect()
+        (0..camera.pixels[0]).map(expected).collect()
     };
-    Witness::trace(scene, normals, Some(view), camera.pixels, row)
+    let trace = CameraTrace::new(scene, &camera, 1e3).without_shortcuts();
+    TraceResult::new(&trace, normals, Some(view), row).0
 }
 
 /// Summary of one error over what `profile`'s own mesh shows.
-fn summary(profile: &Profile, error: impl Fn(&Seen) -> f64) -> Summary {
+fn summary(profile: &Profile, error: impl Fn(&PixelTrace) -> f64) -> Summary {
     let design = designed(profile);
     let scene = Scene::new(solid(profile, &design).mesh().clone());
     witness(&design, &scene, None).summary(|seen| Some(error(seen))).unwrap()
@@ -78,13 +79,13 @@ fn every_pixel_obeys_the_law_of_reflection() {
         let scene = Scene::new(solid(&profile, &design).mesh().clone());
         let mut hits = 0;
         for (q, ray) in rays(&design) {
-            let (outcome, hit, leaving) = look(&scene, &ray);
+            let RayEnd { outcome, facet, t, direction: leaving } = scene.trace(&ray);
             if outcome != Outcome::Hit {
                 assert!(!design.mirror.full_outline().contains(q), "{q} is not seen: {outcome:?}");
                 continue;
             }
             hits += 1;
-            let [a, b, c] = scene.mesh().corners(hit.unwrap().facet as usize);
+            let [a, b, c] = scene.mesh().corners(facet as usize);
             let normal = (b - a).cross(c - a).normalize();
             let arriving = ray.direction;
             assert!((leaving.length() - 1.0).abs() < 1e-14, "length {}", leaving.length());
@@ -92,7 +93,7 @@ fn every_pixel_obeys_the_law_of_reflection() {
             assert!(arriving.cross(leaving).dot(normal).abs() < 1e-14, "plane at {q}");
             assert!(leaving.dot(normal) > 0.0 && arriving.dot(normal) < 0.0, "through at {q}");
             // It is the facet under the pixel, at the pixel's place.
-            let at = ray.at(hit.unwrap().t);
+            let at = ray.at(t);
             assert!((at - a).dot(normal).abs() < 1e-10 && (at.truncate() - q).length() < 1e-12);
         }
         assert!(hits > 1500, "{hits}");
@@ -136,23 +137,23 @@ fn the_witness_agrees_with_a_tracer_over_all_facets() {
         assert!((500..20_000).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
         let scene = Scene::new(mesh.clone());
         for (q, ray) in rays(&design).into_iter().step_by(11) {
-            let (outcome, hit, leaving) = look(&scene, &ray);
+            let end @ RayEnd { outcome, direction: leaving, .. } = scene.trace(&ray);
             let expected = met(mesh, &ray);
             let Some(&(nearest, _)) = expected.first() else {
                 assert_eq!(outcome, Outcome::Missed, "{q}");
                 compared[0] += 1;
                 continue;
             };
-            let hit = hit.unwrap_or_else(|| panic!("{q} is missed"));
-            assert!((hit.t - nearest).abs() < 1e-9, "{q}: {} for {nearest}", hit.t);
+            assert!(outcome != Outcome::Missed, "{q} is missed");
+            assert!((end.t - nearest).abs() < 1e-9, "{q}: {} for {nearest}", end.t);
             let tied = |&&(d, _): &&(f64, u32)| d < nearest + 1e-9;
-            let named = expected.iter().take_while(tied).any(|&(_, t)| t == hit.facet);
-            assert!(named, "{q}: facet {} of {expected:?}", hit.facet);
+            let named = expected.iter().take_while(tied).any(|&(_, t)| t == end.facet);
+            assert!(named, "{q}: facet {} of {expected:?}", end.facet);
             // Its shadow too: another facet ahead, further than any neighbour's rounding.
-            let onward = Ray { origin: ray.at(hit.t), direction: leaving };
+            let onward = Ray { origin: ray.at(end.t), direction: leaving };
             let blockers = met(mesh, &onward);
             let clear = 1e-6;
-            let blocked = blockers.iter().any(|&(d, t)| t != hit.facet && d > clear);
+            let blocked = blockers.iter().any(|&(d, t)| t != end.facet && d > clear);
             match outcome {
                 Outcome::Hit => assert!(!blocked, "{q} is blocked by {blockers:?}"),
                 Outcome::Shadowed(by) => {
@@ -239,7 +240,7 @@ fn a_valley_shadows_rays_that_cross_it_below_the_horizon() {
     let scene = Scene::new(solid(&profile, &design).mesh().clone());
     let (mut shadowed, mut below) = (0, 0);
     for (q, ray) in rays(&design) {
-        let (outcome, _, leaving) = look(&scene, &ray);
+        let RayEnd { outcome, direction: leaving, .. } = scene.trace(&ray);
         if let Outcome::Shadowed(_) = outcome {
             shadowed += 1;
             assert!(leaving.y * q.y < 0.0, "{q} is shadowed and sees {leaving}, off the valley");
@@ -257,7 +258,7 @@ fn with_facets(profile: &Profile, facet_px: f64) -> Profile {
 
 /// RMS of one error over what the mesh with each limit shows, over the facets' size (the root of
 /// their mean area).
-fn per_size(profile: &Profile, facet_px: [f64; 2], error: impl Fn(&Seen) -> f64) -> [f64; 2] {
+fn per_size(profile: &Profile, facet_px: [f64; 2], error: impl Fn(&PixelTrace) -> f64) -> [f64; 2] {
     facet_px.map(|px| {
         let profile = with_facets(profile, px);
         let design = designed(&profile);
@@ -280,12 +281,13 @@ fn facet_error_falls_at_first_order_with_the_facets_size() {
 
 #[test]
 fn the_conformal_mirrors_ray_error_vanishes_with_the_facets() {
-    let per_size = per_size(&shipped("conformal"), [4.0, 2.0], |seen| seen.errors.unwrap().ray);
+    let per_size =
+        per_size(&shipped("conformal"), [4.0, 2.0], |seen| seen.errors.unwrap().angle_rad);
     assert!((per_size[0] / per_size[1] - 1.0).abs() < 0.1, "{per_size:?}");
     // The paper's law has no exact mirror: there the design's own error stays.
     let paper = shipped("conquistador");
-    let stays =
-        [8.0, 2.0].map(|px| summary(&with_facets(&paper, px), |seen| seen.errors.unwrap().ray).rms);
+    let stays = [8.0, 2.0]
+        .map(|px| summary(&with_facets(&paper, px), |seen| seen.errors.unwrap().angle_rad).rms);
     assert!(
         stays[1] > 0.9 * designed(&paper).facts.ray_error_mrad.unwrap().rms * 1e-3,
         "{stays:?}"
@@ -324,7 +326,7 @@ fn tilted_normals_are_seen() {
     let scene = Scene::new(reread.mesh);
     let rms = |normals: &[[DVec3; 3]]| {
         let seen = witness(&design, &scene, Some(normals));
-        seen.summary(|seen| seen.smooth.map(|e| e.ray)).unwrap().rms
+        seen.summary(|seen| seen.smooth.map(|e| e.angle_rad)).unwrap().rms
     };
     let normals = reread.normals.as_mut().unwrap();
     let before = rms(normals);

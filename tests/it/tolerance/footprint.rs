@@ -11,7 +11,7 @@ use morion::internals::profile::Profile;
 use morion::internals::tolerance::{
     Engine, Perturbation, ToleranceSpec, facets_bound, facets_displace,
 };
-use morion::internals::trace::{Scene, look};
+use morion::internals::trace::{Outcome, Scene};
 
 /// Rays along each side of a pixel.
 const SIDE: usize = 40;
@@ -115,8 +115,9 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
         let shown = |shift: [f64; 2]| {
             let q = point + DVec2::from_array(shift) * pixel;
             let ray: Ray = camera.ray(q, camera.chart.plane_mm + 50.0);
-            let (_, hit, leaving) = look(&scene, &ray);
-            let at = ray.at(hit?.t);
+            let end = scene.trace(&ray);
+            (end.outcome != Outcome::Missed).then_some(())?;
+            let at = end.hit_point(&ray);
             let place = mirror.intersect_camera_ray(&camera.chart, q)?;
             // Beyond the ridge it sees another panel.
             (mirror.reflects(place)
@@ -124,7 +125,10 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
             .then_some(())?;
             let row = mirror.row(place.y).at(place.x);
             let smooth = reflect(ray.direction, mirror.normal(place, &row));
-            Some((view.image_of(at, leaving, point) - view.image_of(at, smooth, point)) / pixel)
+            Some(
+                (view.image_of(at, end.direction, point) - view.image_of(at, smooth, point))
+                    / pixel,
+            )
         };
         let all: Option<Vec<DVec2>> = shifts().map(shown).collect();
         let Some(all) = all else { continue };

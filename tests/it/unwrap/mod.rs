@@ -11,7 +11,7 @@ use morion::internals::num::{atan2, cos, degrees, sin, wrap_turn};
 use morion::internals::optics::{Law, reflect};
 use morion::internals::profile::Profile;
 use morion::internals::raster::Raster;
-use morion::internals::trace::{Outcome, Scene, glance};
+use morion::internals::trace::{Outcome, Scene};
 use morion::internals::unwrap::{Finder, Map, Optics, Panorama, cuts};
 use std::f64::consts::{PI, TAU};
 
@@ -275,9 +275,12 @@ fn facets_move_content_by_no_more_than_their_bound() {
         let sigma = panorama.sigma((k % 320) as f64 + 0.5, (k / 320) as f64 + 0.5);
         let Some(found) = search.find(sigma) else { continue };
         let ray = design.camera.ray(found.image, 100.0);
-        let (outcome, Some(hit), direction) = glance(&scene, &ray) else { continue };
-        assert_eq!(outcome, Outcome::Hit);
-        let content = view.image_of(ray.at(hit.t), direction, found.image);
+        let end = scene.trace_primary(&ray);
+        if end.outcome == Outcome::Missed {
+            continue;
+        }
+        assert_eq!(end.outcome, Outcome::Hit);
+        let content = view.image_of(end.hit_point(&ray), end.direction, found.image);
         worst = worst
             .max(view.projection.image_distance(content, found.intended) / design.camera.pixel_mm);
         count += 1;

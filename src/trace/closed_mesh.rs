@@ -1,11 +1,11 @@
-//! Whether facets bound a body.
+//! The closedness of a mesh.
 
 use crate::geom::TriMesh;
 
 /// Whether every edge is run through as often in one direction as in the other: then every point off
 /// the facets has a winding number, and a line that comes from outside and goes back there crosses
 /// as many facets inwards as outwards. Facets may meet or cut each other in any way.
-pub fn closed(mesh: &TriMesh) -> bool {
+pub fn is_closed(mesh: &TriMesh) -> bool {
     // Edges by their lower vertex: the other one, and the direction in the last bit.
     let edges = || {
         let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
@@ -27,9 +27,9 @@ pub fn closed(mesh: &TriMesh) -> bool {
     }
     let mut others = vec![0u32; 3 * mesh.triangles.len()];
     for (u, other) in edges() {
-        let place = &mut start[u as usize + 1];
-        others[*place as usize] = other;
-        *place += 1;
+        let next = &mut start[u as usize + 1];
+        others[*next as usize] = other;
+        *next += 1;
     }
     start.windows(2).take(mesh.vertices.len()).all(|range| {
         let others = &mut others[range[0] as usize..range[1] as usize];
@@ -51,21 +51,21 @@ mod tests {
         let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         let body = TriMesh { vertices, triangles };
-        assert!(closed(&body));
+        assert!(is_closed(&body));
         for k in 0..4 {
             let mut lost = body.clone();
             lost.triangles.remove(k);
-            assert!(!closed(&lost));
+            assert!(!is_closed(&lost));
             let mut turned = body.clone();
             turned.triangles[k].swap(0, 1);
-            assert!(!closed(&turned));
+            assert!(!is_closed(&turned));
         }
         // Twice the same body; a facet and its back; nothing at all.
         let mut twice = body.clone();
         twice.triangles.extend(body.triangles.clone());
-        assert!(closed(&twice));
+        assert!(is_closed(&twice));
         twice.triangles.extend([[0, 1, 2], [0, 2, 1], [1, 1, 3], [1, 3, 1]]);
-        assert!(closed(&twice));
-        assert!(closed(&TriMesh::default()));
+        assert!(is_closed(&twice));
+        assert!(is_closed(&TriMesh::default()));
     }
 }

@@ -3,17 +3,19 @@
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::optics::Camera;
 
-/// A camera's rays, with the places of its pixels' centres worked out once.
+/// Rays through the pixel centres of a camera, with the centres' image coordinates tabulated.
 #[derive(Debug, Clone)]
-pub struct Rays {
+pub struct CameraRays {
+    /// The camera.
     pub camera: Camera,
-    /// Where parallel rays start.
+    /// Z where parallel rays start, mm.
     pub top_mm: f64,
-    /// X of the pixels' centres by column, and Y by row, on the reference plane, mm.
+    /// X of the pixel centres by column, and Y by row, on the reference plane, mm.
     pub centres: [Vec<f64>; 2],
 }
 
-impl Rays {
+impl CameraRays {
+    /// Rays of `camera`, where they are parallel from height `top_mm`.
     pub fn new(camera: &Camera, top_mm: f64) -> Self {
         let [columns, rows] = camera.pixels.map(|n| (0..n).map(|k| f64::from(k) + 0.5));
         let centres = [
@@ -23,16 +25,22 @@ impl Rays {
         Self { camera: *camera, top_mm, centres }
     }
 
-    /// The ray of a pixel.
+    /// Image point of a pixel's centre, mm.
     #[inline]
-    pub fn at(&self, column: usize, row: usize) -> Ray {
+    pub fn image_point(&self, column: usize, row: usize) -> DVec2 {
         let [xs, ys] = &self.centres;
-        self.camera.ray(DVec2::new(xs[column], ys[row]), self.top_mm)
+        DVec2::new(xs[column], ys[row])
     }
 
-    /// The place at distance `t` on the ray of a pixel.
+    /// Ray through a pixel's centre.
     #[inline]
-    pub fn place(&self, column: usize, row: usize, t: f64) -> DVec3 {
+    pub fn at(&self, column: usize, row: usize) -> Ray {
+        self.camera.ray(self.image_point(column, row), self.top_mm)
+    }
+
+    /// Point at distance `t` on the ray of a pixel, mm.
+    #[inline]
+    pub fn point(&self, column: usize, row: usize, t: f64) -> DVec3 {
         let Ray { origin, direction } = self.at(column, row);
         // (Nothing is left of the product of parallel rays.)
         if self.camera.chart.vergence == 0.0 {

@@ -1,40 +1,42 @@
-//! One lattice of square cells: sorting facets into it, and walking along a ray through it.
+//! A uniform grid of square cells: sorting facets into it, and traversing it along a ray.
 
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::parallel;
 
-/// Bands of rows that are filled side by side; fixed, whatever the number of threads.
+/// Bands of rows that are filled side by side, whatever the number of threads.
 const BANDS: usize = 8;
-/// Share of a cell by which facets are taken to be larger than they are: rounding of positions is
-/// far below it.
+/// Share of a cell by which facets are enlarged: rounding of positions is far below it.
 const MARGIN: f64 = 1e-6;
 
-/// [least, largest] Z over a cell.
-pub type Range = [f64; 2];
+/// Least and largest Z over a cell, mm.
+pub type ZRange = [f64; 2];
 /// First and last column and row that a facet's box touches.
-pub type Span = [[u32; 2]; 2];
+pub type CellSpan = [[u32; 2]; 2];
 
-const NOTHING: Range = [f64::INFINITY, f64::NEG_INFINITY];
+/// Range of no facet.
+const NO_RANGE: ZRange = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// Square cells in the plane, from the origin on.
+/// Square cells in the plane, from its origin on.
 #[derive(Debug, Clone)]
-pub struct Lattice {
+pub struct UniformGrid {
+    /// Side of a cell, mm.
     cell: f64,
     per_mm: f64,
     /// Columns and rows.
     pub count: [usize; 2],
 }
 
-/// Facets by cell of a lattice, with the range of Z in each.
+/// Lists of the facets over each cell of a grid, with their ranges of Z.
 #[derive(Debug, Clone, Default)]
-pub struct Layer {
+pub struct CellLists {
+    /// Index of each cell's first facet, and the number of all.
     start: Vec<u32>,
     facets: Vec<u32>,
     /// Range of Z of each cell's facets.
-    pub ranges: Vec<Range>,
+    pub ranges: Vec<ZRange>,
 }
 
-impl Layer {
+impl CellLists {
     /// The facets over cell `k`.
     #[inline]
     pub fn of(&self, k: usize) -> &[u32] {
@@ -42,7 +44,7 @@ impl Layer {
     }
 }
 
-impl Lattice {
+impl UniformGrid {
     /// `count` columns and rows of cells of side `cell` mm.
     pub fn new(cell: f64, count: [usize; 2]) -> Self {
         Self { cell, per_mm: 1.0 / cell, count }
@@ -54,7 +56,7 @@ impl Lattice {
         at[1] * self.count[0] + at[0]
     }
 
-    /// Where column or row `k` begins.
+    /// Lower border of column or row `k`, mm.
     #[cfg(test)]
     pub fn border(&self, k: usize) -> f64 {
         self.cell * k as f64
@@ -62,7 +64,7 @@ impl Lattice {
 
     /// The cells that the box around a triangle touches.
     #[inline]
-    pub fn span(&self, corners: [DVec3; 3]) -> Span {
+    pub fn span(&self, corners: [DVec3; 3]) -> CellSpan {
         let [a, b, c] = corners.map(|v| v.truncate() * self.per_mm);
         let index = |p: DVec2| [0, 1].map(|axis| self.clamp(p[axis], axis));
         let margin = DVec2::splat(MARGIN);
@@ -74,9 +76,9 @@ impl Lattice {
         (x.max(0.0) as u32).min(self.count[axis] as u32 - 1)
     }
 
-    /// Range over each cell of the `ranges` over the cells of a lattice `step` times finer.
-    pub fn gather(&self, finer: &Self, step: usize, ranges: &[Range]) -> Vec<Range> {
-        let mut gathered = vec![NOTHING; self.count[0] * self.count[1]];
+    /// Ranges of the cells, from the `ranges` of a grid `step` times finer.
+    pub fn gather(&self, finer: &Self, step: usize, ranges: &[ZRange]) -> Vec<ZRange> {
+        let mut gathered = vec![NO_RANGE; self.count[0] * self.count[1]];
         for (j, row) in ranges.chunks_exact(finer.count[0]).enumerate() {
             for (i, [lo, hi]) in row.iter().enumerate() {
                 let range = &mut gathered[self.index([i / step, j / step])];
@@ -89,18 +91,21 @@ impl Lattice {
     /// Sorts facets, each with its span, into the cells they lie over. Bands of rows are filled
     /// side by side; within a cell facets keep their order, so the result is the same for any
     /// number of threads.
-    pub fn layer(
+    pub fn cell_lists(
         &self,
-        facets: &[(u32, Span)],
+        facets: &[(u32, CellSpan)],
         corners: impl Fn(u32) -> [DVec3; 3] + Sync,
-    ) -> Layer {
+    ) -> CellLists {
         let height = self.count[1].div_ceil(BANDS).max(1);
-        let fill = |band: usize| -> Layer {
+        let fill = |band: usize| -> CellLists {
             let low = (band * height).min(self.count[1]);
             let high = (low + height).min(self.count[1]);
             let cells = (high - low) * self.count[0];
-            let mut layer =
-                Layer { start: vec![0; cells + 1], facets: vec![], ranges: vec![NOTHING; cells] };
+            let mut lists = CellLists {
+                start: vec![0; cells + 1],
+                facets: vec![],
+                ranges: vec![NO_RANGE; cells],
+            };
             let mut covered: Vec<(u32, u32)> = Vec::with_capacity(facets.len() / BANDS * 5);
             for &(t, span @ [first, last]) in facets {
                 if first[1] as usize >= high || (last[1] as usize) < low {
@@ -111,25 +116,25 @@ impl Lattice {
                 let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
                 self.cover(span, corners, low..high, |k| {
                     covered.push((k as u32, t));
-                    layer.start[k + 1] += 1;
-                    let range = &mut layer.ranges[k];
+                    lists.start[k + 1] += 1;
+                    let range = &mut lists.ranges[k];
                     *range = [range[0].min(lo), range[1].max(hi)];
                 });
             }
-            for k in 1..layer.start.len() {
-                layer.start[k] += layer.start[k - 1];
+            for k in 1..lists.start.len() {
+                lists.start[k] += lists.start[k - 1];
             }
-            let mut next = layer.start.clone();
-            layer.facets = vec![0; covered.len()];
+            let mut next = lists.start.clone();
+            lists.facets = vec![0; covered.len()];
             for (k, t) in covered {
-                let place = &mut next[k as usize];
-                layer.facets[*place as usize] = t;
-                *place += 1;
+                let next = &mut next[k as usize];
+                lists.facets[*next as usize] = t;
+                *next += 1;
             }
-            layer
+            lists
         };
-        let bands: Vec<Layer> = parallel::map(BANDS, 1, fill);
-        let mut whole = Layer { start: vec![0], ..Layer::default() };
+        let bands: Vec<CellLists> = parallel::map(BANDS, 1, fill);
+        let mut whole = CellLists { start: vec![0], ..CellLists::default() };
         for band in bands {
             let before = whole.facets.len() as u32;
             whole.start.extend(band.start[1..].iter().map(|s| s + before));
@@ -144,7 +149,7 @@ impl Lattice {
     #[inline]
     fn cover(
         &self,
-        [first, last]: Span,
+        [first, last]: CellSpan,
         corners: [DVec3; 3],
         rows: std::ops::Range<usize>,
         mut visit: impl FnMut(usize),
@@ -188,7 +193,7 @@ impl Lattice {
     #[inline]
     pub fn walk(
         &self,
-        course: &Course,
+        ray: &GridRay,
         [mut enter, mut leave]: [f64; 2],
         first: [usize; 2],
         last: [usize; 2],
@@ -200,27 +205,27 @@ impl Lattice {
             let margin = MARGIN * self.cell;
             let lo = self.cell * first[axis] as f64 - margin;
             let hi = self.cell * last[axis] as f64 + margin;
-            if course.step[axis] == 0 {
-                if course.origin[axis] < lo || course.origin[axis] > hi {
+            if ray.step[axis] == 0 {
+                if ray.origin[axis] < lo || ray.origin[axis] > hi {
                     return;
                 }
                 continue;
             }
-            let (near, far) = if course.step[axis] > 0 { (lo, hi) } else { (hi, lo) };
-            enter = enter.max((near - course.origin[axis]) * course.inverse[axis]);
-            leave = leave.min((far - course.origin[axis]) * course.inverse[axis]);
+            let (near, far) = if ray.step[axis] > 0 { (lo, hi) } else { (hi, lo) };
+            enter = enter.max((near - ray.origin[axis]) * ray.inverse[axis]);
+            leave = leave.min((far - ray.origin[axis]) * ray.inverse[axis]);
         }
         if enter > leave {
             return;
         }
-        let start = (course.origin + course.direction * enter) * self.per_mm;
+        let start = (ray.origin + ray.direction * enter) * self.per_mm;
         let (mut at, mut next, mut delta) = ([0isize; 2], [f64::INFINITY; 2], [f64::INFINITY; 2]);
         for axis in 0..2 {
             at[axis] = (start[axis] as isize).clamp(first[axis] as isize, last[axis] as isize - 1);
-            if course.step[axis] != 0 {
-                let edge = self.cell * (at[axis] + isize::from(course.step[axis] > 0)) as f64;
-                next[axis] = (edge - course.origin[axis]) * course.inverse[axis];
-                delta[axis] = self.cell * course.inverse[axis].abs();
+            if ray.step[axis] != 0 {
+                let edge = self.cell * (at[axis] + isize::from(ray.step[axis] > 0)) as f64;
+                next[axis] = (edge - ray.origin[axis]) * ray.inverse[axis];
+                delta[axis] = self.cell * ray.inverse[axis].abs();
             }
         }
         loop {
@@ -229,7 +234,7 @@ impl Lattice {
             if !visit(at.map(|k| k as usize), [enter, until]) || next[axis] >= leave {
                 return;
             }
-            at[axis] += course.step[axis];
+            at[axis] += ray.step[axis];
             if at[axis] < first[axis] as isize || at[axis] >= last[axis] as isize {
                 return;
             }
@@ -239,9 +244,9 @@ impl Lattice {
     }
 }
 
-/// A ray over the plane, in the lattices' own frame.
+/// A ray over the plane, in the grid's own frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Course {
+pub struct GridRay {
     origin: DVec2,
     direction: DVec2,
     inverse: DVec2,
@@ -250,8 +255,8 @@ pub struct Course {
     climb: f64,
 }
 
-impl Course {
-    /// `ray` seen from `origin`.
+impl GridRay {
+    /// `ray` with the grid's origin at `origin`.
     #[inline]
     pub fn new(ray: &Ray, origin: DVec2) -> Self {
         let direction = ray.direction.truncate();
@@ -268,7 +273,7 @@ impl Course {
 
     /// Whether the ray's Z enters `range` within a span of distances, with a margin for rounding.
     #[inline]
-    pub fn meets(&self, [enter, leave]: [f64; 2], [least, largest]: Range) -> bool {
+    pub fn meets(&self, [enter, leave]: [f64; 2], [least, largest]: ZRange) -> bool {
         let (a, b) = (self.z + self.climb * enter, self.z + self.climb * leave);
         let margin = 1e-9 * (a.abs() + b.abs() + largest.abs());
         a.min(b) <= largest + margin && a.max(b) >= least - margin

@@ -1,81 +1,87 @@
-//! Proof that reflected rays leave unshadowed, for whole bundles of them.
+//! Proof that reflected rays are unoccluded, for whole packets of them.
 //!
 //! A line from outside a closed mesh and back to it crosses as many facets inwards as outwards. So a
 //! reflected ray, which starts outside, meets nothing if every facet that it could meet shows it its
-//! back: there is nothing to balance a crossing. Facets that it passes above cannot be met. Both
-//! are decided for the cells of a quadtree over the plane, from the greatest height in each and the
-//! range of the normals.
+//! back: no crossing inwards balances one outwards. Facets that it passes above cannot be met. Both are
+//! decided for the cells of a quadtree over the plane, from the greatest height in each and bounds of
+//! the normals (docs/theory.md, T52).
 
-use super::closed::closed;
+use super::closed_mesh::is_closed;
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::parallel;
 
 /// Facets per smallest cell that the tree aims at.
-const CROWD: f64 = 64.0;
-/// Smallest cells at least and at most.
+const FACETS_PER_CELL: f64 = 64.0;
+/// Least and largest number of smallest cells.
 const CELLS: [f64; 2] = [256.0, 1e6];
-/// The least cosine by which a facet must show its back.
+/// Least cosine between a ray and the normal of a facet whose back it certainly sees: rounding is far
+/// below it.
 const LEAST_COSINE: f64 = 1e-3;
-/// Facets are sorted in parts of this size, whatever the number of threads.
-const PART: usize = 1 << 16;
-/// Share of the mesh's size by which it is taken to be larger than it is: rounding is far below it.
+/// Facets of a chunk sorted by one thread, whatever the number of threads.
+const CHUNK: usize = 1 << 16;
+/// Share of the mesh's size by which cells are enlarged: rounding is far below it.
 const MARGIN: f64 = 1e-9;
 
-/// Facets of one kind in a cell.
+/// Bounds of the facets of one class in a cell: their height, and a box around their normals.
 #[derive(Debug, Clone, Copy)]
-struct Kind {
-    /// Their greatest Z.
+struct NormalCone {
+    /// Greatest Z, mm.
     top: f64,
-    /// Least and largest components of their unit normals.
+    /// Least and largest components of the unit normals.
     normals: [DVec3; 2],
 }
 
-/// Facets that look up, sideways and down.
-type Facets = [Kind; 3];
+/// Bounds of the facets in a cell, apart for those facing up, sideways and down.
+type FacetClasses = [NormalCone; 3];
 
-const NONE: Kind = Kind {
-    top: f64::NEG_INFINITY,
-    normals: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
-};
+impl NormalCone {
+    /// Bounds of no facet.
+    const EMPTY: Self = Self {
+        top: f64::NEG_INFINITY,
+        normals: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
+    };
 
-impl Kind {
+    /// Widens the bounds by those of other facets.
     #[inline]
-    fn and(&mut self, other: &Self) {
+    fn extend(&mut self, other: &Self) {
         self.top = if other.top > self.top { other.top } else { self.top };
         widen(&mut self.normals, other.normals);
     }
 }
 
+/// Widens the bounds of a cell by those of another.
 #[inline]
-fn gather(into: &mut Facets, from: &Facets) {
-    into.iter_mut().zip(from).for_each(|(into, from)| into.and(from));
+fn gather(into: &mut FacetClasses, from: &FacetClasses) {
+    into.iter_mut().zip(from).for_each(|(into, from)| into.extend(from));
 }
 
-/// The cells of one size.
+/// The cells of one size of the quadtree.
 #[derive(Debug, Clone)]
 struct Level {
+    /// Side of a cell, mm.
     cell: f64,
+    /// Columns and rows.
     count: [usize; 2],
-    /// Facets that are small for this size and not for the next smaller one.
-    own: Vec<Facets>,
-    /// These and all smaller ones.
-    all: Vec<Facets>,
+    /// Bounds of the facets that fit cells of this size and not the next smaller ones.
+    own: Vec<FacetClasses>,
+    /// Bounds of these and of all smaller facets.
+    all: Vec<FacetClasses>,
 }
 
-/// Rays that start in one box and go in directions of another.
+/// A packet of rays: a box around their origins and one around their directions.
 #[derive(Debug, Clone, Copy)]
-pub struct Bundle {
-    /// Least and largest coordinates of the starting points.
+pub struct RayPacket {
+    /// Least and largest coordinates of the origins, mm.
     pub from: [DVec3; 2],
     /// Least and largest components of the unit directions.
     pub along: [DVec3; 2],
-    /// Finite as long as all coordinates are.
+    /// A sum that is finite as long as all coordinates are.
     check: f64,
 }
 
-impl Bundle {
-    /// No ray.
-    pub const NONE: Self = Self {
+impl RayPacket {
+    /// A packet of no ray.
+    pub const EMPTY: Self = Self {
         from: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
         along: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
         check: 0.0,
@@ -90,7 +96,7 @@ impl Bundle {
         self.check += at.z + direction.element_sum();
     }
 
-    /// The distances at which a ray of the bundle can be over the box.
+    /// Least and largest distance at which a ray of the packet can be over a box, mm; `None` if no ray is.
     #[inline]
     fn over(&self, lo: DVec2, hi: DVec2) -> Option<[f64; 2]> {
         let (mut first, mut last) = (0.0f64, f64::INFINITY);
@@ -114,17 +120,18 @@ impl Bundle {
         (first <= last).then_some([first, last])
     }
 
-    /// Whether every ray passes above the facets or sees their backs, at these distances.
+    /// Whether every ray, at these distances, passes above the facets of a cell or sees their backs.
     #[inline]
-    fn passes(&self, facets: &Facets, [first, last]: [f64; 2], margin: f64) -> bool {
+    fn passes(&self, facets: &FacetClasses, [first, last]: [f64; 2], margin: f64) -> bool {
         let climb = self.along[0].z;
         let z = self.from[0].z + climb * if climb < 0.0 { last } else { first };
-        facets.iter().all(|kind| kind.top + margin < z || self.least_cosine(kind) > LEAST_COSINE)
+        facets.iter().all(|cone| cone.top + margin < z || self.least_cosine(cone) > LEAST_COSINE)
     }
 
+    /// Lower bound of the cosine between rays and normals.
     #[inline]
-    fn least_cosine(&self, kind: &Kind) -> f64 {
-        let ([a, b], [m, n]) = (self.along, kind.normals);
+    fn least_cosine(&self, cone: &NormalCone) -> f64 {
+        let ([a, b], [m, n]) = (self.along, cone.normals);
         let least = (a * m).min(a * n).min(b * m).min(b * n);
         least.x + least.y + least.z
     }
@@ -133,31 +140,31 @@ impl Bundle {
 /// Widens a box so that it holds another.
 #[inline]
 fn widen([least, most]: &mut [DVec3; 2], [lo, hi]: [DVec3; 2]) {
-    // (As one machine instruction each; what is no number is left out.)
+    // (As one machine instruction each; NaN is left out.)
     let lesser = |a: f64, b: f64| if a < b { a } else { b };
     let greater = |a: f64, b: f64| if a > b { a } else { b };
     *least = DVec3::new(lesser(lo.x, least.x), lesser(lo.y, least.y), lesser(lo.z, least.z));
     *most = DVec3::new(greater(hi.x, most.x), greater(hi.y, most.y), greater(hi.z, most.z));
 }
 
-/// A quadtree over a closed mesh.
+/// A quadtree over a closed mesh that proves packets of reflected rays unoccluded.
 #[derive(Debug, Clone)]
-pub struct Ground {
-    /// Where its first cell begins: a whole number of smallest cells from X = Y = 0, so that a fold
-    /// there is a border of cells.
+pub struct OcclusionProof {
+    /// Lower corner of the first cell, mm: a whole number of smallest cells from X = Y = 0, so that a
+    /// fold there is a border of cells.
     origin: DVec2,
     /// Smallest cells first; the last level has one cell.
     levels: Vec<Level>,
-    /// Rounding, mm.
+    /// Enlargement of cells against rounding, mm.
     margin: f64,
 }
 
-impl Ground {
-    /// The tree over `mesh`; `None` where that is not closed, which proves nothing.
+impl OcclusionProof {
+    /// The quadtree over `mesh`; `None` where that is not closed, for then the argument fails.
     pub fn new(mesh: &TriMesh) -> Option<Self> {
         let (lo, hi) = mesh.bounds()?;
         let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
-        let wanted = (mesh.triangles.len() as f64 / CROWD).clamp(CELLS[0], CELLS[1]);
+        let wanted = (mesh.triangles.len() as f64 / FACETS_PER_CELL).clamp(CELLS[0], CELLS[1]);
         // Few digits, so that multiples are exact.
         let cell = f64::from_bits((size.x * size.y / wanted).sqrt().to_bits() >> 44 << 44);
         let origin = (lo.truncate() / cell).floor() * cell;
@@ -166,38 +173,39 @@ impl Ground {
             return None;
         }
         let (levels, closed) =
-            parallel::join(|| levels(mesh, origin, cell, hi.truncate()), || closed(mesh));
+            parallel::join(|| levels(mesh, origin, cell, hi.truncate()), || is_closed(mesh));
         closed.then_some(Self { origin, levels, margin })
     }
 
-    /// Whether no ray of `bundle` meets anything. The rays must start on the outer side of facets,
-    /// where these can be seen from outside the mesh.
-    pub fn frees(&self, bundle: &Bundle) -> bool {
-        bundle.check.is_finite() && self.free(self.levels.len() - 1, [0, 0], bundle)
+    /// Whether no ray of `packet` meets a facet. The rays must start on the outer side of facets, where
+    /// these can be seen from outside the mesh.
+    pub fn is_unoccluded(&self, packet: &RayPacket) -> bool {
+        packet.check.is_finite() && self.cell_is_clear(self.levels.len() - 1, [0, 0], packet)
     }
 
-    fn free(&self, level: usize, at: [usize; 2], bundle: &Bundle) -> bool {
+    /// Whether the packet meets no facet in a cell of a level.
+    fn cell_is_clear(&self, level: usize, at: [usize; 2], packet: &RayPacket) -> bool {
         let Level { cell, count, own, all } = &self.levels[level];
         let lo = self.origin + DVec2::new(at[0] as f64, at[1] as f64) * *cell;
         let widened = DVec2::splat(self.margin);
-        let Some(span) = bundle.over(lo - widened, lo + DVec2::splat(*cell) + widened) else {
+        let Some(span) = packet.over(lo - widened, lo + DVec2::splat(*cell) + widened) else {
             return true;
         };
         let k = at[1] * count[0] + at[0];
-        if bundle.passes(&all[k], span, self.margin) {
+        if packet.passes(&all[k], span, self.margin) {
             return true;
         }
-        if level == 0 || !bundle.passes(&own[k], span, self.margin) {
+        if level == 0 || !packet.passes(&own[k], span, self.margin) {
             return false;
         }
         let finer = self.levels[level - 1].count;
         let [columns, rows] = [0, 1].map(|k| 2 * at[k]..(2 * at[k] + 2).min(finer[k]));
         rows.flat_map(|j| columns.clone().map(move |i| [i, j]))
-            .all(|at| self.free(level - 1, at, bundle))
+            .all(|at| self.cell_is_clear(level - 1, at, packet))
     }
 }
 
-/// The cells of every size, from `cell` on.
+/// The levels of the quadtree, from cells of side `cell` on.
 fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
     let mut sizes = vec![(cell, [0, 1].map(|k| ((hi - origin)[k] / cell) as usize + 1))];
     while let Some(&(cell, [columns, rows])) = sizes.last()
@@ -205,13 +213,16 @@ fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
     {
         sizes.push((2.0 * cell, [columns.div_ceil(2), rows.div_ceil(2)]));
     }
-    let empty = || -> Vec<Vec<Facets>> {
-        sizes.iter().map(|(_, [columns, rows])| vec![[NONE; 3]; columns * rows]).collect()
+    let empty = || -> Vec<Vec<FacetClasses>> {
+        sizes
+            .iter()
+            .map(|(_, [columns, rows])| vec![[NormalCone::EMPTY; 3]; columns * rows])
+            .collect()
     };
-    let size = PART.max(mesh.triangles.len().div_ceil(4));
-    let sorted = parallel::map_chunks(&mesh.triangles, size, |part| {
+    let size = CHUNK.max(mesh.triangles.len().div_ceil(4));
+    let sorted = parallel::map_chunks(&mesh.triangles, size, |chunk| {
         let mut own = empty();
-        for triangle in part {
+        for triangle in chunk {
             let corners = triangle.map(|v| mesh.vertices[v as usize]);
             sort(corners, origin, &sizes, &mut own);
         }
@@ -236,20 +247,19 @@ fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
     levels
 }
 
-/// Adds one facet to the cells, four at most, that it touches in the first level where that is
-/// enough.
+/// Adds a facet to the cells that it touches in the first level where these are four at most.
 #[inline]
 fn sort(
     corners @ [a, b, c]: [DVec3; 3],
     origin: DVec2,
     sizes: &[(f64, [usize; 2])],
-    own: &mut [Vec<Facets>],
+    own: &mut [Vec<FacetClasses>],
 ) {
     let (cell, [columns, rows]) = sizes[0];
     let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
     let first = (lo.truncate() - origin) / cell;
     let last = (hi.truncate() - origin) / cell;
-    // A facet that ends on a border is not taken for one beyond: cells are widened when asked.
+    // A facet that ends on a border does not count in the cell beyond: cells are enlarged when asked.
     let index = |x: f64, count: usize| (x as usize).min(count - 1);
     let before = |x: f64, count: usize| {
         let k = index(x, count);
@@ -268,17 +278,17 @@ fn sort(
     let normal = (b - a).cross(c - a);
     let unit = normal / normal.length();
     let all = DVec3::ONE;
-    let (kind, normals) = if !unit.is_finite() {
+    let (class, normals) = if !unit.is_finite() {
         (1, [-all, all])
     } else if unit.z > 0.1 {
         (0, [unit; 2])
     } else {
         (if unit.z < -0.1 { 2 } else { 1 }, [unit; 2])
     };
-    let facet = Kind { top: corners[0].z.max(corners[1].z).max(corners[2].z), normals };
+    let facet = NormalCone { top: corners[0].z.max(corners[1].z).max(corners[2].z), normals };
     for j in first[1]..=last[1].max(first[1]) {
         for i in first[0]..=last[0].max(first[0]) {
-            own[level][j * sizes[level].1[0] + i][kind].and(&facet);
+            own[level][j * sizes[level].1[0] + i][class].extend(&facet);
         }
     }
 }

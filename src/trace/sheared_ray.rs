@@ -1,4 +1,4 @@
-//! The intersection of a ray's line with a triangle, without gaps between neighbours.
+//! Watertight intersection of a ray's line with a triangle.
 //!
 //! After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): every vertex is
 //! sheared, once and alike for all its facets, into a plane across the ray, where the facets tile
@@ -8,15 +8,15 @@
 
 use crate::geom::{DVec2, DVec3, Ray};
 
-/// A ray that vertices can be sheared along.
+/// A ray along which vertices are sheared into the plane across it.
 pub trait Shear {
-    /// Shears a vertex into the plane across the ray.
-    fn project(&self, v: DVec3) -> Across;
+    /// A vertex sheared into the plane across the ray.
+    fn project(&self, v: DVec3) -> ShearedVertex;
 }
 
-/// A ray with its shear into the plane across it.
+/// A ray of any direction, with its shear.
 #[derive(Debug, Clone, Copy)]
-pub struct Line {
+pub struct ShearedRay {
     origin: DVec3,
     /// Indices of the two lesser axes of the direction and of the greatest.
     axes: [usize; 3],
@@ -24,17 +24,17 @@ pub struct Line {
     per_depth: f64,
 }
 
-/// A vertex as seen along the ray.
+/// A vertex sheared along a ray into the plane across it.
 #[derive(Debug, Clone, Copy)]
-pub struct Across {
-    /// Position across the ray.
+pub struct ShearedVertex {
+    /// Position in that plane, mm.
     at: DVec2,
-    /// Distance along the ray.
+    /// Distance along the ray, mm.
     depth: f64,
 }
 
-impl Line {
-    /// Prepares `ray`.
+impl ShearedRay {
+    /// `ray` with its shear.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
@@ -52,40 +52,40 @@ impl Line {
     }
 }
 
-impl Shear for Line {
+impl Shear for ShearedRay {
     #[inline]
-    fn project(&self, v: DVec3) -> Across {
+    fn project(&self, v: DVec3) -> ShearedVertex {
         let p = v - self.origin;
         let along = p[self.axes[2]];
-        Across {
+        ShearedVertex {
             at: DVec2::new(p[self.axes[0]], p[self.axes[1]]) - self.shear * along,
             depth: along * self.per_depth,
         }
     }
 }
 
-/// The [`Line`] of a ray along -Z, to the last bit: nothing is left of its shear.
+/// A ray along -Z: equal to its [`ShearedRay`] to the last bit, for its shear vanishes.
 #[derive(Debug, Clone, Copy)]
-pub struct Plumb {
-    /// Where the ray starts.
+pub struct VerticalRay {
+    /// Origin of the ray, mm.
     pub origin: DVec3,
 }
 
-impl Shear for Plumb {
+impl Shear for VerticalRay {
     #[inline]
-    fn project(&self, v: DVec3) -> Across {
+    fn project(&self, v: DVec3) -> ShearedVertex {
         let p = v - self.origin;
-        Across { at: p.truncate(), depth: -p.z }
+        ShearedVertex { at: p.truncate(), depth: -p.z }
     }
 }
 
-/// Whether a line meets the triangle of these corners, rim included, and, if so, at which distance. A
-/// triangle seen edge-on is not met; its neighbours then are.
+/// Whether a line meets the triangle of these corners, edges included, and, if so, the distance along
+/// it, mm. A triangle seen edge-on is not met; its neighbours then are.
 #[inline]
-pub fn crossing(a: Across, b: Across, c: Across) -> (bool, f64) {
-    let all = sides(a.at, b.at, c.at);
+pub fn intersect(a: ShearedVertex, b: ShearedVertex, c: ShearedVertex) -> (bool, f64) {
+    let all = edge_functions(a.at, b.at, c.at);
     let met = if all[0] * all[1] * all[2] == 0.0 {
-        within_rim(all)
+        on_edge(all)
     } else {
         let [a, b, c] = all.map(f64::to_bits);
         ((a ^ b) | (a ^ c)) >> 63 == 0
@@ -94,40 +94,42 @@ pub fn crossing(a: Across, b: Across, c: Across) -> (bool, f64) {
     (met, t)
 }
 
-/// Whether the sides, of which some vanish, are neither of both signs nor all zero.
+/// Whether edge functions, some of which vanish, are neither of both signs nor all zero: the line meets
+/// an edge or a corner.
 #[cold]
-fn within_rim(sides: [f64; 3]) -> bool {
+fn on_edge(sides: [f64; 3]) -> bool {
     sides.iter().any(|&side| side < 0.0) != sides.iter().any(|&side| side > 0.0)
 }
 
-/// Barycentric weights of the place where a line meets the triangle of these corners.
+/// Barycentric coordinates of the point where a line meets the triangle of these corners.
 #[inline]
-pub fn weights(a: Across, b: Across, c: Across) -> [f64; 3] {
-    let sides = sides(a.at, b.at, c.at);
+pub fn barycentric(a: ShearedVertex, b: ShearedVertex, c: ShearedVertex) -> [f64; 3] {
+    let sides = edge_functions(a.at, b.at, c.at);
     let sum = sides[0] + sides[1] + sides[2];
     sides.map(|side| side / sum)
 }
 
-/// [`side`] of the edges opposite to each corner.
+/// [`edge_function`] of the edges opposite to each corner.
 #[inline]
-fn sides(a: DVec2, b: DVec2, c: DVec2) -> [f64; 3] {
+fn edge_functions(a: DVec2, b: DVec2, c: DVec2) -> [f64; 3] {
     // Rounding is monotonic, so rounded products that differ compare as the exact ones do.
     let sides = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
     // (Some zero, or so small that it does not matter.)
     if sides[0] * sides[1] * sides[2] == 0.0 {
-        return [side(b, c), side(c, a), side(a, b)];
+        return [edge_function(b, c), edge_function(c, a), edge_function(a, b)];
     }
     sides
 }
 
-/// On which side of the edge pq the origin lies: p.x q.y - p.y q.x, with its exact sign.
+/// Edge function of pq at the origin, p.x q.y - p.y q.x, with its exact sign: the side of the edge on
+/// which the ray passes.
 #[cold]
-fn side(p: DVec2, q: DVec2) -> f64 {
+fn edge_function(p: DVec2, q: DVec2) -> f64 {
     let (m, n) = (p.x * q.y, p.y * q.x);
     if m != n {
         return m - n;
     }
-    // Equal when rounded: what rounding took from each decides, and is itself exact.
+    // Equal when rounded: the rounding errors of both decide, and are themselves exact.
     p.x.mul_add(q.y, -m) - p.y.mul_add(q.x, -n)
 }
 
@@ -136,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn side_is_exact_one_ulp_beside_an_edge() {
+    fn edge_functions_are_exact_one_ulp_beside_an_edge() {
         let p = DVec2::new(0.1, 0.3);
         let q = p * -3.0;
         let ulp = f64::from_bits(q.y.to_bits() + 1);
@@ -148,8 +150,8 @@ mod tests {
             whole(p.x) * whole(q.y) - whole(p.y) * whole(q.x)
         };
         for q in [q, beside] {
-            assert_eq!(side(p, q).signum() as i128, exact(q).signum());
-            assert_eq!(side(q, p), -side(p, q));
+            assert_eq!(edge_function(p, q).signum() as i128, exact(q).signum());
+            assert_eq!(edge_function(q, p), -edge_function(p, q));
         }
     }
 }

@@ -1,0 +1,405 @@
+//! Facets rasterized over the pixel centres of a camera, with a depth test.
+
+use super::camera_rays::CameraRays;
+use super::fragment::{Fragment, PixelSpan};
+use super::ray_end::RayEnd;
+use super::scene::Scene;
+use super::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
+use crate::geom::{DVec2, DVec3, TriMesh};
+use crate::optics::Camera;
+use crate::parallel::{self, Scratch};
+
+/// Rows of a band, which is resolved by one thread.
+pub const BAND_ROWS: usize = 32;
+/// Facets of a chunk, rasterized by one thread, whatever the number of threads.
+const CHUNK: usize = 1 << 14;
+/// Facets over more pixels than this are large: they are drawn last, where nothing is nearer.
+const LARGE: usize = 64;
+/// Facets whose fragments are listed together.
+const BLOCK: usize = 256;
+/// Pixels by which a facet's picture is enlarged: rounding is far below it.
+const MARGIN: f64 = 1e-6;
+/// Largest number of columns or rows: a [`PixelSpan`] holds them as 16-bit integers.
+const MOST_PIXELS: u32 = i16::MAX as u32;
+/// Smallest view scale of a facet: nearer to the pinhole its picture grows without bound.
+const LEAST_VIEW_SCALE: f64 = 1e-3;
+
+/// Hit of a pixel's ray on a small facet.
+#[derive(Debug, Clone, Copy, Default)]
+struct FragmentHit {
+    /// Distance along the pixel's ray, mm.
+    t: f64,
+    fragment: Fragment,
+    /// Normal of the facet, as long as twice its area.
+    normal: DVec3,
+}
+
+/// A facet over many pixels.
+#[derive(Debug, Clone, Copy)]
+struct LargeFacet {
+    facet: u32,
+    /// Its corners in the picture, pixels.
+    corners: [DVec2; 3],
+    /// First row whose pixel centres it may cover, and the one after the last.
+    rows: [usize; 2],
+    /// Least distance of a camera ray to the plane above its highest corner, mm.
+    nearest: f64,
+}
+
+/// The nearest facet of a pixel so far.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelHit {
+    /// Column of the pixel.
+    pub column: usize,
+    /// Row of the pixel.
+    pub row: usize,
+    /// Distance along the pixel's ray, mm.
+    pub t: f64,
+    /// The facet.
+    pub facet: u32,
+    /// Normal of the facet, as long as twice its area.
+    pub normal: DVec3,
+}
+
+/// Hits on the facets of one chunk.
+#[derive(Debug, Clone)]
+struct ChunkHits {
+    /// Hits on its small facets, a band of rows after the other.
+    hits: Vec<FragmentHit>,
+    /// Index of each band's first hit, and the number of all.
+    start: Vec<usize>,
+    large: Vec<LargeFacet>,
+}
+
+impl ChunkHits {
+    /// Sorts hits (distance and fragment) by bands of `rows` rows of pixels.
+    fn new(mesh: &TriMesh, rows: u32, found: &[(f64, Fragment)], large: Vec<LargeFacet>) -> Self {
+        let band = |fragment: Fragment| usize::from(fragment.parts().2) / BAND_ROWS;
+        let mut start = vec![0; (rows as usize).div_ceil(BAND_ROWS) + 2];
+        for &(_, fragment) in found {
+            start[band(fragment) + 2] += 1;
+        }
+        for k in 2..start.len() {
+            start[k] += start[k - 1];
+        }
+        let mut hits = vec![FragmentHit::default(); found.len()];
+        for &(t, fragment) in found {
+            let next = &mut start[band(fragment) + 1];
+            let normal = mesh.area_vector(fragment.parts().0 as usize);
+            hits[*next] = FragmentHit { t, fragment, normal };
+            *next += 1;
+        }
+        Self { hits, start, large }
+    }
+
+    /// Hits on small facets in a band.
+    #[inline]
+    fn band(&self, band: usize) -> &[FragmentHit] {
+        &self.hits[self.start[band]..self.start[band + 1]]
+    }
+}
+
+/// Buffers of a thread: fragments of a block, and hits with their distances.
+type Buffers = (Vec<Fragment>, Vec<(f64, Fragment)>);
+
+/// Hits of the rays through all pixel centres on all facets.
+#[derive(Debug)]
+pub struct Rasterizer<'a> {
+    mesh: &'a TriMesh,
+    rays: &'a CameraRays,
+    /// Pixels per mm on the reference plane.
+    per_mm: f64,
+    /// Z where the rays start, mm.
+    start: f64,
+    /// Rounding of positions in the picture, pixels, and of distances, mm.
+    margins: [f64; 2],
+    /// Pixel span of each vertex.
+    spans: Vec<PixelSpan>,
+    chunks: Vec<ChunkHits>,
+}
+
+/// Shades a pixel with a hit if that is nearer than what it has.
+#[inline(always)]
+fn depth_test(
+    &FragmentHit { t, fragment, normal }: &FragmentHit,
+    columns: usize,
+    ends: &mut [RayEnd],
+    shade: &impl Fn(PixelHit) -> RayEnd,
+) {
+    let (facet, column, row) = fragment.parts();
+    let [column, row] = [column, row].map(usize::from);
+    let end = &mut ends[row % BAND_ROWS * columns + column];
+    if t < end.t || (t == end.t && facet < end.facet) {
+        *end = shade(PixelHit { column, row, t, facet, normal });
+    }
+}
+
+impl<'a> Rasterizer<'a> {
+    /// Intersects `rays` with the facets of `scene`. `None` where they start beside or below facets:
+    /// such facets have no picture.
+    pub fn new(scene: &'a Scene, rays: &'a CameraRays) -> Option<Self> {
+        let (lo, hi) = scene.bounds()?;
+        let CameraRays { camera, top_mm, .. } = *rays;
+        let chart = camera.chart;
+        let start =
+            if chart.vergence == 0.0 { top_mm } else { chart.plane_mm + 1.0 / chart.vergence };
+        let view_scale = chart.view_scale(hi.z);
+        let extent = lo.abs().max(hi.abs()).max_element().max(start.abs());
+        let margin = MARGIN + 64.0 * f64::EPSILON * extent / camera.pixel_mm;
+        // (NaN fails.)
+        if !(start > hi.z
+            && view_scale >= LEAST_VIEW_SCALE
+            && margin < 0.25
+            && camera.pixels.iter().all(|&n| n <= MOST_PIXELS))
+        {
+            return None;
+        }
+        let mesh = scene.mesh();
+        let mut rasterizer = Self {
+            mesh,
+            rays,
+            per_mm: 1.0 / camera.pixel_mm,
+            start,
+            margins: [margin, 1e-9 * extent],
+            spans: vec![],
+            chunks: vec![],
+        };
+        rasterizer.spans = parallel::map_slice(&mesh.vertices, CHUNK, |&v| rasterizer.span(v));
+        rasterizer.chunks = rasterizer.chunks();
+        Some(rasterizer)
+    }
+
+    /// Hits of all chunks of facets.
+    fn chunks(&self) -> Vec<ChunkHits> {
+        let CameraRays { camera, top_mm, .. } = *self.rays;
+        let chunks: Vec<_> = self.mesh.triangles.chunks(CHUNK).enumerate().collect();
+        let hits = |buffers: &mut Buffers, &(number, chunk): &(usize, &[[u32; 3]])| {
+            let first = (number * CHUNK) as u32;
+            // Nothing is left of the shear of parallel rays.
+            if camera.chart.vergence == 0.0 {
+                let ray = |x, y| VerticalRay { origin: DVec3::new(x, y, top_mm) };
+                self.chunk(buffers, first, chunk, ray)
+            } else {
+                let ray = |x, y| ShearedRay::new(&camera.ray(DVec2::new(x, y), top_mm));
+                self.chunk(buffers, first, chunk, ray)
+            }
+        };
+        let scratch = Scratch::default();
+        parallel::map_slice(&chunks, 1, |chunk| scratch.with(|buffers| hits(buffers, chunk)))
+    }
+
+    /// Position of a point in the picture, pixels from the upper left corner.
+    #[inline]
+    fn position(&self, v: DVec3) -> DVec2 {
+        let Camera { pixels: [columns, rows], chart, .. } = self.rays.camera;
+        let scale = self.per_mm / chart.view_scale(v.z);
+        DVec2::new(0.5 * f64::from(columns) + v.x * scale, 0.5 * f64::from(rows) - v.y * scale)
+    }
+
+    /// First of `count` pixels in a line whose centre lies between `lo` and `hi`, and the one after
+    /// the last.
+    #[inline]
+    fn between(&self, lo: f64, hi: f64, count: u32) -> [u32; 2] {
+        // Numbers around 2^52 have no digits after the point: their lowest ones are the rounded rest.
+        const WHOLE: f64 = (1u64 << 52) as f64;
+        let within = |x: f64| (lesser(greater(0.0, x), f64::from(count)) + WHOLE).to_bits() as u32;
+        [within(lo - self.margins[0]), within(hi + self.margins[0])]
+    }
+
+    /// Pixels whose centres the picture of a point may reach.
+    #[inline]
+    fn span(&self, v: DVec3) -> PixelSpan {
+        let [width, height] = self.rays.camera.pixels;
+        let at = self.position(v);
+        let [left, right] = self.between(at.x, at.x, width).map(|k| k as i16);
+        let [upper, lower] = self.between(at.y, at.y, height).map(|k| k as i16);
+        [left, upper, -right, -lower]
+    }
+
+    /// Hits on the facets numbered from `first` on; `ray` gives the ray of an image point.
+    fn chunk<S: Shear>(
+        &self,
+        (fragments, hits): &mut Buffers,
+        first: u32,
+        triangles: &[[u32; 3]],
+        ray: impl Fn(f64, f64) -> S,
+    ) -> ChunkHits {
+        let [xs, ys] = &self.rays.centres;
+        let mut large = Vec::new();
+        let mut count = 0;
+        fragments.resize(BLOCK * LARGE, Fragment::default());
+        for (first, triangles) in (first..).step_by(BLOCK).zip(triangles.chunks(BLOCK)) {
+            let tries = self.fragments(fragments, &mut large, first, triangles);
+            if hits.len() < count + tries {
+                hits.resize(2 * count + fragments.len(), Default::default());
+            }
+            for &fragment in &fragments[..tries] {
+                let (facet, column, row) = fragment.parts();
+                let triangle = triangles[(facet - first) as usize];
+                let ray = ray(xs[usize::from(column)], ys[usize::from(row)]);
+                let [a, b, c] = triangle.map(|v| ray.project(self.mesh.vertices[v as usize]));
+                let (meets, t) = intersect(a, b, c);
+                // Half of them meet: a branch would be predicted wrongly as often.
+                hits[count] = (t, fragment);
+                count += usize::from(meets);
+            }
+        }
+        ChunkHits::new(self.mesh, self.rays.camera.pixels[1], &hits[..count], large)
+    }
+
+    /// Writes the fragments of small facets from `first` on into `fragments`, and returns their number;
+    /// large facets go into `large`.
+    #[inline]
+    fn fragments(
+        &self,
+        fragments: &mut [Fragment],
+        large: &mut Vec<LargeFacet>,
+        first: u32,
+        triangles: &[[u32; 3]],
+    ) -> usize {
+        let mut spans = [[[0; 4]; BLOCK]; 3];
+        let [of_a, of_b, of_c] = &mut spans;
+        for (k, &[a, b, c]) in triangles.iter().enumerate() {
+            [of_a[k], of_b[k], of_c[k]] = [a, b, c].map(|v| self.spans[v as usize]);
+        }
+        // (All at once, in vector registers.)
+        let all = of_a.as_flattened_mut().iter_mut();
+        for ((a, b), c) in all.zip(of_b.as_flattened()).zip(of_c.as_flattened()) {
+            *a = (*a).min(*b).min(*c);
+        }
+        let mut count = 0;
+        for (facet, &[left, upper, right, lower]) in (first..).zip(&of_a[..triangles.len()]) {
+            let [wide, high] = [-(left + right), -(upper + lower)].map(|n| n.max(0) as usize);
+            let first = Fragment::new(facet, left as u16, upper as u16);
+            if wide <= 2 && high <= 2 {
+                fragments[count..count + 4].copy_from_slice(&first.four(wide));
+                count += wide * high;
+            } else if wide * high > LARGE {
+                large.push(self.large(facet, [upper, -lower].map(|row| row as usize)));
+            } else {
+                for at in (0..high).flat_map(|y| (0..wide).map(move |x| [x, y])) {
+                    fragments[count] = first.next(at);
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+
+    fn large(&self, facet: u32, rows: [usize; 2]) -> LargeFacet {
+        let corners = self.mesh.corners(facet as usize);
+        let [a, b, c] = corners.map(|v| v.z);
+        let nearest = self.start - a.max(b).max(c) - self.margins[1];
+        LargeFacet { facet, corners: corners.map(|v| self.position(v)), rows, nearest }
+    }
+
+    /// Resolves a band from row `first` on: `ends`, one entry a pixel, become what `shade` makes of
+    /// the nearest hits.
+    pub fn draw(&self, first: usize, ends: &mut [RayEnd], shade: impl Fn(PixelHit) -> RayEnd) {
+        let columns = self.rays.camera.pixels[0] as usize;
+        ends.fill(RayEnd::MISSED);
+        for chunk in &self.chunks {
+            for hit in chunk.band(first / BAND_ROWS) {
+                depth_test(hit, columns, ends, &shade);
+            }
+        }
+        let depths = Depths::new(ends, columns);
+        for large in self.chunks.iter().flat_map(|chunk| &chunk.large) {
+            self.draw_large(large, &depths, first, ends, &shade);
+        }
+    }
+
+    /// Draws a large facet over a band, where something farther is shown.
+    fn draw_large(
+        &self,
+        large: &LargeFacet,
+        depths: &Depths,
+        first: usize,
+        ends: &mut [RayEnd],
+        shade: &impl Fn(PixelHit) -> RayEnd,
+    ) {
+        let columns = self.rays.camera.pixels[0] as usize;
+        let rows = ends.len() / columns;
+        let [upper, lower] = [large.rows[0].max(first), large.rows[1].min(first + rows)];
+        if upper >= lower
+            || depths.whole < large.nearest
+            || !depths.reach(self.slice(large, [upper, lower]), large.nearest)
+        {
+            return;
+        }
+        let corners = self.mesh.corners(large.facet as usize);
+        for row in upper..lower {
+            let pixels @ [left, right] = self.slice(large, [row, row + 1]);
+            if !depths.reach(pixels, large.nearest) {
+                continue;
+            }
+            for column in left..right {
+                let ray = ShearedRay::new(&self.rays.at(column, row));
+                let [a, b, c] = corners.map(|v| ray.project(v));
+                let (meets, t) = intersect(a, b, c);
+                if meets {
+                    let fragment = Fragment::new(large.facet, column as u16, row as u16);
+                    let normal = self.mesh.area_vector(large.facet as usize);
+                    depth_test(&FragmentHit { t, fragment, normal }, columns, ends, shade);
+                }
+            }
+        }
+    }
+
+    /// First column where a facet may cover pixel centres in some rows, and the one after the last.
+    fn slice(&self, LargeFacet { corners, .. }: &LargeFacet, rows: [usize; 2]) -> [usize; 2] {
+        let margin = self.margins[0];
+        let (upper, lower) = (rows[0] as f64 + 0.5 - margin, rows[1] as f64 - 0.5 + margin);
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let (least, most) = (a.y.min(b.y), a.y.max(b.y));
+            if most < upper || least > lower {
+                continue;
+            }
+            let x = |y: f64| a.x + (b.x - a.x) * ((y.clamp(least, most) - a.y) / (b.y - a.y));
+            let (x, y) = if a.y == b.y { (a.x, b.x) } else { (x(upper), x(lower)) };
+            left = left.min(x).min(y);
+            right = right.max(x).max(y);
+        }
+        self.between(left, right, self.rays.camera.pixels[0]).map(|k| k as usize)
+    }
+}
+
+/// Greatest distances at which the pixels of a band show something, mm.
+struct Depths {
+    /// The greatest over each run of columns as long as the band is high.
+    runs: Vec<f64>,
+    /// The greatest over the band.
+    whole: f64,
+}
+
+impl Depths {
+    fn new(ends: &[RayEnd], columns: usize) -> Self {
+        let mut runs = vec![f64::NEG_INFINITY; columns.div_ceil(BAND_ROWS)];
+        for row in ends.chunks(columns) {
+            for (depth, run) in runs.iter_mut().zip(row.chunks(BAND_ROWS)) {
+                *depth = run.iter().map(|end| end.t).fold(*depth, greater);
+            }
+        }
+        let whole = runs.iter().copied().fold(f64::NEG_INFINITY, greater);
+        Self { runs, whole }
+    }
+
+    /// Whether pixels of the columns from `left` up to `right` may show something as far as `t`.
+    #[inline]
+    fn reach(&self, [left, right]: [usize; 2], t: f64) -> bool {
+        left < right
+            && self.runs[left / BAND_ROWS..=(right - 1) / BAND_ROWS].iter().any(|&d| d >= t)
+    }
+}
+
+#[inline]
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+#[inline]
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}

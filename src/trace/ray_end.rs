@@ -1,0 +1,89 @@
+//! One ray's end: its nearest facet, the reflection there, and occlusion by the mesh itself.
+
+use super::scene::Scene;
+use crate::geom::{DVec3, Ray};
+use crate::optics::reflect;
+
+/// End of a camera ray after at most one reflection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is reflected and leaves into the world.
+    Hit,
+    /// It meets no facet.
+    Missed,
+    /// It is reflected and then meets this facet.
+    Shadowed(u32),
+    /// Its nearest facet shows it the back.
+    BackFace,
+}
+
+/// Outcome of a camera ray with the facet, the distance and the reflected direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayEnd {
+    /// Its end.
+    pub outcome: Outcome,
+    /// The nearest facet, or [`RayEnd::NO_FACET`].
+    pub facet: u32,
+    /// Distance along the ray to that facet, mm; infinite for a ray that meets none.
+    pub t: f64,
+    /// Unit direction of the reflected ray, or the zero vector.
+    pub direction: DVec3,
+}
+
+impl RayEnd {
+    /// Facet number of a ray that meets none: an `Option` would enlarge the entry of every pixel.
+    pub const NO_FACET: u32 = u32::MAX;
+    /// End of a ray that meets no facet.
+    pub const MISSED: Self = Self {
+        outcome: Outcome::Missed,
+        facet: Self::NO_FACET,
+        t: f64::INFINITY,
+        direction: DVec3::ZERO,
+    };
+
+    /// Point where `ray`, which ends so, meets its nearest facet, mm; the zero vector without one.
+    #[must_use]
+    pub fn hit_point(&self, ray: &Ray) -> DVec3 {
+        if self.facet == Self::NO_FACET { DVec3::ZERO } else { ray.at(self.t) }
+    }
+}
+
+impl Scene {
+    /// End of a ray by its first reflection alone: occlusion of the reflected ray is not considered.
+    #[must_use]
+    pub fn trace_primary(&self, ray: &Ray) -> RayEnd {
+        let Some(hit) = self.nearest_hit(ray) else { return RayEnd::MISSED };
+        let normal = self.mesh().area_vector(hit.facet as usize);
+        let (outcome, direction) = reflect_at_facet(ray.direction, normal);
+        RayEnd { outcome, facet: hit.facet, t: hit.t, direction }
+    }
+
+    /// End of a ray: [`Scene::trace_primary`], then occlusion of the reflected ray by the mesh.
+    #[must_use]
+    pub fn trace(&self, ray: &Ray) -> RayEnd {
+        let mut end = self.trace_primary(ray);
+        if end.outcome == Outcome::Hit {
+            end.outcome = self.occlusion(ray, &end);
+        }
+        end
+    }
+
+    /// Outcome of a ray that `end` says to be reflected: occluded by a facet, or not.
+    pub(super) fn occlusion(&self, ray: &Ray, end: &RayEnd) -> Outcome {
+        let leaving = Ray { origin: ray.at(end.t), direction: end.direction };
+        // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
+        let clear = 1e-12 * (leaving.origin.abs().max_element() + end.t);
+        self.occluder(&leaving, end.facet, clear).map_or(Outcome::Hit, Outcome::Shadowed)
+    }
+}
+
+/// Outcome of a ray at a facet with a normal of any length, and its reflected direction; occlusion is
+/// not considered.
+#[inline(always)]
+pub fn reflect_at_facet(direction: DVec3, normal: DVec3) -> (Outcome, DVec3) {
+    if normal.dot(direction) < 0.0 {
+        (Outcome::Hit, reflect(direction, normal))
+    } else {
+        (Outcome::BackFace, DVec3::ZERO)
+    }
+}
