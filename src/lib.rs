@@ -107,7 +107,6 @@ mod trace;
 mod unwrap;
 
 pub use pipeline::{Silent, build, load};
-pub use report::text;
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

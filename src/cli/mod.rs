@@ -14,7 +14,7 @@ use crate::pipeline::{
     tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Aperture, BuildForecast, Report, Verdict, text, visible};
+use crate::report::{Aperture, BuildForecast, BuildReport, Verdict, visible};
 use args::{Arguments, Command, MapFormatArg, PrintFormat, RowsArg};
 use clap::Parser;
 use progress::Progress;
@@ -94,7 +94,9 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                 align: align.then(|| out.clone().unwrap_or_else(|| "out".into())),
             };
             let report = inspect(&load(profile)?, file, &inspection, &progress)?;
-            conclude(arguments, &report)
+            report.warnings.iter().for_each(|warning| warn(warning));
+            show(arguments, || report.text(), || report.json())?;
+            Ok(code(report.verdict))
         }
         Command::Render { profile, scene, smooth, square_mm, unit_mm, allow_outside, out } => {
             let wanted = RenderOptions {
@@ -268,9 +270,9 @@ fn warn(warning: &str) {
 }
 
 /// Prints a report and turns its verdict into an exit code.
-fn conclude(arguments: &Arguments, report: &Report) -> Result<u8, Failure> {
+fn conclude(arguments: &Arguments, report: &BuildReport) -> Result<u8, Failure> {
     report.warnings.iter().for_each(|warning| warn(warning));
-    show(arguments, || text(report), || report.json())?;
+    show(arguments, || report.text(), || report.json())?;
     Ok(code(report.verdict))
 }
 

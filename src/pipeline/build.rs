@@ -11,7 +11,8 @@ use super::formats::{self, drawings, write_mesh};
 use super::observer::{Observer, Stage, StageTimer};
 use super::size_warnings::SizeWarnings;
 use super::source::Source;
-use super::{Error, assemble, close, designed, label, meshed, verdict, write};
+use super::verdict::Findings;
+use super::{Error, close, designed, label, meshed, verdict, write};
 use crate::design::Design;
 use crate::export::Label;
 use crate::export::step::Fit;
@@ -21,7 +22,8 @@ use crate::mirror::{Form, Surface};
 use crate::profile::{Format, Profile};
 use crate::render::{TestWorld, World};
 use crate::report::{
-    Limited, MeshFacts, OverOptimum, Reason, Report, Sharpness, SolidFacts, StepFacts, html,
+    BuildReport, Limited, MeshFacts, OverOptimum, ProfileId, Reason, SCHEMA, Sharpness, SolidFacts,
+    StepFacts, html,
 };
 use crate::solid::Solid;
 use std::path::Path;
@@ -33,7 +35,7 @@ use std::path::Path;
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
 /// folders.
-pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<BuildReport, Error> {
     build_with(source, out, Effort::Least, observer)
 }
 
@@ -58,7 +60,7 @@ pub fn build_with(
     out: &Path,
     effort: Effort,
     observer: &dyn Observer,
-) -> Result<Report, Error> {
+) -> Result<BuildReport, Error> {
     let profile = &source.profile;
     let clock = StageTimer::new(observer);
     let clock = if effort == Effort::Most { clock.without_shortcuts() } else { clock };
@@ -130,24 +132,46 @@ pub fn build_with(
     // What the disk made of the bytes may be otherwise the next time.
     let altered = evidence.iter().any(|found| found.altered);
     let inputs = if altered { String::new() } else { inputs };
-    let mut report = assemble(profile, &design, form, facts, evidence, chord_mm);
-    let mut all: Vec<Reason> = refused.into_iter().chain(report.reasons).collect();
-    for CadCheck { file, reasons, sag } in checked {
-        all.extend(reasons.into_iter().map(|reason| reason.of_file(&file.name)));
-        report.files.push(file);
-        report.sag = report.sag.or(sag);
+    let (mesh, solid) = facts.unzip();
+    // A number of triangles sets no limit; what was proven of them is to be seen.
+    let budget = mesh.filter(|mesh| mesh.max_triangles.is_some() && design.view.is_some());
+    let proven_px = budget.map(|mesh| mesh.facet_px.bound);
+    let mut findings = Findings::new(profile, &design, evidence, chord_mm, proven_px);
+    let mut reasons: Vec<Reason> = refused.into_iter().chain(findings.reasons).collect();
+    let mut sag = None;
+    for CadCheck { file, reasons: faults, sag: found } in checked {
+        reasons.extend(faults.into_iter().map(|reason| reason.of_file(&file.name)));
+        findings.files.push(file);
+        sag = sag.or(found);
     }
-    report.step = fit.as_ref().map(step_facts);
-    report.verdict = verdict::of(&all);
-    report.reasons = all;
+    let mut files = findings.files;
     // What was made for the rays alone stays nowhere.
-    report.files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
-    let advice = SizeWarnings { profile, design: &design, precision };
-    let files: Vec<(&str, u64)> = report.files.iter().map(|f| (&*f.name, f.bytes)).collect();
-    report.warnings = advice.on(report.mesh.map_or(0, |mesh| mesh.triangles), &files);
-    report.warnings.extend(report.mesh.as_ref().and_then(|mesh| advice.unspent(mesh)));
-    let blurred = report.sharpness.as_ref().and_then(Sharpness::warning);
-    report.warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
+    files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
+    let size = SizeWarnings { profile, design: &design, precision };
+    let lengths: Vec<(&str, u64)> = files.iter().map(|f| (&*f.name, f.bytes)).collect();
+    let mut warnings = size.on(mesh.map_or(0, |mesh| mesh.triangles), &lengths);
+    warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh)));
+    let blurred = findings.sharpness.as_ref().and_then(Sharpness::warning);
+    warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
+    let report = BuildReport {
+        schema: SCHEMA,
+        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+        layout: Some(design.mounting),
+        design: design.facts.clone(),
+        form,
+        mesh,
+        solid,
+        files,
+        trace: findings.trace,
+        sag,
+        step: fit.as_ref().map(step_facts),
+        frame: findings.frame,
+        sharpness: findings.sharpness,
+        accepted: findings.accepted,
+        verdict: verdict::of(&reasons),
+        reasons,
+        warnings,
+    };
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));

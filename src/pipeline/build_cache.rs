@@ -4,7 +4,7 @@ use super::files::hex;
 use super::observer::{StageTimer, Work};
 use super::source::Source;
 use crate::profile::Format;
-use crate::report::Report;
+use crate::report::BuildReport;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt::{self, Write};
@@ -79,7 +79,7 @@ pub fn inputs(source: &Source) -> String {
 /// The report of the last build in `folder` if it was made of `inputs`, its files are as it left
 /// them, and there is none of another format; and its record as that of a build which had nothing to
 /// do.
-pub fn unchanged(folder: &Path, inputs: &str) -> Option<(Report, BuildRecord)> {
+pub fn unchanged(folder: &Path, inputs: &str) -> Option<(BuildReport, BuildRecord)> {
     let read = |name: &str| fs::read(folder.join(name)).ok();
     let mut record: BuildRecord = serde_json::from_slice(&read("timings.json")?).ok()?;
     let is_same = |output: &Output| {

@@ -63,11 +63,8 @@ pub(crate) use {
 use crate::design::{Design, design};
 use crate::export::Label;
 use crate::mesh::{ErrorBound, Face};
-use crate::mirror::Form;
 use crate::profile::{Format, Profile};
-use crate::report::{FileFacts, MeshFacts, ProfileId, Report, SCHEMA, SolidFacts};
 use crate::solid::Solid;
-use check_file::FileCheck;
 use face::AtPrecision;
 use std::io::{self, Write};
 
@@ -153,47 +150,4 @@ fn close(
         .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))
-}
-
-fn assemble(
-    profile: &Profile,
-    design: &Design,
-    form: Form,
-    made: Option<(MeshFacts, SolidFacts)>,
-    evidence: Vec<FileCheck>,
-    chord_mm: f64,
-) -> Report {
-    let (mesh, solid) = made.unzip();
-    // A number of triangles sets no limit; what was proven of them is to be seen.
-    let budget = mesh.filter(|mesh| mesh.max_triangles.is_some() && design.view.is_some());
-    let proven_px = budget.map(|mesh| mesh.facet_px.bound);
-    let mut reasons = verdict::reasons(profile, design, &evidence, chord_mm, proven_px);
-    let sharpness = sharpness::sharpness(profile, design);
-    reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
-    let frame = evidence.iter().find_map(|e| e.frame.clone());
-    let held = design.view.is_some() && evidence.iter().all(|e| !e.measured);
-    let (files, trace): (Vec<FileFacts>, Vec<_>) =
-        evidence.into_iter().map(|e| (e.file, e.trace)).unzip();
-    Report {
-        schema: SCHEMA,
-        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
-        layout: Some(design.mounting),
-        design: design.facts.clone(),
-        form,
-        mesh,
-        solid,
-        files,
-        trace: trace.into_iter().flatten().collect(),
-        sag: None,
-        step: None,
-        units: None,
-        alignment: None,
-        form_error_um: None,
-        frame,
-        sharpness,
-        accepted: held.then(|| profile.accepted()),
-        verdict: verdict::of(&reasons),
-        reasons,
-        warnings: Vec::new(),
-    }
 }

@@ -1,12 +1,12 @@
 //! The verdict: every reason why a part would not do, with figures.
 
 use super::check_file::FileCheck;
-use super::remedy;
+use super::{remedy, sharpness};
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Border, Outline};
 use crate::profile::{Accepted, Bound, Format, Profile};
-use crate::report::{Reason, ReasonKind, TraceFacts, Verdict};
+use crate::report::{FileFacts, Reason, ReasonKind, Sharpness, TraceFacts, Verdict};
 use crate::trace::FrameFill;
 
 /// Why a file does not pass that is another than was written.
@@ -31,9 +31,48 @@ pub fn of<T>(reasons: &[T]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
+/// Figures of the witness over all mesh files, the limits that they were held to, and why they do not pass.
+pub struct Findings {
+    /// The files.
+    pub files: Vec<FileFacts>,
+    /// Figures of those that could be read.
+    pub trace: Vec<TraceFacts>,
+    /// The frame as the first of them shows it.
+    pub frame: Option<FrameFill>,
+    /// Sharpness of the picture through a lens.
+    pub sharpness: Option<Sharpness>,
+    /// The limits; absent without a projection, and of measured parts.
+    pub accepted: Option<Accepted>,
+    /// Why the files do not pass, each with figures.
+    pub reasons: Vec<Reason>,
+}
+
+impl Findings {
+    /// The findings of `checks`, held to a height of the surface of `chord_mm` and, where the profile has
+    /// no limit of its own, to a facet error of `proven_px`.
+    pub fn new(
+        profile: &Profile,
+        design: &Design,
+        checks: Vec<FileCheck>,
+        chord_mm: f64,
+        proven_px: Option<f64>,
+    ) -> Self {
+        let mut reasons = reasons(profile, design, &checks, chord_mm, proven_px);
+        let sharpness = sharpness::sharpness(profile, design);
+        reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
+        let frame = checks.iter().find_map(|check| check.frame.clone());
+        let held = design.view.is_some() && checks.iter().all(|check| !check.measured);
+        let accepted = held.then(|| profile.accepted());
+        let (files, trace): (Vec<_>, Vec<_>) =
+            checks.into_iter().map(|check| (check.file, check.trace)).unzip();
+        let trace = trace.into_iter().flatten().collect();
+        Self { files, trace, frame, sharpness, accepted, reasons }
+    }
+}
+
 /// Why the files do not pass. `chord_mm` is what the height of the surface may be off, `proven_px` the
 /// facet error to be kept where the profile has no limit of its own.
-pub fn reasons(
+fn reasons(
     profile: &Profile,
     design: &Design,
     evidence: &[FileCheck],

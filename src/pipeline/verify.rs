@@ -3,14 +3,17 @@
 use super::check_file::{FileCheck, checked, open, witness};
 use super::files::{self, Folder};
 use super::observer::{Observer, Stage, StageTimer};
-use super::{Error, Source, assemble, designed, verdict};
+use super::verdict::Findings;
+use super::{Error, Source, designed, verdict};
 use crate::align::{Alignment, FormMap, Size, Unit, align};
 use crate::design::Design;
 use crate::export::Reread;
 use crate::geom::Welder;
 use crate::mirror::Form;
 use crate::profile::Format;
-use crate::report::{AlignmentFacts, Reason, ReasonKind, Report, UnitFacts, form_picture};
+use crate::report::{
+    AlignmentFacts, ProfileId, Reason, ReasonKind, SCHEMA, UnitFacts, VerifyReport, form_picture,
+};
 use crate::trace::Outcome;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +36,11 @@ const USUAL_CHORD_UM: f64 = 10.0;
 ///
 /// # Errors
 /// [`inspect`]'s.
-pub fn verify(source: &Source, path: &Path, observer: &dyn Observer) -> Result<Report, Error> {
+pub fn verify(
+    source: &Source,
+    path: &Path,
+    observer: &dyn Observer,
+) -> Result<VerifyReport, Error> {
     inspect(source, path, &VerifyOptions::default(), observer)
 }
 
@@ -48,7 +55,7 @@ pub fn inspect(
     path: &Path,
     inspection: &VerifyOptions,
     observer: &dyn Observer,
-) -> Result<Report, Error> {
+) -> Result<VerifyReport, Error> {
     let profile = &source.profile;
     let clock = StageTimer::new(observer);
     let name = path.display().to_string();
@@ -111,48 +118,70 @@ pub fn inspect(
             (traced.outcome != Outcome::Missed).then_some(traced.hit_point)
         })
     });
-    let mut report = assemble(profile, &design, form, None, vec![evidence], chord_mm);
-    report.units = units;
+    let measured = folder.is_some();
+    let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
+        Findings::new(profile, &design, vec![evidence], chord_mm, None);
+    let mut warnings = Vec::new();
     if far > 0 {
         let all = format!("{far} facets lie far from the part and were left out");
         // Of a measured part that is noise; of a part it is a fault.
-        if folder.is_some() {
-            report.warnings.push(format!("{name}: {all}"));
+        if measured {
+            warnings.push(format!("{name}: {all}"));
         } else {
-            report.reasons.push(Reason::new(ReasonKind::FarFacets, all).of_file(&name));
-            report.verdict = verdict::of(&report.reasons);
+            reasons.push(Reason::new(ReasonKind::FarFacets, all).of_file(&name));
         }
     }
     // Scans may be of a piece of the part.
-    if let Some((factor, unit)) = oversize.filter(|_| folder.is_none()) {
-        report.reasons.insert(0, off_size(factor, unit).of_file(&name));
-        report.verdict = verdict::of(&report.reasons);
+    if let Some((factor, unit)) = oversize.filter(|_| !measured) {
+        reasons.insert(0, off_size(factor, unit).of_file(&name));
     }
+    warnings.extend(units.and_then(|units| unit_warning(&name, units, measured)));
+    let form_error_um = map.as_ref().and_then(FormMap::error);
+    if measured {
+        let reason = verdict::form(profile, &design, form_error_um.as_ref(), 1e3 * chord_mm);
+        reasons.extend(reason.map(|reason| reason.of_file(&name)));
+    }
+    let report = VerifyReport {
+        schema: SCHEMA,
+        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+        layout: design.mounting,
+        design: design.facts.clone(),
+        form,
+        files,
+        trace,
+        units,
+        alignment,
+        form_error_um,
+        frame,
+        sharpness,
+        accepted,
+        verdict: verdict::of(&reasons),
+        reasons,
+        warnings,
+    };
+    if let Some(folder) = folder {
+        publish(&clock, &folder, map.as_ref(), &report)?;
+    }
+    Ok(report)
+}
+
+/// The warning of a unit that nothing speaks for, or none but the file's size.
+fn unit_warning(name: &str, units: UnitFacts, measured: bool) -> Option<String> {
     match units {
-        Some(UnitFacts { chosen: ASSUMED, .. }) => report.warnings.push(format!(
+        UnitFacts { chosen: ASSUMED, .. } => Some(format!(
             "{name}: no unit makes this file as large as the part; taken as millimetres (--units \
              says otherwise)"
         )),
         // A measured part is cut; a file to be cut from is what this matters for.
-        Some(UnitFacts { chosen: BY_SIZE, mm_per_unit, name: unit })
-            if mm_per_unit != 1.0 && folder.is_none() =>
+        UnitFacts { chosen: BY_SIZE, mm_per_unit, name: unit }
+            if mm_per_unit != 1.0 && !measured =>
         {
-            report.warnings.push(format!(
+            Some(format!(
                 "{name}: taken as {unit} by its size; shops take such files as millimetres"
-            ));
+            ))
         }
-        _ => {}
+        _ => None,
     }
-    report.alignment = alignment;
-    report.form_error_um = map.as_ref().and_then(FormMap::error);
-    if let Some(folder) = folder {
-        let form = report.form_error_um.as_ref();
-        let reason = verdict::form(profile, &design, form, 1e3 * chord_mm);
-        report.reasons.extend(reason.map(|reason| reason.of_file(&name)));
-        report.verdict = verdict::of(&report.reasons);
-        publish(&clock, &folder, map.as_ref(), &report)?;
-    }
-    Ok(report)
 }
 
 /// How a unit is called that the file names, that its size speaks for, and that nothing speaks for.
@@ -228,7 +257,7 @@ fn publish(
     clock: &StageTimer,
     folder: &Folder,
     map: Option<&FormMap>,
-    report: &Report,
+    report: &VerifyReport,
 ) -> Result<(), Error> {
     clock.stage(Stage::Report, || {
         let picture = map.map(|map| {

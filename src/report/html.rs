@@ -5,7 +5,7 @@ use super::text::{
     allowed_line, camera_line, figures, form_line, limited, method_line, of_at_most, sag_line,
     solid_line, step_line,
 };
-use super::{Report, Verdict};
+use super::{BuildReport, Verdict};
 use crate::design::Curl;
 use std::fmt::Write;
 
@@ -18,14 +18,14 @@ code{font-size:.85em;word-break:break-all}.pass{color:#15803d}.fail{color:#b91c1
 
 /// A page that needs nothing but `picture` (a file name) beside it.
 #[must_use]
-pub fn html(report: &Report, summary: &str, picture: &str) -> String {
+pub fn html(report: &BuildReport, summary: &str, picture: &str) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = page(&mut out, report, summary, picture);
     out
 }
 
-fn page(out: &mut String, report: &Report, summary: &str, picture: &str) -> std::fmt::Result {
+fn page(out: &mut String, report: &BuildReport, summary: &str, picture: &str) -> std::fmt::Result {
     head(out, &report.profile.name, STYLE, report.verdict)?;
     writeln!(out, "<p>{}</p>", escaped(summary))?;
     let reasons: Vec<&str> = report.reasons.iter().map(|reason| &**reason).collect();
@@ -73,7 +73,7 @@ pub(super) fn head(
     writeln!(out, "<h1>{name}: <span class=\"{verdict}\">{verdict}</span></h1>")
 }
 
-fn rows(report: &Report) -> Vec<(String, String)> {
+fn rows(report: &BuildReport) -> Vec<(String, String)> {
     let mut rows: Vec<(String, String)> = Vec::new();
     let mut row = |head: &str, value: String| rows.push((head.into(), value));
     let design = &report.design;

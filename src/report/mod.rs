@@ -35,7 +35,6 @@ pub use reason::{Reason, ReasonKind};
 pub use rendering::Rendering;
 pub use replay::{ErrorDrawn, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{Opened, Sharpness};
-pub use text::text;
 pub(crate) use text::{digits, pretty, written};
 pub use tolerance::{FacetsFrom, ToleranceReport, read_trial, trial_columns, trial_line};
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
@@ -52,60 +51,93 @@ use serde::{Deserialize, Serialize};
 /// Version of the report's schema: keys may be added, never changed.
 pub const SCHEMA: u32 = 1;
 
-/// Everything that a build or a verification found out, in the shape of `report.json`.
+/// Results of a build, in the shape of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub struct BuildReport {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// Which profile.
+    /// Profile that was built.
     pub profile: ProfileId,
-    /// Where camera and target are in the part's frame, and how large the part is; absent from
-    /// reports of earlier versions.
+    /// Places of camera and target in the part's frame, and the size of the part; absent from reports
+    /// of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<Mounting>,
-    /// What the design reached.
+    /// Figures of the design.
     pub design: Facts,
     /// The sphere and the plane nearest to the mirror.
     pub form: Form,
-    /// What the mesh reached; absent when a file of unknown making is verified.
+    /// Figures of the mesh; absent where none could be made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<MeshFacts>,
-    /// The solid that was made; absent when a file of unknown making is verified.
+    /// The solid that was made; absent where there is no mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solid: Option<SolidFacts>,
-    /// The files written or verified.
+    /// The files written.
     pub files: Vec<FileFacts>,
-    /// What the witness saw in each mesh file that could be read.
+    /// Figures of the witness, for each mesh file that could be read.
     pub trace: Vec<TraceFacts>,
-    /// What the sag table that was read back holds; absent when none was written or it is none.
+    /// Figures of the sag table that was read back; absent when none was written or it is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sag: Option<SagFacts>,
-    /// How near the splines of the STEP file are; absent when none was written.
+    /// Error of the STEP file's splines; absent when none was written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<StepFacts>,
-    /// The unit of a file of unknown making; absent for files that were made just now.
-    #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
-    pub units: Option<UnitFacts>,
-    /// How a measured part was brought into the part frame; absent when that was not asked.
-    #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
-    pub alignment: Option<AlignmentFacts>,
-    /// How far a measured part is from its design along its normal, um; positive where there is too
-    /// much material.
-    #[serde(skip_serializing_if = "Option::is_none", skip_deserializing)]
-    pub form_error_um: Option<FormError>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<FrameFill>,
-    /// How sharp the picture is through a lens; absent where no pixel has a spot.
+    /// Sharpness of the picture through a lens; absent where no pixel has a spot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sharpness: Option<Sharpness>,
-    /// The limits that the picture is held to; absent without a projection, and of measured parts.
+    /// The limits that the picture is held to; absent without a projection.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accepted: Option<Accepted>,
     /// Pass or fail.
     pub verdict: Verdict,
-    /// Why it fails, each with figures; empty for a pass.
+    /// Reasons of a fail, each with figures; empty for a pass.
     pub reasons: Vec<Reason>,
-    /// What may be a nuisance later, and what to do about it; no part of the verdict.
+    /// Nuisances to come, and what to do about them; no part of the verdict.
+    pub warnings: Vec<String>,
+}
+
+/// Results of the verification of a file of unknown making, in the shape of `report.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifyReport {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Profile that the file is held against.
+    pub profile: ProfileId,
+    /// Places of camera and target in the part's frame, and the size of the part.
+    pub layout: Mounting,
+    /// Figures of the design.
+    pub design: Facts,
+    /// The sphere and the plane nearest to the mirror.
+    pub form: Form,
+    /// The file: the only one.
+    pub files: Vec<FileFacts>,
+    /// Figures of the witness; empty where the file could not be read.
+    pub trace: Vec<TraceFacts>,
+    /// The unit of its coordinates; absent where the file could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<UnitFacts>,
+    /// Pose that brings a measured part into the part frame; absent when that was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<AlignmentFacts>,
+    /// Distance of a measured part from its design along its normal, um; positive where there is too
+    /// much material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form_error_um: Option<FormError>,
+    /// The frame as the file shows it; absent where it could not be read.
+    pub frame: Option<FrameFill>,
+    /// Sharpness of the picture through a lens; absent where no pixel has a spot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sharpness: Option<Sharpness>,
+    /// The limits that the picture is held to; absent without a projection, and of measured parts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accepted: Option<Accepted>,
+    /// Pass or fail.
+    pub verdict: Verdict,
+    /// Reasons of a fail, each with figures; empty for a pass.
+    pub reasons: Vec<Reason>,
+    /// Nuisances to come, and what to do about them; no part of the verdict.
     pub warnings: Vec<String>,
 }
 
@@ -272,7 +304,15 @@ pub struct ErrorFacts {
     pub facet_error_px: Option<Summary>,
 }
 
-impl Report {
+impl BuildReport {
+    /// `report.json`.
+    #[must_use]
+    pub fn json(&self) -> String {
+        text::pretty(self)
+    }
+}
+
+impl VerifyReport {
     /// `report.json`.
     #[must_use]
     pub fn json(&self) -> String {

@@ -3,20 +3,67 @@
 use super::measured::{AlignmentFacts, error_line};
 use super::outside::visible;
 use super::tolerance::percent;
-use super::{ErrorFacts, Limited, ProfileId, Report, SagFacts, SolidFacts, StepFacts, Verdict};
+use super::{
+    BuildReport, ErrorFacts, FileFacts, Limited, MeshFacts, ProfileId, SagFacts, Sharpness,
+    SolidFacts, StepFacts, TraceFacts, Verdict, VerifyReport,
+};
 use crate::design::{Facts, Mounting};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::profile::{Accepted, Bound};
 use crate::solid::Rim;
+use crate::trace::FrameFill;
 use serde::Serialize;
 use std::fmt::{Display, Write};
 
-/// A readable summary: a line a stage, the reasons, and the verdict last. Plain text, in which what would
-/// steer a terminal is written out.
-#[must_use]
-pub fn text(report: &Report) -> String {
-    written(|out| write_text(out, report))
+impl BuildReport {
+    /// A readable summary: a line a stage, the reasons, and the verdict last. Plain text, in which what
+    /// would steer a terminal is written out.
+    #[must_use]
+    pub fn text(&self) -> String {
+        written(|out| {
+            head_line(out, &self.profile)?;
+            mounting_lines(out, self.layout.as_ref())?;
+            design_lines(out, &self.design, &self.form)?;
+            mesh_lines(out, self.mesh.as_ref(), self.solid.as_ref())?;
+            file_lines(out, &self.files)?;
+            if let Some(step) = &self.step {
+                writeln!(out, "  step     {}", step_line(step))?;
+            }
+            if let Some(sag) = &self.sag {
+                writeln!(out, "  table    {}", sag_line(sag))?;
+            }
+            trace_lines(out, &self.trace, self.frame.as_ref())?;
+            sharpness_lines(out, self.sharpness.as_ref(), self.accepted.as_ref())?;
+            verdict_lines(out, &self.reasons, self.verdict)
+        })
+    }
+}
+
+impl VerifyReport {
+    /// A readable summary: a line a stage, the reasons, and the verdict last. Plain text, in which what
+    /// would steer a terminal is written out.
+    #[must_use]
+    pub fn text(&self) -> String {
+        written(|out| {
+            head_line(out, &self.profile)?;
+            mounting_lines(out, Some(&self.layout))?;
+            design_lines(out, &self.design, &self.form)?;
+            file_lines(out, &self.files)?;
+            if let Some(units) = &self.units {
+                writeln!(out, "  units    {}", units.line())?;
+            }
+            for (k, line) in self.alignment.iter().flat_map(AlignmentFacts::lines).enumerate() {
+                writeln!(out, "  {:8} {line}", if k == 0 { "pose" } else { "" })?;
+            }
+            if let Some(error) = &self.form_error_um {
+                writeln!(out, "  error    {}", error_line(error))?;
+            }
+            trace_lines(out, &self.trace, self.frame.as_ref())?;
+            sharpness_lines(out, self.sharpness.as_ref(), self.accepted.as_ref())?;
+            verdict_lines(out, &self.reasons, self.verdict)
+        })
+    }
 }
 
 /// A result as JSON of several lines.
@@ -39,14 +86,17 @@ pub(super) fn head_line(out: &mut String, profile: &ProfileId) -> std::fmt::Resu
     writeln!(out, "{}  ({})", profile.name, short(&profile.sha256))
 }
 
-fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
-    let Report { design, .. } = report;
-    head_line(out, &report.profile)?;
-    if let Some(layout) = &report.layout {
+/// Places of camera and target.
+fn mounting_lines(out: &mut String, layout: Option<&Mounting>) -> std::fmt::Result {
+    if let Some(layout) = layout {
         writeln!(out, "  part     {}, its base at Z = 0", layout.size())?;
         writeln!(out, "  camera   {}", camera_line(layout))?;
         writeln!(out, "  world    {}", layout.world())?;
     }
+    Ok(())
+}
+
+fn design_lines(out: &mut String, design: &Facts, form: &Form) -> std::fmt::Result {
     writeln!(
         out,
         "  design   {}; ray error {} mrad, pixel error {} px",
@@ -54,8 +104,15 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
         figures(design.ray_error_mrad),
         figures(design.pixel_error_px),
     )?;
-    writeln!(out, "  form     {}", form_line(&report.form))?;
-    if let Some(mesh) = &report.mesh {
+    writeln!(out, "  form     {}", form_line(form))
+}
+
+fn mesh_lines(
+    out: &mut String,
+    mesh: Option<&MeshFacts>,
+    solid: Option<&SolidFacts>,
+) -> std::fmt::Result {
+    if let Some(mesh) = mesh {
         writeln!(
             out,
             "  mesh     {} optical triangles ({} in all{}); chord {}, facet {}",
@@ -66,34 +123,32 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             limited(&mesh.facet_px, "px"),
         )?;
     }
-    if let Some(solid) = &report.solid {
+    if let Some(solid) = solid {
         writeln!(out, "  solid    {}", solid_line(solid))?;
     }
-    for file in &report.files {
+    Ok(())
+}
+
+fn file_lines(out: &mut String, files: &[FileFacts]) -> std::fmt::Result {
+    for file in files {
         writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
     }
-    if let Some(step) = &report.step {
-        writeln!(out, "  step     {}", step_line(step))?;
-    }
-    if let Some(sag) = &report.sag {
-        writeln!(out, "  table    {}", sag_line(sag))?;
-    }
-    if let Some(units) = &report.units {
-        writeln!(out, "  units    {}", units.line())?;
-    }
-    for (k, line) in report.alignment.iter().flat_map(AlignmentFacts::lines).enumerate() {
-        writeln!(out, "  {:8} {line}", if k == 0 { "pose" } else { "" })?;
-    }
-    if let Some(error) = &report.form_error_um {
-        writeln!(out, "  error    {}", error_line(error))?;
-    }
-    for trace in &report.trace {
+    Ok(())
+}
+
+/// The witness's figures of each mesh, and the frame as the first one shows it.
+fn trace_lines(
+    out: &mut String,
+    traces: &[TraceFacts],
+    frame: Option<&FrameFill>,
+) -> std::fmt::Result {
+    for trace in traces {
         writeln!(
             out,
             "  witness  {}: {} of {} rays hit, {} missed, {} shadowed, {} met a back face",
             trace.file, trace.hit, trace.rays, trace.missed, trace.shadowed, trace.back_face
         )?;
-        if report.frame.is_some() {
+        if frame.is_some() {
             writeln!(out, "           {}", errors_line(&trace.errors))?;
         }
         if let Some(errors) = &trace.interpolated_normals {
@@ -103,7 +158,7 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             writeln!(out, "           {}", solid_line(&trace.solid))?;
         }
     }
-    if let Some(frame) = &report.frame {
+    if let Some(frame) = frame {
         let range = |range: &Option<[f64; 2]>| {
             range.map_or("none".into(), |[lo, hi]| format!("{lo:.2} to {hi:.2} deg"))
         };
@@ -118,16 +173,24 @@ fn write_text(out: &mut String, report: &Report) -> std::fmt::Result {
             100.0 * frame.gain_over_disc,
         )?;
     }
-    if let Some(sharpness) = &report.sharpness {
+    Ok(())
+}
+
+fn sharpness_lines(
+    out: &mut String,
+    sharpness: Option<&Sharpness>,
+    accepted: Option<&Accepted>,
+) -> std::fmt::Result {
+    if let Some(sharpness) = sharpness {
         writeln!(out, "  sharp    best through {}", sharpness.best.line())?;
         if let Some(given) = &sharpness.given {
             writeln!(out, "           through {}", given.line())?;
         }
     }
-    if let Some(accepted) = &report.accepted {
+    if let Some(accepted) = accepted {
         writeln!(out, "  allowed  {}", allowed_line(accepted))?;
     }
-    verdict_lines(out, &report.reasons, report.verdict)
+    Ok(())
 }
 
 /// The limits that the picture is held to.

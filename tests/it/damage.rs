@@ -6,7 +6,7 @@ use morion::internals::export::{Reread, read_obj, read_stl};
 use morion::internals::geom::DVec3;
 use morion::internals::pipeline::{Observer, Silent, build, verify};
 use morion::internals::profile::Profile;
-use morion::internals::report::{Reason, Report, Verdict};
+use morion::internals::report::{BuildReport, Reason, Verdict};
 use std::path::Path;
 
 const STL: &str = "formats = [\"stl\"]";
@@ -32,7 +32,7 @@ fn small(formats: &str) -> Profile {
 
 /// The report of a build whose only file is damaged. What is on the disk afterwards is what the
 /// report speaks of.
-fn damaged(formats: &str, damage: impl Fn(Vec<u8>) -> Vec<u8> + Sync) -> Report {
+fn damaged(formats: &str, damage: impl Fn(Vec<u8>) -> Vec<u8> + Sync) -> BuildReport {
     let folder = folder();
     let report = build(&small(formats).into(), folder.path(), &Vandal(damage)).unwrap();
     let made = files(&folder.path().join("small"));
@@ -46,12 +46,18 @@ fn damaged(formats: &str, damage: impl Fn(Vec<u8>) -> Vec<u8> + Sync) -> Report 
 
 /// The one reason that holds all of `words`.
 #[track_caller]
-fn reason<'a>(report: &'a Report, words: &[&str]) -> &'a str {
+fn reason<'a>(report: &'a BuildReport, words: &[&str]) -> &'a str {
     assert_eq!(report.verdict, Verdict::Fail);
+    reason_of(&report.reasons, words)
+}
+
+/// The one of `reasons` that holds all of `words`.
+#[track_caller]
+fn reason_of<'a>(reasons: &'a [Reason], words: &[&str]) -> &'a str {
     let fits = |reason: &&Reason| words.iter().all(|word| reason.contains(word));
-    match report.reasons.iter().find(fits) {
+    match reasons.iter().find(fits) {
         Some(reason) => reason,
-        None => panic!("no reason with {words:?} in {:#?}", report.reasons),
+        None => panic!("no reason with {words:?} in {reasons:#?}"),
     }
 }
 
@@ -125,7 +131,7 @@ fn inner_line(lines: &[String]) -> usize {
 }
 
 #[track_caller]
-fn opens_at(report: &Report, corners: [DVec3; 3]) {
+fn opens_at(report: &BuildReport, corners: [DVec3; 3]) {
     let facts = &report.trace[0].solid.check;
     assert!(!facts.closed && facts.oriented, "{facts:?}");
     for (a, b) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b])) {
@@ -135,7 +141,7 @@ fn opens_at(report: &Report, corners: [DVec3; 3]) {
 }
 
 #[track_caller]
-fn exceeds_the_facet_limit(report: &Report) {
+fn exceeds_the_facet_limit(report: &BuildReport) {
     let trace = &report.trace[0];
     assert!(trace.solid.reasons.is_empty() && trace.solid.check.closed, "{:?}", trace.solid);
     let most = trace.errors.facet_error_px.unwrap().max;
@@ -228,7 +234,7 @@ fn a_turned_facet_is_named() {
 }
 
 /// The report of an OBJ whose lines are changed.
-fn relined_report(change: impl Fn(&mut Vec<String>) + Sync) -> Report {
+fn relined_report(change: impl Fn(&mut Vec<String>) + Sync) -> BuildReport {
     damaged(OBJ, |bytes| relined(bytes, &change))
 }
 
@@ -323,7 +329,7 @@ fn an_obj_cut_off_anywhere_never_passes() {
         std::fs::write(&path, &whole[..keep]).unwrap();
         let report = verify(&small(OBJ).into(), &path, &Silent).unwrap();
         assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");
-        reason(&report, &["cut.obj: ", ": "]);
+        reason_of(&report.reasons, &["cut.obj: ", ": "]);
     }
 }
 
@@ -357,7 +363,8 @@ fn a_moved_vertex_fails_where_no_ray_goes_and_no_facet_limit_is_set() {
         let report = verify(&by_chord.clone().into(), &path, &Silent).unwrap();
         assert!(report.trace[0].solid.check.is_solid());
         let single = to.as_vec3().as_dvec3();
-        reason(&report, &["the vertex ", &place(single), " mm off the designed part"]);
+        assert_eq!(report.verdict, Verdict::Fail);
+        reason_of(&report.reasons, &["the vertex ", &place(single), " mm off the designed part"]);
     }
     std::fs::write(&path, &bytes).unwrap();
     assert_eq!(verify(&by_chord.clone().into(), &path, &Silent).unwrap().verdict, Verdict::Pass);

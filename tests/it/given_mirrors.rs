@@ -9,7 +9,7 @@ use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::stats::Summary;
 use morion::internals::num::{hypot, radians, sin, tan};
 use morion::internals::pipeline::{Silent, Source, build, load, verify};
-use morion::internals::report::{Report, Verdict};
+use morion::internals::report::{BuildReport, Verdict};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::{fmt::Write, path::PathBuf};
@@ -31,7 +31,7 @@ struct Built {
     path: PathBuf,
     source: Source,
     design: Design,
-    report: Report,
+    report: BuildReport,
 }
 
 impl Built {

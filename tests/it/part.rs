@@ -9,7 +9,7 @@ use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
 use morion::internals::pipeline::{Silent, Source, build, dry_run};
 use morion::internals::profile::{Format, Spot};
-use morion::internals::report::{Reason, Report, Verdict};
+use morion::internals::report::{BuildReport, Reason, Verdict};
 use morion::internals::solid::{Solid, added, rim};
 use std::f64::consts::PI;
 
@@ -128,7 +128,7 @@ fn curved(design: &Design) -> f64 {
     around.iter().zip(next).map(|(a, b)| 0.5 * a.perp_dot(*b)).sum()
 }
 
-fn built(text: &str) -> (Report, tempfile::TempDir) {
+fn built(text: &str) -> (BuildReport, tempfile::TempDir) {
     let source = Source { profile: unlimited(parsed(text)), sag: None };
     let folder = folder();
     let report = build(&source, folder.path(), &Silent).unwrap_or_else(|e| panic!("{e}"));
@@ -250,7 +250,7 @@ fn a_rim_in_the_way_is_named() {
 }
 
 /// What is foreseen of the whole part is right within a fifth.
-fn foreseen(what: &str, text: &str, report: &Report) {
+fn foreseen(what: &str, text: &str, report: &BuildReport) {
     let prospect = dry_run(&Source { profile: parsed(text), sag: None }, &Silent).unwrap();
     let off = prospect.mesh.unwrap().triangles as f64 / report.mesh.unwrap().triangles as f64 - 1.0;
     println!("{what}: triangles off by {off:.3}");

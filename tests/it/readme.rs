@@ -2,7 +2,6 @@
 
 use crate::support::shipped_builds;
 use morion::internals::export::read_stl;
-use morion::internals::report::text;
 
 const README: &str = include_str!("../../README.md");
 
@@ -16,7 +15,7 @@ fn block<'a>(heading: &str, language: &str) -> &'a str {
 
 #[test]
 fn the_output_that_readme_shows_is_the_program_s() {
-    let made = text(&shipped_builds::report("conquistador"));
+    let made = shipped_builds::report("conquistador").text();
     assert_eq!(
         block("## Two commands", "text"),
         made,

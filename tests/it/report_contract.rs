@@ -6,14 +6,14 @@ use morion::internals::design::{Design, design};
 use morion::internals::export::{Reread, read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3, TriMesh, angle};
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::report::{Report, Verdict, html, text};
+use morion::internals::report::{BuildReport, Verdict, html};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A build with all that is known about it.
 struct Built {
     design: Design,
-    report: Report,
+    report: BuildReport,
     files: BTreeMap<String, Vec<u8>>,
 }
 
@@ -490,7 +490,7 @@ fn the_summary_names_no_file_that_is_not_there() {
     let drawn = parsed(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]"));
     let report = build(&drawn.into(), folder.path(), &Silent).unwrap();
     assert!(!folder.path().join("small/mirror.obj").exists());
-    let shown = text(&report);
+    let shown = report.text();
     assert!(!shown.contains("mirror.obj"), "{shown}");
     assert!(shown.contains("witness  a mesh that was not kept: "), "{shown}");
     assert!(!html(&report, "", "preview.png").contains("mirror.obj"));

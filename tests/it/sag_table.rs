@@ -6,7 +6,7 @@ use morion::internals::geom::{DVec2, DVec3, Outline, angle};
 use morion::internals::num::hypot;
 use morion::internals::pipeline::{Observer, Silent, build, load};
 use morion::internals::profile::Profile;
-use morion::internals::report::{Report, Verdict};
+use morion::internals::report::{BuildReport, Verdict};
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -20,7 +20,7 @@ mesh.chord_um = 50
 
 struct Made {
     folder: TempDir,
-    report: Report,
+    report: BuildReport,
     /// The header's comments, and the rows.
     header: Vec<String>,
     rows: Vec<[f64; 6]>,

@@ -3,7 +3,7 @@
 use crate::support::builds::{SMALL, edited, files, folder, parsed};
 use crate::support::share;
 use morion::internals::pipeline::{Silent, Source, build};
-use morion::internals::report::{Reason, Report};
+use morion::internals::report::{BuildReport, Reason};
 use serde_json::Value;
 
 /// The small profile with a frame of so few pixels that its rays take no time, and limits that suit.
@@ -45,7 +45,7 @@ fn missing(value: &Value, path: &str, found: &mut Vec<String>) {
 
 /// Builds the profile: its report if there is a file, which is then whole, closed, within what was
 /// proven of it, and seen so by the witness; or why there is none, and then there is nothing.
-fn right_or_refused(what: &str, text: &str) -> Result<Report, String> {
+fn right_or_refused(what: &str, text: &str) -> Result<BuildReport, String> {
     let folder = folder();
     let source = Source::from(parsed(text));
     let made = build(&source, folder.path(), &Silent);
@@ -94,7 +94,7 @@ fn right_or_refused(what: &str, text: &str) -> Result<Report, String> {
     Ok(report)
 }
 
-fn pixel_rms(report: &Report) -> f64 {
+fn pixel_rms(report: &BuildReport) -> f64 {
     report.trace[0].errors.pixel_error_px.unwrap().rms
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::builds::{folder, parsed};
 use morion::internals::pipeline::{Silent, Source, build};
-use morion::internals::report::{Reason, ReasonKind, Report, Verdict};
+use morion::internals::report::{BuildReport, Reason, ReasonKind, Verdict};
 
 /// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
 const LAB: &str =
@@ -17,12 +17,12 @@ fn profile(camera: &str, projection: &str, layout: &str, width_mm: &str) -> Stri
     )
 }
 
-fn built(text: &str) -> Report {
+fn built(text: &str) -> BuildReport {
     let source: Source = parsed(text).into();
     build(&source, folder().path(), &Silent).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-fn of(report: &Report, kind: ReasonKind) -> Option<&Reason> {
+fn of(report: &BuildReport, kind: ReasonKind) -> Option<&Reason> {
     report.reasons.iter().find(|reason| reason.kind == Some(kind))
 }
 

@@ -10,7 +10,7 @@ use morion::internals::num::stats::Summary;
 use morion::internals::optics::reflect;
 use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::{Format, MeshLimits, Profile};
-use morion::internals::report::{Report, Verdict};
+use morion::internals::report::{BuildReport, Verdict};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
     CameraTrace, ExpectedRay, Outcome, PixelTrace, RayEnd, Scene, TraceResult,
@@ -188,7 +188,7 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
     }
 }
 
-fn built(profile: &Profile) -> Report {
+fn built(profile: &Profile) -> BuildReport {
     let folder = folder();
     build(&unlimited(profile.clone()).into(), folder.path(), &Silent)
         .unwrap_or_else(|error| panic!("{error}"))

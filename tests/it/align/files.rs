@@ -7,7 +7,7 @@ use crate::support::refused;
 use morion::internals::geom::TriMesh;
 use morion::internals::num::cos;
 use morion::internals::pipeline::{Silent, Unit, VerifyOptions, inspect, load};
-use morion::internals::report::{Report, Verdict, text};
+use morion::internals::report::{Verdict, VerifyReport};
 use std::path::{Path, PathBuf};
 
 /// Limits that the design keeps with little to spare, and such that large facets keep too.
@@ -56,7 +56,7 @@ fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
     text
 }
 
-fn look(file: &Path, limits: [f64; 2], units: Option<Unit>, aligned: bool) -> Report {
+fn look(file: &Path, limits: [f64; 2], units: Option<Unit>, aligned: bool) -> VerifyReport {
     let folder = file.parent().unwrap();
     let source = load(profile(folder, limits).to_str().unwrap()).unwrap();
     let inspection = VerifyOptions { units, align: aligned.then(|| folder.join("made")) };
@@ -123,7 +123,7 @@ fn a_known_form_error_is_reported_and_judged_by_what_it_does() {
             !solid.check.closed && rim.loops == 1 && rim.edges == 2 * (STEPS + 3 * STEPS / 4),
             "{rim:?}"
         );
-        let text = text(&report);
+        let text = report.text();
         for part in [
             "  units    mm (by size)",
             "  pose     turned by (",

@@ -8,7 +8,7 @@ use crate::support::random::each;
 use crate::support::{times, unlimited};
 use morion::internals::pipeline::{Error, Silent, Source, Trials, build, dry_run, tolerance};
 use morion::internals::profile::{Profile, SagGrid};
-use morion::internals::report::{ReasonKind, Report, Verdict};
+use morion::internals::report::{BuildReport, ReasonKind, Verdict};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use std::collections::{BTreeMap, BTreeSet};
@@ -81,7 +81,7 @@ fn ended(wanted: &Wanted, folder: &Path) -> Result<Ending, String> {
 
 /// A build that came to an end: the files are there as the report has them, and what is wrong with
 /// them is pardoned.
-fn judged(profile: &Profile, report: &Report, folder: &Path) -> Result<Ending, String> {
+fn judged(profile: &Profile, report: &BuildReport, folder: &Path) -> Result<Ending, String> {
     for file in &report.files {
         let length = folder.join(&file.name).metadata().map_err(|error| error.to_string())?.len();
         if length != file.bytes {

@@ -2,7 +2,7 @@
 
 use super::builds::{command, told};
 use morion::internals::profile::shipped;
-use morion::internals::report::Report;
+use morion::internals::report::BuildReport;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
@@ -24,7 +24,7 @@ pub fn folder() -> &'static Path {
 }
 
 /// The report of a shipped profile's build.
-pub fn report(name: &str) -> Report {
+pub fn report(name: &str) -> BuildReport {
     let path = folder().join(name).join("report.json");
     let text = std::fs::read_to_string(&path);
     let text = text.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
