@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         face.mesh.triangles.len()
     );
 
-    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), Precision::Single)?;
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single)?;
     println!("solid:  {:.1} mm^3, closed", solid.check().volume_mm3);
 
     let label = Label {

@@ -14,7 +14,7 @@
 //! - **mirror**: the designed panels (`mirror::Mirror`).
 //! - **optical face**: the facets that reflect (`mesh::Face`).
 //! - **solid**: optical face, skirt and base, closed (`solid::Solid`).
-//! - **stock**: a flat rim around the mirror, with holes and marks (`geom::Border`).
+//! - **border**: a flat rim around the mirror, with holes and marks (`geom::Border`).
 //! - **scallop**: what a cutter leaves between two lines of its raster (`machining`).
 //! - **as cut**: as the cutter leaves it, before polishing.
 //! - **ray error**: angle between the direction seen and the direction wanted.

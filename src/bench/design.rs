@@ -1,11 +1,11 @@
 //! Degree against error: how far a design of finite degree is from the best one there is.
 
 use super::{BenchError, BenchSweep, Subject, run, timed};
-use crate::design::{Facts, design};
+use crate::design::{DesignFacts, design};
 use crate::mirror::Surface;
 use crate::num::stats::Summary;
 use crate::pipeline::Error;
-use crate::profile::{Method, MethodKind, Profile, Shape};
+use crate::profile::{Method, MethodKind, Profile, ShapeSpec};
 
 /// Every method.
 pub const METHODS: [MethodKind; 3] =
@@ -28,7 +28,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
         .map_err(|error| BenchError::Plot(error.to_string()))?;
     let mut runs = Vec::new();
     for subject in subjects {
-        let Shape::Designed(own) = subject.source.profile.shape else { continue };
+        let ShapeSpec::Designed(own) = subject.source.profile.shape else { continue };
         let is_round = matches!(subject.design.mirror.surface, Surface::Round(_));
         let methods = if is_round { &[own.kind][..] } else { &METHODS };
         for minimax in [false, true].into_iter().filter(|minimax| !(is_round && *minimax)) {
@@ -40,7 +40,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
             let (mut curves, mut optimum) = (Vec::new(), f64::INFINITY);
             for &kind in methods {
                 let of = |degree| {
-                    let shape = Shape::Designed(Method { kind, degree, minimax });
+                    let shape = ShapeSpec::Designed(Method { kind, degree, minimax });
                     Profile { shape, ..subject.source.profile.clone() }
                 };
                 optimum = optimum.min(goal(&designed(&of(utmost))?));
@@ -71,18 +71,18 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
     })
 }
 
-fn designed(profile: &Profile) -> Result<Facts, Error> {
+fn designed(profile: &Profile) -> Result<DesignFacts, Error> {
     let fail = |source| Error::Design { profile: profile.name.clone(), source };
     Ok(design(profile, None).map_err(fail)?.facts)
 }
 
 /// What the method makes small, mrad.
-fn goal(facts: &Facts) -> f64 {
+fn goal(facts: &DesignFacts) -> f64 {
     let pick = |s: Summary| if facts.minimax { s.max } else { s.rms };
     facts.ray_error_mrad.map_or(f64::NAN, pick)
 }
 
-fn figures(facts: &Facts) -> std::collections::BTreeMap<&'static str, f64> {
+fn figures(facts: &DesignFacts) -> std::collections::BTreeMap<&'static str, f64> {
     let of = |summary: Option<Summary>| summary.map_or([f64::NAN; 2], |s| [s.rms, s.max]);
     let [ray, pixel] = [facts.ray_error_mrad, facts.pixel_error_px].map(of);
     [

@@ -3,7 +3,7 @@
 use super::design::METHODS;
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
 use crate::pipeline::{Silent, StageTimer, build_in_memory, designed, meshed};
-use crate::profile::{Method, Profile, Shape};
+use crate::profile::{Method, Profile, ShapeSpec};
 use std::time::Instant;
 use toml_edit::{DocumentMut, Item, Table, value};
 
@@ -76,7 +76,7 @@ fn reached(
             break;
         }
         let mut profile =
-            Profile { shape: Shape::Designed(method), ..subject.source.profile.clone() };
+            Profile { shape: ShapeSpec::Designed(method), ..subject.source.profile.clone() };
         profile.mesh.facet_px = Some(facet_px);
         profile.mesh.max_triangles = None;
         let source = profile.clone().into();
@@ -174,7 +174,7 @@ mod tests {
                 let before = Profile::parse(shipped.name, shipped.name, bytes).unwrap();
                 let after = Profile::parse(shipped.name, shipped.name, text.as_bytes());
                 let after = after.unwrap_or_else(|error| panic!("{error}\n{text}"));
-                assert_eq!(after.shape, Shape::Designed(method));
+                assert_eq!(after.shape, ShapeSpec::Designed(method));
                 assert_eq!(after.mesh.facet_px, Some(0.37));
                 assert_eq!((after.camera, after.formats), (before.camera, before.formats));
                 let comments = |text: &str| text.matches('#').count();

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// Which places a basis is tabulated at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Places {
+pub enum NodeSet {
     /// Gauss nodes with their weights, for integrals over the domain.
     Quadrature,
     /// More of them, which resolve the field of a wide pinhole to rounding, for figures.
@@ -23,8 +23,8 @@ pub enum Places {
 /// Basis functions B_j with their derivatives at chosen places.
 #[derive(Debug, Clone)]
 pub struct Basis {
-    along: Table,
-    across: Table,
+    along: AxisTable,
+    across: AxisTable,
     terms: Vec<(usize, usize)>,
     /// What is taken off each unknown's function.
     levels: Vec<f64>,
@@ -32,16 +32,16 @@ pub struct Basis {
 }
 
 /// F with its slopes dF/dx and dF/dy.
-pub type Local = [f64; 3];
+pub type LocalValues = [f64; 3];
 
 /// Functions of one coordinate at its places.
 #[derive(Debug, Clone)]
-struct Table {
-    places: Vec<Place>,
+struct AxisTable {
+    places: Vec<AxisNode>,
 }
 
 #[derive(Debug, Clone)]
-struct Place {
+struct AxisNode {
     /// mm.
     at: f64,
     weight: f64,
@@ -53,16 +53,16 @@ struct Place {
 }
 
 /// Places on [-1, 1], ascending: (place, weight, coarse).
-type Line = Vec<(f64, f64, bool)>;
+type AxisNodes = Vec<(f64, f64, bool)>;
 
-fn gauss(count: usize) -> Line {
+fn gauss(count: usize) -> AxisNodes {
     let (nodes, weights) = gauss_legendre(count);
     nodes.into_iter().zip(weights).map(|(x, w)| (x, w, true)).collect()
 }
 
 /// Extrema five times as dense as the degree; half of them are the coarse ones. Between them the
 /// worst error of a best fit exceeds that at them by 1 % at most (measured on the panoramic).
-fn extrema(degree: usize) -> Line {
+fn extrema(degree: usize) -> AxisNodes {
     let steps = 2 * (2 * ((5 * degree).div_ceil(4)) + 8);
     (0..=steps).map(|k| (-cos(PI * k as f64 / steps as f64), 1.0, k % 2 == 0)).collect()
 }
@@ -84,12 +84,12 @@ impl Basis {
     /// (mm), but for the constant: the mean over the area is zero. With `even_x` only those even
     /// about the middle in x, looked at in its right half alone.
     #[must_use]
-    pub fn rectangle(area: Rect, even_x: bool, degree: usize, places: Places) -> Self {
+    pub fn rectangle(area: Rect, even_x: bool, degree: usize, places: NodeSet) -> Self {
         let line = match places {
             // Degree + 1 nodes are exact for the polynomials; the rest resolve the field.
-            Places::Quadrature => gauss(degree + 16 + degree % 2),
-            Places::Fine => gauss(degree + 48 + degree % 2),
-            Places::Extrema => extrema(degree),
+            NodeSet::Quadrature => gauss(degree + 16 + degree % 2),
+            NodeSet::Fine => gauss(degree + 48 + degree % 2),
+            NodeSet::Extrema => extrema(degree),
         };
         let (half, centre) = (0.5 * area.size(), area.centre());
         let table = |half: f64, centre: f64, skip: usize, times: f64| {
@@ -97,12 +97,12 @@ impl Basis {
                 let p = values(degree, t);
                 let d = derivatives(&p).iter().map(|d| d / half).collect();
                 let weight = match places {
-                    Places::Quadrature | Places::Fine => times * half * w,
-                    Places::Extrema => w,
+                    NodeSet::Quadrature | NodeSet::Fine => times * half * w,
+                    NodeSet::Extrema => w,
                 };
-                Place { at: centre + half * t, weight, coarse, p, d }
+                AxisNode { at: centre + half * t, weight, coarse, p, d }
             };
-            Table { places: line[skip..].iter().map(place).collect() }
+            AxisTable { places: line[skip..].iter().map(place).collect() }
         };
         // The middle place, where there is one, is k = len / 2.
         let (skip, times, stride) = if even_x { (line.len() / 2, 2.0, 2) } else { (0, 1.0, 1) };
@@ -136,15 +136,15 @@ impl Basis {
     /// (inner radius zero) t = 2 (r / rim)^2 - 1, which is smooth on the axis; on an annulus t is
     /// linear in r. The weights are those of the area.
     #[must_use]
-    pub fn radial(radii: [f64; 2], degree: usize, places: Places) -> Self {
+    pub fn radial(radii: [f64; 2], degree: usize, places: NodeSet) -> Self {
         let [inner, rim] = radii;
         let disc = inner == 0.0;
         let mut line = match places {
-            Places::Quadrature | Places::Fine => gauss(2 * degree + 24),
+            NodeSet::Quadrature | NodeSet::Fine => gauss(2 * degree + 24),
             // One direction can afford more.
-            Places::Extrema => extrema(4 * degree),
+            NodeSet::Extrema => extrema(4 * degree),
         };
-        if disc && places == Places::Extrema {
+        if disc && places == NodeSet::Extrema {
             // On the axis every such mirror looks back at the camera.
             line.remove(0);
         }
@@ -160,15 +160,15 @@ impl Basis {
             let p = values(degree, t);
             let d = derivatives(&p).iter().map(|d| d * rate).collect();
             let weight = match places {
-                Places::Quadrature | Places::Fine => 2.0 * PI * at * inverse * w,
-                Places::Extrema => w,
+                NodeSet::Quadrature | NodeSet::Fine => 2.0 * PI * at * inverse * w,
+                NodeSet::Extrema => w,
             };
-            Place { at, weight, coarse, p: p.iter().map(|p| p - 1.0).collect(), d }
+            AxisNode { at, weight, coarse, p: p.iter().map(|p| p - 1.0).collect(), d }
         };
-        let fixed = Place { at: 0.0, weight: 1.0, coarse: true, p: vec![1.0], d: vec![0.0] };
+        let fixed = AxisNode { at: 0.0, weight: 1.0, coarse: true, p: vec![1.0], d: vec![0.0] };
         Self {
-            along: Table { places: line.into_iter().map(place).collect() },
-            across: Table { places: vec![fixed] },
+            along: AxisTable { places: line.into_iter().map(place).collect() },
+            across: AxisTable { places: vec![fixed] },
             terms: (1..=degree).map(|k| (k, 0)).collect(),
             levels: vec![0.0; degree],
             size_mm: rim,
@@ -227,7 +227,7 @@ impl Basis {
     }
 
     /// Value and derivatives of every unknown's function at place `k`.
-    pub fn row(&self, k: usize) -> impl Iterator<Item = Local> {
+    pub fn row(&self, k: usize) -> impl Iterator<Item = LocalValues> {
         let (a, b) = self.pair(k);
         let terms = self.terms.iter().zip(&self.levels);
         terms.map(|(&(i, j), l)| [a.p[i] * b.p[j] - l, a.d[i] * b.p[j], a.p[i] * b.d[j]])
@@ -235,7 +235,7 @@ impl Basis {
 
     /// F and its slopes at every place, from the coefficients.
     #[must_use]
-    pub fn locals(&self, coefficients: &[f64]) -> Vec<Local> {
+    pub fn locals(&self, coefficients: &[f64]) -> Vec<LocalValues> {
         let level: f64 = self.levels.iter().zip(coefficients).map(|(l, c)| l * c).sum();
         let mut locals = vec![[0.0; 3]; self.len()];
         let count = self.across.places.len();
@@ -260,7 +260,7 @@ impl Basis {
         locals
     }
 
-    fn pair(&self, k: usize) -> (&Place, &Place) {
+    fn pair(&self, k: usize) -> (&AxisNode, &AxisNode) {
         let count = self.across.places.len();
         (&self.along.places[k / count], &self.across.places[k % count])
     }
@@ -268,7 +268,7 @@ impl Basis {
 
 /// F and its slopes as variables of exact differentiation.
 #[must_use]
-pub fn variables([f, x, y]: Local) -> (Dual<3>, [Dual<3>; 2]) {
+pub fn variables([f, x, y]: LocalValues) -> (Dual<3>, [Dual<3>; 2]) {
     (Dual::variable(f, 0), [Dual::variable(x, 1), Dual::variable(y, 2)])
 }
 
@@ -284,11 +284,11 @@ mod tests {
     fn weights_sum_to_the_area() {
         let sum = |b: &Basis| (0..b.len()).map(|k| b.weight(k)).sum::<f64>();
         for even in [false, true] {
-            let area = sum(&Basis::rectangle(strip(), even, 7, Places::Quadrature));
+            let area = sum(&Basis::rectangle(strip(), even, 7, NodeSet::Quadrature));
             assert!((area - 16.0).abs() < 1e-12);
         }
         for radii in [[0.0, 2.0], [0.5, 2.0]] {
-            let area = sum(&Basis::radial(radii, 7, Places::Quadrature));
+            let area = sum(&Basis::radial(radii, 7, NodeSet::Quadrature));
             let exact = PI * (radii[1] * radii[1] - radii[0] * radii[0]);
             assert!((area - exact).abs() < 1e-12, "{area} {exact}");
         }
@@ -297,7 +297,7 @@ mod tests {
     #[test]
     fn the_mean_is_zero_over_the_part_that_is_asked_for() {
         let part = Rect { min: DVec2::new(-1.0, 1.5), max: DVec2::new(3.0, 3.0) };
-        let whole = Basis::rectangle(strip(), false, 5, Places::Quadrature);
+        let whole = Basis::rectangle(strip(), false, 5, NodeSet::Quadrature);
         let c: Vec<f64> = (0..whole.unknowns()).map(|k| 1.0 / (k + 1) as f64).collect();
         let moved = whole.clone().with_mean_zero_over(part, strip());
         // The same function less a constant: its own mean over the part, by a quadrature there.
@@ -326,14 +326,14 @@ mod tests {
     #[test]
     fn slopes_are_those_of_the_function() {
         // x^2 y on the strip in Legendre form, with u = x - 1 over 4 and v = y - 2.
-        let basis = Basis::rectangle(strip(), false, 2, Places::Extrema);
+        let basis = Basis::rectangle(strip(), false, 2, NodeSet::Extrema);
         let u2 = [1.0 + 16.0 / 3.0, 8.0, 32.0 / 3.0];
         let c: Vec<f64> = basis.terms().iter().map(|&(i, j)| u2[i] * [2.0, 1.0, 0.0][j]).collect();
         for (k, [f, x, y]) in basis.locals(&c).into_iter().enumerate() {
             let q = basis.at(k);
             assert!((f + 2.0 * u2[0] - q.x * q.x * q.y).abs() < 1e-12);
             assert!((x - 2.0 * q.x * q.y).abs() < 1e-12 && (y - q.x * q.x).abs() < 1e-12);
-            let row: Vec<Local> = basis.row(k).collect();
+            let row: Vec<LocalValues> = basis.row(k).collect();
             let by_row: f64 = row.iter().zip(&c).map(|(b, c)| b[1] * c).sum();
             assert!((by_row - x).abs() < 1e-12);
         }
@@ -342,7 +342,7 @@ mod tests {
     #[test]
     fn radial_functions_are_zero_at_the_rim_and_flat_on_the_axis() {
         for radii in [[0.0, 2.0], [0.5, 2.0]] {
-            let basis = Basis::radial(radii, 3, Places::Extrema);
+            let basis = Basis::radial(radii, 3, NodeSet::Extrema);
             let last = basis.len() - 1;
             assert!((basis.at(last).x - 2.0).abs() < 1e-15);
             assert!(basis.row(last).all(|[f, _, y]| f == 0.0 && y == 0.0));
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn coarse_places_hold_the_corners() {
         for even in [false, true] {
-            let basis = Basis::rectangle(strip(), even, 5, Places::Extrema);
+            let basis = Basis::rectangle(strip(), even, 5, NodeSet::Extrema);
             let corner = |q: DVec2| {
                 (0..basis.len()).any(|k| basis.coarse(k) && (basis.at(k) - q).length() < 1e-14)
             };

@@ -1,6 +1,6 @@
 //! Why the design stops: which quantity has no value, and where on the mirror.
 
-use super::best::SearchError;
+use super::least_curl_law::LeastCurlError;
 use super::solve::SolveError;
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{asin, degrees};
@@ -9,16 +9,16 @@ use thiserror::Error;
 
 /// What keeps a mirror from showing, at one place, what it should.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum Trouble {
+pub enum LocalFailure {
     /// The law ends before this row or radius.
     #[error("the projection's law has no direction: it ends before")]
-    Law,
+    LawUndefined,
     /// The direction that the picture should show does not meet the target plane.
     #[error(
         "the picture should show elevation {elevation_deg:.4} degrees, which never meets the target \
          plane"
     )]
-    Horizon {
+    WantedMissesPlane {
         /// The elevation, degrees.
         elevation_deg: f64,
     },
@@ -26,19 +26,19 @@ pub enum Trouble {
     #[error(
         "the mirror shows elevation {elevation_deg:.4} degrees, which never meets the target plane"
     )]
-    Missed {
+    SeenMissesPlane {
         /// The elevation, degrees.
         elevation_deg: f64,
     },
     /// The target plane lies before the mirror.
     #[error("the mirror reaches {by_mm:.4} mm past the target plane")]
-    Past {
+    PastPlane {
         /// By how much, mm.
         by_mm: f64,
     },
     /// The target cylinder is too narrow for the mirror.
     #[error("the mirror reaches {by_mm:.4} mm out of the target cylinder")]
-    Outside {
+    OutsideCylinder {
         /// By how much, mm.
         by_mm: f64,
     },
@@ -46,19 +46,19 @@ pub enum Trouble {
     #[error(
         "the mirror shows elevation {elevation_deg:.4} degrees, which the projection's law puts nowhere"
     )]
-    Nowhere {
+    NotInImage {
         /// The elevation, degrees.
         elevation_deg: f64,
     },
     /// The direction that the mirror shows has no azimuth.
     #[error("the mirror looks straight along its axis, where azimuth has no value")]
-    Axis,
+    NoAzimuth,
     /// Its slope is not a number.
     #[error("the mirror stands upright")]
-    Upright,
+    Vertical,
 }
 
-impl Trouble {
+impl LocalFailure {
     /// What is wrong at image point `q`, where the mirror has the point `at` and the slope `slope`
     /// (Z_X, Z_Y); none where nothing is.
     pub fn at(
@@ -70,11 +70,11 @@ impl Trouble {
     ) -> Option<Self> {
         let finite = |v: [f64; 2]| v.iter().all(|x| x.is_finite());
         if !(at.is_finite() && finite(slope)) {
-            return Some(Self::Upright);
+            return Some(Self::Vertical);
         }
         let wanted = view.projection.direction_of(q.to_array());
         if !finite(wanted) {
-            return Some(Self::Law);
+            return Some(Self::LawUndefined);
         }
         let from = at - DVec3::Z * view.origin_mm;
         let camera = stereographic::towards_camera(chart.view(at.to_array()));
@@ -86,20 +86,20 @@ impl Trouble {
             Target::Cylinder { radius_mm } => {
                 let by_mm = from.truncate().length() - radius_mm;
                 if !(by_mm < 0.0) {
-                    return Some(Self::Outside { by_mm });
+                    return Some(Self::OutsideCylinder { by_mm });
                 }
             }
             Target::Plane { height_mm } => {
                 let side = height_mm.signum();
                 if !(side * up(wanted) > 0.0) {
-                    return Some(Self::Horizon { elevation_deg: elevation(up(wanted)) });
+                    return Some(Self::WantedMissesPlane { elevation_deg: elevation(up(wanted)) });
                 }
                 let by_mm = side * from.z - height_mm.abs();
                 if !(by_mm < 0.0) {
-                    return Some(Self::Past { by_mm });
+                    return Some(Self::PastPlane { by_mm });
                 }
                 if finite(seen) && !(side * up(seen) > 0.0) {
-                    return Some(Self::Missed { elevation_deg: elevation(up(seen)) });
+                    return Some(Self::SeenMissesPlane { elevation_deg: elevation(up(seen)) });
                 }
             }
         }
@@ -107,20 +107,20 @@ impl Trouble {
         let shown = DVec3::from_array(stereographic::unit(
             view.target.direction_from_origin(from.to_array(), seen),
         ));
-        (!finite(content)).then_some(Self::Nowhere { elevation_deg: elevation(shown.z) })
+        (!finite(content)).then_some(Self::NotInImage { elevation_deg: elevation(shown.z) })
     }
 
     /// The same where the errors that are made small have no derivative.
     pub fn of_slopes(chart: &Chart, at: DVec3, slope: [f64; 2]) -> Option<Self> {
         let seen =
             stereographic::reflect(stereographic::towards_camera(chart.view(at.to_array())), slope);
-        (seen == [0.0; 2]).then_some(Self::Axis)
+        (seen == [0.0; 2]).then_some(Self::NoAzimuth)
     }
 }
 
 /// What a fit was made for when it stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Goal {
+pub enum FitStage {
     /// The vector field, from which all methods start.
     Field,
     /// Another method's least squares.
@@ -129,7 +129,7 @@ pub enum Goal {
     Minimax,
 }
 
-impl Goal {
+impl FitStage {
     fn name(self) -> &'static str {
         match self {
             Self::Field => "the vector field's fit",
@@ -141,40 +141,40 @@ impl Goal {
 
 /// Why there is no mirror.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum Cause {
+pub enum FailureCause {
     /// What the picture should show, or what the mirror does, has no value at a place.
-    #[error("at X {:.4} mm, Y {:.4} mm {}{trouble}", at.x, at.y, tried(*goal))]
+    #[error("at X {:.4} mm, Y {:.4} mm {}{failure}", at.x, at.y, tried(*stage))]
     At {
         /// Where, mm.
         at: DVec2,
         /// What is wrong there.
-        trouble: Trouble,
+        failure: LocalFailure,
         /// Which fit does not get on for it; none for the mirror that is the answer.
-        goal: Option<Goal>,
+        stage: Option<FitStage>,
     },
     /// The fit has no unique answer, or was not found.
-    #[error("{} of degree {degree} has no answer: {source}", goal.name())]
+    #[error("{} of degree {degree} has no answer: {source}", stage.name())]
     Fit {
         /// Degree asked for.
         degree: usize,
         /// What was to be fitted.
-        goal: Goal,
+        stage: FitStage,
         /// The solver's account.
         source: SolveError,
     },
     /// The law of least curl was not found.
     #[error("the law of least curl was not found: {0}")]
-    Law(#[from] SearchError),
+    LeastCurl(#[from] LeastCurlError),
     /// Rows or elevations of a table differ by no more than rounding.
     #[error("the rows and elevations of the table are too close to each other")]
-    Table,
+    DegenerateTable,
     /// The place of the mirror in its target surface was not found.
     #[error(
         "the place of the mirror before its target did not settle in {rounds} rounds (the last \
          moved it by {})",
         super::by(*last_step_mm, " mm")
     )]
-    Unsettled {
+    NotSelfConsistent {
         /// Rounds of solving and placing.
         rounds: usize,
         /// Last change, mm.
@@ -185,7 +185,7 @@ pub enum Cause {
         "the mirror rises so near to the pinhole that the inner rim, {inner_mm:.4} mm from the axis in \
          the image, would hide the outer one, {outer_mm:.4} mm from it"
     )]
-    Rims {
+    OccludedRim {
         /// Image radius of the inner rim, mm on the reference plane.
         inner_mm: f64,
         /// That of the outer rim, mm.
@@ -193,7 +193,7 @@ pub enum Cause {
     },
     /// The mirror would have to turn its back to the camera.
     #[error("the mirror turns its back to the camera {from_axis_mm:.3} mm from the axis")]
-    Back {
+    BackFacing {
         /// Where, mm.
         from_axis_mm: f64,
     },
@@ -202,7 +202,7 @@ pub enum Cause {
         "filling the frame takes the law beyond +-90 degrees of elevation, to {beyond:.3} of its \
          image coordinate where {most:.3} is the pole"
     )]
-    Overfilled {
+    BeyondPole {
         /// Image coordinate at the rim, paper's units.
         beyond: f64,
         /// That of the pole.
@@ -213,7 +213,7 @@ pub enum Cause {
         "filling the frame takes the law {rows:.1} rows past the horizon, where no direction meets \
          the target plane"
     )]
-    Horizon {
+    BeyondHorizon {
         /// Rows of the frame past the horizon.
         rows: f64,
     },
@@ -225,9 +225,9 @@ pub enum Cause {
     },
 }
 
-/// Which mirror a trouble is that of.
-fn tried(goal: Option<Goal>) -> String {
-    goal.map_or(String::new(), |goal| format!("{} does not get on: ", goal.name()))
+/// Which mirror a failure is that of.
+fn tried(stage: Option<FitStage>) -> String {
+    stage.map_or(String::new(), |stage| format!("{} does not get on: ", stage.name()))
 }
 
 #[cfg(test)]
@@ -241,43 +241,48 @@ mod tests {
         ImagingTask { projection: Projection::Strip(strip), target, origin_mm: 0.0, fold: None }
     }
 
-    /// The trouble of a mirror under parallel rays.
-    fn trouble(view: &ImagingTask, q: [f64; 2], at: [f64; 3], slope: [f64; 2]) -> Option<Trouble> {
+    /// The failure of a mirror under parallel rays.
+    fn failure(
+        view: &ImagingTask,
+        q: [f64; 2],
+        at: [f64; 3],
+        slope: [f64; 2],
+    ) -> Option<LocalFailure> {
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-        Trouble::at(&chart, view, DVec2::from_array(q), DVec3::from_array(at), slope)
+        LocalFailure::at(&chart, view, DVec2::from_array(q), DVec3::from_array(at), slope)
     }
 
     #[test]
-    fn each_trouble_is_told_from_the_others() {
+    fn each_failure_is_told_from_the_others() {
         let far = view(Law::EqualArea, Target::Infinity);
         let lean = [0.0, 0.5];
-        assert_eq!(trouble(&far, [0.0, 0.5], [0.0; 3], lean), None);
-        assert_eq!(trouble(&far, [0.0, 1.5], [0.0; 3], lean), Some(Trouble::Law));
-        let upright = trouble(&far, [0.0, 0.5], [0.0; 3], [f64::INFINITY, 0.0]);
-        assert_eq!(upright, Some(Trouble::Upright));
+        assert_eq!(failure(&far, [0.0, 0.5], [0.0; 3], lean), None);
+        assert_eq!(failure(&far, [0.0, 1.5], [0.0; 3], lean), Some(LocalFailure::LawUndefined));
+        let upright = failure(&far, [0.0, 0.5], [0.0; 3], [f64::INFINITY, 0.0]);
+        assert_eq!(upright, Some(LocalFailure::Vertical));
         let round = view(Law::EqualArea, Target::Cylinder { radius_mm: 10.0 });
-        let outside = trouble(&round, [0.0, 0.5], [0.0, 11.0, 0.0], lean);
-        assert_eq!(outside, Some(Trouble::Outside { by_mm: 1.0 }));
+        let outside = failure(&round, [0.0, 0.5], [0.0, 11.0, 0.0], lean);
+        assert_eq!(outside, Some(LocalFailure::OutsideCylinder { by_mm: 1.0 }));
         let below = view(Law::EqualArea, Target::Plane { height_mm: -50.0 });
-        let past = trouble(&below, [0.0, -0.5], [0.0, 0.0, -53.0], lean);
-        assert_eq!(past, Some(Trouble::Past { by_mm: 3.0 }));
+        let past = failure(&below, [0.0, -0.5], [0.0, 0.0, -53.0], lean);
+        assert_eq!(past, Some(LocalFailure::PastPlane { by_mm: 3.0 }));
         let cylindrical = view(Law::Cylindrical, Target::Infinity);
-        let nowhere = trouble(&cylindrical, [0.0, 0.5], [0.0; 3], [0.0; 2]);
-        assert_eq!(nowhere, Some(Trouble::Nowhere { elevation_deg: 90.0 }));
+        let nowhere = failure(&cylindrical, [0.0, 0.5], [0.0; 3], [0.0; 2]);
+        assert_eq!(nowhere, Some(LocalFailure::NotInImage { elevation_deg: 90.0 }));
     }
 
     #[test]
     fn elevations_that_miss_a_plane_are_told() {
         let below = view(Law::EqualArea, Target::Plane { height_mm: -50.0 });
         // This law's coordinate is the sine of the elevation.
-        let Some(Trouble::Horizon { elevation_deg }) =
-            trouble(&below, [0.0, 0.5], [0.0; 3], [0.0, 2.0])
+        let Some(LocalFailure::WantedMissesPlane { elevation_deg }) =
+            failure(&below, [0.0, 0.5], [0.0; 3], [0.0, 2.0])
         else {
             panic!("a picture of what is above the horizon");
         };
         assert!((elevation_deg - 30.0).abs() < 1e-12, "{elevation_deg}");
-        let Some(Trouble::Missed { elevation_deg }) =
-            trouble(&below, [0.0, -0.5], [0.0; 3], [0.0, 0.1])
+        let Some(LocalFailure::SeenMissesPlane { elevation_deg }) =
+            failure(&below, [0.0, -0.5], [0.0; 3], [0.0, 0.1])
         else {
             panic!("a mirror that looks up");
         };
@@ -288,7 +293,10 @@ mod tests {
     #[test]
     fn azimuth_has_no_value_along_the_axis() {
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-        assert_eq!(Trouble::of_slopes(&chart, DVec3::ZERO, [0.0; 2]), Some(Trouble::Axis));
-        assert_eq!(Trouble::of_slopes(&chart, DVec3::ZERO, [0.0, 0.5]), None);
+        assert_eq!(
+            LocalFailure::of_slopes(&chart, DVec3::ZERO, [0.0; 2]),
+            Some(LocalFailure::NoAzimuth)
+        );
+        assert_eq!(LocalFailure::of_slopes(&chart, DVec3::ZERO, [0.0, 0.5]), None);
     }
 }

@@ -25,7 +25,11 @@ pub fn along_radius(conic: &Conic, outer: f64) -> Result<Series, DesignError> {
     close(
         outer,
         sag(conic, outer * outer),
-        &Fit { line: true, even: false, f: |u, _| sag(conic, 0.5 * outer * outer * (1.0 + u)) },
+        &LegendreProjection {
+            line: true,
+            even: false,
+            f: |u, _| sag(conic, 0.5 * outer * outer * (1.0 + u)),
+        },
     )
 }
 
@@ -36,7 +40,7 @@ pub fn over_area(conic: &Conic, area: Rect) -> Result<Series, DesignError> {
     close(
         reach,
         sag(conic, reach * reach),
-        &Fit {
+        &LegendreProjection {
             line: false,
             // About the axis the conic is even, and so must its series be to the last bit.
             even: centre == DVec2::ZERO,
@@ -49,7 +53,7 @@ pub fn over_area(conic: &Conic, area: Rect) -> Result<Series, DesignError> {
 fn close(
     reach_mm: f64,
     whole: f64,
-    fit: &Fit<impl Fn(f64, f64) -> f64>,
+    fit: &LegendreProjection<impl Fn(f64, f64) -> f64>,
 ) -> Result<Series, DesignError> {
     let mut error = f64::NAN;
     for degree in DEGREES {
@@ -63,10 +67,10 @@ fn close(
 }
 
 /// A node, its weight, and the Legendre polynomials there.
-type Node = (f64, f64, Vec<f64>);
+type WeightedNode = (f64, f64, Vec<f64>);
 
 /// The projection of a function onto Legendre series.
-struct Fit<F> {
+struct LegendreProjection<F> {
     /// Whether the function is one of u alone.
     line: bool,
     /// Whether it is even in u and in v.
@@ -74,9 +78,9 @@ struct Fit<F> {
     f: F,
 }
 
-impl<F: Fn(f64, f64) -> f64> Fit<F> {
+impl<F: Fn(f64, f64) -> f64> LegendreProjection<F> {
     fn series(&self, degree: usize) -> Series {
-        let nodes = |degree: usize| -> Vec<Node> {
+        let nodes = |degree: usize| -> Vec<WeightedNode> {
             let (nodes, weights) = gauss_legendre(degree + 16);
             nodes.iter().zip(weights).map(|(&t, w)| (t, w, values(degree, t))).collect()
         };
@@ -93,7 +97,12 @@ impl<F: Fn(f64, f64) -> f64> Fit<F> {
     }
 
     /// The series of what has the values `f(v)` at the nodes along a line.
-    fn project(&self, along: &[Node], across: &[Node], f: impl Fn(f64) -> Vec<f64>) -> Series {
+    fn project(
+        &self,
+        along: &[WeightedNode],
+        across: &[WeightedNode],
+        f: impl Fn(f64) -> Vec<f64>,
+    ) -> Series {
         let (rows, columns) = (along[0].2.len(), across[0].2.len());
         // half[i][j]: along u done, across v summed up.
         let mut half = vec![0.0; rows * columns];

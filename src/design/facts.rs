@@ -1,8 +1,8 @@
 //! What a design reached, before any mesh.
 
-use super::cause::{Cause, Trouble};
-use super::layout::Plan;
-use super::solve::Fit;
+use super::cause::{FailureCause, LocalFailure};
+use super::layout::DesignProblem;
+use super::solve::LeastSquaresFit;
 use crate::geom::{DVec2, angle};
 use crate::mirror::Mirror;
 use crate::num::stats::{Summary, or_null, unless_null};
@@ -15,7 +15,7 @@ pub const SAMPLES: usize = 200;
 
 /// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Curl {
+pub struct CurlFacts {
     /// Area-weighted root mean square.
     pub rms: f64,
     /// Largest magnitude.
@@ -28,11 +28,11 @@ pub struct Curl {
 }
 
 /// The errors themselves leave the range of double precision.
-const NO_ERROR: Cause = Cause::NotFinite { what: "image error" };
+const NO_ERROR: FailureCause = FailureCause::NotFinite { what: "image error" };
 
 /// Figures of merit of a design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Facts {
+pub struct DesignFacts {
     /// Name of the method, as in the profile, or "given".
     pub method: String,
     /// Whether the largest error was made small instead of the mean square.
@@ -50,7 +50,7 @@ pub struct Facts {
     pub gradient_residual: Option<f64>,
     /// Whether an exact mirror exists.
     #[serde(serialize_with = "curl_or_null", deserialize_with = "unless_null")]
-    pub curl: Option<Curl>,
+    pub curl: Option<CurlFacts>,
     /// Angle between the direction seen and the direction wanted, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub ray_error_mrad: Option<Summary>,
@@ -60,13 +60,13 @@ pub struct Facts {
 }
 
 /// A curl with its keys, all null when there is none: readers find the keys either way.
-fn curl_or_null<S: Serializer>(curl: &Option<Curl>, serializer: S) -> Result<S::Ok, S::Error> {
+fn curl_or_null<S: Serializer>(curl: &Option<CurlFacts>, serializer: S) -> Result<S::Ok, S::Error> {
     let none = f64::NAN;
-    let none = Curl { rms: none, max: none, condition: none, rounding: none };
+    let none = CurlFacts { rms: none, max: none, condition: none, rounding: none };
     curl.unwrap_or(none).serialize(serializer)
 }
 
-impl Facts {
+impl DesignFacts {
     /// A mirror that was given, of which nothing is wanted yet.
     #[must_use]
     pub fn given(degree: usize) -> Self {
@@ -86,7 +86,12 @@ impl Facts {
 
     /// A solved mirror.
     #[must_use]
-    pub fn solved(method: &'static str, minimax: bool, degree: usize, fit: &Fit) -> Self {
+    pub fn solved(
+        method: &'static str,
+        minimax: bool,
+        degree: usize,
+        fit: &LeastSquaresFit,
+    ) -> Self {
         Self {
             method: method.into(),
             minimax,
@@ -100,13 +105,13 @@ impl Facts {
     /// The same with the errors of `mirror` against `view`.
     ///
     /// # Errors
-    /// [`Cause`] when one is not finite.
+    /// [`FailureCause`] when one is not finite.
     pub fn against(
         self,
         mirror: &Mirror,
         camera: &Camera,
         view: &ImagingTask,
-    ) -> Result<Self, Cause> {
+    ) -> Result<Self, FailureCause> {
         let (ray, pixel) = errors(mirror, camera, view)?;
         if !(ray.rms.is_finite() && pixel.rms.is_finite()) {
             return Err(NO_ERROR);
@@ -125,7 +130,7 @@ fn errors(
     mirror: &Mirror,
     camera: &Camera,
     view: &ImagingTask,
-) -> Result<(Summary, Summary), Cause> {
+) -> Result<(Summary, Summary), FailureCause> {
     let (mut rays, mut shifts) = (Vec::new(), Vec::new());
     for line in mirror.outline.samples(SAMPLES) {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
@@ -139,9 +144,9 @@ fn errors(
             let ray = angle(seen, view.direction_of(image, at));
             let shift = (DVec2::from_array(content) - image).length();
             if !(ray.is_finite() && shift.is_finite()) {
-                let trouble = Trouble::at(&camera.chart, view, image, at, slope);
-                let cause = |trouble| Cause::At { at: at.truncate(), trouble, goal: None };
-                return Err(trouble.map_or(NO_ERROR, cause));
+                let failure = LocalFailure::at(&camera.chart, view, image, at, slope);
+                let cause = |failure| FailureCause::At { at: at.truncate(), failure, stage: None };
+                return Err(failure.map_or(NO_ERROR, cause));
             }
             rays.push((ray, weight));
             shifts.push((shift, weight));
@@ -154,7 +159,7 @@ fn errors(
 /// Every so many places along and across, the curl's rounding is bounded.
 const BOUNDED: usize = 5;
 
-fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> Curl {
+fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> CurlFacts {
     let (mut square, mut area, mut worst) = (0.0, 0.0, (0.0f64, None));
     let (unit, chart) = (view.projection.scale_mm(), &camera.chart);
     let mut bounded = Vec::new();
@@ -183,7 +188,7 @@ fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> Curl {
         condition = condition.max(here);
     }
     let rms = f64::sqrt(square / area);
-    Curl {
+    CurlFacts {
         rms: unit * rms,
         max: unit * worst.0,
         condition: unit * condition,
@@ -193,7 +198,7 @@ fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> Curl {
 
 /// The integral of |grad F - s|^2 that a fit leaves, in the paper's units.
 #[must_use]
-pub fn in_paper_units(integral: f64, plan: &Plan) -> f64 {
-    let unit = plan.view.projection.scale_mm();
+pub fn in_paper_units(integral: f64, problem: &DesignProblem) -> f64 {
+    let unit = problem.view.projection.scale_mm();
     integral / (unit * unit)
 }

@@ -1,14 +1,14 @@
 //! Given mirrors: from a formula or a grid of heights to a surface, and where the camera stands.
 
 use super::conic::{along_radius, over_area, plus};
-use super::facts::Facts;
-use super::layout::{self, Plan, Ties};
-use super::{Cause, Design, DesignError, MOST_ROUNDS, finished};
+use super::facts::DesignFacts;
+use super::layout::{self, DesignProblem, SelfConsistentGeometry};
+use super::{Design, DesignError, FailureCause, MOST_ROUNDS, place_on_base};
 use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::{BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::optics::{Camera, ImagingTask};
-use crate::profile::{Layout, Polynomial, Profile, SagAxis, SagGrid, Term};
+use crate::profile::{Layout, Monomial, Polynomial, Profile, SagAxis, SagGrid};
 
 /// How far an outline may reach beyond a grid, as a share of its size: its corners are rounded.
 const ROUNDED: f64 = 1e-6;
@@ -19,10 +19,14 @@ const CUBIC: usize = 3;
 pub fn polynomial(profile: &Profile, given: &Polynomial) -> Result<Design, DesignError> {
     let outline = outline(profile)?;
     let (surface, degree) = formula(given, outline)?;
-    let odd = |by: fn(&Term) -> usize| given.terms.iter().any(|t| t.c != 0.0 && by(t) % 2 == 1);
+    let odd = |by: fn(&Monomial) -> usize| given.terms.iter().any(|t| t.c != 0.0 && by(t) % 2 == 1);
     let centred = outline.bounds().centre();
     let even = [!odd(|t| t.i) && centred.x == 0.0, !odd(|t| t.j) && centred.y == 0.0];
-    placed(profile, Mirror { surface, outline, mirror_symmetric: even, ..bare(outline) }, degree)
+    with_camera(
+        profile,
+        Mirror { surface, outline, mirror_symmetric: even, ..bare(outline) },
+        degree,
+    )
 }
 
 /// The mirror through heights on a grid.
@@ -44,9 +48,9 @@ pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
     }
     let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
     let patches = BicubicSpline::new(knots(&sag.x), knots(&sag.y), &sag.z_mm)
-        .ok_or(Cause::NotFinite { what: "sag" })?;
+        .ok_or(FailureCause::NotFinite { what: "sag" })?;
     let surface = Surface::Patches(patches);
-    placed(profile, Mirror { surface, ..bare(outline) }, CUBIC)
+    with_camera(profile, Mirror { surface, ..bare(outline) }, CUBIC)
 }
 
 /// A flat mirror, X and Y being its chart's coordinates.
@@ -73,16 +77,19 @@ fn outline(profile: &Profile) -> Result<Outline, DesignError> {
             Rect { min: -half, max: half }
         }
         Layout::Strip { .. } | Layout::Conquistador { .. } => {
-            let plan = Plan::new(profile, &Ties::new(profile))?;
-            plan.expect("strips have a projection").outline.bounds()
+            let problem = DesignProblem::new(profile, &SelfConsistentGeometry::initial(profile))?;
+            problem.expect("strips have a projection").outline.bounds()
         }
     };
-    Ok(Outline::Rect(Rect { min: layout::single(exact.min), max: layout::single(exact.max) }))
+    Ok(Outline::Rect(Rect {
+        min: layout::to_single_precision(exact.min),
+        max: layout::to_single_precision(exact.max),
+    }))
 }
 
 /// Camera and view about the mirror: the reference plane at the mean height of the mirror, of a
 /// round one at its outer rim's; the target's origin at the mean height.
-fn placed(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, DesignError> {
+fn with_camera(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, DesignError> {
     let mut camera = layout::camera(profile);
     if camera.chart.vergence != 0.0 {
         camera.chart.plane_mm = match mirror.outline {
@@ -91,10 +98,12 @@ fn placed(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, De
         };
     }
     let mean = mirror.mean_mm(&camera.chart);
-    let mut ties = Ties { origin_mm: mean, ..Ties::new(profile) };
-    ties.inner_mm = in_image(&mirror, &camera, ties.inner_mm);
-    let view = Plan::new(profile, &ties)?.map(|plan| ImagingTask { origin_mm: mean, ..plan.view });
-    finished(profile, camera, view, mirror, Facts::given(degree))
+    let mut geometry =
+        SelfConsistentGeometry { origin_mm: mean, ..SelfConsistentGeometry::initial(profile) };
+    geometry.inner_mm = in_image(&mirror, &camera, geometry.inner_mm);
+    let view = DesignProblem::new(profile, &geometry)?
+        .map(|problem| ImagingTask { origin_mm: mean, ..problem.view });
+    place_on_base(profile, camera, view, mirror, DesignFacts::given(degree))
 }
 
 /// The reference plane's height that is the mean height over its own camera's picture, mm: each
@@ -130,7 +139,7 @@ fn formula(given: &Polynomial, outline: Outline) -> Result<(Surface, usize), Des
     let terms = (!given.terms.is_empty()).then(|| legendre(&given.terms, area));
     let top = |series: &Series| series.shape().0.max(series.shape().1) - 1;
     Ok(match (given.conic, outline, terms) {
-        (None, _, None) => return Err(Cause::NotFinite { what: "sag" }.into()),
+        (None, _, None) => return Err(FailureCause::NotFinite { what: "sag" }.into()),
         (None, _, Some(series)) => {
             let degree = top(&series);
             (Surface::Tensor(sheet(series, area)), degree)
@@ -159,13 +168,13 @@ fn formula(given: &Polynomial, outline: Outline) -> Result<(Surface, usize), Des
 
 /// The terms as a series over `area`, without loss: a power of X is 1 times X so many times, and X
 /// times P_k is a sum of P_k-1, P_k and P_k+1.
-fn legendre(terms: &[Term], area: Rect) -> Series {
+fn legendre(terms: &[Monomial], area: Rect) -> Series {
     let (centre, half) = (area.centre(), 0.5 * area.size());
-    let top = |by: fn(&Term) -> usize| terms.iter().map(by).max().unwrap_or(0);
+    let top = |by: fn(&Monomial) -> usize| terms.iter().map(by).max().unwrap_or(0);
     let x = powers(top(|t| t.i), centre.x, half.x);
     let y = powers(top(|t| t.j), centre.y, half.y);
     Series::from_fn(x.len(), y.len(), |i, j| {
-        let part = |t: &Term| {
+        let part = |t: &Monomial| {
             let (x, y) = (x[t.i].get(i).unwrap_or(&0.0), y[t.j].get(j).unwrap_or(&0.0));
             t.c * x * y
         };
@@ -218,7 +227,7 @@ part = { width_mm = 60, base_mm = 5 }
 layout.annulus.inner_width_mm = 12
 ";
 
-    fn monomial(term: &Term, q: DVec2) -> f64 {
+    fn monomial(term: &Monomial, q: DVec2) -> f64 {
         let power = |x: f64, n: usize| (0..n).fold(1.0, |power, _| power * x);
         term.c * power(q.x, term.i) * power(q.y, term.j)
     }
@@ -232,10 +241,10 @@ layout.annulus.inner_width_mm = 12
         ] {
             let far = area.max.abs().max(area.min.abs());
             let pairs = (0..=40usize).flat_map(|i| (0..=40 - i).map(move |j| (i, j)));
-            let terms: Vec<Term> = pairs
+            let terms: Vec<Monomial> = pairs
                 .map(|(i, j)| {
-                    let size = monomial(&Term { i, j, c: 1.0 }, far);
-                    Term { i, j, c: r.inside([-1.0, 1.0]) / size }
+                    let size = monomial(&Monomial { i, j, c: 1.0 }, far);
+                    Monomial { i, j, c: r.inside([-1.0, 1.0]) / size }
                 })
                 .collect();
             for terms in [&terms[..], &terms[terms.len() - 1..], &terms[40..41]] {
@@ -264,7 +273,7 @@ layout.annulus.inner_width_mm = 12
                     let given =
                         profile(&format!("{layout}mirror.polynomial = {{ {shape}{both}{terms} }}"));
                     let design = design(&given, None).unwrap();
-                    let crate::profile::Shape::Polynomial(polynomial) = &given.shape else {
+                    let crate::profile::ShapeSpec::Polynomial(polynomial) = &given.shape else {
                         panic!()
                     };
                     let conic = polynomial.conic.unwrap();

@@ -1,17 +1,17 @@
 //! Layouts: where the image, the panel and the domain of the fit lie in the part.
 
-use super::Cause;
-use super::strip::{self, Panel};
+use super::FailureCause;
+use super::strip::{self, StripPanel};
 use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
-use crate::optics::{Camera, Fold, ImagingTask, Law, Projection, Rims, Target};
-use crate::profile::{self, Layout, PanelSource, Profile, RadialLaw, RadialProjection, Ridge};
+use crate::optics::{Camera, Fold, ImagingTask, Law, Projection, RimConditions, Target};
+use crate::profile::{self, Layout, PanelSource, Profile, RadialLawKind, RadialSpec, Ridge};
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct DesignProblem {
     /// The camera.
     pub camera: Camera,
     /// What the designed panel must show.
@@ -23,24 +23,24 @@ pub struct Plan {
     pub domain: Outline,
     /// The panel of a `section`, mm, over which the mean of the logarithmic height is zero; of other
     /// strips that is the domain.
-    pub cut: Option<Rect>,
+    pub section: Option<Rect>,
     /// Whether problem and panel are symmetric in x and in y.
-    pub even: [bool; 2],
+    pub mirror_symmetric: [bool; 2],
 }
 
 /// What the geometry of a round mirror takes from the answer: found by repetition.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ties {
+pub struct SelfConsistentGeometry {
     /// Image radius of the inner rim, mm.
     pub inner_mm: f64,
     /// Z of the target's origin, mm.
     pub origin_mm: f64,
 }
 
-impl Ties {
+impl SelfConsistentGeometry {
     /// The first guess.
     #[must_use]
-    pub fn new(profile: &Profile) -> Self {
+    pub fn initial(profile: &Profile) -> Self {
         let inner_mm = match profile.layout {
             Layout::Annulus { inner_width_mm } => 0.5 * inner_width_mm,
             _ => 0.0,
@@ -51,14 +51,14 @@ impl Ties {
     /// What they are for the mirror that was found: the inner rim has its radius in space, and the
     /// area-mean of the height sits at the target's origin (docs/theory.md, T14).
     #[must_use]
-    pub fn after(&self, profile: &Profile, plan: &Plan, mirror: &Mirror) -> Self {
-        let Outline::Ring { inner, outer } = plan.domain else { return *self };
-        let wanted = Self::new(profile).inner_mm;
+    pub fn updated(&self, profile: &Profile, problem: &DesignProblem, mirror: &Mirror) -> Self {
+        let Outline::Ring { inner, outer } = problem.domain else { return *self };
+        let wanted = Self::initial(profile).inner_mm;
         let rim =
             mirror.position(DVec2::new(inner, 0.0), &mirror.surface.at(DVec2::new(inner, 0.0)));
         let inner_mm = if wanted == 0.0 { 0.0 } else { wanted * inner / rim.x };
         let far =
-            |projection: &profile::Projection| projection.target() == profile::Target::Infinity;
+            |projection: &profile::ProjectionSpec| projection.target() == profile::Target::Infinity;
         if profile.projection.as_ref().is_none_or(far) {
             return Self { inner_mm, ..*self };
         }
@@ -70,7 +70,7 @@ impl Ties {
             sum += w * r * mirror.surface.at(DVec2::new(r, 0.0)).f;
             area += w * r;
         }
-        Self { inner_mm, origin_mm: plan.camera.chart.point(DVec2::ZERO, sum / area).z }
+        Self { inner_mm, origin_mm: problem.camera.chart.point(DVec2::ZERO, sum / area).z }
     }
 
     /// Both, mm.
@@ -91,40 +91,43 @@ impl Ties {
 pub fn camera(profile: &Profile) -> Camera {
     let chart = |vergence| Chart { vergence, plane_mm: 0.0 };
     match profile.camera {
-        profile::Camera::Orthographic { pixels } => {
+        profile::CameraModel::Orthographic { pixels } => {
             let pixel_mm = profile.part.width_mm / f64::from(pixels[0]);
             Camera { pixels, pixel_mm, chart: chart(0.0) }
         }
-        profile::Camera::Pinhole { pixels, focal_px, distance_mm } => {
+        profile::CameraModel::Pinhole { pixels, focal_px, distance_mm } => {
             let pixel_mm = distance_mm / focal_px;
             Camera { pixels, pixel_mm, chart: chart(1.0 / distance_mm) }
         }
     }
 }
 
-impl Plan {
+impl DesignProblem {
     /// Lays out `profile`, if it has a projection.
     ///
     /// # Errors
-    /// [`Cause`] when a law that is to be found cannot be.
-    pub fn new(profile: &Profile, ties: &Ties) -> Result<Option<Self>, Cause> {
+    /// [`FailureCause`] when a law that is to be found cannot be.
+    pub fn new(
+        profile: &Profile,
+        geometry: &SelfConsistentGeometry,
+    ) -> Result<Option<Self>, FailureCause> {
         let camera = camera(profile);
         match &profile.projection {
             None => Ok(None),
-            Some(profile::Projection::Strip(wanted)) => {
+            Some(profile::ProjectionSpec::Strip(wanted)) => {
                 Self::strip(profile, wanted, camera).map(Some)
             }
-            Some(profile::Projection::Radial(wanted)) => {
-                Ok(Some(Self::round(profile, wanted, camera, ties)))
+            Some(profile::ProjectionSpec::Radial(wanted)) => {
+                Ok(Some(Self::round(profile, wanted, camera, geometry)))
             }
         }
     }
 
     /// Whether the inner rim of a ring comes to lie outside the outer one.
-    pub fn hidden_rim(&self) -> Option<Cause> {
+    pub fn occluded_rim(&self) -> Option<FailureCause> {
         match self.domain {
             Outline::Ring { inner, outer } if !(inner < outer) => {
-                Some(Cause::Rims { inner_mm: inner, outer_mm: outer })
+                Some(FailureCause::OccludedRim { inner_mm: inner, outer_mm: outer })
             }
             _ => None,
         }
@@ -132,9 +135,9 @@ impl Plan {
 
     fn strip(
         profile: &Profile,
-        wanted: &profile::StripProjection,
+        wanted: &profile::StripSpec,
         camera: Camera,
-    ) -> Result<Self, Cause> {
+    ) -> Result<Self, FailureCause> {
         let width = profile.part.width_mm;
         let frame_height = camera.pixel_mm * f64::from(camera.pixels[1]);
         let [first, last] = wanted.azimuth_deg;
@@ -155,13 +158,13 @@ impl Plan {
             _ => (None, 0.5),
         };
         let azimuth = radians(middle_deg);
-        let panel = Panel { camera: &camera, target, scale_mm, azimuth, across, below };
+        let panel = StripPanel { camera: &camera, target, scale_mm, azimuth, across, below };
         let filling = fill_frame.then_some(frame_height / panels);
-        let (law, z) = strip::law(wanted, &panel, filling.map(|height| height / scale_mm))?;
+        let (law, z) = strip::strip_law(wanted, &panel, filling.map(|height| height / scale_mm))?;
         let z_middle = 0.5 * (z[0] + z[1]);
         let height = filling.unwrap_or((z[1] - z[0]) * scale_mm);
         if fill_frame {
-            filled(&law, target, z, scale_mm / camera.pixel_mm)?;
+            check_frame_filled(&law, target, z, scale_mm / camera.pixel_mm)?;
         }
 
         let below = below * height;
@@ -189,31 +192,36 @@ impl Plan {
             camera,
             view: ImagingTask { projection, target, origin_mm: 0.0, fold },
             outline: Outline::Rect(if camera.chart.vergence == 0.0 {
-                Rect { min: single(exact.min), max: single(exact.max) }
+                Rect { min: to_single_precision(exact.min), max: to_single_precision(exact.max) }
             } else {
                 exact
             }),
             domain: Outline::Rect(domain),
-            cut: (widening != DVec2::ONE).then_some(exact),
+            section: (widening != DVec2::ONE).then_some(exact),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
-            even: [middle_deg % 180.0 == 0.0, false],
+            mirror_symmetric: [middle_deg % 180.0 == 0.0, false],
         })
     }
 
-    fn round(profile: &Profile, wanted: &RadialProjection, camera: Camera, ties: &Ties) -> Self {
-        let radius = [ties.inner_mm, 0.5 * profile.part.width_mm];
+    fn round(
+        profile: &Profile,
+        wanted: &RadialSpec,
+        camera: Camera,
+        geometry: &SelfConsistentGeometry,
+    ) -> Self {
+        let radius = [geometry.inner_mm, 0.5 * profile.part.width_mm];
         let psi = [wanted.inner_polar_deg.unwrap_or(0.0), wanted.outer_polar_deg].map(radians);
-        let rims = Rims { radius, psi, vergence: camera.chart.vergence };
+        let rims = RimConditions { radius, psi, vergence: camera.chart.vergence };
         let law = match wanted.law {
-            RadialLaw::Parabolic => rims.parabolic(),
-            RadialLaw::Hyperbolic => rims.hyperbolic(),
-            RadialLaw::Conical => rims.conical(),
-            RadialLaw::Equiangular => rims.equiangular(),
-            RadialLaw::TangentProportional => rims.tangent_proportional(),
-            RadialLaw::AreaProportional => rims.area_proportional(),
-            RadialLaw::Plane => rims.plane(),
-            RadialLaw::EquiAreal => rims.equi_areal(),
-            RadialLaw::Cylinder => rims.cylinder(),
+            RadialLawKind::Parabolic => rims.parabolic(),
+            RadialLawKind::Hyperbolic => rims.hyperbolic(),
+            RadialLawKind::Conical => rims.conical(),
+            RadialLawKind::Equiangular => rims.equiangular(),
+            RadialLawKind::TangentProportional => rims.tangent_proportional(),
+            RadialLawKind::AreaProportional => rims.area_proportional(),
+            RadialLawKind::Plane => rims.plane(),
+            RadialLawKind::EquiAreal => rims.equi_areal(),
+            RadialLawKind::Cylinder => rims.cylinder(),
         };
         let projection = Projection::Radial { law, radius };
         let outline = Outline::Ring { inner: radius[0], outer: radius[1] };
@@ -222,13 +230,13 @@ impl Plan {
             view: ImagingTask {
                 projection,
                 target: target(wanted.target),
-                origin_mm: ties.origin_mm,
+                origin_mm: geometry.origin_mm,
                 fold: None,
             },
             outline,
             domain: outline,
-            cut: None,
-            even: [true; 2],
+            section: None,
+            mirror_symmetric: [true; 2],
         }
     }
 }
@@ -237,22 +245,27 @@ impl Plan {
 /// each unit of them, shows something everywhere.
 ///
 /// # Errors
-/// [`Cause::Overfilled`] or [`Cause::Horizon`] when it does not.
-fn filled(law: &Law, target: Target, z: [f64; 2], rows: f64) -> Result<(), Cause> {
+/// [`FailureCause::BeyondPole`] or [`FailureCause::BeyondHorizon`] when it does not.
+fn check_frame_filled(
+    law: &Law,
+    target: Target,
+    z: [f64; 2],
+    rows: f64,
+) -> Result<(), FailureCause> {
     let beyond = z[1].max(-z[0]);
-    if let Some(most) = law.reach()
+    if let Some(most) = law.pole_coordinate()
         && beyond >= most
     {
-        return Err(Cause::Overfilled { beyond, most });
+        return Err(FailureCause::BeyondPole { beyond, most });
     }
     // Isometric latitude 0.
-    let horizon = law.coordinate(1.0);
+    let horizon = law.image_coordinate(1.0);
     let past = match target {
         Target::Plane { height_mm } if height_mm > 0.0 => horizon - z[0],
         Target::Plane { .. } => z[1] - horizon,
         _ => return Ok(()),
     };
-    if past >= 0.0 { Err(Cause::Horizon { rows: past * rows }) } else { Ok(()) }
+    if past >= 0.0 { Err(FailureCause::BeyondHorizon { rows: past * rows }) } else { Ok(()) }
 }
 
 fn target(target: profile::Target) -> Target {
@@ -264,6 +277,6 @@ fn target(target: profile::Target) -> Target {
 }
 
 /// The nearest single-precision numbers.
-pub fn single(p: DVec2) -> DVec2 {
+pub fn to_single_precision(p: DVec2) -> DVec2 {
     p.as_vec2().as_dvec2()
 }

@@ -7,9 +7,9 @@
 //! at the answer; of the problem itself where that is linear). Begins with the coarse places and
 //! takes in those of the others that come near the limit.
 
-use super::barrier::{Cholesky, Panels, Root, root};
-use super::basis::{Basis, Local};
-use super::solve::{Residual, Sample, SolveError, linearised, scale};
+use super::barrier_hessian::{Cholesky, CholeskyRoot, ColumnBlocks, root};
+use super::basis::{Basis, LocalValues};
+use super::solve::{PointwiseResidual, ResidualSample, SolveError, linearised, scale};
 use crate::num::log;
 use crate::num::streaming_qr::{StreamingQr, dot};
 
@@ -32,7 +32,7 @@ const STAGES: usize = 20;
 
 /// A mirror with the smallest worst residual.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Minimax {
+pub struct MinimaxFit {
     /// Coefficients of the basis' functions, mm.
     pub coefficients: Vec<f64>,
     /// Largest |r| over the basis' places.
@@ -51,29 +51,29 @@ pub struct Minimax {
 /// or the search stalls.
 pub fn minimax<const N: usize>(
     basis: &Basis,
-    residual: &impl Residual<N>,
+    residual: &impl PointwiseResidual<N>,
     start: &[f64],
-) -> Result<Minimax, SolveError> {
+) -> Result<MinimaxFit, SolveError> {
     let locals = basis.locals(start);
-    let samples = Sample::all(basis, residual, &locals);
+    let samples = ResidualSample::all(basis, residual, &locals);
     let worst = largest(&samples);
     if !worst.is_finite() {
         return Err(SolveError::Undefined { steps: 0, coefficients: start.to_vec() });
     }
     let rounding = 1e-12 * scale(&samples, &locals);
     if worst <= rounding {
-        return Ok(Minimax { coefficients: start.to_vec(), worst, bound: 0.0, steps: 0 });
+        return Ok(MinimaxFit { coefficients: start.to_vec(), worst, bound: 0.0, steps: 0 });
     }
     let active: Vec<usize> = (0..basis.len()).filter(|&k| basis.coarse(k)).collect();
     let even: Vec<_> = active.iter().map(|&k| (k, 1.0, samples[k])).collect();
     let metric = linearised(basis, &even);
     metric.solve()?;
-    let mut search = Search {
+    let mut search = BarrierSearch {
         basis,
         residual,
         metric,
         coefficients: start.to_vec(),
-        panels: Panels::new(basis.unknowns()),
+        blocks: ColumnBlocks::new(basis.unknowns()),
         active: Vec::new(),
         locals: Vec::new(),
         samples: Vec::new(),
@@ -94,7 +94,7 @@ pub fn minimax<const N: usize>(
         let count = search.active.len() as f64;
         let gap = count / (pressure * search.limit);
         let locals = basis.locals(&search.coefficients);
-        let samples = Sample::all(basis, residual, &locals);
+        let samples = ResidualSample::all(basis, residual, &locals);
         let worst = largest(&samples);
         let seen = largest(&search.samples);
         let met = gap <= GAP && worst <= seen * (1.0 + 0.5 * GAP);
@@ -103,7 +103,7 @@ pub fn minimax<const N: usize>(
             // Short of the barrier's least, where its weights prove nothing, it is searched on.
             if bound >= (1.0 - PROOF) * worst || worst <= rounding {
                 let (coefficients, steps) = (search.coefficients, search.steps);
-                return Ok(Minimax { coefficients, worst, bound, steps });
+                return Ok(MinimaxFit { coefficients, worst, bound, steps });
             }
         }
         let mut inside = vec![false; basis.len()];
@@ -123,27 +123,25 @@ pub fn minimax<const N: usize>(
     Err(SolveError::NotConverged { steps: search.steps, last_step_mm: search.last_step_mm })
 }
 
-fn largest<const N: usize>(samples: &[Sample<N>]) -> f64 {
+fn largest<const N: usize>(samples: &[ResidualSample<N>]) -> f64 {
     // A NaN must not lose against a number.
-    let square = samples.iter().map(Sample::square).fold(
-        0.0,
-        |most: f64, s| {
-            if s <= most { most } else { s }
-        },
-    );
+    let square = samples
+        .iter()
+        .map(ResidualSample::square)
+        .fold(0.0, |most: f64, s| if s <= most { most } else { s });
     f64::sqrt(square)
 }
 
-struct Search<'a, R, const N: usize> {
+struct BarrierSearch<'a, R, const N: usize> {
     basis: &'a Basis,
     residual: &'a R,
     /// Coordinates of the search: the coefficients times this triangle.
     metric: StreamingQr,
     coefficients: Vec<f64>,
-    panels: Panels,
+    blocks: ColumnBlocks,
     active: Vec<usize>,
-    locals: Vec<Local>,
-    samples: Vec<Sample<N>>,
+    locals: Vec<LocalValues>,
+    samples: Vec<ResidualSample<N>>,
     /// t.
     limit: f64,
     steps: usize,
@@ -151,21 +149,21 @@ struct Search<'a, R, const N: usize> {
 }
 
 /// Newton's step with its model of the slacks along it: s0 + a s1 + a^2 s2.
-struct Step {
+struct NewtonStep {
     change: Vec<f64>,
-    locals: Vec<Local>,
+    locals: Vec<LocalValues>,
     limit: f64,
     decrement: f64,
     slacks: Vec<[f64; 3]>,
 }
 
-impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
-    fn slack(&self, s: &Sample<N>) -> f64 {
+impl<R: PointwiseResidual<N>, const N: usize> BarrierSearch<'_, R, N> {
+    fn slack(&self, s: &ResidualSample<N>) -> f64 {
         self.limit * self.limit - s.square()
     }
 
     /// Takes places in.
-    fn join(&mut self, places: &[usize], locals: &[Local], samples: &[Sample<N>]) {
+    fn join(&mut self, places: &[usize], locals: &[LocalValues], samples: &[ResidualSample<N>]) {
         // All local values from the same sum, also those of the places already in.
         self.active.extend(places);
         self.locals = self.active.iter().map(|&k| locals[k]).collect();
@@ -176,7 +174,7 @@ impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
             for row in &mut rows {
                 self.metric.forward(row);
             }
-            self.panels.push([&rows[0], &rows[1], &rows[2]]);
+            self.blocks.push([&rows[0], &rows[1], &rows[2]]);
         }
     }
 
@@ -192,15 +190,18 @@ impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
         }
     }
 
-    fn newton(&self, pressure: f64) -> Step {
+    fn newton(&self, pressure: f64) -> NewtonStep {
         let t = self.limit;
         let count = self.samples.len();
-        let (mut roots, mut slopes, mut mixed): (Vec<Root>, Vec<Local>, Vec<Local>) =
-            (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut roots, mut slopes, mut mixed): (
+            Vec<CholeskyRoot>,
+            Vec<LocalValues>,
+            Vec<LocalValues>,
+        ) = (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
         let (mut slope_t, mut curve_t) = (pressure, 0.0);
         for s in &self.samples {
             let per = 1.0 / self.slack(s);
-            let back: Local =
+            let back: LocalValues =
                 std::array::from_fn(|c| (0..N).map(|k| s.by[k][c] * s.r[k]).sum::<f64>());
             let bend = |a: usize, b: usize| {
                 let plain: f64 = (0..N).map(|k| s.by[k][a] * s.by[k][b]).sum();
@@ -212,8 +213,8 @@ impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
             slope_t -= 2.0 * t * per;
             curve_t += 4.0 * t * t * per * per - 2.0 * per;
         }
-        let factor = Cholesky::new(self.panels.curvature(&roots));
-        let (slope, border) = (self.panels.gather(&slopes), self.panels.gather(&mixed));
+        let factor = Cholesky::new(self.blocks.curvature(&roots));
+        let (slope, border) = (self.blocks.gather(&slopes), self.blocks.gather(&mixed));
         let (mut y, mut z) = (slope.clone(), border.clone());
         factor.solve(&mut y);
         factor.solve(&mut z);
@@ -221,7 +222,7 @@ impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
         let limit = (dot(&border, &y) - slope_t) / schur;
         let change: Vec<f64> = y.iter().zip(&z).map(|(y, z)| -y - z * limit).collect();
         let decrement = -(dot(&slope, &change) + slope_t * limit);
-        let locals = self.panels.apply(&change);
+        let locals = self.blocks.apply(&change);
         let slacks = self
             .samples
             .iter()
@@ -235,25 +236,25 @@ impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
                 [self.slack(s), first, second]
             })
             .collect();
-        Step { change, locals, limit, decrement, slacks }
+        NewtonStep { change, locals, limit, decrement, slacks }
     }
 
     /// Goes along the step as far as the barrier falls, first by the model, then in truth.
-    fn advance(&mut self, step: &Step, pressure: f64) -> bool {
+    fn advance(&mut self, step: &NewtonStep, pressure: f64) -> bool {
         let mut share = step.share(pressure);
         for _ in 0..30 {
             let limit = self.limit + share * step.limit;
-            let locals: Vec<Local> = self
+            let locals: Vec<LocalValues> = self
                 .locals
                 .iter()
                 .zip(&step.locals)
                 .map(|(l, d)| std::array::from_fn(|c| l[c] + share * d[c]))
                 .collect();
-            let samples: Vec<Sample<N>> = self
+            let samples: Vec<ResidualSample<N>> = self
                 .active
                 .iter()
                 .zip(&locals)
-                .map(|(&k, &l)| Sample::new(self.residual, self.basis.at(k), l))
+                .map(|(&k, &l)| ResidualSample::new(self.residual, self.basis.at(k), l))
                 .collect();
             let mut rise = pressure * share * step.limit;
             for (s, before) in samples.iter().zip(&step.slacks) {
@@ -289,7 +290,7 @@ impl<R: Residual<N>, const N: usize> Search<'_, R, N> {
     }
 }
 
-impl Step {
+impl NewtonStep {
     /// The share of the step at which the model of the barrier is least.
     fn share(&self, pressure: f64) -> f64 {
         let slope = |a: f64| -> Option<f64> {
@@ -325,24 +326,26 @@ impl Step {
 
 #[cfg(test)]
 mod tests {
-    use super::super::basis::Places;
-    use super::super::solve::{Options, solve};
+    use super::super::basis::NodeSet;
+    use super::super::solve::{SolverOptions, solve};
     use super::*;
     use crate::geom::DVec2;
     use crate::num::Scalar;
 
     /// F' = (r - 2)^power.
-    struct Power(i32);
-    impl Residual<1> for Power {
+    struct ShiftedPower(i32);
+    impl PointwiseResidual<1> for ShiftedPower {
         fn at<S: Scalar>(&self, q: DVec2, _: S, [x, _]: [S; 2]) -> [S; 1] {
             [x - (0..self.0).fold(1.0, |p, _| p * (q.x - 2.0))]
         }
     }
 
-    fn fitted(power: i32, degree: usize) -> Minimax {
+    fn fitted(power: i32, degree: usize) -> MinimaxFit {
         let basis = |places| Basis::radial([1.0, 3.0], degree, places);
-        let fit = solve(&basis(Places::Quadrature), &Power(power), &Options::default()).unwrap();
-        minimax(&basis(Places::Extrema), &Power(power), &fit.coefficients).unwrap()
+        let fit =
+            solve(&basis(NodeSet::Quadrature), &ShiftedPower(power), &SolverOptions::default())
+                .unwrap();
+        minimax(&basis(NodeSet::Extrema), &ShiftedPower(power), &fit.coefficients).unwrap()
     }
 
     #[test]
@@ -363,8 +366,8 @@ mod tests {
         assert!(found.steps == 0 && found.worst < 1e-14);
     }
 
-    struct Broken;
-    impl Residual<1> for Broken {
+    struct SlopeRoot;
+    impl PointwiseResidual<1> for SlopeRoot {
         fn at<S: Scalar>(&self, _: DVec2, _: S, [x, _]: [S; 2]) -> [S; 1] {
             [(x - 1.0).sqrt()]
         }
@@ -372,8 +375,8 @@ mod tests {
 
     #[test]
     fn a_residual_that_is_no_number_fails() {
-        let basis = Basis::radial([0.0, 3.0], 4, Places::Extrema);
-        let error = minimax(&basis, &Broken, &[0.0; 4]).unwrap_err();
+        let basis = Basis::radial([0.0, 3.0], 4, NodeSet::Extrema);
+        let error = minimax(&basis, &SlopeRoot, &[0.0; 4]).unwrap_err();
         assert!(matches!(error, SolveError::Undefined { steps: 0, .. }));
     }
 }

@@ -1,41 +1,41 @@
 //! The design stage: `Profile` -> `Mirror`, with what the design can and cannot do.
 
-mod barrier;
+mod anderson;
+mod barrier_hessian;
 mod basis;
-mod best;
+mod border;
 mod broyden;
 mod cause;
 mod conic;
-mod facing;
 mod facts;
 mod given;
 mod heights;
 mod layout;
+mod least_curl_law;
 mod minimax;
-mod mixing;
 mod mounting;
+#[cfg(test)]
+mod paper_mirrors;
 mod remedy;
 mod residual;
 mod solve;
-mod stock;
 mod strip;
 mod surface;
-#[cfg(test)]
-mod trial;
+mod visibility;
 
-pub use best::SearchError;
-pub use cause::{Cause, Goal, Trouble};
-pub use facts::{Curl, Facts};
+pub use cause::{FailureCause, FitStage, LocalFailure};
+pub use facts::{CurlFacts, DesignFacts};
+pub use least_curl_law::LeastCurlError;
 pub use mounting::Mounting;
-pub use remedy::{Change, MOST_TRIALS, Remedy, Value};
+pub use remedy::{KeyChange, KeyValue, MOST_TRIALS, Remedy};
 pub use solve::SolveError;
 
 use crate::geom::{Border, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
-use crate::profile::{Method, Profile, SagGrid, Shape};
+use crate::profile::{Method, Profile, SagGrid, ShapeSpec};
 use broyden::Broyden;
-use layout::{Plan, Ties};
+use layout::{DesignProblem, SelfConsistentGeometry};
 use thiserror::Error;
 
 /// A mirror, designed or given, with the picture it is meant to give and the camera that takes it.
@@ -48,25 +48,25 @@ pub struct Design {
     /// The camera.
     pub camera: Camera,
     /// What the part has around the mirror.
-    pub stock: Option<Border>,
+    pub border: Option<Border>,
     /// Where camera and target are, and how large the part is.
     pub mounting: Mounting,
     /// Figures of merit.
-    pub facts: Facts,
+    pub facts: DesignFacts,
 }
 
 impl Design {
     /// Volume of the part, mm^3, with true circles where a mesh has polygons.
     #[must_use]
     pub fn volume(&self) -> f64 {
-        let around = self.stock.as_ref().map(|stock| stock.volume(self.mirror.footprint()));
+        let around = self.border.as_ref().map(|border| border.volume(self.mirror.footprint()));
         self.mirror.volume() + around.unwrap_or(0.0)
     }
 
     /// How many holes go through the part.
     #[must_use]
     pub fn holes(&self) -> usize {
-        self.stock.as_ref().map_or(0, |stock| stock.through().count())
+        self.border.as_ref().map_or(0, |border| border.through().count())
     }
 }
 
@@ -77,7 +77,7 @@ pub enum DesignError {
     #[error("{cause}; {remedy}")]
     Unsolved {
         /// Why.
-        cause: Cause,
+        cause: FailureCause,
         /// What helps.
         remedy: Remedy,
     },
@@ -124,8 +124,8 @@ pub enum DesignError {
     },
 }
 
-impl From<Cause> for DesignError {
-    fn from(cause: Cause) -> Self {
+impl From<FailureCause> for DesignError {
+    fn from(cause: FailureCause) -> Self {
         Self::Unsolved { cause, remedy: Remedy::default() }
     }
 }
@@ -142,13 +142,13 @@ fn by(step: f64, unit: &str) -> String {
 const MOST_ROUNDS: usize = 100;
 
 /// Designs the mirror that `profile` asks for, or makes the one that it gives; `sag` is the content
-/// of the file that a [`Shape::Grid`] names.
+/// of the file that a [`ShapeSpec::Grid`] names.
 ///
 /// # Errors
 /// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
 /// represented or does not cover its outline.
 pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
-    designed(profile, sag).map_err(|error| match error {
+    try_design(profile, sag).map_err(|error| match error {
         DesignError::Unsolved { cause, .. } => {
             let remedy = remedy::remedy(profile, sag, &cause);
             DesignError::Unsolved { cause, remedy }
@@ -158,14 +158,14 @@ pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, Design
 }
 
 /// [`design`] without a search for what helps.
-fn designed(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
+fn try_design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
     match &profile.shape {
-        Shape::Designed(method) => {
-            let (plan, mirror, facts) = settled(profile, method)?;
-            finished(profile, plan.camera, Some(plan.view), mirror, facts)
+        ShapeSpec::Designed(method) => {
+            let (problem, mirror, facts) = solve_self_consistently(profile, method)?;
+            place_on_base(profile, problem.camera, Some(problem.view), mirror, facts)
         }
-        Shape::Polynomial(polynomial) => given::polynomial(profile, polynomial),
-        Shape::Grid { file } => {
+        ShapeSpec::Polynomial(polynomial) => given::polynomial(profile, polynomial),
+        ShapeSpec::Grid { file } => {
             let sag = sag.ok_or_else(|| DesignError::NoGrid { file: file.clone() })?;
             given::grid(profile, sag)
         }
@@ -175,56 +175,63 @@ fn designed(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignEr
 /// Solves until the geometry that depends on the answer does not change any more. Repeating alone
 /// runs away before near targets; Broyden's method learns from the last round how the answer
 /// follows the geometry.
-fn settled(profile: &Profile, method: &Method) -> Result<(Plan, Mirror, Facts), Cause> {
-    let mut ties = guess(profile, method)?;
+fn solve_self_consistently(
+    profile: &Profile,
+    method: &Method,
+) -> Result<(DesignProblem, Mirror, DesignFacts), FailureCause> {
+    let mut geometry = initial_geometry(profile, method)?;
     let mut last_step_mm = f64::NAN;
     let mut learnt = Broyden::new(0.05 * profile.part.width_mm);
     for round in 1..=MOST_ROUNDS {
-        let plan = Plan::new(profile, &ties)?.expect("a designed mirror has a projection");
-        let (mirror, facts) =
-            surface::solved(&plan, method).map_err(|cause| plan.hidden_rim().unwrap_or(cause))?;
-        let found = ties.after(profile, &plan, &mirror);
-        last_step_mm = found.distance(&ties);
+        let problem =
+            DesignProblem::new(profile, &geometry)?.expect("a designed mirror has a projection");
+        let (mirror, facts) = surface::solved(&problem, method)
+            .map_err(|cause| problem.occluded_rim().unwrap_or(cause))?;
+        let found = geometry.updated(profile, &problem, &mirror);
+        last_step_mm = found.distance(&geometry);
         if last_step_mm <= 1e-13 * profile.part.width_mm {
-            return Ok((plan, mirror, facts));
+            return Ok((problem, mirror, facts));
         }
         if !last_step_mm.is_finite() {
-            return Err(Cause::Unsettled { rounds: round, last_step_mm });
+            return Err(FailureCause::NotSelfConsistent { rounds: round, last_step_mm });
         }
-        let [inner_mm, origin_mm] = learnt.next(ties.to_array(), found.to_array());
-        ties = Ties { inner_mm, origin_mm };
+        let [inner_mm, origin_mm] = learnt.next(geometry.to_array(), found.to_array());
+        geometry = SelfConsistentGeometry { inner_mm, origin_mm };
     }
-    Err(Cause::Unsettled { rounds: MOST_ROUNDS, last_step_mm })
+    Err(FailureCause::NotSelfConsistent { rounds: MOST_ROUNDS, last_step_mm })
 }
 
 /// The geometry of the mirror for a target at infinity, which is near that for any other.
-fn guess(profile: &Profile, method: &Method) -> Result<Ties, Cause> {
-    let ties = Ties::new(profile);
-    let Some(mut plan) = Plan::new(profile, &ties)? else { return Ok(ties) };
-    let ring = matches!(plan.domain, Outline::Ring { .. });
-    if !ring || plan.view.target == Target::Infinity {
-        return Ok(ties);
+fn initial_geometry(
+    profile: &Profile,
+    method: &Method,
+) -> Result<SelfConsistentGeometry, FailureCause> {
+    let geometry = SelfConsistentGeometry::initial(profile);
+    let Some(mut problem) = DesignProblem::new(profile, &geometry)? else { return Ok(geometry) };
+    let ring = matches!(problem.domain, Outline::Ring { .. });
+    if !ring || problem.view.target == Target::Infinity {
+        return Ok(geometry);
     }
-    plan.view.target = Target::Infinity;
-    let (mirror, _) = surface::solved(&plan, method)?;
-    Ok(ties.after(profile, &plan, &mirror))
+    problem.view.target = Target::Infinity;
+    let (mirror, _) = surface::solved(&problem, method)?;
+    Ok(geometry.updated(profile, &problem, &mirror))
 }
 
 /// Puts the part on its base and measures the design.
-fn finished(
+fn place_on_base(
     profile: &Profile,
     mut camera: Camera,
     mut view: Option<ImagingTask>,
     mut mirror: Mirror,
-    facts: Facts,
+    facts: DesignFacts,
 ) -> Result<Design, DesignError> {
-    let [lowest, highest] = heights::heights(&mirror);
-    let lift = profile.part.base_mm - lowest;
+    let [min_height, max_height] = heights::height_range(&mirror);
+    let lift = profile.part.base_mm - min_height;
     if !lift.is_finite() {
-        return Err(Cause::NotFinite { what: "sag" }.into());
+        return Err(FailureCause::NotFinite { what: "sag" }.into());
     }
-    if let Some(at) = facing::back(&mirror, &camera) {
-        return Err(Cause::Back { from_axis_mm: at.length() }.into());
+    if let Some(at) = visibility::back_facing_point(&mirror, &camera) {
+        return Err(FailureCause::BackFacing { from_axis_mm: at.length() }.into());
     }
     mirror.chart.plane_mm += lift;
     camera.chart.plane_mm += lift;
@@ -235,9 +242,10 @@ fn finished(
             facts.against(&mirror, &camera, view)?
         }
     };
-    let stock = stock::around(profile, &mirror)?;
-    let mounting = Mounting::new(&mirror, &camera, view.as_ref(), stock.as_ref(), highest + lift);
-    Ok(Design { mirror, view, camera, stock, mounting, facts })
+    let border = border::around(profile, &mirror)?;
+    let mounting =
+        Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), max_height + lift);
+    Ok(Design { mirror, view, camera, border, mounting, facts })
 }
 
 #[cfg(test)]
@@ -247,8 +255,8 @@ mod tests {
     #[test]
     fn steps_without_a_number_are_told_in_words() {
         let fit = SolveError::NotConverged { steps: 25, last_step_mm: f64::NAN };
-        let law = SearchError::NotConverged { steps: 9, last_step: f64::INFINITY };
-        let place = Cause::Unsettled { rounds: 3, last_step_mm: f64::NAN };
+        let law = LeastCurlError::NotConverged { steps: 9, last_step: f64::INFINITY };
+        let place = FailureCause::NotSelfConsistent { rounds: 3, last_step_mm: f64::NAN };
         for text in [fit.to_string(), law.to_string(), place.to_string()] {
             assert!(text.contains("by more than numbers can say)"), "{text}");
         }

@@ -4,7 +4,7 @@
 //! Y towards the picture's upper edge, Z towards the camera. Elevations count towards the camera, and
 //! azimuths from +Y to +X.
 
-use super::stock;
+use super::border;
 use crate::geom::{Border, Contour, DVec2};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
@@ -34,14 +34,14 @@ impl Mounting {
         mirror: &Mirror,
         camera: &Camera,
         view: Option<&ImagingTask>,
-        stock: Option<&Border>,
+        border: Option<&Border>,
         top_mm: f64,
     ) -> Self {
         let on_axis = |z: f64| [0.0, 0.0, z];
-        let size = match stock.map(|stock| stock.contour) {
+        let size = match border.map(|border| border.contour) {
             Some(Contour::Rect { half, .. }) => 2.0 * half,
             Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
-            None => stock::extent(mirror).size(),
+            None => border::extent(mirror).size(),
         };
         let far = |view: &&ImagingTask| view.target != Target::Infinity;
         Self {

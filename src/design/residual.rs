@@ -1,19 +1,19 @@
 //! What the three methods make small, point by point (paper, sections 3.1 to 3.3).
 
-use super::solve::Residual;
+use super::solve::PointwiseResidual;
 use crate::geom::{Chart, DVec2};
 use crate::num::Scalar;
 use crate::optics::{ImagingTask, stereographic};
 
 /// The mirror's chart slope less the slope field (paper, equation for A in section 4).
-pub struct VectorField<'a> {
+pub struct GradientResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
     pub view: &'a ImagingTask,
 }
 
-impl Residual<2> for VectorField<'_> {
+impl PointwiseResidual<2> for GradientResidual<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
         let q = q.to_array().map(S::constant);
         let s = self.view.field(self.chart, q, f);
@@ -25,34 +25,35 @@ impl Residual<2> for VectorField<'_> {
 /// their stereographic coordinates, measured on the sphere. Under a vertical ray to a far target
 /// the coordinates are the slopes (docs/theory.md, T7): this is the vector field's residual,
 /// weighted by what a slope error does to the ray (T8, T27).
-pub struct RayError<'a> {
+pub struct RayResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
     pub view: &'a ImagingTask,
 }
 
-impl Residual<2> for RayError<'_> {
+impl PointwiseResidual<2> for RayResidual<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
         let q = q.to_array().map(S::constant);
         let camera = stereographic::towards_camera(q.map(|x| x * self.chart.vergence));
         let seen = stereographic::reflect(camera, self.chart.slope(q, slope));
         let wanted = self.view.direction_at(q, self.chart.position(q, f));
-        let sizes = (stereographic::square(seen) + 1.0) * (stereographic::square(wanted) + 1.0);
+        let sizes =
+            (stereographic::norm_squared(seen) + 1.0) * (stereographic::norm_squared(wanted) + 1.0);
         let half = sizes.sqrt() * 0.5;
         [(seen[0] - wanted[0]) / half, (seen[1] - wanted[1]) / half]
     }
 }
 
 /// The image displacement of what the mirror shows, mm.
-pub struct FixedSurface<'a> {
+pub struct ImageResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
     pub view: &'a ImagingTask,
 }
 
-impl Residual<2> for FixedSurface<'_> {
+impl PointwiseResidual<2> for ImageResidual<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
         let near = q;
         let q = q.to_array().map(S::constant);
@@ -63,14 +64,14 @@ impl Residual<2> for FixedSurface<'_> {
 }
 
 /// The sine of the angle between the mirror's normal and W, as a vector.
-pub struct Distribution<'a> {
+pub struct NormalResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// What is wanted.
     pub view: &'a ImagingTask,
 }
 
-impl Residual<3> for Distribution<'_> {
+impl PointwiseResidual<3> for NormalResidual<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 3] {
         let q = q.to_array().map(S::constant);
         let n = normal(self.chart, q, slope);

@@ -3,8 +3,8 @@
 //! Paper, section 3: the vector-field method, the fixed-surface method and the method of
 //! distributions differ in nothing but the residual.
 
-use super::basis::{Basis, Local, variables};
-use super::mixing::Mixing;
+use super::anderson::AndersonAcceleration;
+use super::basis::{Basis, LocalValues, variables};
 use crate::geom::DVec2;
 use crate::num::Scalar;
 use crate::num::condition::{condition_number, lengths};
@@ -16,10 +16,10 @@ use thiserror::Error;
 /// Places whose rows enter the QR together.
 const BLOCK: usize = 96;
 /// What an integral may grow by in a step that is not shortened.
-const NEARLY: f64 = 1.0 + 1e-9;
+const LARGEST_GROWTH: f64 = 1.0 + 1e-9;
 
 /// How far a mirror F(q) is from what is wanted, at one image point.
-pub trait Residual<const N: usize>: Sync {
+pub trait PointwiseResidual<const N: usize>: Sync {
     /// The residual at `q` (mm) of a mirror that has there the value `f` (mm) and the slopes dF/dx
     /// and dF/dy.
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; N];
@@ -27,7 +27,7 @@ pub trait Residual<const N: usize>: Sync {
 
 /// How to search.
 #[derive(Debug, Clone, Copy)]
-pub struct Options<'a> {
+pub struct SolverOptions<'a> {
     /// Coefficients to start from; zero without.
     pub start: Option<&'a [f64]>,
     /// Largest change of F in the last step, in sizes of the domain.
@@ -36,7 +36,7 @@ pub struct Options<'a> {
     pub max_steps: usize,
 }
 
-impl Default for Options<'_> {
+impl Default for SolverOptions<'_> {
     fn default() -> Self {
         Self { start: None, tolerance: 1e-12, max_steps: 200 }
     }
@@ -44,7 +44,7 @@ impl Default for Options<'_> {
 
 /// A fitted mirror.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct LeastSquaresFit {
     /// Coefficients of the basis' functions, mm.
     pub coefficients: Vec<f64>,
     /// Integral of |r|^2 over the domain, mm^2 times the residual's unit squared.
@@ -93,12 +93,12 @@ pub enum SolveError {
 /// [`SolveError`] when the unknowns are not determined or the steps do not become small.
 pub fn solve<const N: usize>(
     basis: &Basis,
-    residual: &impl Residual<N>,
-    options: &Options,
-) -> Result<Fit, SolveError> {
+    residual: &impl PointwiseResidual<N>,
+    options: &SolverOptions,
+) -> Result<LeastSquaresFit, SolveError> {
     let start = options.start.map_or_else(|| vec![0.0; basis.unknowns()], <[f64]>::to_vec);
-    let mut now = Point::new(basis, residual, start);
-    let mut mixing = Mixing::new(Vec::new());
+    let mut now = Iterate::new(basis, residual, start);
+    let mut anderson = AndersonAcceleration::new(Vec::new());
     let (mut condition, mut last_step_mm) = (0.0, f64::NAN);
     let goal = options.tolerance * basis.size_mm();
     for steps in 1..=options.max_steps {
@@ -117,18 +117,18 @@ pub fn solve<const N: usize>(
         };
         if steps == 1 {
             condition = condition_number(&qr);
-            mixing = Mixing::new(lengths(&qr));
+            anderson = AndersonAcceleration::new(lengths(&qr));
         }
         let change = basis.locals(&step);
         let reach = change.iter().fold(0.0, |most: f64, d| most.max(d[0].abs()));
         last_step_mm = reach;
         let along = |share: f64| {
             let x = now.x.iter().zip(&step).map(|(x, d)| x + share * d).collect();
-            Point::new(basis, residual, x)
+            Iterate::new(basis, residual, x)
         };
-        let proposal = mixing.propose(&now.x, &step);
+        let proposal = anderson.propose(&now.x, &step);
         if let (Some(to), true) = (proposal, reach > goal) {
-            let then = Point::new(basis, residual, to);
+            let then = Iterate::new(basis, residual, to);
             if then.integral <= now.integral {
                 now = then;
                 continue;
@@ -136,20 +136,32 @@ pub fn solve<const N: usize>(
         }
         let whole = along(1.0);
         if whole.integral.is_finite()
-            && (reach <= goal || foreseen(&now.samples, &change, &whole.samples))
+            && (reach <= goal || is_linear(&now.samples, &change, &whole.samples))
         {
-            let Point { x, integral, .. } = whole;
-            return Ok(Fit { coefficients: x, integral, condition, steps, last_step_mm });
+            let Iterate { x, integral, .. } = whole;
+            return Ok(LeastSquaresFit {
+                coefficients: x,
+                integral,
+                condition,
+                steps,
+                last_step_mm,
+            });
         }
         // Near targets magnify rounding errors: at the answer, steps wander instead of becoming
         // small, and what they would gain is less than the integral's own noise.
         let gain = now.integral - qr.residual_squared();
-        if !(whole.integral <= now.integral * NEARLY) && gain <= now.noise(basis) {
-            let Point { x, integral, .. } = now;
-            return Ok(Fit { coefficients: x, integral, condition, steps, last_step_mm });
+        if !(whole.integral <= now.integral * LARGEST_GROWTH) && gain <= now.noise(basis) {
+            let Iterate { x, integral, .. } = now;
+            return Ok(LeastSquaresFit {
+                coefficients: x,
+                integral,
+                condition,
+                steps,
+                last_step_mm,
+            });
         }
         let (mut share, mut then) = (1.0, whole);
-        while !(then.integral <= now.integral * NEARLY) {
+        while !(then.integral <= now.integral * LARGEST_GROWTH) {
             share *= 0.5;
             last_step_mm = share * reach;
             if share < 1e-9 && !then.integral.is_finite() {
@@ -159,7 +171,7 @@ pub fn solve<const N: usize>(
                 return Err(SolveError::NotConverged { steps, last_step_mm });
             }
             then = along(share);
-            mixing.forget();
+            anderson.reset();
         }
         now = then;
     }
@@ -167,24 +179,24 @@ pub fn solve<const N: usize>(
 }
 
 /// The magnitude of the terms that cancel in the residual.
-pub fn scale<const N: usize>(samples: &[Sample<N>], locals: &[Local]) -> f64 {
-    let term = |(s, l): (&Sample<N>, &Local)| {
+pub fn scale<const N: usize>(samples: &[ResidualSample<N>], locals: &[LocalValues]) -> f64 {
+    let term = |(s, l): (&ResidualSample<N>, &LocalValues)| {
         s.by.iter().flat_map(|by| by.iter().zip(l)).map(|(b, l)| (b * l).abs()).sum::<f64>()
     };
     samples.iter().zip(locals).map(term).fold(0.0, f64::max)
 }
 
 /// A mirror under trial.
-struct Point<const N: usize> {
+struct Iterate<const N: usize> {
     x: Vec<f64>,
-    samples: Vec<Sample<N>>,
+    samples: Vec<ResidualSample<N>>,
     integral: f64,
 }
 
-impl<const N: usize> Point<N> {
-    fn new(basis: &Basis, residual: &impl Residual<N>, x: Vec<f64>) -> Self {
-        let samples = Sample::all(basis, residual, &basis.locals(&x));
-        let weighted = |(k, s): (usize, &Sample<N>)| basis.weight(k) * s.square();
+impl<const N: usize> Iterate<N> {
+    fn new(basis: &Basis, residual: &impl PointwiseResidual<N>, x: Vec<f64>) -> Self {
+        let samples = ResidualSample::all(basis, residual, &basis.locals(&x));
+        let weighted = |(k, s): (usize, &ResidualSample<N>)| basis.weight(k) * s.square();
         let integral = samples.iter().enumerate().map(weighted).sum();
         Self { x, samples, integral }
     }
@@ -199,23 +211,27 @@ impl<const N: usize> Point<N> {
 
 /// A residual with its derivatives by F, dF/dx and dF/dy.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample<const N: usize> {
+pub struct ResidualSample<const N: usize> {
     /// r.
     pub r: [f64; N],
     /// Derivatives of each component.
-    pub by: [Local; N],
+    pub by: [LocalValues; N],
 }
 
-impl<const N: usize> Sample<N> {
+impl<const N: usize> ResidualSample<N> {
     /// The residual of a mirror with the given local values at `q`.
-    pub fn new(residual: &impl Residual<N>, q: DVec2, local: Local) -> Self {
+    pub fn new(residual: &impl PointwiseResidual<N>, q: DVec2, local: LocalValues) -> Self {
         let (f, slope) = variables(local);
         let r = residual.at(q, f, slope);
         Self { r: r.map(|r| r.value), by: r.map(|r| r.slope) }
     }
 
     /// The residual at every place.
-    pub fn all(basis: &Basis, residual: &impl Residual<N>, locals: &[Local]) -> Vec<Self> {
+    pub fn all(
+        basis: &Basis,
+        residual: &impl PointwiseResidual<N>,
+        locals: &[LocalValues],
+    ) -> Vec<Self> {
         let at = |k: usize| Self::new(residual, basis.at(k), locals[k]);
         parallel::map(locals.len(), BLOCK, at)
     }
@@ -226,7 +242,7 @@ impl<const N: usize> Sample<N> {
     }
 
     /// The residual after a change of the local values, were it linear in them.
-    pub fn after(&self, change: &Local) -> [f64; N] {
+    pub fn after(&self, change: &LocalValues) -> [f64; N] {
         std::array::from_fn(|k| {
             let [f, x, y] = self.by[k];
             self.r[k] + f * change[0] + x * change[1] + y * change[2]
@@ -265,7 +281,11 @@ impl<const N: usize> Sample<N> {
 }
 
 /// Whether the residual went where its derivatives said, to rounding: the problem is linear.
-fn foreseen<const N: usize>(before: &[Sample<N>], change: &[Local], after: &[Sample<N>]) -> bool {
+fn is_linear<const N: usize>(
+    before: &[ResidualSample<N>],
+    change: &[LocalValues],
+    after: &[ResidualSample<N>],
+) -> bool {
     let (mut gap, mut went) = (0.0f64, 0.0f64);
     for ((s, d), then) in before.iter().zip(change).zip(after) {
         for ((foreseen, was), is) in s.after(d).iter().zip(s.r).zip(then.r) {
@@ -279,7 +299,7 @@ fn foreseen<const N: usize>(before: &[Sample<N>], change: &[Local], after: &[Sam
 /// The triangle of the linearised problem of the samples, each of (place, weight, residual).
 pub fn linearised<const N: usize>(
     basis: &Basis,
-    samples: &[(usize, f64, Sample<N>)],
+    samples: &[(usize, f64, ResidualSample<N>)],
 ) -> StreamingQr {
     let mut qr = StreamingQr::new(basis.unknowns());
     for part in samples.chunks(BLOCK) {
@@ -302,14 +322,14 @@ pub fn linearised<const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::basis::Places;
+    use super::super::basis::NodeSet;
     use super::*;
     use crate::geom::Rect;
     use crate::num::streaming_qr::dot;
 
     /// grad F - s for a given field.
-    struct Linear(fn(DVec2) -> DVec2);
-    impl Residual<2> for Linear {
+    struct GradientOf(fn(DVec2) -> DVec2);
+    impl PointwiseResidual<2> for GradientOf {
         fn at<S: Scalar>(&self, q: DVec2, _: S, [x, y]: [S; 2]) -> [S; 2] {
             let s = (self.0)(q);
             [x - s.x, y - s.y]
@@ -317,15 +337,15 @@ mod tests {
     }
 
     /// F' + F^2 = 1 + (r - 2)^2, which F = r - 2 satisfies: a problem that depends on F.
-    struct Bent;
-    impl Residual<1> for Bent {
+    struct Riccati;
+    impl PointwiseResidual<1> for Riccati {
         fn at<S: Scalar>(&self, q: DVec2, f: S, [x, _]: [S; 2]) -> [S; 1] {
             [x + f.square() - (1.0 + (q.x - 2.0) * (q.x - 2.0))]
         }
     }
 
-    struct Broken;
-    impl Residual<1> for Broken {
+    struct CircleRoot;
+    impl PointwiseResidual<1> for CircleRoot {
         fn at<S: Scalar>(&self, _: DVec2, f: S, [x, _]: [S; 2]) -> [S; 1] {
             [(x.square() + f.square() - 4.0).sqrt()]
         }
@@ -338,10 +358,10 @@ mod tests {
     #[test]
     fn a_gradient_is_met_in_one_step() {
         // F = x^2 y^2 - 1/9.
-        let field = Linear(|q| DVec2::new(2.0 * q.x * q.y * q.y, 2.0 * q.x * q.x * q.y));
+        let field = GradientOf(|q| DVec2::new(2.0 * q.x * q.y * q.y, 2.0 * q.x * q.x * q.y));
         for even in [false, true] {
-            let basis = Basis::rectangle(square(), even, 4, Places::Quadrature);
-            let fit = solve(&basis, &field, &Options::default()).unwrap();
+            let basis = Basis::rectangle(square(), even, 4, NodeSet::Quadrature);
+            let fit = solve(&basis, &field, &SolverOptions::default()).unwrap();
             assert_eq!(fit.steps, 1);
             assert!(fit.integral < 1e-29 && fit.condition < 20.0, "{fit:?}");
             for (k, [f, ..]) in basis.locals(&fit.coefficients).into_iter().enumerate() {
@@ -354,9 +374,9 @@ mod tests {
     #[test]
     fn one_radius_is_enough_for_a_paraboloid() {
         // Nayar's mirror: F' = -r / h, zero at the rim.
-        let basis = Basis::radial([0.0, 2.0], 5, Places::Quadrature);
-        let field = Linear(|q| DVec2::new(-q.x / 3.0, 0.0));
-        let fit = solve(&basis, &field, &Options::default()).unwrap();
+        let basis = Basis::radial([0.0, 2.0], 5, NodeSet::Quadrature);
+        let field = GradientOf(|q| DVec2::new(-q.x / 3.0, 0.0));
+        let fit = solve(&basis, &field, &SolverOptions::default()).unwrap();
         assert!(fit.steps == 1 && fit.integral < 1e-29, "{fit:?}");
         for (k, [f, ..]) in basis.locals(&fit.coefficients).into_iter().enumerate() {
             let r = basis.at(k).x;
@@ -369,8 +389,9 @@ mod tests {
         // (-y, x) is divergence-free and along the rim of a disc; on the square its best gradient
         // is not zero, but its integral is at most that of |q|^2, 8/3, and the residual is
         // orthogonal to every gradient.
-        let basis = Basis::rectangle(square(), false, 6, Places::Quadrature);
-        let fit = solve(&basis, &Linear(|q| DVec2::new(-q.y, q.x)), &Options::default()).unwrap();
+        let basis = Basis::rectangle(square(), false, 6, NodeSet::Quadrature);
+        let fit = solve(&basis, &GradientOf(|q| DVec2::new(-q.y, q.x)), &SolverOptions::default())
+            .unwrap();
         let locals = basis.locals(&fit.coefficients);
         let energy: f64 = (0..basis.len())
             .map(|k| basis.weight(k) * (dot(&locals[k][1..], &locals[k][1..])))
@@ -380,8 +401,8 @@ mod tests {
 
     #[test]
     fn a_bent_problem_converges() {
-        let basis = Basis::radial([1.0, 2.0], 4, Places::Quadrature);
-        let fit = solve(&basis, &Bent, &Options::default()).unwrap();
+        let basis = Basis::radial([1.0, 2.0], 4, NodeSet::Quadrature);
+        let fit = solve(&basis, &Riccati, &SolverOptions::default()).unwrap();
         assert!(fit.steps > 1 && fit.steps < 12 && fit.integral < 1e-28, "{fit:?}");
         for (k, [f, ..]) in basis.locals(&fit.coefficients).into_iter().enumerate() {
             assert!((f - (basis.at(k).x - 2.0)).abs() < 1e-13);
@@ -390,17 +411,17 @@ mod tests {
 
     #[test]
     fn failures_are_typed() {
-        let basis = Basis::radial([1.0, 2.0], 4, Places::Quadrature);
-        let nan = solve(&basis, &Broken, &Options::default()).unwrap_err();
+        let basis = Basis::radial([1.0, 2.0], 4, NodeSet::Quadrature);
+        let nan = solve(&basis, &CircleRoot, &SolverOptions::default()).unwrap_err();
         assert!(matches!(nan, SolveError::Undefined { steps: 0, .. }));
-        let hurried = Options { max_steps: 1, ..Options::default() };
-        let error = solve(&basis, &Bent, &hurried).unwrap_err();
+        let hurried = SolverOptions { max_steps: 1, ..SolverOptions::default() };
+        let error = solve(&basis, &Riccati, &hurried).unwrap_err();
         assert!(matches!(error, SolveError::NotConverged { steps: 1, .. }));
     }
 
     /// |F'|, which has no derivative where the search starts.
-    struct Kinked;
-    impl Residual<1> for Kinked {
+    struct AbsoluteSlope;
+    impl PointwiseResidual<1> for AbsoluteSlope {
         fn at<S: Scalar>(&self, _: DVec2, _: S, [x, _]: [S; 2]) -> [S; 1] {
             [x.square().sqrt()]
         }
@@ -408,8 +429,8 @@ mod tests {
 
     #[test]
     fn a_residual_without_derivatives_is_not_called_undetermined() {
-        let basis = Basis::radial([1.0, 2.0], 4, Places::Quadrature);
-        let error = solve(&basis, &Kinked, &Options::default()).unwrap_err();
+        let basis = Basis::radial([1.0, 2.0], 4, NodeSet::Quadrature);
+        let error = solve(&basis, &AbsoluteSlope, &SolverOptions::default()).unwrap_err();
         assert!(matches!(error, SolveError::Undefined { steps: 0, .. }), "{error}");
     }
 }

@@ -1,15 +1,15 @@
 //! The laws of strips that a profile can ask for.
 
-use super::Cause;
-use super::best::Search;
+use super::FailureCause;
+use super::least_curl_law::LeastCurlProblem;
 use crate::num::radians;
 use crate::optics::{Camera, Law, SlopeField, TabulatedLaw, Target};
-use crate::profile::{StripLaw, StripProjection};
+use crate::profile::{StripLawSpec, StripSpec};
 use std::sync::Arc;
 
 /// Where a strip's panel lies in the image.
 #[derive(Debug, Clone, Copy)]
-pub struct Panel<'a> {
+pub struct StripPanel<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// Where the world is, its origin on the camera's reference plane.
@@ -29,43 +29,43 @@ pub struct Panel<'a> {
 /// law is to be found).
 ///
 /// # Errors
-/// [`Cause::Law`] when there is none.
-pub fn law(
-    wanted: &StripProjection,
-    panel: &Panel,
+/// [`FailureCause::LeastCurl`] when there is none.
+pub fn strip_law(
+    wanted: &StripSpec,
+    panel: &StripPanel,
     high: Option<f64>,
-) -> Result<(Law, [f64; 2]), Cause> {
+) -> Result<(Law, [f64; 2]), FailureCause> {
     let law = match &wanted.law {
-        StripLaw::Cylindrical => Law::Cylindrical,
-        StripLaw::Mercator => Law::Mercator,
-        StripLaw::Equirectangular => Law::Equirectangular,
-        StripLaw::EqualArea => Law::EqualArea,
-        StripLaw::Best => {
-            let search = best(wanted, panel);
-            let (ladder, height) = match high {
+        StripLawSpec::Cylindrical => Law::Cylindrical,
+        StripLawSpec::Mercator => Law::Mercator,
+        StripLawSpec::Equirectangular => Law::Equirectangular,
+        StripLawSpec::EqualArea => Law::EqualArea,
+        StripLawSpec::Best => {
+            let search = least_curl_problem(wanted, panel);
+            let (table, height) = match high {
                 Some(high) => search.filling(high)?,
                 None => search.law()?,
             };
-            return Ok((Law::Tabulated(Arc::new(ladder)), [0.0, height]));
+            return Ok((Law::Tabulated(Arc::new(table)), [0.0, height]));
         }
-        StripLaw::Table(rows) => {
-            let (law, z) = table(rows, panel.camera.pixel_mm / panel.scale_mm)?;
-            return Ok((law, about(z, high)));
+        StripLawSpec::Table(rows) => {
+            let (law, z) = tabulated(rows, panel.camera.pixel_mm / panel.scale_mm)?;
+            return Ok((law, centred_range(z, high)));
         }
     };
     let z = wanted.elevation_deg.map(|e| law.image_of_degrees(e));
-    Ok((law, about(z, high)))
+    Ok((law, centred_range(z, high)))
 }
 
 /// The range `z`, or one `high` about its middle.
-fn about(z: [f64; 2], high: Option<f64>) -> [f64; 2] {
+fn centred_range(z: [f64; 2], high: Option<f64>) -> [f64; 2] {
     let Some(high) = high else { return z };
     let middle = 0.5 * (z[0] + z[1]);
     [middle - 0.5 * high, middle + 0.5 * high]
 }
 
-fn best<'a>(wanted: &StripProjection, panel: &Panel<'a>) -> Search<'a> {
-    Search {
+fn least_curl_problem<'a>(wanted: &StripSpec, panel: &StripPanel<'a>) -> LeastCurlProblem<'a> {
+    LeastCurlProblem {
         field: SlopeField { chart: &panel.camera.chart, target: panel.target, origin_mm: 0.0 },
         scale_mm: panel.scale_mm,
         azimuth: panel.azimuth,
@@ -77,16 +77,17 @@ fn best<'a>(wanted: &StripProjection, panel: &Panel<'a>) -> Search<'a> {
 
 /// The law through rows (pixels down the picture) and elevations (degrees), for pixels of `pixel`
 /// in the paper's units.
-fn table(rows: &[[f64; 2]], pixel: f64) -> Result<(Law, [f64; 2]), Cause> {
+fn tabulated(rows: &[[f64; 2]], pixel: f64) -> Result<(Law, [f64; 2]), FailureCause> {
     let z: Vec<f64> = rows.iter().rev().map(|[row, _]| -row * pixel).collect();
     let elevations: Vec<f64> = rows.iter().rev().map(|[_, e]| radians(*e)).collect();
-    let ladder = TabulatedLaw::of_elevations(&z, &elevations).ok_or(Cause::Table)?;
-    Ok((Law::Tabulated(Arc::new(ladder)), [z[0], z[z.len() - 1]]))
+    let table =
+        TabulatedLaw::from_elevations(&z, &elevations).ok_or(FailureCause::DegenerateTable)?;
+    Ok((Law::Tabulated(Arc::new(table)), [z[0], z[z.len() - 1]]))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::layout::{Plan, Ties};
+    use super::super::layout::{DesignProblem, SelfConsistentGeometry};
     use super::super::{Design, design};
     use super::*;
     use crate::geom::{DVec2, DVec3, Outline};
@@ -191,9 +192,11 @@ mod tests {
             [(STRIP.to_owned(), 0.5), (folded("crest"), 0.0), (folded("valley"), 1.0)]
         {
             let profile = profile(PINHOLE, "best", "[-20, 35]", &layout);
-            let plan = Plan::new(&profile, &Ties::new(&profile)).unwrap().unwrap();
+            let problem = DesignProblem::new(&profile, &SelfConsistentGeometry::initial(&profile))
+                .unwrap()
+                .unwrap();
             let (Projection::Strip(strip), Outline::Rect(panel)) =
-                (&plan.view.projection, plan.outline)
+                (&problem.view.projection, problem.outline)
             else {
                 panic!("a strip");
             };

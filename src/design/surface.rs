@@ -1,50 +1,53 @@
 //! From the solver's coefficients to a mirror.
 
-use super::basis::{Basis, Local, Places};
-use super::cause::{Cause, Goal, Trouble};
-use super::facts::{Facts, in_paper_units};
-use super::layout::Plan;
+use super::basis::{Basis, LocalValues, NodeSet};
+use super::cause::{FailureCause, FitStage, LocalFailure};
+use super::facts::{DesignFacts, in_paper_units};
+use super::layout::DesignProblem;
 use super::minimax::minimax;
-use super::residual::{Distribution, FixedSurface, RayError, VectorField};
-use super::solve::{Fit, Options, Residual, SolveError, solve};
+use super::residual::{GradientResidual, ImageResidual, NormalResidual, RayResidual};
+use super::solve::{LeastSquaresFit, PointwiseResidual, SolveError, SolverOptions, solve};
 use crate::geom::Outline;
 use crate::mirror::{Mirror, RadialLegendre, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::profile::{Method, MethodKind};
 
-/// Solves the problem that `plan` states.
+/// Solves the problem that `problem` states.
 ///
 /// # Errors
-/// [`Cause::Fit`], or [`Cause::At`] where the residual has no value, when it has no answer.
-pub fn solved(plan: &Plan, method: &Method) -> Result<(Mirror, Facts), Cause> {
+/// [`FailureCause::Fit`], or [`FailureCause::At`] where the residual has no value, when it has no answer.
+pub fn solved(
+    problem: &DesignProblem,
+    method: &Method,
+) -> Result<(Mirror, DesignFacts), FailureCause> {
     let degree = method.degree;
-    let (fit, residual) = fit(plan, method).map_err(|(goal, source)| match source {
+    let (fit, residual) = fit(problem, method).map_err(|(stage, source)| match source {
         SolveError::Undefined { ref coefficients, .. } => {
-            undefined(plan, degree, goal, coefficients).unwrap_or(Cause::Fit {
+            undefined(problem, degree, stage, coefficients).unwrap_or(FailureCause::Fit {
                 degree,
-                goal,
+                stage,
                 source,
             })
         }
-        source => Cause::Fit { degree, goal, source },
+        source => FailureCause::Fit { degree, stage, source },
     })?;
-    let mut facts = Facts::solved(method.kind.name(), method.minimax, degree, &fit);
-    facts.gradient_residual = Some(in_paper_units(residual, plan));
+    let mut facts = DesignFacts::solved(method.kind.name(), method.minimax, degree, &fit);
+    facts.gradient_residual = Some(in_paper_units(residual, problem));
     let mirror = Mirror {
-        surface: surface(plan, &fit.coefficients, degree),
-        chart: plan.camera.chart,
-        outline: plan.outline,
-        folded: plan.view.fold.is_some(),
-        mirror_symmetric: plan.even,
+        surface: surface(problem, &fit.coefficients, degree),
+        chart: problem.camera.chart,
+        outline: problem.outline,
+        folded: problem.view.fold.is_some(),
+        mirror_symmetric: problem.mirror_symmetric,
     };
     Ok((mirror, facts))
 }
 
-fn basis(plan: &Plan, degree: usize, places: Places) -> Basis {
-    match plan.domain {
+fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
+    match problem.domain {
         Outline::Rect(area) => {
-            let whole = Basis::rectangle(area, plan.even[0], degree, places);
-            match plan.cut {
+            let whole = Basis::rectangle(area, problem.mirror_symmetric[0], degree, places);
+            match problem.section {
                 Some(panel) => whole.with_mean_zero_over(panel, area),
                 None => whole,
             }
@@ -54,75 +57,85 @@ fn basis(plan: &Plan, degree: usize, places: Places) -> Basis {
 }
 
 /// Where and why the residual has no value at the mirror of `coefficients`.
-fn undefined(plan: &Plan, degree: usize, goal: Goal, coefficients: &[f64]) -> Option<Cause> {
-    let places = if goal == Goal::Minimax { Places::Extrema } else { Places::Quadrature };
-    let nodes = basis(plan, degree, places);
-    let (chart, view) = (&plan.camera.chart, &plan.view);
-    let troubled = |(k, [f, x, y]): (usize, Local)| {
+fn undefined(
+    problem: &DesignProblem,
+    degree: usize,
+    stage: FitStage,
+    coefficients: &[f64],
+) -> Option<FailureCause> {
+    let places = if stage == FitStage::Minimax { NodeSet::Extrema } else { NodeSet::Quadrature };
+    let nodes = basis(problem, degree, places);
+    let (chart, view) = (&problem.camera.chart, &problem.view);
+    let failing = |(k, [f, x, y]): (usize, LocalValues)| {
         let q = nodes.at(k);
         let place = chart.point(q, f);
         let slope = chart.slope(q.to_array(), [x, y]);
-        let trouble = Trouble::at(chart, view, q, place, slope)
-            .or_else(|| Trouble::of_slopes(chart, place, slope))?;
-        Some(Cause::At { at: place.truncate(), trouble, goal: Some(goal) })
+        let failure = LocalFailure::at(chart, view, q, place, slope)
+            .or_else(|| LocalFailure::of_slopes(chart, place, slope))?;
+        Some(FailureCause::At { at: place.truncate(), failure, stage: Some(stage) })
     };
-    nodes.locals(coefficients).into_iter().enumerate().find_map(troubled)
+    nodes.locals(coefficients).into_iter().enumerate().find_map(failing)
 }
 
 /// The fit, and the integral of |grad F - s|^2 that it leaves, mm^2.
-fn fit(plan: &Plan, method: &Method) -> Result<(Fit, f64), (Goal, SolveError)> {
-    let at = |goal| move |error| (goal, error);
-    let (chart, view) = (&plan.camera.chart, &plan.view);
-    let nodes = basis(plan, method.degree, Places::Quadrature);
-    let field = VectorField { chart, view };
-    let first = solve(&nodes, &field, &Options::default()).map_err(at(Goal::Field))?;
-    let from = |fit: &Fit| fit.coefficients.clone();
+fn fit(
+    problem: &DesignProblem,
+    method: &Method,
+) -> Result<(LeastSquaresFit, f64), (FitStage, SolveError)> {
+    let at = |stage| move |error| (stage, error);
+    let (chart, view) = (&problem.camera.chart, &problem.view);
+    let nodes = basis(problem, method.degree, NodeSet::Quadrature);
+    let field = GradientResidual { chart, view };
+    let first = solve(&nodes, &field, &SolverOptions::default()).map_err(at(FitStage::Field))?;
+    let from = |fit: &LeastSquaresFit| fit.coefficients.clone();
     let start = from(&first);
-    let options = Options { start: Some(&start), ..Options::default() };
-    let fixed = FixedSurface { chart, view };
-    let distribution = Distribution { chart, view };
+    let options = SolverOptions { start: Some(&start), ..SolverOptions::default() };
+    let fixed = ImageResidual { chart, view };
+    let distribution = NormalResidual { chart, view };
     let mut fit = match method.kind {
         MethodKind::VectorField => first.clone(),
-        MethodKind::FixedSurface => solve(&nodes, &fixed, &options).map_err(at(Goal::Method))?,
+        MethodKind::FixedSurface => {
+            solve(&nodes, &fixed, &options).map_err(at(FitStage::Method))?
+        }
         MethodKind::Distribution => {
-            solve(&nodes, &distribution, &options).map_err(at(Goal::Method))?
+            solve(&nodes, &distribution, &options).map_err(at(FitStage::Method))?
         }
     };
     if method.minimax {
-        let places = basis(plan, method.degree, Places::Extrema);
+        let places = basis(problem, method.degree, NodeSet::Extrema);
         let start = from(&fit);
         let found = match method.kind {
-            MethodKind::VectorField => minimax(&places, &RayError { chart, view }, &start),
+            MethodKind::VectorField => minimax(&places, &RayResidual { chart, view }, &start),
             MethodKind::FixedSurface => minimax(&places, &fixed, &start),
             MethodKind::Distribution => minimax(&places, &distribution, &start),
         }
-        .map_err(at(Goal::Minimax))?;
+        .map_err(at(FitStage::Minimax))?;
         fit.coefficients = found.coefficients;
         fit.steps += found.steps;
     }
     fit.condition = first.condition;
     // A figure wants the field resolved to rounding; under a wide pinhole the fit does with less.
-    let fine = basis(plan, method.degree, Places::Fine);
+    let fine = basis(problem, method.degree, NodeSet::Fine);
     let residual = integral(&fine, &field, &fit.coefficients);
     Ok((fit, residual))
 }
 
 /// The integral of |r|^2 over the domain, mm^2.
-fn integral(nodes: &Basis, residual: &impl Residual<2>, coefficients: &[f64]) -> f64 {
-    let square = |(k, [f, x, y]): (usize, Local)| {
+fn integral(nodes: &Basis, residual: &impl PointwiseResidual<2>, coefficients: &[f64]) -> f64 {
+    let square = |(k, [f, x, y]): (usize, LocalValues)| {
         let r = residual.at(nodes.at(k), f, [x, y]);
         nodes.weight(k) * (r[0] * r[0] + r[1] * r[1])
     };
     nodes.locals(coefficients).into_iter().enumerate().map(square).sum()
 }
 
-fn surface(plan: &Plan, coefficients: &[f64], degree: usize) -> Surface {
-    let scale_mm = plan.view.projection.scale_mm();
+fn surface(problem: &DesignProblem, coefficients: &[f64], degree: usize) -> Surface {
+    let scale_mm = problem.view.projection.scale_mm();
     let side = degree + 1;
-    match plan.domain {
+    match problem.domain {
         Outline::Rect(area) => {
             let mut grid = vec![0.0; side * side];
-            let basis = basis(plan, degree, Places::Quadrature);
+            let basis = basis(problem, degree, NodeSet::Quadrature);
             for ((&(i, j), level), c) in basis.terms().iter().zip(basis.levels()).zip(coefficients)
             {
                 grid[i * side + j] = c / scale_mm;

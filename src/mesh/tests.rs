@@ -8,7 +8,7 @@ use crate::num::legendre::{Series, values};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::sample::Draws;
 use crate::num::{atan2, cos, exp, log, radians, sin};
-use crate::optics::{ImagingTask, Law, Projection, RadialLaw, Rims, Strip, Target};
+use crate::optics::{ImagingTask, Law, Projection, RadialLaw, RimConditions, Strip, Target};
 use std::collections::{HashMap, HashSet};
 
 const PARALLEL: Chart = Chart { vergence: 0.0, plane_mm: 20.0 };
@@ -227,7 +227,7 @@ fn an_error_that_is_no_number_is_not_forgotten() {
 /// The rounded facet leaves the mirror beside the exact one by its own slope, not by that one's.
 #[test]
 fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
-    let rims = Rims { radius: [10.0, 30.0], psi: [0.4, 1.9], vergence: PINHOLE.vergence };
+    let rims = RimConditions { radius: [10.0, 30.0], psi: [0.4, 1.9], vergence: PINHOLE.vergence };
     let projection = Projection::Radial { law: rims.equiangular(), radius: rims.radius };
     let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
     let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
@@ -321,7 +321,7 @@ fn sheets_under_a_pinhole() {
 
 #[test]
 fn disc_in_a_cylinder() {
-    let rims = Rims { radius: [0.0, 30.0], psi: [0.0, radians(90.0)], vergence: 0.0 };
+    let rims = RimConditions { radius: [0.0, 30.0], psi: [0.0, radians(90.0)], vergence: 0.0 };
     let projection = Projection::Radial { law: rims.parabolic(), radius: rims.radius };
     let target = Target::Cylinder { radius_mm: 200.0 };
     let view = ImagingTask { projection, target, origin_mm: 12.0, fold: None };
@@ -337,7 +337,11 @@ fn disc_in_a_cylinder() {
 
 #[test]
 fn cone_under_a_pinhole() {
-    let rims = Rims { radius: [7.0, 31.0], psi: [0.0, radians(100.0)], vergence: PINHOLE.vergence };
+    let rims = RimConditions {
+        radius: [7.0, 31.0],
+        psi: [0.0, radians(100.0)],
+        vergence: PINHOLE.vergence,
+    };
     let law = rims.conical();
     let RadialLaw::Conical { slope, vergence: k } = law else { unreachable!() };
     // h is linear in the radius.
@@ -356,7 +360,11 @@ fn cone_under_a_pinhole() {
 
 #[test]
 fn given_mirrors_under_a_pinhole() {
-    let rims = Rims { radius: [0.0, 30.0], psi: [0.0, radians(80.0)], vergence: PINHOLE.vergence };
+    let rims = RimConditions {
+        radius: [0.0, 30.0],
+        psi: [0.0, radians(80.0)],
+        vergence: PINHOLE.vergence,
+    };
     let radial = Projection::Radial { law: rims.hyperbolic(), radius: rims.radius };
     let target = Target::Cylinder { radius_mm: 300.0 };
     let bowl = |r: f64| -r * r / 60.0;

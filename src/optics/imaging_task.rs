@@ -201,7 +201,7 @@ impl ImagingTask {
         let [in_x, in_y, [f, g]] = along;
         let all = [in_x[0], in_x[1], in_y[0], in_y[1], s[1] * f, s[0] * g];
         let size: f64 = all.iter().map(|derivative| derivative.magnitude()).sum();
-        let unit = under.curl_unit([x, y], h, s).mignitude();
+        let unit = under.curl_denominator([x, y], h, s).mignitude();
         CurlBounds { range: under.curl([x, y], h, s, along), condition: size / unit }
     }
 
@@ -271,14 +271,15 @@ impl ImagingTask {
 mod tests {
     use super::*;
     use crate::num::{atan2, cos, radians, sin, wrap_turn};
-    use crate::optics::{Law, Rims, reflect};
+    use crate::optics::{Law, RimConditions, reflect};
 
     fn strip(law: Law) -> Projection {
         Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.589 })
     }
 
     fn ring() -> Projection {
-        let rims = Rims { radius: [6.0, 31.0], psi: [50.0, 120.0].map(radians), vergence: 0.004 };
+        let rims =
+            RimConditions { radius: [6.0, 31.0], psi: [50.0, 120.0].map(radians), vergence: 0.004 };
         Projection::Radial { law: rims.equiangular(), radius: rims.radius }
     }
 
@@ -293,7 +294,8 @@ mod tests {
             views.push(ImagingTask { projection: ring(), target, origin_mm: 8.0, fold: None });
         }
         let target = Target::Plane { height_mm: -300.0 };
-        let rims = Rims { radius: [6.0, 31.0], psi: [110.0, 140.0].map(radians), vergence: 0.0 };
+        let rims =
+            RimConditions { radius: [6.0, 31.0], psi: [110.0, 140.0].map(radians), vergence: 0.0 };
         let projection = Projection::Radial { law: rims.cylinder(), radius: rims.radius };
         views.push(ImagingTask { projection, target, origin_mm: 8.0, fold: None });
         views

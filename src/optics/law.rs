@@ -29,7 +29,7 @@ impl Law {
     /// law 1 / (z + sqrt(1 + z^2)); its other form, sqrt(1 + z^2) - z, loses every digit for large
     /// z.)
     #[inline]
-    pub fn shrink<S: Scalar>(&self, z: S) -> S {
+    pub fn stereographic_radius<S: Scalar>(&self, z: S) -> S {
         match self {
             Self::Cylindrical if z.mid() > 0.0 => {
                 S::constant(1.0) / (z + (z.square() + 1.0).sqrt())
@@ -38,28 +38,28 @@ impl Law {
             Self::Mercator => (-z).exp(),
             Self::Equirectangular => (-z * 0.5 + FRAC_PI_4).tan(),
             Self::EqualArea => ((-z + 1.0) / (z + 1.0)).sqrt(),
-            Self::Tabulated(ladder) => ladder.shrink(z),
+            Self::Tabulated(table) => table.stereographic_radius(z),
         }
     }
 
-    /// The image coordinate whose E is `shrink`.
+    /// The image coordinate whose E is `radius`.
     #[inline]
-    pub fn coordinate<S: Scalar>(&self, shrink: S) -> S {
+    pub fn image_coordinate<S: Scalar>(&self, radius: S) -> S {
         match self {
-            Self::Cylindrical => (S::constant(1.0) / shrink - shrink) * 0.5,
-            Self::Mercator => -shrink.log(),
-            Self::Equirectangular => shrink.atan() * -2.0 + FRAC_PI_2,
+            Self::Cylindrical => (S::constant(1.0) / radius - radius) * 0.5,
+            Self::Mercator => -radius.log(),
+            Self::Equirectangular => radius.atan() * -2.0 + FRAC_PI_2,
             Self::EqualArea => {
-                let w = shrink.square();
+                let w = radius.square();
                 (-w + 1.0) / (w + 1.0)
             }
-            Self::Tabulated(ladder) => ladder.coordinate(shrink),
+            Self::Tabulated(table) => table.image_coordinate(radius),
         }
     }
 
     /// The image coordinate of the pole, for laws that reach it.
     #[must_use]
-    pub fn reach(&self) -> Option<f64> {
+    pub fn pole_coordinate(&self) -> Option<f64> {
         match self {
             Self::Equirectangular => Some(FRAC_PI_2),
             Self::EqualArea => Some(1.0),
@@ -70,7 +70,7 @@ impl Law {
     /// Image coordinate of an elevation in degrees, inside +-90.
     #[must_use]
     pub fn image_of_degrees(&self, elevation: f64) -> f64 {
-        self.coordinate(tan(radians(0.5 * (90.0 - elevation))))
+        self.image_coordinate(tan(radians(0.5 * (90.0 - elevation))))
     }
 }
 
@@ -122,9 +122,9 @@ mod tests {
     #[test]
     fn law_forms_lose_no_digits() {
         for (law, table) in [(Law::Cylindrical, &CYLINDRICAL[..]), (Law::Mercator, &MERCATOR[..])] {
-            for &(z, shrink, cos_e) in table {
-                let found = law.shrink(z);
-                assert!(close(found, shrink, 3.0), "{law:?} {z}: {found}");
+            for &(z, radius, cos_e) in table {
+                let found = law.stereographic_radius(z);
+                assert!(close(found, radius, 3.0), "{law:?} {z}: {found}");
                 if (1e-150..1e150).contains(&found) {
                     assert!(close(2.0 / (found + 1.0 / found), cos_e, 4.0), "{law:?} {z}");
                 }
@@ -153,7 +153,7 @@ mod tests {
     fn image_inverts_shrink() {
         for law in LAWS {
             for z in [-0.95, -0.6, -1e-8, 0.0, 0.3, 0.99] {
-                let back = law.coordinate(law.shrink(z));
+                let back = law.image_coordinate(law.stereographic_radius(z));
                 assert!((back - z).abs() < 1e-14, "{law:?} {z}: {back}");
             }
         }

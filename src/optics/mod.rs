@@ -13,7 +13,7 @@ mod target;
 pub use camera::Camera;
 pub use imaging_task::{CurlBounds, Fold, ImagingTask, Projection};
 pub use law::Law;
-pub use radial::{RadialLaw, Rims};
+pub use radial::{RadialLaw, RimConditions};
 pub use slope_field::SlopeField;
 pub use strip::Strip;
 pub use tabulated_law::TabulatedLaw;

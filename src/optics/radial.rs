@@ -79,7 +79,7 @@ pub enum RadialLaw {
 
 /// What the rims of an axisymmetric mirror see, from which a law's constants follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rims {
+pub struct RimConditions {
     /// Image radii of the inner and the outer rim, mm; the inner one is 0 for a disc.
     pub radius: [f64; 2],
     /// Polar angles psi there, radians. One-constant laws look at the outer one alone.
@@ -88,7 +88,7 @@ pub struct Rims {
     pub vergence: f64,
 }
 
-impl Rims {
+impl RimConditions {
     /// theta / k at image radius `r`: r itself for parallel rays.
     fn angle(&self, r: f64) -> f64 {
         r * (self.vergence * r).square().atan_over_root()
@@ -179,7 +179,7 @@ fn versine(psi: f64) -> f64 {
 impl RadialLaw {
     /// t / r against v = r^2.
     #[inline]
-    fn shrink<S: Scalar>(&self, v: S) -> S {
+    fn stereographic_scale<S: Scalar>(&self, v: S) -> S {
         match *self {
             Self::Parabolic { rate } => S::constant(rate),
             Self::Hyperbolic { rate, vergence: k } => {
@@ -220,7 +220,7 @@ impl RadialLaw {
 
     /// r / t against w = t^2.
     #[inline]
-    fn grow<S: Scalar>(&self, w: S) -> S {
+    fn image_scale<S: Scalar>(&self, w: S) -> S {
         let psi_of = |w: S| w.sqrt().atan() * 2.0;
         match *self {
             Self::Parabolic { rate } => S::constant(1.0 / rate),
@@ -264,15 +264,15 @@ impl RadialLaw {
     /// What image point `q` must see, as a stereographic coordinate.
     #[inline]
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
-        let shrink = self.shrink(q[0].square() + q[1].square());
-        q.map(|x| x * shrink)
+        let scale = self.stereographic_scale(q[0].square() + q[1].square());
+        q.map(|x| x * scale)
     }
 
     /// The image point that must see `sigma`.
     #[inline]
     pub fn image_of<S: Scalar>(&self, sigma: [S; 2]) -> [S; 2] {
-        let grow = self.grow(sigma[0].square() + sigma[1].square());
-        sigma.map(|x| x * grow)
+        let scale = self.image_scale(sigma[0].square() + sigma[1].square());
+        sigma.map(|x| x * scale)
     }
 
     /// Polar angle psi at image radius `r`, radians.
@@ -294,7 +294,7 @@ mod tests {
     use super::*;
     use crate::num::{cos, degrees, radians};
 
-    fn laws(rims: &Rims) -> Vec<(&'static str, RadialLaw)> {
+    fn laws(rims: &RimConditions) -> Vec<(&'static str, RadialLaw)> {
         let mut laws = vec![
             ("equiangular", rims.equiangular()),
             ("tangent-proportional", rims.tangent_proportional()),
@@ -316,14 +316,14 @@ mod tests {
         laws
     }
 
-    fn rims() -> impl Iterator<Item = Rims> {
+    fn rims() -> impl Iterator<Item = RimConditions> {
         let radii = [[0.0, 30.0], [8.0, 30.0]];
         let psi = [[40.0, 80.0], [55.0, 125.0]];
         radii.into_iter().flat_map(move |radius| {
             psi.into_iter().flat_map(move |[inner, outer]| {
                 [0.0, 0.01].map(|vergence| {
                     let inner = if radius[0] == 0.0 { 0.0 } else { inner };
-                    Rims { radius, psi: [inner, outer].map(radians), vergence }
+                    RimConditions { radius, psi: [inner, outer].map(radians), vergence }
                 })
             })
         })
@@ -351,7 +351,7 @@ mod tests {
     #[test]
     fn every_law_is_its_definition() {
         for rims in rims() {
-            let Rims { radius: [r0, r1], psi: [psi0, psi1], vergence: k } = rims;
+            let RimConditions { radius: [r0, r1], psi: [psi0, psi1], vergence: k } = rims;
             for (name, law) in laws(&rims) {
                 let r = 0.3 * r0 + 0.7 * r1;
                 let theta = |r: f64| if k == 0.0 { r } else { atan(k * r) };

@@ -41,12 +41,12 @@ impl SlopeField<'_> {
     pub fn curl<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2], along: [[S; 2]; 3]) -> S {
         let [x, y, h] = along;
         let twist = y[0] - x[1] + s[1] * h[0] - s[0] * h[1];
-        twist / self.curl_unit(q, f, s)
+        twist / self.curl_denominator(q, f, s)
     }
 
     /// What a twist of the field is divided by to be its curl.
     #[inline]
-    pub fn curl_unit<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2]) -> S {
+    pub fn curl_denominator<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2]) -> S {
         let k = self.chart.vergence;
         let lean = (s[0] * q[0] + s[1] * q[1]) * -k + 1.0;
         let size = s[0].square() + s[1].square() + lean.square();

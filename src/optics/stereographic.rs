@@ -24,7 +24,7 @@ fn conjugate<S: Scalar>(a: [S; 2]) -> [S; 2] {
 
 /// |a|^2.
 #[inline]
-pub fn square<S: Scalar>(a: [S; 2]) -> S {
+pub fn norm_squared<S: Scalar>(a: [S; 2]) -> S {
     a[0].square() + a[1].square()
 }
 
@@ -32,7 +32,7 @@ pub fn square<S: Scalar>(a: [S; 2]) -> S {
 /// axis.
 #[inline]
 pub fn towards_camera<S: Scalar>(view: [S; 2]) -> [S; 2] {
-    let half = (square(view) + 1.0).sqrt() + 1.0;
+    let half = (norm_squared(view) + 1.0).sqrt() + 1.0;
     view.map(|v| -v / half)
 }
 
@@ -43,7 +43,7 @@ pub fn reflect<S: Scalar>(camera: [S; 2], p: [S; 2]) -> [S; 2] {
     let above = add(p, camera);
     let product = times(conjugate(p), camera);
     let below = [-product[0] + 1.0, -product[1]];
-    let size = square(below);
+    let size = norm_squared(below);
     times(above, conjugate(below)).map(|x| -x / size)
 }
 
@@ -54,14 +54,14 @@ pub fn slope_between<S: Scalar>(camera: [S; 2], seen: [S; 2]) -> [S; 2] {
     let product = times(camera, seen);
     let sum = add(camera, seen);
     let turned = times(product, conjugate(sum));
-    let size = -square(product) + 1.0;
+    let size = -norm_squared(product) + 1.0;
     [-(sum[0] + turned[0]) / size, -(sum[1] + turned[1]) / size]
 }
 
 /// The unit vector of `sigma`.
 #[inline]
 pub fn unit<S: Scalar>(sigma: [S; 2]) -> [S; 3] {
-    let w = square(sigma);
+    let w = norm_squared(sigma);
     let size = w + 1.0;
     [sigma[0] * 2.0 / size, sigma[1] * 2.0 / size, S::constant(2.0) / size - 1.0]
 }
@@ -70,13 +70,13 @@ pub fn unit<S: Scalar>(sigma: [S; 2]) -> [S; 3] {
 /// widen intervals.
 #[inline]
 pub fn vector<S: Scalar>(sigma: [S; 2]) -> [S; 3] {
-    [sigma[0], sigma[1], (-square(sigma) + 1.0) * 0.5]
+    [sigma[0], sigma[1], (-norm_squared(sigma) + 1.0) * 0.5]
 }
 
 /// sigma of a vector of any length.
 #[inline]
 pub fn sigma<S: Scalar>(v: [S; 3]) -> [S; 2] {
-    let across = square([v[0], v[1]]);
+    let across = norm_squared([v[0], v[1]]);
     let length = (across + v[2].square()).sqrt();
     if v[2].mid() >= 0.0 {
         let below = length + v[2];

@@ -22,8 +22,8 @@ impl Strip {
     #[inline]
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let azimuth = q[0] / self.scale_mm + self.azimuth;
-        let shrink = self.law.shrink(q[1] / self.scale_mm + self.z);
-        [shrink * azimuth.sin(), shrink * azimuth.cos()]
+        let radius = self.law.stereographic_radius(q[1] / self.scale_mm + self.z);
+        [radius * azimuth.sin(), radius * azimuth.cos()]
     }
 
     /// The image point that must see `sigma`: the one nearest to `near` in azimuth, which repeats
@@ -35,7 +35,7 @@ impl Strip {
         let (s, c) = (sin(azimuth), cos(azimuth));
         let turn = (sigma[0] * c - sigma[1] * s).atan2(sigma[0] * s + sigma[1] * c);
         let length = (sigma[0].square() + sigma[1].square()).sqrt();
-        let z = self.law.coordinate(length);
+        let z = self.law.image_coordinate(length);
         [turn * self.scale_mm + near.x, (z - self.z) * self.scale_mm]
     }
 }

@@ -3,9 +3,9 @@
 use crate::num::{MonotoneCubic, Scalar};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// What a ladder's rungs measure.
+/// What a table's quantity measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Rungs {
+enum TabulatedQuantity {
     Elevation,
     Latitude,
 }
@@ -15,45 +15,45 @@ enum Rungs {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedLaw {
     curve: MonotoneCubic,
-    rungs: Rungs,
+    quantity: TabulatedQuantity,
 }
 
 impl TabulatedLaw {
     /// The law that shows elevation `elevations[k]` (radians, inside +-pi/2) at `z[k]`, elevation
     /// interpolated; None unless both rise strictly and there are two or more.
     #[must_use]
-    pub fn of_elevations(z: &[f64], elevations: &[f64]) -> Option<Self> {
-        Self::rising(z, elevations, Rungs::Elevation)
+    pub fn from_elevations(z: &[f64], elevations: &[f64]) -> Option<Self> {
+        Self::rising(z, elevations, TabulatedQuantity::Elevation)
     }
 
     /// The law that shows isometric latitude m, tan(elevation) = sinh m, of `latitudes[k]` at
     /// `z[k]`, m interpolated; None unless both rise strictly and there are two or more.
     #[must_use]
-    pub fn of_latitudes(z: &[f64], latitudes: &[f64]) -> Option<Self> {
-        Self::rising(z, latitudes, Rungs::Latitude)
+    pub fn from_latitudes(z: &[f64], latitudes: &[f64]) -> Option<Self> {
+        Self::rising(z, latitudes, TabulatedQuantity::Latitude)
     }
 
-    fn rising(z: &[f64], values: &[f64], rungs: Rungs) -> Option<Self> {
+    fn rising(z: &[f64], values: &[f64], quantity: TabulatedQuantity) -> Option<Self> {
         let curve = MonotoneCubic::new(z, values)?;
-        (values.first() < values.last()).then_some(Self { curve, rungs })
+        (values.first() < values.last()).then_some(Self { curve, quantity })
     }
 
     /// exp(-m) at image coordinate `z`.
     #[inline]
-    pub fn shrink<S: Scalar>(&self, z: S) -> S {
+    pub fn stereographic_radius<S: Scalar>(&self, z: S) -> S {
         let value = z.map(&self.curve);
-        match self.rungs {
-            Rungs::Elevation => (value * -0.5 + FRAC_PI_4).tan(),
-            Rungs::Latitude => (-value).exp(),
+        match self.quantity {
+            TabulatedQuantity::Elevation => (value * -0.5 + FRAC_PI_4).tan(),
+            TabulatedQuantity::Latitude => (-value).exp(),
         }
     }
 
-    /// The image coordinate whose exp(-m) is `shrink`.
+    /// The image coordinate whose exp(-m) is `radius`.
     #[inline]
-    pub fn coordinate<S: Scalar>(&self, shrink: S) -> S {
-        let value = match self.rungs {
-            Rungs::Elevation => shrink.atan() * -2.0 + FRAC_PI_2,
-            Rungs::Latitude => -shrink.log(),
+    pub fn image_coordinate<S: Scalar>(&self, radius: S) -> S {
+        let value = match self.quantity {
+            TabulatedQuantity::Elevation => radius.atan() * -2.0 + FRAC_PI_2,
+            TabulatedQuantity::Latitude => -radius.log(),
         };
         value.map(&self.curve.inverse())
     }
@@ -68,39 +68,45 @@ mod tests {
     const DEGREES: [f64; 5] = [-41.0, -10.0, 3.0, 4.0, 62.0];
     const Z: [f64; 5] = [-1.0, -0.2, 0.1, 0.3, 1.4];
 
-    fn ladders() -> [TabulatedLaw; 2] {
+    fn tables() -> [TabulatedLaw; 2] {
         let e = DEGREES.map(radians);
         let m = e.map(|e| asinh(tan(e)));
-        [TabulatedLaw::of_elevations(&Z, &e).unwrap(), TabulatedLaw::of_latitudes(&Z, &m).unwrap()]
+        [
+            TabulatedLaw::from_elevations(&Z, &e).unwrap(),
+            TabulatedLaw::from_latitudes(&Z, &m).unwrap(),
+        ]
     }
 
     #[test]
     fn rungs_are_met_and_the_way_back_is_found() {
-        for ladder in ladders() {
+        for table in tables() {
             for (z, degrees) in Z.into_iter().zip(DEGREES) {
                 let exact = tan(radians(0.5 * (90.0 - degrees)));
-                assert!((ladder.shrink(z) / exact - 1.0).abs() < 1e-14);
+                assert!((table.stereographic_radius(z) / exact - 1.0).abs() < 1e-14);
             }
             for k in -120..=150 {
                 let z = f64::from(k) / 100.0;
-                assert!((ladder.coordinate(ladder.shrink(z)) - z).abs() < 1e-13, "{z}");
+                assert!(
+                    (table.image_coordinate(table.stereographic_radius(z)) - z).abs() < 1e-13,
+                    "{z}"
+                );
             }
         }
     }
 
     #[test]
     fn bounds_hold_values_and_derivatives_both_ways() {
-        for (ladder, mut r) in ladders().iter().zip((0..).map(Draws::new)) {
+        for (table, mut r) in tables().iter().zip((0..).map(Draws::new)) {
             let parts = |j: Jet2<f64>| [j.value, j.gradient[0], j.hessian[0]];
             for _ in 0..500 {
                 let range = r.range([-1.2, 1.5]);
                 let over = Jet2::variable_x(Interval::new(range[0], range[1]));
-                let shrink = ladder.shrink(over);
-                let back = ladder.coordinate(Jet2::variable_x(shrink.value));
+                let radius = table.stereographic_radius(over);
+                let back = table.image_coordinate(Jet2::variable_x(radius.value));
                 for _ in 0..4 {
-                    let found = ladder.shrink(Jet2::variable_x(r.inside(range)));
-                    let undone = ladder.coordinate(Jet2::variable_x(found.value));
-                    for (over, at) in [(shrink, parts(found)), (back, parts(undone))] {
+                    let found = table.stereographic_radius(Jet2::variable_x(r.inside(range)));
+                    let undone = table.image_coordinate(Jet2::variable_x(found.value));
+                    for (over, at) in [(radius, parts(found)), (back, parts(undone))] {
                         assert!(over.value.contains(at[0]), "{at:?} {over:?}");
                         assert!(over.gradient[0].contains(at[1]), "{at:?} {over:?}");
                         assert!(over.hessian[0].contains(at[2]), "{at:?} {over:?}");
@@ -112,8 +118,8 @@ mod tests {
 
     #[test]
     fn what_does_not_rise_is_no_ladder() {
-        assert!(TabulatedLaw::of_elevations(&[0.0, 1.0], &[0.1, 0.0]).is_none());
-        assert!(TabulatedLaw::of_latitudes(&[0.0, 0.0], &[0.0, 0.1]).is_none());
-        assert!(TabulatedLaw::of_latitudes(&[0.0], &[0.1]).is_none());
+        assert!(TabulatedLaw::from_elevations(&[0.0, 1.0], &[0.1, 0.0]).is_none());
+        assert!(TabulatedLaw::from_latitudes(&[0.0, 0.0], &[0.0, 0.1]).is_none());
+        assert!(TabulatedLaw::from_latitudes(&[0.0], &[0.1]).is_none());
     }
 }

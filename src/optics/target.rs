@@ -35,9 +35,9 @@ impl Target {
                 let p = [from[0] / radius_mm, from[1] / radius_mm];
                 // The positive root of |p + t u| = 1, as 1 / t: that stays finite for a ray along
                 // the axis. A point outside is no number.
-                let across = stereographic::square(sigma);
+                let across = stereographic::norm_squared(sigma);
                 let along = p[0] * u[0] + p[1] * u[1];
-                let inside = -stereographic::square(p) + 1.0;
+                let inside = -stereographic::norm_squared(p) + 1.0;
                 let root = (along.square() + across * inside).sqrt();
                 let per = if along.mid() >= 0.0 {
                     (along + root) / inside
@@ -67,7 +67,7 @@ impl Target {
             Self::Infinity => sigma,
             Self::Cylinder { radius_mm } => {
                 let u = stereographic::vector(sigma);
-                let across = stereographic::square(sigma).sqrt();
+                let across = stereographic::norm_squared(sigma).sqrt();
                 stereographic::sigma([0, 1, 2].map(|k| u[k] - from[k] / radius_mm * across))
             }
             Self::Plane { height_mm } => {

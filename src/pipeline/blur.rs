@@ -62,9 +62,9 @@ impl Lens {
         aperture: Option<Aperture>,
         focus_mm: Option<f64>,
     ) -> Result<Self, Error> {
-        let pinhole = matches!(profile.camera, crate::profile::Camera::Pinhole { .. });
+        let pinhole = matches!(profile.camera, crate::profile::CameraModel::Pinhole { .. });
         let wrong = |reason| Err(Error::Lens { profile: profile.name.clone(), reason });
-        let Some(aperture) = aperture.or(profile.light.aperture) else {
+        let Some(aperture) = aperture.or(profile.lens.aperture) else {
             return wrong(if pinhole {
                 "how wide its lens is open is not known; give --pupil-mm, the diameter of its entrance \
                  pupil, or write camera.pinhole.pupil_mm (or lens_mm, pixel_um and f_number)"

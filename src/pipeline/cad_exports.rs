@@ -48,7 +48,7 @@ pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<Fit>, Error> 
         return Ok(None);
     }
     let made = fit(&design.mirror).and_then(|fit| {
-        fit.carries(design.stock.as_ref())?;
+        fit.carries(design.border.as_ref())?;
         Ok(fit)
     });
     made.map(Some).map_err(|source| Error::Step { profile: profile.name.clone(), source })
@@ -58,8 +58,8 @@ fn sag_path(profile: &Profile) -> SagPath {
     let Profile { sag, part, .. } = profile;
     let [pitch_mm, step_mm] = sag.spacing_mm(part.width_mm);
     match sag.path {
-        profile::SagPath::Raster => SagPath::Raster { pitch_mm, step_mm },
-        profile::SagPath::Spiral => SagPath::Spiral { pitch_mm, step_mm },
+        profile::ScanPattern::Raster => SagPath::Raster { pitch_mm, step_mm },
+        profile::ScanPattern::Spiral => SagPath::Spiral { pitch_mm, step_mm },
     }
 }
 
@@ -87,7 +87,7 @@ impl CadExports<'_> {
             }
             Format::Step => {
                 let fit = self.fit.expect("splines for STEP");
-                write_step(&mut out, fit, self.design.stock.as_ref(), self.label)
+                write_step(&mut out, fit, self.design.border.as_ref(), self.label)
             }
             Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
         }

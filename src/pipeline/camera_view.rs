@@ -127,7 +127,7 @@ fn is_dull(design: &Design, at: DVec3) -> bool {
         Outline::Ring { inner, .. } => design.mirror.chart.coordinates(at).0.length() < inner,
         Outline::Rect(_) => false,
     };
-    land || design.stock.as_ref().is_some_and(|s| at.z <= s.top_mm * (1.0 + 1e-6))
+    land || design.border.as_ref().is_some_and(|s| at.z <= s.top_mm * (1.0 + 1e-6))
 }
 
 /// A height above everything in the file, mm, for camera rays to start from.

@@ -169,7 +169,7 @@ pub fn witness(
 
 /// The pixel error up to which a pixel counts as filled: the largest that is accepted.
 pub fn tolerance_px(profile: &Profile) -> f64 {
-    profile.accepted().pixel_error_max_px.value
+    profile.acceptance_limits().pixel_error_max_px.value
 }
 
 /// Class of every pixel.
@@ -180,7 +180,7 @@ pub fn pixel_classes(profile: &Profile, design: &Design, witness: &TraceResult) 
 }
 
 fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
-    let Some(stock) = &design.stock else { return 0 };
+    let Some(stock) = &design.border else { return 0 };
     let top = stock.top_mm * (1.0 + 1e-6);
     let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
     witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))

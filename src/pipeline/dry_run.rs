@@ -167,7 +167,7 @@ fn packed(design: &Design, limits: Limits, label: &Label) -> Option<u64> {
     let (camera, view) = (&design.camera.chart, design.view.as_ref());
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
     let solid =
-        Solid::from_face(&face.mesh, design.stock.as_ref(), precision(Format::ThreeMf)).ok()?;
+        Solid::from_face(&face.mesh, design.border.as_ref(), precision(Format::ThreeMf)).ok()?;
     let mut bytes = Counting::default();
     write_3mf(&mut bytes, &solid, label).ok()?;
     Some(bytes.count())

@@ -68,7 +68,7 @@ pub fn added_to(forecast: &MeshForecast, design: &Design) -> usize {
         Outline::Rect(_) => 0.0,
     };
     let outer = (forecast.rim - hole).round() as usize;
-    added(outer, hole.round() as usize, design.stock.as_ref())
+    added(outer, hole.round() as usize, design.border.as_ref())
 }
 
 /// What closing adds to faces of a mirror.
@@ -93,7 +93,7 @@ impl ClosureCount for ClosingCount<'_> {
 
     fn counted(&self, face: &Face) -> usize {
         // A rim that cannot be closed is the next stage's to refuse.
-        let stock = self.0.stock.as_ref();
+        let stock = self.0.border.as_ref();
         rim(&face.mesh).map_or(0, |[outer, hole]| added(outer, hole, stock))
     }
 }

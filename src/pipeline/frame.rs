@@ -35,7 +35,7 @@ pub fn frame(
             profile: profile.name.clone(),
         });
     }
-    let min = min.unwrap_or(profile.accepted().frame_filled.value);
+    let min = min.unwrap_or(profile.acceptance_limits().frame_filled.value);
     let clock = StageTimer::new(observer);
     let design = clock.stage(Stage::Design, || designed(source))?;
     let InMemoryBuild { frame: found, seen: (_, witness), .. } =
@@ -154,13 +154,13 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
 }
 
 /// The camera of a mirror that fills its square sensor, with a sensor of `side` pixels.
-fn inscribed(camera: &profile::Camera, side: u32) -> profile::Camera {
+fn inscribed(camera: &profile::CameraModel, side: u32) -> profile::CameraModel {
     let pixels = [side; 2];
     match *camera {
-        profile::Camera::Orthographic { .. } => profile::Camera::Orthographic { pixels },
-        profile::Camera::Pinhole { pixels: [width, _], focal_px, distance_mm } => {
+        profile::CameraModel::Orthographic { .. } => profile::CameraModel::Orthographic { pixels },
+        profile::CameraModel::Pinhole { pixels: [width, _], focal_px, distance_mm } => {
             let focal_px = focal_px * f64::from(side) / f64::from(width);
-            profile::Camera::Pinhole { pixels, focal_px, distance_mm }
+            profile::CameraModel::Pinhole { pixels, focal_px, distance_mm }
         }
     }
 }

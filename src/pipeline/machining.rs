@@ -243,7 +243,7 @@ fn surveyed<'a>(
     let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
     let (best, mut raster) = directed(&survey, cutting);
     let view = design.view.as_ref();
-    let usual_px = view.map(|_| profile.accepted().pixel_error_max_px.value);
+    let usual_px = view.map(|_| profile.acceptance_limits().pixel_error_max_px.value);
     let budget_px = cutting.budget_px.or(usual_px);
     let least_hollow_mm = survey.least_hollow_mm();
     // But for rounding.
@@ -300,7 +300,7 @@ fn surveyed<'a>(
     }
     warnings.extend(scallops.as_ref().and_then(unseen));
     let [low, high] = survey.heights_mm();
-    let foot = design.stock.as_ref().map_or(0.0, |stock| stock.top_mm);
+    let foot = design.border.as_ref().map_or(0.0, |stock| stock.top_mm);
     let mut found = Machining {
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
@@ -337,7 +337,7 @@ fn surveyed<'a>(
 
 /// The box around the part, whose highest place is at `high`.
 fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
-    let size = match design.stock.as_ref().map(|stock| stock.contour) {
+    let size = match design.border.as_ref().map(|stock| stock.contour) {
         Some(Contour::Rect { half, .. }) => 2.0 * half,
         Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
         None => {
@@ -434,7 +434,7 @@ fn as_cut(mirror: &Mirror, survey: &Survey, raster: &Raster) -> Result<TriMesh, 
 
 fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, String), Error> {
     let solid =
-        Solid::from_face(&mesh, design.stock.as_ref(), Precision::Single).map_err(|source| {
+        Solid::from_face(&mesh, design.border.as_ref(), Precision::Single).map_err(|source| {
             Error::Solid { profile: profile.name.clone(), format: Format::Stl, source }
         })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());

@@ -146,7 +146,7 @@ fn close(
     face: &Face,
     format: Format,
 ) -> Result<(Solid, String), Error> {
-    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), formats::precision(format))
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), formats::precision(format))
         .map_err(|source| Error::Solid { profile: profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))

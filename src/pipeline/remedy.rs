@@ -2,7 +2,7 @@
 //! follows from the camera.
 
 use crate::design::{Design, design};
-use crate::profile::{Camera, Layout, Profile, Projection, Shape, StripLaw};
+use crate::profile::{CameraModel, Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
 use crate::report::{Reason, ReasonKind};
 
 /// How much less of an error another law must leave to be worth a change.
@@ -25,14 +25,14 @@ pub fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
 
 /// The law that leaves a smaller error, if it is much smaller, with that error.
 fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
-    let Some(Projection::Strip(strip)) = &profile.projection else { return None };
-    if strip.law == StripLaw::Best || !matches!(profile.shape, Shape::Designed(_)) {
+    let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return None };
+    if strip.law == StripLawSpec::Best || !matches!(profile.shape, ShapeSpec::Designed(_)) {
         return None;
     }
     let mut other = profile.clone();
-    let law = StripLaw::Best;
+    let law = StripLawSpec::Best;
     other.projection =
-        Some(Projection::Strip(crate::profile::StripProjection { law, ..strip.clone() }));
+        Some(ProjectionSpec::Strip(crate::profile::StripSpec { law, ..strip.clone() }));
     let now = designed.facts.pixel_error_px?.rms;
     let found = design(&other, None).ok()?.facts.pixel_error_px?;
     (found.rms < WORTH * now).then(|| {
@@ -45,7 +45,7 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
 
 /// How more of the frame is filled.
 pub fn filling(profile: &Profile) -> Option<String> {
-    let Some(Projection::Strip(strip)) = &profile.projection else { return wider(profile) };
+    let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return wider(profile) };
     let [first, last] = strip.azimuth_deg;
     let folds = matches!(profile.layout, Layout::Strip { .. }) && [first, last] == [-180.0, 180.0];
     let fold = folds.then(|| "[layout.conquistador] folds the turn into the frame".to_owned());
@@ -61,7 +61,9 @@ pub fn filling(profile: &Profile) -> Option<String> {
 
 /// The width of the frame at the mirror, where the mirror is narrower.
 fn wider(profile: &Profile) -> Option<String> {
-    let Camera::Pinhole { pixels, focal_px, distance_mm } = profile.camera else { return None };
+    let CameraModel::Pinhole { pixels, focal_px, distance_mm } = profile.camera else {
+        return None;
+    };
     let round = matches!(profile.layout, Layout::Disc | Layout::Annulus { .. });
     let across = if round { pixels[0].min(pixels[1]) } else { pixels[0] };
     let frame = f64::from(across) * distance_mm / focal_px;

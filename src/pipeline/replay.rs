@@ -100,7 +100,7 @@ pub fn replay(
     for &format in &formats {
         let closed = |source| Error::Solid { profile: profile.name.clone(), format, source };
         let solid = clock.stage(Stage::Solid, || {
-            let solid = Solid::from_face(&face, design.stock.as_ref(), Precision::Double)
+            let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Double)
                 .and_then(|solid| solid.grown(engine.growth(&made), precision(format)))
                 .map_err(closed)?;
             let note = format!("{} triangles, closed", solid.mesh().triangles.len());

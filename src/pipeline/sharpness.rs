@@ -38,7 +38,7 @@ pub fn sharpness(profile: &Profile, design: &Design) -> Option<Sharpness> {
     let spot = |pencil: &pencil::Pencil| Spot::new(pencil).scaled(unit);
     let spots = over_some(mirror, camera, view.as_ref(), SOME, spot);
     let best = best_focus(&spots, least_focus(design))?;
-    of(profile, design, &spots, [best; 2], profile.light.aperture)
+    of(profile, design, &spots, [best; 2], profile.lens.aperture)
 }
 
 /// The same of `spots`, in pixels: at best in the first focus, through `given` in the second.
@@ -51,13 +51,13 @@ pub fn of(
 ) -> Option<Sharpness> {
     let chart = &design.camera.chart;
     let cone = if chart.vergence == 0.0 { 1.0 } else { chart.vergence };
-    let wavelength_nm = profile.light.wavelength_nm;
+    let wavelength_nm = profile.lens.wavelength_nm;
     let wavelength_px = 1e-6 * wavelength_nm / design.camera.pixel_mm;
     let at = |phi: f64| pencil::Sharpness::new(spots, phi, wavelength_px, cone);
     let opened = |sharpness: &pencil::Sharpness, radius: f64| {
         let (sharp, aperture) = (sharpness.at(radius), aperture(design, radius));
         let f_number = match aperture {
-            Aperture::Pupil { pupil_mm } => profile.light.lens_mm.map(|mm| mm / pupil_mm),
+            Aperture::Pupil { pupil_mm } => profile.lens.focal_mm.map(|mm| mm / pupil_mm),
             Aperture::Na { .. } => None,
         };
         let resolved = design.camera.pixels.map(|px| two_digits(f64::from(px) / sharp.spot_px));

@@ -2,7 +2,7 @@
 //! that a profile names.
 
 use super::files::{self, FileError};
-use crate::profile::{Complaints, GridError, Profile, SagGrid, Shape, shipped};
+use crate::profile::{Complaints, GridError, Profile, SagGrid, ShapeSpec, shipped};
 use std::path::Path;
 use thiserror::Error;
 
@@ -105,7 +105,7 @@ pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
 
 /// `profile` with the heights that it names, relative to its folder.
 fn with_heights(profile: Profile, folder: &Path) -> Result<Source, SourceError> {
-    let Shape::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };
+    let ShapeSpec::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };
     let path = folder.join(file);
     let sag = SagGrid::parse(&files::read_named(&path, MOST_HEIGHTS)?)
         .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })?;

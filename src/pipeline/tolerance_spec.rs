@@ -167,7 +167,7 @@ fn spec(
         stepover_direction_deg: asked
             .stepover_direction_deg
             .unwrap_or(usual.stepover_direction_deg),
-        wavelength_nm: profile.light.wavelength_nm,
+        wavelength_nm: profile.lens.wavelength_nm,
     };
     let tracks = sources.iter().find(|source| source.kind == Perturbation::Stepover);
     if let Some(tracks) = tracks.filter(|t| t.limit >= 2.0 * texture.ball_radius_mm) {

@@ -5,7 +5,7 @@ use super::{remedy, sharpness};
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Border, Outline};
-use crate::profile::{Accepted, Bound, Format, Profile};
+use crate::profile::{AcceptanceLimit, AcceptanceLimits, Format, Profile};
 use crate::report::{FileFacts, Reason, ReasonKind, Sharpness, TraceFacts, Verdict};
 use crate::trace::FrameFill;
 
@@ -42,7 +42,7 @@ pub struct Findings {
     /// Sharpness of the picture through a lens.
     pub sharpness: Option<Sharpness>,
     /// The limits; absent without a projection, and of measured parts.
-    pub accepted: Option<Accepted>,
+    pub accepted: Option<AcceptanceLimits>,
     /// Why the files do not pass, each with figures.
     pub reasons: Vec<Reason>,
 }
@@ -62,7 +62,7 @@ impl Findings {
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
         let frame = checks.iter().find_map(|check| check.frame.clone());
         let held = design.view.is_some() && checks.iter().all(|check| !check.measured);
-        let accepted = held.then(|| profile.accepted());
+        let accepted = held.then(|| profile.acceptance_limits());
         let (files, trace): (Vec<_>, Vec<_>) =
             checks.into_iter().map(|check| (check.file, check.trace)).unzip();
         let trace = trace.into_iter().flatten().collect();
@@ -80,7 +80,7 @@ fn reasons(
     proven_px: Option<f64>,
 ) -> Vec<Reason> {
     let volume_tolerance = volume_tolerance(design, chord_mm);
-    let accepted = profile.accepted();
+    let accepted = profile.acceptance_limits();
     let mut reasons = Vec::new();
     for evidence in evidence {
         let name = &evidence.file.name;
@@ -107,7 +107,7 @@ fn reasons(
             limits(profile, trace, proven_px, facets).into_iter().for_each(&mut blame);
         }
         // A scan may be of a piece; what it is not held to by name, its form answers for.
-        let held = |bound: &Bound| !(bound.usual && evidence.measured);
+        let held = |bound: &AcceptanceLimit| !(bound.usual && evidence.measured);
         let least = Some(accepted.frame_filled).filter(held);
         if let (Some(frame), Some(least)) = (&evidence.frame, least)
             && !(frame.filled >= least.value)
@@ -120,7 +120,7 @@ fn reasons(
 }
 
 /// That too little of the frame is filled.
-fn unfilled(frame: &FrameFill, least: Bound) -> Reason {
+fn unfilled(frame: &FrameFill, least: AcceptanceLimit) -> Reason {
     let key = "accept.frame_filled";
     let words = if least.usual {
         format!("are usual ({key} sets another share)")
@@ -140,7 +140,7 @@ fn unfilled(frame: &FrameFill, least: Bound) -> Reason {
 /// volume, mm^3.
 fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
     let outline = design.mirror.full_outline();
-    let stock = design.stock.as_ref().map_or(0.0, Border::chords_mm3);
+    let stock = design.border.as_ref().map_or(0.0, Border::chords_mm3);
     let faces = outline.area() * chord_mm + stock;
     match outline {
         Outline::Rect(_) => faces,
@@ -239,7 +239,7 @@ fn limits(
     is_made: bool,
 ) -> Vec<Reason> {
     let errors = &trace.errors;
-    let accepted = profile.accepted();
+    let accepted = profile.acceptance_limits();
     let pixel = errors.pixel_error_px;
     let facet = errors.facet_error_px.filter(|_| is_made).map(|e| e.max);
     let (limit, key) = match profile.mesh.facet_px {
@@ -247,9 +247,9 @@ fn limits(
         None => (proven_px, "the mesh's bound"),
     };
     // A measured part is held to what the profile names.
-    let held = |bound: Bound| Some(bound).filter(|bound| is_made || !bound.usual);
-    let of = |bound: Option<Bound>, key: &str, share: f64| match bound {
-        Some(Bound { usual: true, .. }) => {
+    let held = |bound: AcceptanceLimit| Some(bound).filter(|bound| is_made || !bound.usual);
+    let of = |bound: Option<AcceptanceLimit>, key: &str, share: f64| match bound {
+        Some(AcceptanceLimit { usual: true, .. }) => {
             format!(
                 "that are usual, {} % of the frame's width ({key} sets another limit)",
                 100.0 * share
@@ -259,9 +259,9 @@ fn limits(
     };
     let rms = held(accepted.pixel_error_rms_px);
     let max = held(accepted.pixel_error_max_px);
-    let value = |bound: Option<Bound>| bound.map(|bound| bound.value);
-    let rms_words = of(rms, "accept.pixel_error_rms_px", Accepted::RMS);
-    let max_words = of(max, "accept.pixel_error_max_px", Accepted::MAX);
+    let value = |bound: Option<AcceptanceLimit>| bound.map(|bound| bound.value);
+    let rms_words = of(rms, "accept.pixel_error_rms_px", AcceptanceLimits::RMS);
+    let max_words = of(max, "accept.pixel_error_max_px", AcceptanceLimits::MAX);
     let (kind, whole) = (ReasonKind::PixelError, ReasonKind::FacetError);
     [
         (whole, "facet error", facet, limit, ROUNDING_PX, format!("of {key}")),

@@ -77,7 +77,7 @@ pub fn inspect(
     // A file of unknown making has no proven bound; its shape is held to the profile's limit.
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
 
-    let size = Size::of(&design.mirror, design.stock.as_ref());
+    let size = Size::of(&design.mirror, design.border.as_ref());
     let (mut units, mut alignment, mut far, mut oversize) = (None, None, 0, None);
     let (file, read) = open(&clock, format, bytes, |mut reread| {
         // A 3MF says what its units are, and is read in millimetres.

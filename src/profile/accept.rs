@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The limits that a profile names; a usual one stands in for each that is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Accept {
+pub struct AcceptanceSpec {
     /// Largest root-mean-square pixel error, in pixels.
     pub pixel_error_rms_px: Option<f64>,
     /// Largest pixel error anywhere, in pixels.
@@ -18,7 +18,7 @@ pub struct Accept {
 
 /// A limit, and whether it stands there because the profile names none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bound {
+pub struct AcceptanceLimit {
     /// In the limit's unit.
     pub value: f64,
     /// Whether the profile does not name it.
@@ -27,16 +27,16 @@ pub struct Bound {
 
 /// The limits that a mirror with a projection is held to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Accepted {
+pub struct AcceptanceLimits {
     /// Root-mean-square pixel error, in pixels.
-    pub pixel_error_rms_px: Bound,
+    pub pixel_error_rms_px: AcceptanceLimit,
     /// Largest pixel error, in pixels; also up to which a pixel counts as filled.
-    pub pixel_error_max_px: Bound,
+    pub pixel_error_max_px: AcceptanceLimit,
     /// Share of the frame that is filled.
-    pub frame_filled: Bound,
+    pub frame_filled: AcceptanceLimit,
 }
 
-impl Accepted {
+impl AcceptanceLimits {
     /// Usual RMS pixel error as a share of the frame's width: a shift of content that is seen only beside
     /// the right picture.
     pub const RMS: f64 = 0.005;
@@ -52,8 +52,8 @@ impl Accepted {
 impl Profile {
     /// The limits that the finished mirror must keep.
     #[must_use]
-    pub fn accepted(&self) -> Accepted {
-        let bound = |named: Option<f64>, usual: f64| Bound {
+    pub fn acceptance_limits(&self) -> AcceptanceLimits {
+        let bound = |named: Option<f64>, usual: f64| AcceptanceLimit {
             value: named.unwrap_or(usual),
             usual: named.is_none(),
         };
@@ -64,10 +64,16 @@ impl Profile {
             Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } => fill_frame,
             _ => false,
         };
-        let filled = if fills { Accepted::FULL } else { Accepted::PART };
-        Accepted {
-            pixel_error_rms_px: bound(self.accept.pixel_error_rms_px, of_width(Accepted::RMS)),
-            pixel_error_max_px: bound(self.accept.pixel_error_max_px, of_width(Accepted::MAX)),
+        let filled = if fills { AcceptanceLimits::FULL } else { AcceptanceLimits::PART };
+        AcceptanceLimits {
+            pixel_error_rms_px: bound(
+                self.accept.pixel_error_rms_px,
+                of_width(AcceptanceLimits::RMS),
+            ),
+            pixel_error_max_px: bound(
+                self.accept.pixel_error_max_px,
+                of_width(AcceptanceLimits::MAX),
+            ),
             frame_filled: bound(self.accept.frame_filled, filled),
         }
     }

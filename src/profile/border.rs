@@ -53,7 +53,7 @@ pub enum Footprint {
 
 /// What of a border does not fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Feature {
+pub enum BorderFeature {
     /// The rounding of the corners.
     Corners,
     /// A hole, by its place in the list.
@@ -64,9 +64,9 @@ pub enum Feature {
 
 /// Why a border does not fit around a mirror.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Misfit {
+pub struct BorderConflict {
     /// What is to blame.
-    pub feature: Feature,
+    pub feature: BorderFeature,
     /// What must hold and what was found.
     pub message: String,
     /// What to do about it.
@@ -83,16 +83,16 @@ impl BorderSpec {
     pub const LEAST_MM: f64 = 0.1;
 
     /// Everything that does not fit around a mirror with this footprint.
-    pub fn misfits(&self, mirror: &Footprint) -> Vec<Misfit> {
-        let mut misfits: Vec<Misfit> = self.corners(mirror).into_iter().collect();
-        let holes = self.holes.iter().enumerate().map(|(k, spot)| (Feature::Hole(k), spot));
-        let marks = self.marks.iter().enumerate().map(|(k, spot)| (Feature::Mark(k), spot));
-        let mut before: Vec<(Feature, &Spot)> = Vec::new();
+    pub fn conflicts(&self, mirror: &Footprint) -> Vec<BorderConflict> {
+        let mut conflicts: Vec<BorderConflict> = self.corners(mirror).into_iter().collect();
+        let holes = self.holes.iter().enumerate().map(|(k, spot)| (BorderFeature::Hole(k), spot));
+        let marks = self.marks.iter().enumerate().map(|(k, spot)| (BorderFeature::Mark(k), spot));
+        let mut before: Vec<(BorderFeature, &Spot)> = Vec::new();
         for (feature, spot) in holes.chain(marks) {
-            misfits.extend(self.misplaced(mirror, &before, feature, spot));
+            conflicts.extend(self.misplaced(mirror, &before, feature, spot));
             before.push((feature, spot));
         }
-        misfits
+        conflicts
     }
 
     /// The part's outer side.
@@ -107,7 +107,7 @@ impl BorderSpec {
         }
     }
 
-    fn corners(&self, mirror: &Footprint) -> Option<Misfit> {
+    fn corners(&self, mirror: &Footprint) -> Option<BorderConflict> {
         let (Footprint::Rect { half_mm }, Footprint::Rect { half_mm: [x, y] }) =
             (mirror, self.side(mirror))
         else {
@@ -122,8 +122,8 @@ impl BorderSpec {
         } else {
             return None;
         };
-        Some(Misfit {
-            feature: Feature::Corners,
+        Some(BorderConflict {
+            feature: BorderFeature::Corners,
             message: format!("part.corner_radius_mm must {what}, found {radius}"),
             hint: "take a smaller radius or a wider border_mm".to_owned(),
         })
@@ -133,17 +133,17 @@ impl BorderSpec {
     fn misplaced(
         &self,
         mirror: &Footprint,
-        before: &[(Feature, &Spot)],
-        feature: Feature,
+        before: &[(BorderFeature, &Spot)],
+        feature: BorderFeature,
         spot: &Spot,
-    ) -> Option<Misfit> {
+    ) -> Option<BorderConflict> {
         let (key, name) = match feature {
-            Feature::Hole(_) => ("part.holes_mm", "hole"),
+            BorderFeature::Hole(_) => ("part.holes_mm", "hole"),
             _ => ("part.marks_mm", "mark"),
         };
         let (at, radius) = ([spot.x_mm, spot.y_mm], 0.5 * spot.diameter_mm);
         let side = self.side(mirror);
-        let misfit = |of: &str, gap: f64, hint: String| Misfit {
+        let conflict = |of: &str, gap: f64, hint: String| BorderConflict {
             feature,
             message: format!(
                 "{key} must stay {} mm clear of {of}, found {}, which {}",
@@ -158,7 +158,7 @@ impl BorderSpec {
             hint,
         };
         let gap = mirror.outside(at, 0.0) - radius;
-        if let (Feature::Hole(_), Footprint::Round { land_mm, .. }, true) =
+        if let (BorderFeature::Hole(_), Footprint::Round { land_mm, .. }, true) =
             (feature, mirror, mirror.has_in_land(spot))
         {
             let gap = land_mm - libm::hypot(spot.x_mm, spot.y_mm) - radius;
@@ -167,14 +167,14 @@ impl BorderSpec {
                     "the land inside the mirror reaches {land_mm:.3} mm from the axis; make the hole \
                      smaller"
                 );
-                return Some(misfit("the mirror", gap, hint));
+                return Some(conflict("the mirror", gap, hint));
             }
         } else if tight(gap) {
             let hint = format!(
                 "the mirror reaches {}; move the {name} outwards or make it smaller",
                 mirror.reach()
             );
-            return Some(misfit("the mirror", gap, hint));
+            return Some(conflict("the mirror", gap, hint));
         }
         let gap = -side.outside(at, self.corner_radius_mm) - radius;
         if tight(gap) {
@@ -182,13 +182,13 @@ impl BorderSpec {
                 "the part reaches {}; move the {name} inwards, make it smaller or widen border_mm",
                 side.reach()
             );
-            return Some(misfit("the part's side", gap, hint));
+            return Some(conflict("the part's side", gap, hint));
         }
         before.iter().find_map(|(other, there)| {
             let gap = spot.distance(there) - radius - 0.5 * there.diameter_mm;
-            let other = if matches!(other, Feature::Hole(_)) { "hole" } else { "mark" };
+            let other = if matches!(other, BorderFeature::Hole(_)) { "hole" } else { "mark" };
             let hint = "move one of them or make it smaller".to_owned();
-            tight(gap).then(|| misfit(&format!("the {other} {}", there.text()), gap, hint))
+            tight(gap).then(|| conflict(&format!("the {other} {}", there.text()), gap, hint))
         })
     }
 }
@@ -269,22 +269,22 @@ mod tests {
             (ROUND, 0.0, [-3.0, 1.0], 2.0 * (4.9 - f64::sqrt(10.0))),
         ] {
             let found = |d: f64| {
-                let holes = border(corner, &[[x, y, d]], &[]).misfits(&mirror);
-                let marks = border(corner, &[], &[[x, y, d]]).misfits(&mirror);
+                let holes = border(corner, &[[x, y, d]], &[]).conflicts(&mirror);
+                let marks = border(corner, &[], &[[x, y, d]]).conflicts(&mirror);
                 // Nobody sees a mark in the land.
                 assert!(holes.len() == marks.len() || marks.len() == 1 && f64::abs(x) < 5.0);
-                holes.first().map(|misfit| misfit.feature)
+                holes.first().map(|conflict| conflict.feature)
             };
             assert_eq!(found(widest - 1e-5), None, "{x} {y}");
-            assert_eq!(found(widest + 1e-5), Some(Feature::Hole(0)), "{x} {y}");
+            assert_eq!(found(widest + 1e-5), Some(BorderFeature::Hole(0)), "{x} {y}");
         }
     }
 
     #[test]
     fn misfits_say_where_and_what_to_do() {
         let found = |holes: &[[f64; 3]], marks: &[[f64; 3]]| -> Vec<String> {
-            let misfits = border(0.0, holes, marks).misfits(&RECT);
-            misfits
+            let conflicts = border(0.0, holes, marks).conflicts(&RECT);
+            conflicts
                 .into_iter()
                 .map(|m| format!("{:?}: {}; {}", m.feature, m.message, m.hint))
                 .collect()
@@ -308,10 +308,13 @@ mod tests {
     fn corners_are_rounded_as_far_as_the_mirror_allows() {
         // The mirror's corner is (c - 8) sqrt(2) from an arc's centre.
         let most = (8.0 * f64::sqrt(2.0) - 0.1) / (f64::sqrt(2.0) - 1.0);
-        let misfit = |c: f64| border(c, &[], &[]).misfits(&RECT).pop().map(|misfit| misfit.message);
-        assert_eq!(misfit(most - 1e-4), None);
-        assert!(misfit(most + 1e-4).unwrap().contains("leave the mirror's corners 0.1 mm"));
-        assert!(misfit(28.1).unwrap().contains("at most half the part's shorter side, 28.000 mm"));
-        assert_eq!(border(99.0, &[], &[]).misfits(&ROUND), []);
+        let conflict =
+            |c: f64| border(c, &[], &[]).conflicts(&RECT).pop().map(|conflict| conflict.message);
+        assert_eq!(conflict(most - 1e-4), None);
+        assert!(conflict(most + 1e-4).unwrap().contains("leave the mirror's corners 0.1 mm"));
+        assert!(
+            conflict(28.1).unwrap().contains("at most half the part's shorter side, 28.000 mm")
+        );
+        assert_eq!(border(99.0, &[], &[]).conflicts(&ROUND), []);
     }
 }

@@ -1,18 +1,18 @@
 //! From byte offsets to the lines and columns an editor shows.
 
 /// The lines of a text.
-pub(super) struct Lines<'t> {
+pub(super) struct LineIndex<'t> {
     text: &'t str,
     starts: Vec<usize>,
 }
 
-impl<'t> Lines<'t> {
+impl<'t> LineIndex<'t> {
     pub(super) fn new(text: &'t str) -> Self {
         // A byte order mark takes no column.
         let first = text.len() - text.strip_prefix('\u{feff}').unwrap_or(text).len();
         let mut starts = vec![first];
         starts.extend(text.match_indices('\n').map(|(i, _)| i + 1));
-        Lines { text, starts }
+        LineIndex { text, starts }
     }
 
     /// Line and column of a byte offset, both from 1, the column in characters. Offsets past the
@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn counts_characters_not_bytes() {
-        let lines = Lines::new("é = 1\nb = ±2\n");
+        let lines = LineIndex::new("é = 1\nb = ±2\n");
         assert_eq!(lines.place(0), (1, 1));
         assert_eq!(lines.place("é =".len()), (1, 4));
         assert_eq!(lines.place("é = 1\nb = ±".len()), (2, 6));
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn carriage_returns_end_lines_and_a_mark_takes_no_column() {
-        let lines = Lines::new("\u{feff}a = 1\r\nb = 2\r\n");
+        let lines = LineIndex::new("\u{feff}a = 1\r\nb = 2\r\n");
         assert_eq!(lines.place(0), (1, 1));
         assert_eq!(lines.place(3), (1, 1));
         assert_eq!(lines.place(7), (1, 5));
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn empty_text_has_one_place() {
-        assert_eq!(Lines::new("").place(0), (1, 1));
-        assert_eq!(Lines::new("").place(5), (1, 1));
+        assert_eq!(LineIndex::new("").place(0), (1, 1));
+        assert_eq!(LineIndex::new("").place(5), (1, 1));
     }
 }

@@ -23,12 +23,12 @@ mod words;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-pub use accept::{Accept, Accepted, Bound};
-pub use border::{BorderSpec, Feature, Footprint, Misfit, Spot};
+pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
+pub use border::{BorderConflict, BorderFeature, BorderSpec, Footprint, Spot};
 pub use complaint::{Complaint, Complaints};
-pub use projection::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
+pub use projection::{ProjectionSpec, RadialLawKind, RadialSpec, StripLawSpec, StripSpec, Target};
 pub use sag::{GridError, SagAxis, SagGrid};
-pub use shape::{Conic, Method, MethodKind, Polynomial, Shape, Term};
+pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 pub use shipped::{Shipped, shipped};
 pub use tolerance::Tolerance;
 
@@ -42,19 +42,19 @@ pub struct Profile {
     /// What the mirror is for, in the author's words; empty if not given.
     pub summary: String,
     /// The camera that looks into the mirror.
-    pub camera: Camera,
+    pub camera: CameraModel,
     /// What its lens lets through.
-    pub light: Light,
+    pub lens: LensSpec,
     /// Which part of the world the picture must show, and how it is laid out. A designed mirror
     /// always has one; without one a given mirror has no pixel error to limit.
-    pub projection: Option<Projection>,
+    pub projection: Option<ProjectionSpec>,
     /// The mirror's outline. It fits the projection: a strip or a conquistador with a strip's law,
     /// a disc or an annulus with a radial law; without a projection any but those two.
     pub layout: Layout,
     /// Where the mirror's shape comes from.
-    pub shape: Shape,
+    pub shape: ShapeSpec,
     /// The size of the solid.
-    pub part: Part,
+    pub part: PartSpec,
     /// How closely facets must follow the mirror.
     pub mesh: MeshLimits,
     /// The files to write, without repetition, in the profile's order; at least one.
@@ -62,14 +62,14 @@ pub struct Profile {
     /// Where the sag table samples the mirror.
     pub sag: SagTable,
     /// The limits a finished mirror must keep to pass.
-    pub accept: Accept,
+    pub accept: AcceptanceSpec,
     /// The errors of making and mounting that are expected.
     pub tolerance: Tolerance,
 }
 
 /// The camera that looks into the mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Camera {
+pub enum CameraModel {
     /// A telecentric camera: all its rays are parallel to the optical axis.
     Orthographic {
         /// Width and height of the frame in pixels, each 1 to 16384.
@@ -89,16 +89,16 @@ pub enum Camera {
 
 /// What a lens lets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
+pub struct LensSpec {
     /// How wide it is open, if that is known.
     pub aperture: Option<Aperture>,
     /// Focal length, mm, where the profile has it: an f-number is that over the entrance pupil.
-    pub lens_mm: Option<f64>,
+    pub focal_mm: Option<f64>,
     /// Wavelength, nm.
     pub wavelength_nm: f64,
 }
 
-impl Light {
+impl LensSpec {
     /// Green, where eyes and most sensors see best.
     pub const USUAL_NM: f64 = 550.0;
 }
@@ -119,11 +119,11 @@ pub enum Aperture {
     },
 }
 
-impl Camera {
+impl CameraModel {
     /// Width and height of the frame in pixels.
     pub fn pixels(&self) -> [u32; 2] {
         match *self {
-            Camera::Orthographic { pixels } | Camera::Pinhole { pixels, .. } => pixels,
+            CameraModel::Orthographic { pixels } | CameraModel::Pinhole { pixels, .. } => pixels,
         }
     }
 }
@@ -179,7 +179,7 @@ pub enum Ridge {
 
 /// The size of the solid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct PartSpec {
     /// Width of the mirror across the picture, in millimetres; of a round one its diameter.
     pub width_mm: f64,
     /// Material under the mirror's lowest point, in millimetres.
@@ -262,7 +262,7 @@ impl fmt::Display for Format {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SagTable {
     /// Along which lines.
-    pub path: SagPath,
+    pub path: ScanPattern,
     /// From line to line or turn to turn, in millimetres.
     pub pitch_mm: Option<f64>,
     /// From point to point along them, in millimetres.
@@ -271,7 +271,7 @@ pub struct SagTable {
 
 /// The lines along which the sag table samples the mirror.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SagPath {
+pub enum ScanPattern {
     /// Lines along X.
     #[default]
     Raster,
@@ -287,7 +287,7 @@ impl Profile {
     pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
         let text = source::text(file, bytes)?;
         let (tree, errors) = toml::de::DeTable::parse_recoverable(text);
-        let mut reader = reader::Reader::new(file, text);
+        let mut reader = reader::ProfileReader::new(file, text);
         for error in &errors {
             reader.broken(error);
         }

@@ -2,28 +2,28 @@
 
 /// Which direction, or which point of a target, an image point must see.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Projection {
+pub enum ProjectionSpec {
     /// Azimuth along the image's rows, elevation along its columns.
-    Strip(StripProjection),
+    Strip(StripSpec),
     /// Symmetric about the axis: the image's radius gives the angle from the axis.
-    Radial(RadialProjection),
+    Radial(RadialSpec),
 }
 
-impl Projection {
+impl ProjectionSpec {
     /// Where the points lie that the picture shows.
     pub fn target(&self) -> Target {
         match self {
-            Projection::Strip(strip) => strip.target,
-            Projection::Radial(radial) => radial.target,
+            ProjectionSpec::Strip(strip) => strip.target,
+            ProjectionSpec::Radial(radial) => radial.target,
         }
     }
 }
 
 /// A projection onto a strip.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StripProjection {
+pub struct StripSpec {
     /// How an image row maps to elevation.
-    pub law: StripLaw,
+    pub law: StripLawSpec,
     /// First and last azimuth in degrees: increasing, within ±360, at most 360 apart.
     pub azimuth_deg: [f64; 2],
     /// Lowest and highest elevation in degrees, of a table too: increasing, strictly inside ±90.
@@ -35,7 +35,7 @@ pub struct StripProjection {
 
 /// How an image row maps to elevation; `z` is the row's height in units of the strip's scale.
 #[derive(Clone, Debug, PartialEq)]
-pub enum StripLaw {
+pub enum StripLawSpec {
     /// `tan(elevation) = z`, the picture on a cylinder about the axis. No mirror is exact.
     Cylindrical,
     /// `tan(elevation) = sinh(z)`, the conformal picture. An exact mirror exists.
@@ -55,14 +55,14 @@ pub enum StripLaw {
 /// A projection about the axis. The polar angle of a direction is the one between it and the axis
 /// towards the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RadialProjection {
+pub struct RadialSpec {
     /// How the image's radius maps to the polar angle.
-    pub law: RadialLaw,
+    pub law: RadialLawKind,
     /// Polar angle in degrees at the inner rim of an annulus, 0 or more and less than the outer
     /// one. Given exactly for an annulus and a law of two parameters; a disc starts at 0.
     pub inner_polar_deg: Option<f64>,
     /// Polar angle in degrees at the mirror's outer rim: strictly between 0 and 180, for
-    /// [`RadialLaw::Plane`] 90.
+    /// [`RadialLawKind::Plane`] 90.
     pub outer_polar_deg: f64,
     /// Where the points lie that the picture shows. A cylinder is there for an annulus only; a
     /// plane is on the side that the given polar angles look to. The polar angle at the inner rim
@@ -72,7 +72,7 @@ pub struct RadialProjection {
 
 /// How the image's radius maps to the polar angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RadialLaw {
+pub enum RadialLawKind {
     /// A paraboloid under an orthographic camera: single viewpoint (Nayar).
     Parabolic,
     /// A hyperboloid with a pinhole at its focus: single viewpoint (Rees; Yamazawa).
@@ -96,10 +96,10 @@ pub enum RadialLaw {
     Cylinder,
 }
 
-impl RadialLaw {
+impl RadialLawKind {
     /// Whether the polar angle at an annulus' inner rim is free to choose.
     pub fn has_two_parameters(self) -> bool {
-        use RadialLaw::*;
+        use RadialLawKind::*;
         match self {
             Parabolic | Hyperbolic | Conical | Plane => false,
             Equiangular | TangentProportional | AreaProportional | EquiAreal | Cylinder => true,
@@ -108,7 +108,10 @@ impl RadialLaw {
 
     /// Whether the law's mirror is not smooth at the centre, so that it must be an annulus.
     pub fn needs_annulus(self) -> bool {
-        matches!(self, RadialLaw::Conical | RadialLaw::AreaProportional | RadialLaw::Cylinder)
+        matches!(
+            self,
+            RadialLawKind::Conical | RadialLawKind::AreaProportional | RadialLawKind::Cylinder
+        )
     }
 }
 

@@ -6,12 +6,12 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Error};
 
 use super::complaint::{Complaint, Complaints};
-use super::lines::Lines;
+use super::lines::LineIndex;
 use super::schema;
 use super::words::{list, shown, syntax_hint};
 
 /// A value and where it stands.
-pub(super) type Value<'t> = Spanned<DeValue<'t>>;
+pub(super) type TomlValue<'t> = Spanned<DeValue<'t>>;
 
 const MAX_SYNTAX_COMPLAINTS: usize = 20;
 /// Alternatives that a complaint lists as whole tables.
@@ -45,10 +45,10 @@ impl<'t> Section<'t> {
 }
 
 /// Collects what is wrong with one file.
-pub(super) struct Reader<'a> {
+pub(super) struct ProfileReader<'a> {
     file: &'a str,
     text: &'a str,
-    lines: Lines<'a>,
+    lines: LineIndex<'a>,
     complaints: Vec<Complaint>,
     /// The lines with an error of syntax.
     syntax: BTreeSet<usize>,
@@ -60,12 +60,12 @@ pub(super) struct Reader<'a> {
     stray: Vec<usize>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ProfileReader<'a> {
     pub(super) fn new(file: &'a str, text: &'a str) -> Self {
-        Reader {
+        ProfileReader {
             file,
             text,
-            lines: Lines::new(text),
+            lines: LineIndex::new(text),
             complaints: Vec::new(),
             syntax: BTreeSet::new(),
             torn: false,
@@ -168,12 +168,12 @@ impl<'a> Reader<'a> {
     }
 
     /// The source of a value, short enough to quote.
-    pub(super) fn quote(&self, value: &Value) -> String {
+    pub(super) fn quote(&self, value: &TomlValue) -> String {
         shown(self.text.get(value.span()).unwrap_or(""))
     }
 
     /// The source of a value of the wrong type, and its type.
-    pub(super) fn quote_type(&self, value: &Value) -> String {
+    pub(super) fn quote_type(&self, value: &TomlValue) -> String {
         match value.get_ref() {
             DeValue::Table(_) => "a table".to_owned(),
             found if is_list_of_tables(found) => "a list of tables".to_owned(),
@@ -318,7 +318,7 @@ impl<'a> Reader<'a> {
         need: Need,
         must: &str,
         hint: &str,
-    ) -> Option<&'t Value<'t>> {
+    ) -> Option<&'t TomlValue<'t>> {
         let value = section.entries.get(key);
         if value.is_none() && need == Need::Required && !section.has(key) {
             let path = section.path_of(key);
@@ -328,7 +328,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Whether a value stands for one that could not be read; its lines have a complaint already.
-    fn is_filler(&self, value: &Value) -> bool {
+    fn is_filler(&self, value: &TomlValue) -> bool {
         let span = value.span();
         let lines = self.lines.line(span.start)..=self.lines.line(span.end);
         self.torn && (span.is_empty() || self.syntax.range(lines).next().is_some())
@@ -346,7 +346,7 @@ mod tests {
     #[test]
     fn a_bad_line_is_named_once() {
         let text = "a = = = 1\nb = x\nc 3\n";
-        let mut reader = Reader::new("p.toml", text);
+        let mut reader = ProfileReader::new("p.toml", text);
         for error in &DeTable::parse_recoverable(text).1 {
             reader.broken(error);
         }
@@ -357,7 +357,7 @@ mod tests {
     #[test]
     fn a_flood_of_bad_lines_is_cut_short() {
         let text = "a = = 1\n".repeat(1000);
-        let mut reader = Reader::new("p.toml", &text);
+        let mut reader = ProfileReader::new("p.toml", &text);
         for error in &DeTable::parse_recoverable(&text).1 {
             reader.broken(error);
         }

@@ -136,7 +136,7 @@ pub enum GridError {
 
 /// One line's place and height.
 #[derive(Clone, Copy)]
-struct Sample {
+struct GridPoint {
     at: [f64; 2],
     z: f64,
     line: u32,
@@ -163,8 +163,9 @@ impl SagGrid {
             return Err(GridError::TooFew { columns: x.count, rows: y.count });
         }
         // As long as a node may be missing, the grid may be far larger than the file.
-        let index =
-            |s: &Sample| node(&y, s.at[1]).0 as u64 * x.count as u64 + node(&x, s.at[0]).0 as u64;
+        let index = |s: &GridPoint| {
+            node(&y, s.at[1]).0 as u64 * x.count as u64 + node(&x, s.at[0]).0 as u64
+        };
         let mut nodes: Vec<(u64, u32, f64)> =
             samples.iter().map(|s| (index(s), s.line, s.z)).collect();
         drop(samples);
@@ -196,7 +197,7 @@ impl SagGrid {
     }
 }
 
-fn samples(bytes: &[u8]) -> Result<Vec<Sample>, GridError> {
+fn samples(bytes: &[u8]) -> Result<Vec<GridPoint>, GridError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut samples = Vec::new();
     let mut titles = true;
@@ -224,7 +225,7 @@ fn samples(bytes: &[u8]) -> Result<Vec<Sample>, GridError> {
         if samples.len() == MOST_NODES {
             return Err(GridError::TooMany { line: number });
         }
-        samples.push(Sample { at, z, line: u32::try_from(number).unwrap_or(u32::MAX) });
+        samples.push(GridPoint { at, z, line: u32::try_from(number).unwrap_or(u32::MAX) });
     }
     Ok(samples)
 }
@@ -297,7 +298,7 @@ fn node(axis: &SagAxis, place: f64) -> (usize, f64) {
     (nearest as usize, (steps - nearest).abs())
 }
 
-fn off_grid(sample: &Sample, axes: &[SagAxis; 2]) -> Option<GridError> {
+fn off_grid(sample: &GridPoint, axes: &[SagAxis; 2]) -> Option<GridError> {
     (0..2).find_map(|k| {
         let (nearest, off) = node(&axes[k], sample.at[k]);
         (off > OFF).then(|| GridError::OffGrid {

@@ -2,7 +2,7 @@
 
 /// Where the mirror's shape comes from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum ShapeSpec {
     /// Computed from the projection.
     Designed(Method),
     /// Given by a formula.
@@ -56,7 +56,7 @@ pub struct Polynomial {
     /// The conic; it exists over the whole outline.
     pub conic: Option<Conic>,
     /// The polynomial's terms, each pair of exponents once.
-    pub terms: Vec<Term>,
+    pub terms: Vec<Monomial>,
 }
 
 /// A conic of revolution: at `r` from the axis it is `r^2 / (R (1 + sqrt(1 - (1 + k) r^2 / R^2)))`
@@ -72,7 +72,7 @@ pub struct Conic {
 
 /// The term `c X^i Y^j` of a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
+pub struct Monomial {
     /// Exponent of X; `i + j` is at most 40.
     pub i: usize,
     /// Exponent of Y.

@@ -6,7 +6,7 @@
 //! so depth is checked before anything is built.
 
 use super::complaint::{Complaint, Complaints};
-use super::lines::Lines;
+use super::lines::LineIndex;
 
 /// Largest profile, in bytes.
 pub(super) const MAX_BYTES: usize = 64 * 1024;
@@ -33,7 +33,7 @@ pub(super) fn text<'b>(file: &str, bytes: &'b [u8]) -> Result<&'b str, Complaint
     }
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let good = &bytes[..error.valid_up_to()];
-        let place = Lines::new(std::str::from_utf8(good).unwrap_or("")).place(good.len());
+        let place = LineIndex::new(std::str::from_utf8(good).unwrap_or("")).place(good.len());
         let bad = bytes.get(good.len()).copied().unwrap_or(0);
         let hint = match bytes {
             [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "this looks like UTF-16; save it as UTF-8",
@@ -44,29 +44,29 @@ pub(super) fn text<'b>(file: &str, bytes: &'b [u8]) -> Result<&'b str, Complaint
     })?;
     if let Some(deep) = too_deep(text) {
         let (offset, message, hint) = match deep {
-            Deep::Brackets(offset) => (
+            NestingError::Brackets(offset) => (
                 offset,
                 format!("brackets must be nested at most {MAX_BRACKETS} deep, found one more"),
                 "the values of a profile are numbers, words and short lists of them",
             ),
-            Deep::Key(offset) => (
+            NestingError::Key(offset) => (
                 offset,
                 format!("a key must have at most {MAX_DOTS} dots, found one more"),
                 "the longest keys look like projection.cylindrical.azimuth_deg",
             ),
         };
-        return Err(one(Lines::new(text).place(offset), message, hint));
+        return Err(one(LineIndex::new(text).place(offset), message, hint));
     }
     Ok(text)
 }
 
-enum Deep {
+enum NestingError {
     Brackets(usize),
     Key(usize),
 }
 
 /// Where the text first nests too deep. Cuts strings and comments out just as the parser does.
-fn too_deep(text: &str) -> Option<Deep> {
+fn too_deep(text: &str) -> Option<NestingError> {
     let bytes = text.as_bytes();
     let (mut at, mut brackets, mut dots) = (0, 0_usize, 0);
     while let Some(&byte) = bytes.get(at) {
@@ -83,7 +83,7 @@ fn too_deep(text: &str) -> Option<Deep> {
                 brackets += 1;
                 dots = 0;
                 if brackets > MAX_BRACKETS {
-                    return Some(Deep::Brackets(at));
+                    return Some(NestingError::Brackets(at));
                 }
             }
             b']' | b'}' => {
@@ -94,7 +94,7 @@ fn too_deep(text: &str) -> Option<Deep> {
             b'.' => {
                 dots += 1;
                 if dots > MAX_DOTS {
-                    return Some(Deep::Key(at));
+                    return Some(NestingError::Key(at));
                 }
             }
             _ => {}

@@ -3,7 +3,7 @@
 use toml::de::DeValue;
 
 use super::reader::Need::{Optional, Required};
-use super::reader::{Need, Reader, Section, Value};
+use super::reader::{Need, ProfileReader, Section, TomlValue};
 use super::schema;
 use super::words::{figure, list};
 
@@ -11,29 +11,29 @@ const FINITE: &str = "every figure of a profile must be finite";
 
 /// A value and the byte offset where it stands.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed<T> {
+pub(super) struct Located<T> {
     pub(super) value: T,
     pub(super) at: usize,
 }
 
 /// A number that `allowed` lets pass.
 pub(super) fn number(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     section: &Section,
     key: &str,
     need: Need,
     must: &str,
     hint: &str,
     allowed: impl Fn(f64) -> bool,
-) -> Option<Placed<f64>> {
+) -> Option<Located<f64>> {
     let value = reader.value(section, key, need, must, hint)?;
     let path = section.path_of(key);
     let figure = within(reader, &path, value, must, hint, allowed)?;
-    Some(Placed { value: figure, at: value.span().start })
+    Some(Located { value: figure, at: value.span().start })
 }
 
 /// What a list of two numbers is for.
-pub(super) struct Pair<'h> {
+pub(super) struct PairFormat<'h> {
     pub(super) key: &'h str,
     pub(super) parts: &'h str,
     pub(super) each: &'h str,
@@ -45,11 +45,11 @@ pub(super) struct Pair<'h> {
 
 /// Two numbers in a list, each of which `allowed` lets pass.
 pub(super) fn pair(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     section: &Section,
-    pair: &Pair,
+    pair: &PairFormat,
     allowed: impl Fn(f64) -> bool,
-) -> Option<Placed<[f64; 2]>> {
+) -> Option<Located<[f64; 2]>> {
     let path = section.path_of(pair.key);
     let must = format!("{}, each {}", pair.parts, pair.each);
     let value = reader.value(section, pair.key, Required, &must, pair.form)?;
@@ -68,11 +68,11 @@ pub(super) fn pair(
     for (figure, item) in figures.iter_mut().zip(items) {
         *figure = within(reader, &path, item, pair.each, pair.limit, &allowed);
     }
-    Some(Placed { value: [figures[0]?, figures[1]?], at })
+    Some(Located { value: [figures[0]?, figures[1]?], at })
 }
 
 /// What a list of lists is for.
-pub(super) struct Rows<'h> {
+pub(super) struct RowsFormat<'h> {
     pub(super) key: &'h str,
     pub(super) need: Need,
     /// What one entry looks like, as in `[row, degrees]`.
@@ -84,10 +84,10 @@ pub(super) struct Rows<'h> {
 
 /// The entries of a list of lists of `N`, each with its place; what they hold is not checked.
 pub(super) fn rows<'t, const N: usize>(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     section: &Section<'t>,
-    rows: &Rows,
-) -> Option<Placed<Vec<Placed<[&'t Value<'t>; N]>>>> {
+    rows: &RowsFormat,
+) -> Option<Located<Vec<Located<[&'t TomlValue<'t>; N]>>>> {
     let path = section.path_of(rows.key);
     let [least, most] = rows.count;
     let must = format!("a list of {least} to {most} entries {}", rows.entry);
@@ -99,8 +99,8 @@ pub(super) fn rows<'t, const N: usize>(
             for item in items {
                 let at = item.span().start;
                 let entry = item.get_ref().as_array().map(|list| list.iter().collect::<Vec<_>>());
-                match entry.map(<[&Value; N]>::try_from) {
-                    Some(Ok(value)) => entries.push(Placed { value, at }),
+                match entry.map(<[&TomlValue; N]>::try_from) {
+                    Some(Ok(value)) => entries.push(Located { value, at }),
                     wrong => {
                         // The others are hardly any better.
                         let entry = rows.entry;
@@ -114,7 +114,7 @@ pub(super) fn rows<'t, const N: usize>(
                     }
                 }
             }
-            return Some(Placed { value: entries, at });
+            return Some(Located { value: entries, at });
         }
         DeValue::Array(items) => counted(items.len()),
         _ => reader.quote_type(value),
@@ -134,9 +134,9 @@ fn counted(length: usize) -> String {
 
 /// The number that a value is, if it is one and `allowed` lets it pass; else a complaint.
 pub(super) fn within(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     path: &str,
-    value: &Value,
+    value: &TomlValue,
     must: &str,
     hint: &str,
     allowed: impl Fn(f64) -> bool,
@@ -155,12 +155,16 @@ pub(super) fn within(
 }
 
 /// True or false; may be absent.
-pub(super) fn flag(reader: &mut Reader, section: &Section, key: &str) -> Option<Placed<bool>> {
+pub(super) fn flag(
+    reader: &mut ProfileReader,
+    section: &Section,
+    key: &str,
+) -> Option<Located<bool>> {
     let must = "true or false";
     let hint = "without quotes, in lower case";
     let value = reader.value(section, key, Optional, must, hint)?;
     if let DeValue::Boolean(flag) = value.get_ref() {
-        return Some(Placed { value: *flag, at: value.span().start });
+        return Some(Located { value: *flag, at: value.span().start });
     }
     let path = section.path_of(key);
     let message = format!("{path} must be {must}, found {}", reader.quote_type(value));
@@ -170,7 +174,7 @@ pub(super) fn flag(reader: &mut Reader, section: &Section, key: &str) -> Option<
 
 /// What one of a few words stands for.
 pub(super) fn word<T: Copy>(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     section: &Section,
     key: &str,
     words: &[(&str, T)],

@@ -2,12 +2,12 @@
 
 use toml::de::DeValue;
 
-use super::reader::Value;
+use super::reader::TomlValue;
 
 const MAX_QUOTED: usize = 40;
 
 /// The number that a value is, finite or not; `None` if it is of another type.
-pub(super) fn figure(value: &Value) -> Option<f64> {
+pub(super) fn figure(value: &TomlValue) -> Option<f64> {
     match value.get_ref() {
         DeValue::Float(float) => float.as_str().parse().ok(),
         DeValue::Integer(int) if int.radix() == 10 => int.as_str().parse().ok(),

@@ -6,7 +6,7 @@ use super::text::{
     solid_line, step_line,
 };
 use super::{BuildReport, Verdict};
-use crate::design::Curl;
+use crate::design::CurlFacts;
 use std::fmt::Write;
 
 /// How pages look.
@@ -87,8 +87,8 @@ fn rows(report: &BuildReport) -> Vec<(String, String)> {
     let number = |x: Option<f64>| x.map_or("none".into(), |x| format!("{x:.9e}"));
     row("condition of the fit", number(design.condition));
     row("gradient residual", number(design.gradient_residual));
-    let curl = |c: Curl| {
-        let Curl { rms, max, condition, rounding } = c;
+    let curl = |c: CurlFacts| {
+        let CurlFacts { rms, max, condition, rounding } = c;
         format!(
             "{rms:.4e} rms, {max:.4e} max, of which rounding at most {rounding:.1e}; condition \
              {condition:.1}"

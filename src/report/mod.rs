@@ -40,10 +40,10 @@ pub use tolerance::{FacetsFrom, ToleranceReport, read_trial, trial_columns, tria
 pub use unwrapped::{MapFacts, PanoramaFacts, PhotoFacts, Unwrapped};
 
 use crate::align::FormError;
-use crate::design::{Facts, Mounting};
+use crate::design::{DesignFacts, Mounting};
 use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null, unless_null};
-use crate::profile::Accepted;
+use crate::profile::AcceptanceLimits;
 use crate::solid::Check;
 use crate::trace::FrameFill;
 use serde::{Deserialize, Serialize};
@@ -63,7 +63,7 @@ pub struct BuildReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<Mounting>,
     /// Figures of the design.
-    pub design: Facts,
+    pub design: DesignFacts,
     /// The sphere and the plane nearest to the mirror.
     pub form: Form,
     /// Figures of the mesh; absent where none could be made.
@@ -89,7 +89,7 @@ pub struct BuildReport {
     pub sharpness: Option<Sharpness>,
     /// The limits that the picture is held to; absent without a projection.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub accepted: Option<Accepted>,
+    pub accepted: Option<AcceptanceLimits>,
     /// Pass or fail.
     pub verdict: Verdict,
     /// Reasons of a fail, each with figures; empty for a pass.
@@ -108,7 +108,7 @@ pub struct VerifyReport {
     /// Places of camera and target in the part's frame, and the size of the part.
     pub layout: Mounting,
     /// Figures of the design.
-    pub design: Facts,
+    pub design: DesignFacts,
     /// The sphere and the plane nearest to the mirror.
     pub form: Form,
     /// The file: the only one.
@@ -132,7 +132,7 @@ pub struct VerifyReport {
     pub sharpness: Option<Sharpness>,
     /// The limits that the picture is held to; absent without a projection, and of measured parts.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub accepted: Option<Accepted>,
+    pub accepted: Option<AcceptanceLimits>,
     /// Pass or fail.
     pub verdict: Verdict,
     /// Reasons of a fail, each with figures; empty for a pass.

@@ -7,10 +7,10 @@ use super::{
     BuildReport, ErrorFacts, FileFacts, Limited, MeshFacts, ProfileId, SagFacts, Sharpness,
     SolidFacts, StepFacts, TraceFacts, Verdict, VerifyReport,
 };
-use crate::design::{Facts, Mounting};
+use crate::design::{DesignFacts, Mounting};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
-use crate::profile::{Accepted, Bound};
+use crate::profile::{AcceptanceLimit, AcceptanceLimits};
 use crate::solid::Rim;
 use crate::trace::FrameFill;
 use serde::Serialize;
@@ -96,7 +96,7 @@ fn mounting_lines(out: &mut String, layout: Option<&Mounting>) -> std::fmt::Resu
     Ok(())
 }
 
-fn design_lines(out: &mut String, design: &Facts, form: &Form) -> std::fmt::Result {
+fn design_lines(out: &mut String, design: &DesignFacts, form: &Form) -> std::fmt::Result {
     writeln!(
         out,
         "  design   {}; ray error {} mrad, pixel error {} px",
@@ -179,7 +179,7 @@ fn trace_lines(
 fn sharpness_lines(
     out: &mut String,
     sharpness: Option<&Sharpness>,
-    accepted: Option<&Accepted>,
+    accepted: Option<&AcceptanceLimits>,
 ) -> std::fmt::Result {
     if let Some(sharpness) = sharpness {
         writeln!(out, "  sharp    best through {}", sharpness.best.line())?;
@@ -194,9 +194,9 @@ fn sharpness_lines(
 }
 
 /// The limits that the picture is held to.
-pub(super) fn allowed_line(accepted: &Accepted) -> String {
-    let mark = |bound: &Bound| if bound.usual { " (usual)" } else { "" };
-    let Accepted { pixel_error_rms_px: rms, pixel_error_max_px: max, frame_filled: filled } =
+pub(super) fn allowed_line(accepted: &AcceptanceLimits) -> String {
+    let mark = |bound: &AcceptanceLimit| if bound.usual { " (usual)" } else { "" };
+    let AcceptanceLimits { pixel_error_rms_px: rms, pixel_error_max_px: max, frame_filled: filled } =
         accepted;
     format!(
         "pixel error {} px rms{}, {} px max{}; at least {} % of the frame{}",
@@ -242,8 +242,8 @@ pub(super) fn camera_line(layout: &Mounting) -> String {
 }
 
 /// How the mirror was found.
-pub(super) fn method_line(design: &Facts) -> String {
-    let Facts { method, degree, unknowns, .. } = design;
+pub(super) fn method_line(design: &DesignFacts) -> String {
+    let DesignFacts { method, degree, unknowns, .. } = design;
     if design.unknowns == 0 {
         return method.clone();
     }

@@ -71,7 +71,7 @@ impl Panorama {
     #[must_use]
     pub fn sigma(&self, x: f64, y: f64) -> [f64; 2] {
         let azimuth = self.left + x * self.per_px;
-        let shrink = self.law.shrink(self.top - y * self.per_px);
+        let shrink = self.law.stereographic_radius(self.top - y * self.per_px);
         [shrink * sin(azimuth), shrink * cos(azimuth)]
     }
 
@@ -89,7 +89,7 @@ impl Panorama {
 }
 
 fn elevation_deg(law: &Law, z: f64) -> f64 {
-    90.0 - 2.0 * degrees(atan(law.shrink(z)))
+    90.0 - 2.0 * degrees(atan(law.stereographic_radius(z)))
 }
 
 fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, UnwrapError> {
@@ -124,7 +124,7 @@ fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, Unw
     };
     let Some(law) = law.filter(|law| *law != own.law) else { return Ok(own) };
     let elevation_deg = own.z.map(|z| elevation_deg(&own.law, z));
-    let most = if law.reach().is_some() { 90.0 } else { STEEPEST_DEG };
+    let most = if law.pole_coordinate().is_some() { 90.0 } else { STEEPEST_DEG };
     let kept = elevation_deg.map(|e| e.clamp(-most, most));
     if !(kept[0] < kept[1]) {
         return Err(UnwrapError::Steep { elevation_deg });

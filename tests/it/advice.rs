@@ -3,7 +3,7 @@
 use crate::random_profiles::wanted::{self, Wanted};
 use crate::support::random::each;
 use crate::support::times;
-use morion::internals::design::{Cause, DesignError, Goal, Trouble, design};
+use morion::internals::design::{DesignError, FailureCause, FitStage, LocalFailure, design};
 use morion::internals::num::{radians, tan};
 use morion::internals::profile::{Profile, SagGrid};
 use proptest::strategy::{Strategy, ValueTree};
@@ -203,7 +203,7 @@ fn refusal(camera: &str, picture: &str, method: &str, width_mm: f64) -> DesignEr
 
 /// Its cause.
 #[track_caller]
-fn cause(camera: &str, picture: &str, method: &str, width_mm: f64) -> Cause {
+fn cause(camera: &str, picture: &str, method: &str, width_mm: f64) -> FailureCause {
     match refusal(camera, picture, method, width_mm) {
         DesignError::Unsolved { cause, .. } => cause,
         error => panic!("{error}"),
@@ -224,12 +224,15 @@ fn a_filled_frame_past_the_horizon_is_named() {
         // Rows to a unit of the law are pixels across over a turn.
         let low = tan(radians(2.0)) + tan(radians(20.0));
         let exact = 4.5 - 0.5 * low * 7.0 / std::f64::consts::TAU;
-        assert!(matches!(found, Cause::Horizon { rows } if (rows - exact).abs() < 1e-9), "{found}");
+        assert!(
+            matches!(found, FailureCause::BeyondHorizon { rows } if (rows - exact).abs() < 1e-9),
+            "{found}"
+        );
     }
 }
 
 /// Whether a cause is the one that was expected.
-type Told = fn(&Cause) -> bool;
+type Told = fn(&FailureCause) -> bool;
 
 /// Asserts of each camera, picture, method and width that the cause is the one it is.
 #[track_caller]
@@ -253,7 +256,12 @@ fn directions_that_nothing_shows_are_named() {
                 .into(),
             FIELD,
             17.64,
-            |cause| matches!(cause, Cause::At { trouble: Trouble::Horizon { .. }, .. }),
+            |cause| {
+                matches!(
+                    cause,
+                    FailureCause::At { failure: LocalFailure::WantedMissesPlane { .. }, .. }
+                )
+            },
         ),
         (
             parallel,
@@ -263,7 +271,12 @@ fn directions_that_nothing_shows_are_named() {
             ),
             "method.fixed-surface = { degree = 5 }",
             40.0,
-            |cause| matches!(cause, Cause::At { trouble: Trouble::Missed { .. }, .. }),
+            |cause| {
+                matches!(
+                    cause,
+                    FailureCause::At { failure: LocalFailure::SeenMissesPlane { .. }, .. }
+                )
+            },
         ),
         (
             parallel,
@@ -273,7 +286,9 @@ fn directions_that_nothing_shows_are_named() {
             ),
             "mirror.polynomial = { radius_mm = 5.496, conic = 0.6079 }",
             3.199,
-            |cause| matches!(cause, Cause::At { trouble: Trouble::Nowhere { .. }, .. }),
+            |cause| {
+                matches!(cause, FailureCause::At { failure: LocalFailure::NotInImage { .. }, .. })
+            },
         ),
         (
             "orthographic = { pixels = [24, 10] }",
@@ -283,7 +298,7 @@ fn directions_that_nothing_shows_are_named() {
             ),
             "method.fixed-surface = { degree = 1, minimax = true }",
             79.92,
-            |cause| matches!(cause, Cause::At { trouble: Trouble::Axis, .. }),
+            |cause| matches!(cause, FailureCause::At { failure: LocalFailure::NoAzimuth, .. }),
         ),
     ];
     told(&cases);
@@ -302,7 +317,12 @@ fn mirrors_that_leave_their_target_or_hide_their_rim_are_named() {
             ),
             FIELD,
             20.0,
-            |cause| matches!(cause, Cause::At { trouble: Trouble::Outside { .. }, .. }),
+            |cause| {
+                matches!(
+                    cause,
+                    FailureCause::At { failure: LocalFailure::OutsideCylinder { .. }, .. }
+                )
+            },
         ),
         (
             parallel,
@@ -311,7 +331,9 @@ fn mirrors_that_leave_their_target_or_hide_their_rim_are_named() {
                 .into(),
             "mirror.polynomial = { radius_mm = -6, conic = -1 }",
             10.0,
-            |cause| matches!(cause, Cause::At { trouble: Trouble::Past { .. }, .. }),
+            |cause| {
+                matches!(cause, FailureCause::At { failure: LocalFailure::PastPlane { .. }, .. })
+            },
         ),
         (
             "pinhole = { pixels = [15, 3], focal_px = 10.46, distance_mm = 6.967 }",
@@ -320,7 +342,7 @@ fn mirrors_that_leave_their_target_or_hide_their_rim_are_named() {
                 .into(),
             "method.distribution = { degree = 8, minimax = false }",
             7.32,
-            |cause| matches!(cause, Cause::Rims { .. }),
+            |cause| matches!(cause, FailureCause::OccludedRim { .. }),
         ),
     ];
     told(&cases);
@@ -332,7 +354,10 @@ fn a_method_that_does_not_converge_gives_way_to_the_vector_field() {
                    layout.strip = { fill_frame = true }";
     let camera = "orthographic = { pixels = [8, 20] }";
     let found = cause(camera, picture, "method.fixed-surface = { degree = 6 }", 85.34);
-    assert!(matches!(found, Cause::Fit { goal: Goal::Method, degree: 6, .. }), "{found}");
+    assert!(
+        matches!(found, FailureCause::Fit { stage: FitStage::Method, degree: 6, .. }),
+        "{found}"
+    );
 }
 
 #[test]
@@ -343,7 +368,7 @@ fn a_mirror_that_turns_its_back_says_where() {
     let camera = "pinhole = { pixels = [2, 16], hfov_deg = 88.8, distance_mm = 2.2 }";
     let found =
         cause(camera, picture, "method.distribution = { degree = 9, minimax = false }", 2.375);
-    assert!(matches!(found, Cause::Back { .. }), "{found}");
+    assert!(matches!(found, FailureCause::BackFacing { .. }), "{found}");
 }
 
 /// Those of a thousand random profiles whose refusal took longest: what is found out about them is

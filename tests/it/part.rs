@@ -14,7 +14,7 @@ use morion::internals::solid::{Solid, added, rim};
 use std::f64::consts::PI;
 
 fn stock(design: &Design) -> &Border {
-    design.stock.as_ref().expect("a border")
+    design.border.as_ref().expect("a border")
 }
 
 /// The area of a polygon of n corners on a circle.

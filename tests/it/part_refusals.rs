@@ -112,7 +112,7 @@ fn what_does_not_fit_is_refused_with_its_place() {
     let even = design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]")), None).unwrap();
     assert_eq!(even.holes(), 1);
     // Only a surface of revolution has a plane land in STEP.
-    let carried = fit(&even.mirror).unwrap().carries(even.stock.as_ref());
+    let carried = fit(&even.mirror).unwrap().carries(even.border.as_ref());
     assert_eq!(carried, Err(FitError::Land));
     let error = design(&parsed(&text("[[2, 0, 1e-3]]")), None).unwrap_err().to_string();
     assert!(error.contains("found [1, 0, 4]; the land's rim is not flat"), "{error}");
@@ -140,7 +140,7 @@ fn corners_that_take_up_a_side_but_for_rounding_take_it_up() {
              corner_radius_mm = {corner} }}\n"
         );
         let profile = parsed(&format!("{GIVEN}{part}"));
-        let contour = design(&profile, None).unwrap().stock.unwrap().contour;
+        let contour = design(&profile, None).unwrap().border.unwrap().contour;
         let corners = contour.polygon();
         let next = corners.iter().cycle().skip(1);
         let least = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).fold(1.0, f64::min);
@@ -210,7 +210,7 @@ fn random_parts_close_or_are_refused() {
         };
         let face = meshed(&profile, &design).unwrap_or_else(|e| panic!("{e}\n{text}"));
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), precision);
+            let solid = Solid::from_face(&face.mesh, design.border.as_ref(), precision);
             let solid = solid.unwrap_or_else(|e| panic!("{e}\n{text}"));
             assert_eq!(solid.check().euler, 2 - 2 * design.holes() as i64);
         }

@@ -3,9 +3,9 @@
 use crate::support::least::{strip_of, with};
 use crate::support::shipped_text;
 use morion::internals::profile::{
-    Accept, Camera, Format, Layout, Light, MeshLimits, Method, MethodKind, PanelSource, Part,
-    Profile, Projection, Ridge, SagPath, SagTable, Shape, StripLaw, StripProjection, Target,
-    Tolerance, shipped,
+    AcceptanceSpec, CameraModel, Format, Layout, LensSpec, MeshLimits, Method, MethodKind,
+    PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ScanPattern, ShapeSpec,
+    StripLawSpec, StripSpec, Target, Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -19,10 +19,10 @@ fn the_shipped_conquistador_is_the_papers() {
             name: "c".into(),
             sha256: profile.sha256.clone(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
-            camera: Camera::Orthographic { pixels: [640, 480] },
-            light: Light { aperture: None, lens_mm: None, wavelength_nm: 550.0 },
-            projection: Some(Projection::Strip(StripProjection {
-                law: StripLaw::Cylindrical,
+            camera: CameraModel::Orthographic { pixels: [640, 480] },
+            lens: LensSpec { aperture: None, focal_mm: None, wavelength_nm: 550.0 },
+            projection: Some(ProjectionSpec::Strip(StripSpec {
+                law: StripLawSpec::Cylindrical,
                 azimuth_deg: [-180.0, 180.0],
                 elevation_deg: [-30.0, 30.0],
                 target: Target::Infinity,
@@ -32,16 +32,16 @@ fn the_shipped_conquistador_is_the_papers() {
                 ridge: Ridge::Crest,
                 fill_frame: true,
             },
-            shape: Shape::Designed(Method {
+            shape: ShapeSpec::Designed(Method {
                 kind: MethodKind::VectorField,
                 degree: 12,
                 minimax: false,
             }),
-            part: Part { width_mm: 60.0, base_mm: 5.0, border: None },
+            part: PartSpec { width_mm: 60.0, base_mm: 5.0, border: None },
             mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0), max_triangles: None },
             formats: vec![Format::Stl, Format::Obj],
             sag: SagTable::default(),
-            accept: Accept {
+            accept: AcceptanceSpec {
                 blur_p95_px: None,
                 pixel_error_rms_px: Some(2.0),
                 pixel_error_max_px: Some(7.0),
@@ -62,7 +62,7 @@ fn a_sag_table_has_a_path_and_spacings_or_usual_ones() {
     assert_eq!(usual, SagTable::default());
     assert_eq!(usual.spacing_mm(60.0), [0.3, 0.3]);
     let spiral = table("export.sag = { path = \"spiral\", pitch_mm = 0.02 }").unwrap();
-    assert_eq!(spiral.path, SagPath::Spiral);
+    assert_eq!(spiral.path, ScanPattern::Spiral);
     assert_eq!(spiral.spacing_mm(60.0), [0.02, 0.3]);
     for (text, words) in [
         ("export.sag.path = \"spirale\"", "did you mean \"spiral\"?"),
@@ -88,7 +88,7 @@ fn a_sag_table_has_a_path_and_spacings_or_usual_ones() {
 fn defaults_and_other_ways_to_write_toml() {
     let profile = with(&[]).expect("valid");
     assert_eq!(profile.summary, "");
-    assert_eq!(profile.accept, Accept::default());
+    assert_eq!(profile.accept, AcceptanceSpec::default());
     assert_eq!(profile.mesh.facet_px, None);
     assert_eq!(
         profile.layout,
@@ -107,8 +107,8 @@ fn defaults_and_other_ways_to_write_toml() {
         }
     );
     let mercator = with(&[("cylindrical", "mercator"), ("[640", "[0x2_80")]).expect("valid");
-    assert_eq!(strip_of(&mercator).law, StripLaw::Mercator);
-    assert_eq!(mercator.camera, Camera::Orthographic { pixels: [640, 480] });
+    assert_eq!(strip_of(&mercator).law, StripLawSpec::Mercator);
+    assert_eq!(mercator.camera, CameraModel::Orthographic { pixels: [640, 480] });
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use crate::support::least::{strip_of, with};
 use morion::internals::profile::{
-    Camera, Conic, Layout, Method, MethodKind, Polynomial, Projection, RadialLaw, RadialProjection,
-    Shape, StripLaw, StripProjection, Target, Term,
+    CameraModel, Conic, Layout, Method, MethodKind, Monomial, Polynomial, ProjectionSpec,
+    RadialLawKind, RadialSpec, ShapeSpec, StripLawSpec, StripSpec, Target,
 };
 
 const STRIP: (&str, &str) = ("layout.conquistador", "layout.strip");
@@ -20,15 +20,17 @@ const METHOD: &str = "method.vector-field.degree = 12";
 
 #[test]
 fn a_pinhole_is_given_by_focal_length_or_angle_of_view() {
-    let focal = Camera::Pinhole { pixels: [640, 480], focal_px: 800.0, distance_mm: 100.0 };
+    let focal = CameraModel::Pinhole { pixels: [640, 480], focal_px: 800.0, distance_mm: 100.0 };
     assert_eq!(with(&[PINHOLE]).expect("valid").camera, focal);
     assert_eq!(focal.pixels(), [640, 480]);
     // A lens of 12.5 mm over pixels of 3.45 um.
     let lens = with(&[PINHOLE, ("focal_px = 800", "lens_mm = 12.5, pixel_um = 3.45")]);
-    let Camera::Pinhole { focal_px, .. } = lens.expect("valid").camera else { panic!("a pinhole") };
+    let CameraModel::Pinhole { focal_px, .. } = lens.expect("valid").camera else {
+        panic!("a pinhole")
+    };
     assert!((focal_px - 12.5 / 3.45e-3).abs() < 1e-9, "{focal_px}");
     let view = with(&[PINHOLE, ("focal_px = 800", "hfov_deg = 90")]).expect("valid");
-    let Camera::Pinhole { focal_px, .. } = view.camera else { panic!("{:?}", view.camera) };
+    let CameraModel::Pinhole { focal_px, .. } = view.camera else { panic!("{:?}", view.camera) };
     assert!((focal_px - 320.0).abs() < 1e-10);
     // The frame is 80 mm wide at 100 mm, and the part must be.
     let fill = ("layout.conquistador = {}", "layout.conquistador = { fill_frame = true }");
@@ -43,15 +45,15 @@ fn a_pinhole_is_given_by_focal_length_or_angle_of_view() {
 #[test]
 fn strip_laws_and_targets() {
     for (name, law) in [
-        ("cylindrical", StripLaw::Cylindrical),
-        ("mercator", StripLaw::Mercator),
-        ("equirectangular", StripLaw::Equirectangular),
-        ("equal-area", StripLaw::EqualArea),
-        ("best", StripLaw::Best),
+        ("cylindrical", StripLawSpec::Cylindrical),
+        ("mercator", StripLawSpec::Mercator),
+        ("equirectangular", StripLawSpec::Equirectangular),
+        ("equal-area", StripLawSpec::EqualArea),
+        ("best", StripLawSpec::Best),
     ] {
         for layout in [STRIP, ("layout.conquistador", "layout.conquistador")] {
             let profile = with(&[layout, ("cylindrical", name)]).expect("valid");
-            let expected = StripProjection {
+            let expected = StripSpec {
                 law: law.clone(),
                 azimuth_deg: [-180.0, 180.0],
                 elevation_deg: [-30.0, 30.0],
@@ -63,7 +65,7 @@ fn strip_laws_and_targets() {
     let rows = "[[-7.5, 40], [0, 10], [100, -20]]";
     let table = with(&[("cylindrical", "table"), ("[-30, 30]", rows)]).expect("valid");
     let table = strip_of(&table);
-    assert_eq!(table.law, StripLaw::Table(vec![[-7.5, 40.0], [0.0, 10.0], [100.0, -20.0]]));
+    assert_eq!(table.law, StripLawSpec::Table(vec![[-7.5, 40.0], [0.0, 10.0], [100.0, -20.0]]));
     assert_eq!(table.elevation_deg, [-20.0, 40.0]);
     for (elevation, target, expected) in [
         ("[-30, 30]", "radius_mm = 30.01", Target::Cylinder { radius_mm: 30.01 }),
@@ -82,7 +84,7 @@ fn strip_laws_and_targets() {
 /// becomes of the inner polar angle.
 #[test]
 fn radial_laws_with_every_camera_and_outline() {
-    use RadialLaw::*;
+    use RadialLawKind::*;
     for (name, law) in [
         ("parabolic", Parabolic),
         ("hyperbolic", Hyperbolic),
@@ -114,13 +116,13 @@ fn radial_laws_with_every_camera_and_outline() {
                     let valid = camera_fits && inner_fits && (annulus || !law.needs_annulus());
                     assert_eq!(found.is_ok(), valid, "{text} {layout:?} {found:?}");
                     let Ok(profile) = found else { continue };
-                    let expected = RadialProjection {
+                    let expected = RadialSpec {
                         law,
                         inner_polar_deg: inner.filter(|_| annulus),
                         outer_polar_deg: 60.0,
                         target: Target::Infinity,
                     };
-                    assert_eq!(profile.projection, Some(Projection::Radial(expected)));
+                    assert_eq!(profile.projection, Some(ProjectionSpec::Radial(expected)));
                     let outline = match annulus {
                         true => Layout::Annulus { inner_width_mm: 20.0 },
                         false => Layout::Disc,
@@ -168,16 +170,16 @@ fn methods() {
         assert_eq!(kind.name(), name);
         let text = format!("method.{name} = {{ degree = 7, minimax = true }}");
         let profile = with(&[(METHOD, &text)]).expect("valid");
-        assert_eq!(profile.shape, Shape::Designed(Method { kind, degree: 7, minimax: true }));
+        assert_eq!(profile.shape, ShapeSpec::Designed(Method { kind, degree: 7, minimax: true }));
     }
 }
 
 #[test]
 fn given_mirrors() {
     let dome = "mirror.polynomial = { radius_mm = -80, conic = -1, terms = [[2, 1, 1e-5]] }";
-    let polynomial = Shape::Polynomial(Polynomial {
+    let polynomial = ShapeSpec::Polynomial(Polynomial {
         conic: Some(Conic { radius_mm: -80.0, conic: -1.0 }),
-        terms: vec![Term { i: 2, j: 1, c: 1e-5 }],
+        terms: vec![Monomial { i: 2, j: 1, c: 1e-5 }],
     });
     let bare = (PROJECTION, "");
     let rectangle = [(METHOD, dome), bare, ("layout.conquistador = {}", "")];
@@ -196,13 +198,13 @@ fn given_mirrors() {
     }
     let strip = with(&[(METHOD, dome), STRIP]).expect("valid");
     assert_eq!(strip.shape, polynomial);
-    assert_eq!(strip_of(&strip).law, StripLaw::Cylindrical);
+    assert_eq!(strip_of(&strip).law, StripLawSpec::Cylindrical);
     let grid = with(&[(METHOD, "mirror.grid.file = \"sag.csv\""), bare, DISC]).expect("valid");
-    assert_eq!(grid.shape, Shape::Grid { file: "sag.csv".into() });
+    assert_eq!(grid.shape, ShapeSpec::Grid { file: "sag.csv".into() });
     let one = with(&[(METHOD, "mirror.polynomial.terms = [[0, 40, -1]]"), bare, DISC]);
-    let terms = vec![Term { i: 0, j: 40, c: -1.0 }];
+    let terms = vec![Monomial { i: 0, j: 40, c: -1.0 }];
     let polynomial = Polynomial { conic: None, terms };
-    assert_eq!(one.expect("valid").shape, Shape::Polynomial(polynomial));
+    assert_eq!(one.expect("valid").shape, ShapeSpec::Polynomial(polynomial));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::support::oracle::{self, Wish, acos, eye, integral, pinhole, polar, rad, trace};
 use crate::support::{builds::parsed, rims, shipped_text};
-use morion::internals::design::{Cause, Design, DesignError, design};
+use morion::internals::design::{Design, DesignError, FailureCause, design};
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::{atan, atan2, cos, exp, hypot, log, sin, tan};
 
@@ -375,7 +375,10 @@ fn what_lies_behind_the_mirror_is_refused() {
             let found = Wish::round(&pinhole(100.0), &law, 0.0, 40).design();
             match found {
                 Ok(_) => assert!(seen, "{law}"),
-                Err(DesignError::Unsolved { cause: Cause::Back { from_axis_mm }, .. }) => {
+                Err(DesignError::Unsolved {
+                    cause: FailureCause::BackFacing { from_axis_mm },
+                    ..
+                }) => {
                     assert!(!seen && (0.0..=30.0).contains(&from_axis_mm), "{law} {from_axis_mm}");
                 }
                 Err(error) => assert!(!seen, "{law}: {error}"),

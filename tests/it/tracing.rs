@@ -41,7 +41,7 @@ fn compared(what: &str, scene: &Scene, camera: &Camera) -> (Vec<RayEnd>, TraceCo
 fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<RayEnd>, TraceCounts) {
     let design = designed(profile);
     let face = meshed(profile, &design).unwrap();
-    let solid = Solid::from_face(&face.mesh, design.stock.as_ref(), precision).unwrap();
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), precision).unwrap();
     let scene = Scene::new(solid.mesh().clone());
     let fewer = f64::from(design.camera.pixels[0]) / 170.0;
     let camera = Camera {

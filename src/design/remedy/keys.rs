@@ -1,18 +1,19 @@
 //! Ways to change one key of a profile.
 
-use super::{Change, Value};
+use super::{KeyChange, KeyValue};
 use crate::profile::{
-    Camera, Layout, MethodKind, Profile, Projection, RadialLaw, Shape, StripLaw, Target,
+    CameraModel, Layout, MethodKind, Profile, ProjectionSpec, RadialLawKind, ShapeSpec,
+    StripLawSpec, Target,
 };
 
 /// A profile after a change.
-pub struct Changed {
-    pub change: Change,
+pub struct EditedProfile {
+    pub change: KeyChange,
     pub profile: Profile,
 }
 
 /// Ways to change one key, the smallest change first.
-pub type Key = fn(&Profile) -> Vec<Changed>;
+pub type Edit = fn(&Profile) -> Vec<EditedProfile>;
 
 /// A number as someone would write it, to four digits: what is tried is what is told.
 fn short(x: f64) -> f64 {
@@ -24,14 +25,14 @@ fn round(x: f64) -> f64 {
     format!("{x:.8e}").parse().expect("a number")
 }
 
-fn changed(profile: &Profile, change: Change, edit: impl FnOnce(&mut Profile)) -> Changed {
+fn changed(profile: &Profile, change: KeyChange, edit: impl FnOnce(&mut Profile)) -> EditedProfile {
     let mut profile = profile.clone();
     edit(&mut profile);
-    Changed { change, profile }
+    EditedProfile { change, profile }
 }
 
 /// The frame is not filled.
-pub fn unfilled(profile: &Profile) -> Vec<Changed> {
+pub fn unfilled(profile: &Profile) -> Vec<EditedProfile> {
     let mut layout = profile.layout;
     match &mut layout {
         Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } if *fill_frame => {
@@ -39,49 +40,49 @@ pub fn unfilled(profile: &Profile) -> Vec<Changed> {
         }
         _ => return Vec::new(),
     }
-    vec![changed(profile, Change::Without("fill_frame"), |p| p.layout = layout)]
+    vec![changed(profile, KeyChange::Without("fill_frame"), |p| p.layout = layout)]
 }
 
 /// The smallest squares of errors instead of the smallest worst one.
-pub fn least_squares(profile: &Profile) -> Vec<Changed> {
-    let Shape::Designed(mut method) = profile.shape else { return Vec::new() };
+pub fn least_squares(profile: &Profile) -> Vec<EditedProfile> {
+    let ShapeSpec::Designed(mut method) = profile.shape else { return Vec::new() };
     if !method.minimax {
         return Vec::new();
     }
     method.minimax = false;
-    vec![changed(profile, Change::Without("minimax"), |p| p.shape = Shape::Designed(method))]
+    vec![changed(profile, KeyChange::Without("minimax"), |p| p.shape = ShapeSpec::Designed(method))]
 }
 
 /// The method that the others begin with.
-pub fn vector_field(profile: &Profile) -> Vec<Changed> {
-    let Shape::Designed(mut method) = profile.shape else { return Vec::new() };
+pub fn vector_field(profile: &Profile) -> Vec<EditedProfile> {
+    let ShapeSpec::Designed(mut method) = profile.shape else { return Vec::new() };
     if method.kind == MethodKind::VectorField {
         return Vec::new();
     }
     method.kind = MethodKind::VectorField;
-    let change = Change::Take("method", method.kind.name());
-    vec![changed(profile, change, |p| p.shape = Shape::Designed(method))]
+    let change = KeyChange::Take("method", method.kind.name());
+    vec![changed(profile, change, |p| p.shape = ShapeSpec::Designed(method))]
 }
 
-fn of_degrees(profile: &Profile, degrees: impl IntoIterator<Item = usize>) -> Vec<Changed> {
-    let Shape::Designed(method) = profile.shape else { return Vec::new() };
+fn of_degrees(profile: &Profile, degrees: impl IntoIterator<Item = usize>) -> Vec<EditedProfile> {
+    let ShapeSpec::Designed(method) = profile.shape else { return Vec::new() };
     let of = |degree: usize| {
-        let change = Change::Set("degree", Value::Number(degree as f64));
-        let shape = Shape::Designed(crate::profile::Method { degree, ..method });
+        let change = KeyChange::Set("degree", KeyValue::Number(degree as f64));
+        let shape = ShapeSpec::Designed(crate::profile::Method { degree, ..method });
         changed(profile, change, |p| p.shape = shape)
     };
     degrees.into_iter().map(of).collect()
 }
 
 /// A degree that follows the picture more closely, where that is a matter of degree.
-pub fn degree(profile: &Profile) -> Vec<Changed> {
-    let Shape::Designed(method) = profile.shape else { return Vec::new() };
+pub fn degree(profile: &Profile) -> Vec<EditedProfile> {
+    let ShapeSpec::Designed(method) = profile.shape else { return Vec::new() };
     of_degrees(profile, [4, 8, 12].into_iter().filter(|&degree| degree > method.degree))
 }
 
 /// A degree that the samples determine.
-pub fn degree_down(profile: &Profile) -> Vec<Changed> {
-    let Shape::Designed(method) = profile.shape else { return Vec::new() };
+pub fn degree_down(profile: &Profile) -> Vec<EditedProfile> {
+    let ShapeSpec::Designed(method) = profile.shape else { return Vec::new() };
     let halves = std::iter::successors(Some(method.degree / 2), |degree| Some(degree / 2));
     of_degrees(profile, halves.take_while(|&degree| degree > 0))
 }
@@ -89,14 +90,14 @@ pub fn degree_down(profile: &Profile) -> Vec<Changed> {
 fn set_target(profile: &mut Profile, to: Target) {
     match &mut profile.projection {
         None => {}
-        Some(Projection::Strip(strip)) => strip.target = to,
-        Some(Projection::Radial(radial)) => radial.target = to,
+        Some(ProjectionSpec::Strip(strip)) => strip.target = to,
+        Some(ProjectionSpec::Radial(radial)) => radial.target = to,
     }
 }
 
 /// The target further away.
-pub fn targets(profile: &Profile) -> Vec<Changed> {
-    let Some(target) = profile.projection.as_ref().map(Projection::target) else {
+pub fn targets(profile: &Profile) -> Vec<EditedProfile> {
+    let Some(target) = profile.projection.as_ref().map(ProjectionSpec::target) else {
         return Vec::new();
     };
     let moved = |factor: f64| {
@@ -111,29 +112,29 @@ pub fn targets(profile: &Profile) -> Vec<Changed> {
                 ("target_plane_mm", far, Target::Plane { height_mm: far })
             }
         };
-        let change = Change::Set(key, Value::Number(far));
+        let change = KeyChange::Set(key, KeyValue::Number(far));
         Some(changed(profile, change, |p| set_target(p, to)))
     };
     [2.0, 8.0, 64.0].into_iter().filter_map(moved).collect()
 }
 
 /// The target at infinity.
-pub fn untargeted(profile: &Profile) -> Vec<Changed> {
-    let key = match profile.projection.as_ref().map(Projection::target) {
+pub fn untargeted(profile: &Profile) -> Vec<EditedProfile> {
+    let key = match profile.projection.as_ref().map(ProjectionSpec::target) {
         None | Some(Target::Infinity) => return Vec::new(),
         Some(Target::Cylinder { .. }) => "target_radius_mm",
         Some(Target::Plane { .. }) => "target_plane_mm",
     };
-    vec![changed(profile, Change::Without(key), |p| set_target(p, Target::Infinity))]
+    vec![changed(profile, KeyChange::Without(key), |p| set_target(p, Target::Infinity))]
 }
 
 /// Part of the elevations or polar angles: the part that is furthest from the horizon where a plane
 /// is to be seen, or else the middle.
-pub fn elevation(profile: &Profile) -> Vec<Changed> {
-    let of = |share: f64| -> Option<Changed> {
+pub fn elevation(profile: &Profile) -> Vec<EditedProfile> {
+    let of = |share: f64| -> Option<EditedProfile> {
         let mut profile = profile.clone();
         let change = match profile.projection.as_mut()? {
-            Projection::Strip(strip) => {
+            ProjectionSpec::Strip(strip) => {
                 let [low, high] = strip.elevation_deg;
                 let fixed = match strip.target {
                     Target::Plane { height_mm } if height_mm > 0.0 => high,
@@ -144,20 +145,20 @@ pub fn elevation(profile: &Profile) -> Vec<Changed> {
                 strip.elevation_deg = [low, high].map(narrowed);
                 let value = match &mut strip.law {
                     // Rows of as many degrees each.
-                    StripLaw::Table(rows) => {
+                    StripLawSpec::Table(rows) => {
                         let first = rows[0][0];
                         for [row, e] in rows.iter_mut() {
                             *row = round(first + share * (*row - first));
                             *e = round(fixed + share * (*e - fixed));
                         }
                         strip.elevation_deg = [rows[rows.len() - 1][1], rows[0][1]];
-                        Value::Rows(rows.clone())
+                        KeyValue::Rows(rows.clone())
                     }
-                    _ => Value::Range(strip.elevation_deg),
+                    _ => KeyValue::Range(strip.elevation_deg),
                 };
-                Change::Set("elevation_deg", value)
+                KeyChange::Set("elevation_deg", value)
             }
-            Projection::Radial(radial) => {
+            ProjectionSpec::Radial(radial) => {
                 let inner = radial.inner_polar_deg.unwrap_or(0.0);
                 let floor = match radial.target {
                     Target::Plane { height_mm } if height_mm < 0.0 => inner.max(90.0),
@@ -165,43 +166,43 @@ pub fn elevation(profile: &Profile) -> Vec<Changed> {
                 };
                 let outer = short(floor + share * (radial.outer_polar_deg - floor));
                 radial.outer_polar_deg = outer;
-                Change::Set("outer_polar_deg", Value::Number(outer))
+                KeyChange::Set("outer_polar_deg", KeyValue::Number(outer))
             }
         };
-        Some(Changed { change, profile })
+        Some(EditedProfile { change, profile })
     };
     [0.5, 0.25, 0.0625].into_iter().filter_map(of).collect()
 }
 
 /// A law that has a place for every direction.
-pub fn law(profile: &Profile) -> Vec<Changed> {
+pub fn law(profile: &Profile) -> Vec<EditedProfile> {
     let mut projection = profile.projection.clone();
     let name = match &mut projection {
-        Some(Projection::Strip(strip)) => match strip.law {
-            StripLaw::Best => {
-                strip.law = StripLaw::Mercator;
+        Some(ProjectionSpec::Strip(strip)) => match strip.law {
+            StripLawSpec::Best => {
+                strip.law = StripLawSpec::Mercator;
                 "mercator"
             }
-            StripLaw::Cylindrical | StripLaw::Mercator => {
-                strip.law = StripLaw::Equirectangular;
+            StripLawSpec::Cylindrical | StripLawSpec::Mercator => {
+                strip.law = StripLawSpec::Equirectangular;
                 "equirectangular"
             }
             _ => return Vec::new(),
         },
-        Some(Projection::Radial(radial))
-            if radial.law.has_two_parameters() && radial.law != RadialLaw::Equiangular =>
+        Some(ProjectionSpec::Radial(radial))
+            if radial.law.has_two_parameters() && radial.law != RadialLawKind::Equiangular =>
         {
-            radial.law = RadialLaw::Equiangular;
+            radial.law = RadialLawKind::Equiangular;
             "equiangular"
         }
         _ => return Vec::new(),
     };
-    vec![changed(profile, Change::Take("projection", name), |p| p.projection = projection)]
+    vec![changed(profile, KeyChange::Take("projection", name), |p| p.projection = projection)]
 }
 
 /// The camera further away.
-pub fn distance(profile: &Profile) -> Vec<Changed> {
-    let Camera::Pinhole { pixels, focal_px, distance_mm } = profile.camera else {
+pub fn distance(profile: &Profile) -> Vec<EditedProfile> {
+    let CameraModel::Pinhole { pixels, focal_px, distance_mm } = profile.camera else {
         return Vec::new();
     };
     // A part that fills the frame would have to grow with it.
@@ -210,8 +211,8 @@ pub fn distance(profile: &Profile) -> Vec<Changed> {
     }
     let moved = |factor: f64| {
         let distance_mm = short(factor * distance_mm);
-        let change = Change::Set("distance_mm", Value::Number(distance_mm));
-        let camera = Camera::Pinhole { pixels, focal_px, distance_mm };
+        let change = KeyChange::Set("distance_mm", KeyValue::Number(distance_mm));
+        let camera = CameraModel::Pinhole { pixels, focal_px, distance_mm };
         changed(profile, change, |p| p.camera = camera)
     };
     [2.0, 8.0, 64.0].into_iter().map(moved).collect()

@@ -3,12 +3,12 @@
 
 mod keys;
 
-use super::cause::{Cause, Goal, Trouble};
+use super::cause::{FailureCause, FitStage, LocalFailure};
 use super::solve::SolveError;
-use super::{Design, DesignError, designed};
-use crate::profile::{Profile, SagGrid, Shape};
+use super::{Design, DesignError, try_design};
+use crate::profile::{Profile, SagGrid, ShapeSpec};
 use keys::{
-    Key, degree, degree_down, distance, elevation, law, least_squares, targets, unfilled,
+    Edit, degree, degree_down, distance, elevation, law, least_squares, targets, unfilled,
     untargeted, vector_field,
 };
 use std::fmt;
@@ -22,18 +22,18 @@ const ALTERNATIVES: usize = 2;
 
 /// A change of one key of a profile.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Change {
+pub enum KeyChange {
     /// A key is left out.
     Without(&'static str),
     /// A key has another value.
-    Set(&'static str, Value),
+    Set(&'static str, KeyValue),
     /// A table has another name in its section: another method or another law.
     Take(&'static str, &'static str),
 }
 
 /// A value of a key.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value {
+pub enum KeyValue {
     /// A number.
     Number(f64),
     /// A range.
@@ -42,7 +42,7 @@ pub enum Value {
     Rows(Vec<[f64; 2]>),
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for KeyValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(x) => write!(f, "{x}"),
@@ -52,7 +52,7 @@ impl fmt::Display for Value {
     }
 }
 
-impl fmt::Display for Change {
+impl fmt::Display for KeyChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Without(key) => write!(f, "leave {key} out"),
@@ -67,7 +67,7 @@ impl fmt::Display for Change {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Remedy {
     /// The alternatives.
-    pub alternatives: Vec<Vec<Change>>,
+    pub alternatives: Vec<Vec<KeyChange>>,
     /// How many changed profiles were designed to find them.
     pub trials: usize,
 }
@@ -80,7 +80,7 @@ impl fmt::Display for Remedy {
                  shipped, and change it step by step",
             );
         }
-        let together = |changes: &Vec<Change>| {
+        let together = |changes: &Vec<KeyChange>| {
             changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
         };
         let all: Vec<String> = self.alternatives.iter().map(together).collect();
@@ -89,9 +89,9 @@ impl fmt::Display for Remedy {
 }
 
 /// What helps against `cause`, for which `profile` is refused.
-pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &Cause) -> Remedy {
-    let mut search = Search { sag, trials: 0, most: MOST_SINGLE };
-    let mut found: Vec<Vec<Change>> = Vec::new();
+pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &FailureCause) -> Remedy {
+    let mut search = TrialDesigns { sag, trials: 0, most: MOST_SINGLE };
+    let mut found: Vec<Vec<KeyChange>> = Vec::new();
     for key in keys(profile, cause) {
         if found.len() == ALTERNATIVES {
             break;
@@ -106,14 +106,14 @@ pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &Cause) -> Remedy
 }
 
 /// Trial designs.
-struct Search<'a> {
+struct TrialDesigns<'a> {
     sag: Option<&'a SagGrid>,
     trials: usize,
     /// No more are made.
     most: usize,
 }
 
-impl Search<'_> {
+impl TrialDesigns<'_> {
     /// Whether the mirror of `profile` can be designed; no more are tried when that has been asked
     /// too often.
     fn helps(&mut self, profile: &Profile) -> bool {
@@ -121,17 +121,17 @@ impl Search<'_> {
             return false;
         }
         self.trials += 1;
-        let design: Result<Design, DesignError> = designed(profile, self.sag);
+        let design: Result<Design, DesignError> = try_design(profile, self.sag);
         // What does not fit around the mirror is another matter.
         matches!(design, Ok(_) | Err(DesignError::Border { .. }))
     }
 
     /// Changes that help together: the plainest profile, if it can be designed, less what is not
     /// needed for that.
-    fn together(&mut self, profile: &Profile) -> Option<Vec<Change>> {
+    fn together(&mut self, profile: &Profile) -> Option<Vec<KeyChange>> {
         self.most = MOST_TRIALS;
-        let plainest = |key: &Key, profile: &Profile| key(profile).pop();
-        let made = |keys: &[Key]| {
+        let plainest = |key: &Edit, profile: &Profile| key(profile).pop();
+        let made = |keys: &[Edit]| {
             let (mut now, mut changes) = (profile.clone(), Vec::new());
             for key in keys {
                 if let Some(changed) = plainest(key, &now) {
@@ -141,9 +141,9 @@ impl Search<'_> {
             }
             (now, changes)
         };
-        let all: [Key; 8] =
+        let all: [Edit; 8] =
             [unfilled, least_squares, vector_field, law, untargeted, degree, elevation, distance];
-        let mut keys: Vec<Key> = Vec::new();
+        let mut keys: Vec<Edit> = Vec::new();
         for key in all {
             keys.push(key);
             if plainest(&key, profile).is_some() && self.helps(&made(&keys).0) {
@@ -165,23 +165,29 @@ impl Search<'_> {
 }
 
 /// What may help against `cause`, the likeliest first.
-fn keys(profile: &Profile, cause: &Cause) -> Vec<Key> {
-    let given = !matches!(profile.shape, Shape::Designed(_));
+fn keys(profile: &Profile, cause: &FailureCause) -> Vec<Edit> {
+    let given = !matches!(profile.shape, ShapeSpec::Designed(_));
     match cause {
-        Cause::Law(_) => vec![law, targets, untargeted, elevation],
-        Cause::Fit { source: SolveError::Undetermined(_), .. } => vec![degree_down, elevation],
-        Cause::Fit { goal: Goal::Method, .. } | Cause::At { goal: Some(Goal::Method), .. } => {
+        FailureCause::LeastCurl(_) => vec![law, targets, untargeted, elevation],
+        FailureCause::Fit { source: SolveError::Undetermined(_), .. } => {
+            vec![degree_down, elevation]
+        }
+        FailureCause::Fit { stage: FitStage::Method, .. }
+        | FailureCause::At { stage: Some(FitStage::Method), .. } => {
             vec![unfilled, vector_field, targets, untargeted, degree, elevation, distance]
         }
-        Cause::Fit { goal: Goal::Minimax, .. } | Cause::At { goal: Some(Goal::Minimax), .. } => {
+        FailureCause::Fit { stage: FitStage::Minimax, .. }
+        | FailureCause::At { stage: Some(FitStage::Minimax), .. } => {
             vec![unfilled, least_squares, vector_field, targets, untargeted, degree, elevation]
         }
-        Cause::Back { .. } => vec![unfilled, elevation, distance, degree, targets, untargeted],
+        FailureCause::BackFacing { .. } => {
+            vec![unfilled, elevation, distance, degree, targets, untargeted]
+        }
         // What a given mirror shows does not depend on what it should.
-        Cause::At { trouble: Trouble::Nowhere { .. }, .. } if given => {
+        FailureCause::At { failure: LocalFailure::NotInImage { .. }, .. } if given => {
             vec![unfilled, law, distance]
         }
-        Cause::At { trouble: Trouble::Missed { .. }, .. } if given => {
+        FailureCause::At { failure: LocalFailure::SeenMissesPlane { .. }, .. } if given => {
             vec![unfilled, untargeted, distance]
         }
         _ if given => vec![unfilled, law, untargeted, targets, distance, elevation],

@@ -1,10 +1,10 @@
 //! The flat rim around the mirror: its keys, and whether everything in it has room.
 
-use super::super::border::{BorderSpec, Feature, Spot};
+use super::super::border::{BorderFeature, BorderSpec, Spot};
 use super::super::reader::Need::Optional;
-use super::super::reader::{Reader, Section};
-use super::super::values::{Placed, Rows, number, rows, within};
-use super::{Parts, SIZE, is_size, reach};
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, RowsFormat, number, rows, within};
+use super::{Entries, SIZE, is_size, reach};
 
 /// Most holes, and most marks.
 const MOST: usize = 200;
@@ -15,15 +15,15 @@ const DEEPEST: f64 = 0.99;
 
 /// What `[part]` says of the rim, each figure with its place.
 #[derive(Default)]
-pub(super) struct Found {
-    width: Option<Placed<f64>>,
-    rim: Option<Placed<f64>>,
-    corner: Option<Placed<f64>>,
-    holes: Vec<Placed<Spot>>,
-    marks: Vec<Placed<Spot>>,
+pub(super) struct BorderEntry {
+    width: Option<Located<f64>>,
+    rim: Option<Located<f64>>,
+    corner: Option<Located<f64>>,
+    holes: Vec<Located<Spot>>,
+    marks: Vec<Located<Spot>>,
 }
 
-pub(super) fn read(reader: &mut Reader, section: &Section) -> Found {
+pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> BorderEntry {
     let least = |f: f64| (BorderSpec::LEAST_MM..=1e6).contains(&f);
     let must = "a number from 0.1 to 1000000";
     let hint = "the width of a flat rim around the mirror, as in border_mm = 8";
@@ -44,12 +44,13 @@ pub(super) fn read(reader: &mut Reader, section: &Section) -> Found {
             }
         }
     }
-    Found { width, rim, corner, holes, marks }
+    BorderEntry { width, rim, corner, holes, marks }
 }
 
-fn spots(reader: &mut Reader, section: &Section, key: &str) -> Vec<Placed<Spot>> {
+fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Located<Spot>> {
     let hint = "[34, 0, 3.2] is 3.2 mm wide, about X = 34 mm and Y = 0 mm";
-    let list = Rows { key, need: Optional, entry: "[x, y, diameter]", count: [1, MOST], hint };
+    let list =
+        RowsFormat { key, need: Optional, entry: "[x, y, diameter]", count: [1, MOST], hint };
     let path = section.path_of(key);
     let mut spots = Vec::new();
     for entry in rows::<3>(reader, section, &list).map_or_else(Vec::new, |rows| rows.value) {
@@ -62,13 +63,13 @@ fn spots(reader: &mut Reader, section: &Section, key: &str) -> Vec<Placed<Spot>>
         let least = |f: f64| (BorderSpec::LEAST_MM..=1e6).contains(&f);
         let diameter = within(reader, &diameters, diameter, must, hint, least);
         let (Some(x_mm), Some(y_mm), Some(diameter_mm)) = (x, y, diameter) else { return spots };
-        spots.push(Placed { value: Spot { x_mm, y_mm, diameter_mm }, at: entry.at });
+        spots.push(Located { value: Spot { x_mm, y_mm, diameter_mm }, at: entry.at });
     }
     spots
 }
 
 /// Holds the rim to the rest of the profile.
-pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     let found = &parts.part.border;
     if let (Some(corner), Some(layout)) = (found.corner, &parts.layout)
         && layout.is_round()
@@ -108,20 +109,20 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
     }
     // Of a mirror whose outline the design alone can tell, the design complains.
     let Some(footprint) = reach::footprint(parts) else { return };
-    for misfit in border.misfits(&footprint) {
-        let at = match misfit.feature {
-            Feature::Corners => found.corner.map_or(0, |corner| corner.at),
-            Feature::Hole(k) => found.holes[k].at,
-            Feature::Mark(k) => found.marks[k].at,
+    for conflict in border.conflicts(&footprint) {
+        let at = match conflict.feature {
+            BorderFeature::Corners => found.corner.map_or(0, |corner| corner.at),
+            BorderFeature::Hole(k) => found.holes[k].at,
+            BorderFeature::Mark(k) => found.marks[k].at,
         };
-        reader.complain(at, misfit.message, &misfit.hint);
+        reader.complain(at, conflict.message, &conflict.hint);
     }
 }
 
-impl Found {
+impl BorderEntry {
     /// The border over a base of this thickness.
     pub(super) fn border(&self, base_mm: f64) -> Option<BorderSpec> {
-        let spots = |list: &[Placed<Spot>]| list.iter().map(|spot| spot.value).collect();
+        let spots = |list: &[Located<Spot>]| list.iter().map(|spot| spot.value).collect();
         Some(BorderSpec {
             width_mm: self.width?.value,
             rim_mm: self.rim.map_or(0.5 * base_mm, |rim| rim.value),

@@ -1,9 +1,9 @@
 //! The camera.
 
 use super::super::reader::Need::{Optional, Required};
-use super::super::reader::{Reader, Section};
-use super::super::values::{Pair, Placed, number, pair};
-use super::super::{Aperture, Camera, Light};
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, PairFormat, number, pair};
+use super::super::{Aperture, CameraModel, LensSpec};
 use super::{LARGE, is_large, only};
 
 const MAX_PIXELS: f64 = 16384.0;
@@ -11,14 +11,14 @@ const MAX_PIXELS: f64 = 16384.0;
 const MOST_PIXELS: f64 = 4e7;
 
 /// A camera, and where its table stands.
-pub(super) struct Found {
+pub(super) struct CameraEntry {
     pub(super) name: &'static str,
     pub(super) at: usize,
-    pub(super) camera: Option<Camera>,
-    pub(super) light: Light,
+    pub(super) camera: Option<CameraModel>,
+    pub(super) lens: LensSpec,
 }
 
-pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
+pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<CameraEntry> {
     let hint = "an orthographic camera has a telecentric lens, a pinhole camera any other";
     let read = reader
         .alternatives(root, "camera", hint)
@@ -26,23 +26,23 @@ pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
         .map(|(name, section)| {
             let pixels = pixels(reader, &section);
             let wavelength_nm = wavelength(reader, &section);
-            let (camera, (aperture, lens_mm)) = match name {
+            let (camera, (aperture, focal_mm)) = match name {
                 "pinhole" => pinhole(reader, &section, pixels),
                 _ => {
-                    let camera = pixels.map(|pixels| Camera::Orthographic { pixels });
+                    let camera = pixels.map(|pixels| CameraModel::Orthographic { pixels });
                     (camera, (na(reader, &section), None))
                 }
             };
-            let light = Light { aperture, lens_mm, wavelength_nm };
-            Found { name, at: section.at, camera, light }
+            let lens = LensSpec { aperture, focal_mm, wavelength_nm };
+            CameraEntry { name, at: section.at, camera, lens }
         })
         .collect();
     only(read)
 }
 
-fn pixels(reader: &mut Reader, section: &Section) -> Option<[u32; 2]> {
+fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
     let form = "the size of the camera's frame in pixels, as in pixels = [640, 480]";
-    let pixels = Pair {
+    let pixels = PairFormat {
         key: "pixels",
         parts: "[width, height]",
         each: "a whole number from 1 to 16384",
@@ -64,16 +64,16 @@ fn pixels(reader: &mut Reader, section: &Section) -> Option<[u32; 2]> {
     Some(pixels.value.map(|f| f as u32))
 }
 
-fn wavelength(reader: &mut Reader, section: &Section) -> f64 {
+fn wavelength(reader: &mut ProfileReader, section: &Section) -> f64 {
     let must = "a number from 100 to 20000";
     let hint = "nanometres of the light that the camera sees, as in wavelength_nm = 550 for green";
     let allowed = |f: f64| (100.0..=20000.0).contains(&f);
     let found = number(reader, section, "wavelength_nm", Optional, must, hint, allowed);
-    found.map_or(Light::USUAL_NM, |found| found.value)
+    found.map_or(LensSpec::USUAL_NM, |found| found.value)
 }
 
 /// A telecentric lens's aperture.
-fn na(reader: &mut Reader, section: &Section) -> Option<Aperture> {
+fn na(reader: &mut ProfileReader, section: &Section) -> Option<Aperture> {
     let must = "a number from 0.000001 to 0.9";
     let hint = "the numerical aperture on the mirror's side, as in na = 0.01";
     let allowed = |f: f64| (1e-6..=0.9).contains(&f);
@@ -82,7 +82,11 @@ fn na(reader: &mut Reader, section: &Section) -> Option<Aperture> {
 }
 
 /// Any other lens's aperture; its f-number is told of the focal length in millimetres.
-fn pupil(reader: &mut Reader, section: &Section, lens: Option<Placed<f64>>) -> Option<Aperture> {
+fn pupil(
+    reader: &mut ProfileReader,
+    section: &Section,
+    lens: Option<Located<f64>>,
+) -> Option<Aperture> {
     let must = "a number from 0.000001 to 1000";
     let hint = "the diameter of the entrance pupil in millimetres, as in pupil_mm = 2";
     let allowed = |f: f64| (1e-6..=1e3).contains(&f);
@@ -113,10 +117,10 @@ fn pupil(reader: &mut Reader, section: &Section, lens: Option<Placed<f64>>) -> O
 }
 
 fn pinhole(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     section: &Section,
     pixels: Option<[u32; 2]>,
-) -> (Option<Camera>, (Option<Aperture>, Option<f64>)) {
+) -> (Option<CameraModel>, (Option<Aperture>, Option<f64>)) {
     let must = "a number from 0.001 to 1e7";
     let hint = "the focal length divided by the size of a pixel, as in focal_px = 800";
     let focal =
@@ -146,7 +150,7 @@ fn pinhole(
     };
     let focal_px = pixels.and_then(&mut focal_px);
     let whole = pixels.zip(focal_px).zip(distance);
-    let camera = whole.map(|((pixels, focal_px), distance)| Camera::Pinhole {
+    let camera = whole.map(|((pixels, focal_px), distance)| CameraModel::Pinhole {
         pixels,
         focal_px,
         distance_mm: distance.value,
@@ -155,7 +159,7 @@ fn pinhole(
 }
 
 /// Complains where the focal length is said in no way, or, up to the place `last`, in more than one.
-fn one_focal_length(reader: &mut Reader, section: &Section, last: usize) {
+fn one_focal_length(reader: &mut ProfileReader, section: &Section, last: usize) {
     let path = &section.path;
     let said: Vec<&str> = [
         ("focal_px", section.has("focal_px")),
@@ -191,9 +195,9 @@ fn one_focal_length(reader: &mut Reader, section: &Section, last: usize) {
 
 /// The focal length in pixels of a lens over a sensor, if it is one that `focal_px` may be.
 fn focal_of_lens(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     section: &Section,
-    [lens, pitch]: [Placed<f64>; 2],
+    [lens, pitch]: [Located<f64>; 2],
 ) -> Option<f64> {
     let focal_px = 1e3 * lens.value / pitch.value;
     if (1e-3..=1e7).contains(&focal_px) {

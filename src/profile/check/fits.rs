@@ -1,16 +1,16 @@
 //! What goes with what: camera, projection, layout and part.
 
-use super::super::reader::Reader;
+use super::super::reader::ProfileReader;
 use super::super::words::list;
-use super::super::{Camera, RadialLaw, StripLaw, schema};
-use super::projection::{INNER_POLAR, Keys};
-use super::{Parts, layout, projection};
+use super::super::{CameraModel, RadialLawKind, StripLawSpec, schema};
+use super::projection::{INNER_POLAR, ProjectionKeys};
+use super::{Entries, layout, projection};
 
 const FULL_TURN: [f64; 2] = [-180.0, 180.0];
 /// An annulus' land is narrower than this share of the part.
 const MOST_LAND: f64 = 0.99;
 
-pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     if let Some(projection) = &parts.projection {
         camera_suits(reader, parts, projection);
         not_best(reader, parts, projection);
@@ -30,7 +30,11 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
 }
 
 /// Some laws are made for one kind of camera.
-fn camera_suits(reader: &mut Reader, parts: &Parts, projection: &projection::Found) {
+fn camera_suits(
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    projection: &projection::ProjectionEntry,
+) {
     let Some(camera) = &parts.camera else { return };
     let (needed, hint) = match projection.name {
         "parabolic" => (
@@ -55,7 +59,7 @@ fn camera_suits(reader: &mut Reader, parts: &Parts, projection: &projection::Fou
 }
 
 /// The law `best` comes of a design.
-fn not_best(reader: &mut Reader, parts: &Parts, projection: &projection::Found) {
+fn not_best(reader: &mut ProfileReader, parts: &Entries, projection: &projection::ProjectionEntry) {
     let Some(shape) = &parts.shape else { return };
     if projection.name == "best" && shape.path.starts_with("mirror") {
         let message = format!(
@@ -69,26 +73,26 @@ fn not_best(reader: &mut Reader, parts: &Parts, projection: &projection::Found) 
 
 /// Whether the layout can show the projection.
 fn layout_suits(
-    reader: &mut Reader,
-    parts: &Parts,
-    projection: &projection::Found,
-    layout: &layout::Found,
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    projection: &projection::ProjectionEntry,
+    layout: &layout::LayoutEntry,
 ) -> bool {
     let path = &projection.section.path;
     let given = parts.shape.as_ref().filter(|shape| shape.path.starts_with("mirror"));
     let (needed, hint) = match &projection.keys {
-        Keys::Radial { law, .. } if law.needs_annulus() => {
+        ProjectionKeys::Radial { law, .. } if law.needs_annulus() => {
             (&["annulus"][..], "the mirror of this law is not smooth at the centre".to_owned())
         }
-        Keys::Radial { .. } => {
+        ProjectionKeys::Radial { .. } => {
             (&["disc", "annulus"][..], format!("laws for a strip are {}", laws(false)))
         }
-        Keys::Strip { .. } if given.is_some() => (
+        ProjectionKeys::Strip { .. } if given.is_some() => (
             &["strip"][..],
             "a conquistador is folded out of a designed panel; laws for a disc are radial"
                 .to_owned(),
         ),
-        Keys::Strip { .. } => (
+        ProjectionKeys::Strip { .. } => (
             &["strip", "conquistador"][..],
             format!("laws for a disc or an annulus are {}", laws(true)),
         ),
@@ -105,7 +109,7 @@ fn layout_suits(
         reader.complain(layout.at, message, &hint);
         return false;
     }
-    if let (Keys::Strip { azimuth: Some(azimuth), .. }, "conquistador") =
+    if let (ProjectionKeys::Strip { azimuth: Some(azimuth), .. }, "conquistador") =
         (&projection.keys, layout.name)
         && azimuth.value != FULL_TURN
     {
@@ -131,8 +135,12 @@ fn laws(radial: bool) -> String {
 }
 
 /// An annulus lets laws of two parameters choose the polar angle at its inner rim.
-fn polar_angles(reader: &mut Reader, projection: &projection::Found, layout: &layout::Found) {
-    let Keys::Radial { law, inner, outer } = &projection.keys else { return };
+fn polar_angles(
+    reader: &mut ProfileReader,
+    projection: &projection::ProjectionEntry,
+    layout: &layout::LayoutEntry,
+) {
+    let ProjectionKeys::Radial { law, inner, outer } = &projection.keys else { return };
     let path = projection.section.path_of("inner_polar_deg");
     if layout.name == "disc" {
         if let Some(inner) = inner
@@ -146,7 +154,7 @@ fn polar_angles(reader: &mut Reader, projection: &projection::Found, layout: &la
         }
     } else if law.has_two_parameters() && !projection.section.has("inner_polar_deg") {
         let must = match law {
-            RadialLaw::Cylinder => "strictly between 0 and 180",
+            RadialLawKind::Cylinder => "strictly between 0 and 180",
             _ => "0 or more and less than 180",
         };
         let message = format!("{path} must be {must} with [layout.annulus], found nothing");
@@ -166,12 +174,15 @@ fn polar_angles(reader: &mut Reader, projection: &projection::Found, layout: &la
 
 /// A table has the rows that fill the frame, or more.
 fn fill_frame(
-    reader: &mut Reader,
-    parts: &Parts,
-    projection: &projection::Found,
-    layout: &layout::Found,
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    projection: &projection::ProjectionEntry,
+    layout: &layout::LayoutEntry,
 ) {
-    let Keys::Strip { law: Some(StripLaw::Table(rows)), .. } = &projection.keys else { return };
+    let ProjectionKeys::Strip { law: Some(StripLawSpec::Table(rows)), .. } = &projection.keys
+    else {
+        return;
+    };
     let camera = parts.camera.as_ref().and_then(|camera| camera.camera);
     let (Some(at), Some(camera)) = (layout.fills, camera) else { return };
     let panels = if layout.name == "conquistador" { 2.0 } else { 1.0 };
@@ -191,7 +202,7 @@ fn fill_frame(
 }
 
 /// Without a projection there is nothing to tile.
-fn bare_layout(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
+fn bare_layout(reader: &mut ProfileReader, parts: &Entries, layout: &layout::LayoutEntry) {
     if parts.bare && !layout.is_round() {
         let message = format!(
             "layout must be [layout.disc], [layout.annulus] or left out without a projection, \
@@ -204,7 +215,7 @@ fn bare_layout(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
     }
 }
 
-fn land(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
+fn land(reader: &mut ProfileReader, parts: &Entries, layout: &layout::LayoutEntry) {
     let (Some(inner), Some(width)) = (layout.inner, parts.part.width) else { return };
     if inner.value >= MOST_LAND * width.value {
         let message = format!(
@@ -218,9 +229,9 @@ fn land(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
 }
 
 /// A pinhole's frame has its own width at the mirror.
-fn wide_enough(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
+fn wide_enough(reader: &mut ProfileReader, parts: &Entries, layout: &layout::LayoutEntry) {
     let camera = parts.camera.as_ref().and_then(|camera| camera.camera);
-    let Some(Camera::Pinhole { pixels, focal_px, distance_mm }) = camera else { return };
+    let Some(CameraModel::Pinhole { pixels, focal_px, distance_mm }) = camera else { return };
     let (Some(width), Some(_)) = (parts.part.width, layout.fills) else { return };
     let frame = f64::from(pixels[0]) * distance_mm / focal_px;
     if width.value >= frame * (1.0 - 1e-9) {
@@ -241,7 +252,7 @@ fn wide_enough(reader: &mut Reader, parts: &Parts, layout: &layout::Found) {
 }
 
 /// Only a rectangle has a height of its own.
-fn height(reader: &mut Reader, parts: &Parts) {
+fn height(reader: &mut ProfileReader, parts: &Entries) {
     if parts.rectangle {
         if let Some(at) = parts.part.lacks_height {
             let message = format!("part.height_mm must be {}, found nothing", super::SIZE);

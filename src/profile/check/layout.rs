@@ -1,29 +1,29 @@
 //! The mirror's outline.
 
 use super::super::reader::Need::Required;
-use super::super::reader::{Reader, Section};
-use super::super::values::{Placed, flag, number, word};
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, flag, number, word};
 use super::super::{Layout, PanelSource, Ridge};
 use super::{SIZE, is_size, only};
 
 /// A layout, and where its table and keys stand.
-pub(super) struct Found {
+pub(super) struct LayoutEntry {
     pub(super) name: &'static str,
     pub(super) at: usize,
     pub(super) layout: Option<Layout>,
     /// Where `fill_frame = true` stands.
     pub(super) fills: Option<usize>,
     /// Diameter of an annulus' land.
-    pub(super) inner: Option<Placed<f64>>,
+    pub(super) inner: Option<Located<f64>>,
 }
 
-impl Found {
+impl LayoutEntry {
     pub(super) fn is_round(&self) -> bool {
         matches!(self.name, "disc" | "annulus")
     }
 }
 
-pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
+pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<LayoutEntry> {
     let hint = "a strip is one panel, a conquistador folds a full turn into two; discs and \
                 annuli are for laws about the axis";
     let read = reader
@@ -34,8 +34,8 @@ pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
     only(read)
 }
 
-fn one(reader: &mut Reader, name: &'static str, section: &Section) -> Found {
-    let mut found = Found { name, at: section.at, layout: None, fills: None, inner: None };
+fn one(reader: &mut ProfileReader, name: &'static str, section: &Section) -> LayoutEntry {
+    let mut found = LayoutEntry { name, at: section.at, layout: None, fills: None, inner: None };
     match name {
         "disc" => found.layout = Some(Layout::Disc),
         "annulus" => {
@@ -56,7 +56,7 @@ fn one(reader: &mut Reader, name: &'static str, section: &Section) -> Found {
     found
 }
 
-fn conquistador(reader: &mut Reader, section: &Section, fill_frame: bool) -> Layout {
+fn conquistador(reader: &mut ProfileReader, section: &Section, fill_frame: bool) -> Layout {
     let panels = [("refit", PanelSource::Refit), ("section", PanelSource::Section)];
     let hint = "refit solves for the half turn, section cuts the full turn's mirror";
     let panel = word(reader, section, "panel", &panels, hint);

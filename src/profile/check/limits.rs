@@ -3,26 +3,26 @@
 use toml::de::DeValue;
 
 use super::super::reader::Need::{Optional, Required};
-use super::super::reader::{Reader, Section};
-use super::super::values::{Placed, number};
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, number};
 use super::super::words::list;
-use super::super::{Accept, Format, MeshLimits, schema};
+use super::super::{AcceptanceSpec, Format, MeshLimits, schema};
 use super::{SIZE, border, is_size};
 
 /// The part's figures, each with its place.
 #[derive(Default)]
-pub(super) struct Part {
-    pub(super) width: Option<Placed<f64>>,
-    pub(super) base: Option<Placed<f64>>,
-    pub(super) height: Option<Placed<f64>>,
+pub(super) struct PartEntry {
+    pub(super) width: Option<Located<f64>>,
+    pub(super) base: Option<Located<f64>>,
+    pub(super) height: Option<Located<f64>>,
     /// Where the part stands that has no height.
     pub(super) lacks_height: Option<usize>,
-    pub(super) border: border::Found,
+    pub(super) border: border::BorderEntry,
 }
 
-pub(super) fn part(reader: &mut Reader, root: &Section) -> Part {
+pub(super) fn part(reader: &mut ProfileReader, root: &Section) -> PartEntry {
     let Some(section) = reader.section(root, "part", Required) else {
-        return Part::default();
+        return PartEntry::default();
     };
     let hint = "the mirror's width in millimetres, as in width_mm = 60";
     let width = number(reader, &section, "width_mm", Required, SIZE, hint, is_size);
@@ -32,11 +32,11 @@ pub(super) fn part(reader: &mut Reader, root: &Section) -> Part {
     let height = number(reader, &section, "height_mm", Optional, SIZE, hint, is_size);
     let lacks_height = (!section.has("height_mm")).then_some(section.at);
     let border = border::read(reader, &section);
-    Part { width, base, height, lacks_height, border }
+    PartEntry { width, base, height, lacks_height, border }
 }
 
 /// The mesh's limits; without a projection there is nothing to measure pixels by.
-pub(super) fn mesh(reader: &mut Reader, root: &Section, bare: bool) -> Option<MeshLimits> {
+pub(super) fn mesh(reader: &mut ProfileReader, root: &Section, bare: bool) -> Option<MeshLimits> {
     let section = reader.section(root, "mesh", Required)?;
     let has = |key: &str| section.has(key);
     let lacks = !has("max_triangles") && !has("chord_um");
@@ -84,7 +84,7 @@ pub(super) fn mesh(reader: &mut Reader, root: &Section, bare: bool) -> Option<Me
     })
 }
 
-pub(super) fn formats(reader: &mut Reader, section: &Section) -> Option<Vec<Format>> {
+pub(super) fn formats(reader: &mut ProfileReader, section: &Section) -> Option<Vec<Format>> {
     let path = section.path_of("formats");
     let known = Format::ALL;
     let names = known.map(Format::name);
@@ -132,9 +132,13 @@ pub(super) fn formats(reader: &mut Reader, section: &Section) -> Option<Vec<Form
 }
 
 /// The limits of a pass; without a projection there are none.
-pub(super) fn accept(reader: &mut Reader, root: &Section, bare: bool) -> Option<Accept> {
+pub(super) fn accept(
+    reader: &mut ProfileReader,
+    root: &Section,
+    bare: bool,
+) -> Option<AcceptanceSpec> {
     let Some(section) = reader.section(root, "accept", Optional) else {
-        return Some(Accept::default());
+        return Some(AcceptanceSpec::default());
     };
     let must = "a number, 0 or more";
     let hint = "an error limit in pixels, as in 2.5";
@@ -154,7 +158,7 @@ pub(super) fn accept(reader: &mut Reader, root: &Section, bare: bool) -> Option<
             needs_projection(reader, &path, limit, "without one a pixel has nothing to see");
         }
     }
-    Some(Accept {
+    Some(AcceptanceSpec {
         pixel_error_rms_px: rms.map(|f| f.value),
         pixel_error_max_px: max.map(|f| f.value),
         frame_filled: filled.map(|f| f.value),
@@ -162,7 +166,12 @@ pub(super) fn accept(reader: &mut Reader, root: &Section, bare: bool) -> Option<
     })
 }
 
-fn needs_projection(reader: &mut Reader, path: &str, limit: Option<Placed<f64>>, why: &str) {
+fn needs_projection(
+    reader: &mut ProfileReader,
+    path: &str,
+    limit: Option<Located<f64>>,
+    why: &str,
+) {
     if let Some(limit) = limit {
         let message =
             format!("{path} must be left out without a projection, found {}", limit.value);

@@ -3,9 +3,9 @@
 use toml::de::DeValue;
 
 use super::super::reader::Need::{Optional, Required};
-use super::super::reader::{Reader, Section};
-use super::super::values::{Placed, Rows, flag, number, rows, within};
-use super::super::{Conic, Method, MethodKind, Polynomial, Shape, Term};
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, RowsFormat, flag, number, rows, within};
+use super::super::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 use super::{SIGNED, is_signed, only};
 
 const MAX_DEGREE: usize = 40;
@@ -13,15 +13,15 @@ const MAX_DEGREE: usize = 40;
 const MOST_TERMS: usize = (MAX_DEGREE + 1) * (MAX_DEGREE + 2) / 2;
 
 /// A shape, and where its conic stands.
-pub(super) struct Found {
+pub(super) struct ShapeEntry {
     /// Its table.
     pub(super) path: String,
-    pub(super) conic: Option<Placed<Conic>>,
-    pub(super) shape: Option<Shape>,
+    pub(super) conic: Option<Located<Conic>>,
+    pub(super) shape: Option<ShapeSpec>,
 }
 
 /// The shape, designed or given.
-pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
+pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<ShapeEntry> {
     let designed = root.has("method");
     let given = root.has("mirror");
     let mut read = Vec::new();
@@ -49,7 +49,7 @@ pub(super) fn read(reader: &mut Reader, root: &Section) -> Option<Found> {
     only(read)
 }
 
-fn method(reader: &mut Reader, name: &str, section: &Section) -> Found {
+fn method(reader: &mut ProfileReader, name: &str, section: &Section) -> ShapeEntry {
     let must = "a whole number from 1 to 40";
     let hint = "the degree of the mirror's polynomial; 12 suits a panorama";
     let degree = number(reader, section, "degree", Required, must, hint, |f| {
@@ -62,10 +62,10 @@ fn method(reader: &mut Reader, name: &str, section: &Section) -> Found {
         _ => MethodKind::VectorField,
     };
     let method = degree.map(|degree| Method { kind, degree: degree.value as usize, minimax });
-    Found { path: section.path.clone(), conic: None, shape: method.map(Shape::Designed) }
+    ShapeEntry { path: section.path.clone(), conic: None, shape: method.map(ShapeSpec::Designed) }
 }
 
-fn polynomial(reader: &mut Reader, section: &Section) -> Found {
+fn polynomial(reader: &mut ProfileReader, section: &Section) -> ShapeEntry {
     if !section.has("radius_mm") && !section.has("terms") {
         let message = format!("{} must hold radius_mm, terms or both, found neither", section.path);
         let hint = "radius_mm = -50 is a dome; terms = [[2, 0, -0.01]] is -0.01 X^2";
@@ -87,14 +87,14 @@ fn polynomial(reader: &mut Reader, section: &Section) -> Found {
     let terms = terms(reader, section);
     let conic = radius.map(|radius| {
         let k = conic.map_or(0.0, |conic| conic.value);
-        Placed { value: Conic { radius_mm: radius.value, conic: k }, at: radius.at }
+        Located { value: Conic { radius_mm: radius.value, conic: k }, at: radius.at }
     });
     let polynomial = Polynomial { conic: conic.map(|conic| conic.value), terms };
-    Found { path: section.path.clone(), conic, shape: Some(Shape::Polynomial(polynomial)) }
+    ShapeEntry { path: section.path.clone(), conic, shape: Some(ShapeSpec::Polynomial(polynomial)) }
 }
 
-fn terms(reader: &mut Reader, section: &Section) -> Vec<Term> {
-    let list = Rows {
+fn terms(reader: &mut ProfileReader, section: &Section) -> Vec<Monomial> {
+    let list = RowsFormat {
         key: "terms",
         need: Optional,
         entry: "[i, j, c]",
@@ -102,7 +102,7 @@ fn terms(reader: &mut Reader, section: &Section) -> Vec<Term> {
         hint: "[2, 0, -0.01] is the term -0.01 X^2 Y^0, in millimetres",
     };
     let path = section.path_of(list.key);
-    let mut terms: Vec<Term> = Vec::new();
+    let mut terms: Vec<Monomial> = Vec::new();
     for entry in rows::<3>(reader, section, &list).map_or_else(Vec::new, |rows| rows.value) {
         let exponents = format!("the exponents in {path}");
         let must = "whole numbers from 0 to 40";
@@ -122,12 +122,12 @@ fn terms(reader: &mut Reader, section: &Section) -> Vec<Term> {
             let message = format!("{path} must give each term once, found [{i}, {j}] again");
             reader.complain(entry.at, message, "add the two coefficients up");
         }
-        terms.push(Term { i, j, c });
+        terms.push(Monomial { i, j, c });
     }
     terms
 }
 
-fn grid(reader: &mut Reader, section: &Section) -> Found {
+fn grid(reader: &mut ProfileReader, section: &Section) -> ShapeEntry {
     let must = "the name of a file";
     let hint = "a table of heights beside the profile, as in file = \"sag.csv\"";
     let value = reader.value(section, "file", Required, must, hint);
@@ -135,7 +135,7 @@ fn grid(reader: &mut Reader, section: &Section) -> Found {
     if let Some(value) = value {
         match value.get_ref() {
             DeValue::String(file) if !file.trim().is_empty() => {
-                shape = Some(Shape::Grid { file: file.to_string() });
+                shape = Some(ShapeSpec::Grid { file: file.to_string() });
             }
             _ => {
                 let path = section.path_of("file");
@@ -144,5 +144,5 @@ fn grid(reader: &mut Reader, section: &Section) -> Found {
             }
         }
     }
-    Found { path: section.path.clone(), conic: None, shape }
+    ShapeEntry { path: section.path.clone(), conic: None, shape }
 }

@@ -16,8 +16,8 @@ use sha2::{Digest, Sha256};
 use toml::de::{DeTable, DeValue};
 
 use super::reader::Need::{Optional, Required};
-use super::reader::{Reader, Section};
-use super::{Layout, Part, Profile};
+use super::reader::{ProfileReader, Section};
+use super::{Layout, PartSpec, Profile};
 
 const SIZE: &str = "a number from 0.001 to 1000000";
 const LARGE: &str = "from 0.001 to 1e12";
@@ -37,12 +37,12 @@ fn is_signed(f: f64) -> bool {
 
 /// What was read of the parts that must fit each other. An absent one is missing or wrong, and
 /// has its complaint.
-struct Parts<'t> {
-    camera: Option<camera::Found>,
-    projection: Option<projection::Found<'t>>,
-    layout: Option<layout::Found>,
-    shape: Option<mirror::Found>,
-    part: limits::Part,
+struct Entries<'t> {
+    camera: Option<camera::CameraEntry>,
+    projection: Option<projection::ProjectionEntry<'t>>,
+    layout: Option<layout::LayoutEntry>,
+    shape: Option<mirror::ShapeEntry>,
+    part: limits::PartEntry,
     /// The mirror is given and there is no projection.
     bare: bool,
     /// Neither is there a layout.
@@ -51,7 +51,7 @@ struct Parts<'t> {
 
 /// Reads the whole tree; `None` if there is anything to complain of.
 pub(super) fn profile(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     tree: &DeTable,
     name: &str,
     bytes: &[u8],
@@ -67,7 +67,7 @@ pub(super) fn profile(
     let bare = given && !root.has("projection");
     let rectangle = bare && !root.has("layout");
     let summary = summary(reader, &root);
-    let parts = Parts {
+    let parts = Entries {
         camera: camera::read(reader, &root),
         projection: if bare { None } else { projection::read(reader, &root) },
         layout: if rectangle { None } else { layout::read(reader, &root) },
@@ -93,7 +93,7 @@ pub(super) fn profile(
     if !reader.is_clean() {
         return None;
     }
-    let Parts { camera, projection, layout, shape, part, .. } = parts;
+    let Entries { camera, projection, layout, shape, part, .. } = parts;
     let layout = match part.height {
         Some(height) if rectangle => Layout::Rectangle { height_mm: height.value },
         _ => layout?.layout?,
@@ -102,7 +102,7 @@ pub(super) fn profile(
         name: name.to_owned(),
         sha256: hex(&Sha256::digest(bytes)),
         summary: summary.unwrap_or_default(),
-        light: camera.as_ref()?.light,
+        lens: camera.as_ref()?.lens,
         camera: camera?.camera?,
         projection: match projection {
             Some(found) => Some(found.finish(layout == Layout::Disc)?),
@@ -112,7 +112,7 @@ pub(super) fn profile(
         shape: shape?.shape?,
         part: {
             let (width_mm, base_mm) = (part.width?.value, part.base?.value);
-            Part { width_mm, base_mm, border: part.border.border(base_mm) }
+            PartSpec { width_mm, base_mm, border: part.border.border(base_mm) }
         },
         mesh: mesh?,
         formats: formats?,
@@ -122,7 +122,7 @@ pub(super) fn profile(
     })
 }
 
-fn summary(reader: &mut Reader, root: &Section) -> Option<String> {
+fn summary(reader: &mut ProfileReader, root: &Section) -> Option<String> {
     let hint = "what the mirror is for, in quotes";
     let value = reader.value(root, "summary", Optional, "text", hint)?;
     match value.get_ref() {

@@ -1,61 +1,64 @@
 //! The projection's own keys; what it needs of camera, layout and part is in `fits` and `reach`.
 
 use super::super::reader::Need::{Optional, Required};
-use super::super::reader::{Reader, Section};
-use super::super::values::{Pair, Placed, Rows, number, pair, rows, within};
-use super::super::{Projection, RadialLaw, RadialProjection, StripLaw, StripProjection, Target};
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, PairFormat, RowsFormat, number, pair, rows, within};
+use super::super::{ProjectionSpec, RadialLawKind, RadialSpec, StripLawSpec, StripSpec, Target};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
 
 /// A projection's figures, each with its place.
-pub(super) struct Found<'t> {
+pub(super) struct ProjectionEntry<'t> {
     pub(super) name: &'static str,
     pub(super) section: Section<'t>,
-    pub(super) keys: Keys,
-    pub(super) radius: Option<Placed<f64>>,
-    pub(super) plane: Option<Placed<f64>>,
+    pub(super) keys: ProjectionKeys,
+    pub(super) radius: Option<Located<f64>>,
+    pub(super) plane: Option<Located<f64>>,
 }
 
 /// The keys that differ between strip laws and radial laws.
-pub(super) enum Keys {
+pub(super) enum ProjectionKeys {
     Strip {
-        law: Option<StripLaw>,
-        azimuth: Option<Placed<[f64; 2]>>,
+        law: Option<StripLawSpec>,
+        azimuth: Option<Located<[f64; 2]>>,
         /// Lowest and highest.
-        elevation: Option<Placed<[f64; 2]>>,
+        elevation: Option<Located<[f64; 2]>>,
     },
     Radial {
-        law: RadialLaw,
-        inner: Option<Placed<f64>>,
-        outer: Option<Placed<f64>>,
+        law: RadialLawKind,
+        inner: Option<Located<f64>>,
+        outer: Option<Located<f64>>,
     },
 }
 
-enum Law {
-    Strip(StripLaw),
-    Radial(RadialLaw),
+enum LawName {
+    Strip(StripLawSpec),
+    Radial(RadialLawKind),
 }
 
-fn law(name: &str) -> Law {
+fn law(name: &str) -> LawName {
     match name {
-        "mercator" => Law::Strip(StripLaw::Mercator),
-        "equirectangular" => Law::Strip(StripLaw::Equirectangular),
-        "equal-area" => Law::Strip(StripLaw::EqualArea),
-        "best" => Law::Strip(StripLaw::Best),
-        "table" => Law::Strip(StripLaw::Table(Vec::new())),
-        "parabolic" => Law::Radial(RadialLaw::Parabolic),
-        "hyperbolic" => Law::Radial(RadialLaw::Hyperbolic),
-        "conical" => Law::Radial(RadialLaw::Conical),
-        "equiangular" => Law::Radial(RadialLaw::Equiangular),
-        "tangent-proportional" => Law::Radial(RadialLaw::TangentProportional),
-        "area-proportional" => Law::Radial(RadialLaw::AreaProportional),
-        "plane" => Law::Radial(RadialLaw::Plane),
-        "equi-areal" => Law::Radial(RadialLaw::EquiAreal),
-        "cylinder" => Law::Radial(RadialLaw::Cylinder),
-        _ => Law::Strip(StripLaw::Cylindrical),
+        "mercator" => LawName::Strip(StripLawSpec::Mercator),
+        "equirectangular" => LawName::Strip(StripLawSpec::Equirectangular),
+        "equal-area" => LawName::Strip(StripLawSpec::EqualArea),
+        "best" => LawName::Strip(StripLawSpec::Best),
+        "table" => LawName::Strip(StripLawSpec::Table(Vec::new())),
+        "parabolic" => LawName::Radial(RadialLawKind::Parabolic),
+        "hyperbolic" => LawName::Radial(RadialLawKind::Hyperbolic),
+        "conical" => LawName::Radial(RadialLawKind::Conical),
+        "equiangular" => LawName::Radial(RadialLawKind::Equiangular),
+        "tangent-proportional" => LawName::Radial(RadialLawKind::TangentProportional),
+        "area-proportional" => LawName::Radial(RadialLawKind::AreaProportional),
+        "plane" => LawName::Radial(RadialLawKind::Plane),
+        "equi-areal" => LawName::Radial(RadialLawKind::EquiAreal),
+        "cylinder" => LawName::Radial(RadialLawKind::Cylinder),
+        _ => LawName::Strip(StripLawSpec::Cylindrical),
     }
 }
 
-pub(super) fn read<'t>(reader: &mut Reader, root: &Section<'t>) -> Option<Found<'t>> {
+pub(super) fn read<'t>(
+    reader: &mut ProfileReader,
+    root: &Section<'t>,
+) -> Option<ProjectionEntry<'t>> {
     let hint = "[projection.cylindrical] is the paper's law; with [projection.mercator] an exact \
                 mirror exists";
     let read = reader
@@ -66,27 +69,31 @@ pub(super) fn read<'t>(reader: &mut Reader, root: &Section<'t>) -> Option<Found<
     only(read)
 }
 
-fn one<'t>(reader: &mut Reader, name: &'static str, section: Section<'t>) -> Found<'t> {
+fn one<'t>(
+    reader: &mut ProfileReader,
+    name: &'static str,
+    section: Section<'t>,
+) -> ProjectionEntry<'t> {
     let keys = match law(name) {
-        Law::Strip(StripLaw::Table(_)) => {
+        LawName::Strip(StripLawSpec::Table(_)) => {
             let azimuth = azimuth(reader, &section);
             let table = table(reader, &section);
             let elevation = table.as_ref().map(|table| {
                 let ends = [table.value.last(), table.value.first()];
-                Placed { value: ends.map(|end| end.map_or(0.0, |end| end[1])), at: table.at }
+                Located { value: ends.map(|end| end.map_or(0.0, |end| end[1])), at: table.at }
             });
-            let law = table.map(|table| StripLaw::Table(table.value));
-            Keys::Strip { law, azimuth, elevation }
+            let law = table.map(|table| StripLawSpec::Table(table.value));
+            ProjectionKeys::Strip { law, azimuth, elevation }
         }
-        Law::Strip(law) => {
+        LawName::Strip(law) => {
             let azimuth = azimuth(reader, &section);
             let elevation = elevation(reader, &section, name);
-            Keys::Strip { law: Some(law), azimuth, elevation }
+            ProjectionKeys::Strip { law: Some(law), azimuth, elevation }
         }
-        Law::Radial(law) => {
+        LawName::Radial(law) => {
             let inner = inner_polar(reader, &section, law);
             let outer = outer_polar(reader, &section, law);
-            Keys::Radial { law, inner, outer }
+            ProjectionKeys::Radial { law, inner, outer }
         }
     };
     let must = &format!("a number {LARGE}");
@@ -101,12 +108,12 @@ fn one<'t>(reader: &mut Reader, name: &'static str, section: Section<'t>) -> Fou
         let hint = "target_radius_mm is a cylinder, target_plane_mm a plane; remove one of them";
         reader.complain(radius.at.max(plane.at), message, hint);
     }
-    Found { name, section, keys, radius, plane }
+    ProjectionEntry { name, section, keys, radius, plane }
 }
 
-fn azimuth(reader: &mut Reader, section: &Section) -> Option<Placed<[f64; 2]>> {
+fn azimuth(reader: &mut ProfileReader, section: &Section) -> Option<Located<[f64; 2]>> {
     let form = "a full turn is azimuth_deg = [-180, 180]";
-    let azimuth = Pair {
+    let azimuth = PairFormat {
         key: "azimuth_deg",
         parts: "[first, last]",
         each: "from -360 to 360",
@@ -126,14 +133,18 @@ fn azimuth(reader: &mut Reader, section: &Section) -> Option<Placed<[f64; 2]>> {
     Some(range)
 }
 
-fn elevation(reader: &mut Reader, section: &Section, name: &str) -> Option<Placed<[f64; 2]>> {
+fn elevation(
+    reader: &mut ProfileReader,
+    section: &Section,
+    name: &str,
+) -> Option<Located<[f64; 2]>> {
     let limit = match name {
         "cylindrical" | "mercator" => {
             format!("the {name} law reaches the pole only at infinity; use 89 or less, -89 or more")
         }
         _ => POLE.to_owned(),
     };
-    let elevation = Pair {
+    let elevation = PairFormat {
         key: "elevation_deg",
         parts: "[lowest, highest]",
         each: "strictly between -90 and 90",
@@ -151,7 +162,7 @@ fn below_the_pole(degrees: f64) -> bool {
     -90.0 < degrees && degrees < 90.0
 }
 
-fn rising(reader: &mut Reader, path: &str, range: &Placed<[f64; 2]>) -> Option<()> {
+fn rising(reader: &mut ProfileReader, path: &str, range: &Located<[f64; 2]>) -> Option<()> {
     let [low, high] = range.value;
     if low < high {
         return Some(());
@@ -167,8 +178,8 @@ fn rising(reader: &mut Reader, path: &str, range: &Placed<[f64; 2]>) -> Option<(
 }
 
 /// Rows of the picture and their elevations.
-fn table(reader: &mut Reader, section: &Section) -> Option<Placed<Vec<[f64; 2]>>> {
-    let list = Rows {
+fn table(reader: &mut ProfileReader, section: &Section) -> Option<Located<Vec<[f64; 2]>>> {
+    let list = RowsFormat {
         key: "elevation_deg",
         need: Required,
         entry: "[row, degrees]",
@@ -202,16 +213,20 @@ fn table(reader: &mut Reader, section: &Section) -> Option<Placed<Vec<[f64; 2]>>
         }
         table.push([row, degrees]);
     }
-    Some(Placed { value: table, at: entries.at })
+    Some(Located { value: table, at: entries.at })
 }
 
-fn inner_polar(reader: &mut Reader, section: &Section, law: RadialLaw) -> Option<Placed<f64>> {
+fn inner_polar(
+    reader: &mut ProfileReader,
+    section: &Section,
+    law: RadialLawKind,
+) -> Option<Located<f64>> {
     if !law.has_two_parameters() {
         return None;
     }
     let hint = INNER_POLAR;
     let need = Optional;
-    if law == RadialLaw::Cylinder {
+    if law == RadialLawKind::Cylinder {
         let must = "strictly between 0 and 180";
         let inside = |f| 0.0 < f && f < 180.0;
         return number(reader, section, "inner_polar_deg", need, must, hint, inside);
@@ -224,9 +239,13 @@ fn inner_polar(reader: &mut Reader, section: &Section, law: RadialLaw) -> Option
 pub(super) const INNER_POLAR: &str =
     "the angle between the axis towards the camera and what the inner rim shows";
 
-fn outer_polar(reader: &mut Reader, section: &Section, law: RadialLaw) -> Option<Placed<f64>> {
+fn outer_polar(
+    reader: &mut ProfileReader,
+    section: &Section,
+    law: RadialLawKind,
+) -> Option<Located<f64>> {
     let (must, most, hint) = match law {
-        RadialLaw::Plane => (
+        RadialLawKind::Plane => (
             "strictly between 0 and 90",
             90.0,
             "the plane is on the camera's side, and at 90 degrees it is infinitely far out",
@@ -242,26 +261,26 @@ fn outer_polar(reader: &mut Reader, section: &Section, law: RadialLaw) -> Option
     number(reader, section, "outer_polar_deg", Required, must, hint, inside)
 }
 
-impl Found<'_> {
+impl ProjectionEntry<'_> {
     pub(super) fn is_radial(&self) -> bool {
-        matches!(self.keys, Keys::Radial { .. })
+        matches!(self.keys, ProjectionKeys::Radial { .. })
     }
 
     /// The projection, if every figure of it is there; a disc has no inner rim.
-    pub(super) fn finish(self, disc: bool) -> Option<Projection> {
+    pub(super) fn finish(self, disc: bool) -> Option<ProjectionSpec> {
         let target = match (self.radius, self.plane) {
             (Some(radius), _) => Target::Cylinder { radius_mm: radius.value },
             (None, Some(plane)) => Target::Plane { height_mm: plane.value },
             (None, None) => Target::Infinity,
         };
         Some(match self.keys {
-            Keys::Strip { law, azimuth, elevation } => Projection::Strip(StripProjection {
+            ProjectionKeys::Strip { law, azimuth, elevation } => ProjectionSpec::Strip(StripSpec {
                 law: law?,
                 azimuth_deg: azimuth?.value,
                 elevation_deg: elevation?.value,
                 target,
             }),
-            Keys::Radial { law, inner, outer } => Projection::Radial(RadialProjection {
+            ProjectionKeys::Radial { law, inner, outer } => ProjectionSpec::Radial(RadialSpec {
                 law,
                 inner_polar_deg: inner.filter(|_| !disc).map(|inner| inner.value),
                 outer_polar_deg: outer?.value,

@@ -1,12 +1,12 @@
 //! How far the mirror's outline reaches, and whether a given conic reaches it.
 
-use super::super::reader::Reader;
-use super::super::{Camera, Footprint, StripLaw};
-use super::projection::Keys;
-use super::{Parts, layout};
+use super::super::reader::ProfileReader;
+use super::super::{CameraModel, Footprint, StripLawSpec};
+use super::projection::ProjectionKeys;
+use super::{Entries, layout};
 
 /// A conic ends where its slope is upright, `|R| / sqrt(1 + k)` from the axis.
-pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     let Some(shape) = &parts.shape else { return };
     let (Some(conic), Some(reach)) = (shape.conic, outline(parts)) else { return };
     let (radius, k) = (conic.value.radius_mm, conic.value.conic);
@@ -24,7 +24,7 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
 }
 
 /// How far the outline's farthest point is from the axis, in millimetres.
-fn outline(parts: &Parts) -> Option<f64> {
+fn outline(parts: &Entries) -> Option<f64> {
     Some(match covered(parts)? {
         Footprint::Rect { half_mm: [x, y] } => f64::sqrt(x * x + y * y),
         Footprint::Round { radius_mm, .. } => radius_mm,
@@ -32,15 +32,15 @@ fn outline(parts: &Parts) -> Option<f64> {
 }
 
 /// What the mirror covers of the part, where that is known before it is designed.
-pub(super) fn footprint(parts: &Parts) -> Option<Footprint> {
+pub(super) fn footprint(parts: &Entries) -> Option<Footprint> {
     let given = parts.shape.as_ref()?.path.starts_with("mirror");
     let parallel = parts.camera.as_ref()?.name == "orthographic";
-    let round = parts.layout.as_ref().is_some_and(layout::Found::is_round);
+    let round = parts.layout.as_ref().is_some_and(layout::LayoutEntry::is_round);
     if given || parallel || round { covered(parts) } else { None }
 }
 
 /// The same but for what a pinhole does to designed strips.
-fn covered(parts: &Parts) -> Option<Footprint> {
+fn covered(parts: &Entries) -> Option<Footprint> {
     let width = parts.part.width?.value;
     let height = if parts.rectangle {
         parts.part.height?.value
@@ -54,18 +54,18 @@ fn covered(parts: &Parts) -> Option<Footprint> {
 }
 
 /// The height in millimetres of the strip or the two panels that the frame or the law makes.
-fn strip_height(parts: &Parts, width: f64) -> Option<f64> {
+fn strip_height(parts: &Entries, width: f64) -> Option<f64> {
     let camera = parts.camera.as_ref()?.camera?;
     let pixels = camera.pixels().map(f64::from);
     let pixel_mm = match camera {
-        Camera::Orthographic { .. } => width / pixels[0],
-        Camera::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
+        CameraModel::Orthographic { .. } => width / pixels[0],
+        CameraModel::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
     };
     let layout = parts.layout.as_ref()?;
     if layout.fills.is_some() {
         return Some(pixels[1] * pixel_mm);
     }
-    let Keys::Strip { law, azimuth, elevation } = &parts.projection.as_ref()?.keys else {
+    let ProjectionKeys::Strip { law, azimuth, elevation } = &parts.projection.as_ref()?.keys else {
         return None;
     };
     // A conquistador has two panels, each half a turn wide.
@@ -74,12 +74,12 @@ fn strip_height(parts: &Parts, width: f64) -> Option<f64> {
     let [low, high] = elevation.as_ref()?.value.map(f64::to_radians);
     let z = |law: fn(f64) -> f64| law(high) - law(low);
     let height = match law.as_ref()? {
-        StripLaw::Cylindrical => z(libm::tan),
-        StripLaw::Mercator => z(|e| libm::asinh(libm::tan(e))),
-        StripLaw::Equirectangular => high - low,
-        StripLaw::EqualArea => z(libm::sin),
-        StripLaw::Best => return None,
-        StripLaw::Table(rows) => {
+        StripLawSpec::Cylindrical => z(libm::tan),
+        StripLawSpec::Mercator => z(|e| libm::asinh(libm::tan(e))),
+        StripLawSpec::Equirectangular => high - low,
+        StripLawSpec::EqualArea => z(libm::sin),
+        StripLawSpec::Best => return None,
+        StripLawSpec::Table(rows) => {
             return Some(panels * (rows.last()?[0] - rows.first()?[0]) * pixel_mm);
         }
     };

@@ -1,19 +1,19 @@
 //! Where the sag table samples the mirror.
 
 use super::super::reader::Need::Optional;
-use super::super::reader::{Reader, Section};
-use super::super::values::{Placed, number, word};
-use super::super::{SagPath, SagTable};
-use super::limits::Part;
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, number, word};
+use super::super::{SagTable, ScanPattern};
+use super::limits::PartEntry;
 use super::{SIZE, is_size};
 use std::f64::consts::PI;
 
 /// The table's places; the defaults where `[export]` does not say.
-pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTable {
+pub(super) fn read(reader: &mut ProfileReader, export: &Section, part: &PartEntry) -> SagTable {
     let Some(section) = reader.section(export, "sag", Optional) else {
         return SagTable::default();
     };
-    let words = [("raster", SagPath::Raster), ("spiral", SagPath::Spiral)];
+    let words = [("raster", ScanPattern::Raster), ("spiral", ScanPattern::Spiral)];
     let hint = "a raster runs along X, a spiral about the axis from outside in";
     let path = word(reader, &section, "path", &words, hint).unwrap_or_default();
     let hint = "millimetres from line to line or turn to turn, as in pitch_mm = 0.5";
@@ -25,9 +25,9 @@ pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTab
         let [pitch, step] = table.spacing_mm(width.value);
         let height = part.height.as_ref().map_or(width.value, |height| height.value);
         let covered = match path {
-            SagPath::Raster => height * width.value,
+            ScanPattern::Raster => height * width.value,
             // About the axis out to the corners.
-            SagPath::Spiral => 0.25 * PI * (height * height + width.value * width.value),
+            ScanPattern::Spiral => 0.25 * PI * (height * height + width.value * width.value),
         };
         let points = covered / (pitch * step);
         if points > SagTable::MOST_POINTS {
@@ -43,7 +43,7 @@ pub(super) fn read(reader: &mut Reader, export: &Section, part: &Part) -> SagTab
 }
 
 /// Where the smaller of both stands.
-fn finest(pitch: Option<Placed<f64>>, step: Option<Placed<f64>>) -> Option<usize> {
+fn finest(pitch: Option<Located<f64>>, step: Option<Located<f64>>) -> Option<usize> {
     let all = [pitch, step].into_iter().flatten();
     all.min_by(|a, b| a.value.total_cmp(&b.value)).map(|least| least.at)
 }

@@ -1,24 +1,24 @@
 //! Whether the directions that the picture shows meet the target.
 
-use super::super::RadialLaw;
-use super::super::reader::Reader;
-use super::super::values::Placed;
-use super::projection::{Found, Keys};
-use super::{Parts, layout};
+use super::super::RadialLawKind;
+use super::super::reader::ProfileReader;
+use super::super::values::Located;
+use super::projection::{ProjectionEntry, ProjectionKeys};
+use super::{Entries, layout};
 
-pub(super) fn check(reader: &mut Reader, parts: &Parts) {
+pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     let Some(projection) = &parts.projection else { return };
     if let Some(radius) = projection.radius {
         cylinder(reader, parts, projection, radius);
     }
     let Some(plane) = projection.plane else { return };
     match &projection.keys {
-        Keys::Strip { elevation, .. } => {
+        ProjectionKeys::Strip { elevation, .. } => {
             if let Some(elevation) = elevation {
                 elevations_meet(reader, projection, plane, elevation);
             }
         }
-        Keys::Radial { law, inner, outer } => {
+        ProjectionKeys::Radial { law, inner, outer } => {
             if let Some(outer) = outer {
                 let ends = (inner.as_ref(), outer);
                 polar_angles_meet(reader, parts, projection, plane, *law, ends);
@@ -27,7 +27,12 @@ pub(super) fn check(reader: &mut Reader, parts: &Parts) {
     }
 }
 
-fn cylinder(reader: &mut Reader, parts: &Parts, projection: &Found, radius: Placed<f64>) {
+fn cylinder(
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    projection: &ProjectionEntry,
+    radius: Located<f64>,
+) {
     let path = projection.section.path_of("target_radius_mm");
     if let Some(width) = parts.part.width
         && radius.value <= 0.5 * width.value
@@ -38,7 +43,7 @@ fn cylinder(reader: &mut Reader, parts: &Parts, projection: &Found, radius: Plac
         );
         reader.complain(radius.at, message, "the mirror stands inside the cylinder");
     }
-    let Keys::Radial { law, inner, .. } = &projection.keys else { return };
+    let ProjectionKeys::Radial { law, inner, .. } = &projection.keys else { return };
     let on = |name| parts.layout.as_ref().is_some_and(|layout| layout.name == name);
     let hint = "what lies along the axis never meets a cylinder about it";
     if on("disc") && !law.needs_annulus() {
@@ -60,10 +65,10 @@ const CAMERA_SIDE: &str = "this plane is on the camera's side";
 const FAR_SIDE: &str = "this plane is behind the mirror, seen from the camera";
 
 fn elevations_meet(
-    reader: &mut Reader,
-    projection: &Found,
-    plane: Placed<f64>,
-    elevation: &Placed<[f64; 2]>,
+    reader: &mut ProfileReader,
+    projection: &ProjectionEntry,
+    plane: Located<f64>,
+    elevation: &Located<[f64; 2]>,
 ) {
     let [low, high] = elevation.value;
     let (meets, side, why) = match plane.value > 0.0 {
@@ -82,12 +87,12 @@ fn elevations_meet(
 }
 
 fn polar_angles_meet(
-    reader: &mut Reader,
-    parts: &Parts,
-    projection: &Found,
-    plane: Placed<f64>,
-    law: RadialLaw,
-    (inner, outer): (Option<&Placed<f64>>, &Placed<f64>),
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    projection: &ProjectionEntry,
+    plane: Located<f64>,
+    law: RadialLawKind,
+    (inner, outer): (Option<&Located<f64>>, &Located<f64>),
 ) {
     let path = |key| projection.section.path_of(key);
     let height = plane.value;
@@ -102,7 +107,7 @@ fn polar_angles_meet(
         }
         return;
     }
-    if law == RadialLaw::Plane {
+    if law == RadialLawKind::Plane {
         let key = path("target_plane_mm");
         let message = format!("{key} must be more than 0, found {height}");
         let hint = "this law shows a plane on the camera's side";
@@ -123,7 +128,7 @@ fn polar_angles_meet(
     let must = format!("{} must be more than 90 with target_plane_mm = {height}", path(key));
     if end.value <= 90.0 {
         reader.complain(end.at, format!("{must}, found {}", end.value), FAR_SIDE);
-    } else if law == RadialLaw::Parabolic
+    } else if law == RadialLawKind::Parabolic
         && let Some(least) = parabolic_inner(parts, outer.value)
         && least <= 90.0
     {
@@ -134,8 +139,8 @@ fn polar_angles_meet(
 }
 
 /// The polar angle at the inner rim of a paraboloid, in degrees.
-fn parabolic_inner(parts: &Parts, outer_deg: f64) -> Option<f64> {
-    let inner = parts.layout.as_ref().and_then(|layout: &layout::Found| layout.inner)?;
+fn parabolic_inner(parts: &Entries, outer_deg: f64) -> Option<f64> {
+    let inner = parts.layout.as_ref().and_then(|layout: &layout::LayoutEntry| layout.inner)?;
     let share = inner.value / parts.part.width?.value;
     let half = libm::tan((0.5 * outer_deg).to_radians());
     Some(2.0 * libm::atan(share * half).to_degrees())

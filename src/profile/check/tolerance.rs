@@ -3,22 +3,22 @@
 use toml::de::DeValue;
 
 use super::super::reader::Need::Optional;
-use super::super::reader::{Reader, Section};
+use super::super::reader::{ProfileReader, Section};
 use super::super::tolerance::{
     COMPENSATORS, CRITERIA, DISTRIBUTIONS, FORMS, MADE_FROM, PRESETS, REFERENCES, Tolerance,
 };
 use super::super::values::{number, word};
 use super::super::words::list;
-use super::super::{Camera, Layout, schema};
+use super::super::{CameraModel, Layout, schema};
 
 /// What of a profile decides which sources there are; none of what is missing or wrong.
 #[derive(Clone, Copy)]
 pub(super) struct Setting {
-    pub(super) camera: Option<Camera>,
+    pub(super) camera: Option<CameraModel>,
     pub(super) layout: Option<Layout>,
 }
 
-pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tolerance {
+pub(super) fn read(reader: &mut ProfileReader, root: &Section, setting: Setting) -> Tolerance {
     let mut found = Tolerance::default();
     let Some(section) = reader.section(root, "tolerance", Optional) else { return found };
     let mut choice = |key, words: &[&'static str], hint: &str, value: &mut &'static str| {
@@ -82,7 +82,7 @@ pub(super) fn read(reader: &mut Reader, root: &Section, setting: Setting) -> Tol
 }
 
 /// Limits, distributions and weights by source.
-fn sources(reader: &mut Reader, section: &Section, setting: Setting, found: &mut Tolerance) {
+fn sources(reader: &mut ProfileReader, section: &Section, setting: Setting, found: &mut Tolerance) {
     let has_map = section.has("map_file");
     let why = |key: &str| foreign(key, setting, has_map);
     if let Some(section) = reader.section(section, "distributions", Optional) {
@@ -152,7 +152,7 @@ fn unsigned_hint(key: &str) -> &'static str {
 
 /// Complains of what is said about an error that the mirror cannot have.
 fn refuse_foreign(
-    reader: &mut Reader,
+    reader: &mut ProfileReader,
     table: &Section,
     key: &str,
     why: Option<(&'static str, &'static str)>,
@@ -167,7 +167,7 @@ fn refuse_foreign(
 /// Why a mirror cannot have this error, and what to take instead.
 fn foreign(key: &str, setting: Setting, has_map: bool) -> Option<(&'static str, &'static str)> {
     let round = setting.layout.map(|l| matches!(l, Layout::Disc | Layout::Annulus { .. }));
-    let pinhole = matches!(setting.camera, Some(Camera::Pinhole { .. }));
+    let pinhole = matches!(setting.camera, Some(CameraModel::Pinhole { .. }));
     match (key.split('_').next()?, round) {
         ("zernike", Some(false)) => {
             Some(("for a rectangular mirror", "its form errors are legendre_20_um and the like"))
@@ -181,7 +181,7 @@ fn foreign(key: &str, setting: Setting, has_map: bool) -> Option<(&'static str, 
     }
 }
 
-fn map_file(reader: &mut Reader, section: &Section) -> Option<String> {
+fn map_file(reader: &mut ProfileReader, section: &Section) -> Option<String> {
     let hint = "a file beside the profile: lines of X, Y and departure along Z in millimetres";
     let value = reader.value(section, "map_file", Optional, "a file's name", hint)?;
     match value.get_ref() {
@@ -196,7 +196,7 @@ fn map_file(reader: &mut Reader, section: &Section) -> Option<String> {
     }
 }
 
-fn compensators(reader: &mut Reader, section: &Section) -> Option<Vec<&'static str>> {
+fn compensators(reader: &mut ProfileReader, section: &Section) -> Option<Vec<&'static str>> {
     let quoted = COMPENSATORS.map(|name| format!("\"{name}\""));
     let quoted = list(&quoted.each_ref().map(String::as_str), "or");
     let must = format!("a list of none or some of {quoted}");

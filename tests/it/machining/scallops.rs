@@ -265,7 +265,10 @@ fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
         let found = run(asked);
         assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
         let px = found.budget.p95_px.unwrap();
-        assert_eq!(px, budget_px.unwrap_or(source.profile.accepted().pixel_error_max_px.value));
+        assert_eq!(
+            px,
+            budget_px.unwrap_or(source.profile.acceptance_limits().pixel_error_max_px.value)
+        );
         let scallops = found.scallops.unwrap();
         let used = [
             scallops.pixel_error_px.unwrap().p95 / px,

@@ -1,7 +1,7 @@
 //! The least that a profile has to say.
 
 use super::builds::edited;
-use morion::internals::profile::{Profile, Projection, StripProjection};
+use morion::internals::profile::{Profile, ProjectionSpec, StripSpec};
 
 /// The least that is a profile, with the edits of one test.
 pub fn with(edits: &[(&str, &str)]) -> Result<Profile, String> {
@@ -19,9 +19,9 @@ export.formats = [\"stl\"]
 }
 
 /// The strip that a profile projects onto.
-pub fn strip_of(profile: &Profile) -> &StripProjection {
+pub fn strip_of(profile: &Profile) -> &StripSpec {
     match &profile.projection {
-        Some(Projection::Strip(strip)) => strip,
+        Some(ProjectionSpec::Strip(strip)) => strip,
         other => panic!("{other:?}"),
     }
 }

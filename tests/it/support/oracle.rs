@@ -100,7 +100,10 @@ impl Wish {
 pub fn round() -> impl Iterator<Item = &'static str> {
     let names = morion::internals::profile::shipped().iter().map(|profile| profile.name);
     names.filter(|name| {
-        matches!(shipped(name).projection, Some(morion::internals::profile::Projection::Radial(_)))
+        matches!(
+            shipped(name).projection,
+            Some(morion::internals::profile::ProjectionSpec::Radial(_))
+        )
     })
 }
 

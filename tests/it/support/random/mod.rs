@@ -12,7 +12,7 @@ use morion::internals::mirror::{
 };
 use morion::internals::num::legendre::Series;
 use morion::internals::num::{cos, exp, log, radians, sin};
-use morion::internals::optics::{ImagingTask, Law, Projection, Rims, Strip, Target};
+use morion::internals::optics::{ImagingTask, Law, Projection, RimConditions, Strip, Target};
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -185,7 +185,8 @@ fn looking(r: &mut Draws, outer: f64, target: Target, lean: bool) -> (ImagingTas
     }
     let radius = [0.0, outer];
     // Has a derivative wherever a mirror looks.
-    let rims = Rims { radius, psi: [0.0, radians(r.inside([60.0, 110.0]))], vergence: 0.0 };
+    let rims =
+        RimConditions { radius, psi: [0.0, radians(r.inside([60.0, 110.0]))], vergence: 0.0 };
     let projection = Projection::Radial { law: rims.parabolic(), radius };
     (ImagingTask { projection, target, origin_mm: 20.0, fold: None }, outer)
 }

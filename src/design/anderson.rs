@@ -9,20 +9,20 @@ const DEPTH: usize = 8;
 
 /// The steps of an iteration so far: from which point each, and where to.
 #[derive(Debug, Clone)]
-pub struct Mixing {
+pub struct AndersonAcceleration {
     /// Length that one of each unknown amounts to.
     scale: Vec<f64>,
     past: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
-impl Mixing {
+impl AndersonAcceleration {
     /// Nothing remembered.
     pub fn new(scale: Vec<f64>) -> Self {
         Self { scale, past: Vec::new() }
     }
 
     /// Forgets everything.
-    pub fn forget(&mut self) {
+    pub fn reset(&mut self) {
         self.past.clear();
     }
 
@@ -60,11 +60,11 @@ mod tests {
     fn a_linear_iteration_ends_after_as_many_steps_as_unknowns() {
         // x <- A x + b with eigenvalues near one: plain iteration would take thousands.
         let next = |x: &[f64]| [0.99 * x[0] + 0.1 * x[1] + 1.0, 0.98 * x[1] - 0.5];
-        let (mut x, mut mixing) = (vec![0.0, 0.0], Mixing::new(vec![1.0, 1.0]));
+        let (mut x, mut anderson) = (vec![0.0, 0.0], AndersonAcceleration::new(vec![1.0, 1.0]));
         for _ in 0..3 {
             let step: Vec<f64> = next(&x).iter().zip(&x).map(|(a, b)| a - b).collect();
             let plain = x.iter().zip(&step).map(|(x, s)| x + s).collect();
-            x = mixing.propose(&x, &step).unwrap_or(plain);
+            x = anderson.propose(&x, &step).unwrap_or(plain);
         }
         assert!((x[1] + 25.0).abs() < 1e-9 && (x[0] + 150.0).abs() < 1e-8, "{x:?}");
     }

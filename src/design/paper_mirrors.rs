@@ -1,8 +1,8 @@
 //! Whole designs by the solver: the paper's panoramic and conquistador mirrors.
 
-use super::basis::{Basis, Local, Places};
-use super::minimax::{Minimax, minimax};
-use super::solve::{Fit, Options, Residual, Sample, solve};
+use super::basis::{Basis, LocalValues, NodeSet};
+use super::minimax::{MinimaxFit, minimax};
+use super::solve::{LeastSquaresFit, PointwiseResidual, ResidualSample, SolverOptions, solve};
 use crate::geom::{DVec2, Rect};
 use crate::num::legendre::Series;
 use crate::num::quadrature::gauss_legendre;
@@ -15,11 +15,11 @@ fn field(q: DVec2) -> DVec2 {
 }
 
 /// grad F - s, times 2 / (1 + |s|^2) where the ray error is meant.
-pub struct VectorField {
+pub struct StripGradient {
     ray: bool,
 }
 
-impl Residual<2> for VectorField {
+impl PointwiseResidual<2> for StripGradient {
     fn at<S: Scalar>(&self, q: DVec2, _: S, [x, y]: [S; 2]) -> [S; 2] {
         let s = field(q);
         let weight = if self.ray { 2.0 / (1.0 + s.length_squared()) } else { 1.0 };
@@ -28,9 +28,9 @@ impl Residual<2> for VectorField {
 }
 
 /// Sine of the angle between the mirror's normal and the wanted one.
-pub struct Distribution;
+pub struct StripNormal;
 
-impl Residual<3> for Distribution {
+impl PointwiseResidual<3> for StripNormal {
     fn at<S: Scalar>(&self, q: DVec2, _: S, [x, y]: [S; 2]) -> [S; 3] {
         let s = field(q);
         let lengths = ((x.square() + y.square() + 1.0) * (1.0 + s.length_squared())).sqrt();
@@ -39,9 +39,9 @@ impl Residual<3> for Distribution {
 }
 
 /// How far away on the strip the content belongs that the slope shows.
-pub struct FixedSurface;
+pub struct StripImage;
 
-impl Residual<2> for FixedSurface {
+impl PointwiseResidual<2> for StripImage {
     fn at<S: Scalar>(&self, q: DVec2, _: S, [x, y]: [S; 2]) -> [S; 2] {
         // The azimuth as turned back by the wanted one: no jump near.
         let (c, s) = (cos(q.x), sin(q.x));
@@ -59,34 +59,38 @@ fn strips() -> [(&'static str, DVec2); 2] {
     ]
 }
 
-struct Case {
+struct PaperMirror {
     half: DVec2,
     degree: usize,
     squares: Basis,
     rim: Basis,
 }
 
-impl Case {
+impl PaperMirror {
     fn new(half: DVec2, degree: usize) -> Self {
         let area = Rect { min: -half, max: half };
         Self {
             half,
             degree,
-            squares: Basis::rectangle(area, true, degree, Places::Quadrature),
-            rim: Basis::rectangle(area, true, degree, Places::Extrema),
+            squares: Basis::rectangle(area, true, degree, NodeSet::Quadrature),
+            rim: Basis::rectangle(area, true, degree, NodeSet::Extrema),
         }
     }
 
-    fn least<const N: usize>(&self, r: &impl Residual<N>, start: Option<&[f64]>) -> Fit {
-        solve(&self.squares, r, &Options { start, ..Options::default() }).unwrap()
+    fn least<const N: usize>(
+        &self,
+        r: &impl PointwiseResidual<N>,
+        start: Option<&[f64]>,
+    ) -> LeastSquaresFit {
+        solve(&self.squares, r, &SolverOptions { start, ..SolverOptions::default() }).unwrap()
     }
 
-    fn worst<const N: usize>(&self, r: &impl Residual<N>, start: &[f64]) -> Minimax {
+    fn worst<const N: usize>(&self, r: &impl PointwiseResidual<N>, start: &[f64]) -> MinimaxFit {
         minimax(&self.rim, r, start).unwrap()
     }
 
     /// Place, weight and local values on a grid of its own, by a code of its own.
-    fn grid(&self, c: &[f64]) -> Vec<(DVec2, f64, Local)> {
+    fn grid(&self, c: &[f64]) -> Vec<(DVec2, f64, LocalValues)> {
         let n = self.degree + 1;
         let mut all = vec![0.0; n * n];
         for (&(i, j), c) in self.squares.terms().iter().zip(c) {
@@ -107,9 +111,9 @@ impl Case {
     }
 
     /// Integral of |r|^2 and largest |r|.
-    fn measure<const N: usize>(&self, r: &impl Residual<N>, c: &[f64]) -> [f64; 2] {
+    fn measure<const N: usize>(&self, r: &impl PointwiseResidual<N>, c: &[f64]) -> [f64; 2] {
         self.grid(c).into_iter().fold([0.0f64; 2], |[sum, most], (q, weight, local)| {
-            let square = Sample::new(r, q, local).square();
+            let square = ResidualSample::new(r, q, local).square();
             [sum + weight * square, most.max(f64::sqrt(square))]
         })
     }
@@ -131,9 +135,9 @@ fn the_content_of_the_wanted_slope_is_where_it_belongs() {
         for y in [-0.5, 0.0, 0.7] {
             let q = DVec2::new(x, y);
             let s = field(q);
-            assert!(FixedSurface.at(q, 0.0, [s.x, s.y]).iter().all(|r| r.abs() < 1e-15));
+            assert!(StripImage.at(q, 0.0, [s.x, s.y]).iter().all(|r| r.abs() < 1e-15));
             // A slope error d moves the content by the slope of the projection: |d| / |s| across.
-            let across = FixedSurface.at(q, 0.0, [s.x - 1e-7 * s.y, s.y + 1e-7 * s.x]);
+            let across = StripImage.at(q, 0.0, [s.x - 1e-7 * s.y, s.y + 1e-7 * s.x]);
             assert!((across[0].abs() - 1e-7).abs() < 1e-13 && across[1].abs() < 1e-13);
         }
     }
@@ -142,25 +146,25 @@ fn the_content_of_the_wanted_slope_is_where_it_belongs() {
 #[test]
 fn each_method_is_the_best_of_the_three_by_its_own_measure() {
     for (name, half) in strips() {
-        let case = Case::new(half, 12);
-        let (plain, ray) = (VectorField { ray: false }, VectorField { ray: true });
+        let case = PaperMirror::new(half, 12);
+        let (plain, ray) = (StripGradient { ray: false }, StripGradient { ray: true });
         let vector = case.least(&plain, None).coefficients;
         let squares = [
-            case.least(&Distribution, Some(&vector)).coefficients,
-            case.least(&FixedSurface, Some(&vector)).coefficients,
+            case.least(&StripNormal, Some(&vector)).coefficients,
+            case.least(&StripImage, Some(&vector)).coefficients,
             vector,
         ];
         let start = &squares[2];
         let worsts = [
-            case.worst(&Distribution, start).coefficients,
-            case.worst(&FixedSurface, start).coefficients,
+            case.worst(&StripNormal, start).coefficients,
+            case.worst(&StripImage, start).coefficients,
             case.worst(&ray, start).coefficients,
         ];
         for (own, kind) in [(0, "squares"), (1, "worst")] {
             let designs = [&squares, &worsts][own];
             let by = [
-                designs.each_ref().map(|c| case.measure(&Distribution, c)[own]),
-                designs.each_ref().map(|c| case.measure(&FixedSurface, c)[own]),
+                designs.each_ref().map(|c| case.measure(&StripNormal, c)[own]),
+                designs.each_ref().map(|c| case.measure(&StripImage, c)[own]),
                 designs.each_ref().map(|c| match own {
                     0 => case.measure(&plain, c)[0],
                     _ => case.measure(&ray, c)[1],
@@ -177,15 +181,15 @@ fn each_method_is_the_best_of_the_three_by_its_own_measure() {
 #[test]
 fn the_reported_integral_is_that_of_the_mirror() {
     for (_, half) in strips() {
-        let case = Case::new(half, 12);
-        let plain = VectorField { ray: false };
+        let case = PaperMirror::new(half, 12);
+        let plain = StripGradient { ray: false };
         let fit = case.least(&plain, None);
         assert_eq!(fit.steps, 1);
         // The grid's trapezoidal rule is good to (step)^2.
         let measured = case.measure(&plain, &fit.coefficients)[0];
         assert!((measured / fit.integral - 1.0).abs() < 2e-3, "{measured} {}", fit.integral);
         // The quadrature resolves the field: the nodes of a larger basis find the same.
-        let finer = Case::new(half, 16);
+        let finer = PaperMirror::new(half, 16);
         let mut padded = vec![0.0; finer.squares.unknowns()];
         for (&term, c) in case.squares.terms().iter().zip(&fit.coefficients) {
             let at = finer.squares.terms().iter().position(|&t| t == term).unwrap();
@@ -197,7 +201,7 @@ fn the_reported_integral_is_that_of_the_mirror() {
             .into_iter()
             .enumerate()
             .map(|(k, local)| {
-                let square = Sample::new(&plain, finer.squares.at(k), local).square();
+                let square = ResidualSample::new(&plain, finer.squares.at(k), local).square();
                 finer.squares.weight(k) * square
             })
             .sum();
@@ -273,9 +277,9 @@ fn the_worst_ray_error_is_the_least_that_any_mirror_can_have() {
     ];
     let cases = [(12, 15.0, &panoramic[..], 13.55), (14, 11.5, &conquistador[..], 10.71)];
     for ((name, half), (degree, goal, corners, known)) in strips().into_iter().zip(cases) {
-        let case = Case::new(half, degree);
-        let ray = VectorField { ray: true };
-        let squares = case.least(&VectorField { ray: false }, None).coefficients;
+        let case = PaperMirror::new(half, degree);
+        let ray = StripGradient { ray: true };
+        let squares = case.least(&StripGradient { ray: false }, None).coefficients;
         let best = case.worst(&ray, &squares);
         let (before, after) = (case.ray_error(&squares), case.ray_error(&best.coefficients));
         assert!(after < goal && before > 1.9 * goal, "{name}: {before} to {after}");
@@ -293,9 +297,9 @@ fn the_number_of_threads_changes_no_bit() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let case = Case::new(half, 14);
-            let fit = case.least(&Distribution, None);
-            let best = case.worst(&Distribution, &fit.coefficients);
+            let case = PaperMirror::new(half, 14);
+            let fit = case.least(&StripNormal, None);
+            let best = case.worst(&StripNormal, &fit.coefficients);
             (fit, best)
         })
     };

@@ -40,7 +40,7 @@ const SAME_HEIGHT: f64 = 1e-7;
 
 /// Why no law was found.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum SearchError {
+pub enum LeastCurlError {
     /// The curl does not tell laws apart.
     #[error(transparent)]
     Undetermined(#[from] RankDeficient),
@@ -59,7 +59,7 @@ pub enum SearchError {
 
 /// The panel that the law is for.
 #[derive(Debug, Clone, Copy)]
-pub struct Search<'a> {
+pub struct LeastCurlProblem<'a> {
     /// The camera and the target.
     pub field: SlopeField<'a>,
     /// mm per radian of azimuth.
@@ -75,7 +75,7 @@ pub struct Search<'a> {
 }
 
 /// One row of the samples.
-struct Row {
+struct LatitudeNode {
     /// Isometric latitude m.
     m: f64,
     /// Weight of the row in an integral over m.
@@ -87,13 +87,13 @@ struct Row {
 }
 
 /// The rows of all samples: Gauss' nodes over the latitudes.
-struct Rows {
+struct LatitudeNodes {
     ends: [f64; 2],
-    rows: Vec<Row>,
+    rows: Vec<LatitudeNode>,
 }
 
 /// A law at the rows.
-struct Shape {
+struct LawSamples {
     /// dz/dm.
     stretch: Vec<f64>,
     /// z, from 0.
@@ -102,11 +102,11 @@ struct Shape {
     height: f64,
 }
 
-impl Rows {
+impl LatitudeNodes {
     fn new(ends: [f64; 2]) -> Self {
         let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
         let (nodes, weights) = gauss_legendre(PLACES[1]);
-        let row = |(&t, w): (&f64, f64)| Row {
+        let row = |(&t, w): (&f64, f64)| LatitudeNode {
             m: middle + half * t,
             weight: half * w,
             basis: legendre::values(PLACES[1], t),
@@ -125,85 +125,85 @@ impl Rows {
     fn sums(&self, t: f64) -> Vec<f64> {
         let p = legendre::values(PLACES[1], t);
         let part = |k: usize| p[k + 1] - if k == 0 { -1.0 } else { p[k - 1] };
-        let sum = |row: &Row| (0..PLACES[1]).map(|k| row.basis[k] * part(k)).sum::<f64>();
+        let sum = |row: &LatitudeNode| (0..PLACES[1]).map(|k| row.basis[k] * part(k)).sum::<f64>();
         self.rows.iter().map(|row| 0.5 * row.weight * sum(row)).collect()
     }
 
-    fn shape(&self, g: &[f64]) -> Shape {
+    fn shape(&self, g: &[f64]) -> LawSamples {
         let stretch: Vec<f64> = self.rows.iter().map(|row| exp(dot(g, &row.basis))).collect();
         let z = self.rows.iter().map(|row| dot(&row.sums, &stretch)).collect();
         let height = self.rows.iter().zip(&stretch).map(|(row, e)| row.weight * e).sum();
-        Shape { stretch, z, height }
+        LawSamples { stretch, z, height }
     }
 
-    /// The law of `g` as a ladder, from z = 0, and its height.
-    fn ladder(&self, g: &[f64]) -> Option<(TabulatedLaw, f64)> {
+    /// The law of `g` as a table, from z = 0, and its height.
+    fn table(&self, g: &[f64]) -> Option<(TabulatedLaw, f64)> {
         let stretch = self.shape(g).stretch;
         let share = |k: usize| k as f64 / (RUNGS - 1) as f64;
         let z: Vec<f64> =
             (0..RUNGS).map(|k| dot(&self.sums(2.0 * share(k) - 1.0), &stretch)).collect();
         let [low, high] = self.ends;
         let m: Vec<f64> = (0..RUNGS).map(|k| low * (1.0 - share(k)) + high * share(k)).collect();
-        Some((TabulatedLaw::of_latitudes(&z, &m)?, z[RUNGS - 1] - z[0]))
+        Some((TabulatedLaw::from_latitudes(&z, &m)?, z[RUNGS - 1] - z[0]))
     }
 }
 
 /// The curl of a law at a point, paper's units (1/rad), and its derivatives by the height y in the
 /// image and by dm/dz, both in the paper's units.
-struct Curl {
+struct CurlDerivatives {
     value: f64,
     by_y: f64,
     by_rise: f64,
 }
 
-impl Search<'_> {
+impl LeastCurlProblem<'_> {
     /// The law of least curl on the reference plane (f = 0), z = 0 at the lowest elevation, and its
     /// height in the paper's units.
     ///
     /// # Errors
-    /// [`SearchError`] when it is not found.
-    pub fn law(&self) -> Result<(TabulatedLaw, f64), SearchError> {
+    /// [`LeastCurlError`] when it is not found.
+    pub fn law(&self) -> Result<(TabulatedLaw, f64), LeastCurlError> {
         let rows = self.rows();
         let g = self.find(&rows, vec![0.0; DEGREE + 1])?;
-        let broken = SearchError::NotConverged { steps: 0, last_step: f64::NAN };
-        rows.ladder(&g).ok_or(broken)
+        let broken = LeastCurlError::NotConverged { steps: 0, last_step: f64::NAN };
+        rows.table(&g).ok_or(broken)
     }
 
     /// The law whose height is `high`, about the middle isometric latitude of the elevations.
     ///
     /// # Errors
-    /// [`SearchError`] when it, or one on the way, is not found.
-    pub fn filling(&self, high: f64) -> Result<(TabulatedLaw, f64), SearchError> {
+    /// [`LeastCurlError`] when it, or one on the way, is not found.
+    pub fn filling(&self, high: f64) -> Result<(TabulatedLaw, f64), LeastCurlError> {
         let [low, top] = self.rows().ends;
         let (middle, mut half) = (0.5 * (low + top), 0.5 * (top - low));
         let mut last_step = f64::NAN;
         for _ in 0..MOST_HEIGHTS {
             let elevation_deg =
                 [middle - half, middle + half].map(|m| degrees(atan(0.5 * (exp(m) - exp(-m)))));
-            let (ladder, height) = Search { elevation_deg, ..*self }.law()?;
+            let (table, height) = LeastCurlProblem { elevation_deg, ..*self }.law()?;
             // The height is nearly as the range of latitudes.
             last_step = high / height - 1.0;
             if last_step.abs() < SAME_HEIGHT {
-                return Ok((ladder, height));
+                return Ok((table, height));
             }
             half *= high / height;
         }
-        Err(SearchError::NotConverged { steps: MOST_HEIGHTS, last_step })
+        Err(LeastCurlError::NotConverged { steps: MOST_HEIGHTS, last_step })
     }
 
-    fn rows(&self) -> Rows {
-        Rows::new(self.elevation_deg.map(|e| asinh(tan(radians(e)))))
+    fn rows(&self) -> LatitudeNodes {
+        LatitudeNodes::new(self.elevation_deg.map(|e| asinh(tan(radians(e)))))
     }
 
     /// The coefficients of g, by Gauss-Newton from `g`; steps that make the curl larger are
     /// shortened.
-    fn find(&self, rows: &Rows, mut g: Vec<f64>) -> Result<Vec<f64>, SearchError> {
+    fn find(&self, rows: &LatitudeNodes, mut g: Vec<f64>) -> Result<Vec<f64>, LeastCurlError> {
         let mut last_step = f64::NAN;
         let (mut a, mut b) = self.linear(rows, &g);
         for steps in 1..=MOST_STEPS {
             let square = b.norm_squared();
             if !square.is_finite() {
-                return Err(SearchError::NotConverged { steps, last_step: f64::NAN });
+                return Err(LeastCurlError::NotConverged { steps, last_step: f64::NAN });
             }
             let step = least_squares::solve(a, -b)?.x;
             // (|P_k| <= 1.)
@@ -220,19 +220,19 @@ impl Search<'_> {
                 }
                 share *= 0.5;
                 if share < 1e-6 {
-                    return Err(SearchError::NotConverged { steps, last_step });
+                    return Err(LeastCurlError::NotConverged { steps, last_step });
                 }
             }
             if size <= TOLERANCE {
                 return Ok(g);
             }
         }
-        Err(SearchError::NotConverged { steps: MOST_STEPS, last_step })
+        Err(LeastCurlError::NotConverged { steps: MOST_STEPS, last_step })
     }
 
     /// The residuals, whose sum of squares is the mean of the curl's square over the panel, and
     /// their derivatives by the coefficients `g`.
-    fn linear(&self, rows: &Rows, g: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+    fn linear(&self, rows: &LatitudeNodes, g: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         let shape = rows.shape(g);
         let (nodes, weights) = gauss_legendre(PLACES[0]);
         let mut a = DMatrix::zeros(PLACES[0] * PLACES[1], g.len());
@@ -240,7 +240,8 @@ impl Search<'_> {
         // What each coefficient of g adds to z and to the height.
         let adds = |weights: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let add = |k: usize| {
-                let term = |(j, row): (usize, &Row)| weights(j) * shape.stretch[j] * row.basis[k];
+                let term =
+                    |(j, row): (usize, &LatitudeNode)| weights(j) * shape.stretch[j] * row.basis[k];
                 rows.rows.iter().enumerate().map(term).sum()
             };
             (0..g.len()).map(add).collect()
@@ -270,7 +271,7 @@ impl Search<'_> {
 
     /// The curl at image point `place` (paper's units) of a law that shows latitude `m` there and
     /// has dm/dz = `rise`.
-    fn curl(&self, place: [f64; 2], m: f64, rise: f64) -> Curl {
+    fn curl(&self, place: [f64; 2], m: f64, rise: f64) -> CurlDerivatives {
         type Jet = Jet2<f64>;
         let unit = self.scale_mm;
         let [x, y] = place.map(|p| p * unit);
@@ -300,7 +301,11 @@ impl Search<'_> {
         let q = [dual(x, 0.0, 0.0), dual(y, 1.0, 0.0)];
         let s = s.map(|s| dual(s.value, s.gradient[1], 0.0));
         let curl = self.field.curl(q, dual(0.0, 0.0, 0.0), s, along) * unit;
-        Curl { value: curl.value, by_y: curl.slope[0] * unit, by_rise: curl.slope[1] / unit }
+        CurlDerivatives {
+            value: curl.value,
+            by_y: curl.slope[0] * unit,
+            by_rise: curl.slope[1] / unit,
+        }
     }
 }
 
@@ -317,9 +322,9 @@ mod tests {
     use crate::optics::{ImagingTask, Law, Projection, Strip};
     use std::sync::Arc;
 
-    fn search(chart: &Chart, target: Target, below: f64) -> Search<'_> {
+    fn search(chart: &Chart, target: Target, below: f64) -> LeastCurlProblem<'_> {
         let across = radians(200.0);
-        Search {
+        LeastCurlProblem {
             field: SlopeField { chart, target, origin_mm: 0.0 },
             scale_mm: 60.0 / across,
             azimuth: 0.3,
@@ -330,15 +335,15 @@ mod tests {
     }
 
     /// Coefficients of g(m).
-    fn expanded(rows: &Rows, g: impl Fn(f64) -> f64) -> Vec<f64> {
+    fn expanded(rows: &LatitudeNodes, g: impl Fn(f64) -> f64) -> Vec<f64> {
         let half = 0.5 * (rows.ends[1] - rows.ends[0]);
-        let term = |k: usize, row: &Row| row.weight / half * row.basis[k] * g(row.m);
+        let term = |k: usize, row: &LatitudeNode| row.weight / half * row.basis[k] * g(row.m);
         let sum = |k: usize| rows.rows.iter().map(|row| term(k, row)).sum::<f64>();
         (0..=DEGREE).map(|k| (k as f64 + 0.5) * sum(k)).collect()
     }
 
     /// The root mean square by the view's own curl, for a law over the range `z`.
-    fn rms(search: &Search, law: Law, z: [f64; 2]) -> f64 {
+    fn rms(search: &LeastCurlProblem, law: Law, z: [f64; 2]) -> f64 {
         let unit = search.scale_mm;
         let below = z[0] + search.below * (z[1] - z[0]);
         let strip = Strip { law, scale_mm: unit, azimuth: search.azimuth, z: below };
@@ -361,8 +366,8 @@ mod tests {
         sum.sqrt()
     }
 
-    fn rms_of(search: &Search, (ladder, height): (TabulatedLaw, f64)) -> f64 {
-        rms(search, Law::Tabulated(Arc::new(ladder)), [0.0, height])
+    fn rms_of(search: &LeastCurlProblem, (table, height): (TabulatedLaw, f64)) -> f64 {
+        rms(search, Law::Tabulated(Arc::new(table)), [0.0, height])
     }
 
     fn charts() -> [Chart; 3] {
@@ -406,13 +411,13 @@ mod tests {
             let g = search.find(&rows, start).unwrap();
             let stretch = rows.shape(&g).stretch;
             assert!(stretch.iter().all(|e| (e - 1.0).abs() < 1e-9));
-            let found = rows.ladder(&g).unwrap();
+            let found = rows.table(&g).unwrap();
             assert!((found.1 - (rows.ends[1] - rows.ends[0])).abs() < 1e-9);
             assert!(rms_of(&search, found) < 1e-9);
         }
-        let (ladder, height) = search.law().unwrap();
+        let (table, height) = search.law().unwrap();
         assert!((height - (rows.ends[1] - rows.ends[0])).abs() < 1e-14);
-        assert!((ladder.shrink(0.3) - exp(-0.3 - rows.ends[0])).abs() < 1e-14);
+        assert!((table.stereographic_radius(0.3) - exp(-0.3 - rows.ends[0])).abs() < 1e-14);
     }
 
     #[test]
@@ -427,8 +432,8 @@ mod tests {
             (parallel, Target::Cylinder { radius_mm: 45.0 }, 0.0),
         ] {
             let search = search(chart, target, below);
-            let (ladder, height) = search.law().unwrap();
-            let least = rms_of(&search, (ladder.clone(), height));
+            let (table, height) = search.law().unwrap();
+            let least = rms_of(&search, (table.clone(), height));
             for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
                 let z = search.elevation_deg.map(|e| law.image_of_degrees(e));
                 let named = rms(&search, law.clone(), z);
@@ -440,11 +445,11 @@ mod tests {
                 let t = |k: u32| f64::from(k) / 128.0;
                 let m: Vec<f64> = (0..=128).map(|k| low + (high - low) * t(k)).collect();
                 let z: Vec<f64> = (0..=128)
-                    .map(|k| ladder.coordinate(exp(-m[k as usize])) + bump(t(k)))
+                    .map(|k| table.image_coordinate(exp(-m[k as usize])) + bump(t(k)))
                     .collect();
                 // From z = 0 on.
                 let z: Vec<f64> = z.iter().map(|x| x - z[0]).collect();
-                rms_of(&search, (TabulatedLaw::of_latitudes(&z, &m).unwrap(), z[128]))
+                rms_of(&search, (TabulatedLaw::from_latitudes(&z, &m).unwrap(), z[128]))
             };
             assert!((bumped(&|_| 0.0) / least - 1.0).abs() < 1e-6);
             let bumps: [fn(f64) -> f64; 5] = [
@@ -467,6 +472,6 @@ mod tests {
     fn a_target_out_of_sight_is_an_error() {
         let chart = &charts()[0];
         let found = search(chart, Target::Plane { height_mm: -100.0 }, 0.5).law();
-        assert!(matches!(found, Err(SearchError::NotConverged { .. })));
+        assert!(matches!(found, Err(LeastCurlError::NotConverged { .. })));
     }
 }

@@ -1,44 +1,44 @@
-//! Linear algebra of the minimax search: the curvature of its barrier, in panels of four columns.
+//! Linear algebra of the minimax search: the curvature of its barrier, in blocks of four columns.
 
-use super::basis::Local;
+use super::basis::LocalValues;
 use crate::num::streaming_qr::dot;
 use crate::parallel;
 
-/// Columns of a panel.
-const WIDE: usize = 4;
+/// Columns of a block.
+const LANES: usize = 4;
 
-/// Derivatives of F, dF/dx and dF/dy at some places by the unknowns, four unknowns to a panel:
-/// panel -> place -> (f, x, y) -> unknown.
+/// Derivatives of F, dF/dx and dF/dy at some places by the unknowns, four unknowns to a block:
+/// block -> place -> (f, x, y) -> unknown.
 #[derive(Debug, Clone)]
-pub struct Panels {
+pub struct ColumnBlocks {
     unknowns: usize,
-    panels: Vec<Vec<[[f64; WIDE]; 3]>>,
+    blocks: Vec<Vec<[[f64; LANES]; 3]>>,
 }
 
 /// A symmetric 3 x 3 curvature in (f, x, y) at one place, as the lower triangle L of L L^T.
-pub type Root = [[f64; 3]; 3];
+pub type CholeskyRoot = [[f64; 3]; 3];
 
-impl Panels {
+impl ColumnBlocks {
     /// No places yet.
     pub fn new(unknowns: usize) -> Self {
-        Self { unknowns, panels: vec![Vec::new(); unknowns.div_ceil(WIDE)] }
+        Self { unknowns, blocks: vec![Vec::new(); unknowns.div_ceil(LANES)] }
     }
 
     /// Adds a place by its three rows.
     pub fn push(&mut self, rows: [&[f64]; 3]) {
-        for (p, panel) in self.panels.iter_mut().enumerate() {
-            let entry = |row: &[f64], k: usize| row.get(p * WIDE + k).copied().unwrap_or(0.0);
-            panel.push(rows.map(|row| std::array::from_fn(|k| entry(row, k))));
+        for (p, block) in self.blocks.iter_mut().enumerate() {
+            let entry = |row: &[f64], k: usize| row.get(p * LANES + k).copied().unwrap_or(0.0);
+            block.push(rows.map(|row| std::array::from_fn(|k| entry(row, k))));
         }
     }
 
     /// Change of the local values at every place for a change of the unknowns.
-    pub fn apply(&self, x: &[f64]) -> Vec<Local> {
-        let mut locals = vec![[0.0; 3]; self.panels[0].len()];
-        for (panel, x) in self.panels.iter().zip(x.chunks(WIDE)) {
-            let mut by = [0.0; WIDE];
+    pub fn apply(&self, x: &[f64]) -> Vec<LocalValues> {
+        let mut locals = vec![[0.0; 3]; self.blocks[0].len()];
+        for (block, x) in self.blocks.iter().zip(x.chunks(LANES)) {
+            let mut by = [0.0; LANES];
             by[..x.len()].copy_from_slice(x);
-            for (local, rows) in locals.iter_mut().zip(panel) {
+            for (local, rows) in locals.iter_mut().zip(block) {
                 for (l, row) in local.iter_mut().zip(rows) {
                     *l += (row[0] * by[0] + row[2] * by[2]) + (row[1] * by[1] + row[3] * by[3]);
                 }
@@ -48,11 +48,11 @@ impl Panels {
     }
 
     /// Sum over the places of a slope in (f, x, y), carried back to the unknowns.
-    pub fn gather(&self, slopes: &[Local]) -> Vec<f64> {
-        let mut sum: Vec<f64> = Vec::with_capacity(self.panels.len() * WIDE);
-        for panel in &self.panels {
-            let mut lanes = [0.0; WIDE];
-            for (rows, slope) in panel.iter().zip(slopes) {
+    pub fn gather(&self, slopes: &[LocalValues]) -> Vec<f64> {
+        let mut sum: Vec<f64> = Vec::with_capacity(self.blocks.len() * LANES);
+        for block in &self.blocks {
+            let mut lanes = [0.0; LANES];
+            for (rows, slope) in block.iter().zip(slopes) {
                 for (k, lane) in lanes.iter_mut().enumerate() {
                     *lane += rows[0][k] * slope[0] + rows[1][k] * slope[1] + rows[2][k] * slope[2];
                 }
@@ -65,13 +65,13 @@ impl Panels {
 
     /// Sum over the places of the curvatures, carried back to the unknowns: a matrix, of which
     /// the lower triangle is set.
-    pub fn curvature(&self, roots: &[Root]) -> Vec<Vec<f64>> {
+    pub fn curvature(&self, roots: &[CholeskyRoot]) -> Vec<Vec<f64>> {
         // Where nothing depends on F itself two rows a place suffice.
         let first = usize::from(roots.iter().all(|l| l.iter().all(|row| row[0] == 0.0)));
-        let weighted = parallel::map_slice(&self.panels, 1, |panel| {
-            let mut rows = Vec::with_capacity(panel.len() * (3 - first));
-            for (d, l) in panel.iter().zip(roots) {
-                rows.extend((first..3).map(|q| -> [f64; WIDE] {
+        let weighted = parallel::map_slice(&self.blocks, 1, |block| {
+            let mut rows = Vec::with_capacity(block.len() * (3 - first));
+            for (d, l) in block.iter().zip(roots) {
+                rows.extend((first..3).map(|q| -> [f64; LANES] {
                     std::array::from_fn(|k| {
                         l[0][q] * d[0][k] + l[1][q] * d[1][k] + l[2][q] * d[2][k]
                     })
@@ -80,12 +80,12 @@ impl Panels {
             rows
         });
         let mut matrix: Vec<Vec<f64>> = (0..self.unknowns).map(|i| vec![0.0; i + 1]).collect();
-        parallel::map_chunks_mut(&mut matrix, WIDE, |p, block| {
+        parallel::map_chunks_mut(&mut matrix, LANES, |p, block| {
             for q in 0..=p {
                 let tile = product(&weighted[p], &weighted[q]);
                 for (row, tile) in block.iter_mut().zip(tile) {
-                    let here = &mut row[q * WIDE..];
-                    let count = here.len().min(WIDE);
+                    let here = &mut row[q * LANES..];
+                    let count = here.len().min(LANES);
                     here[..count].copy_from_slice(&tile[..count]);
                 }
             }
@@ -94,12 +94,12 @@ impl Panels {
     }
 }
 
-/// A^T B of two panels.
-fn product(a: &[[f64; WIDE]], b: &[[f64; WIDE]]) -> [[f64; WIDE]; WIDE] {
-    let mut tile = [[0.0; WIDE]; WIDE];
+/// A^T B of two blocks.
+fn product(a: &[[f64; LANES]], b: &[[f64; LANES]]) -> [[f64; LANES]; LANES] {
+    let mut tile = [[0.0; LANES]; LANES];
     for (a, b) in a.iter().zip(b) {
-        for i in 0..WIDE {
-            for j in 0..WIDE {
+        for i in 0..LANES {
+            for j in 0..LANES {
                 tile[i][j] += a[i] * b[j];
             }
         }
@@ -143,7 +143,7 @@ impl Cholesky {
 }
 
 /// L of a 3 x 3 semidefinite matrix; rows without curvature are zero.
-pub fn root(m: [[f64; 3]; 3]) -> Root {
+pub fn root(m: [[f64; 3]; 3]) -> CholeskyRoot {
     let mut l = [[0.0; 3]; 3];
     for j in 0..3 {
         let pivot = m[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();
@@ -168,15 +168,15 @@ mod tests {
         let n = 6;
         let entry =
             |place: usize, c: usize, k: usize| sin(((place * 31 + c * 7 + 1) * (k + 2)) as f64);
-        let mut panels = Panels::new(n);
+        let mut blocks = ColumnBlocks::new(n);
         for place in 0..9 {
             let rows: [Vec<f64>; 3] =
                 std::array::from_fn(|c| (0..n).map(|k| entry(place, c, k)).collect());
-            panels.push([&rows[0], &rows[1], &rows[2]]);
+            blocks.push([&rows[0], &rows[1], &rows[2]]);
         }
         let m = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.2], [0.5, -0.2, 2.0]];
         let roots = vec![root(m); 9];
-        let curvature = panels.curvature(&roots);
+        let curvature = blocks.curvature(&roots);
         for (i, row) in curvature.iter().enumerate() {
             for (j, found) in row.iter().enumerate() {
                 let mut exact = 0.0;
@@ -191,9 +191,10 @@ mod tests {
             }
         }
         let x: Vec<f64> = (0..n).map(|k| entry(k, 5, 2)).collect();
-        let slopes: Vec<Local> = (0..9).map(|k| [entry(k, 1, 9), 0.5, entry(2, k, 1)]).collect();
-        let there: f64 = panels.apply(&x).iter().zip(&slopes).map(|(a, b)| dot(a, b)).sum();
-        let back = dot(&panels.gather(&slopes), &x);
+        let slopes: Vec<LocalValues> =
+            (0..9).map(|k| [entry(k, 1, 9), 0.5, entry(2, k, 1)]).collect();
+        let there: f64 = blocks.apply(&x).iter().zip(&slopes).map(|(a, b)| dot(a, b)).sum();
+        let back = dot(&blocks.gather(&slopes), &x);
         assert!((there - back).abs() < 1e-12);
 
         let entry = |i: usize, j: usize| curvature[i.max(j)][i.min(j)];

@@ -4,7 +4,7 @@ use super::DesignError;
 use crate::geom::{Border, Contour, DVec2, Drilled, Land, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::{cos, radians, sin};
-use crate::profile::{BorderSpec, Feature, Footprint, Misfit, Profile, Spot};
+use crate::profile::{BorderConflict, BorderFeature, BorderSpec, Footprint, Profile, Spot};
 
 /// Steps along each side of the outline, which is curved under a pinhole: finer than a mesh's.
 const STEPS: usize = 1024;
@@ -18,9 +18,9 @@ const FLAT_MM: f64 = 1e-6;
 pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
     let Some(border) = &profile.part.border else { return Ok(None) };
     let footprint = footprint(mirror);
-    if let Some(misfit) = border.misfits(&footprint).into_iter().next() {
-        let hint = fitting(border, &footprint, &misfit).unwrap_or(misfit.hint);
-        return Err(DesignError::Border { message: misfit.message, hint });
+    if let Some(conflict) = border.conflicts(&footprint).into_iter().next() {
+        let hint = fitting(border, &footprint, &conflict).unwrap_or(conflict.hint);
+        return Err(DesignError::Border { message: conflict.message, hint });
     }
     let contour = match footprint {
         Footprint::Rect { half_mm } => {
@@ -57,29 +57,33 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, Desi
     }))
 }
 
-/// What to do about a misfit, in numbers of which it is certain that they fit.
-fn fitting(border: &BorderSpec, footprint: &Footprint, misfit: &Misfit) -> Option<String> {
+/// What to do about a conflict, in numbers of which it is certain that they fit.
+fn fitting(
+    border: &BorderSpec,
+    footprint: &Footprint,
+    conflict: &BorderConflict,
+) -> Option<String> {
     let fits = |tried: &BorderSpec| {
-        let misfits = tried.misfits(footprint);
-        misfits.iter().all(|left| left.feature != misfit.feature)
+        let conflicts = tried.conflicts(footprint);
+        conflicts.iter().all(|left| left.feature != conflict.feature)
     };
-    let name = match misfit.feature {
-        Feature::Corners => {
+    let name = match conflict.feature {
+        BorderFeature::Corners => {
             let smaller = |c: &f64| Some(digits(0.8 * c));
             let mut radii = std::iter::successors(Some(border.corner_radius_mm), smaller).take(60);
             let fitting = |&c: &f64| fits(&BorderSpec { corner_radius_mm: c, ..border.clone() });
             return radii.find(fitting).map(|c| format!("set corner_radius_mm = {c}"));
         }
-        Feature::Hole(_) => "hole",
-        Feature::Mark(_) => "mark",
+        BorderFeature::Hole(_) => "hole",
+        BorderFeature::Mark(_) => "mark",
     };
     let wide = digits(border.width_mm.max(BorderSpec::LEAST_MM + 4.0 * BorderSpec::CLEAR_MM));
     [border.width_mm, wide].into_iter().find_map(|width_mm| {
         let mut tried = BorderSpec { width_mm, ..border.clone() };
-        let spot = match misfit.feature {
-            Feature::Hole(k) => &mut tried.holes[k],
-            Feature::Mark(k) => &mut tried.marks[k],
-            Feature::Corners => return None,
+        let spot = match conflict.feature {
+            BorderFeature::Hole(k) => &mut tried.holes[k],
+            BorderFeature::Mark(k) => &mut tried.marks[k],
+            BorderFeature::Corners => return None,
         };
         let before = spot.from_axis_mm();
         *spot = middle(footprint, width_mm, spot);
