@@ -44,6 +44,31 @@ impl Outline {
         }
     }
 
+    /// The point of the region nearest to `q`, of a ring's along the radius of `q`.
+    #[must_use]
+    pub fn nearest(&self, q: DVec2) -> DVec2 {
+        match *self {
+            Self::Rect(rect) => q.clamp(rect.min, rect.max),
+            Self::Ring { inner, outer } => {
+                let radius = q.length();
+                if (inner..=outer).contains(&radius) {
+                    q
+                } else {
+                    q.try_normalize().unwrap_or(DVec2::X) * radius.clamp(inner, outer)
+                }
+            }
+        }
+    }
+
+    /// How far `q` lies outside the region, mm: 0 or less within.
+    #[must_use]
+    pub fn distance_outside(&self, q: DVec2) -> f64 {
+        match *self {
+            Self::Rect(rect) => (q - q.clamp(rect.min, rect.max)).length(),
+            Self::Ring { inner, outer } => (q.length() - outer).max(inner - q.length()),
+        }
+    }
+
     /// Whether a meshed face with this outline surely lies under `p`: off a round rim by more than
     /// its chords cut.
     #[must_use]

@@ -5,9 +5,8 @@
 //! there Newton's method climbs on the mirror itself, and parabolas along a rim or a ridge. Beyond the rim there is
 //! no ground.
 
-use super::{Place, beyond};
 use crate::geom::{DVec2, DVec3, Outline, Rect};
-use crate::mirror::{Hessian, Mirror};
+use crate::mirror::{Hessian, LocalSurface, Mirror};
 use crate::num::{atan2, cos, sin};
 use std::f64::consts::TAU;
 
@@ -137,7 +136,7 @@ impl<'a> Ground<'a> {
         let sides = if mirror.folded { &[false, true][..] } else { &[false] };
         let nodes = |(k, edge): (usize, &Edge)| {
             let all: Vec<DVec3> =
-                (0..=edge.steps).map(|n| Place::of(mirror, edge.at(n as f64)).at).collect();
+                (0..=edge.steps).map(|n| mirror.extended_surface(edge.at(n as f64)).at).collect();
             sides
                 .iter()
                 .map(|&reflected| {
@@ -239,7 +238,7 @@ impl<'a> Ground<'a> {
         let side = self.mirror.outline.bounds().centre().y;
         let spot = |reflected: bool| {
             let q = if reflected { q * DVec2::new(1.0, -1.0) } else { q };
-            Seed { spot: Spot::Within(self.held(q)), reflected }
+            Seed { spot: Spot::Within(self.mirror.outline.nearest(q)), reflected }
         };
         match (self.mirror.folded, q.y.abs() < 1e-9 * self.step) {
             (false, _) => vec![spot(false)],
@@ -300,12 +299,12 @@ impl<'a> Ground<'a> {
 
     /// Newton's method from `q` of the designed panel, and the rim where that ends on it.
     fn within(&self, c: DVec2, mut q: DVec2) -> Option<(Contact, Option<Spot>)> {
-        let (mut place, mut by_q) = Place::moving(self.mirror, q);
+        let (mut place, mut jacobian) = self.mirror.extended_surface_and_jacobian(q);
         let mut top = self.top(c, place.at)?;
         let (mut held, mut bend) = (false, None);
         for _ in 0..30 {
             let (off, root) = (place.at.truncate() - c, top - place.at.z);
-            let (under, ground) = (lower_side(off, root), place.bend);
+            let (under, ground) = (lower_side(off, root), place.hessian);
             let left = Hessian {
                 xx: under.xx - ground.xx,
                 xy: under.xy - ground.xy,
@@ -320,13 +319,10 @@ impl<'a> Ground<'a> {
             d *= (2.0 * self.step / d.length()).min(1.0);
             let mut better = None;
             for _ in 0..8 {
-                let [x, y] = by_q;
-                let way =
-                    DVec2::new(d.perp_dot(DVec2::new(x.y, y.y)), DVec2::new(x.x, y.x).perp_dot(d));
-                let wanted = q + way / x.perp_dot(y);
-                let next = self.held(wanted);
+                let wanted = q + jacobian.step(d);
+                let next = self.mirror.outline.nearest(wanted);
                 held = (next - wanted).length() > 1e-12 * self.step;
-                let moved = Place::moving(self.mirror, next);
+                let moved = self.mirror.extended_surface_and_jacobian(next);
                 better = self.top(c, moved.0.at).filter(|t| *t > top).map(|t| (t, next, moved));
                 if better.is_some() {
                     break;
@@ -335,7 +331,7 @@ impl<'a> Ground<'a> {
             }
             let Some((t, next, moved)) = better else { break };
             let gain = t - top;
-            (top, q, (place, by_q)) = (t, next, moved);
+            (top, q, (place, jacobian)) = (t, next, moved);
             if gain < 1e-12 * self.ball_mm {
                 break;
             }
@@ -356,7 +352,7 @@ impl<'a> Ground<'a> {
     fn along(&self, c: DVec2, number: usize, t: f64) -> Option<(Contact, Option<Spot>)> {
         let edge = self.edges[number];
         let last = edge.steps as f64;
-        let at = |t: f64| Place::of(self.mirror, edge.at(t)).at;
+        let at = |t: f64| self.mirror.extended_surface(edge.at(t)).at;
         let value = |t: f64| self.top(c, at(t)).unwrap_or(f64::NEG_INFINITY);
         let mut best = (value(t), t);
         let (mut reach, mut fall) = (1.0, 0.0);
@@ -386,7 +382,7 @@ impl<'a> Ground<'a> {
         if top == f64::NEG_INFINITY {
             return None;
         }
-        let place = Place::of(self.mirror, edge.at(t));
+        let place = self.mirror.extended_surface(edge.at(t));
         let (off, root) = (place.at.truncate() - c, top - place.at.z);
         let under = lower_side(off, root);
         let small = 0.01;
@@ -407,7 +403,8 @@ impl<'a> Ground<'a> {
         let contact = Contact { seed, at: place.at, top, rise: off / root, bend };
         // A hair inwards, if that is upwards.
         let inner = self.inwards(edge.at(t)) * (1e-3 * self.step) + edge.at(t);
-        let inwards = self.top(c, Place::of(self.mirror, inner).at).filter(|found| *found > top);
+        let inwards =
+            self.top(c, self.mirror.extended_surface(inner).at).filter(|found| *found > top);
         let count = self.edges.len();
         let next = match inwards {
             Some(_) => Some(Spot::Within(inner)),
@@ -419,18 +416,6 @@ impl<'a> Ground<'a> {
             None => None,
         };
         Some((contact, next))
-    }
-
-    /// The place of the designed panel nearest to `q`.
-    fn held(&self, q: DVec2) -> DVec2 {
-        match self.mirror.outline {
-            Outline::Rect(rect) => q.clamp(rect.min, rect.max),
-            Outline::Ring { inner, outer } => {
-                let radius = q.length();
-                let held = radius.clamp(inner, outer);
-                if held == radius { q } else { q.try_normalize().unwrap_or(DVec2::X) * held }
-            }
-        }
     }
 
     /// From a place of the rim into the panel, of about unit length.
@@ -477,18 +462,19 @@ impl<'a> Ground<'a> {
     }
 
     /// The place over `xy` where that is on the face.
-    pub fn place(&self, xy: DVec2) -> Option<Place> {
+    pub fn place(&self, xy: DVec2) -> Option<LocalSurface> {
         over_face(self.mirror, xy)
     }
 }
 
 /// The place of `mirror` over `xy`; none off the face.
-pub(super) fn over_face(mirror: &Mirror, xy: DVec2) -> Option<Place> {
-    let place = Place::over(mirror, xy)?;
+pub(super) fn over_face(mirror: &Mirror, xy: DVec2) -> Option<LocalSurface> {
+    let place = mirror.extended_surface_over(xy)?;
     let q = mirror.chart.coordinates(place.at).0;
     // A rounding error beyond the rim is on it.
-    (beyond(&mirror.full_outline(), q) <= 1e-9 * mirror.outline.bounds().size().max_element())
-        .then_some(place)
+    (mirror.full_outline().distance_outside(q)
+        <= 1e-9 * mirror.outline.bounds().size().max_element())
+    .then_some(place)
 }
 
 fn flipped(p: DVec3, reflected: bool) -> DVec3 {

@@ -76,7 +76,7 @@ pub fn straighten(x: &[f64], straight: &[f64], bent: &mut [f64], triangles: &[[u
 mod tests {
     use super::*;
     use crate::machining::Raster;
-    use crate::machining::place::tests::quadric;
+    use crate::mirror::fixtures::quadric;
     use crate::num::radians;
 
     const CORNERS: [DVec2; 2] = [DVec2::splat(-4.0), DVec2::splat(4.0)];

@@ -1,21 +1,20 @@
 //! The valley between two panels of a folded mirror, of which a ball leaves a fillet.
 
-use super::Place;
 use crate::geom::DVec2;
-use crate::mirror::Mirror;
+use crate::mirror::{LocalSurface, Mirror};
 use crate::optics::Camera;
 use serde::Serialize;
 
 /// Whether a ball that touches the mirror at `place` stays on its own side of the ridge of a folded
 /// mirror: in a valley the other panel is in the way of one that does not.
 #[must_use]
-pub fn touches(mirror: &Mirror, place: &Place, ball_mm: f64) -> bool {
+pub fn touches(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> bool {
     !mirror.folded || clear(mirror, place, ball_mm) >= 0.0
 }
 
 /// How far the centre of a ball on `place` is from the plane of the ridge, on the place's own side, mm.
 /// On the ridge the designed panel's side counts.
-fn clear(mirror: &Mirror, place: &Place, ball_mm: f64) -> f64 {
+fn clear(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
     let y = if place.at.y == 0.0 { mirror.outline.bounds().centre().y } else { place.at.y };
     y.signum() * (place.at.y + ball_mm * place.normal().y)
 }
@@ -50,7 +49,8 @@ impl Fillet {
                 widths.push(0.0);
                 continue;
             };
-            let (foot, bottom) = (Place::of(mirror, q), Place::of(mirror, DVec2::new(x, 0.0)));
+            let (foot, bottom) =
+                (mirror.extended_surface(q), mirror.extended_surface(DVec2::new(x, 0.0)));
             let end = if k == 0 || k == ALONG { 0.5 } else { 1.0 };
             widths.push(2.0 * foot.at.y.abs());
             area += 2.0 * q.y.abs() * step * end;
@@ -79,7 +79,7 @@ pub fn foot(mirror: &Mirror, x: f64, ball_mm: f64) -> Option<DVec2> {
     let at = |share: f64| DVec2::new(x, far * share);
     // On the ridge itself the designed panel's side counts.
     let clear = |share: f64| {
-        let place = Place::of(mirror, at(share));
+        let place = mirror.extended_surface(at(share));
         far.signum() * (place.at.y + ball_mm * place.normal().y)
     };
     const STEPS: usize = 64;

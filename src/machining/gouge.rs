@@ -2,9 +2,9 @@
 
 use super::contact::{Ground, over_face};
 use super::rest::lowest;
-use super::{Place, touches};
+use super::touches;
 use crate::geom::DVec2;
-use crate::mirror::Mirror;
+use crate::mirror::{LocalSurface, Mirror};
 use crate::parallel;
 
 /// What a ball from above leaves on the face: the closing of the mirror by the ball (the lowest places that it
@@ -55,9 +55,9 @@ impl Gouge {
         });
         let mut found =
             Self { size: [columns, rows], first, step, left, most: None, most_beside: None };
-        let reached = |place: &Place| touches(mirror, place, ball_mm);
+        let reached = |place: &LocalSurface| touches(mirror, place, ball_mm);
         [found.most, found.most_beside] = [true, false].map(|valley| {
-            let counts = |place: &Place| valley || reached(place);
+            let counts = |place: &LocalSurface| valley || reached(place);
             let on_grid = found.left.iter().zip(&places).filter_map(|(left, place)| {
                 let place =
                     place.filter(|place| left.is_some_and(|mm| mm > 0.0) && counts(place))?;
@@ -146,7 +146,7 @@ impl<'a> Lay<'a> {
     }
 
     /// What the ball leaves on `place`, mm.
-    fn left(&self, place: &Place) -> f64 {
+    fn left(&self, place: &LocalSurface) -> f64 {
         if !self.clashes(place) {
             return 0.0;
         }
@@ -158,9 +158,9 @@ impl<'a> Lay<'a> {
     }
 
     /// Whether a ball that touches `place` cuts into other ground, or may.
-    fn clashes(&self, place: &Place) -> bool {
+    fn clashes(&self, place: &LocalSurface) -> bool {
         let Ground { ball_mm, step, .. } = *self.ground;
-        if !(place.hollow() * ball_mm < 1.0) {
+        if !(place.largest_curvature() * ball_mm < 1.0) {
             return true;
         }
         let centre = place.at + ball_mm * place.normal();
@@ -213,7 +213,7 @@ impl<'a> Lay<'a> {
     fn deepest(
         &self,
         (mut most, mut at): (f64, DVec2),
-        counts: impl Fn(&Place) -> bool,
+        counts: impl Fn(&LocalSurface) -> bool,
     ) -> (f64, DVec2) {
         let mut step = self.ground.step;
         while step > 1e-3 * self.ground.step {
@@ -239,7 +239,7 @@ impl<'a> Lay<'a> {
 mod tests {
     use super::*;
     use crate::geom::{Outline, Rect};
-    use crate::machining::place::tests::{quadric, roof, sloping};
+    use crate::mirror::fixtures::{quadric, roof, sloping};
     use crate::num::{cos, radians, sin, tan};
 
     const CORNERS: [DVec2; 2] = [DVec2::splat(-4.0), DVec2::splat(4.0)];

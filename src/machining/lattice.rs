@@ -6,7 +6,7 @@
 //! Then the rows are bent onto the cusps, but for their ends and those that the outline needs.
 
 use super::cusps::{Cusps, straighten};
-use super::{MachiningError, Passes, Place, Raster};
+use super::{MachiningError, Passes, Raster};
 use crate::geom::{DVec2, Outline, TriMesh, turn};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
@@ -28,7 +28,7 @@ type Loop = Vec<DVec2>;
 /// The outlines of the panels of `mirror` in X and Y, counter-clockwise, each with its hole if it has one.
 #[must_use]
 pub fn outlines(mirror: &Mirror) -> Vec<Vec<Loop>> {
-    let place = |q: DVec2| Place::of(mirror, q).at.truncate();
+    let place = |q: DVec2| mirror.extended_surface(q).at.truncate();
     let panel: Vec<Loop> = match mirror.outline {
         Outline::Rect(rect) => {
             let corners = [
@@ -338,7 +338,7 @@ fn places(rows: &Rows, k: usize, along_mm: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machining::place::tests::quadric;
+    use crate::mirror::fixtures::quadric;
     use crate::num::radians;
 
     /// The area of a mesh in the plan, which must be a face whose edges meet one or two facets, and how many

@@ -21,7 +21,6 @@ mod fillet;
 mod gouge;
 mod lattice;
 mod passes;
-mod place;
 mod rest;
 mod scallop;
 mod survey;
@@ -30,8 +29,6 @@ pub use fillet::{Fillet, foot, touches};
 pub use gouge::{FLOOR_MM, Gouge};
 pub use lattice::{ROWS, corners, face, facets, outlines};
 pub use passes::{MOST_POINTS, Passes};
-pub use place::Place;
-use place::beyond;
 pub use scallop::{Raster, Scallop};
 pub use survey::{Direction, Extreme, Figures, Survey};
 

@@ -4,9 +4,9 @@
 //! radius along the normal, known by its points and derivatives and between them by cubics. The height of
 //! the cut under one pass is the least of C_z(t) - sqrt(R^2 - |(X, Y) - C_xy(t)|^2), found by Newton's method.
 
-use super::{MachiningError, Place, Raster, beyond, foot, touches};
+use super::{MachiningError, Raster, foot, touches};
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::Mirror;
+use crate::mirror::{LocalSurface, Mirror};
 use crate::parallel;
 
 /// Longest step along a pass, as a share of the face's size; otherwise a stepover.
@@ -160,11 +160,11 @@ fn line(
 ) -> Result<Vec<Pass>, MachiningError> {
     let ball = raster.ball_mm;
     let reach = 2.0 * raster.stepover_mm;
-    let place = |t: f64| Place::over(mirror, foot + along * t);
+    let place = |t: f64| mirror.extended_surface_over(foot + along * t);
     let counts = |t: f64| {
         place(t).is_some_and(|place| {
             let q = mirror.chart.coordinates(place.at).0;
-            touches(mirror, &place, ball) && beyond(&mirror.full_outline(), q) <= reach
+            touches(mirror, &place, ball) && mirror.full_outline().distance_outside(q) <= reach
         })
     };
     let edge = |mut bad: f64, mut good: f64| {
@@ -220,9 +220,9 @@ fn stretches(mirror: &Mirror, foot: DVec2, along: DVec2, [lo, hi]: [f64; 2]) -> 
 }
 
 /// The centre of the ball on `place`, and its derivative as the place moves along the plan's `along`.
-fn centre(place: &Place, ball: f64, along: DVec2) -> [DVec3; 2] {
+fn centre(place: &LocalSurface, ball: f64, along: DVec2) -> [DVec3; 2] {
     let g = place.stretch();
-    let turn = place.bend.times(along);
+    let turn = place.hessian.times(along);
     let steeper = place.slope.dot(turn) / g;
     let up = (-place.slope).extend(1.0);
     let normal = (-turn).extend(0.0) / g - up * (steeper / (g * g));
@@ -244,7 +244,7 @@ fn ridge(mirror: &Mirror, ball: f64, step: f64) -> Vec<Pass> {
     let centre = |k: usize| {
         let x = start + step * k as f64;
         let foot = foot(mirror, x, ball);
-        let place = Place::of(mirror, foot.unwrap_or(DVec2::new(x, 0.0)));
+        let place = mirror.extended_surface(foot.unwrap_or(DVec2::new(x, 0.0)));
         (foot.is_some(), place.at + place.normal() * ball)
     };
     let all: Vec<(bool, DVec3)> = (0..=steps).map(centre).collect();
@@ -346,7 +346,7 @@ impl Pass {
 mod tests {
     use super::*;
     use crate::machining::Scallop;
-    use crate::machining::place::tests::{quadric, roof};
+    use crate::mirror::fixtures::{quadric, roof};
     use crate::num::{radians, tan};
 
     const CORNERS: [DVec2; 2] = [DVec2::splat(-4.0), DVec2::splat(4.0)];
@@ -389,7 +389,7 @@ mod tests {
                     // The nearest cusp, half way between two lines.
                     let cusp =
                         near + across * (w * (near.dot(across) / w).round() - near.dot(across));
-                    let place = Place::of(&mirror, cusp);
+                    let place = mirror.extended_surface(cusp);
                     let left = (passes.height(cusp).unwrap() - place.at.z) / place.stretch();
                     let scallop = Scallop::new(&place, 2.0, raster.along()).unwrap();
                     worst = worst.max((left / scallop.height_mm(w).unwrap() - 1.0).abs());

@@ -18,8 +18,8 @@
 //! towards the tool, and t its torsion along it (docs/theory.md, T75): 1/(1/R + k) where the line
 //! follows a line of curvature.
 
-use super::Place;
 use crate::geom::DVec2;
+use crate::mirror::LocalSurface;
 use crate::num::{cos, sin};
 
 /// A raster of straight lines in the plan, cut with a ball.
@@ -58,8 +58,8 @@ pub struct Scallop {
 impl Scallop {
     /// Of a ball that touches along `along`; none where it does not fit.
     #[must_use]
-    pub fn new(place: &Place, ball_mm: f64, along: DVec2) -> Option<Self> {
-        let m = place.under_ball(ball_mm);
+    pub fn new(place: &LocalSurface, ball_mm: f64, along: DVec2) -> Option<Self> {
+        let m = place.relative_curvature(ball_mm);
         let sunk = -along.dot(m.times(along));
         let det = m.det();
         if !(sunk > 0.0 && det > 0.0) {
@@ -102,9 +102,9 @@ mod tests {
     use crate::mirror::Hessian;
     use crate::num::{atan, tan};
 
-    fn place(slope: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Place {
-        let (at, bend) = (DVec3::ZERO, Hessian { xx, xy, yy });
-        Place { at, slope: DVec2::from_array(slope), bend }
+    fn place(slope: [f64; 2], [xx, xy, yy]: [f64; 3]) -> LocalSurface {
+        let (at, hessian) = (DVec3::ZERO, Hessian { xx, xy, yy });
+        LocalSurface { at, slope: DVec2::from_array(slope), hessian }
     }
 
     #[test]

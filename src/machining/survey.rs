@@ -1,9 +1,9 @@
 //! The whole face before a raster: how steep and hollow it is, what scallops do to its pixels, which
 //! direction is best, and which stepover keeps a budget.
 
-use super::{MachiningError, Place, Raster, Scallop, touches};
+use super::{MachiningError, Raster, Scallop, touches};
 use crate::geom::{DVec2, Outline};
-use crate::mirror::{Mirror, Surface};
+use crate::mirror::{LocalSurface, Mirror, Surface};
 use crate::num::stats::Summary;
 use crate::num::{Dual, Scalar, degrees, radians};
 use crate::optics::{Camera, ImagingTask};
@@ -65,7 +65,7 @@ impl Direction {
 /// A pixel's place, and how far the image moves for each unit of the slope along X and along Y, pixels.
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
-    place: Place,
+    place: LocalSurface,
     moves: Option<[DVec2; 2]>,
 }
 
@@ -73,7 +73,7 @@ struct Pixel {
 #[derive(Debug, Clone)]
 pub struct Survey<'a> {
     mirror: &'a Mirror,
-    face: Vec<(DVec2, Place)>,
+    face: Vec<(DVec2, LocalSurface)>,
     pixels: Vec<Pixel>,
     projected: bool,
 }
@@ -86,7 +86,7 @@ impl<'a> Survey<'a> {
         let flip = DVec2::new(1.0, -1.0);
         let images = panel.iter().map(|(q, _)| *q * flip).filter(|_| mirror.folded);
         let places: Vec<DVec2> = panel.iter().map(|(q, _)| *q).chain(images).collect();
-        let face = parallel::map_slice(&places, 1, |&q| (q, Place::of(mirror, q)));
+        let face = parallel::map_slice(&places, 1, |&q| (q, mirror.extended_surface(q)));
         let [columns, rows] = camera.pixels;
         let stride = (f64::from(columns) * f64::from(rows) / PIXELS).sqrt().floor().max(1.0) as u32;
         let row = |row: usize| {
@@ -105,7 +105,7 @@ impl<'a> Survey<'a> {
 
     /// The place of the face where `measure` is largest: the samples' best, refined by a compass search.
     #[must_use]
-    pub fn largest(&self, measure: impl Fn(&Place) -> f64) -> (f64, Place) {
+    pub fn largest(&self, measure: impl Fn(&LocalSurface) -> f64) -> (f64, LocalSurface) {
         let whole = self.mirror.full_outline();
         let first = self.face[0];
         let start = (measure(&first.1), first);
@@ -120,7 +120,7 @@ impl<'a> Survey<'a> {
             let around = ways.into_iter().flat_map(|way| [q + way * step, q - way * step]);
             let better = around
                 .filter(|&q| whole.contains(q))
-                .map(|q| (q, Place::of(self.mirror, q)))
+                .map(|q| (q, self.mirror.extended_surface(q)))
                 .map(|(q, place)| (measure(&place), q, place))
                 .find(|found| found.0 > most);
             match better {
@@ -142,7 +142,7 @@ impl<'a> Survey<'a> {
     /// face is hollow in no direction.
     #[must_use]
     pub fn least_hollow_mm(&self) -> Option<Extreme> {
-        let (most, place) = self.largest(Place::hollow);
+        let (most, place) = self.largest(LocalSurface::largest_curvature);
         let size = self.mirror.full_outline().bounds().size().max_element();
         (most * size > 1e-9).then(|| Extreme { value: 1.0 / most, at_mm: place.at.to_array() })
     }
@@ -248,7 +248,7 @@ impl<'a> Survey<'a> {
         let along = raster.along();
         let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         let steps = all.map(|(place, scallop)| {
-            share * scallop.slope(raster.stepover_mm) / along.dot(place.bend.times(along)).abs()
+            share * scallop.slope(raster.stepover_mm) / along.dot(place.hessian.times(along)).abs()
         });
         steps.fold(f64::INFINITY, f64::min)
     }
@@ -261,7 +261,11 @@ impl<'a> Survey<'a> {
         )
     }
 
-    fn cut<'b>(&self, place: &'b Place, raster: &Raster) -> Option<(&'b Place, Scallop)> {
+    fn cut<'b>(
+        &self,
+        place: &'b LocalSurface,
+        raster: &Raster,
+    ) -> Option<(&'b LocalSurface, Scallop)> {
         let fits = touches(self.mirror, place, raster.ball_mm);
         let scallop = fits.then(|| Scallop::new(place, raster.ball_mm, raster.along()))??;
         Some((place, scallop))
@@ -298,7 +302,7 @@ fn pixel(
     let q = mirror
         .intersect_camera_ray(&camera.chart, image)
         .filter(|&q| mirror.full_outline().aims(q))?;
-    let place = Place::of(mirror, q);
+    let place = mirror.extended_surface(q);
     let reflected = mirror.reflects(q);
     let designed = if reflected { place.reflected() } else { place };
     let moves = view.map(|view| {

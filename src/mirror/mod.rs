@@ -6,6 +6,9 @@
 
 mod bicubic_spline;
 mod bounds;
+mod extended;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod form;
 mod local_surface;
 mod radial_legendre;
@@ -15,7 +18,7 @@ mod volume;
 pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, Knots, LEAST_KNOTS};
 pub use bounds::{BoundGrid, DerivativeBounds, UnionBound};
 pub use form::{BestFitPlane, BestFitSphere, Departure, Form};
-pub use local_surface::LocalSurface;
+pub use local_surface::{LocalSurface, PlanJacobian};
 pub use radial_legendre::{RadialLegendre, Rings};
 pub use tensor_legendre::{HeightAndSlope, Hessian, TensorLegendre, TensorLegendreRow};
 
@@ -228,6 +231,14 @@ impl Mirror {
             return self.panel_local_surface(q * DVec2::new(1.0, -1.0)).reflected();
         }
         self.panel_local_surface(q)
+    }
+
+    /// The mirror's point over (X, Y) = `xy`, with its derivatives: where the vertical through `xy` meets the
+    /// mirror more than once, the one near the height `z_mm`. None where Newton's method finds none.
+    #[must_use]
+    pub fn local_surface_over(&self, xy: DVec2, z_mm: f64) -> Option<LocalSurface> {
+        let above = Chart { vergence: 0.0, plane_mm: self.chart.plane_mm };
+        Some(self.local_surface(self.intersect_camera_ray_near(&above, xy, z_mm)?))
     }
 
     /// The same on the designed panel.

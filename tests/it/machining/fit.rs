@@ -5,7 +5,7 @@ use crate::support::builds::{self, SMALL, files, folder, morion, save, told};
 use crate::support::small_but;
 use morion::internals::design::design;
 use morion::internals::geom::{DVec2, DVec3};
-use morion::internals::machining::{Fillet, Gouge, Place, corners, outlines};
+use morion::internals::machining::{Fillet, Gouge, corners, outlines};
 use morion::internals::pipeline::{MachiningOptions, load};
 use morion::internals::report::Verdict;
 use serde_json::Value;
@@ -137,7 +137,7 @@ fn the_map_of_the_panoramic_mirror_is_that_of_brute_force() {
     let node = |k: usize| {
         let share =
             DVec2::new((k % (count.x as usize + 1)) as f64, (k / (count.x as usize + 1)) as f64);
-        Place::over(&mirror, lo + (hi - lo) * share / count).unwrap().at
+        mirror.extended_surface_over(lo + (hi - lo) * share / count).unwrap().at
     };
     let nodes: Vec<DVec3> =
         (0..(count.x as usize + 1) * (count.y as usize + 1)).map(node).collect();
@@ -178,7 +178,7 @@ fn the_map_of_the_panoramic_mirror_is_that_of_brute_force() {
     for n in 0..16 {
         let k = face[(n * 7919 + 131) * 31 % face.len()];
         let p = gouge.place(k);
-        let exact = closed(p) - Place::over(&mirror, p).unwrap().at.z;
+        let exact = closed(p) - mirror.extended_surface_over(p).unwrap().at.z;
         let found = gouge.left[k].unwrap();
         // The nodes lie a tenth of a millimetre apart, under which a ball sinks by a micrometre; from above there are
         // the last steps of the centres.

@@ -5,7 +5,7 @@ use crate::support::builds::{self, SMALL, edited, folder, parsed};
 use crate::support::parts::case;
 use morion::internals::design::design;
 use morion::internals::geom::DVec2;
-use morion::internals::machining::{Passes, Place, Raster, Survey, corners, outlines};
+use morion::internals::machining::{Passes, Raster, Survey, corners, outlines};
 use morion::internals::num::{cos, hypot, radians};
 use morion::internals::pipeline::{MachiningOptions, Silent, Source, load, machining};
 use morion::internals::report::Verdict;
@@ -22,7 +22,7 @@ fn the_cut_of_a_sphere_meets_its_closed_form_along_a_meridian() {
         for angle in [0.0, 90.0] {
             let raster = Raster { ball_mm: ball, stepover_mm: w, angle: radians(angle) };
             let passes = Passes::new(&mirror, corners(&outlines(&mirror)), raster).unwrap();
-            let apex = Place::of(&mirror, DVec2::ZERO).at.z;
+            let apex = mirror.extended_surface(DVec2::ZERO).at.z;
             for k in -100..=100 {
                 let y = 0.1 * f64::from(k);
                 let circle = |line: f64| {
