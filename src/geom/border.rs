@@ -184,7 +184,7 @@ impl Drilled {
 }
 
 /// A quarter of a circle from the X axis to the Y axis, both ends included, in chords that cut
-/// no more than [`Stock::CHORD_MM`].
+/// no more than [`Border::CHORD_MM`].
 fn arc(radius: f64) -> Vec<DVec2> {
     if radius == 0.0 {
         return vec![DVec2::ZERO];

@@ -75,7 +75,7 @@ pub fn straighten(x: &[f64], straight: &[f64], bent: &mut [f64], triangles: &[[u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machining::Raster;
+    use crate::machining::BallRaster;
     use crate::mirror::fixtures::quadric;
     use crate::num::radians;
 
@@ -98,7 +98,7 @@ mod tests {
                     if j == 1 { 4.0 * steep } else { 0.0 }
                 },
             );
-        let raster = Raster { ball_mm: ball, stepover_mm: w, angle: 0.0 };
+        let raster = BallRaster { ball_mm: ball, stepover_mm: w, angle: 0.0 };
         let passes = Passes::new(&mirror, CORNERS, raster).unwrap();
         let apart = w * f64::sqrt(1.0 + steep * steep);
         let height = ball - f64::sqrt(ball * ball - 0.25 * apart * apart);
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn at_a_cusp_both_lines_cut_alike() {
         for degrees in [0.0, 37.0] {
-            let raster = Raster { ball_mm: 2.0, stepover_mm: 0.3, angle: radians(degrees) };
+            let raster = BallRaster { ball_mm: 2.0, stepover_mm: 0.3, angle: radians(degrees) };
             let mirror = quadric([-0.05, 0.04, 0.07], 0.0);
             let passes = Passes::new(&mirror, CORNERS, raster).unwrap();
             let mut farthest = 0.0f64;

@@ -1,7 +1,7 @@
 //! Where the ball does not fit: hollow ground, other ground in its way, and the valley between two panels.
 
-use super::contact::{Ground, over_face};
-use super::rest::lowest;
+use super::closing::closing_height;
+use super::drop_cutter::{DropCutter, over_face};
 use super::touches;
 use crate::geom::DVec2;
 use crate::mirror::{LocalSurface, Mirror};
@@ -47,7 +47,7 @@ impl Gouge {
         let places =
             parallel::map(columns * rows, 1, |k| over_face(mirror, node(first, step, columns, k)));
         let heights = places.iter().map(|place| place.map_or(f64::NAN, |p| p.at.z)).collect();
-        let ground = Ground::new(mirror, ball_mm, step, first, [columns, rows], heights);
+        let ground = DropCutter::new(mirror, ball_mm, step, first, [columns, rows], heights);
         let lay = Lay::new(&ground);
         let left = parallel::map_slice(&places, 1, |place| {
             let left = lay.left(&(*place)?);
@@ -120,7 +120,7 @@ fn step(size: DVec2, ball_mm: f64) -> f64 {
 /// The ball laid on the nodes of a ground: heights of its centre, from which the search for the lowest ball over a
 /// place starts.
 struct Lay<'a> {
-    ground: &'a Ground<'a>,
+    ground: &'a DropCutter<'a>,
     /// Nodes by which centres may lie beyond the ground's.
     reach: usize,
     columns: usize,
@@ -130,7 +130,7 @@ struct Lay<'a> {
 }
 
 impl<'a> Lay<'a> {
-    fn new(ground: &'a Ground<'a>) -> Self {
+    fn new(ground: &'a DropCutter<'a>) -> Self {
         let reach = (ground.ball_mm / ground.step).ceil() as usize;
         let [columns, rows] = ground.size.map(|count| count + 2 * reach);
         let mut lay = Self { ground, reach, columns, rows, centres: Vec::new() };
@@ -152,14 +152,15 @@ impl<'a> Lay<'a> {
         }
         let xy = place.at.truncate();
         let [anywhere, over_face] = self.starts(xy);
-        let height = lowest(self.ground, xy, anywhere);
-        let other = if over_face == anywhere { height } else { lowest(self.ground, xy, over_face) };
+        let height = closing_height(self.ground, xy, anywhere);
+        let other =
+            if over_face == anywhere { height } else { closing_height(self.ground, xy, over_face) };
         (height.min(other) - place.at.z).max(0.0)
     }
 
     /// Whether a ball that touches `place` cuts into other ground, or may.
     fn clashes(&self, place: &LocalSurface) -> bool {
-        let Ground { ball_mm, step, .. } = *self.ground;
+        let DropCutter { ball_mm, step, .. } = *self.ground;
         if !(place.largest_curvature() * ball_mm < 1.0) {
             return true;
         }
@@ -170,14 +171,14 @@ impl<'a> Lay<'a> {
         let near = seeds.iter().take_while(|(top, _)| *top > centre.z - step);
         let cuts = |top: f64| top > centre.z + FLOOR_MM;
         near.into_iter().any(|(top, seed)| {
-            cuts(*top) || self.ground.climbed(c, seed).is_some_and(|found| cuts(found.top))
+            cuts(*top) || self.ground.ascend(c, seed).is_some_and(|found| cuts(found.top))
         })
     }
 
     /// The centre of the lowest ball over `p` of those over the nodes, and of those over nodes of the face: beside a rim
     /// a ball may come low from within and from outside.
     fn starts(&self, p: DVec2) -> [DVec2; 2] {
-        let Ground { ball_mm, step, size, .. } = *self.ground;
+        let DropCutter { ball_mm, step, size, .. } = *self.ground;
         let (at, reach) = ((p - self.first()) / step, ball_mm / step);
         let range = |at: f64, count: usize| {
             let last = (at + reach).floor().min(count as f64 - 1.0);

@@ -9,28 +9,28 @@
 //!   bowls.)
 //! - Curvature is positive where the ground bulges towards the tool.
 //! - A **scallop** is what stays between two lines ([`Scallop`]). Its slope, not its height, moves pixels:
-//!   the image moves by the derivative of the view's content by the slope ([`Survey`]), in an orthographic
+//!   the image moves by the derivative of the view's content by the slope ([`SurfaceAnalysis`]), in an orthographic
 //!   camera's ray error 2 dp / (1 + |p|^2).
 //! - The ball **fits** where the ground is hollow by no more than 1/R in any direction, and on a folded mirror
 //!   no nearer to a valley than where it touches both panels ([`Gouge`], [`Fillet`]).
-//! - The **as-cut** surface is the lowest place of all balls of all lines ([`Passes`], [`face`]).
+//! - The **as-cut** surface is the lowest place of all balls of all lines ([`Passes`], [`as_cut_face`]).
 
-mod contact;
+mod as_cut_mesh;
+mod closing;
 mod cusps;
+mod drop_cutter;
 mod fillet;
 mod gouge;
-mod lattice;
 mod passes;
-mod rest;
 mod scallop;
-mod survey;
+mod surface_analysis;
 
+pub use as_cut_mesh::{ROWS, as_cut_face, bounding_corners, facet_estimate, plan_outlines};
 pub use fillet::{Fillet, foot, touches};
 pub use gouge::{FLOOR_MM, Gouge};
-pub use lattice::{ROWS, corners, face, facets, outlines};
 pub use passes::{MOST_POINTS, Passes};
-pub use scallop::{Raster, Scallop};
-pub use survey::{Direction, Extreme, Figures, Survey};
+pub use scallop::{BallRaster, Scallop};
+pub use surface_analysis::{Extreme, RasterDirection, ScallopFigures, SurfaceAnalysis};
 
 use crate::geom::DVec2;
 use thiserror::Error;

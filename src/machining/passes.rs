@@ -4,7 +4,7 @@
 //! radius along the normal, known by its points and derivatives and between them by cubics. The height of
 //! the cut under one pass is the least of C_z(t) - sqrt(R^2 - |(X, Y) - C_xy(t)|^2), found by Newton's method.
 
-use super::{MachiningError, Raster, foot, touches};
+use super::{BallRaster, MachiningError, foot, touches};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::{LocalSurface, Mirror};
 use crate::parallel;
@@ -29,7 +29,7 @@ struct Pass {
 /// All passes of a raster, and those that follow the ridge of a folded mirror.
 #[derive(Debug, Clone)]
 pub struct Passes {
-    raster: Raster,
+    raster: BallRaster,
     across: DVec2,
     /// Number of the first line; line k runs at (k + 1/2) stepovers from the axis.
     first: i64,
@@ -48,7 +48,7 @@ impl Passes {
     pub fn new(
         mirror: &Mirror,
         [lo, hi]: [DVec2; 2],
-        raster: Raster,
+        raster: BallRaster,
     ) -> Result<Self, MachiningError> {
         let w = raster.stepover_mm;
         let (along, across) = (raster.along(), raster.along().perp());
@@ -75,7 +75,7 @@ impl Passes {
 
     /// How many points the passes of `raster` would have, about; no more than [`MOST_POINTS`] are made.
     #[must_use]
-    pub fn points(corners: [DVec2; 2], raster: &Raster) -> f64 {
+    pub fn points(corners: [DVec2; 2], raster: &BallRaster) -> f64 {
         let w = raster.stepover_mm;
         let wide = |way: DVec2| {
             let [lo, hi] = range(corners, way);
@@ -87,7 +87,7 @@ impl Passes {
 
     /// The raster.
     #[must_use]
-    pub fn raster(&self) -> Raster {
+    pub fn raster(&self) -> BallRaster {
         self.raster
     }
 
@@ -95,7 +95,7 @@ impl Passes {
     /// that of the other at `x` along them, mm; none where it does not near there.
     #[must_use]
     pub fn cusp(&self, x: f64, k: i64) -> Option<f64> {
-        let Raster { ball_mm, stepover_mm, .. } = self.raster;
+        let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
         let line = |k: i64| self.lines.get(usize::try_from(k - self.first).ok()?);
         let (before, after) = (line(k - 1)?, line(k)?);
         let height = |line: &[Pass], xy: DVec2| {
@@ -139,7 +139,7 @@ impl Passes {
 }
 
 /// The step along passes, mm.
-fn step([lo, hi]: [DVec2; 2], raster: &Raster) -> f64 {
+fn step([lo, hi]: [DVec2; 2], raster: &BallRaster) -> f64 {
     raster.stepover_mm.min(LONGEST * (hi - lo).max_element())
 }
 
@@ -152,7 +152,7 @@ fn range([lo, hi]: [DVec2; 2], way: DVec2) -> [f64; 2] {
 /// The passes along one line: its parts on each panel, as far as the ball fits.
 fn line(
     mirror: &Mirror,
-    raster: Raster,
+    raster: BallRaster,
     foot: DVec2,
     along: DVec2,
     ends: [f64; 2],
@@ -351,7 +351,7 @@ mod tests {
 
     const CORNERS: [DVec2; 2] = [DVec2::splat(-4.0), DVec2::splat(4.0)];
 
-    fn passes(terms: [f64; 3], raster: Raster) -> (Mirror, Passes) {
+    fn passes(terms: [f64; 3], raster: BallRaster) -> (Mirror, Passes) {
         let mirror = quadric(terms, 0.0);
         let passes = Passes::new(&mirror, CORNERS, raster).unwrap();
         (mirror, passes)
@@ -360,7 +360,7 @@ mod tests {
     #[test]
     fn over_a_plane_the_cut_is_a_row_of_circles() {
         for degrees in [0.0, 90.0, 33.0] {
-            let raster = Raster { ball_mm: 3.0, stepover_mm: 0.5, angle: radians(degrees) };
+            let raster = BallRaster { ball_mm: 3.0, stepover_mm: 0.5, angle: radians(degrees) };
             let (_, passes) = passes([0.0; 3], raster);
             for k in 0..200 {
                 let xy = DVec2::new(f64::from(k % 20) * 0.4 - 3.9, f64::from(k / 20) * 0.81 - 3.9);
@@ -380,7 +380,7 @@ mod tests {
             [([-0.04, 0.0, -0.02], 0.0), ([0.05, 0.03, -0.06], 20.0), ([0.02, -0.07, 0.03], 110.0)]
         {
             let off = |w: f64| {
-                let raster = Raster { ball_mm: 2.0, stepover_mm: w, angle: radians(degrees) };
+                let raster = BallRaster { ball_mm: 2.0, stepover_mm: w, angle: radians(degrees) };
                 let (mirror, passes) = passes(terms, raster);
                 let across = raster.along().perp();
                 let mut worst = 0.0f64;
@@ -408,7 +408,7 @@ mod tests {
         let steep = tan(radians(30.0));
         let mirror = roof(30.0);
         for degrees in [0.0, 90.0, 40.0] {
-            let raster = Raster { ball_mm: 2.0, stepover_mm: 0.1, angle: radians(degrees) };
+            let raster = BallRaster { ball_mm: 2.0, stepover_mm: 0.1, angle: radians(degrees) };
             let passes = Passes::new(&mirror, CORNERS, raster).unwrap();
             let top = 7.0 + 2.0 / crate::num::cos(radians(30.0));
             for k in 0..50 {

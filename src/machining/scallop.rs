@@ -24,7 +24,7 @@ use crate::num::{cos, sin};
 
 /// A raster of straight lines in the plan, cut with a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Raster {
+pub struct BallRaster {
     /// Radius of the ball, mm.
     pub ball_mm: f64,
     /// Distance of the lines in the plan (X, Y), mm.
@@ -33,7 +33,7 @@ pub struct Raster {
     pub angle: f64,
 }
 
-impl Raster {
+impl BallRaster {
     /// Unit vector along the lines.
     #[must_use]
     pub fn along(&self) -> DVec2 {
@@ -48,7 +48,7 @@ impl Raster {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scallop {
     /// s, 1/mm: change of the slope's error for each mm across the lines, in the plan.
-    pub bend: f64,
+    pub slope_rate: f64,
     /// W / w: distance of the lines on the mirror for each mm in the plan.
     pub apart: f64,
     /// r, mm: the ball that would leave the same over a plane.
@@ -69,7 +69,11 @@ impl Scallop {
         let lean = place.slope.dot(along);
         let line = 1.0 + lean * lean;
         let bend = g * det / sunk;
-        Some(Self { bend, apart: g / line.sqrt(), radius_mm: g * g * g / (bend * line) })
+        Some(Self {
+            slope_rate: bend,
+            apart: g / line.sqrt(),
+            radius_mm: g * g * g / (bend * line),
+        })
     }
 
     /// Height of the cusps over the mirror, square to it, mm; none where neighbouring cuts do not meet.
@@ -91,7 +95,7 @@ impl Scallop {
     /// The largest error of the slope, in the plan.
     #[must_use]
     pub fn slope(&self, stepover_mm: f64) -> f64 {
-        0.5 * self.bend * stepover_mm
+        0.5 * self.slope_rate * stepover_mm
     }
 }
 

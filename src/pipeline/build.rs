@@ -15,7 +15,7 @@ use super::verdict::Findings;
 use super::{Error, close, designed, label, meshed, verdict, write};
 use crate::design::Design;
 use crate::export::Label;
-use crate::export::step::Fit;
+use crate::export::step::FittedMirror;
 use crate::geom::Precision;
 use crate::mesh::Face;
 use crate::mirror::{Form, Surface};
@@ -300,7 +300,7 @@ fn count_unknowns(clock: &StageTimer, design: &Design) {
     }
 }
 
-fn step_facts(fit: &Fit) -> StepFacts {
+fn step_facts(fit: &FittedMirror) -> StepFacts {
     StepFacts { fit_error_nm: fit.error_mm * 1e6, control_points: fit.size() }
 }
 

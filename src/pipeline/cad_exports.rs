@@ -4,7 +4,7 @@
 use super::Error;
 use super::files::sha256;
 use crate::design::Design;
-use crate::export::step::{Fit, fit, write_step};
+use crate::export::step::{FittedMirror, fit_splines, write_step};
 use crate::export::{Counting, Label, SagPath, compare_sag, read_sag, sag_bytes, write_sag};
 use crate::mirror::{Departure, Form};
 use crate::profile::{self, Format, Profile};
@@ -20,7 +20,7 @@ pub struct CadExports<'a> {
     /// Its best sphere and plane.
     pub form: &'a Form,
     /// Its splines, if STEP is asked for.
-    pub fit: Option<&'a Fit>,
+    pub fit: Option<&'a FittedMirror>,
     /// What every file says about itself.
     pub label: &'a Label,
 }
@@ -43,12 +43,12 @@ pub fn check_table(profile: &Profile, design: &Design) -> Result<(), Error> {
 ///
 /// # Errors
 /// [`Error::Step`] when there are none.
-pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<Fit>, Error> {
+pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<FittedMirror>, Error> {
     if !profile.formats.contains(&Format::Step) {
         return Ok(None);
     }
-    let made = fit(&design.mirror).and_then(|fit| {
-        fit.carries(design.border.as_ref())?;
+    let made = fit_splines(&design.mirror).and_then(|fit| {
+        fit.check_land(design.border.as_ref())?;
         Ok(fit)
     });
     made.map(Some).map_err(|source| Error::Step { profile: profile.name.clone(), source })

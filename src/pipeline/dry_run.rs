@@ -8,7 +8,7 @@ use super::observer::StageTimer;
 use super::size_warnings::SizeWarnings;
 use super::{Error, Observer, Source, Stage, designed, label};
 use crate::design::Design;
-use crate::export::step::Fit;
+use crate::export::step::FittedMirror;
 use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
 use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
@@ -63,7 +63,7 @@ pub fn check_room(
     folder: &Folder,
     profile: &Profile,
     design: &Design,
-    fit: Option<&Fit>,
+    fit: Option<&FittedMirror>,
 ) -> Result<(), Error> {
     if folder.free().is_none_or(|free| free >= ROOMY) {
         return Ok(());
@@ -92,7 +92,7 @@ fn planned(
 fn prospect(
     profile: &Profile,
     design: &Design,
-    fit: Option<&Fit>,
+    fit: Option<&FittedMirror>,
     facets: &Result<AtPrecision<MeshPlan>, Reason>,
 ) -> BuildForecast {
     // As long as that of the build, whose bounds are not known yet.

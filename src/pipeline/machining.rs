@@ -9,8 +9,8 @@ use crate::design::Design;
 use crate::export::{stl_bytes, write_stl};
 use crate::geom::{Contour, DVec2, DVec3, Precision, TriMesh};
 use crate::machining::{
-    self, FLOOR_MM, Figures, Fillet, Gouge, MOST_POINTS, MachiningError, Passes, ROWS, Raster,
-    Survey, corners, facets, outlines, rounded_up,
+    self, BallRaster, FLOOR_MM, Fillet, Gouge, MOST_POINTS, MachiningError, Passes, ROWS,
+    ScallopFigures, SurfaceAnalysis, bounding_corners, facet_estimate, plan_outlines, rounded_up,
 };
 use crate::mirror::Mirror;
 use crate::num::{degrees, radians};
@@ -194,15 +194,15 @@ fn check(cutting: &MachiningOptions, width_mm: f64) -> Result<(), MachiningError
 }
 
 /// The best directions, and the raster in the one asked for or the best to a hundredth of a degree.
-fn directed(survey: &Survey, cutting: &MachiningOptions) -> (BestFacts, Raster) {
+fn directed(survey: &SurfaceAnalysis, cutting: &MachiningOptions) -> (BestFacts, BallRaster) {
     let ball_mm = cutting.ball_mm;
     // Directions hardly depend on it.
     let stepover_mm = cutting.stepover_mm.unwrap_or(FIRST_STEPOVER * ball_mm);
-    let raster = Raster { ball_mm, stepover_mm, angle: 0.0 };
+    let raster = BallRaster { ball_mm, stepover_mm, angle: 0.0 };
     let (pixels, height) = (survey.best_for_pixels(&raster), survey.best_for_height(&raster));
     let best = (100.0 * pixels.unwrap_or(height).angle_deg).round() / 100.0;
     let angle = radians(cutting.angle_deg.unwrap_or(best));
-    (BestFacts { pixels, height }, Raster { angle, ..raster })
+    (BestFacts { pixels, height }, BallRaster { angle, ..raster })
 }
 
 /// Everything but the as-cut part, of a mirror as designed.
@@ -227,8 +227,8 @@ pub(super) fn scalloped(found: &Machining) -> String {
 
 /// What the as-cut part is made by.
 struct Surveyed<'a> {
-    survey: Survey<'a>,
-    raster: Raster,
+    survey: SurfaceAnalysis<'a>,
+    raster: BallRaster,
     gouge: Gouge,
     /// Why the ball does not reach all of the face but a valley, if so.
     hollow: Option<String>,
@@ -240,7 +240,7 @@ fn surveyed<'a>(
     cutting: &MachiningOptions,
 ) -> Result<(Surveyed<'a>, Machining), MachiningError> {
     let mirror = &design.mirror;
-    let survey = Survey::new(mirror, &design.camera, design.view.as_ref());
+    let survey = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());
     let (best, mut raster) = directed(&survey, cutting);
     let view = design.view.as_ref();
     let usual_px = view.map(|_| profile.acceptance_limits().pixel_error_max_px.value);
@@ -249,7 +249,8 @@ fn surveyed<'a>(
     // But for rounding.
     let tight = least_hollow_mm.filter(|least| cutting.ball_mm > least.value * (1.0 + 1e-9));
     let hollow = tight.map(|least| DVec3::from_array(least.at_mm).truncate());
-    let gouge = Gouge::new(mirror, corners(&outlines(mirror)), cutting.ball_mm, hollow);
+    let gouge =
+        Gouge::new(mirror, bounding_corners(&plan_outlines(mirror)), cutting.ball_mm, hollow);
     let for_pixels = budget_px.and_then(|px| survey.stepover_for_pixels(&raster, px));
     let for_height =
         cutting.scallop_um.and_then(|um| survey.stepover_for_height(&raster, 1e-3 * um));
@@ -341,7 +342,7 @@ fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
         Some(Contour::Rect { half, .. }) => 2.0 * half,
         Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
         None => {
-            let [lo, hi] = corners(&outlines(&design.mirror));
+            let [lo, hi] = bounding_corners(&plan_outlines(&design.mirror));
             hi - lo
         }
     };
@@ -387,8 +388,8 @@ fn unreached(gouge: &Gouge, found: &Machining, tight: bool) -> Option<String> {
 }
 
 /// What the pixels' figures leave out.
-fn unseen(figures: &Figures) -> Option<String> {
-    let Figures { pixels, pixels_unbounded, .. } = *figures;
+fn unseen(figures: &ScallopFigures) -> Option<String> {
+    let ScallopFigures { pixels, pixels_unbounded, .. } = *figures;
     if pixels == 0 {
         return Some(
             "no pixel sees the mirror where the ball fits: nothing is known of pixels".to_owned(),
@@ -403,33 +404,37 @@ fn unseen(figures: &Figures) -> Option<String> {
 }
 
 /// The as-cut face.
-fn as_cut(mirror: &Mirror, survey: &Survey, raster: &Raster) -> Result<TriMesh, MachiningError> {
-    let outlines = outlines(mirror);
-    let [lo, hi] = corners(&outlines);
-    let along = |raster: &Raster| {
+fn as_cut(
+    mirror: &Mirror,
+    survey: &SurfaceAnalysis,
+    raster: &BallRaster,
+) -> Result<TriMesh, MachiningError> {
+    let outlines = plan_outlines(mirror);
+    let [lo, hi] = bounding_corners(&outlines);
+    let along = |raster: &BallRaster| {
         let across = raster.stepover_mm / ROWS as f64;
         survey.along_mm(raster, ALONG).min(0.02 * (hi - lo).max_element()).max(across)
     };
-    let too_many = |raster: &Raster| {
-        let facets = facets(&outlines, raster, along(raster));
+    let too_many = |raster: &BallRaster| {
+        let facets = facet_estimate(&outlines, raster, along(raster));
         let points = Passes::points([lo, hi], raster);
         [(facets, MOST_FACETS, "facets"), (points, MOST_POINTS, "points of passes")]
             .into_iter()
             .find(|(count, most, _)| !(count <= most))
     };
     if let Some((count, _, what)) = too_many(raster) {
-        let Raster { stepover_mm, .. } = *raster;
+        let BallRaster { stepover_mm, .. } = *raster;
         let widest_mm = survey.widest_mm(raster);
         // The first of stepovers 5 % apart that will do.
         let steps = std::iter::successors(Some(stepover_mm), |mm| Some(1.05 * mm));
         let least_mm = steps
             .map(rounded_up)
             .take_while(|mm| *mm <= widest_mm)
-            .find(|&stepover_mm| too_many(&Raster { stepover_mm, ..*raster }).is_none());
+            .find(|&stepover_mm| too_many(&BallRaster { stepover_mm, ..*raster }).is_none());
         return Err(MachiningError::TooFine { stepover_mm, count, what, least_mm });
     }
     let passes = Passes::new(mirror, [lo, hi], *raster)?;
-    machining::face(&outlines, &passes, along(raster))
+    machining::as_cut_face(&outlines, &passes, along(raster))
 }
 
 fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, String), Error> {

@@ -5,7 +5,7 @@ use super::text::{
     digits, errors_line, figures, head_line, pretty, solid_line, verdict_lines, written,
 };
 use super::{FileFacts, ProfileId, TraceFacts, Verdict};
-use crate::machining::{Direction, Extreme, FLOOR_MM, Figures, Fillet, Gouge};
+use crate::machining::{Extreme, FLOOR_MM, Fillet, Gouge, RasterDirection, ScallopFigures};
 use crate::num::log;
 use crate::num::stats::{Summary, or_null};
 use crate::raster::EncodingError;
@@ -35,7 +35,7 @@ pub struct Machining {
     pub fillet: Option<Fillet>,
     /// Scallops of the unpolished face, where the ball fits; none where it fits nowhere.
     #[serde(flatten, serialize_with = "or_nulls")]
-    pub scallops: Option<Figures>,
+    pub scallops: Option<ScallopFigures>,
     /// The designed mirror against the projection, pixels.
     #[serde(serialize_with = "or_null")]
     pub design_pixel_error_px: Option<Summary>,
@@ -60,7 +60,10 @@ pub struct Machining {
 }
 
 /// The figures, or the same keys without values.
-fn or_nulls<S: Serializer>(figures: &Option<Figures>, serializer: S) -> Result<S::Ok, S::Error> {
+fn or_nulls<S: Serializer>(
+    figures: &Option<ScallopFigures>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     match figures {
         Some(figures) => figures.serialize(serializer),
         None => {
@@ -96,9 +99,9 @@ pub struct GougeFacts {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BestFacts {
     /// For the root mean square of the pixel error; none without a projection.
-    pub pixels: Option<Direction>,
+    pub pixels: Option<RasterDirection>,
     /// For the height of the highest scallop.
-    pub height: Direction,
+    pub height: RasterDirection,
 }
 
 /// Budgets and the stepovers that keep them, at the raster's direction.
@@ -270,8 +273,9 @@ impl Machining {
 
     /// The lines on scallops and pixels.
     fn write_scallops(&self, facts: &mut Vec<(&'static str, String)>) {
-        let Some(Figures { scallop_um, slope_rms, slope_max, pixels, pixel_error_px, .. }) =
-            self.scallops
+        let Some(ScallopFigures {
+            scallop_um, slope_rms, slope_max, pixels, pixel_error_px, ..
+        }) = self.scallops
         else {
             facts.push(("scallops", "none: the ball fits nowhere".to_owned()));
             return;
@@ -306,7 +310,7 @@ impl Machining {
     }
 
     fn best_line(&self) -> String {
-        let of = |direction: Direction, what: &str| {
+        let of = |direction: RasterDirection, what: &str| {
             if direction.any {
                 return format!("no direction is better than another for {what}");
             }

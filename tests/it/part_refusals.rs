@@ -5,7 +5,7 @@ use crate::support::draws::Draws;
 use crate::support::meshed;
 use crate::support::parts::{ANNULUS, CONQUISTADOR, DISC, GIVEN, PINHOLE, STRIP};
 use morion::internals::design::{DesignError, design};
-use morion::internals::export::step::{FitError, fit};
+use morion::internals::export::step::{FitError, fit_splines};
 use morion::internals::geom::Precision;
 use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
@@ -112,7 +112,7 @@ fn what_does_not_fit_is_refused_with_its_place() {
     let even = design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]")), None).unwrap();
     assert_eq!(even.holes(), 1);
     // Only a surface of revolution has a plane land in STEP.
-    let carried = fit(&even.mirror).unwrap().carries(even.border.as_ref());
+    let carried = fit_splines(&even.mirror).unwrap().check_land(even.border.as_ref());
     assert_eq!(carried, Err(FitError::Land));
     let error = design(&parsed(&text("[[2, 0, 1e-3]]")), None).unwrap_err().to_string();
     assert!(error.contains("found [1, 0, 4]; the land's rim is not flat"), "{error}");

@@ -1,10 +1,10 @@
 //! The spline nearest to a mirror, on as few knots as its tolerance takes.
 
 use super::FitError;
-use super::ground::Ground;
-use super::knots::{Lines, MOST_SPANS, breaks, fine};
-use super::rim::Rim;
-use super::spline::{Axis, Net};
+use super::b_spline::{BSplineSurface, KnotVector};
+use super::knots::{KnotLines, MOST_SPANS, choose_breaks, written_digits};
+use super::parametric_surface::ParametricSurface;
+use super::rim_curve::RimCurve;
 use crate::geom::{Border, DVec2, DVec3};
 use crate::mirror::Mirror;
 use crate::num::{max_or_nan, radians};
@@ -20,8 +20,8 @@ const MOST_POINTS: usize = 3400;
 
 /// The splines that stand for a mirror in a STEP file.
 #[derive(Debug, Clone)]
-pub struct Fit {
-    pub(super) form: Form,
+pub struct FittedMirror {
+    pub(super) faces: FittedFaces,
     /// The largest distance of the splines from the mirror, mm, at corresponding points: on a grid
     /// four times as dense as the one that they were fitted to, and along a round rim.
     pub error_mm: f64,
@@ -29,24 +29,29 @@ pub struct Fit {
 
 /// What kind of faces a mirror has.
 #[derive(Debug, Clone)]
-pub(super) enum Form {
+pub(super) enum FittedFaces {
     /// A rectangular panel, and its reflection in Y = 0 if it is folded. Its sides are straight
     /// from above if X and Y are the spline's parameters.
-    Panel { net: Net, straight: bool, folded: bool },
+    Panel { net: BSplineSurface, straight: bool, folded: bool },
     /// A bicubic surface with X and Y for parameters, cut along rims.
-    Cut { net: Net, outer: (f64, Rim), inner: Option<(f64, Rim)>, middle_mm: f64 },
+    Trimmed {
+        net: BSplineSurface,
+        outer: (f64, RimCurve),
+        inner: Option<(f64, RimCurve)>,
+        middle_mm: f64,
+    },
     /// A surface of revolution: the control points of its meridian in the XZ plane, outwards.
-    Turned { radius: Axis, points: Vec<DVec3> },
+    Revolved { radius: KnotVector, points: Vec<DVec3> },
 }
 
-impl Fit {
-    /// Whether the land inside the mirror is a plane, through which `stock` may have holes.
+impl FittedMirror {
+    /// Checks that holes of `border` through the land inside the mirror, if it has any, go through a plane.
     ///
     /// # Errors
-    /// [`FitError::Land`] when it has some, and the land is none.
-    pub fn carries(&self, stock: Option<&Border>) -> Result<(), FitError> {
-        let drilled = stock.is_some_and(|stock| stock.land.is_some());
-        let flat = matches!(&self.form, Form::Turned { points, .. } if points[0].x > 0.0);
+    /// [`FitError::Land`] when there are some, and the land is no plane.
+    pub fn check_land(&self, border: Option<&Border>) -> Result<(), FitError> {
+        let drilled = border.is_some_and(|border| border.land.is_some());
+        let flat = matches!(&self.faces, FittedFaces::Revolved { points, .. } if points[0].x > 0.0);
         if drilled && !flat { Err(FitError::Land) } else { Ok(()) }
     }
 
@@ -54,9 +59,11 @@ impl Fit {
     /// of revolution, along the second.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        match &self.form {
-            Form::Panel { net, .. } | Form::Cut { net, .. } => net.axes.each_ref().map(Axis::count),
-            Form::Turned { points, .. } => [points.len(), 1],
+        match &self.faces {
+            FittedFaces::Panel { net, .. } | FittedFaces::Trimmed { net, .. } => {
+                net.axes.each_ref().map(KnotVector::count)
+            }
+            FittedFaces::Revolved { points, .. } => [points.len(), 1],
         }
     }
 }
@@ -66,45 +73,54 @@ impl Fit {
 /// # Errors
 /// [`FitError`] when no reasonable number of knots suffices, or the mirror is no surface over X
 /// and Y.
-pub fn fit(mirror: &Mirror) -> Result<Fit, FitError> {
-    let ground = Ground::new(mirror)?;
-    let Some(ring) = ground.ring else {
-        let (net, error_mm) = bicubic(&ground, mirror.folded)?;
-        let form = Form::Panel { net, straight: ground.is_direct(), folded: mirror.folded };
-        return Ok(Fit { form, error_mm });
+pub fn fit_splines(mirror: &Mirror) -> Result<FittedMirror, FitError> {
+    let surface = ParametricSurface::new(mirror)?;
+    let Some(ring) = surface.ring else {
+        let (net, error_mm) = fit_bicubic(&surface, mirror.folded)?;
+        let faces =
+            FittedFaces::Panel { net, straight: surface.is_direct(), folded: mirror.folded };
+        return Ok(FittedMirror { faces, error_mm });
     };
-    if !ground.is_round() {
-        return cut(mirror, &ground, ring);
+    if !surface.is_round() {
+        return fit_trimmed(mirror, &surface, ring);
     }
     if ring[0] > 0.0 {
-        return turned(&ground, ring);
+        return fit_revolved(&surface, ring);
     }
-    let square = cut(mirror, &ground, ring);
-    let small = |fit: &Fit| fit.size().iter().product::<usize>() <= MOST_POINTS;
-    square.ok().filter(small).map_or_else(|| turned(&ground, ring), Ok)
+    let square = fit_trimmed(mirror, &surface, ring);
+    let small = |fit: &FittedMirror| fit.size().iter().product::<usize>() <= MOST_POINTS;
+    square.ok().filter(small).map_or_else(|| fit_revolved(&surface, ring), Ok)
 }
 
 /// The surface over a square that is cut along its rims.
-fn cut(mirror: &Mirror, ground: &Ground, ring: [f64; 2]) -> Result<Fit, FitError> {
-    let (net, error_mm) = bicubic(ground, false)?;
-    let rim = |rho: f64| Ok((fine(rho), Rim::new(&net, fine(rho))?));
+fn fit_trimmed(
+    mirror: &Mirror,
+    surface: &ParametricSurface,
+    ring: [f64; 2],
+) -> Result<FittedMirror, FitError> {
+    let (net, error_mm) = fit_bicubic(surface, false)?;
+    let rim = |rho: f64| Ok((written_digits(rho), RimCurve::new(&net, written_digits(rho))?));
     let inner = if ring[0] > 0.0 { Some(rim(ring[0])?) } else { None };
-    let (outer, middle_mm) = (rim(ring[1])?, fine(mirror.rim_mm(ring[0])));
-    Ok(Fit { form: Form::Cut { net, outer, inner, middle_mm }, error_mm })
+    let (outer, middle_mm) = (rim(ring[1])?, written_digits(mirror.rim_mm(ring[0])));
+    Ok(FittedMirror { faces: FittedFaces::Trimmed { net, outer, inner, middle_mm }, error_mm })
 }
 
 /// The surface with the fewest control points found, and its error.
-fn bicubic(ground: &Ground, folded: bool) -> Result<(Net, f64), FitError> {
-    let lines = [0, 1].map(|axis| Lines::across(ground, axis));
+fn fit_bicubic(
+    surface: &ParametricSurface,
+    folded: bool,
+) -> Result<(BSplineSurface, f64), FitError> {
+    let lines = [0, 1].map(|axis| KnotLines::across(surface, axis));
     let mut limit = 0.7 * LIMIT_MM;
-    let mut best: Option<(Net, f64)> = None;
+    let mut best: Option<(BSplineSurface, f64)> = None;
     let mut reached = (f64::INFINITY, [0; 2]);
     for _ in 0..ROUNDS {
-        let u = breaks(ground, &lines[0], limit);
-        let v = if ground.is_round() { u.clone() } else { breaks(ground, &lines[1], limit) };
+        let u = choose_breaks(surface, &lines[0], limit);
+        let v =
+            if surface.is_round() { u.clone() } else { choose_breaks(surface, &lines[1], limit) };
         let spans = [u.len() - 1, v.len() - 1];
-        let net = net(ground, [Axis::new(&u), Axis::new(&v)], folded);
-        let error_mm = error(ground, &net);
+        let net = fit_net(surface, [KnotVector::new(&u), KnotVector::new(&v)], folded);
+        let error_mm = max_distance(surface, &net);
         let fewer = best.as_ref().is_none_or(|(best, _)| net.points.len() < best.points.len());
         if error_mm <= LIMIT_MM && fewer {
             best = Some((net, error_mm));
@@ -123,32 +139,32 @@ fn bicubic(ground: &Ground, folded: bool) -> Result<(Net, f64), FitError> {
 }
 
 /// The surface of revolution of a round mirror.
-fn turned(ground: &Ground, ring: [f64; 2]) -> Result<Fit, FitError> {
-    let ends = ring.map(fine);
-    let lines = Lines { axis: 0, ends, even: false, across: vec![0.0] };
+fn fit_revolved(surface: &ParametricSurface, ring: [f64; 2]) -> Result<FittedMirror, FitError> {
+    let ends = ring.map(written_digits);
+    let lines = KnotLines { axis: 0, ends, even: false, across: vec![0.0] };
     let mut limit = 0.2 * LIMIT_MM;
     let mut reached = (f64::INFINITY, [0; 2]);
     for _ in 0..ROUNDS {
-        let radius = Axis::new(&breaks(ground, &lines, limit));
+        let radius = KnotVector::new(&choose_breaks(surface, &lines, limit));
         let heights = |places: &[f64]| -> Vec<f64> {
-            ground.grid(places, &[0.0])[0].iter().map(|p| p.z).collect()
+            surface.grid(places, &[0.0])[0].iter().map(|p| p.z).collect()
         };
         let mut z: Vec<f64> =
-            radius.fit(1, &heights(&radius.sites())).into_iter().map(fine).collect();
+            radius.fit(1, &heights(&radius.sites())).into_iter().map(written_digits).collect();
         if ends[0] == 0.0 {
             // Smooth on the axis.
             z[1] = z[0];
         }
-        let places = [&ends[..], &radius.between(PARTS)].concat();
+        let places = [&ends[..], &radius.interior_points(PARTS)].concat();
         let off = |(&rho, wanted): (&f64, f64)| {
             let (first, b) = radius.basis(rho);
             ((0..4).map(|k| b[k] * z[first + k]).sum::<f64>() - wanted).abs()
         };
         let error_mm = places.iter().zip(heights(&places)).map(off).fold(0.0, max_or_nan);
         if error_mm <= LIMIT_MM {
-            let at = |(rho, &z): (f64, &f64)| DVec3::new(fine(rho), 0.0, z);
+            let at = |(rho, &z): (f64, &f64)| DVec3::new(written_digits(rho), 0.0, z);
             let points = radius.greville().into_iter().zip(&z).map(at).collect();
-            return Ok(Fit { form: Form::Turned { radius, points }, error_mm });
+            return Ok(FittedMirror { faces: FittedFaces::Revolved { radius, points }, error_mm });
         }
         if !(error_mm >= reached.0) {
             reached = (error_mm, [radius.breaks().len() - 1, 1]);
@@ -159,18 +175,18 @@ fn turned(ground: &Ground, ring: [f64; 2]) -> Result<Fit, FitError> {
 }
 
 /// The spline on these knots, its control points as they will be written.
-fn net(ground: &Ground, axes: [Axis; 2], folded: bool) -> Net {
+fn fit_net(surface: &ParametricSurface, axes: [KnotVector; 2], folded: bool) -> BSplineSurface {
     let [u, v] = &axes;
-    let samples = ground.grid(&u.sites(), &v.sites()).concat();
+    let samples = surface.grid(&u.sites(), &v.sites()).concat();
     let spline = |axis: usize| {
         let samples: Vec<f64> = samples.iter().map(|p| p[axis]).collect();
-        Net::fit([u, v], &samples)
+        BSplineSurface::fit([u, v], &samples)
     };
     let (across, up) = (u.greville(), v.greville());
     let (columns, rows) = (across.len(), up.len());
     let plain = |k: usize| DVec2::new(across[k / rows], up[k % rows]);
     let z = spline(2);
-    let mut points: Vec<DVec3> = if ground.is_direct() {
+    let mut points: Vec<DVec3> = if surface.is_direct() {
         z.iter().enumerate().map(|(k, &z)| plain(k).extend(z)).collect()
     } else {
         let (x, y) = (spline(0), spline(1));
@@ -179,7 +195,7 @@ fn net(ground: &Ground, axes: [Axis; 2], folded: bool) -> Net {
     // Even to the last digit, and the ridge where it belongs.
     for k in 0..points.len() {
         let (i, j) = (k / rows, k % rows);
-        if ground.even[0] && 2 * i < columns {
+        if surface.even[0] && 2 * i < columns {
             let other = (columns - 1 - i) * rows + j;
             let (p, q) = (points[k], points[other]);
             let mean = 0.5 * (p + DVec3::new(-q.x, q.y, q.z));
@@ -188,7 +204,7 @@ fn net(ground: &Ground, axes: [Axis; 2], folded: bool) -> Net {
     }
     for k in 0..points.len() {
         let (i, j) = (k / rows, k % rows);
-        if ground.even[1] && 2 * j < rows {
+        if surface.even[1] && 2 * j < rows {
             let other = i * rows + rows - 1 - j;
             let (p, q) = (points[k], points[other]);
             let mean = 0.5 * (p + DVec3::new(q.x, -q.y, q.z));
@@ -198,30 +214,30 @@ fn net(ground: &Ground, axes: [Axis; 2], folded: bool) -> Net {
             points[k].y = 0.0;
         }
     }
-    let fine = |p: DVec3| DVec3::from_array(p.to_array().map(fine));
-    Net { points: points.into_iter().map(fine).collect(), axes }
+    let fine = |p: DVec3| DVec3::from_array(p.to_array().map(written_digits));
+    BSplineSurface { points: points.into_iter().map(fine).collect(), axes }
 }
 
 /// The largest distance of corresponding points.
-fn error(ground: &Ground, net: &Net) -> f64 {
+fn max_distance(surface: &ParametricSurface, net: &BSplineSurface) -> f64 {
     let places = |k: usize| -> Vec<f64> {
-        let half = |&x: &f64| !ground.even[k] || x <= 0.0;
-        net.axes[k].between(PARTS).into_iter().filter(half).collect()
+        let half = |&x: &f64| !surface.even[k] || x <= 0.0;
+        net.axes[k].interior_points(PARTS).into_iter().filter(half).collect()
     };
     let (us, vs) = (places(0), places(1));
-    let (found, wanted) = (net.grid(&us, &vs), ground.grid(&us, &vs));
+    let (found, wanted) = (net.grid(&us, &vs), surface.grid(&us, &vs));
     let mut worst = 0.0f64;
     let mut look = |off: f64| worst = max_or_nan(worst, off);
     for (j, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
         for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
-            if ground.contains(DVec2::new(us[i], vs[j])) {
+            if surface.contains(DVec2::new(us[i], vs[j])) {
                 look((*found - *wanted).length());
             }
         }
     }
-    for rho in ground.ring.iter().flatten() {
-        for q in (0..360).map(|k| Rim::way(radians(f64::from(k))) * *rho) {
-            look((net.at(q) - ground.grid(&[q.x], &[q.y])[0][0]).length());
+    for rho in surface.ring.iter().flatten() {
+        for q in (0..360).map(|k| RimCurve::direction(radians(f64::from(k))) * *rho) {
+            look((net.at(q) - surface.grid(&[q.x], &[q.y])[0][0]).length());
         }
     }
     worst

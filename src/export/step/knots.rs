@@ -1,7 +1,7 @@
 //! How fine a spline must be where.
 
-use super::ground::Ground;
-use super::spline::Axis;
+use super::b_spline::KnotVector;
+use super::parametric_surface::ParametricSurface;
 use crate::geom::{DVec2, DVec3};
 use crate::num::max_or_nan;
 
@@ -14,7 +14,7 @@ const LINES: usize = 25;
 const PARTS: usize = 6;
 
 /// Lines along which the knots of an axis are chosen.
-pub struct Lines {
+pub struct KnotLines {
     pub axis: usize,
     pub ends: [f64; 2],
     /// Whether the mirror is even along them.
@@ -23,23 +23,23 @@ pub struct Lines {
     pub across: Vec<f64>,
 }
 
-impl Lines {
+impl KnotLines {
     /// Lines all over the mirror.
-    pub fn across(ground: &Ground, axis: usize) -> Self {
+    pub fn across(surface: &ParametricSurface, axis: usize) -> Self {
         let [ends, across] = [axis, 1 - axis]
-            .map(|axis| [ground.domain.min, ground.domain.max].map(|end| end[axis]));
-        let from = if ground.even[1 - axis] { 0.5 * (across[0] + across[1]) } else { across[0] };
+            .map(|axis| [surface.domain.min, surface.domain.max].map(|end| end[axis]));
+        let from = if surface.even[1 - axis] { 0.5 * (across[0] + across[1]) } else { across[0] };
         let place = |k: usize| from + (across[1] - from) * k as f64 / (LINES - 1) as f64;
-        let across = (0..LINES).map(place).chain(ground.ring.into_iter().flatten()).collect();
-        Self { axis, ends: ends.map(fine), even: ground.even[axis], across }
+        let across = (0..LINES).map(place).chain(surface.ring.into_iter().flatten()).collect();
+        Self { axis, ends: ends.map(written_digits), even: surface.even[axis], across }
     }
 }
 
 /// Breaks along an axis with which splines meet the mirror within `limit` on lines along it.
-pub fn breaks(ground: &Ground, lines: &Lines, limit: f64) -> Vec<f64> {
-    let mut breaks = spread(&lines.ends, &[1.0], FIRST_SPANS, lines.even);
+pub fn choose_breaks(surface: &ParametricSurface, lines: &KnotLines, limit: f64) -> Vec<f64> {
+    let mut breaks = distribute(&lines.ends, &[1.0], FIRST_SPANS, lines.even);
     loop {
-        let errors = errors(ground, lines, &breaks);
+        let errors = errors(surface, lines, &breaks);
         let worst = errors.iter().copied().fold(0.0, max_or_nan);
         let spans = breaks.len() - 1;
         if worst <= limit || spans >= MOST_SPANS || worst.is_nan() {
@@ -49,8 +49,8 @@ pub fn breaks(ground: &Ground, lines: &Lines, limit: f64) -> Vec<f64> {
         let lengths: Vec<f64> = errors.iter().map(|e| (e / (0.7 * limit)).sqrt().sqrt()).collect();
         let wanted = lengths.iter().sum::<f64>().ceil() as usize;
         let few = |given: &Vec<f64>| given.len() <= MOST_SPANS + 1 && wanted + 1 >= given.len();
-        if let Some(given) = ground.breaks(lines.axis).filter(few) {
-            return given.into_iter().map(fine).collect();
+        if let Some(given) = surface.breaks(lines.axis).filter(few) {
+            return given.into_iter().map(written_digits).collect();
         }
         let mut density: Vec<f64> =
             breaks.windows(2).zip(&lengths).map(|(ends, n)| n / (ends[1] - ends[0])).collect();
@@ -61,12 +61,12 @@ pub fn breaks(ground: &Ground, lines: &Lines, limit: f64) -> Vec<f64> {
             density[k - 1] = density[k - 1].max(0.5 * density[k]);
         }
         let count = wanted.clamp(spans + 1, 4 * spans).min(MOST_SPANS);
-        breaks = spread(&breaks, &density, count, lines.even);
+        breaks = distribute(&breaks, &density, count, lines.even);
     }
 }
 
 /// So many spans over the old ones, whose number in each is proportional to its `density`.
-fn spread(old: &[f64], density: &[f64], count: usize, even: bool) -> Vec<f64> {
+fn distribute(old: &[f64], density: &[f64], count: usize, even: bool) -> Vec<f64> {
     let mut at = vec![0.0];
     for (ends, density) in old.windows(2).zip(density) {
         at.push(at[at.len() - 1] + density * (ends[1] - ends[0]));
@@ -98,22 +98,22 @@ fn spread(old: &[f64], density: &[f64], count: usize, even: bool) -> Vec<f64> {
 }
 
 /// The largest errors in the spans between `breaks`.
-fn errors(ground: &Ground, lines: &Lines, breaks: &[f64]) -> Vec<f64> {
-    let Lines { axis, across, .. } = lines;
+fn errors(surface: &ParametricSurface, lines: &KnotLines, breaks: &[f64]) -> Vec<f64> {
+    let KnotLines { axis, across, .. } = lines;
     let count = across.len();
     // One place after the other, with the points on all lines.
     let points = |places: &[f64]| -> Vec<Vec<DVec3>> {
         if *axis == 1 {
-            return ground.grid(across, places);
+            return surface.grid(across, places);
         }
-        let rows = ground.grid(places, across);
+        let rows = surface.grid(places, across);
         (0..places.len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect()
     };
-    let line = Axis::new(breaks);
+    let line = KnotVector::new(breaks);
     let samples: Vec<f64> =
         points(&line.sites()).concat().iter().flat_map(|p| p.to_array()).collect();
     let found = line.fit(3 * count, &samples);
-    let places = line.between(PARTS);
+    let places = line.interior_points(PARTS);
     let wanted = points(&places);
     let mut errors = vec![0.0f64; breaks.len() - 1];
     for (k, (&place, wanted)) in places.iter().zip(&wanted).enumerate() {
@@ -121,7 +121,7 @@ fn errors(ground: &Ground, lines: &Lines, breaks: &[f64]) -> Vec<f64> {
         let is_in = |&l: &usize| {
             let mut q = DVec2::splat(place);
             q[1 - axis] = across[l];
-            ground.contains(q)
+            surface.contains(q)
         };
         for l in (0..count).filter(is_in) {
             let at = |r: usize| DVec3::from_slice(&found[3 * ((first + r) * count + l)..]) * b[r];
@@ -133,7 +133,7 @@ fn errors(ground: &Ground, lines: &Lines, breaks: &[f64]) -> Vec<f64> {
 }
 
 /// `x` with the digits that are written.
-pub fn fine(x: f64) -> f64 {
+pub fn written_digits(x: f64) -> f64 {
     (x * 1e10).round() / 1e10 + 0.0
 }
 
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn spans_follow_the_density_in_few_digits() {
-        let breaks = spread(&[-3.0, 0.0, 3.0], &[2.0, 2.0], 7, true);
+        let breaks = distribute(&[-3.0, 0.0, 3.0], &[2.0, 2.0], 7, true);
         assert_eq!(breaks.len(), 8);
         for (k, knot) in breaks.iter().enumerate() {
             assert_eq!(breaks[7 - k], -knot);
@@ -153,7 +153,7 @@ mod tests {
             assert!((mean * 1e3 - (mean * 1e3).round()).abs() < 1e-9, "{mean}");
         }
         // Three times as dense on the right.
-        let breaks = spread(&[0.0, 10.0, 20.0], &[0.1, 0.3], 40, false);
+        let breaks = distribute(&[0.0, 10.0, 20.0], &[0.1, 0.3], 40, false);
         assert_eq!(breaks.iter().filter(|&&knot| knot < 9.9).count(), 10);
     }
 
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn written_digits_have_no_minus_zero() {
-        assert_eq!(fine(-1e-11).to_bits(), 0.0f64.to_bits());
-        assert_eq!(fine(1.234_567_890_123), 1.234_567_890_1);
+        assert_eq!(written_digits(-1e-11).to_bits(), 0.0f64.to_bits());
+        assert_eq!(written_digits(1.234_567_890_123), 1.234_567_890_1);
     }
 }

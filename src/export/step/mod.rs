@@ -11,20 +11,21 @@
 //! - An annulus whose mirror is round is a surface of revolution, with true circles for rims and a
 //!   plane land; so is a disc so steep at its rim that a square would take too many control points.
 
-mod body;
+mod b_spline;
 mod border;
+mod brep;
 mod fit;
-mod ground;
 mod knots;
+mod parametric_surface;
 mod part21;
-mod rim;
-mod spline;
+mod rim_curve;
+mod topology;
 
-pub use fit::{Fit, fit};
+pub use fit::{FittedMirror, fit_splines};
 
 use super::Label;
 use crate::geom::{Border, DVec3};
-use part21::{Data, Id, list, quoted};
+use part21::{DataSection, InstanceId, list, quoted};
 use std::io::{self, Write};
 use thiserror::Error;
 
@@ -72,19 +73,19 @@ pub enum FitError {
     Chart,
 }
 
-/// Writes the body as STEP: what `fit` found of the mirror, with `stock` around it if there is any.
+/// Writes the body as STEP: what `fit` found of the mirror, with `border` around it if there is any.
 /// Lengths have the digits that matter, 1e-10 mm; nothing depends on the time or the machine.
 ///
 /// # Errors
 /// Whatever `out` returns, flushing included.
 pub fn write_step(
     out: &mut impl Write,
-    fit: &Fit,
-    stock: Option<&Border>,
+    fit: &FittedMirror,
+    border: Option<&Border>,
     label: &Label,
 ) -> io::Result<()> {
-    let mut data = Data::default();
-    product(&mut data, fit, stock, label);
+    let mut data = DataSection::default();
+    product(&mut data, fit, border, label);
     let description = [
         format!("Morion mirror: profile {}", label.profile),
         format!("sha256 {}", label.sha256),
@@ -110,7 +111,7 @@ pub fn write_step(
 }
 
 /// The product, its shape and the body.
-fn product(data: &mut Data, fit: &Fit, stock: Option<&Border>, label: &Label) {
+fn product(data: &mut DataSection, fit: &FittedMirror, border: Option<&Border>, label: &Label) {
     let name = quoted(&label.profile);
     let context = data.add("APPLICATION_CONTEXT('automotive design')");
     data.add(format_args!(
@@ -138,7 +139,7 @@ fn product(data: &mut Data, fit: &Fit, stock: Option<&Border>, label: &Label) {
          REPRESENTATION_CONTEXT('part','3D'))"
     ));
     let origin = data.placement(DVec3::ZERO, DVec3::Z, DVec3::X);
-    let body = body::body(data, fit, stock);
+    let body = brep::write_body(data, fit, border);
     let brep =
         data.add(format_args!("ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{body}),{space})"));
     data.add(format_args!("SHAPE_DEFINITION_REPRESENTATION({shape},{brep})"));
@@ -149,7 +150,7 @@ fn product(data: &mut Data, fit: &Fit, stock: Option<&Border>, label: &Label) {
 const MIRROR_COLOUR: &str = "0.55,0.75,0.95";
 
 /// Gives the mirror's faces a colour of their own.
-fn coloured(data: &mut Data, space: Id) {
+fn coloured(data: &mut DataSection, space: InstanceId) {
     let colour = data.add(format_args!("COLOUR_RGB('',{MIRROR_COLOUR})"));
     let fill = data.add(format_args!("FILL_AREA_STYLE_COLOUR('',{colour})"));
     let fill = data.add(format_args!("FILL_AREA_STYLE('',({fill}))"));
@@ -158,7 +159,7 @@ fn coloured(data: &mut Data, space: Id) {
     let usage = data.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,{side})"));
     let style = data.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT(({usage}))"));
     let faces = data.optical.clone();
-    let items: Vec<Id> = faces
+    let items: Vec<InstanceId> = faces
         .into_iter()
         .map(|face| data.add(format_args!("STYLED_ITEM('',({style}),{face})")))
         .collect();

@@ -5,7 +5,7 @@ use crate::support::builds::{self, SMALL, files, folder, morion, save, told};
 use crate::support::small_but;
 use morion::internals::design::design;
 use morion::internals::geom::{DVec2, DVec3};
-use morion::internals::machining::{Fillet, Gouge, corners, outlines};
+use morion::internals::machining::{Fillet, Gouge, bounding_corners, plan_outlines};
 use morion::internals::pipeline::{MachiningOptions, load};
 use morion::internals::report::Verdict;
 use serde_json::Value;
@@ -27,8 +27,12 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     let fillet = found.fillet.unwrap();
     // The root along each line against the closing of the mirror by the ball.
     let design = design(&profile, None).unwrap();
-    let gouge =
-        Gouge::new(&design.mirror, corners(&outlines(&design.mirror)), cutting.ball_mm, None);
+    let gouge = Gouge::new(
+        &design.mirror,
+        bounding_corners(&plan_outlines(&design.mirror)),
+        cutting.ball_mm,
+        None,
+    );
     let cells = gouge.left.iter().flatten().filter(|left| **left > 0.0).count();
     let area = cells as f64 * gouge.step * gouge.step;
     let exact = fillet.pixels * design.camera.pixel_mm * design.camera.pixel_mm;
@@ -129,7 +133,7 @@ fn a_ball_that_fits_nowhere_is_a_negative_verdict_with_its_map() {
 #[test]
 fn the_map_of_the_panoramic_mirror_is_that_of_brute_force() {
     let mirror = design(&load("panoramic").unwrap().profile, None).unwrap().mirror;
-    let rim = corners(&outlines(&mirror));
+    let rim = bounding_corners(&plan_outlines(&mirror));
     let (ball, fine) = (15.0f64, 0.1);
     let gouge = Gouge::new(&mirror, rim, ball, None);
     let [lo, hi] = rim;

@@ -5,7 +5,9 @@ use crate::support::builds::{self, SMALL, edited, folder, parsed};
 use crate::support::parts::case;
 use morion::internals::design::design;
 use morion::internals::geom::DVec2;
-use morion::internals::machining::{Passes, Raster, Survey, corners, outlines};
+use morion::internals::machining::{
+    BallRaster, Passes, SurfaceAnalysis, bounding_corners, plan_outlines,
+};
 use morion::internals::num::{cos, hypot, radians};
 use morion::internals::pipeline::{MachiningOptions, Silent, Source, load, machining};
 use morion::internals::report::Verdict;
@@ -20,8 +22,9 @@ fn the_cut_of_a_sphere_meets_its_closed_form_along_a_meridian() {
         let profile = given(DISC, &format!("radius_mm = {}, conic = 0", -rho));
         let mirror = design(&profile, None).unwrap().mirror;
         for angle in [0.0, 90.0] {
-            let raster = Raster { ball_mm: ball, stepover_mm: w, angle: radians(angle) };
-            let passes = Passes::new(&mirror, corners(&outlines(&mirror)), raster).unwrap();
+            let raster = BallRaster { ball_mm: ball, stepover_mm: w, angle: radians(angle) };
+            let passes =
+                Passes::new(&mirror, bounding_corners(&plan_outlines(&mirror)), raster).unwrap();
             let apex = mirror.extended_surface(DVec2::ZERO).at.z;
             for k in -100..=100 {
                 let y = 0.1 * f64::from(k);
@@ -142,10 +145,10 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
     let px = first.budget.stepover_for_px_mm.unwrap();
     let um = first.budget.stepover_for_scallop_mm.unwrap();
     let design = design(&profile, None).unwrap();
-    let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
+    let survey = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
     let angle = radians(first.angle_deg);
     let figures = |stepover_mm| {
-        survey.figures(&Raster { ball_mm: 1.0, stepover_mm, angle }).unwrap().unwrap()
+        survey.figures(&BallRaster { ball_mm: 1.0, stepover_mm, angle }).unwrap().unwrap()
     };
     assert!((figures(px).pixel_error_px.unwrap().p95 / 0.5 - 1.0).abs() < 1e-9);
     assert!((figures(um).scallop_um.value / 0.4 - 1.0).abs() < 1e-9);
@@ -167,8 +170,9 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
 fn the_best_direction_is_the_least_of_all_and_round_mirrors_have_none() {
     let profile = builds::parsed(SMALL);
     let design = design(&profile, None).unwrap();
-    let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
-    let raster = |angle_deg| Raster { ball_mm: 1.0, stepover_mm: 0.137, angle: radians(angle_deg) };
+    let survey = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
+    let raster =
+        |angle_deg| BallRaster { ball_mm: 1.0, stepover_mm: 0.137, angle: radians(angle_deg) };
     let figures = |angle_deg| survey.figures(&raster(angle_deg)).unwrap().unwrap();
     let rms = |angle_deg| figures(angle_deg).pixel_error_px.unwrap().rms;
     let best = survey.best_for_pixels(&raster(0.0)).unwrap();

@@ -12,7 +12,7 @@ use crate::support::shipped;
 use cases::{Case, cases, footprint, unmeshed};
 use morion::internals::design::design;
 use morion::internals::export::Label;
-use morion::internals::export::step::{Fit, FitError, fit, write_step};
+use morion::internals::export::step::{FitError, FittedMirror, fit_splines, write_step};
 use morion::internals::geom::{Chart, Contour, DVec2, DVec3, Outline};
 use morion::internals::mirror::Mirror;
 use morion::internals::profile::SagGrid;
@@ -47,11 +47,11 @@ fn label(name: &str) -> Label {
     }
 }
 
-fn fitted(case: &Case) -> Fit {
-    fit(&case.mirror).unwrap_or_else(|error| panic!("{}: {error}", case.name))
+fn fitted(case: &Case) -> FittedMirror {
+    fit_splines(&case.mirror).unwrap_or_else(|error| panic!("{}: {error}", case.name))
 }
 
-fn written(case: &Case, fit: &Fit) -> Vec<u8> {
+fn written(case: &Case, fit: &FittedMirror) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_step(&mut bytes, fit, case.stock.as_ref(), &label(&case.name)).unwrap();
     bytes
@@ -82,7 +82,7 @@ fn volume(case: &Case) -> f64 {
 }
 
 /// Whether the mirror is written as a surface of revolution.
-fn is_turned(fit: &Fit) -> bool {
+fn is_turned(fit: &FittedMirror) -> bool {
     fit.size()[1] == 1
 }
 
@@ -380,7 +380,7 @@ fn the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn the_header_survives_any_name() {
     let mirror = design(&shipped("parabolic"), None).unwrap().mirror;
-    let fit = fit(&mirror).unwrap();
+    let fit = fit_splines(&mirror).unwrap();
     let name = format!("it's a\\b\n*/ENDSEC; \u{e9} {}", "long ".repeat(99));
     let mut bytes = Vec::new();
     write_step(&mut bytes, &fit, None, &label(&name)).unwrap();
@@ -414,12 +414,12 @@ const GRID: &str = "camera.orthographic.pixels = [96, 96]\nmirror.grid.file = \"
 fn a_rough_grid_is_met_on_its_own_knots_and_a_smooth_one_on_fewer() {
     let mut draws = Draws::new(3);
     let rough = heights(41, 30.0, |_| draws.unit());
-    let found = fit(&design(&unmeshed(GRID), Some(&rough)).unwrap().mirror).unwrap();
+    let found = fit_splines(&design(&unmeshed(GRID), Some(&rough)).unwrap().mirror).unwrap();
     // Forty steps across 60 mm, of which 45 mm are thirty; and three more coefficients.
     assert_eq!(found.size(), [43, 33]);
     assert!(found.error_mm < 1e-9);
     let smooth = heights(241, 30.0, |q| -0.01 * q.length_squared());
-    let found = fit(&design(&unmeshed(GRID), Some(&smooth)).unwrap().mirror).unwrap();
+    let found = fit_splines(&design(&unmeshed(GRID), Some(&smooth)).unwrap().mirror).unwrap();
     assert!(found.size().iter().all(|&n| n < 20) && found.error_mm < 2e-6, "{:?}", found.size());
 }
 
@@ -428,7 +428,7 @@ fn what_no_reasonable_spline_meets_is_refused_with_what_was_reached() {
     let mut draws = Draws::new(5);
     let rough = heights(601, 30.0, |_| 0.01 * draws.unit());
     let mirror = design(&unmeshed(GRID), Some(&rough)).unwrap().mirror;
-    match fit(&mirror) {
+    match fit_splines(&mirror) {
         Err(FitError::Rough { reached_mm, spans: [400, 400] }) => {
             assert!((1e-4..1e-2).contains(&reached_mm), "{reached_mm}");
         }
@@ -441,5 +441,5 @@ fn a_round_mirror_that_hangs_over_is_refused() {
     // Seen from near by, the rim of a steep bowl lies under what is further in.
     let mirror = design(&shipped("hyperbolic"), None).unwrap().mirror;
     let near = Mirror { chart: Chart { vergence: 0.06, ..mirror.chart }, ..mirror };
-    assert_eq!(fit(&near).err(), Some(FitError::Overhang));
+    assert_eq!(fit_splines(&near).err(), Some(FitError::Overhang));
 }

@@ -4,7 +4,7 @@ use super::{engine, fixed, spec, usual, with_map};
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
-use morion::internals::machining::{Raster, Survey};
+use morion::internals::machining::{BallRaster, SurfaceAnalysis};
 use morion::internals::mirror::{BicubicSpline, Knots};
 use morion::internals::num::random::Stream;
 use morion::internals::num::{cos, radians, sin};
@@ -235,9 +235,9 @@ fn tracks_displace_as_scallops_do() {
         let source = fixed(Perturbation::Stepover, stepover_mm);
         let asked = ToleranceSpec { samples: 2000, ..spec(vec![source], &[]) };
         let found = engine(&design, asked).pointwise().variance(&source).sqrt();
-        let survey = Survey::new(&design.mirror, &design.camera, design.view.as_ref());
+        let survey = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
         // Tracks that follow each other along Y run along X.
-        let raster = Raster { ball_mm: texture.ball_radius_mm, stepover_mm, angle: 0.0 };
+        let raster = BallRaster { ball_mm: texture.ball_radius_mm, stepover_mm, angle: 0.0 };
         let foreseen = survey.figures(&raster).unwrap().unwrap().pixel_error_px.unwrap().rms;
         // (The samples stay away from the rim, where scallops do most.)
         assert!((0.9..1.02).contains(&(found / foreseen)), "{name}: {found} {foreseen}");

@@ -1,7 +1,7 @@
 //! The whole face before a raster: how steep and hollow it is, what scallops do to its pixels, which
 //! direction is best, and which stepover keeps a budget.
 
-use super::{MachiningError, Raster, Scallop, touches};
+use super::{BallRaster, MachiningError, Scallop, touches};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{LocalSurface, Mirror, Surface};
 use crate::num::stats::Summary;
@@ -30,7 +30,7 @@ pub struct Extreme {
 
 /// What a raster leaves on the unpolished face.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Figures {
+pub struct ScallopFigures {
     /// Highest scallop, square to the mirror, um.
     pub scallop_um: Extreme,
     /// Error of the slope in the plan, root of the mean square over the pixels; no number without any.
@@ -48,7 +48,7 @@ pub struct Figures {
 
 /// The best direction of a raster by one measure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Direction {
+pub struct RasterDirection {
     /// From X towards Y, degrees in 0..180.
     pub angle_deg: f64,
     /// The measure there over that of the worst direction.
@@ -57,7 +57,7 @@ pub struct Direction {
     pub any: bool,
 }
 
-impl Direction {
+impl RasterDirection {
     /// Of a mirror that has no best direction.
     const ANY: Self = Self { angle_deg: 0.0, of_worst: 1.0, any: true };
 }
@@ -71,14 +71,14 @@ struct Pixel {
 
 /// A mirror's face, sampled.
 #[derive(Debug, Clone)]
-pub struct Survey<'a> {
+pub struct SurfaceAnalysis<'a> {
     mirror: &'a Mirror,
     face: Vec<(DVec2, LocalSurface)>,
     pixels: Vec<Pixel>,
     projected: bool,
 }
 
-impl<'a> Survey<'a> {
+impl<'a> SurfaceAnalysis<'a> {
     /// Samples the face, rim included, and every few of the camera's pixels that see it.
     #[must_use]
     pub fn new(mirror: &'a Mirror, camera: &Camera, view: Option<&ImagingTask>) -> Self {
@@ -158,8 +158,8 @@ impl<'a> Survey<'a> {
     /// # Errors
     /// [`MachiningError::Apart`] when somewhere the lines are farther apart than the ball's radius (there
     /// scallops are no small errors).
-    pub fn figures(&self, raster: &Raster) -> Result<Option<Figures>, MachiningError> {
-        let Raster { ball_mm, stepover_mm, .. } = *raster;
+    pub fn figures(&self, raster: &BallRaster) -> Result<Option<ScallopFigures>, MachiningError> {
+        let BallRaster { ball_mm, stepover_mm, .. } = *raster;
         for (place, scallop) in self.face.iter().filter_map(|(_, place)| self.cut(place, raster)) {
             let apart_mm = scallop.apart * stepover_mm;
             if !(apart_mm <= scallop.radius_mm) {
@@ -180,7 +180,7 @@ impl<'a> Survey<'a> {
         let pixels_unbounded = if self.projected { pixels - displacements.len() } else { 0 };
         let (slope_rms, slope_max) =
             spread(slopes).map_or((f64::NAN, f64::NAN), |slopes| (slopes.rms, slopes.max));
-        Ok(Some(Figures {
+        Ok(Some(ScallopFigures {
             scallop_um: Extreme { value: 1e3 * highest, at_mm: place.at.to_array() },
             slope_rms,
             slope_max,
@@ -192,23 +192,23 @@ impl<'a> Survey<'a> {
 
     /// The direction whose root mean square of the pixel error is least; none without a projection.
     #[must_use]
-    pub fn best_for_pixels(&self, raster: &Raster) -> Option<Direction> {
+    pub fn best_for_pixels(&self, raster: &BallRaster) -> Option<RasterDirection> {
         let measure = |angle: f64| {
-            let all = self.displacements(&Raster { angle, ..*raster });
+            let all = self.displacements(&BallRaster { angle, ..*raster });
             (all.iter().map(|a| a * a).sum::<f64>() / all.len() as f64).sqrt()
         };
         let known = self.projected && !self.pixels.is_empty();
-        known.then(|| if self.round() { Direction::ANY } else { best(measure) })
+        known.then(|| if self.round() { RasterDirection::ANY } else { best(measure) })
     }
 
     /// The direction whose highest scallop is least.
     #[must_use]
-    pub fn best_for_height(&self, raster: &Raster) -> Direction {
+    pub fn best_for_height(&self, raster: &BallRaster) -> RasterDirection {
         if self.round() {
-            return Direction::ANY;
+            return RasterDirection::ANY;
         }
         best(|angle| {
-            let raster = Raster { angle, ..*raster };
+            let raster = BallRaster { angle, ..*raster };
             let all = self.face.iter().filter_map(|(_, place)| self.cut(place, &raster));
             // Heights grow with W^2 / r.
             all.map(|(_, s)| s.apart * s.apart / s.radius_mm).fold(0.0, f64::max)
@@ -218,7 +218,7 @@ impl<'a> Survey<'a> {
     /// The stepover at which 95 % of the pixels and slopes are displaced by no more than `budget_px`, mm.
     /// Displacements are proportional to the stepover. No more than the ball allows.
     #[must_use]
-    pub fn stepover_for_pixels(&self, raster: &Raster, budget_px: f64) -> Option<f64> {
+    pub fn stepover_for_pixels(&self, raster: &BallRaster, budget_px: f64) -> Option<f64> {
         let p95 = spread(self.displacements(raster))?.p95;
         Some((raster.stepover_mm * budget_px / p95).min(self.widest_mm(raster)))
     }
@@ -226,7 +226,7 @@ impl<'a> Survey<'a> {
     /// The largest stepover whose scallops are no higher than `height_mm` anywhere, mm; no more than the
     /// ball allows.
     #[must_use]
-    pub fn stepover_for_height(&self, raster: &Raster, height_mm: f64) -> Option<f64> {
+    pub fn stepover_for_height(&self, raster: &BallRaster, height_mm: f64) -> Option<f64> {
         let (least, _) = self.largest(|place| {
             let scallop = self.cut(place, raster);
             scallop.map_or(f64::NEG_INFINITY, |(_, s)| -s.stepover_mm(height_mm))
@@ -236,7 +236,7 @@ impl<'a> Survey<'a> {
 
     /// The largest stepover that [`Self::figures`] takes, mm.
     #[must_use]
-    pub fn widest_mm(&self, raster: &Raster) -> f64 {
+    pub fn widest_mm(&self, raster: &BallRaster) -> f64 {
         let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         all.map(|(_, s)| s.radius_mm / s.apart).fold(raster.ball_mm, f64::min)
     }
@@ -244,7 +244,7 @@ impl<'a> Survey<'a> {
     /// How far neighbouring points along the lines may be for a chord's slope to be off by no more than
     /// `share` of the scallops' own, mm.
     #[must_use]
-    pub fn along_mm(&self, raster: &Raster, share: f64) -> f64 {
+    pub fn along_mm(&self, raster: &BallRaster, share: f64) -> f64 {
         let along = raster.along();
         let all = self.face.iter().filter_map(|(_, place)| self.cut(place, raster));
         let steps = all.map(|(place, scallop)| {
@@ -264,7 +264,7 @@ impl<'a> Survey<'a> {
     fn cut<'b>(
         &self,
         place: &'b LocalSurface,
-        raster: &Raster,
+        raster: &BallRaster,
     ) -> Option<(&'b LocalSurface, Scallop)> {
         let fits = touches(self.mirror, place, raster.ball_mm);
         let scallop = fits.then(|| Scallop::new(place, raster.ball_mm, raster.along()))??;
@@ -272,7 +272,7 @@ impl<'a> Survey<'a> {
     }
 
     /// The largest displacement that the scallops cause in each pixel that has a finite one, pixels.
-    fn displacements(&self, raster: &Raster) -> Vec<f64> {
+    fn displacements(&self, raster: &BallRaster) -> Vec<f64> {
         let across = raster.along().perp();
         self.over_pixels(raster, |pixel, scallop| {
             let [x, y] = pixel.moves?;
@@ -282,7 +282,7 @@ impl<'a> Survey<'a> {
 
     fn over_pixels(
         &self,
-        raster: &Raster,
+        raster: &BallRaster,
         of: impl Fn(&Pixel, &Scallop) -> Option<f64>,
     ) -> Vec<f64> {
         let value = |pixel: &Pixel| {
@@ -335,13 +335,13 @@ fn spread(largest: Vec<f64>) -> Option<Summary> {
 }
 
 /// The direction where `measure` is least: the best of many, refined between its neighbours.
-fn best(measure: impl Fn(f64) -> f64 + Sync) -> Direction {
+fn best(measure: impl Fn(f64) -> f64 + Sync) -> RasterDirection {
     let angle = |k: usize| radians(180.0 * k as f64 / DIRECTIONS as f64);
     let all = parallel::map(DIRECTIONS, 1, |k| measure(angle(k)));
     let least = (1..DIRECTIONS).fold(0, |least, k| if all[k] < all[least] { k } else { least });
     let worst = all.iter().copied().fold(0.0, f64::max);
     if !(all[least] < (1.0 - SAME) * worst) {
-        return Direction::ANY;
+        return RasterDirection::ANY;
     }
     let step = angle(1);
     let (mut at, mut value) = (angle(least), all[least]);
@@ -355,7 +355,7 @@ fn best(measure: impl Fn(f64) -> f64 + Sync) -> Direction {
         }
     }
     let turned = degrees(at).rem_euclid(180.0);
-    Direction { angle_deg: turned, of_worst: value / worst, any: false }
+    RasterDirection { angle_deg: turned, of_worst: value / worst, any: false }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Round rims: closed curves on a spline.
 
 use super::FitError;
-use super::knots::fine;
-use super::spline::{Axis, Net};
+use super::b_spline::{BSplineSurface, KnotVector};
+use super::knots::written_digits;
 use crate::geom::{DVec2, DVec3};
 use crate::num::{atan2, cos, sin};
 use std::f64::consts::PI;
@@ -19,27 +19,27 @@ const PARTS: usize = 5;
 
 /// A closed cubic spline over the angle from the X axis, 0 to 2 pi.
 #[derive(Debug, Clone)]
-pub struct Rim {
+pub struct RimCurve {
     /// Its knots.
-    pub angles: Axis,
+    pub angles: KnotVector,
     /// Its control points; the last is the first.
     pub points: Vec<DVec3>,
 }
 
-impl Rim {
+impl RimCurve {
     /// The direction at `angle` from the X axis.
-    pub fn way(angle: f64) -> DVec2 {
+    pub fn direction(angle: f64) -> DVec2 {
         DVec2::new(cos(angle), sin(angle))
     }
 
     /// The curve on `net`, whose parameters are X and Y, over the circle of radius `rho`.
-    pub fn new(net: &Net, rho: f64) -> Result<Self, FitError> {
-        let at = |angle: f64| net.at(Self::way(angle) * rho);
+    pub fn new(net: &BSplineSurface, rho: f64) -> Result<Self, FitError> {
+        let at = |angle: f64| net.at(Self::direction(angle) * rho);
         let mut breaks = crossings(net, rho);
         let start = at(0.0);
         let mut worst = f64::NAN;
         for _ in 0..ROUNDS {
-            let angles = Axis::new(&breaks);
+            let angles = KnotVector::new(&breaks);
             let samples: Vec<f64> =
                 angles.sites().iter().flat_map(|&angle| at(angle).to_array()).collect();
             let found = angles.fit(3, &samples);
@@ -47,10 +47,12 @@ impl Rim {
                 found.chunks_exact(3).map(|p| DVec3::new(p[0], p[1], p[2])).collect();
             let last = points.len() - 1;
             (points[0], points[last]) = (start, start);
-            points.iter_mut().for_each(|p| *p = DVec3::from_array(p.to_array().map(fine)));
+            points
+                .iter_mut()
+                .for_each(|p| *p = DVec3::from_array(p.to_array().map(written_digits)));
             let rim = Self { angles, points };
             let off = |&angle: &f64| (rim.at(angle) - at(angle)).length();
-            let offs: Vec<f64> = rim.angles.between(PARTS).iter().map(off).collect();
+            let offs: Vec<f64> = rim.angles.interior_points(PARTS).iter().map(off).collect();
             let offs: Vec<f64> =
                 offs.chunks(PARTS).map(|offs| offs.iter().copied().fold(0.0, f64::max)).collect();
             worst = offs.iter().copied().fold(0.0, f64::max);
@@ -58,7 +60,7 @@ impl Rim {
                 return Ok(rim);
             }
             let parts = |off: f64| (1.1 * (off / LIMIT_MM).sqrt().sqrt()).ceil().clamp(1.0, 8.0);
-            breaks = divided(&breaks, |k| parts(offs[k]) as usize);
+            breaks = subdivide(&breaks, |k| parts(offs[k]) as usize);
         }
         Err(FitError::Rim { off_mm: worst })
     }
@@ -71,7 +73,7 @@ impl Rim {
 }
 
 /// The angles at which the circle crosses knots, so that the spline over it is smooth between.
-fn crossings(net: &Net, rho: f64) -> Vec<f64> {
+fn crossings(net: &BSplineSurface, rho: f64) -> Vec<f64> {
     let other = |x: f64| (rho * rho - x * x).sqrt();
     let [u, v] = net.axes.each_ref().map(|axis| axis.breaks().iter().filter(|x| x.abs() < rho));
     let on_u = u.flat_map(|&x| [DVec2::new(x, other(x)), DVec2::new(x, -other(x))]);
@@ -91,11 +93,11 @@ fn crossings(net: &Net, rho: f64) -> Vec<f64> {
     breaks.push(2.0 * PI);
     let most = 2.0 * PI / LEAST_SPANS as f64;
     let lengths: Vec<f64> = breaks.windows(2).map(|ends| ends[1] - ends[0]).collect();
-    divided(&breaks, |k| (lengths[k] / most).ceil() as usize)
+    subdivide(&breaks, |k| (lengths[k] / most).ceil() as usize)
 }
 
 /// `breaks` with every span divided.
-fn divided(breaks: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
+fn subdivide(breaks: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut all = Vec::new();
     for (k, ends) in breaks.windows(2).enumerate() {
         let n = parts(k);
@@ -113,7 +115,7 @@ mod tests {
     #[test]
     fn a_rim_lies_on_a_rough_surface_and_on_its_cylinder() {
         let breaks: Vec<f64> = (0..=14).map(|k| f64::from(k) * 1.5 - 10.5).collect();
-        let axis = Axis::new(&breaks);
+        let axis = KnotVector::new(&breaks);
         let (across, count) = (axis.greville(), axis.count());
         let points = (0..count * count)
             .map(|k| {
@@ -121,8 +123,8 @@ mod tests {
                 DVec2::new(across[k / count], across[k % count]).extend(5.0 + bump)
             })
             .collect();
-        let net = Net { axes: [axis.clone(), axis], points };
-        let rim = Rim::new(&net, 10.0).unwrap();
+        let net = BSplineSurface { axes: [axis.clone(), axis], points };
+        let rim = RimCurve::new(&net, 10.0).unwrap();
         assert_eq!(rim.points[0], rim.points[rim.points.len() - 1]);
         for k in 0..=5000 {
             let p = rim.at(2.0 * PI * f64::from(k) / 5000.0);

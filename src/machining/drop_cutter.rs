@@ -92,7 +92,7 @@ pub(super) struct Contact {
 }
 
 /// A mirror under a ball, with the nodes of a search.
-pub(super) struct Ground<'a> {
+pub(super) struct DropCutter<'a> {
     pub mirror: &'a Mirror,
     pub ball_mm: f64,
     /// Distance of the grid's nodes, mm.
@@ -107,7 +107,7 @@ pub(super) struct Ground<'a> {
     rim: Vec<(Vec<DVec3>, usize, bool)>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> DropCutter<'a> {
     /// A grid of `size` nodes, `step` apart from `first` on, over `mirror`.
     pub fn new(
         mirror: &'a Mirror,
@@ -250,7 +250,7 @@ impl<'a> Ground<'a> {
     /// The tops under a ball over `c`, the highest first.
     pub fn contacts(&self, c: DVec2) -> Vec<Contact> {
         let seeds = self.seeds(c);
-        let climbed = seeds.iter().take(TOPS).filter_map(|(_, seed)| self.climbed(c, seed));
+        let climbed = seeds.iter().take(TOPS).filter_map(|(_, seed)| self.ascend(c, seed));
         let mut all: Vec<Contact> = climbed.collect();
         all.sort_by(|a, b| b.top.total_cmp(&a.top));
         let mut apart: Vec<Contact> = Vec::new();
@@ -264,7 +264,7 @@ impl<'a> Ground<'a> {
     }
 
     /// The top next to `seed` under a ball over `c`; none out of its reach.
-    pub fn climbed(&self, c: DVec2, seed: &Seed) -> Option<Contact> {
+    pub fn ascend(&self, c: DVec2, seed: &Seed) -> Option<Contact> {
         let Seed { mut spot, reflected } = *seed;
         let own = flipped(c.extend(0.0), reflected).truncate();
         let mut found = None;

@@ -6,7 +6,7 @@
 //! Then the rows are bent onto the cusps, but for their ends and those that the outline needs.
 
 use super::cusps::{Cusps, straighten};
-use super::{MachiningError, Passes, Raster};
+use super::{BallRaster, MachiningError, Passes};
 use crate::geom::{DVec2, Outline, TriMesh, turn};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
@@ -27,7 +27,7 @@ type Loop = Vec<DVec2>;
 
 /// The outlines of the panels of `mirror` in X and Y, counter-clockwise, each with its hole if it has one.
 #[must_use]
-pub fn outlines(mirror: &Mirror) -> Vec<Vec<Loop>> {
+pub fn plan_outlines(mirror: &Mirror) -> Vec<Vec<Loop>> {
     let place = |q: DVec2| mirror.extended_surface(q).at.truncate();
     let panel: Vec<Loop> = match mirror.outline {
         Outline::Rect(rect) => {
@@ -64,7 +64,7 @@ pub fn outlines(mirror: &Mirror) -> Vec<Vec<Loop>> {
 
 /// The smallest rectangle around outlines: its lower left and upper right corner.
 #[must_use]
-pub fn corners(outlines: &[Vec<Loop>]) -> [DVec2; 2] {
+pub fn bounding_corners(outlines: &[Vec<Loop>]) -> [DVec2; 2] {
     let all = outlines.iter().flatten().flatten();
     let (lo, hi) = all.fold((DVec2::MAX, DVec2::MIN), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     [lo, hi]
@@ -85,7 +85,7 @@ struct Rows {
 
 /// How many facets a lattice of this step along the lines would have, about.
 #[must_use]
-pub fn facets(outlines: &[Vec<Loop>], raster: &Raster, along_mm: f64) -> f64 {
+pub fn facet_estimate(outlines: &[Vec<Loop>], raster: &BallRaster, along_mm: f64) -> f64 {
     let area = |side: &Loop| {
         let next = side.iter().cycle().skip(1);
         side.iter().zip(next).map(|(a, b)| 0.5 * a.perp_dot(*b)).sum::<f64>()
@@ -98,7 +98,7 @@ pub fn facets(outlines: &[Vec<Loop>], raster: &Raster, along_mm: f64) -> f64 {
 ///
 /// # Errors
 /// [`MachiningError::Uncut`] where no pass comes.
-pub fn face(
+pub fn as_cut_face(
     outlines: &[Vec<Loop>],
     passes: &Passes,
     along_mm: f64,
@@ -113,7 +113,7 @@ pub fn face(
     let rows = rows(&mut panels, raster.stepover_mm / ROWS as f64);
     let places: Vec<Vec<f64>> = (0..rows.y.len()).map(|k| places(&rows, k, along_mm)).collect();
     let triangles = triangles(&rows, &places);
-    let cusps = Cusps::new(passes, corners(&panels), along_mm);
+    let cusps = Cusps::new(passes, bounding_corners(&panels), along_mm);
     let levels = rows.y.iter().zip(&places);
     let straight: Vec<f64> = levels.flat_map(|(&y, line)| vec![y; line.len()]).collect();
     let mut y: Vec<f64> =
@@ -359,10 +359,10 @@ mod tests {
         (area, edges.values().filter(|&&n| n != 0).count())
     }
 
-    fn meshed(mirror: &Mirror, raster: Raster) -> TriMesh {
-        let outlines = outlines(mirror);
-        let passes = Passes::new(mirror, corners(&outlines), raster).unwrap();
-        face(&outlines, &passes, 0.9).unwrap()
+    fn meshed(mirror: &Mirror, raster: BallRaster) -> TriMesh {
+        let outlines = plan_outlines(mirror);
+        let passes = Passes::new(mirror, bounding_corners(&outlines), raster).unwrap();
+        as_cut_face(&outlines, &passes, 0.9).unwrap()
     }
 
     #[test]
@@ -375,7 +375,7 @@ mod tests {
             for degrees in [0.0, 90.0, 45.0, 17.0, 1e-5] {
                 let mut mirror = quadric([-0.02, 0.0, -0.01], 0.0);
                 mirror.outline = outline.unwrap_or(mirror.outline);
-                let raster = Raster { ball_mm: 3.0, stepover_mm: 0.8, angle: radians(degrees) };
+                let raster = BallRaster { ball_mm: 3.0, stepover_mm: 0.8, angle: radians(degrees) };
                 let mesh = meshed(&mirror, raster);
                 let (area, rim) = plan(&mesh);
                 let exact = mirror.outline.area();
@@ -396,7 +396,7 @@ mod tests {
                 if let (true, Outline::Rect(rect)) = (folded, &mut mirror.outline) {
                     rect.min.y = 0.0;
                 }
-                let raster = Raster { ball_mm: 3.0, stepover_mm: 0.8, angle: radians(degrees) };
+                let raster = BallRaster { ball_mm: 3.0, stepover_mm: 0.8, angle: radians(degrees) };
                 let mesh = meshed(&mirror, raster);
                 let (area, rim) = plan(&mesh);
                 let exact = mirror.footprint();

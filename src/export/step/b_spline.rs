@@ -10,12 +10,12 @@ const LOBATTO: [(f64, f64); 3] =
 
 /// The knots of cubic splines of one variable.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct KnotVector {
     /// The inner ones once, both ends four times.
     knots: Vec<f64>,
 }
 
-impl Axis {
+impl KnotVector {
     /// The axis that breaks at `breaks`, two of them or more in rising order, ends included.
     pub fn new(breaks: &[f64]) -> Self {
         let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
@@ -75,7 +75,7 @@ impl Axis {
     }
 
     /// `parts` places in every span, between its ends.
-    pub fn between(&self, parts: usize) -> Vec<f64> {
+    pub fn interior_points(&self, parts: usize) -> Vec<f64> {
         let at = |ends: &[f64], k: usize| {
             ends[0] + (ends[1] - ends[0]) * ((k as f64 + 0.5) / parts as f64)
         };
@@ -133,17 +133,17 @@ fn solve(a: &mut [[f64; 4]], lanes: usize, x: &mut [f64]) {
 
 /// A bicubic surface.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Net {
+pub struct BSplineSurface {
     /// The knots along u and along v.
-    pub axes: [Axis; 2],
+    pub axes: [KnotVector; 2],
     /// The control points, all v for the first u, then for the next.
     pub points: Vec<DVec3>,
 }
 
-impl Net {
+impl BSplineSurface {
     /// The coefficients of the spline nearest to a function of which `samples` has a row of values
     /// along u's sites for each of v's sites; in the order of [`Net::points`].
-    pub fn fit([u, v]: [&Axis; 2], samples: &[f64]) -> Vec<f64> {
+    pub fn fit([u, v]: [&KnotVector; 2], samples: &[f64]) -> Vec<f64> {
         let sites = samples.len() / v.sites().len();
         let along_v = v.fit(sites, samples);
         let turned: Vec<f64> =
@@ -152,7 +152,7 @@ impl Net {
     }
 
     /// The control points for the k-th u.
-    pub fn line(&self, k: usize) -> &[DVec3] {
+    pub fn control_row(&self, k: usize) -> &[DVec3] {
         let count = self.axes[1].count();
         &self.points[k * count..][..count]
     }
@@ -160,7 +160,7 @@ impl Net {
     /// The surface at one point of its domain.
     pub fn at(&self, q: DVec2) -> DVec3 {
         let ((i, a), (j, b)) = (self.axes[0].basis(q.x), self.axes[1].basis(q.y));
-        (0..4).map(|k| a[k] * sum(self.line(i + k), j, &b)).sum()
+        (0..4).map(|k| a[k] * sum(self.control_row(i + k), j, &b)).sum()
     }
 
     /// The surface at all of `us` for each of `vs`.
@@ -169,7 +169,8 @@ impl Net {
         let along_u: Vec<_> = us.iter().map(|&x| u.basis(x)).collect();
         let row = |&y: &f64| {
             let (j, b) = v.basis(y);
-            let line: Vec<DVec3> = (0..u.count()).map(|i| sum(self.line(i), j, &b)).collect();
+            let line: Vec<DVec3> =
+                (0..u.count()).map(|i| sum(self.control_row(i), j, &b)).collect();
             along_u.iter().map(|(i, a)| sum(&line, *i, a)).collect()
         };
         parallel::map_slice(vs, 1, row)
@@ -186,12 +187,12 @@ mod tests {
     use super::*;
     use crate::num::{cos, exp};
 
-    fn uneven(spans: usize) -> Axis {
+    fn uneven(spans: usize) -> KnotVector {
         let breaks: Vec<f64> = (0..=spans)
             .map(|k| k as f64 / spans as f64)
             .map(|t| 3.0 * t + 0.4 * t * t - 1.0)
             .collect();
-        Axis::new(&breaks)
+        KnotVector::new(&breaks)
     }
 
     #[test]
@@ -214,7 +215,7 @@ mod tests {
         let axis = uneven(7);
         let samples: Vec<f64> = axis.sites().into_iter().flat_map(cubic).collect();
         let found = axis.fit(2, &samples);
-        for u in axis.between(5) {
+        for u in axis.interior_points(5) {
             let (first, b) = axis.basis(u);
             for (lane, exact) in cubic(u).into_iter().enumerate() {
                 let value: f64 = (0..4).map(|k| b[k] * found[2 * (first + k) + lane]).sum();
@@ -231,10 +232,10 @@ mod tests {
             let sites = u.sites();
             let samples: Vec<f64> =
                 v.sites().iter().flat_map(|&y| sites.iter().map(move |&x| f(x, y))).collect();
-            let z = Net::fit([&u, &v], &samples);
+            let z = BSplineSurface::fit([&u, &v], &samples);
             let points = z.into_iter().map(|z| DVec3::new(0.0, 0.0, z)).collect();
-            let (us, vs) = (u.between(7), v.between(7));
-            let net = Net { axes: [u, v], points };
+            let (us, vs) = (u.interior_points(7), v.interior_points(7));
+            let net = BSplineSurface { axes: [u, v], points };
             let mut worst = 0.0f64;
             for (row, &y) in net.grid(&us, &vs).iter().zip(&vs) {
                 for (p, &x) in row.iter().zip(&us) {

@@ -6,7 +6,7 @@
 //! of their largest: where one is flat, on the line where two are equal, or where three are. Tops that a step
 //! turned out to pass over stay as points that the ball may not sink below.
 
-use super::contact::{Contact, Ground, lower_side, positive, solved};
+use super::drop_cutter::{Contact, DropCutter, lower_side, positive, solved};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Hessian;
 
@@ -35,7 +35,7 @@ impl Cut {
 
 /// Z of the lowest ball's lower side over `p`, mm, from a centre over `start` on. Whatever is returned, a ball comes as
 /// low without cutting into the ground.
-pub(super) fn lowest(ground: &Ground, p: DVec2, start: DVec2) -> f64 {
+pub(super) fn closing_height(ground: &DropCutter, p: DVec2, start: DVec2) -> f64 {
     let square = ground.ball_mm * ground.ball_mm;
     let laid = |c: DVec2| {
         let tops = ground.contacts(c);
@@ -66,7 +66,7 @@ pub(super) fn lowest(ground: &Ground, p: DVec2, start: DVec2) -> f64 {
 
 /// Steps downwards from a centre with its tops: the centre that these and `points` allow, and the height over `p`.
 fn descended(
-    ground: &Ground,
+    ground: &DropCutter,
     p: DVec2,
     (mut c, mut tops): (DVec2, Vec<Contact>),
     points: &mut Vec<DVec3>,
@@ -116,7 +116,7 @@ fn descended(
         }
         let next = c + d;
         let tried: Vec<Contact> =
-            tops.iter().filter_map(|top| ground.climbed(next, &top.seed)).collect();
+            tops.iter().filter_map(|top| ground.ascend(next, &top.seed)).collect();
         let value = height(next, &tried, points);
         if value < best {
             if best - value < 0.25 * (best - foreseen) {

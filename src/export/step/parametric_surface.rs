@@ -18,45 +18,45 @@ const MARGIN: f64 = 1.02;
 const STEPS: usize = 4096;
 
 /// A mirror's designed panel, wherever a spline wants it.
-pub struct Ground<'a> {
+pub struct ParametricSurface<'a> {
     mirror: &'a Mirror,
     /// The parameters' domain.
     pub domain: Rect,
     /// Inner and outer radius in the part frame of a round mirror.
     pub ring: Option<[f64; 2]>,
     /// The round part, if there is one.
-    radial: Option<Radial>,
+    radial: Option<RadialProfile>,
     /// Whether it is even in x and in y.
     pub even: [bool; 2],
 }
 
 /// A round surface: out to its rim, and what continues it.
-struct Radial {
+struct RadialProfile {
     /// Heights and slopes at even steps of the radius.
     table: Vec<(f64, f64)>,
     from: f64,
     step: f64,
-    outside: Beyond,
+    outside: TaylorContinuation,
 }
 
 /// A polynomial in the distance of t = rho^2 from that of the rim.
-struct Beyond {
+struct TaylorContinuation {
     rho: f64,
     /// Coefficients, of the constant term first.
-    powers: [f64; Beyond::TERMS],
+    powers: [f64; TaylorContinuation::TERMS],
 }
 
-impl<'a> Ground<'a> {
+impl<'a> ParametricSurface<'a> {
     /// The panel of `mirror`.
     pub fn new(mirror: &'a Mirror) -> Result<Self, FitError> {
-        let mut ground = Self {
+        let mut surface = Self {
             mirror,
             domain: mirror.outline.bounds(),
             ring: None,
             radial: None,
             even: mirror.mirror_symmetric,
         };
-        let Outline::Ring { inner, outer } = mirror.outline else { return Ok(ground) };
+        let Outline::Ring { inner, outer } = mirror.outline else { return Ok(surface) };
         let out = |r: f64| {
             let q = DVec2::new(r, 0.0);
             mirror.position(q, &mirror.surface.at(q)).x
@@ -66,15 +66,15 @@ impl<'a> Ground<'a> {
             _ if mirror.chart.vergence != 0.0 => return Err(FitError::Chart),
             _ => [inner, outer],
         };
-        ground.ring = Some(ring);
-        ground.domain = Outline::Ring { inner: 0.0, outer: rounded_up(ring[1] * MARGIN) }.bounds();
+        surface.ring = Some(ring);
+        surface.domain = Outline::Ring { inner: 0.0, outer: rounded_up(ring[1] * MARGIN) }.bounds();
         if matches!(mirror.surface, Surface::Round(_)) {
-            ground.even = [true; 2];
+            surface.even = [true; 2];
         }
         if matches!(mirror.surface, Surface::Round(_) | Surface::Sum(..)) {
-            ground.radial = Some(ground.radial(ring)?);
+            surface.radial = Some(surface.radial(ring)?);
         }
-        Ok(ground)
+        Ok(surface)
     }
 
     /// Whether X and Y are the parameters themselves.
@@ -113,22 +113,22 @@ impl<'a> Ground<'a> {
     }
 
     /// The round part; that of a sum is smooth inside an annulus too.
-    fn radial(&self, [inner, rim]: [f64; 2]) -> Result<Radial, FitError> {
+    fn radial(&self, [inner, rim]: [f64; 2]) -> Result<RadialProfile, FitError> {
         let from = if self.is_round() { inner } else { 0.0 };
         let step = (rim - from) / STEPS as f64;
         let at = |rho: f64| self.radius(rho).ok_or(FitError::Overhang);
         let at_step = |k: usize| self.radius(from + step * k as f64);
         let inwards = -0.02 * (rim - from) * (rim + from);
-        let mut slopes = [at(rim)?.1 / (2.0 * rim); Beyond::TERMS - 1];
+        let mut slopes = [at(rim)?.1 / (2.0 * rim); TaylorContinuation::TERMS - 1];
         for (k, slope) in slopes.iter_mut().enumerate().skip(1) {
             let rho = (rim * rim + inwards * k as f64).sqrt();
             *slope = at(rho)?.1 / (2.0 * rho);
         }
-        Ok(Radial {
+        Ok(RadialProfile {
             table: parallel::try_map(STEPS + 1, 1, at_step).ok_or(FitError::Overhang)?,
             from,
             step,
-            outside: Beyond::new(rim, at(rim)?.0, inwards, slopes),
+            outside: TaylorContinuation::new(rim, at(rim)?.0, inwards, slopes),
         })
     }
 
@@ -180,7 +180,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-impl Radial {
+impl RadialProfile {
     /// Z, or a sum's height.
     fn at(&self, rho: f64) -> f64 {
         if rho > self.outside.rho {
@@ -195,7 +195,7 @@ impl Radial {
     }
 }
 
-impl Beyond {
+impl TaylorContinuation {
     /// Terms of the polynomial.
     const TERMS: usize = 6;
 
@@ -275,11 +275,11 @@ mod tests {
     #[test]
     fn polynomials_go_on_as_they_are() {
         let mirror = mirror(Surface::Round(bowl()), 0.0, [0.0, 5.0]);
-        let ground = Ground::new(&mirror).unwrap();
-        assert!(ground.is_direct() && ground.is_round() && ground.even == [true; 2]);
-        assert!((5.1..5.13).contains(&ground.domain.max.x) && ground.domain.min.y < -5.09);
+        let surface = ParametricSurface::new(&mirror).unwrap();
+        assert!(surface.is_direct() && surface.is_round() && surface.even == [true; 2]);
+        assert!((5.1..5.13).contains(&surface.domain.max.x) && surface.domain.min.y < -5.09);
         let places = [-5.1, -4.2, -1.0, 1.0, 4.2, 5.1];
-        for (row, y) in ground.grid(&places, &places).iter().zip(places) {
+        for (row, y) in surface.grid(&places, &places).iter().zip(places) {
             for (p, x) in row.iter().zip(places) {
                 assert_eq!(p.truncate(), DVec2::new(x, y));
                 let rho = p.truncate().length();
@@ -291,13 +291,13 @@ mod tests {
     #[test]
     fn another_camera_sees_the_same_heights() {
         let mirror = mirror(Surface::Round(bowl()), 0.02, [0.0, 5.0]);
-        let ground = Ground::new(&mirror).unwrap();
-        let [_, rim] = ground.ring.unwrap();
+        let surface = ParametricSurface::new(&mirror).unwrap();
+        let [_, rim] = surface.ring.unwrap();
         for k in 0..=20 {
             let q = DVec2::new(0.6, -0.8) * (5.0 * f64::from(k) / 20.0);
             let wanted = mirror.position(q, &mirror.surface.at(q));
             assert!(wanted.truncate().length() <= rim + 1e-14);
-            let found = ground.grid(&[wanted.x], &[wanted.y])[0][0];
+            let found = surface.grid(&[wanted.x], &[wanted.y])[0][0];
             assert!((found - wanted).length() < 1e-12, "{found} {wanted}");
         }
     }
@@ -309,13 +309,13 @@ mod tests {
         let sheet = TensorLegendre { series, centre, half, scale_mm: 1.0 };
         let sum = Surface::Sum(bowl(), sheet);
         let tilted = mirror(sum.clone(), 0.0, [1.0, 5.0]);
-        let ground = Ground::new(&tilted).unwrap();
+        let surface = ParametricSurface::new(&tilted).unwrap();
         for (x, y) in [(0.1, 0.2), (3.0, -2.0), (5.0, 5.0)] {
-            let found = ground.grid(&[x], &[y])[0][0].z;
+            let found = surface.grid(&[x], &[y])[0][0].z;
             let rho = f64::sqrt(x * x + y * y);
             assert!((found - exact(rho) - x * y / 25.0).abs() < allowed(rho));
         }
         let seen = mirror(sum, 0.02, [0.0, 5.0]);
-        assert_eq!(Ground::new(&seen).err(), Some(FitError::Chart));
+        assert_eq!(ParametricSurface::new(&seen).err(), Some(FitError::Chart));
     }
 }
