@@ -1,10 +1,10 @@
 //! Run time against error: what each setting costs, and what it brings.
 
-mod canvas;
 mod design;
 mod fit;
 mod mesh;
 mod plots;
+mod raster_backend;
 mod results;
 mod suggest;
 mod trials;

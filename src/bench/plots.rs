@@ -1,7 +1,8 @@
 //! Sweeps of a benchmark as plots of error against run time.
 
-use super::canvas::RasterCanvas;
 use super::{BenchRun, BenchSweep};
+use crate::num::rounding::significant;
+use crate::raster::Canvas;
 use crate::report::{Failure, svg};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -28,7 +29,7 @@ impl BenchSweep {
     /// # Errors
     /// What the drawing library or the encoder reports.
     pub fn png(&self) -> Result<Vec<u8>, Failure> {
-        let mut canvas = RasterCanvas::new(SIZE);
+        let mut canvas = Canvas::new(SIZE.0, SIZE.1);
         {
             let root = canvas.into_drawing_area();
             self.draw(&root)?;
@@ -57,7 +58,7 @@ impl BenchSweep {
             )?;
         let power = |x: &f64| match (1e-3..1e5).contains(x) {
             // Ticks are off their round numbers by roundings.
-            true => format!("{x:.0e}").parse().unwrap_or(*x).to_string(),
+            true => significant(*x, 1).to_string(),
             false => format!("{x:.0e}"),
         };
         chart

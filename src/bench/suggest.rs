@@ -2,6 +2,7 @@
 
 use super::design::METHODS;
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
+use crate::num::rounding::two_digits_below;
 use crate::pipeline::{Silent, StageTimer, build_in_memory, designed, meshed};
 use crate::profile::{Method, Profile, ShapeSpec};
 use std::time::Instant;
@@ -71,7 +72,7 @@ fn reached(
     let design_px = run.figures["pixel_rms_px"];
     let mut best: Option<SuggestedSettings> = None;
     for _ in 0..TRIES {
-        facet_px = rounded(facet_px);
+        facet_px = two_digits_below(facet_px);
         if best.as_ref().is_some_and(|best| facet_px <= best.facet_px) {
             break;
         }
@@ -108,12 +109,6 @@ fn reached(
     Ok(best.map(|settings| (settings, method)))
 }
 
-/// Two digits, no larger than `x`.
-fn rounded(x: f64) -> f64 {
-    let [near, below] = [x, 0.95 * x].map(|x| format!("{x:.1e}").parse().unwrap_or(x));
-    if near <= x { near } else { below }
-}
-
 /// `text` with other settings; none where it is no table of a designed mirror.
 fn edited(text: &[u8], method: &Method, facet_px: f64) -> Option<String> {
     let mut profile: DocumentMut = std::str::from_utf8(text).ok()?.parse().ok()?;
@@ -147,18 +142,6 @@ fn edited(text: &[u8], method: &Method, facet_px: f64) -> Option<String> {
 mod tests {
     use super::*;
     use crate::profile::{MethodKind, shipped};
-
-    #[test]
-    fn two_digits_are_kept_downwards() {
-        for (x, exact) in [(1.0, 1.0), (0.996, 0.95), (0.1049, 0.1), (0.1051, 0.1), (37.4, 37.0)] {
-            assert_eq!(rounded(x), exact, "{x}");
-        }
-        let mut x = 1e-5;
-        while x < 1e5 {
-            x *= 1.037;
-            assert!(rounded(x) <= x && rounded(x) >= 0.89 * x, "{x}");
-        }
-    }
 
     #[test]
     fn a_profile_is_edited_in_place_and_stays_valid() {

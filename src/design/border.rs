@@ -3,6 +3,7 @@
 use super::DesignError;
 use crate::geom::{Border, Contour, DVec2, Drilled, Land, Outline, Rect};
 use crate::mirror::Mirror;
+use crate::num::rounding::significant;
 use crate::num::{cos, radians, sin};
 use crate::profile::{BorderConflict, BorderFeature, BorderSpec, Footprint, Profile, Spot};
 
@@ -119,7 +120,7 @@ fn middle(mirror: &Footprint, width_mm: f64, spot: &Spot) -> Spot {
 
 /// To six digits.
 fn digits(x: f64) -> f64 {
-    format!("{x:.5e}").parse().expect("a number")
+    significant(x, 6)
 }
 
 /// Z of the land inside a ring, which must be flat for `hole` to go through it.

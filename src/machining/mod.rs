@@ -99,28 +99,3 @@ pub enum MachiningError {
         at: DVec2,
     },
 }
-
-/// `x` rounded up to two digits.
-#[must_use]
-pub fn rounded_up(x: f64) -> f64 {
-    let mut unit = 1.0;
-    while x / unit >= 100.0 {
-        unit *= 10.0;
-    }
-    while x / unit < 10.0 && unit > 1e-12 {
-        unit /= 10.0;
-    }
-    // Tenths are shown as decimals.
-    let digits = (x / unit).ceil();
-    if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn two_digits_are_never_less() {
-        for (x, up) in [(0.0123, 0.013), (0.05, 0.05), (1.01, 1.1), (123.0, 130.0), (99.5, 100.0)] {
-            assert_eq!(super::rounded_up(x), up);
-        }
-    }
-}

@@ -16,6 +16,7 @@ pub mod monotone;
 mod piecewise_cubic;
 pub mod quadrature;
 pub mod random;
+pub mod rounding;
 mod scalar;
 pub mod special;
 pub mod stats;

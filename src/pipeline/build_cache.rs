@@ -1,9 +1,8 @@
 //! The last build in a folder: whether the next one would only repeat it.
 
-use super::files::hex;
 use super::observer::{StageTimer, Work};
 use super::source::Source;
-use crate::profile::Format;
+use crate::profile::{Format, hex};
 use crate::report::BuildReport;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

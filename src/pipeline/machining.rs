@@ -10,14 +10,15 @@ use crate::export::{stl_bytes, write_stl};
 use crate::geom::{Contour, DVec2, DVec3, Precision, TriMesh};
 use crate::machining::{
     self, BallRaster, FLOOR_MM, Fillet, Gouge, MOST_POINTS, MachiningError, Passes, ROWS,
-    ScallopFigures, SurfaceAnalysis, bounding_corners, facet_estimate, plan_outlines, rounded_up,
+    ScallopFigures, SurfaceAnalysis, bounding_corners, facet_estimate, plan_outlines,
 };
 use crate::mirror::Mirror;
+use crate::num::rounding::{ceil_two_digits, floor_four_digits};
 use crate::num::{degrees, radians};
 use crate::profile::{Format, Profile};
 use crate::report::{
     AsCutFacts, BestFacts, BudgetFacts, FileFacts, GougeFacts, Machining, ProfileId, ReachFacts,
-    SCHEMA, StockFacts, Verdict, below, gouge_picture,
+    SCHEMA, StockFacts, Verdict, gouge_picture,
 };
 use crate::solid::Solid;
 use std::path::Path;
@@ -257,7 +258,7 @@ fn surveyed<'a>(
     if cutting.stepover_mm.is_none() {
         let most = for_pixels.into_iter().chain(for_height).reduce(f64::min);
         // (Written down it still keeps them.)
-        raster.stepover_mm = most.map_or(raster.stepover_mm, |mm| below(mm).parse().unwrap_or(mm));
+        raster.stepover_mm = most.map_or(raster.stepover_mm, floor_four_digits);
     }
     let scallops = survey.figures(&raster)?;
     let fillet = Fillet::new(mirror, &design.camera, cutting.ball_mm);
@@ -269,7 +270,9 @@ fn surveyed<'a>(
     };
     let mut reasons = Vec::new();
     let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
-    let digits = |mm: Option<f64>| mm.map_or("none".to_owned(), |mm| format!("{} mm", below(mm)));
+    let digits = |mm: Option<f64>| {
+        mm.map_or("none".to_owned(), |mm| format!("{} mm", floor_four_digits(mm)))
+    };
     let pixel_error_px = scallops.as_ref().and_then(|found| found.pixel_error_px);
     if let Some((error, budget_px)) =
         pixel_error_px.and_then(|e| Some((e.p95, over(e.p95, budget_px)?)))
@@ -428,7 +431,7 @@ fn as_cut(
         // The first of stepovers 5 % apart that will do.
         let steps = std::iter::successors(Some(stepover_mm), |mm| Some(1.05 * mm));
         let least_mm = steps
-            .map(rounded_up)
+            .map(ceil_two_digits)
             .take_while(|mm| *mm <= widest_mm)
             .find(|&stepover_mm| too_many(&BallRaster { stepover_mm, ..*raster }).is_none());
         return Err(MachiningError::TooFine { stepover_mm, count, what, least_mm });

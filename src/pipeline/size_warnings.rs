@@ -5,6 +5,7 @@ use super::face::{added_to, forecast, limits};
 use crate::design::Design;
 use crate::geom::{Outline, Precision};
 use crate::mesh::{Limits, mesh};
+use crate::num::rounding::{two_digits_above, two_digits_below};
 use crate::profile::{Format, Profile};
 use crate::report::MeshFacts;
 use std::f64::consts::PI;
@@ -138,7 +139,7 @@ impl SizeWarnings<'_> {
         let name = &self.profile.name;
         let longer = (bytes as f64 / (BELOW * LARGE as f64)).sqrt();
         let spacing = self.profile.sag.spacing_mm(self.profile.part.width_mm);
-        let [pitch, step] = spacing.map(|mm| round_up(longer * mm));
+        let [pitch, step] = spacing.map(|mm| two_digits_above(longer * mm));
         let [size, large] = [bytes, LARGE].map(|bytes| bytes as f64 / 1e6);
         format!(
             "{name}: {file} takes {size:.0} MB; to stay under {large} MB, write pitch_mm = {pitch} \
@@ -148,7 +149,7 @@ impl SizeWarnings<'_> {
 
     /// What to write into the profile for fewer triangles than `most`.
     fn instead(&self, triangles: usize, most: f64) -> String {
-        let budget = format!("max_triangles = {}", round_down(BELOW * most));
+        let budget = format!("max_triangles = {}", two_digits_below(BELOW * most));
         if self.profile.mesh.max_triangles.is_some() {
             return budget;
         }
@@ -182,8 +183,8 @@ impl SizeWarnings<'_> {
             }
             // Triangles are as one over the chord, and as one over the square of the facet error.
             let [by_chord, by_facet] = [ratio, ratio.sqrt()];
-            let chord_um = self.profile.mesh.chord_um.map(|um| round_up(um * by_chord));
-            let facet_px = self.profile.mesh.facet_px.map(|px| round_up(px * by_facet));
+            let chord_um = self.profile.mesh.chord_um.map(|um| two_digits_above(um * by_chord));
+            let facet_px = self.profile.mesh.facet_px.map(|px| two_digits_above(px * by_facet));
             let mut limits = own;
             let mut words = Vec::new();
             if let (Some(um), true) = (chord_um, rules[0]) {
@@ -215,22 +216,6 @@ fn within([a, b]: [f64; 2], radius: f64) -> f64 {
     4.0 * reach / f64::from(STEPS) * (0..STEPS).map(height).sum::<f64>()
 }
 
-/// The next number of two digits that is not less.
-fn round_up(x: f64) -> f64 {
-    let nearest = two_digits(x);
-    if nearest >= x { nearest } else { two_digits(x * 1.05) }
-}
-
-/// The last number of two digits that is not greater.
-fn round_down(x: f64) -> usize {
-    let nearest = two_digits(x);
-    if nearest <= x { nearest as usize } else { two_digits(x * 0.95) as usize }
-}
-
-fn two_digits(x: f64) -> f64 {
-    format!("{x:.1e}").parse().unwrap_or(x)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,18 +230,5 @@ mod tests {
         }
         assert!((within([1.0, 1.0], 1.0) / PI - 1.0).abs() < 1e-4);
         assert_eq!(within([1.0, 1.0], 0.0), 0.0);
-    }
-
-    #[test]
-    fn suggestions_are_short_and_on_the_right_side() {
-        for k in 1..2000 {
-            let x = 0.0123 * f64::from(k);
-            let up = round_up(x);
-            assert!((1.0..=1.1).contains(&(up / x)) && up.to_string().len() <= 5, "{x}: {up}");
-            let many = 1e5 + 1234.0 * f64::from(k);
-            let down = round_down(many) as f64;
-            assert!((0.9..=1.0).contains(&(down / many)), "{many}: {down}");
-        }
-        assert_eq!((round_up(1.0), round_up(1.01), round_down(930_000.0)), (1.0, 1.1, 930_000));
     }
 }

@@ -25,6 +25,7 @@ use std::fmt;
 
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
 pub use border::{BorderConflict, BorderFeature, BorderSpec, Footprint, Spot};
+pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use projection::{ProjectionSpec, RadialLawKind, RadialSpec, StripLawSpec, StripSpec, Target};
 pub use sag::{GridError, SagAxis, SagGrid};

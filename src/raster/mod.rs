@@ -1,10 +1,14 @@
 //! Pictures in linear light: read from files, sampled between their pixels, written as PNG.
 
+mod canvas;
 mod decode;
 pub mod png;
 pub mod srgb;
+mod text;
 
 pub use ::png::EncodingError;
+pub use canvas::{Canvas, Srgb};
+pub use text::{BitmapFont, TextBitmap};
 
 use std::fmt;
 use std::ops::Range;

@@ -1,17 +1,8 @@
 //! Short texts as distance fields: sharp and smooth at any size of pixel.
 
-use std::convert::Infallible;
+use crate::raster::{BitmapFont, TextBitmap};
 
-use embedded_graphics::{
-    Drawable,
-    geometry::{OriginDimensions, Point, Size},
-    mono_font::{MonoFont, MonoTextStyle, ascii::FONT_10X20},
-    pixelcolor::BinaryColor,
-    prelude::{DrawTarget, Pixel},
-    text::{Baseline, Text},
-};
-
-const FONT: &MonoFont = &FONT_10X20;
+const FONT: BitmapFont = BitmapFont::Px10x20;
 /// Texels around the ink in which distances are known: the widest halo, and one to interpolate with.
 const MARGIN: usize = 6;
 
@@ -30,7 +21,7 @@ impl Label {
     #[must_use]
     pub fn new(text: &str) -> Self {
         let (top, cap) = digit_rows();
-        let bitmap = Bitmap::of(text);
+        let bitmap = TextBitmap::new(text, FONT);
         let columns = bitmap.columns + 2 * MARGIN;
         let rows = cap + 2 * MARGIN;
         let inked = |x: usize, y_up: usize| {
@@ -118,62 +109,11 @@ fn distances(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
 
 /// First row of a digit's ink in its cell and the count of its rows.
 fn digit_rows() -> (usize, usize) {
-    let zero = Bitmap::of("0");
+    let zero = TextBitmap::new("0", FONT);
     let inked_row = |&y: &usize| (0..zero.columns).any(|x| zero.inked(x, y));
-    let rows = zero.ink.len() / zero.columns;
-    let top = (0..rows).find(inked_row).unwrap_or(0);
-    let bottom = (0..rows).rfind(inked_row).unwrap_or(rows - 1);
+    let top = (0..zero.rows).find(inked_row).unwrap_or(0);
+    let bottom = (0..zero.rows).rfind(inked_row).unwrap_or(zero.rows - 1);
     (top, bottom + 1 - top)
-}
-
-struct Bitmap {
-    columns: usize,
-    ink: Vec<bool>,
-}
-
-impl Bitmap {
-    fn of(text: &str) -> Self {
-        let cell = FONT.character_size;
-        let columns = cell.width as usize * text.len().max(1);
-        let mut bitmap = Self { columns, ink: vec![false; columns * cell.height as usize] };
-        let style = MonoTextStyle::new(FONT, BinaryColor::On);
-        let Ok(_) =
-            Text::with_baseline(text, Point::zero(), style, Baseline::Top).draw(&mut bitmap);
-        bitmap
-    }
-
-    fn inked(&self, x: usize, y: usize) -> bool {
-        x < self.columns && self.ink.get(y * self.columns + x).copied().unwrap_or(false)
-    }
-}
-
-impl OriginDimensions for Bitmap {
-    fn size(&self) -> Size {
-        let rows = self.ink.len() / self.columns;
-        Size::new(self.columns as u32, rows as u32)
-    }
-}
-
-impl DrawTarget for Bitmap {
-    type Color = BinaryColor;
-    type Error = Infallible;
-
-    fn draw_iter<I>(&mut self, pixels: I) -> Result<(), Infallible>
-    where
-        I: IntoIterator<Item = Pixel<BinaryColor>>,
-    {
-        for Pixel(Point { x, y }, colour) in pixels {
-            let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else {
-                continue;
-            };
-            if x < self.columns
-                && let Some(ink) = self.ink.get_mut(y * self.columns + x)
-            {
-                *ink = colour.is_on();
-            }
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,9 @@
-//! The blur's results as JSON, text and a picture.
+//! The blur's results as JSON and text.
 
-use super::map::{Colour, Map, viridis};
 use super::text::{digits, head_line, pretty, written};
 use super::{ProfileId, Sharpness};
 use crate::pencil::Quantiles;
 use crate::profile::Aperture;
-use crate::raster::EncodingError;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -66,8 +64,6 @@ pub struct Images {
     /// Distance along the axis between a pixel's two line images.
     pub astigmatism_mm: Quantiles,
 }
-
-const NO_MIRROR: Colour = [200; 3];
 
 impl BlurReport {
     /// `blur.json`.
@@ -133,30 +129,6 @@ impl BlurReport {
             }
         }
         Ok(())
-    }
-
-    /// `blur.png`: the full `lengths` of the spots, px, one a pixel.
-    ///
-    /// # Errors
-    /// What the encoder reports.
-    ///
-    /// # Panics
-    /// When there is not one entry a pixel.
-    pub fn png(&self, lengths: &[Option<f64>]) -> Result<Vec<u8>, EncodingError> {
-        let Quantiles { p95, max, .. } = self.spots.length_px;
-        // A few very large spots must not make all others look alike.
-        let top = max.min(2.0 * p95);
-        let beyond = if max > top { "over " } else { "" };
-        let colour = |length: &Option<f64>| length.map_or(NO_MIRROR, |px| viridis(px / top));
-        let map = Map {
-            pixels: self.pixels,
-            colours: lengths.iter().map(colour).collect(),
-            title: "full length of the spot, px".into(),
-            ramp: viridis,
-            ticks: vec!["0".into(), digits(0.5 * top), format!("{beyond}{}", digits(top))],
-            keys: vec![(NO_MIRROR, "no mirror".into())],
-        };
-        map.png()
     }
 }
 

@@ -1,10 +1,8 @@
-//! The frame-fill check's results as JSON, CSV, text and a picture.
+//! The frame-fill check's results as JSON, CSV and text.
 
-use super::map::{Colour, Map, grey};
 use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::{ProfileId, Verdict};
-use crate::raster::EncodingError;
-use crate::trace::{Coverage, FrameFill, MinMeanMax, PixelClass};
+use crate::trace::{Coverage, FrameFill, MinMeanMax};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -54,15 +52,15 @@ pub struct RoundMirror {
     pub resolution: Resolution,
 }
 
-/// Colour and name of the causes, in the order of [`PixelClass::LOST`].
-const LOST: [(Colour, &str); 7] = [
-    ([31, 59, 115], "beyond the mirror"),
-    ([255, 140, 0], "at the rim"),
-    ([255, 225, 0], "at the ridge"),
-    ([208, 0, 32], "in shadow"),
-    ([224, 0, 192], "wrong content"),
-    ([0, 160, 0], "back face"),
-    ([0, 200, 216], "missed"),
+/// Names of the causes, in the order of [`crate::trace::PixelClass::LOST`].
+pub(super) const LOST: [&str; 7] = [
+    "beyond the mirror",
+    "at the rim",
+    "at the ridge",
+    "in shadow",
+    "wrong content",
+    "back face",
+    "missed",
 ];
 
 impl FrameReport {
@@ -111,7 +109,7 @@ impl FrameReport {
             .iter()
             .zip(LOST)
             .filter(|(count, _)| **count > 0)
-            .map(|(count, (_, name))| format!("{count} {name}"))
+            .map(|(count, name)| format!("{count} {name}"))
             .collect();
         let lost = if lost.is_empty() { "none".into() } else { lost.join(", ") };
         writeln!(out, "  lost       {lost}")?;
@@ -158,48 +156,5 @@ impl FrameReport {
             writeln!(out, "    {name:26} {least:>9} {mean:>9} {most:>9} {ratio:>8} {pixels:>9}")?;
         }
         verdict_lines(out, &self.reasons, self.verdict)
-    }
-
-    /// `frame.png`: filled pixels grey by solid angle (`usr`, one a pixel), the others in the colour
-    /// of their cause.
-    ///
-    /// # Errors
-    /// What the encoder reports.
-    ///
-    /// # Panics
-    /// When `classes` or `usr` have not one entry a pixel of the frame.
-    pub fn png(
-        &self,
-        classes: &[PixelClass],
-        usr: &[Option<f64>],
-    ) -> Result<Vec<u8>, EncodingError> {
-        assert_eq!(classes.len(), usr.len(), "one entry a pixel");
-        let MinMeanMax { min, mean, max } =
-            self.resolution.pixel_usr.unwrap_or(MinMeanMax { min: 0.0, mean: 0.0, max: 0.0 });
-        // Where all are equal but for rounding there is no scale.
-        let even = !(max - min > 1e-6 * mean);
-        let share = |usr: f64| if even { 0.5 } else { (usr - min) / (max - min) };
-        let colour = |(class, usr): (&PixelClass, &Option<f64>)| match class {
-            PixelClass::Filled => grey(usr.map_or(0.0, share)),
-            class => PixelClass::LOST.iter().position(|f| f == class).map_or([0; 3], |k| LOST[k].0),
-        };
-        let counts = self.frame.lost.counts();
-        let map = Map {
-            pixels: self.frame.pixels,
-            colours: classes.iter().zip(usr).map(colour).collect(),
-            title: "solid angle of a pixel, usr".into(),
-            ramp: grey,
-            ticks: if even {
-                vec![digits(mean)]
-            } else {
-                [min, 0.5 * (min + max), max].map(digits).to_vec()
-            },
-            keys: LOST
-                .iter()
-                .zip(counts)
-                .map(|((c, name), n)| (*c, format!("{n} {name}")))
-                .collect(),
-        };
-        map.png()
     }
 }

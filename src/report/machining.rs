@@ -1,14 +1,12 @@
 //! What a ball cutter makes of a mirror, as JSON and as a summary.
 
-use super::map::{Colour, Map, viridis};
 use super::text::{
     digits, errors_line, figures, head_line, pretty, solid_line, verdict_lines, written,
 };
 use super::{FileFacts, ProfileId, TraceFacts, Verdict};
-use crate::machining::{Extreme, FLOOR_MM, Fillet, Gouge, RasterDirection, ScallopFigures};
-use crate::num::log;
+use crate::machining::{Extreme, Fillet, RasterDirection, ScallopFigures};
+use crate::num::rounding::floor_four_digits;
 use crate::num::stats::{Summary, or_null};
-use crate::raster::EncodingError;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
 
@@ -237,7 +235,7 @@ impl Machining {
         ];
         for (budget, stepover, unit) in budgets {
             if let (Some(budget), Some(stepover)) = (budget, stepover) {
-                let stepover = below(stepover);
+                let stepover = floor_four_digits(stepover);
                 facts.push(("budget", format!("{budget} {unit}: a stepover of {stepover} mm")));
             }
         }
@@ -332,86 +330,4 @@ impl Machining {
 /// A coordinate in mm to the micrometre, without the sign of a zero.
 fn micron(mm: f64) -> String {
     format!("{:.3}", (mm * 1e3).round() / 1e3 + 0.0)
-}
-
-/// Four digits of a limit that must not be passed: rounded down.
-#[must_use]
-pub fn below(limit: f64) -> String {
-    let mut decimals = 3;
-    while decimals < 9 && limit * f64::from(10u32.saturating_pow(decimals)) < 1e3 {
-        decimals += 1;
-    }
-    let unit = f64::from(10u32.saturating_pow(decimals));
-    ((limit * unit).floor() / unit).to_string()
-}
-
-/// Where there is no mirror, and where the ball leaves nothing.
-const NO_MIRROR: Colour = [255; 3];
-const FITS: Colour = [200, 200, 204];
-
-/// `gouge.png`: what a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from
-/// [`FLOOR_MM`].
-///
-/// # Errors
-/// What the encoder reports.
-pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingError> {
-    let [columns, rows] = gouge.size;
-    let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
-    let most = gouge.left.iter().flatten().copied().fold(FLOOR_MM, f64::max);
-    let decades = (over(most) - 1e-9).ceil().max(1.0);
-    let colour = |left: Option<f64>| match left {
-        None => NO_MIRROR,
-        Some(..FLOOR_MM) => FITS,
-        Some(mm) => viridis(over(mm) / decades),
-    };
-    let row = |row: usize| gouge.left[row * columns..][..columns].iter();
-    // In um: tenths of a power of ten are exact.
-    let mut power = 1e4 * FLOOR_MM;
-    let mut tick = || {
-        let text = (0.1 * power).to_string();
-        power *= 10.0;
-        text
-    };
-    let map = Map {
-        pixels: [columns as u32, rows as u32],
-        colours: (0..rows).rev().flat_map(row).map(|left| colour(*left)).collect(),
-        title: format!("left by a ball of {ball_mm} mm radius, um"),
-        ramp: viridis,
-        ticks: (0..=decades as usize).map(|_| tick()).collect(),
-        keys: vec![(FITS, format!("fits: less than {} um", 1e3 * FLOOR_MM))],
-    };
-    map.png_to_scale(gouge.step)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geom::DVec2;
-
-    #[test]
-    fn limits_are_rounded_down() {
-        for (limit, text) in [(0.123_59, "0.1235"), (12.3459, "12.345"), (0.001_239_9, "0.001239")]
-        {
-            assert_eq!(below(limit), text);
-        }
-    }
-
-    #[test]
-    fn the_map_has_y_upwards_and_the_colours_of_its_decades() {
-        let left = vec![Some(0.0), None, Some(1e-1), Some(1e-2)];
-        let (most, most_beside) = (None, None);
-        let gouge = Gouge { size: [2, 2], first: DVec2::ZERO, step: 0.5, left, most, most_beside };
-        let png = gouge_picture(&gouge, 3.0).unwrap();
-        let mut reader = ::png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
-        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut rgb).unwrap();
-        let (width, cell) = (info.width as usize, 320);
-        let at = |x: usize, y: usize| {
-            let start = 3 * ((y * cell + cell / 2) * width + x * cell + cell / 2);
-            [rgb[start], rgb[start + 1], rgb[start + 2]]
-        };
-        // 100 um is three decades over 0.1 um, the upper end; 10 um are two.
-        assert_eq!([at(0, 0), at(1, 0)], [viridis(1.0), viridis(2.0 / 3.0)]);
-        assert_eq!([at(0, 1), at(1, 1)], [FITS, NO_MIRROR]);
-    }
 }

@@ -1,11 +1,8 @@
-//! What is known of a file of unknown making: its units, where it lay, and its form error, as text and
-//! as a picture.
+//! What is known of a file of unknown making: its units, where it lay, and its form error.
 
-use super::map::{Colour, Map, diverging};
 use super::text::digits;
-use crate::align::{Alignment, FormError, FormMap, Free, Unit};
+use crate::align::{Alignment, FormError, Free, Unit};
 use crate::num::degrees;
-use crate::raster::EncodingError;
 use serde::Serialize;
 
 /// The unit of a file's coordinates.
@@ -124,72 +121,4 @@ pub(super) fn error_line(error: &FormError) -> String {
         line += &format!("; {pv} PV, {rms} rms without {:.1} % outliers", 100.0 * outliers);
     }
     line
-}
-
-/// Where nothing is known.
-const NOTHING: Colour = [110, 110, 114];
-
-/// The map of the form error as the camera would see it, as PNG: red above the design, blue below,
-/// grey where nothing is known, with a scale that reaches as far as the map does without outliers.
-///
-/// # Errors
-/// A sensor without pixels cannot be drawn.
-pub fn form_picture(map: &FormMap, error: Option<&FormError>) -> Result<Vec<u8>, EncodingError> {
-    let limit = error.map_or(1.0, limit);
-    let colour = |mm: &f64| {
-        if mm.is_nan() { NOTHING } else { diverging(0.5 + 0.5e3 * mm / limit) }
-    };
-    let tick = |share: f64| if share == 0.0 { "0".into() } else { format!("{:+}", share * limit) };
-    let title = error.map_or("nothing measured".into(), |error| {
-        let [pv, rms] = [error.all.pv, error.all.rms].map(digits);
-        format!("form error, um: {pv} PV, {rms} rms")
-    });
-    let map = Map {
-        pixels: map.pixels,
-        colours: map.mm.iter().map(colour).collect(),
-        title,
-        ramp: diverging,
-        ticks: [-1.0, -0.5, 0.0, 0.5, 1.0].map(tick).to_vec(),
-        keys: vec![(NOTHING, "nothing known".into())],
-    };
-    map.png()
-}
-
-/// The next round number, um, that is not less than any departure but the outliers'.
-fn limit(error: &FormError) -> f64 {
-    let most = error.without_outliers.highest.max(-error.without_outliers.lowest);
-    let round = |k: i32| format!("{}e{}", [1, 2, 5][k.rem_euclid(3) as usize], k.div_euclid(3));
-    let limits = (-18..18).filter_map(|k| round(k).parse().ok());
-    limits.into_iter().find(|limit: &f64| *limit >= most).unwrap_or(most)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scales_end_at_round_numbers() {
-        for (most, exact) in
-            [(0.9, 1.0), (1.0, 1.0), (1.1, 2.0), (4.0, 5.0), (60.0, 100.0), (3e-4, 5e-4)]
-        {
-            let mm = vec![-1e-3 * most, 0.5e-3 * most, f64::NAN];
-            let error = FormMap { pixels: [3, 1], mm }.error().unwrap();
-            assert_eq!(limit(&error), exact, "{most}");
-        }
-    }
-
-    #[test]
-    fn the_picture_holds_the_map_and_a_scale() {
-        let map = FormMap { pixels: [2, 1], mm: vec![1e-3, f64::NAN] };
-        let png = form_picture(&map, map.error().as_ref()).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
-        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut rgb).unwrap();
-        // Each pixel a square; the first as high as it gets, the second unknown.
-        let middle = |k: usize| 3 * (info.width as usize * (2 * k + 1) / 4);
-        assert_eq!(info.width, 640);
-        assert_eq!(rgb[middle(0)..][..3], diverging(1.0));
-        assert_eq!(rgb[middle(1)..][..3], NOTHING);
-        assert!(form_picture(&FormMap { pixels: [2, 1], mm: vec![f64::NAN; 2] }, None).is_ok());
-    }
 }

@@ -4,7 +4,7 @@ mod blur;
 mod frame;
 mod html;
 mod machining;
-mod map;
+mod maps;
 mod measured;
 mod outside;
 mod plot;
@@ -24,10 +24,10 @@ pub use blur::{BlurReport, Focus, Images, Spots};
 pub use frame::{FrameReport, Resolution, RoundMirror};
 pub use html::html;
 pub use machining::{
-    AsCutFacts, BestFacts, BudgetFacts, GougeFacts, Machining, ReachFacts, StockFacts, below,
-    gouge_picture,
+    AsCutFacts, BestFacts, BudgetFacts, GougeFacts, Machining, ReachFacts, StockFacts,
 };
-pub use measured::{AlignmentFacts, UnitFacts, form_picture};
+pub use maps::{form_picture, gouge_picture};
+pub use measured::{AlignmentFacts, UnitFacts};
 pub use outside::visible;
 pub(crate) use plot::{Failure, svg};
 pub use prospect::{BuildForecast, FileForecast, Foreseen, MeshForecast};

@@ -1,6 +1,7 @@
 //! Ways to change one key of a profile.
 
 use super::{KeyChange, KeyValue};
+use crate::num::rounding::significant;
 use crate::profile::{
     CameraModel, Layout, MethodKind, Profile, ProjectionSpec, RadialLawKind, ShapeSpec,
     StripLawSpec, Target,
@@ -17,12 +18,12 @@ pub type Edit = fn(&Profile) -> Vec<EditedProfile>;
 
 /// A number as someone would write it, to four digits: what is tried is what is told.
 fn short(x: f64) -> f64 {
-    format!("{x:.3e}").parse().expect("a number")
+    significant(x, 4)
 }
 
 /// A number to nine digits: rows that lie close together stay apart.
 fn round(x: f64) -> f64 {
-    format!("{x:.8e}").parse().expect("a number")
+    significant(x, 9)
 }
 
 fn changed(profile: &Profile, change: KeyChange, edit: impl FnOnce(&mut Profile)) -> EditedProfile {

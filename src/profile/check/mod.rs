@@ -141,6 +141,7 @@ fn only<T>(mut several: Vec<T>) -> Option<T> {
     last.filter(|_| several.is_empty())
 }
 
-fn hex(bytes: &[u8]) -> String {
+/// Bytes in hexadecimal, two lower-case digits each.
+pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

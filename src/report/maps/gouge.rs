@@ -1,0 +1,64 @@
+//! `gouge.png`: what a ball cutter leaves on the face.
+
+use super::false_colour::FalseColourMap;
+use super::palette::viridis;
+use crate::machining::{FLOOR_MM, Gouge};
+use crate::num::log;
+use crate::raster::{EncodingError, Srgb};
+
+/// Where there is no mirror, and where the ball leaves nothing.
+const NO_MIRROR: Srgb = [255; 3];
+const FITS: Srgb = [200, 200, 204];
+
+/// `gouge.png`: what a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from
+/// [`FLOOR_MM`].
+///
+/// # Errors
+/// What the encoder reports.
+pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingError> {
+    let [columns, rows] = gouge.size;
+    let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
+    let most = gouge.left.iter().flatten().copied().fold(FLOOR_MM, f64::max);
+    let decades = (over(most) - 1e-9).ceil().max(1.0);
+    let colour = |left: Option<f64>| match left {
+        None => NO_MIRROR,
+        Some(..FLOOR_MM) => FITS,
+        Some(mm) => viridis(over(mm) / decades),
+    };
+    let row = |row: usize| gouge.left[row * columns..][..columns].iter();
+    // In um: tenths of a power of ten are exact.
+    let powers = std::iter::successors(Some(1e4 * FLOOR_MM), |power| Some(10.0 * power));
+    let map = FalseColourMap {
+        pixels: [columns as u32, rows as u32],
+        colours: (0..rows).rev().flat_map(row).map(|left| colour(*left)).collect(),
+        title: format!("left by a ball of {ball_mm} mm radius, um"),
+        ramp: viridis,
+        ticks: powers.take(decades as usize + 1).map(|um| (0.1 * um).to_string()).collect(),
+        keys: vec![(FITS, format!("fits: less than {} um", 1e3 * FLOOR_MM))],
+        pixel_mm: Some(gouge.step),
+    };
+    map.png()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::false_colour::decoded;
+    use super::*;
+    use crate::geom::DVec2;
+
+    #[test]
+    fn the_map_has_y_upwards_and_the_colours_of_its_decades() {
+        let left = vec![Some(0.0), None, Some(1e-1), Some(1e-2)];
+        let (most, most_beside) = (None, None);
+        let gouge = Gouge { size: [2, 2], first: DVec2::ZERO, step: 0.5, left, most, most_beside };
+        let (width, _, rgb) = decoded(&gouge_picture(&gouge, 3.0).unwrap());
+        let (width, cell) = (width as usize, 320);
+        let at = |x: usize, y: usize| {
+            let start = 3 * ((y * cell + cell / 2) * width + x * cell + cell / 2);
+            [rgb[start], rgb[start + 1], rgb[start + 2]]
+        };
+        // 100 um is three decades over 0.1 um, the upper end; 10 um are two.
+        assert_eq!([at(0, 0), at(1, 0)], [viridis(1.0), viridis(2.0 / 3.0)]);
+        assert_eq!([at(0, 1), at(1, 1)], [FITS, NO_MIRROR]);
+    }
+}
