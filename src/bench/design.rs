@@ -2,7 +2,6 @@
 
 use super::{BenchError, BenchSweep, Subject, run, timed};
 use crate::design::{DesignFacts, design};
-use crate::mirror::Surface;
 use crate::num::stats::Summary;
 use crate::pipeline::Error;
 use crate::profile::{Method, MethodKind, Profile, ShapeSpec};
@@ -29,7 +28,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
     let mut runs = Vec::new();
     for subject in subjects {
         let ShapeSpec::Designed(own) = subject.source.profile.shape else { continue };
-        let is_round = matches!(subject.design.mirror.surface, Surface::Round(_));
+        let is_round = subject.design.mirror.surface.is_axisymmetric();
         let methods = if is_round { &[own.kind][..] } else { &METHODS };
         for minimax in [false, true].into_iter().filter(|minimax| !(is_round && *minimax)) {
             let (degrees, utmost) = match (quick, minimax) {

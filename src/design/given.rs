@@ -5,7 +5,9 @@ use super::facts::DesignFacts;
 use super::layout::{self, DesignProblem, SelfConsistentGeometry};
 use super::{Design, DesignError, FailureCause, MOST_ROUNDS, place_on_base};
 use crate::geom::{Chart, DVec2, Outline, Rect};
-use crate::mirror::{BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre};
+use crate::mirror::{
+    BicubicSpline, Knots, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
+};
 use crate::num::legendre::Series;
 use crate::optics::{Camera, ImagingTask};
 use crate::profile::{Layout, Monomial, Polynomial, Profile, SagAxis, SagGrid};
@@ -49,7 +51,7 @@ pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
     let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
     let patches = BicubicSpline::new(knots(&sag.x), knots(&sag.y), &sag.z_mm)
         .ok_or(FailureCause::NotFinite { what: "sag" })?;
-    let surface = Surface::Patches(patches);
+    let surface = Surface::Spline(patches);
     with_camera(profile, Mirror { surface, ..bare(outline) }, CUBIC)
 }
 
@@ -150,10 +152,16 @@ fn formula(given: &Polynomial, outline: Outline) -> Result<(Surface, usize), Des
             let degree = radial.shape().0 - 1;
             let round = RadialLegendre::new(radial, [0.0, outer], 1.0);
             match terms {
-                None => (Surface::Round(round), degree),
+                None => (Surface::Radial(round), degree),
                 Some(series) => {
                     let degree = degree.max(top(&series));
-                    (Surface::Sum(round, sheet(series, area)), degree)
+                    (
+                        Surface::Sum(RadialTensorSum {
+                            radial: round,
+                            tensor: sheet(series, area),
+                        }),
+                        degree,
+                    )
                 }
             }
         }
@@ -205,6 +213,7 @@ mod tests {
     use super::super::conic::sag;
     use super::super::design;
     use super::*;
+    use crate::mirror::HeightField;
     use crate::num::sample::Draws;
     use crate::num::tan;
 

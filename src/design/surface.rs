@@ -150,7 +150,7 @@ fn surface(problem: &DesignProblem, coefficients: &[f64], degree: usize) -> Surf
             let sum: f64 = coefficients.iter().sum();
             let coefficient = |k: usize| if k == 0 { -sum } else { coefficients[k - 1] };
             let series = Series::from_fn(side, 1, |k, _| coefficient(k) / scale_mm);
-            Surface::Round(RadialLegendre::new(series, [inner, outer], scale_mm))
+            Surface::Radial(RadialLegendre::new(series, [inner, outer], scale_mm))
         }
     }
 }

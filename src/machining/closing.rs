@@ -6,7 +6,7 @@
 //! of their largest: where one is flat, on the line where two are equal, or where three are. Tops that a step
 //! turned out to pass over stay as points that the ball may not sink below.
 
-use super::drop_cutter::{Contact, DropCutter, lower_side, positive, solved};
+use super::drop_cutter::{Contact, DropCutter, lower_side};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Hessian;
 
@@ -194,8 +194,8 @@ fn difference(a: &Cut, b: &Cut, d: DVec2) -> (f64, DVec2) {
 
 /// Where one parabola is least.
 fn alone(cut: &Cut, reach: f64) -> DVec2 {
-    if positive(&cut.bend) {
-        -solved(&cut.bend, cut.slope)
+    if cut.bend.is_positive_definite() {
+        -cut.bend.solve(cut.slope)
     } else {
         -cut.slope.normalize_or_zero() * reach
     }

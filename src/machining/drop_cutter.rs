@@ -23,17 +23,6 @@ pub(super) fn lower_side(off: DVec2, root: f64) -> Hessian {
     }
 }
 
-/// The solution x of `matrix` x = `right`.
-pub(super) fn solved(matrix: &Hessian, right: DVec2) -> DVec2 {
-    let Hessian { xx, xy, yy } = *matrix;
-    DVec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / matrix.det()
-}
-
-/// Whether a symmetric matrix is positive definite.
-pub(super) fn positive(matrix: &Hessian) -> bool {
-    matrix.xx > 0.0 && matrix.det() > 0.0
-}
-
 /// A side of the designed panel's outline, or a round rim.
 #[derive(Debug, Clone, Copy)]
 enum Path {
@@ -311,9 +300,9 @@ impl<'a> DropCutter<'a> {
                 yy: under.yy - ground.yy,
             };
             let rise = place.slope - off / root;
-            bend = positive(&left).then_some((under, left));
+            bend = left.is_positive_definite().then_some((under, left));
             let mut d = match bend {
-                Some(_) => solved(&left, rise),
+                Some(_) => left.solve(rise),
                 None => rise.normalize_or_zero() * self.step,
             };
             d *= (2.0 * self.step / d.length()).min(1.0);
@@ -339,7 +328,7 @@ impl<'a> DropCutter<'a> {
         let rise = (place.at.truncate() - c) / (top - place.at.z);
         let bend = bend.map_or(Hessian { xx: 0.0, xy: 0.0, yy: 0.0 }, |(under, left)| {
             // As the contact moves with the centre: A (A - B)^-1 A - A.
-            let image = |d: DVec2| under.times(solved(&left, under.times(d)));
+            let image = |d: DVec2| under.times(left.solve(under.times(d)));
             let (x, y) = (image(DVec2::X), image(DVec2::Y));
             Hessian { xx: x.x - under.xx, xy: x.y - under.xy, yy: y.y - under.yy }
         });

@@ -3,7 +3,7 @@
 
 use super::{BallRaster, MachiningError, Scallop, touches};
 use crate::geom::{DVec2, Outline};
-use crate::mirror::{LocalSurface, Mirror, Surface};
+use crate::mirror::{LocalSurface, Mirror};
 use crate::num::stats::Summary;
 use crate::num::{Dual, Scalar, degrees, radians};
 use crate::optics::{Camera, ImagingTask};
@@ -255,10 +255,7 @@ impl<'a> SurfaceAnalysis<'a> {
 
     /// Whether the mirror looks the same from all sides.
     fn round(&self) -> bool {
-        matches!(
-            (&self.mirror.surface, self.mirror.outline),
-            (Surface::Round(_), Outline::Ring { .. })
-        )
+        self.mirror.surface.is_axisymmetric() && matches!(self.mirror.outline, Outline::Ring { .. })
     }
 
     fn cut<'b>(

@@ -47,7 +47,7 @@ fn ring([inner, outer]: [f64; 2], chart: Chart, f: impl Fn(f64) -> f64) -> Mirro
         let disc = outer * (0.5 * (u + 1.0)).sqrt();
         f(if inner == 0.0 { disc } else { inner + 0.5 * (u + 1.0) * (outer - inner) })
     };
-    let surface = Surface::Round(RadialLegendre::new(series([17, 1], at), [inner, outer], 1.0));
+    let surface = Surface::Radial(RadialLegendre::new(series([17, 1], at), [inner, outer], 1.0));
     let outline = Outline::Ring { inner, outer };
     Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] }
 }

@@ -282,7 +282,7 @@ mod tests {
         };
         let series = Series::from_fn(terms, 1, |i, _| term(i));
         Mirror {
-            surface: Surface::Round(RadialLegendre::new(series, [0.0, radius], 1.0)),
+            surface: Surface::Radial(RadialLegendre::new(series, [0.0, radius], 1.0)),
             chart: Chart { vergence: 0.0, plane_mm: 7.0 },
             outline: Outline::Ring { inner: 0.0, outer: radius },
             folded: false,
@@ -370,7 +370,7 @@ mod tests {
     fn a_mirror_wider_than_its_sphere_has_no_sag_on_it() {
         // A cone of 60 degrees, as a ring about the axis.
         let series = Series::from_fn(2, 1, |i, _| [0.0, -7.0][i]);
-        let surface = Surface::Round(RadialLegendre::new(series, [2.0, 10.0], 1.0));
+        let surface = Surface::Radial(RadialLegendre::new(series, [2.0, 10.0], 1.0));
         let chart = Chart { vergence: 0.0, plane_mm: 20.0 };
         let outline = Outline::Ring { inner: 2.0, outer: 10.0 };
         let mirror = Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] };

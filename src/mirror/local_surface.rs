@@ -1,6 +1,6 @@
 //! The surface point: place, slope and second derivatives of a mirror as the graph Z(X, Y) of the part frame.
 
-use super::{HeightAndSlope, Hessian};
+use super::height_field::{HeightAndSlope, Hessian};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{Dual, Scalar};
 

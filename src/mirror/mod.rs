@@ -10,107 +10,25 @@ mod extended;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod form;
+mod height_field;
 mod local_surface;
 mod radial_legendre;
+mod radial_tensor_sum;
+mod surface;
 mod tensor_legendre;
 mod volume;
 
 pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, Knots, LEAST_KNOTS};
-pub use bounds::{BoundGrid, DerivativeBounds, UnionBound};
+pub use bounds::{BoundCells, BoundGrid, DerivativeBounds, UnionBound};
 pub use form::{BestFitPlane, BestFitSphere, Departure, Form};
+pub use height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 pub use local_surface::{LocalSurface, PlanJacobian};
-pub use radial_legendre::{RadialLegendre, Rings};
-pub use tensor_legendre::{HeightAndSlope, Hessian, TensorLegendre, TensorLegendreRow};
+pub use radial_legendre::{RadialLegendre, RadialLegendreRow, Rings};
+pub use radial_tensor_sum::{RadialTensorSum, RadialTensorSumRow};
+pub use surface::{Surface, SurfaceRow};
+pub use tensor_legendre::{TensorLegendre, TensorLegendreRow};
 
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
-
-/// The height f over a chart's image coordinates.
-#[derive(Debug, Clone)]
-pub enum Surface {
-    /// A tensor series over a rectangle.
-    Tensor(TensorLegendre),
-    /// A series along the radius.
-    Round(RadialLegendre),
-    /// The sum of both.
-    Sum(RadialLegendre, TensorLegendre),
-    /// A spline through sag on a grid.
-    Patches(BicubicSpline),
-}
-
-impl Surface {
-    /// Its reflection across the line where coordinate `axis` (0 = x, 1 = y) vanishes. Splines are
-    /// never taken for even, and stay as they are.
-    fn reflected(&self, axis: usize) -> Self {
-        match self {
-            Self::Tensor(sheet) => Self::Tensor(sheet.reflected(axis)),
-            Self::Sum(round, sheet) => Self::Sum(round.clone(), sheet.reflected(axis)),
-            Self::Round(_) | Self::Patches(_) => self.clone(),
-        }
-    }
-
-    /// The surface on the line of constant `y`.
-    #[must_use]
-    pub fn row(&self, y: f64) -> SurfaceRow<'_> {
-        match self {
-            Self::Tensor(sheet) => SurfaceRow::Tensor(sheet.row(y)),
-            Self::Round(round) => SurfaceRow::Round(round, y),
-            Self::Sum(round, sheet) => SurfaceRow::Sum(round, y, sheet.row(y)),
-            Self::Patches(patches) => SurfaceRow::Patches(patches.row(y)),
-        }
-    }
-
-    /// Height and slope at one point.
-    #[must_use]
-    pub fn at(&self, q: DVec2) -> HeightAndSlope {
-        match self {
-            Self::Tensor(sheet) => sheet.at(q),
-            Self::Round(round) => round.at(q),
-            Self::Sum(round, sheet) => round.at(q).plus(&sheet.at(q)),
-            Self::Patches(patches) => patches.row(q.y).at(q.x),
-        }
-    }
-
-    /// Second derivatives at one point, 1/mm.
-    #[must_use]
-    pub fn hessian(&self, q: DVec2) -> Hessian {
-        match self {
-            Self::Tensor(sheet) => sheet.hessian(q),
-            Self::Round(round) => round.hessian(q),
-            Self::Sum(round, sheet) => {
-                let (a, b) = (round.hessian(q), sheet.hessian(q));
-                Hessian { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
-            }
-            Self::Patches(patches) => patches.hessian(q),
-        }
-    }
-}
-
-/// A surface on one line of constant y.
-#[derive(Debug, Clone)]
-pub enum SurfaceRow<'a> {
-    /// Of a tensor series.
-    Tensor(TensorLegendreRow),
-    /// Of a round surface.
-    Round(&'a RadialLegendre, f64),
-    /// Of a sum.
-    Sum(&'a RadialLegendre, f64, TensorLegendreRow),
-    /// Of a spline.
-    Patches(BicubicSplineRow<'a>),
-}
-
-impl SurfaceRow<'_> {
-    /// Height and slope at `x`.
-    #[inline]
-    #[must_use]
-    pub fn at(&self, x: f64) -> HeightAndSlope {
-        match self {
-            Self::Tensor(row) => row.at(x),
-            Self::Round(round, y) => round.at(DVec2::new(x, *y)),
-            Self::Sum(round, y, row) => round.at(DVec2::new(x, *y)).plus(&row.at(x)),
-            Self::Patches(row) => row.at(x),
-        }
-    }
-}
 
 /// A designed or given mirror in the part frame.
 #[derive(Debug, Clone)]

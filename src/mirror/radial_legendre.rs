@@ -1,7 +1,7 @@
 //! Axisymmetric surfaces: one Legendre series along the radius.
 
-use super::bounds::OFF;
-use super::{DerivativeBounds, HeightAndSlope, Hessian};
+use super::bounds::{BoundCells, DerivativeBounds, OFF};
+use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 use crate::geom::{DVec2, Outline};
 use crate::num::legendre::{Jet, Row, Series};
 use crate::num::{Interval, Scalar, bernstein};
@@ -31,6 +31,63 @@ struct Steps {
     f: f64,
     d: f64,
     dd: f64,
+}
+
+/// An axisymmetric surface on one line of constant y.
+#[derive(Debug, Clone)]
+pub struct RadialLegendreRow<'a> {
+    surface: &'a RadialLegendre,
+    y: f64,
+}
+
+impl HeightRow for RadialLegendreRow<'_> {
+    #[inline]
+    fn at(&self, x: f64) -> HeightAndSlope {
+        self.surface.at(DVec2::new(x, self.y))
+    }
+}
+
+impl HeightField for RadialLegendre {
+    type Row<'a> = RadialLegendreRow<'a>;
+
+    #[inline]
+    fn row(&self, y: f64) -> RadialLegendreRow<'_> {
+        RadialLegendreRow { surface: self, y }
+    }
+
+    #[inline]
+    fn at(&self, q: DVec2) -> HeightAndSlope {
+        let r2 = q.length_squared();
+        let Steps { f, d, .. } = self.steps(r2, &self.row.gradient(self.unit(r2)));
+        HeightAndSlope { f, slope: q * d }
+    }
+
+    fn hessian(&self, q: DVec2) -> Hessian {
+        let r2 = q.length_squared();
+        let Steps { d, dd, .. } = self.steps(r2, &self.row.jet(self.unit(r2)));
+        Hessian { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y }
+    }
+
+    /// The surface itself.
+    fn reflected(&self, _axis: usize) -> Self {
+        self.clone()
+    }
+
+    fn cell_bounds(&self, cells: &BoundCells) -> Vec<DerivativeBounds> {
+        cells.each(|lo, hi| self.bounds(lo, hi))
+    }
+
+    fn box_bounds(&self, lo: DVec2, hi: DVec2) -> Option<DerivativeBounds> {
+        Some(self.bounds(lo, hi))
+    }
+
+    fn radii(&self) -> Option<[f64; 2]> {
+        Some(self.radius)
+    }
+
+    fn is_axisymmetric(&self) -> bool {
+        true
+    }
 }
 
 impl RadialLegendre {
@@ -67,23 +124,6 @@ impl RadialLegendre {
             let d = g1 * rate / r2.sqrt();
             Steps { f: g, d, dd: (g2 * rate * rate - d) / r2 }
         }
-    }
-
-    /// Height and slope at one point.
-    #[inline]
-    #[must_use]
-    pub fn at(&self, q: DVec2) -> HeightAndSlope {
-        let r2 = q.length_squared();
-        let Steps { f, d, .. } = self.steps(r2, &self.row.gradient(self.unit(r2)));
-        HeightAndSlope { f, slope: q * d }
-    }
-
-    /// Second derivatives at one point, 1/mm.
-    #[must_use]
-    pub fn hessian(&self, q: DVec2) -> Hessian {
-        let r2 = q.length_squared();
-        let Steps { d, dd, .. } = self.steps(r2, &self.row.jet(self.unit(r2)));
-        Hessian { xx: d + dd * q.x * q.x, xy: dd * q.x * q.y, yy: d + dd * q.y * q.y }
     }
 
     /// Bounds over the points of a box whose distance from the axis lies within the surface's

@@ -1,57 +1,11 @@
-//! One smooth sheet: a tensor Legendre series placed in the part frame.
+//! Surfaces over a rectangle: a tensor Legendre series in the coordinates of a chart.
 
+use super::bounds::{BoundCells, DerivativeBounds, OFF};
+use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 use crate::geom::DVec2;
 use crate::num::legendre::{Row, Series};
-
-/// Height (mm) and slope of a surface at a point of its chart.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeightAndSlope {
-    /// f, mm.
-    pub f: f64,
-    /// (f_x, f_y), dimensionless.
-    pub slope: DVec2,
-}
-
-impl HeightAndSlope {
-    /// That of the sum of two surfaces.
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        Self { f: self.f + other.f, slope: self.slope + other.slope }
-    }
-}
-
-/// Second derivatives of the height, 1/mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hessian {
-    /// f_xx.
-    pub xx: f64,
-    /// f_xy.
-    pub xy: f64,
-    /// f_yy.
-    pub yy: f64,
-}
-
-impl Hessian {
-    /// Determinant of the Hessian: negative on saddles.
-    #[must_use]
-    pub fn det(&self) -> f64 {
-        self.xx * self.yy - self.xy * self.xy
-    }
-
-    /// The Hessian times a vector.
-    #[inline]
-    #[must_use]
-    pub fn times(&self, d: DVec2) -> DVec2 {
-        DVec2::new(self.xx * d.x + self.xy * d.y, self.xy * d.x + self.yy * d.y)
-    }
-
-    /// Largest absolute eigenvalue.
-    #[must_use]
-    pub fn norm(&self) -> f64 {
-        let mean = 0.5 * (self.xx + self.yy);
-        let half = 0.5 * (self.xx - self.yy);
-        mean.abs() + (half * half + self.xy * self.xy).sqrt()
-    }
-}
+use crate::num::{Interval, bernstein};
+use crate::parallel;
 
 /// The surface f = s F(u, v), where (u, v) runs over [-1, 1]^2 as q runs over a rectangle, F is the
 /// paper's f in the paper's units and s the scale in mm per unit.
@@ -67,11 +21,38 @@ pub struct TensorLegendre {
     pub scale_mm: f64,
 }
 
-impl TensorLegendre {
-    /// Its reflection across the line where coordinate `axis` (0 = x, 1 = y) vanishes: terms of odd
-    /// degree in it change their sign.
-    #[must_use]
-    pub fn reflected(&self, axis: usize) -> Self {
+impl HeightField for TensorLegendre {
+    type Row<'a> = TensorLegendreRow;
+
+    fn row(&self, y: f64) -> TensorLegendreRow {
+        TensorLegendreRow {
+            row: self.series.row((y - self.centre.y) / self.half.y),
+            centre: self.centre.x,
+            per_mm: 1.0 / self.half.x,
+            scale: self.scale_mm,
+            slope: self.scale_mm / self.half,
+        }
+    }
+
+    /// Without the memory that a row takes.
+    fn at(&self, q: DVec2) -> HeightAndSlope {
+        // As the row has it.
+        let (u, v) =
+            ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
+        let jet = self.series.gradient(u, v);
+        let slope = DVec2::from_array(jet.gradient) * (self.scale_mm / self.half);
+        HeightAndSlope { f: self.scale_mm * jet.f, slope }
+    }
+
+    fn hessian(&self, q: DVec2) -> Hessian {
+        let u = (q - self.centre) / self.half;
+        let [xx, xy, yy] = self.series.row(u.y).jet(u.x).hessian.map(|h| h * self.scale_mm);
+        let (a, b) = (self.half.x, self.half.y);
+        Hessian { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
+    }
+
+    /// Terms of odd degree change their sign.
+    fn reflected(&self, axis: usize) -> Self {
         let (rows, columns) = self.series.shape();
         let series = Series::from_fn(rows, columns, |i, j| {
             let c = self.series.coefficient(i, j);
@@ -82,40 +63,70 @@ impl TensorLegendre {
         Self { series, centre, ..self.clone() }
     }
 
-    /// The sheet on the line of constant `y`.
-    #[must_use]
-    pub fn row(&self, y: f64) -> TensorLegendreRow {
-        TensorLegendreRow {
-            row: self.series.row((y - self.centre.y) / self.half.y),
-            centre: self.centre.x,
-            per_mm: 1.0 / self.half.x,
-            scale: self.scale_mm,
-            slope: self.scale_mm / self.half,
-        }
-    }
-
-    /// Height and slope at one point.
-    #[must_use]
-    pub fn at(&self, q: DVec2) -> HeightAndSlope {
-        // As `SheetRow::at` has it.
-        let (u, v) =
-            ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
-        let jet = self.series.gradient(u, v);
-        let slope = DVec2::from_array(jet.gradient) * (self.scale_mm / self.half);
-        HeightAndSlope { f: self.scale_mm * jet.f, slope }
-    }
-
-    /// Second derivatives at one point, 1/mm.
-    #[must_use]
-    pub fn hessian(&self, q: DVec2) -> Hessian {
-        let u = (q - self.centre) / self.half;
-        let [xx, xy, yy] = self.series.row(u.y).jet(u.x).hessian.map(|h| h * self.scale_mm);
-        let (a, b) = (self.half.x, self.half.y);
-        Hessian { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
+    /// Third derivatives, which are polynomials, by their Bernstein coefficients; the others by Taylor's theorem about
+    /// the middle of each cell.
+    fn cell_bounds(&self, cells: &BoundCells) -> Vec<DerivativeBounds> {
+        let (lo, step) = ((cells.rect.min - self.centre) / self.half, cells.size / self.half);
+        let count = cells.count;
+        let edges = |lo: f64, step: f64| -> Vec<f64> {
+            (0..=count).map(|k| lo + step * k as f64).collect()
+        };
+        let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
+        let middle = |k: usize| {
+            let [lo, hi] = cells.corners(k);
+            let (point, c) = (self.at(0.5 * (lo + hi)), self.hessian(0.5 * (lo + hi)));
+            [point.f, point.slope.x, point.slope.y, c.xx, c.xy, c.yy]
+        };
+        let (third, middles): (_, Vec<[f64; 6]>) = parallel::join(
+            || self.third_derivatives(&u, &v),
+            || parallel::map(count * count, 1, middle),
+        );
+        let off: [f64; 6] =
+            std::array::from_fn(|i| OFF * middles.iter().map(|m| m[i].abs()).fold(0.0, f64::max));
+        let half = 0.5 * cells.size;
+        let [x, y] = [half.x, half.y].map(|half| Interval::around(0.0, half));
+        let bounds = |(k, middle): (usize, &[f64; 6])| {
+            let third = third.each_ref().map(|range| range[k]);
+            let [xxx, xxy, xyy, yyy] = third;
+            let about = |i: usize, by_x: Interval, by_y: Interval| {
+                Interval::around(middle[i], off[i]) + by_x * x + by_y * y
+            };
+            let hessian @ [xx, xy, yy] =
+                [about(3, xxx, xxy), about(4, xxy, xyy), about(5, xyy, yyy)];
+            let slope @ [by_x, by_y] = [about(1, xx, xy), about(2, xy, yy)];
+            DerivativeBounds { f: about(0, by_x, by_y), slope, hessian, third }
+        };
+        middles.iter().enumerate().map(bounds).collect()
     }
 }
 
-/// A sheet on one line of constant Y.
+impl TensorLegendre {
+    /// Ranges over every cell of the third derivatives of the height, x-most first.
+    fn third_derivatives(&self, u: &[f64], v: &[f64]) -> [Vec<Interval>; 4] {
+        let ranges = |by_y: usize| {
+            let mut series = self.series.clone();
+            let mut unit = self.scale_mm;
+            for step in 0..3 {
+                if step < by_y {
+                    series = series.derivative_v();
+                    unit /= self.half.y;
+                } else {
+                    series = series.derivative_u();
+                    unit /= self.half.x;
+                }
+            }
+            let ranges = bernstein::ranges(&series, u, v);
+            ranges.into_iter().map(|[lo, hi]| Interval::new(lo, hi) * unit).collect()
+        };
+        let ((a, b), (c, d)) = parallel::join(
+            || parallel::join(|| ranges(0), || ranges(1)),
+            || parallel::join(|| ranges(2), || ranges(3)),
+        );
+        [a, b, c, d]
+    }
+}
+
+/// A tensor series on one line of constant y.
 #[derive(Debug, Clone)]
 pub struct TensorLegendreRow {
     row: Row,
@@ -125,11 +136,9 @@ pub struct TensorLegendreRow {
     slope: DVec2,
 }
 
-impl TensorLegendreRow {
-    /// Height and slope at `x`.
+impl HeightRow for TensorLegendreRow {
     #[inline]
-    #[must_use]
-    pub fn at(&self, x: f64) -> HeightAndSlope {
+    fn at(&self, x: f64) -> HeightAndSlope {
         let jet = self.row.gradient((x - self.centre) * self.per_mm);
         HeightAndSlope {
             f: self.scale * jet.f,
@@ -141,6 +150,8 @@ impl TensorLegendreRow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Rect;
+    use crate::mirror::{Surface, UnionBound};
 
     #[test]
     fn a_reflection_is_the_sheet_at_reflected_places() {
@@ -179,5 +190,54 @@ mod tests {
         assert!((c.xx + 0.16).abs() < 1e-14 && (c.xy - 0.06).abs() < 1e-14 && c.yy.abs() < 1e-14);
         assert!((c.det() + 0.0036).abs() < 1e-14);
         assert!((c.norm() - 0.18).abs() < 1e-13);
+    }
+
+    const PANEL: Rect = Rect { min: DVec2::new(-20.0, -14.0), max: DVec2::new(31.0, 9.0) };
+
+    /// A wavy surface of mixed degrees.
+    fn wavy() -> TensorLegendre {
+        let series = Series::from_fn(7, 6, |i, j| {
+            (1.0 + ((3 * i + 5 * j) % 7) as f64 - 3.0) / (1 + i * i + j * j) as f64
+        });
+        let (centre, half) = (DVec2::new(1.0, -2.0), DVec2::new(30.0, 12.0));
+        TensorLegendre { series, centre, half, scale_mm: 4.0 }
+    }
+
+    #[test]
+    fn bounds_hold_at_every_sample_and_are_not_idle() {
+        let bounds = Surface::Tensor(wavy()).bound_grid(PANEL);
+        let step = 1e-3;
+        let (mut found, mut allowed) = (0.0f64, 0.0f64);
+        for (q, _) in PANEL.grid(37, 29) {
+            let held = bounds.over(q, q);
+            let (point, c) = (wavy().at(q), wavy().hessian(q));
+            assert!(held.f.contains(point.f));
+            assert!(held.slope[0].contains(point.slope.x) && held.slope[1].contains(point.slope.y));
+            for (range, x) in held.hessian.iter().zip([c.xx, c.xy, c.yy]) {
+                assert!(range.contains(x));
+            }
+            let d = |e: DVec2| {
+                let (a, b) = (wavy().hessian(q + e * step), wavy().hessian(q - e * step));
+                [a.xx - b.xx, a.xy - b.xy, a.yy - b.yy].map(|x| x / (2.0 * step))
+            };
+            let (dx, dy) = (d(DVec2::X), d(DVec2::Y));
+            for (range, x) in held.third.iter().zip([dx[0], dx[1], dx[2], dy[2]]) {
+                let slack = 1e-6 * (1.0 + x.abs());
+                assert!(range.lo - slack <= x && x <= range.hi + slack, "{range:?} {x}");
+                found = found.max(x.abs());
+                allowed = allowed.max(range.magnitude());
+            }
+        }
+        assert!(found > 0.8 * allowed, "{found} of {allowed}");
+    }
+
+    #[test]
+    fn a_box_over_many_cells_takes_the_worst_of_them() {
+        let bounds = Surface::Tensor(wavy()).bound_grid(PANEL);
+        let whole = bounds.over(PANEL.min, PANEL.max);
+        for (q, _) in PANEL.grid(9, 9) {
+            let here = bounds.over(q, q);
+            assert_eq!(whole.union(here), whole);
+        }
     }
 }

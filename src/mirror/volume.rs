@@ -1,6 +1,6 @@
 //! Volume between a mirror and the base plane.
 
-use super::{HeightAndSlope, Mirror, Surface};
+use super::{HeightAndSlope, Mirror};
 use crate::geom::{Chart, DVec2, DVec3, Outline};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{asin, cos, sin};
@@ -81,21 +81,21 @@ impl Mirror {
 
     /// The integral of a function of place and slope over what the designed panel covers of the (X, Y) plane.
     fn under_panel(&self, of: Of) -> f64 {
-        match (self.outline, &self.surface) {
-            (Outline::Rect(panel), _) => {
+        match self.outline {
+            Outline::Rect(panel) => {
                 let along = self.nodes(0, panel.min.x, panel.max.x);
                 let across = self.nodes(1, panel.min.y, panel.max.y);
                 let rows = parallel::map_slice(&across, 1, |&(y, w)| w * self.line(y, &along, of));
                 rows.iter().sum()
             }
-            (Outline::Ring { inner, outer }, Surface::Round(_)) => {
+            Outline::Ring { inner, outer } if self.surface.is_axisymmetric() => {
                 let row = self.row(0.0);
                 let ring = self.nodes(0, inner, outer).into_iter().map(|(r, w)| {
                     w * 2.0 * PI * r * self.column(DVec2::new(r, 0.0), &row.at(r), of)
                 });
                 ring.sum()
             }
-            (Outline::Ring { inner, outer }, _) => self.disc(outer, of) - self.disc(inner, of),
+            Outline::Ring { inner, outer } => self.disc(outer, of) - self.disc(inner, of),
         }
     }
 
@@ -107,7 +107,7 @@ impl Mirror {
         }
         let angle =
             |y: f64| if y.abs() < radius { asin(y / radius) } else { FRAC_PI_2.copysign(y) };
-        let breaks = self.breaks(1, -radius, radius);
+        let breaks = self.surface.breaks(1, -radius, radius);
         let breaks: Vec<f64> = breaks.into_iter().map(angle).collect();
         let count = (ACROSS / (breaks.len() - 1)).max(2);
         let chords = parallel::map_slice(&composite(&breaks, count), 1, |&(angle, w)| {
@@ -123,18 +123,10 @@ impl Mirror {
         along.iter().map(|&(x, w)| w * self.column(DVec2::new(x, y), &row.at(x), of)).sum()
     }
 
-    /// Where the surface is less than smooth along an axis, and both ends.
-    fn breaks(&self, axis: usize, lo: f64, hi: f64) -> Vec<f64> {
-        match &self.surface {
-            Surface::Patches(patches) => patches.knots()[axis].breaks(lo, hi),
-            _ => vec![lo, hi],
-        }
-    }
-
     /// Places and weights along an axis: a cubic takes two between breaks.
     fn nodes(&self, axis: usize, lo: f64, hi: f64) -> Vec<(f64, f64)> {
-        let cubic = matches!(self.surface, Surface::Patches(_)) && self.chart.vergence == 0.0;
-        composite(&self.breaks(axis, lo, hi), if cubic { 2 } else { NODES })
+        let cubic = self.surface.is_bicubic() && self.chart.vergence == 0.0;
+        composite(&self.surface.breaks(axis, lo, hi), if cubic { 2 } else { NODES })
     }
 
     /// The function of place and slope times the area that a unit of the chart's area covers in the (X, Y) plane.
@@ -161,7 +153,9 @@ fn composite(breaks: &[f64], count: usize) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
     use crate::geom::{Chart, Rect};
-    use crate::mirror::{BicubicSpline, Knots, RadialLegendre, TensorLegendre};
+    use crate::mirror::{
+        BicubicSpline, HeightField, Knots, RadialLegendre, Surface, TensorLegendre,
+    };
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 
@@ -185,7 +179,7 @@ mod tests {
             for inner in [0.0, 4.0] {
                 // f = -2 everywhere: Z and the rim's radius follow from the chart alone.
                 let series = Series::from_fn(1, 1, |_, _| -2.0);
-                let surface = Surface::Round(RadialLegendre::new(series, [inner, 10.0], 1.0));
+                let surface = Surface::Radial(RadialLegendre::new(series, [inner, 10.0], 1.0));
                 let chart = Chart { vergence, plane_mm: 10.0 };
                 let outline = Outline::Ring { inner, outer: 10.0 };
                 let mirror =
@@ -235,7 +229,7 @@ mod tests {
         ] {
             let smooth = volume(Surface::Tensor(sheet.clone()), outline);
             assert!((smooth / exact - 1.0).abs() < 1e-13, "{smooth} {exact}");
-            let knotted = volume(Surface::Patches(spline.clone()), outline);
+            let knotted = volume(Surface::Spline(spline.clone()), outline);
             assert!((knotted / exact - 1.0).abs() < 1e-10, "{knotted} {exact}");
         }
     }
@@ -258,7 +252,7 @@ mod tests {
         }
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
         let outline = Outline::Ring { inner: 0.0, outer: 4.0 };
-        let surface = Surface::Patches(spline);
+        let surface = Surface::Spline(spline);
         let mirror =
             Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
         let off = mirror.volume() / by_rings - 1.0;

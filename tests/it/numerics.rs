@@ -4,7 +4,7 @@ use crate::support::oracle::{self, Strip, Wish, World, gauss_grid, pinhole, shri
 use crate::support::{builds::parsed, share, shipped_text, times};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, Rect};
-use morion::internals::mirror::Surface;
+use morion::internals::mirror::{HeightField, Surface};
 use morion::internals::num::{hypot, sin};
 use std::f64::consts::PI;
 
@@ -234,7 +234,7 @@ fn figures(design: &Design, width_mm: f64) -> Vec<f64> {
                 all.push(c * sheet.scale_mm / width_mm);
             }
         }
-        Surface::Round(round) => {
+        Surface::Radial(round) => {
             all.extend((1..9).map(|k| {
                 let r = round.radius[0] + (round.radius[1] - round.radius[0]) * f64::from(k) / 9.0;
                 round.at(DVec2::X * r).f / width_mm

@@ -6,7 +6,7 @@
 
 use super::FitError;
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
-use crate::mirror::{Mirror, Surface};
+use crate::mirror::{HeightField, HeightRow, Mirror, Surface};
 use crate::parallel;
 
 /// How far the parameters of a round mirror reach beyond its rim: a rim curve should not touch the
@@ -61,17 +61,18 @@ impl<'a> ParametricSurface<'a> {
             let q = DVec2::new(r, 0.0);
             mirror.position(q, &mirror.surface.at(q)).x
         };
-        let ring = match &mirror.surface {
-            Surface::Round(_) => [inner, outer].map(out),
-            _ if mirror.chart.vergence != 0.0 => return Err(FitError::Chart),
-            _ => [inner, outer],
+        let axisymmetric = mirror.surface.is_axisymmetric();
+        let ring = match axisymmetric {
+            true => [inner, outer].map(out),
+            false if mirror.chart.vergence != 0.0 => return Err(FitError::Chart),
+            false => [inner, outer],
         };
         surface.ring = Some(ring);
         surface.domain = Outline::Ring { inner: 0.0, outer: rounded_up(ring[1] * MARGIN) }.bounds();
-        if matches!(mirror.surface, Surface::Round(_)) {
+        if axisymmetric {
             surface.even = [true; 2];
         }
-        if matches!(mirror.surface, Surface::Round(_) | Surface::Sum(..)) {
+        if axisymmetric || matches!(mirror.surface, Surface::Sum(_)) {
             surface.radial = Some(surface.radial(ring)?);
         }
         Ok(surface)
@@ -89,21 +90,21 @@ impl<'a> ParametricSurface<'a> {
 
     /// Where a surface that is less smooth breaks along an axis, ends included.
     pub fn breaks(&self, axis: usize) -> Option<Vec<f64>> {
-        let Surface::Patches(patches) = &self.mirror.surface else { return None };
         let [lo, hi] = [self.domain.min, self.domain.max].map(|end| end[axis]);
-        Some(patches.knots()[axis].breaks(lo, hi))
+        let surface = &self.mirror.surface;
+        surface.is_bicubic().then(|| surface.breaks(axis, lo, hi))
     }
 
     /// Whether the same knots suit both axes.
     pub fn is_round(&self) -> bool {
-        matches!(self.mirror.surface, Surface::Round(_))
+        self.mirror.surface.is_axisymmetric()
     }
 
     /// The round part's Z (of a sum: its height) and slope at distance `rho` from the axis.
     fn radius(&self, rho: f64) -> Option<(f64, f64)> {
         let place = DVec2::new(rho, 0.0);
-        if let Surface::Sum(round, _) = &self.mirror.surface {
-            let point = round.at(place);
+        if let Surface::Sum(sum) = &self.mirror.surface {
+            let point = sum.radial.at(place);
             return Some((point.f, point.slope.x));
         }
         let above = Chart { vergence: 0.0, ..self.mirror.chart };
@@ -168,7 +169,7 @@ impl<'a> ParametricSurface<'a> {
             return us.iter().map(point).collect();
         };
         let rest = match &self.mirror.surface {
-            Surface::Sum(_, sheet) => Some(sheet.row(v)),
+            Surface::Sum(sum) => Some(sum.tensor.row(v)),
             _ => None,
         };
         let point = |&u: &f64| {
@@ -242,7 +243,7 @@ fn rounded_up(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mirror::{RadialLegendre, TensorLegendre};
+    use crate::mirror::{RadialLegendre, RadialTensorSum, TensorLegendre};
     use crate::num::legendre::Series;
 
     fn mirror(surface: Surface, vergence: f64, ring: [f64; 2]) -> Mirror {
@@ -274,7 +275,7 @@ mod tests {
 
     #[test]
     fn polynomials_go_on_as_they_are() {
-        let mirror = mirror(Surface::Round(bowl()), 0.0, [0.0, 5.0]);
+        let mirror = mirror(Surface::Radial(bowl()), 0.0, [0.0, 5.0]);
         let surface = ParametricSurface::new(&mirror).unwrap();
         assert!(surface.is_direct() && surface.is_round() && surface.even == [true; 2]);
         assert!((5.1..5.13).contains(&surface.domain.max.x) && surface.domain.min.y < -5.09);
@@ -290,7 +291,7 @@ mod tests {
 
     #[test]
     fn another_camera_sees_the_same_heights() {
-        let mirror = mirror(Surface::Round(bowl()), 0.02, [0.0, 5.0]);
+        let mirror = mirror(Surface::Radial(bowl()), 0.02, [0.0, 5.0]);
         let surface = ParametricSurface::new(&mirror).unwrap();
         let [_, rim] = surface.ring.unwrap();
         for k in 0..=20 {
@@ -307,7 +308,7 @@ mod tests {
         let series = Series::from_fn(2, 2, |i, j| (i * j) as f64);
         let (centre, half) = (DVec2::ZERO, DVec2::splat(5.0));
         let sheet = TensorLegendre { series, centre, half, scale_mm: 1.0 };
-        let sum = Surface::Sum(bowl(), sheet);
+        let sum = Surface::Sum(RadialTensorSum { radial: bowl(), tensor: sheet });
         let tilted = mirror(sum.clone(), 0.0, [1.0, 5.0]);
         let surface = ParametricSurface::new(&tilted).unwrap();
         for (x, y) in [(0.1, 0.2), (3.0, -2.0), (5.0, 5.0)] {

@@ -78,7 +78,7 @@ impl BoundTable {
             let regions = vec![OnceLock::new(); LEVELS * (COLUMNS + 1)];
             return Self::Axis { rings: Rings::new(round), width, regions };
         }
-        let bounds = BoundGrid::new(&sight.mirror.surface, part);
+        let bounds = sight.mirror.surface.bound_grid(part);
         let parts = sight.parts();
         let regions = bounds.map(parts, |part, bounds| {
             if beyond(&sight.mirror.outline, part) {
@@ -191,7 +191,7 @@ fn size(level: usize) -> f64 {
 fn round<'a>(sight: &ImagingProblem<'a>) -> Option<&'a RadialLegendre> {
     let radial = |view: &ImagingTask| matches!(view.projection, Projection::Radial { .. });
     match &sight.mirror.surface {
-        Surface::Round(round) if sight.view.is_none_or(radial) => Some(round),
+        Surface::Radial(round) if sight.view.is_none_or(radial) => Some(round),
         _ => None,
     }
 }

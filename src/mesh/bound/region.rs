@@ -5,7 +5,7 @@
 //! second derivatives. Intervals lose a factor of a few, but only in terms of second order.
 
 use crate::geom::{Chart, DVec2, Outline};
-use crate::mirror::{DerivativeBounds, Mirror, Surface, UnionBound};
+use crate::mirror::{DerivativeBounds, Mirror, UnionBound};
 use crate::num::{Interval, Jet2, Scalar, exp};
 use crate::optics::{ImagingTask, Target};
 
@@ -289,10 +289,7 @@ impl ImagingProblem<'_> {
     pub fn narrow(&self, bounds: &DerivativeBounds, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
         let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
         if !self.is_sound([lo, hi]) {
-            return match &self.mirror.surface {
-                Surface::Round(round) => round.bounds(lo, hi),
-                _ => *bounds,
-            };
+            return self.mirror.surface.box_bounds(lo, hi).unwrap_or(*bounds);
         }
         let point = self.mirror.surface.at(middle);
         let c = self.mirror.surface.hessian(middle);
@@ -318,10 +315,7 @@ impl ImagingProblem<'_> {
     /// Whether the ways from a box's middle to its points on the mirror stay where a round surface's
     /// bounds hold: between its radii.
     fn is_sound(&self, [lo, hi]: [DVec2; 2]) -> bool {
-        let (Surface::Round(round) | Surface::Sum(round, _)) = &self.mirror.surface else {
-            return true;
-        };
-        let [inner, outer] = round.radius;
+        let Some([inner, outer]) = self.mirror.surface.radii() else { return true };
         let nearest = DVec2::ZERO.clamp(lo, hi).length();
         let middle = (0.5 * (lo + hi)).length();
         middle <= outer && nearest >= inner * (1.0 - Outline::EDGE)

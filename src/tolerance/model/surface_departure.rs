@@ -4,7 +4,7 @@ use super::super::footprint::Footprint;
 use super::super::form_field::{FormField, ripple};
 use super::{OpticalSystem, PerturbedState, PixelSample, TextureSite, added};
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::BicubicSpline;
+use crate::mirror::{BicubicSpline, HeightField};
 use crate::num::Scalar;
 use std::f64::consts::TAU;
 

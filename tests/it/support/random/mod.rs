@@ -8,7 +8,8 @@ use super::draws::Draws;
 use morion::internals::geom::{Chart, DVec2, Outline, Precision, Rect};
 use morion::internals::mesh::{Face, Limits, MeshError, mesh};
 use morion::internals::mirror::{
-    BicubicSpline, Knots, Mirror, RadialLegendre, Surface, TensorLegendre,
+    BicubicSpline, HeightField, Knots, Mirror, RadialLegendre, RadialTensorSum, Surface,
+    TensorLegendre,
 };
 use morion::internals::num::legendre::Series;
 use morion::internals::num::{cos, exp, log, radians, sin};
@@ -278,11 +279,14 @@ pub fn case(kind: Kind, seed: u64, facets: [f64; 2]) -> Case {
         Kind::Round => {
             let (round, bend) = round(r, inner);
             even = [true; 2];
-            (Surface::Round(round), [bend; 2])
+            (Surface::Radial(round), [bend; 2])
         }
         Kind::Sum => {
             let (round, bend) = round(r, 0.0);
-            (Surface::Sum(round, sheet(of.series, rect)), [bend + of.bend[0], bend])
+            (
+                Surface::Sum(RadialTensorSum { radial: round, tensor: sheet(of.series, rect) }),
+                [bend + of.bend[0], bend],
+            )
         }
         Kind::Grid => {
             let plain = sheet(of.series, rect);
@@ -299,7 +303,7 @@ pub fn case(kind: Kind, seed: u64, facets: [f64; 2]) -> Case {
             };
             let values: Vec<f64> = (0..count[0] * count[1]).map(node).collect();
             let patches = BicubicSpline::new(knots[0], knots[1], &values).expect("a grid");
-            (Surface::Patches(patches), of.bend)
+            (Surface::Spline(patches), of.bend)
         }
         _ => (Surface::Tensor(sheet(of.series, rect)), of.bend),
     };

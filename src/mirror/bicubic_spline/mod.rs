@@ -1,20 +1,14 @@
 //! Sag on a regular grid: the bicubic spline through it, twice differentiable.
 
-use super::{DerivativeBounds, HeightAndSlope, Hessian, UnionBound};
-use crate::geom::DVec2;
-use crate::num::Interval;
-use crate::parallel;
+mod knots;
+mod patch_bounds;
 
-/// Evenly spaced places along one axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Knots {
-    /// The first, mm.
-    pub first: f64,
-    /// From one to the next, mm.
-    pub step: f64,
-    /// How many.
-    pub count: usize,
-}
+pub use knots::Knots;
+
+use super::bounds::{BoundCells, DerivativeBounds, UnionBound};
+use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
+use crate::geom::DVec2;
+use crate::parallel;
 
 /// f and its derivatives f_s, f_t, f_st at a node, per step of the grid: a patch between four nodes
 /// is the Hermite bicubic of theirs.
@@ -31,52 +25,6 @@ pub struct BicubicSpline {
 
 /// The least number of knots along an axis.
 pub const LEAST_KNOTS: usize = 4;
-
-/// Bounds look at whole such shares of a patch.
-const SHARES: f64 = 32.0;
-
-/// Rounding of a patch's Bernstein coefficients, as a share of the largest height.
-const ROUNDING: f64 = 32.0 * f64::EPSILON;
-
-impl Knots {
-    /// The interval that `x` is in (the end ones reach to infinity), and where in it.
-    #[inline]
-    fn find(&self, x: f64) -> (usize, f64) {
-        let steps = (x - self.first) / self.step;
-        // Saturates, and takes what is not a number to the first.
-        let k = (steps.max(0.0) as usize).min(self.count - 2);
-        (k, steps - k as f64)
-    }
-
-    /// The last one, mm.
-    #[must_use]
-    pub fn last(&self) -> f64 {
-        self.at(self.count - 1)
-    }
-
-    fn at(&self, k: usize) -> f64 {
-        self.first + self.step * k as f64
-    }
-
-    /// `lo`, the knots between, `hi`.
-    #[must_use]
-    pub fn breaks(&self, lo: f64, hi: f64) -> Vec<f64> {
-        let (from, _) = self.find(lo);
-        let (to, _) = self.find(hi);
-        let inner = (from..=to + 1).map(|k| self.at(k)).filter(|&x| lo < x && x < hi);
-        std::iter::once(lo).chain(inner).chain([hi]).collect()
-    }
-
-    /// The intervals that `lo`..=`hi` touches, each with the share of it, a little widened.
-    fn touched(&self, lo: f64, hi: f64) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let ((first, from), (last, to)) = (self.find(lo), self.find(hi));
-        (first..=last).map(move |k| {
-            let from = if k == first { (from * SHARES).floor() / SHARES } else { 0.0 };
-            let to = if k == last { (to * SHARES).ceil() / SHARES } else { 1.0 };
-            (k, [from, if to > from { to } else { from + 1.0 / SHARES }])
-        })
-    }
-}
 
 /// Multipliers of the tridiagonal elimination for slopes at `count` even knots: rows
 /// (1 2), (1 4 1) ..., (2 1).
@@ -137,7 +85,7 @@ fn hermite_slope(t: f64) -> [f64; 4] {
     [-rise, (1.0 - t) * (1.0 - 3.0 * t), rise, t * (3.0 * t - 2.0)]
 }
 #[inline]
-fn hermite_bend(t: f64) -> [f64; 4] {
+fn hermite_second(t: f64) -> [f64; 4] {
     let rise = 6.0 - 12.0 * t;
     [-rise, 6.0 * t - 4.0, rise, 6.0 * t - 2.0]
 }
@@ -182,9 +130,22 @@ impl BicubicSpline {
         [self.x, self.y]
     }
 
-    /// The spline on the line of constant `y`.
+    /// Bounds over a box: those of the patches that it touches, each only a little wider than its
+    /// share of the box.
     #[must_use]
-    pub fn row(&self, y: f64) -> BicubicSplineRow<'_> {
+    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
+        let across = |(j, t): (usize, [f64; 2])| {
+            self.x.touched(lo.x, hi.x).map(move |(i, s)| self.patch_bounds(i, j, s, t))
+        };
+        let all = self.y.touched(lo.y, hi.y).flat_map(across);
+        all.reduce(UnionBound::union).expect("a box touches a patch")
+    }
+}
+
+impl HeightField for BicubicSpline {
+    type Row<'a> = BicubicSplineRow<'a>;
+
+    fn row(&self, y: f64) -> BicubicSplineRow<'_> {
         let (j, t) = self.y.find(y);
         let row = |j: usize| &self.nodes[j * self.x.count..(j + 1) * self.x.count];
         BicubicSplineRow {
@@ -196,15 +157,7 @@ impl BicubicSpline {
         }
     }
 
-    /// Height and slope at one point.
-    #[must_use]
-    pub fn at(&self, q: DVec2) -> HeightAndSlope {
-        self.row(q.y).at(q.x)
-    }
-
-    /// Second derivatives at one point, 1/mm.
-    #[must_use]
-    pub fn hessian(&self, q: DVec2) -> Hessian {
+    fn hessian(&self, q: DVec2) -> Hessian {
         let ((i, s), (j, t)) = (self.x.find(q.x), self.y.find(q.y));
         let column =
             |i: usize| [&self.nodes[j * self.x.count + i], &self.nodes[(j + 1) * self.x.count + i]];
@@ -213,97 +166,44 @@ impl BicubicSpline {
         };
         let (dx, dy) = (self.x.step, self.y.step);
         Hessian {
-            xx: second(hermite_bend(s), hermite(t)) / (dx * dx),
+            xx: second(hermite_second(s), hermite(t)) / (dx * dx),
             xy: second(hermite_slope(s), hermite_slope(t)) / (dx * dy),
-            yy: second(hermite(s), hermite_bend(t)) / (dy * dy),
+            yy: second(hermite(s), hermite_second(t)) / (dy * dy),
         }
     }
 
-    /// Bounds over a box: those of the patches that it touches, each only a little wider than its
-    /// share of the box.
-    #[must_use]
-    pub fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
-        let across = |(j, t): (usize, [f64; 2])| {
-            self.x.touched(lo.x, hi.x).map(move |(i, s)| self.patch(i, j, s, t))
-        };
-        let all = self.y.touched(lo.y, hi.y).flat_map(across);
-        all.reduce(UnionBound::union).expect("a box touches a patch")
+    fn reflected(&self, axis: usize) -> Self {
+        let mut reflected = self.clone();
+        let knots = if axis == 0 { &mut reflected.x } else { &mut reflected.y };
+        knots.first = -knots.last();
+        let [columns, rows] = [self.x.count, self.y.count];
+        for (k, node) in reflected.nodes.iter_mut().enumerate() {
+            let (i, j) = (k % columns, k / columns);
+            let (i, j) = if axis == 0 { (columns - 1 - i, j) } else { (i, rows - 1 - j) };
+            let [f, f_s, f_t, f_st] = self.nodes[j * columns + i];
+            *node = if axis == 0 { [f, -f_s, f_t, -f_st] } else { [f, f_s, -f_t, -f_st] };
+        }
+        reflected
     }
 
-    /// Bounds over the shares `s` and `t` of the patch from node (`i`, `j`).
-    fn patch(&self, i: usize, j: usize, s: [f64; 2], t: [f64; 2]) -> DerivativeBounds {
-        let node = |i: usize, j: usize| &self.nodes[j * self.x.count + i];
-        let corners = [[node(i, j), node(i + 1, j)], [node(i, j + 1), node(i + 1, j + 1)]];
-        // net[b][a]: Bernstein coefficient a along s, b along t.
-        let (left, right) = ([0.0, 1.0 / 3.0], [0.0, -1.0 / 3.0]);
-        let mut net = [[0.0; 4]; 4];
-        for (b, line) in net.iter_mut().enumerate() {
-            for (a, c) in line.iter_mut().enumerate() {
-                let n = corners[b / 2][a / 2];
-                let p = if a < 2 { left[a] } else { right[3 - a] };
-                let q = if b < 2 { left[b] } else { right[3 - b] };
-                *c = n[0] + p * n[1] + q * n[2] + p * q * n[3];
-            }
-        }
-        let size = net.iter().flatten().fold(0.0f64, |most, c| most.max(c.abs()));
-        if s != [0.0, 1.0] {
-            net = net.map(|line| restrict(line, s));
-        }
-        if t != [0.0, 1.0] {
-            net = transpose(transpose(net).map(|line| restrict(line, t)));
-        }
-        let (w, h) = (self.x.step * (s[1] - s[0]), self.y.step * (t[1] - t[0]));
-        let along = differences(&net);
-        let up = along.map(|net| differences(&transpose(net)));
-        // The derivative of order p along x and q along y: entries q of 4 - p lines, each of 4 - q.
-        let range = |p: usize, q: usize| {
-            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-            for c in up[p][q][..4 - p].iter().flat_map(|line| &line[..4 - q]) {
-                (lo, hi) = (lo.min(*c), hi.max(*c));
-            }
-            const FALLING: [f64; 4] = [1.0, 3.0, 6.0, 6.0];
-            let power = |x: f64, n: usize| (0..n).fold(1.0, |power, _| power * x);
-            let slack = ROUNDING * size * power(2.0, p + q);
-            Interval::new(lo - slack, hi + slack)
-                * (FALLING[p] * FALLING[q] / (power(w, p) * power(h, q)))
-        };
-        DerivativeBounds {
-            f: range(0, 0),
-            slope: [range(1, 0), range(0, 1)],
-            hessian: [range(2, 0), range(1, 1), range(0, 2)],
-            third: [range(3, 0), range(2, 1), range(1, 2), range(0, 3)],
-        }
+    fn cell_bounds(&self, cells: &BoundCells) -> Vec<DerivativeBounds> {
+        cells.each(|lo, hi| self.bounds(lo, hi))
+    }
+
+    fn box_bounds(&self, lo: DVec2, hi: DVec2) -> Option<DerivativeBounds> {
+        Some(self.bounds(lo, hi))
+    }
+
+    fn is_bicubic(&self) -> bool {
+        true
+    }
+
+    fn breaks(&self, axis: usize, lo: f64, hi: f64) -> Vec<f64> {
+        [self.x, self.y][axis].breaks(lo, hi)
     }
 }
 
-/// Bernstein coefficients of a cubic on the part `from`..`to` of [0, 1] (its polar form).
-fn restrict(c: [f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
-    let polar = |ends: [f64; 3]| {
-        let mut c = c;
-        for (round, t) in ends.into_iter().enumerate() {
-            for k in 0..3 - round {
-                c[k] += t * (c[k + 1] - c[k]);
-            }
-        }
-        c[0]
-    };
-    [[from; 3], [from, from, to], [from, to, to], [to; 3]].map(polar)
-}
-
-fn transpose(m: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
-    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
-}
-
-/// The differences of order 0 to 3 along each line; order n fills the first 4 - n entries.
-fn differences(net: &[[f64; 4]; 4]) -> [[[f64; 4]; 4]; 4] {
-    let mut orders = [*net; 4];
-    for n in 1..4 {
-        orders[n] = orders[n - 1].map(|c| [c[1] - c[0], c[2] - c[1], c[3] - c[2], 0.0]);
-    }
-    orders
-}
-
-/// Patches on one line of constant y.
+/// A spline on one line of constant y.
 #[derive(Debug, Clone)]
 pub struct BicubicSplineRow<'a> {
     x: Knots,
@@ -313,11 +213,9 @@ pub struct BicubicSplineRow<'a> {
     slope: [f64; 4],
 }
 
-impl BicubicSplineRow<'_> {
-    /// Height and slope at `x`.
+impl HeightRow for BicubicSplineRow<'_> {
     #[inline]
-    #[must_use]
-    pub fn at(&self, x: f64) -> HeightAndSlope {
+    fn at(&self, x: f64) -> HeightAndSlope {
         let (i, s) = self.x.find(x);
         let column = |i: usize| self.rows.map(|row| &row[i]);
         let (left, right) = (column(i), column(i + 1));
@@ -466,5 +364,21 @@ mod tests {
         assert!(BicubicSpline::new(k, k, &[f64::NAN; 16]).is_none());
         assert!(BicubicSpline::new(knots(0.0, 1.0, 3), k, &[0.0; 12]).is_none());
         assert!(BicubicSpline::new(knots(1.0, 0.0, 4), k, &[0.0; 16]).is_none());
+    }
+
+    #[test]
+    fn a_reflection_is_the_spline_at_reflected_places() {
+        let patches = rough(7);
+        for (axis, sign) in [DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0)].into_iter().enumerate() {
+            let reflected = patches.reflected(axis);
+            for q in [DVec2::new(-2.3, 1.4), DVec2::new(0.1, 2.6), DVec2::new(1.9, 3.9)] {
+                let (there, here) = (reflected.at(sign * q), patches.at(q));
+                assert!((there.f - here.f).abs() < 1e-12, "{axis} {q}");
+                assert!((there.slope - sign * here.slope).length() < 1e-12, "{axis} {q}");
+                let (there, here) = (reflected.hessian(sign * q), patches.hessian(q));
+                let off = [there.xx - here.xx, there.xy + here.xy, there.yy - here.yy];
+                assert!(off.into_iter().all(|x| x.abs() < 1e-11), "{axis} {q}: {off:?}");
+            }
+        }
     }
 }

@@ -1,0 +1,88 @@
+//! Bounds of one patch of a spline: its derivatives are polynomials, bounded by their Bernstein coefficients.
+
+use super::super::bounds::DerivativeBounds;
+use super::BicubicSpline;
+use crate::num::Interval;
+
+/// Rounding of a patch's Bernstein coefficients, as a share of the largest height.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
+impl BicubicSpline {
+    /// Bounds over the shares `s` and `t` of the patch from node (`i`, `j`).
+    pub(super) fn patch_bounds(
+        &self,
+        i: usize,
+        j: usize,
+        s: [f64; 2],
+        t: [f64; 2],
+    ) -> DerivativeBounds {
+        let node = |i: usize, j: usize| &self.nodes[j * self.x.count + i];
+        let corners = [[node(i, j), node(i + 1, j)], [node(i, j + 1), node(i + 1, j + 1)]];
+        // net[b][a]: Bernstein coefficient a along s, b along t.
+        let (left, right) = ([0.0, 1.0 / 3.0], [0.0, -1.0 / 3.0]);
+        let mut net = [[0.0; 4]; 4];
+        for (b, line) in net.iter_mut().enumerate() {
+            for (a, c) in line.iter_mut().enumerate() {
+                let n = corners[b / 2][a / 2];
+                let p = if a < 2 { left[a] } else { right[3 - a] };
+                let q = if b < 2 { left[b] } else { right[3 - b] };
+                *c = n[0] + p * n[1] + q * n[2] + p * q * n[3];
+            }
+        }
+        let size = net.iter().flatten().fold(0.0f64, |most, c| most.max(c.abs()));
+        if s != [0.0, 1.0] {
+            net = net.map(|line| restrict(line, s));
+        }
+        if t != [0.0, 1.0] {
+            net = transpose(transpose(net).map(|line| restrict(line, t)));
+        }
+        let (w, h) = (self.x.step * (s[1] - s[0]), self.y.step * (t[1] - t[0]));
+        let along = differences(&net);
+        let up = along.map(|net| differences(&transpose(net)));
+        // The derivative of order p along x and q along y: entries q of 4 - p lines, each of 4 - q.
+        let range = |p: usize, q: usize| {
+            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+            for c in up[p][q][..4 - p].iter().flat_map(|line| &line[..4 - q]) {
+                (lo, hi) = (lo.min(*c), hi.max(*c));
+            }
+            const FALLING: [f64; 4] = [1.0, 3.0, 6.0, 6.0];
+            let power = |x: f64, n: usize| (0..n).fold(1.0, |power, _| power * x);
+            let slack = ROUNDING * size * power(2.0, p + q);
+            Interval::new(lo - slack, hi + slack)
+                * (FALLING[p] * FALLING[q] / (power(w, p) * power(h, q)))
+        };
+        DerivativeBounds {
+            f: range(0, 0),
+            slope: [range(1, 0), range(0, 1)],
+            hessian: [range(2, 0), range(1, 1), range(0, 2)],
+            third: [range(3, 0), range(2, 1), range(1, 2), range(0, 3)],
+        }
+    }
+}
+
+/// Bernstein coefficients of a cubic on the part `from`..`to` of [0, 1] (its polar form).
+fn restrict(c: [f64; 4], [from, to]: [f64; 2]) -> [f64; 4] {
+    let polar = |ends: [f64; 3]| {
+        let mut c = c;
+        for (round, t) in ends.into_iter().enumerate() {
+            for k in 0..3 - round {
+                c[k] += t * (c[k + 1] - c[k]);
+            }
+        }
+        c[0]
+    };
+    [[from; 3], [from, from, to], [from, to, to], [to; 3]].map(polar)
+}
+
+fn transpose(m: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
+}
+
+/// The differences of order 0 to 3 along each line; order n fills the first 4 - n entries.
+fn differences(net: &[[f64; 4]; 4]) -> [[[f64; 4]; 4]; 4] {
+    let mut orders = [*net; 4];
+    for n in 1..4 {
+        orders[n] = orders[n - 1].map(|c| [c[1] - c[0], c[2] - c[1], c[3] - c[2], 0.0]);
+    }
+    orders
+}

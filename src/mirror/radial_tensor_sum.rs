@@ -1,0 +1,61 @@
+//! A conic or other axisymmetric surface plus a tensor series.
+
+use super::bounds::{BoundCells, DerivativeBounds};
+use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
+use super::radial_legendre::{RadialLegendre, RadialLegendreRow};
+use super::tensor_legendre::{TensorLegendre, TensorLegendreRow};
+use crate::geom::DVec2;
+
+/// The sum of an axisymmetric surface and a tensor series. A conic over a disc, with its root at the rim, keeps the
+/// few terms that it has along the radius.
+#[derive(Debug, Clone)]
+pub struct RadialTensorSum {
+    /// The axisymmetric part.
+    pub radial: RadialLegendre,
+    /// The rest.
+    pub tensor: TensorLegendre,
+}
+
+/// A sum on one line of constant y.
+#[derive(Debug, Clone)]
+pub struct RadialTensorSumRow<'a> {
+    radial: RadialLegendreRow<'a>,
+    tensor: TensorLegendreRow,
+}
+
+impl HeightField for RadialTensorSum {
+    type Row<'a> = RadialTensorSumRow<'a>;
+
+    fn row(&self, y: f64) -> RadialTensorSumRow<'_> {
+        RadialTensorSumRow { radial: self.radial.row(y), tensor: self.tensor.row(y) }
+    }
+
+    fn at(&self, q: DVec2) -> HeightAndSlope {
+        self.radial.at(q).plus(&self.tensor.at(q))
+    }
+
+    fn hessian(&self, q: DVec2) -> Hessian {
+        let (a, b) = (self.radial.hessian(q), self.tensor.hessian(q));
+        Hessian { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
+    }
+
+    fn reflected(&self, axis: usize) -> Self {
+        Self { radial: self.radial.reflected(axis), tensor: self.tensor.reflected(axis) }
+    }
+
+    fn cell_bounds(&self, cells: &BoundCells) -> Vec<DerivativeBounds> {
+        let (radial, tensor) = (self.radial.cell_bounds(cells), self.tensor.cell_bounds(cells));
+        radial.iter().zip(&tensor).map(|(a, b)| a.plus(b)).collect()
+    }
+
+    fn radii(&self) -> Option<[f64; 2]> {
+        self.radial.radii()
+    }
+}
+
+impl HeightRow for RadialTensorSumRow<'_> {
+    #[inline]
+    fn at(&self, x: f64) -> HeightAndSlope {
+        self.radial.at(x).plus(&self.tensor.at(x))
+    }
+}
