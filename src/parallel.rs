@@ -170,9 +170,9 @@ pub fn sort_unstable_by<T: Send>(
 
 /// Working memory that is handed from one piece of work to another.
 #[derive(Default)]
-pub struct Scratch<S>(Mutex<Vec<S>>);
+pub struct ScratchPool<S>(Mutex<Vec<S>>);
 
-impl<S: Default> Scratch<S> {
+impl<S: Default> ScratchPool<S> {
     /// What `f` makes with some of it, in which an earlier call may have left anything.
     pub fn with<T>(&self, f: impl FnOnce(&mut S) -> T) -> T {
         // Never held while `f` runs, so a panic there does not poison it.

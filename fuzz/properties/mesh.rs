@@ -2,7 +2,7 @@
 
 use morion::internals::align::align;
 use morion::internals::design::{Design, design};
-use morion::internals::export::Reread;
+use morion::internals::export::ImportedMesh;
 use morion::internals::geom::{DVec2, DVec3, Welder};
 use morion::internals::pipeline::{Silent, Source, verify};
 use morion::internals::profile::Profile;
@@ -29,7 +29,7 @@ static DESIGN: LazyLock<Design> =
     LazyLock::new(|| design(&SOURCE.profile, None).expect("the part can be designed"));
 
 /// A mesh that was read: facets of finite corners that are there, each vertex once, all in use.
-pub fn is_sound(read: &Reread) {
+pub fn is_sound(read: &ImportedMesh) {
     let mesh = &read.mesh;
     assert!(!mesh.triangles.is_empty() && mesh.vertices.iter().all(|v| v.is_finite()));
     let mut used = vec![false; mesh.vertices.len()];
@@ -47,7 +47,7 @@ pub fn is_sound(read: &Reread) {
 
 /// Takes a mesh that was read from `bytes` through what `verify` does; of lot 0 through `verify` itself,
 /// which takes a hundred times as long.
-pub fn verified(bytes: &[u8], extension: &str, read: &Reread, lot: u8) {
+pub fn verified(bytes: &[u8], extension: &str, read: &ImportedMesh, lot: u8) {
     let found = check(&read.mesh);
     assert!(found.defects.len() <= found.defect_count);
     traced(read);
@@ -67,7 +67,7 @@ pub fn verified(bytes: &[u8], extension: &str, read: &Reread, lot: u8) {
 }
 
 /// Traces what is near the part, all rays at once and one by one, which must answer alike.
-fn traced(read: &Reread) {
+fn traced(read: &ImportedMesh) {
     const REACH_MM: f64 = 100.0;
     let mut near = Welder::new(0);
     for t in 0..read.mesh.triangles.len() {

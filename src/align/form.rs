@@ -19,7 +19,7 @@ pub struct FormMap {
 
 /// Departures: from the lowest place to the highest, and RMS.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct FormStatistics {
     /// Highest less lowest.
     pub pv: f64,
     /// Root of the mean square: over equal areas of the picture.
@@ -35,9 +35,9 @@ pub struct Spread {
 pub struct FormError {
     /// Over all pixels.
     #[serde(flatten)]
-    pub all: Spread,
+    pub all: FormStatistics,
     /// Over what is within 4.685 standard deviations, estimated by the median.
-    pub without_outliers: Spread,
+    pub without_outliers: FormStatistics,
     /// Share of the pixels that are not.
     pub outliers: f64,
     /// Pixels that show a place of the mesh on the mirror.
@@ -93,12 +93,12 @@ impl FormMap {
     }
 }
 
-fn spread(values: &[f64]) -> Option<Spread> {
+fn spread(values: &[f64]) -> Option<FormStatistics> {
     let first = *values.first()?;
     let ends = |(lo, hi): (f64, f64), x: &f64| (lo.min(*x), hi.max(*x));
     let (lo, hi) = values.iter().fold((first, first), ends);
     let rms = (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt();
-    Some(Spread { pv: hi - lo, rms, lowest: lo, highest: hi })
+    Some(FormStatistics { pv: hi - lo, rms, lowest: lo, highest: hi })
 }
 
 #[cfg(test)]
@@ -118,7 +118,7 @@ mod tests {
         let error = map.error().unwrap();
         assert_eq!(error.pixels, 39_600);
         assert!((error.outliers - 400.0 / 39_600.0).abs() < 1e-12);
-        let Spread { pv, rms, .. } = error.without_outliers;
+        let FormStatistics { pv, rms, .. } = error.without_outliers;
         assert!((pv - 0.8).abs() < 1e-3 && (rms - 0.4 / f64::sqrt(2.0)).abs() < 1e-3, "{pv} {rms}");
         assert!((error.all.lowest + 50.0).abs() < 1e-9 && (error.all.highest - 0.4).abs() < 1e-3);
         assert!((error.all.pv - 50.4).abs() < 1e-3);

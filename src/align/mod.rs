@@ -1,34 +1,34 @@
 //! Where a measured part lies: the motion that brings a mesh of unknown pose onto the designed mirror,
 //! and how far from the design the part then is.
 //!
-//! The fit makes the distances of the mesh's vertices from the mirror small, each measured along the
+//! The normal_equations makes the distances of the mesh's vertices from the mirror small, each measured along the
 //! mirror's normal and weighted by its share of the facets as the camera sees them, so that neither
 //! walls nor bases pull: "point to plane" with exact feet on the designed surface instead of a
 //! nearest neighbour (Y. Chen and G. Medioni, *Object modelling by registration of multiple range
 //! images*, 1992). Tukey's biweight with a scale from the median distance leaves outliers out (P. J.
 //! Huber, *Robust Statistics*, 1981).
 
-mod coarse;
-mod fit;
+mod coarse_search;
 mod form;
-mod points;
+mod normal_equations;
 mod pose;
-mod target;
-mod units;
+mod reference_surface;
+mod unit;
+mod vertex_patch;
 
-pub use form::{FormError, FormMap, Spread};
-pub use points::Patch;
+pub use form::{FormError, FormMap, FormStatistics};
 pub use pose::Pose;
-pub use units::{Size, Unit};
+pub use unit::{SizeRange, Unit};
+pub use vertex_patch::VertexPatch;
 
 use crate::geom::{DVec3, TriMesh};
 use crate::mirror::Mirror;
-use coarse::coarse;
-use fit::{Equations, Residual, Step, biweight, residuals};
-use points::{is_upside_down, patches};
+use coarse_search::coarse_search;
+use normal_equations::{AlignmentResidual, GaussNewtonStep, NormalEquations, biweight, residuals};
+use reference_surface::ReferenceSurface;
 use serde::Serialize;
-use target::Target;
 use thiserror::Error;
+use vertex_patch::{is_upside_down, patches};
 
 /// A pose, and what is known about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,12 +51,12 @@ pub struct Alignment {
     /// How much worse the worst direction is determined than the best; free ones do not count.
     pub condition: f64,
     /// Motions that move the mirror along itself, in which the pose is the file's.
-    pub free: Vec<Free>,
+    pub free: Vec<FreeMotion>,
 }
 
 /// A motion that the mirror's shape says nothing about.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Free {
+pub struct FreeMotion {
     /// Along this unit vector, or about an axis along it.
     pub direction: DVec3,
     /// A place on that axis, mm; none for a shift.
@@ -69,9 +69,9 @@ pub struct Free {
 pub enum AlignError {
     /// There is hardly anything to go by.
     #[error(
-        "only {found} vertices lie on the mirror after the best fit, {FEWEST} are needed: check \
+        "only {found} vertices lie on the mirror after the best normal_equations, {FEWEST} are needed: check \
          that the file is of this part, that its pose is within 20 degrees and a fifth of the \
-         width of the part frame's, and its units (--units)"
+         width of the part frame's, and its unit (--unit)"
     )]
     Few {
         /// Vertices.
@@ -79,9 +79,9 @@ pub enum AlignError {
     },
     /// The mesh covers too little of the mirror.
     #[error(
-        "the file covers {:.1} % of the mirror after the best fit, {:.0} % are needed: scan more \
+        "the file covers {:.1} % of the mirror after the best normal_equations, {:.0} % are needed: scan more \
          of the face, or check that its pose is within 20 degrees and a fifth of the width of the \
-         part frame's, and its units (--units)", 100.0 * .covered, 100.0 * LEAST_COVERED
+         part frame's, and its unit (--unit)", 100.0 * .covered, 100.0 * LEAST_COVERED
     )]
     Uncovered {
         /// Share of the mirror's area.
@@ -89,9 +89,9 @@ pub enum AlignError {
     },
     /// The mesh is of something else.
     #[error(
-        "the file does not look like this mirror: after the best fit half of it is {:.3} mm off \
+        "the file does not look like this mirror: after the best normal_equations half of it is {:.3} mm off \
          and more; check the profile, that the pose is within 20 degrees and a fifth of the width \
-         of the part frame's, and the units (--units)", .off_mm
+         of the part frame's, and the unit (--unit)", .off_mm
     )]
     Unlike {
         /// Median distance, mm.
@@ -127,8 +127,8 @@ const RIM: f64 = 0.004;
 /// Motions that move the surface along itself, but for so small a share, are free.
 const FLOOR: f64 = 1e-3;
 /// Most steps while the scale and who takes part may change, and with both fixed.
-const SEEKING: usize = 16;
-const SETTLING: usize = 60;
+const ROBUST_STEPS: usize = 16;
+const FIXED_STEPS: usize = 60;
 /// The last step, and the least scale of the noise, as a share of the width.
 const LAST_STEP: f64 = 1e-11;
 const LEAST_SCALE: f64 = 1e-10;
@@ -151,28 +151,29 @@ impl Alignment {
 /// # Errors
 /// [`AlignError`] when the mesh does not determine a pose.
 pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
-    let target = Target::new(mirror);
+    let reference_surface = ReferenceSurface::new(mirror);
     let mut patches = patches(mesh);
     let turned_over = is_upside_down(mesh);
     if turned_over {
         patches.iter_mut().for_each(|patch| patch.area = -patch.area);
     }
-    let rough = coarse(&patches, &target);
-    let (pose, steps, last) = fine(&patches, &target, rough)?;
+    let rough = coarse_search(&patches, &reference_surface);
+    let (pose, steps, last) = refine(&patches, &reference_surface, rough)?;
 
-    let at = |margin: f64| residuals(&patches, &pose, |p| target.foot(p, margin));
+    let at = |margin: f64| residuals(&patches, &pose, |p| reference_surface.project(p, margin));
     let reach = OUTLIER * last.scale;
-    let area = |all: &[Option<Residual>], reach: f64| {
+    let area = |all: &[Option<AlignmentResidual>], reach: f64| {
         let within = all.iter().flatten().filter(|residual| residual.distance.abs() < reach);
         within.map(|residual| residual.area).sum::<f64>()
     };
     let all = at(0.0);
-    let covered = (area(&all, reach) / target.area).min(1.0);
+    let covered = (area(&all, reach) / reference_surface.area).min(1.0);
     // What stands on the rim may belong to what is beside it, and what is far off to what a pinhole
     // would see through the part.
-    let inner = at(RIM * target.width);
+    let inner = at(RIM * reference_surface.width);
     let vertices = inner.iter().flatten().filter(|r| r.distance.abs() < reach).count();
-    let outliers = 1.0 - area(&inner, reach) / area(&inner, reach.max(FACE * target.width));
+    let outliers =
+        1.0 - area(&inner, reach) / area(&inner, reach.max(FACE * reference_surface.width));
     if vertices < FEWEST {
         return Err(AlignError::Few { found: vertices });
     }
@@ -188,39 +189,39 @@ pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
         vertices,
         steps,
         condition: last.step.condition,
-        free: last.step.free(&target),
+        free: last.step.free(&reference_surface),
     })
 }
 
-/// The last step of the fit.
-struct Last {
-    step: Step,
+/// The last step of the normal_equations.
+struct FinalStep {
+    step: GaussNewtonStep,
     scale: f64,
     rms_mm: f64,
 }
 
 /// Gauss and Newton's steps with all vertices: first with weights that follow the residuals, then
 /// with a fixed scale and fixed vertices, so that the steps can become as small as one likes.
-fn fine(
-    patches: &[Patch],
-    target: &Target,
+fn refine(
+    patches: &[VertexPatch],
+    reference_surface: &ReferenceSurface,
     start: Pose,
-) -> Result<(Pose, usize, Last), AlignError> {
-    let margin = RIM * target.width;
-    let near = |p: DVec3| target.foot(p, margin);
-    let least = LEAST_SCALE * target.width;
+) -> Result<(Pose, usize, FinalStep), AlignError> {
+    let margin = RIM * reference_surface.width;
+    let near = |p: DVec3| reference_surface.project(p, margin);
+    let least = LEAST_SCALE * reference_surface.width;
     let (mut pose, mut steps) = (start, 0);
     let mut taken = Vec::new();
     let mut scale = 0.0;
-    while steps < SEEKING {
+    while steps < ROBUST_STEPS {
         taken = residuals(patches, &pose, near);
-        scale = fit::scale(&taken).max(least);
-        let equations = weighed(&taken, target, scale);
+        scale = normal_equations::robust_scale(&taken).max(least);
+        let equations = weighted_equations(&taken, reference_surface, scale);
         if !(equations.weight > 0.0) {
             return Err(AlignError::Few { found: 0 });
         }
         let step = equations.solve(FLOOR);
-        pose = pose.then(&step.pose(target, 0.1 * target.width));
+        pose = pose.then(&step.pose(reference_surface, 0.1 * reference_surface.width));
         steps += 1;
         if step.length() < 0.01 * scale {
             break;
@@ -228,31 +229,38 @@ fn fine(
     }
     // The scale is that of normal noise with this median.
     let off_mm = scale / 1.4826;
-    if off_mm > UNLIKE * target.width {
+    if off_mm > UNLIKE * reference_surface.width {
         return Err(AlignError::Unlike { off_mm });
     }
-    let chosen: Vec<Patch> =
+    let chosen: Vec<VertexPatch> =
         patches.iter().zip(&taken).filter(|(_, taken)| taken.is_some()).map(|p| *p.0).collect();
-    let anywhere = |p: DVec3| target.foot(p, 0.0);
+    let anywhere = |p: DVec3| reference_surface.project(p, 0.0);
     let mut last_mm = f64::INFINITY;
-    for _ in 0..SETTLING {
-        let equations = weighed(&residuals(&chosen, &pose, anywhere), target, scale);
+    for _ in 0..FIXED_STEPS {
+        let equations =
+            weighted_equations(&residuals(&chosen, &pose, anywhere), reference_surface, scale);
         let step = equations.solve(FLOOR);
-        pose = pose.then(&step.pose(target, 0.1 * target.width));
+        pose = pose.then(&step.pose(reference_surface, 0.1 * reference_surface.width));
         steps += 1;
         let length = step.length();
         // Rounding keeps the steps from becoming smaller still.
-        let rounded = length < 1e3 * LAST_STEP * target.width && length >= 0.5 * last_mm;
-        if length < LAST_STEP * target.width || rounded {
+        let rounded = length < 1e3 * LAST_STEP * reference_surface.width && length >= 0.5 * last_mm;
+        if length < LAST_STEP * reference_surface.width || rounded {
             let rms_mm = (equations.squares / equations.weight).sqrt();
-            return Ok((pose, steps, Last { step, scale, rms_mm }));
+            return Ok((pose, steps, FinalStep { step, scale, rms_mm }));
         }
         last_mm = length;
     }
     Err(AlignError::Unsettled { steps, last_mm })
 }
 
-fn weighed(residuals: &[Option<Residual>], target: &Target, scale: f64) -> Equations {
+fn weighted_equations(
+    residuals: &[Option<AlignmentResidual>],
+    reference_surface: &ReferenceSurface,
+    scale: f64,
+) -> NormalEquations {
     let reach = OUTLIER * scale;
-    Equations::of(residuals, target, |residual| residual.area * biweight(residual.distance, reach))
+    NormalEquations::of(residuals, reference_surface, |residual| {
+        residual.area * biweight(residual.distance, reach)
+    })
 }

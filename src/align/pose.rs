@@ -58,7 +58,7 @@ impl Pose {
 
     /// The rotation as a vector along its axis, as long as its angle, radians.
     #[must_use]
-    pub fn turn(&self) -> DVec3 {
+    pub fn rotation_vector(&self) -> DVec3 {
         let DQuat { x, y, z, w } = self.rotation;
         let v = DVec3::new(x, y, z) * if w < 0.0 { -1.0 } else { 1.0 };
         let sine = v.length();
@@ -81,10 +81,10 @@ mod tests {
         assert!((b.then(&b.inverse()).apply(p) - p).length() < 1e-14);
         assert!((a.matrix() * p + a.shift - a.apply(p)).length() < 1e-14);
         assert!((a.apply(DVec3::new(1.0, 2.0, 3.0)) - DVec3::new(2.0, 2.0, 2.5)).length() < 1e-15);
-        assert!((b.turn() - DVec3::new(0.1, -0.2, 2.0)).length() < 1e-14);
+        assert!((b.rotation_vector() - DVec3::new(0.1, -0.2, 2.0)).length() < 1e-14);
         // A quarter turn about Z takes X to Y.
         let quarter = Pose::about(DVec3::ZERO, DVec3::ZERO, DVec3::Z * std::f64::consts::FRAC_PI_2);
         assert!((quarter.apply(DVec3::X) - DVec3::Y).length() < 1e-15);
-        assert!((Pose::about(p, p, DVec3::Z * 1e-12).turn().z - 1e-12).abs() < 1e-24);
+        assert!((Pose::about(p, p, DVec3::Z * 1e-12).rotation_vector().z - 1e-12).abs() < 1e-24);
     }
 }

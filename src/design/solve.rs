@@ -7,9 +7,9 @@ use super::anderson::AndersonAcceleration;
 use super::basis::{Basis, LocalValues, variables};
 use crate::geom::DVec2;
 use crate::num::Scalar;
-use crate::num::condition::{condition_number, lengths};
+use crate::num::condition::{column_norms, condition_number};
 use crate::num::least_squares::RankDeficient;
-use crate::num::streaming_qr::{Rows, StreamingQr};
+use crate::num::streaming_qr::{RowBlock, StreamingQr};
 use crate::parallel;
 use thiserror::Error;
 
@@ -117,7 +117,7 @@ pub fn solve<const N: usize>(
         };
         if steps == 1 {
             condition = condition_number(&qr);
-            anderson = AndersonAcceleration::new(lengths(&qr));
+            anderson = AndersonAcceleration::new(column_norms(&qr));
         }
         let change = basis.locals(&step);
         let reach = change.iter().fold(0.0, |most: f64, d| most.max(d[0].abs()));
@@ -304,7 +304,7 @@ pub fn linearised<const N: usize>(
     let mut qr = StreamingQr::new(basis.unknowns());
     for part in samples.chunks(BLOCK) {
         let condensed: Vec<_> = part.iter().map(|s| s.2.rows()).collect();
-        let mut rows = Rows::zeros(condensed.iter().map(|c| c.1).sum(), basis.unknowns());
+        let mut rows = RowBlock::zeros(condensed.iter().map(|c| c.1).sum(), basis.unknowns());
         let mut row = 0;
         for (&(place, weight, _), (local, used)) in part.iter().zip(&condensed) {
             let root = f64::sqrt(weight);

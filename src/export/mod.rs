@@ -10,15 +10,17 @@ mod text;
 mod threemf;
 
 pub use obj::{obj_bytes, write_obj, write_obj_bare};
-pub use read::{ReadError, Reread, ThreeMfError, read_3mf, read_obj, read_stl};
-pub use sag::{SagError, SagOff, SagPath, SagRow, compare_sag, read_sag, sag_bytes, write_sag};
+pub use read::{ImportedMesh, ReadError, ThreeMfError, read_3mf, read_obj, read_stl};
+pub use sag::{
+    SagDeviation, SagError, SagRow, SamplingPath, compare_sag, read_sag, sag_bytes, write_sag,
+};
 pub use stl::{stl_bytes, write_stl};
-pub use text::Counting;
+pub use text::ByteCounter;
 pub use threemf::{threemf_bytes, write_3mf};
 
 /// How large a solid is, or will be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Size {
+pub struct MeshCounts {
     /// Facets of the optical face.
     pub optical: usize,
     /// The other facets.

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: every digit of the coordinates, and the designed mirror's own normals.
 
 use super::text::lines;
-use super::{Label, Size};
+use super::{Label, MeshCounts};
 use crate::geom::{DVec2, DVec3, Precision};
 use crate::mirror::Mirror;
 use crate::parallel;
@@ -97,7 +97,7 @@ fn bare(text: &mut Vec<u8>, facet: &[u32; 3]) -> io::Result<()> {
 /// Foresees the length of what [`write_obj`] writes of a solid of this size: from the lines of
 /// vertices and facets like its own.
 #[must_use]
-pub fn obj_bytes(size: &Size, mirror: &Mirror, precision: Precision, label: &Label) -> u64 {
+pub fn obj_bytes(size: &MeshCounts, mirror: &Mirror, precision: Precision, label: &Label) -> u64 {
     let places = sample(mirror, precision);
     let points = mirror.eval_many(&places);
     let on_mirror: Vec<DVec3> =

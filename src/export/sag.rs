@@ -2,7 +2,7 @@
 //! coordinate measuring machines.
 
 use super::Label;
-use super::text::{Counting, lines};
+use super::text::{ByteCounter, lines};
 use crate::geom::{Chart, DVec2, DVec3, Outline, angle};
 use crate::mirror::Mirror;
 use crate::num::{cos, max_or_nan, sin};
@@ -13,7 +13,7 @@ use thiserror::Error;
 
 /// Where a mirror is sampled, in the part frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SagPath {
+pub enum SamplingPath {
     /// Lines of increasing X, evenly spaced and no farther apart than asked for, the one of the
     /// least Y first.
     Raster {
@@ -53,7 +53,7 @@ pub struct SagError {
 
 /// How far a table is from a mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SagOff {
+pub struct SagDeviation {
     /// Largest difference of Z, mm.
     pub height_mm: f64,
     /// Largest angle between normals, radians.
@@ -79,18 +79,23 @@ const COUNTED: f64 = 2e5;
 pub fn write_sag(
     out: &mut impl Write,
     mirror: &Mirror,
-    path: &SagPath,
+    path: &SamplingPath,
     label: &Label,
     notes: &[String],
 ) -> io::Result<()> {
     header(out, path, label, notes)?;
-    let mut rows = Rows { mirror, pending: Vec::new(), out };
+    let mut rows = RowWriter { mirror, pending: Vec::new(), out };
     path.walk(mirror, |line| rows.add(line))?;
     rows.flush()?;
     out.flush()
 }
 
-fn header(out: &mut impl Write, path: &SagPath, label: &Label, notes: &[String]) -> io::Result<()> {
+fn header(
+    out: &mut impl Write,
+    path: &SamplingPath,
+    label: &Label,
+    notes: &[String],
+) -> io::Result<()> {
     let Label { profile, sha256, tolerances, .. } = label;
     writeln!(out, "# Morion: profile {}, sha256 {sha256}", Label::plain(profile))?;
     writeln!(out, "# millimetres; mesh files: {}", Label::plain(tolerances))?;
@@ -99,10 +104,10 @@ fn header(out: &mut impl Write, path: &SagPath, label: &Label, notes: &[String])
         "# part frame: X right in the picture, Y up in it, Z towards the camera; base at Z = 0"
     )?;
     match path {
-        SagPath::Raster { pitch_mm, step_mm } => {
+        SamplingPath::Raster { pitch_mm, step_mm } => {
             writeln!(out, "# raster: lines along X, pitch {pitch_mm}, step {step_mm}")?;
         }
-        SagPath::Spiral { pitch_mm, step_mm } => {
+        SamplingPath::Spiral { pitch_mm, step_mm } => {
             writeln!(out, "# spiral: about the axis inwards, pitch {pitch_mm}, step {step_mm}")?;
         }
     }
@@ -113,13 +118,13 @@ fn header(out: &mut impl Write, path: &SagPath, label: &Label, notes: &[String])
 }
 
 /// The mirror's rows, evaluated many lines at a time.
-struct Rows<'a, W> {
+struct RowWriter<'a, W> {
     mirror: &'a Mirror,
     pending: Vec<Vec<DVec2>>,
     out: &'a mut W,
 }
 
-impl<W: Write> Rows<'_, W> {
+impl<W: Write> RowWriter<'_, W> {
     fn add(&mut self, line: Vec<DVec2>) -> io::Result<()> {
         self.pending.push(line);
         if self.pending.iter().map(Vec::len).sum::<usize>() < BATCH {
@@ -174,11 +179,11 @@ fn rows(mirror: &Mirror, places: &[DVec2]) -> Vec<SagRow> {
     places.iter().zip(charted).zip(points).map(row).collect()
 }
 
-impl SagPath {
+impl SamplingPath {
     /// About how many places it samples, those beside the mirror too.
     #[must_use]
     pub fn points(&self, mirror: &Mirror) -> f64 {
-        let Extent { lo, hi, radius } = Extent::of(mirror);
+        let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
         match *self {
             Self::Raster { pitch_mm, step_mm } => {
                 let steps = (hi - lo) / DVec2::new(step_mm, pitch_mm);
@@ -194,7 +199,7 @@ impl SagPath {
         mirror: &Mirror,
         mut visit: impl FnMut(Vec<DVec2>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let Extent { lo, hi, radius } = Extent::of(mirror);
+        let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
         match *self {
             Self::Raster { pitch_mm, step_mm } => {
                 // Not the edges alone: those of a mirror whose sides are curved hardly meet it.
@@ -250,13 +255,13 @@ impl SagPath {
 }
 
 /// The rectangle and the circle about the axis around a mirror, in the part frame.
-struct Extent {
+struct MirrorExtent {
     lo: DVec2,
     hi: DVec2,
     radius: f64,
 }
 
-impl Extent {
+impl MirrorExtent {
     /// Places along a side or around a rim, for mirrors whose sides are not straight.
     const PLACES: usize = 256;
 
@@ -304,10 +309,10 @@ impl Extent {
 /// Foresees the length of what [`write_sag`] writes: to the byte for tables of up to some hundred
 /// thousand rows, for longer ones by one that is coarser.
 #[must_use]
-pub fn sag_bytes(mirror: &Mirror, path: &SagPath, label: &Label, notes: &[String]) -> u64 {
+pub fn sag_bytes(mirror: &Mirror, path: &SamplingPath, label: &Label, notes: &[String]) -> u64 {
     let points = mirror.full_outline().area() / path.cell_mm2();
     let times = (points / COUNTED).max(1.0).sqrt();
-    let [mut head, mut all] = [Counting::default(), Counting::default()];
+    let [mut head, mut all] = [ByteCounter::default(), ByteCounter::default()];
     // Counting cannot fail.
     let _ = header(&mut head, path, label, notes);
     let _ = write_sag(&mut all, mirror, &path.coarser(times), label, notes);
@@ -347,7 +352,7 @@ pub fn read_sag(bytes: &[u8]) -> Result<Vec<SagRow>, SagError> {
 /// Holds every row against `mirror` at the row's X and Y; a place that the mirror does not have is
 /// infinitely far off.
 #[must_use]
-pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagOff {
+pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagDeviation {
     let worst = |chunk: &[SagRow]| {
         let places: Vec<DVec2> = chunk.iter().map(|row| row.at.truncate()).collect();
         let designed = rows(mirror, &places);
@@ -361,5 +366,5 @@ pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagOff {
     let [height_mm, normal_rad] = chunks
         .into_iter()
         .fold([0.0, 0.0], |a, b| [max_or_nan(a[0], b[0]), max_or_nan(a[1], b[1])]);
-    SagOff { height_mm, normal_rad }
+    SagDeviation { height_mm, normal_rad }
 }

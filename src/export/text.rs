@@ -28,9 +28,9 @@ pub fn lines<T: Sync>(
 
 /// Counts the bytes written to it and keeps none.
 #[derive(Debug, Clone, Default)]
-pub struct Counting(u64);
+pub struct ByteCounter(u64);
 
-impl Counting {
+impl ByteCounter {
     /// How many they were.
     #[must_use]
     pub fn count(&self) -> u64 {
@@ -38,7 +38,7 @@ impl Counting {
     }
 }
 
-impl Write for Counting {
+impl Write for ByteCounter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0 += bytes.len() as u64;
         Ok(bytes.len())

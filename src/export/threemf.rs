@@ -4,7 +4,7 @@
 //! text in memory, and indents every line.
 
 use super::text::lines;
-use super::{Label, Size};
+use super::{Label, MeshCounts};
 use crate::geom::DVec3;
 use crate::solid::Solid;
 use std::io::{self, Write};
@@ -107,6 +107,6 @@ const TRIANGLE: f64 = 13.5;
 
 /// Foresees the length of what [`write_3mf`] writes of a large solid.
 #[must_use]
-pub fn threemf_bytes(size: &Size) -> u64 {
+pub fn threemf_bytes(size: &MeshCounts) -> u64 {
     (TRIANGLE * (size.optical + size.more) as f64) as u64
 }

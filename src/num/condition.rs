@@ -9,7 +9,7 @@ const SMALL: usize = 200;
 
 /// Lengths of the matrix' columns.
 #[must_use]
-pub fn lengths(qr: &StreamingQr) -> Vec<f64> {
+pub fn column_norms(qr: &StreamingQr) -> Vec<f64> {
     (0..qr.unknowns()).map(|k| f64::sqrt(dot(qr.column(k), qr.column(k)))).collect()
 }
 
@@ -29,7 +29,7 @@ pub fn condition_number(qr: &StreamingQr) -> f64 {
 
 /// The same by powers of R^T R and of its inverse, R scaled: to a few per mille.
 fn condition_by_powers(qr: &StreamingQr) -> f64 {
-    let lengths = lengths(qr);
+    let lengths = column_norms(qr);
     let divide = |x: &mut [f64]| x.iter_mut().zip(&lengths).for_each(|(x, l)| *x /= l);
     let multiply = |x: &mut [f64]| x.iter_mut().zip(&lengths).for_each(|(x, l)| *x *= l);
     let largest = dominant(qr.unknowns(), |x| {
@@ -66,13 +66,13 @@ fn dominant(n: usize, mut operator: impl FnMut(&mut [f64])) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::streaming_qr::Rows;
+    use super::super::streaming_qr::RowBlock;
     use super::*;
 
     #[test]
     fn both_ways_agree_with_the_hilbert_matrix() {
         // Columns 1/(i + j + 1), scaled to unit length; by numpy's SVD.
-        let mut rows = Rows::zeros(5, 5);
+        let mut rows = RowBlock::zeros(5, 5);
         for i in 0..5 {
             rows.set(i, (0..5).map(|j| 1.0 / (i + j + 1) as f64), 0.0);
         }

@@ -8,6 +8,7 @@ pub mod bernstein;
 pub mod condition;
 mod dual;
 mod elementary;
+mod float;
 pub mod interval;
 pub mod jet;
 pub mod least_squares;

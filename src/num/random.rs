@@ -27,14 +27,14 @@ pub fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
 
 /// The random numbers of one trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stream {
+pub struct RandomStream {
     /// Of the whole run.
     pub seed: u64,
     /// Number of the trial.
     pub trial: u64,
 }
 
-impl Stream {
+impl RandomStream {
     /// Two independent numbers, uniform in (0, 1), of 52 bits each.
     #[inline]
     #[must_use]
@@ -62,7 +62,7 @@ fn unit(a: u32, b: u32) -> f64 {
 
 /// Share of the standard normal distribution below `x`.
 #[must_use]
-pub fn normal_share(x: f64) -> f64 {
+pub fn normal_cdf(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
@@ -117,7 +117,7 @@ pub fn normal_quantile(p: f64) -> f64 {
         let q = p - 0.5;
         q * horner(&A, q * q) / horner(&B, q * q)
     };
-    let off = (normal_share(x) - p) * (2.0 * std::f64::consts::PI).sqrt() * exp(0.5 * x * x);
+    let off = (normal_cdf(x) - p) * (2.0 * std::f64::consts::PI).sqrt() * exp(0.5 * x * x);
     x - off / (1.0 + 0.5 * x * off)
 }
 
@@ -163,7 +163,7 @@ mod tests {
         }
         for k in 1..400 {
             let p = f64::from(k) / 400.0;
-            assert!((normal_share(normal_quantile(p)) / p - 1.0).abs() < 1e-14, "{p}");
+            assert!((normal_cdf(normal_quantile(p)) / p - 1.0).abs() < 1e-14, "{p}");
         }
     }
 
@@ -171,9 +171,9 @@ mod tests {
     fn draws_have_the_moments_of_their_distribution_and_do_not_follow_each_other() {
         let (n, mut sums, mut across) = (100_000, [0.0; 4], 0.0);
         for trial in 0..n {
-            let stream = Stream { seed: 7, trial };
+            let stream = RandomStream { seed: 7, trial };
             let [a, b] = stream.normals(3, 0);
-            let [next, _] = Stream { seed: 7, trial: trial + 1 }.normals(3, 0);
+            let [next, _] = RandomStream { seed: 7, trial: trial + 1 }.normals(3, 0);
             let mut power = 1.0;
             for sum in &mut sums {
                 power *= a;

@@ -23,8 +23,8 @@ pub struct AtanOverRoot;
 /// A function of which every derivative is monotone on its domain. That holds
 ///
 /// - falling, rising, falling ... for integrals over s in [0, 1] of exp(-x s), 1 / (1 + x s) and
-///   1 / (1 + x s^2), since each integrand does so for every s: these are `Fade`, `LogOver` and
-///   `AtanOverRoot`;
+///   1 / (1 + x s^2), since each integrand does so for every s: these are `OneMinusExpOverX`,
+///   `Ln1pOverX` and `AtanOverRoot`;
 /// - always rising for the sum over odd n of 2 / ((n pi / 2)^2 - x), below its first pole, since
 ///   each term does so: this is `TanOverRoot`.
 trait Special {

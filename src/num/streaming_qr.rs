@@ -20,12 +20,12 @@ pub struct StreamingQr {
 
 /// Rows of A and b, stored by columns; the last column is b.
 #[derive(Debug, Clone)]
-pub struct Rows {
+pub struct RowBlock {
     count: usize,
     entries: Vec<f64>,
 }
 
-impl Rows {
+impl RowBlock {
     /// `count` rows of zeros for `unknowns` unknowns.
     #[must_use]
     pub fn zeros(count: usize, unknowns: usize) -> Self {
@@ -50,7 +50,7 @@ impl StreamingQr {
     }
 
     /// Takes the rows in.
-    pub fn absorb(&mut self, rows: Rows) {
+    pub fn absorb(&mut self, rows: RowBlock) {
         let (n, count, mut a) = (self.unknowns, rows.count, rows.entries);
         for first in (0..n).step_by(PANEL) {
             let last = (first + PANEL).min(n);
@@ -204,7 +204,7 @@ mod tests {
         let mut qr = StreamingQr::new(unknowns);
         for start in (0..rows).step_by(block) {
             let count = block.min(rows - start);
-            let mut part = Rows::zeros(count, unknowns);
+            let mut part = RowBlock::zeros(count, unknowns);
             for i in 0..count {
                 part.set(i, (0..unknowns).map(|j| entry(start + i, j)), entry(start + i, 99));
             }
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn names_a_dependent_column_whatever_its_scale() {
         let mut qr = StreamingQr::new(3);
-        let mut rows = Rows::zeros(5, 3);
+        let mut rows = RowBlock::zeros(5, 3);
         for i in 0..5 {
             let t = i as f64;
             rows.set(i, [1e9, 1e-9 * t, 2.0 * t].into_iter(), 1.0);

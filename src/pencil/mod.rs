@@ -22,13 +22,13 @@
 //! Diffraction is counted by [`Sharpness`] alone. What a rim or a ridge cuts off a bundle is not counted,
 //! nor the square of the aperture.
 
+mod blur_ellipse;
 mod sensor;
 mod sharpness;
-mod spot;
 
-pub use sensor::{over_sensor, over_some, weights};
-pub use sharpness::{Sharp, Sharpness};
-pub use spot::{Quantiles, Spot, best_focus, quantiles};
+pub use blur_ellipse::{BlurEllipse, Quantiles, best_focus, quantiles};
+pub use sensor::{map_pencils, map_pencils_sparsely, mirror_symmetric_weights};
+pub use sharpness::{ApertureSharpness, Sharpness};
 
 use crate::geom::{Chart, DVec2};
 use crate::mirror::LocalSurface;
@@ -121,8 +121,9 @@ mod tests {
                 let at = DVec2::new(cos(turn), sin(turn)) * (r * sin(incidence));
                 let sphere = sphere(r, at);
                 let camera = Chart { vergence: 0.0, plane_mm: 30.0 };
-                let spot = Spot::new(&Pencil::new(&camera, None, at, &sphere).unwrap());
-                let [near, far] = spot.foci().map(|phi| sphere.at.z - (30.0 - phi));
+                let blur_ellipse =
+                    BlurEllipse::new(&Pencil::new(&camera, None, at, &sphere).unwrap());
+                let [near, far] = blur_ellipse.foci().map(|phi| sphere.at.z - (30.0 - phi));
                 let c = cos(incidence);
                 let [tangential, sagittal] = [0.5 * r * c, 0.5 * r / c];
                 assert!((near - tangential).abs() < 1e-12 * r, "{incidence}: {near} {tangential}");
@@ -145,7 +146,7 @@ mod tests {
             let c = -chief.normalize().dot(sphere.at / r);
             // Distances along the chief ray, over its fall per length, from the pinhole.
             let along = |behind: f64| (chief.length() + behind) * -chief.normalize().z;
-            let [far, near] = Spot::new(&pencil).foci().map(|phi| height / phi);
+            let [far, near] = BlurEllipse::new(&pencil).foci().map(|phi| height / phi);
             assert!((near - along(0.5 * r * c)).abs() < 1e-11, "{x}: {near}");
             assert!((far - along(0.5 * r / c)).abs() < 1e-11, "{x}: {far}");
         }
@@ -171,6 +172,6 @@ mod tests {
         // Under a pinhole it only moves the world.
         let camera = Chart { vergence: 0.01, plane_mm: 0.0 };
         let pencil = Pencil::new(&camera, None, DVec2::ZERO, &plane).unwrap();
-        assert!(Spot::new(&pencil).foci().iter().all(|phi| phi.abs() < 1e-15));
+        assert!(BlurEllipse::new(&pencil).foci().iter().all(|phi| phi.abs() < 1e-15));
     }
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 /// What `each` makes of the pencil of every pixel centre in `columns` and `rows`, row by row; none
 /// where the camera is not aimed at the mirror or it has no pencil.
 #[must_use]
-pub fn over_sensor<T: Send>(
+pub fn map_pencils<T: Send>(
     mirror: &Mirror,
     camera: &Camera,
     view: Option<&ImagingTask>,
@@ -44,7 +44,7 @@ fn pencil(
 /// What `each` makes of the pencils of pixels spread evenly over the sensor, at most `most` along each
 /// side.
 #[must_use]
-pub fn over_some<T: Send>(
+pub fn map_pencils_sparsely<T: Send>(
     mirror: &Mirror,
     camera: &Camera,
     view: Option<&ImagingTask>,
@@ -65,7 +65,7 @@ pub fn over_some<T: Send>(
 
 /// For each of the first half of `count` columns or rows of a symmetric picture, the middle one
 /// included, for how many it stands.
-pub fn weights(count: u32) -> impl Iterator<Item = u32> {
+pub fn mirror_symmetric_weights(count: u32) -> impl Iterator<Item = u32> {
     (0..count.div_ceil(2)).map(move |k| if 2 * k + 1 == count { 1 } else { 2 })
 }
 
@@ -75,9 +75,9 @@ mod tests {
 
     #[test]
     fn half_a_picture_stands_for_all_of_it() {
-        assert_eq!(weights(5).collect::<Vec<_>>(), [2, 2, 1]);
+        assert_eq!(mirror_symmetric_weights(5).collect::<Vec<_>>(), [2, 2, 1]);
         for count in 0..9 {
-            assert_eq!(weights(count).sum::<u32>(), count);
+            assert_eq!(mirror_symmetric_weights(count).sum::<u32>(), count);
         }
     }
 }

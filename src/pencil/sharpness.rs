@@ -1,8 +1,8 @@
 //! How sharp a picture is: blur ellipses, the Airy pattern and the pixel together, and the aperture at which
 //! they are least.
 
-use super::Spot;
-use super::spot::{Quantiles, quantiles};
+use super::BlurEllipse;
+use super::blur_ellipse::{Quantiles, quantiles};
 use crate::num::{acos, j1, sin};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -24,7 +24,7 @@ pub struct Sharpness {
 
 /// Spots through one aperture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Sharp {
+pub struct ApertureSharpness {
     /// Full length of a pixel's blur ellipse that 95 % of the pixels do not exceed, px.
     pub geometric_px: f64,
     /// Diameter of the Airy disc, px.
@@ -42,7 +42,7 @@ impl Sharpness {
     /// reference plane, where `cone` is the tangent of the cone's half angle for an aperture radius of 1;
     /// none without spots.
     #[must_use]
-    pub fn new(spots: &[Spot], phi: f64, wavelength_px: f64, cone: f64) -> Option<Self> {
+    pub fn new(spots: &[BlurEllipse], phi: f64, wavelength_px: f64, cone: f64) -> Option<Self> {
         let lengths = quantiles(spots.iter().map(|spot| spot.length(phi)).collect())?;
         Some(Self { lengths, airy: AIRY * wavelength_px / cone })
     }
@@ -56,7 +56,7 @@ impl Sharpness {
 
     /// The spots through an aperture of this radius.
     #[must_use]
-    pub fn at(&self, radius: f64) -> Sharp {
+    pub fn at(&self, radius: f64) -> ApertureSharpness {
         let geometric_px = self.lengths.p95 * radius;
         let diffraction_px = self.airy / radius;
         let square = geometric_px * geometric_px + diffraction_px * diffraction_px + 1.0;
@@ -64,7 +64,7 @@ impl Sharpness {
             let ellipse = disc(PI * FREQUENCY * length * radius);
             ellipse * airy_pattern(FREQUENCY * diffraction_px / (2.0 * AIRY)) * pixel(FREQUENCY)
         };
-        Sharp {
+        ApertureSharpness {
             geometric_px,
             diffraction_px,
             spot_px: square.sqrt(),
@@ -105,11 +105,12 @@ mod tests {
     use crate::pencil::Pencil;
     use glam::{DMat2, DVec2};
 
-    fn spots() -> Vec<Spot> {
+    fn spots() -> Vec<BlurEllipse> {
         let spot = |k: u32| {
             let k = f64::from(k);
             let focus = DMat2::from_diagonal(DVec2::new(3.0 + 0.01 * k, 3.0 - 0.02 * k));
-            Spot::new(&Pencil { seen: DVec2::ZERO, turn: DMat2::IDENTITY, focus }).scaled(20.0)
+            BlurEllipse::new(&Pencil { seen: DVec2::ZERO, turn: DMat2::IDENTITY, focus })
+                .scaled(20.0)
         };
         (0..200).map(spot).collect()
     }

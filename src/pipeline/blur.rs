@@ -5,7 +5,7 @@ use super::observer::StageTimer;
 use super::{Error, Observer, Source, Stage, designed, sharpness};
 use crate::design::Design;
 use crate::geom::Chart;
-use crate::pencil::{Quantiles, Spot, best_focus, over_sensor, quantiles};
+use crate::pencil::{BlurEllipse, Quantiles, best_focus, map_pencils, quantiles};
 use crate::profile::Profile;
 use crate::report::{Aperture, BlurReport, Focus, Images, ProfileId, Spots};
 use std::path::Path;
@@ -100,12 +100,13 @@ fn spots(
     let Design { mirror, camera, view, .. } = design;
     let [columns, rows] = camera.pixels;
     let unit = lens.radius / camera.pixel_mm;
-    let map = over_sensor(mirror, camera, view.as_ref(), [0..columns, 0..rows], |pencil| {
-        Spot::new(pencil).scaled(unit)
+    let map = map_pencils(mirror, camera, view.as_ref(), [0..columns, 0..rows], |pencil| {
+        BlurEllipse::new(pencil).scaled(unit)
     });
-    let spots: Vec<Spot> = map.iter().copied().flatten().collect();
+    let spots: Vec<BlurEllipse> = map.iter().copied().flatten().collect();
     // For an aperture radius of 1.
-    let unit_spots: Vec<Spot> = spots.iter().map(|spot| spot.scaled(1.0 / lens.radius)).collect();
+    let unit_spots: Vec<BlurEllipse> =
+        spots.iter().map(|spot| spot.scaled(1.0 / lens.radius)).collect();
     let chart = &camera.chart;
     let none = || Error::Lens {
         profile: profile.name.clone(),
@@ -113,7 +114,7 @@ fn spots(
     };
     let best = best_focus(&spots, sharpness::least_focus(design)).ok_or_else(none)?;
     let phi = focus_mm.map_or(best, |mm| phi(chart, mm));
-    let over = |f: &dyn Fn(&Spot) -> f64| quantiles(spots.iter().map(f).collect());
+    let over = |f: &dyn Fn(&BlurEllipse) -> f64| quantiles(spots.iter().map(f).collect());
     let at = |phi: f64| -> Option<Spots> {
         let length_px: Quantiles = over(&|spot| spot.length(phi))?;
         Some(Spots {
@@ -129,7 +130,7 @@ fn spots(
         let [a, b] = spot.foci().map(z);
         if a == b { 0.0 } else { (a - b).abs() }
     });
-    let ends = spots.iter().map(Spot::foci).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let ends = spots.iter().map(BlurEllipse::foci).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     // A pinhole's phi falls with distance, a telecentric camera's grows.
     let sorted = |[a, b]: [f64; 2]| if z(a) <= z(b) { [a, b] } else { [b, a] };
     let range = ends.map(|ends| sorted(ends).map(|phi| focus(chart, phi)));

@@ -5,7 +5,9 @@ use super::Error;
 use super::files::sha256;
 use crate::design::Design;
 use crate::export::step::{FittedMirror, fit_splines, write_step};
-use crate::export::{Counting, Label, SagPath, compare_sag, read_sag, sag_bytes, write_sag};
+use crate::export::{
+    ByteCounter, Label, SamplingPath, compare_sag, read_sag, sag_bytes, write_sag,
+};
 use crate::mirror::{Departure, Form};
 use crate::profile::{self, Format, Profile};
 use crate::report::{FileFacts, Reason, ReasonKind, SagFacts};
@@ -54,12 +56,12 @@ pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<FittedMirror>
     made.map(Some).map_err(|source| Error::Step { profile: profile.name.clone(), source })
 }
 
-fn sag_path(profile: &Profile) -> SagPath {
+fn sag_path(profile: &Profile) -> SamplingPath {
     let Profile { sag, part, .. } = profile;
     let [pitch_mm, step_mm] = sag.spacing_mm(part.width_mm);
     match sag.path {
-        profile::ScanPattern::Raster => SagPath::Raster { pitch_mm, step_mm },
-        profile::ScanPattern::Spiral => SagPath::Spiral { pitch_mm, step_mm },
+        profile::ScanPattern::Raster => SamplingPath::Raster { pitch_mm, step_mm },
+        profile::ScanPattern::Spiral => SamplingPath::Spiral { pitch_mm, step_mm },
     }
 }
 
@@ -101,7 +103,7 @@ impl CadExports<'_> {
                 sag_bytes(&self.design.mirror, &path, self.label, &self.notes())
             }
             Format::Step => {
-                let mut bytes = Counting::default();
+                let mut bytes = ByteCounter::default();
                 self.write(format, &mut bytes).map_or(0, |()| bytes.count())
             }
             Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),

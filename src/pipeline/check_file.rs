@@ -6,7 +6,7 @@ use super::formats::read_mesh;
 use super::observer::{Stage, StageTimer};
 use super::vertex_check::worst_vertex;
 use crate::design::Design;
-use crate::export::{ReadError, Reread};
+use crate::export::{ImportedMesh, ReadError};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
@@ -85,7 +85,7 @@ pub fn open<T: Send>(
     clock: &StageTimer,
     format: Format,
     bytes: Vec<u8>,
-    then: impl FnOnce(Reread) -> T + Send,
+    then: impl FnOnce(ImportedMesh) -> T + Send,
 ) -> (FileFacts, Result<T, ReadError>) {
     let name = format.file_name().to_owned();
     let length = bytes.len() as u64;
@@ -108,13 +108,13 @@ pub fn open<T: Send>(
 
 /// A mesh, and what it is as a solid.
 pub struct CheckedMesh {
-    reread: Reread,
+    reread: ImportedMesh,
     solid: SolidFacts,
     vertex: Option<VertexFacts>,
 }
 
 /// Checks a mesh as a solid, and its vertices against `design`.
-pub fn checked(design: &Design, reread: Reread) -> CheckedMesh {
+pub fn checked(design: &Design, reread: ImportedMesh) -> CheckedMesh {
     let check = check(&reread.mesh).through(design.holes());
     let solid = SolidFacts::new(&check, design.volume());
     let vertex = worst_vertex(design, &reread.mesh.vertices);
@@ -134,7 +134,7 @@ pub fn witness(
     checked: CheckedMesh,
     chord_mm: f64,
 ) -> FileCheck {
-    let CheckedMesh { reread: Reread { mesh, normals }, solid, vertex } = checked;
+    let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
     let name = file.name.clone();
     let camera = &design.camera;
     clock.always(Stage::Trace, || {

@@ -9,7 +9,7 @@ use super::size_warnings::SizeWarnings;
 use super::{Error, Observer, Source, Stage, designed, label};
 use crate::design::Design;
 use crate::export::step::FittedMirror;
-use crate::export::{Counting, Label, Size, threemf_bytes, write_3mf};
+use crate::export::{ByteCounter, Label, MeshCounts, threemf_bytes, write_3mf};
 use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
@@ -168,19 +168,24 @@ fn packed(design: &Design, limits: Limits, label: &Label) -> Option<u64> {
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
     let solid =
         Solid::from_face(&face.mesh, design.border.as_ref(), precision(Format::ThreeMf)).ok()?;
-    let mut bytes = Counting::default();
+    let mut bytes = ByteCounter::default();
     write_3mf(&mut bytes, &solid, label).ok()?;
     Some(bytes.count())
 }
 
 /// The solid that is foreseen, by Euler's formula.
-fn size(design: &Design, optical: usize, plan: &MeshPlan) -> Size {
+fn size(design: &Design, optical: usize, plan: &MeshPlan) -> MeshCounts {
     let ring = matches!(design.mirror.outline, Outline::Ring { inner, .. } if inner > 0.0);
     let rim = plan.forecast.rim.round() as usize;
     let more = added_to(&plan.forecast, design);
     let face_vertices = (optical + rim) / 2 + if ring { 0 } else { 1 };
     let vertices = ((optical + more) / 2 + 2).saturating_sub(2 * design.holes());
-    Size { optical, more, face_vertices, more_vertices: vertices.saturating_sub(face_vertices) }
+    MeshCounts {
+        optical,
+        more,
+        face_vertices,
+        more_vertices: vertices.saturating_sub(face_vertices),
+    }
 }
 
 /// The chord and the facet error that a number of triangles is good for: the one it is spent on,

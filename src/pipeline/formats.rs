@@ -2,7 +2,7 @@
 
 use crate::design::Design;
 use crate::export::{
-    Label, ReadError, Reread, Size, obj_bytes, read_3mf, read_obj, read_stl, stl_bytes,
+    ImportedMesh, Label, MeshCounts, ReadError, obj_bytes, read_3mf, read_obj, read_stl, stl_bytes,
     threemf_bytes, write_3mf, write_obj, write_obj_bare, write_stl,
 };
 use crate::geom::Precision;
@@ -66,7 +66,7 @@ pub fn write_solid(
 }
 
 /// Reads a mesh file.
-pub fn read_mesh(format: Format, bytes: &[u8]) -> Result<Reread, ReadError> {
+pub fn read_mesh(format: Format, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
     match format {
         Format::Stl => read_stl(bytes),
         Format::Obj => read_obj(bytes),
@@ -78,7 +78,7 @@ pub fn read_mesh(format: Format, bytes: &[u8]) -> Result<Reread, ReadError> {
 /// Foresees the length of a mesh file.
 pub fn mesh_bytes(
     format: Format,
-    size: &Size,
+    size: &MeshCounts,
     design: &Design,
     made: Precision,
     label: &Label,

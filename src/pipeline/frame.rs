@@ -9,7 +9,7 @@ use super::{Error, Observer, Source, Stage, designed, remedy, verdict};
 use crate::design::{Design, design};
 use crate::optics::Camera;
 use crate::parallel;
-use crate::pencil::{Pencil, over_sensor, weights};
+use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{self, Layout, Profile, shipped};
 use crate::report::{FrameReport, ProfileId, Resolution, RoundMirror};
 use crate::trace::{Coverage, MinMeanMax};
@@ -105,7 +105,7 @@ fn solid_angles(design: &Design, [columns, rows]: [u32; 2]) -> Vec<Option<f64>> 
     let Design { mirror, camera, view, .. } = design;
     let usr = 1e6 * camera.pixel_mm * camera.pixel_mm;
     let each = |pencil: &Pencil| pencil.solid_angle() * usr;
-    over_sensor(mirror, camera, view.as_ref(), [0..columns, 0..rows], each)
+    map_pencils(mirror, camera, view.as_ref(), [0..columns, 0..rows], each)
 }
 
 /// Figures of pixels, each with the number that it stands for.
@@ -146,7 +146,8 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
         // A quarter stands for all of it.
         let half = side.div_ceil(2);
         let usr = solid_angles(&design, [half; 2]);
-        let both = weights(side).flat_map(|y| weights(side).map(move |x| u64::from(x * y)));
+        let both = mirror_symmetric_weights(side)
+            .flat_map(|y| mirror_symmetric_weights(side).map(move |x| u64::from(x * y)));
         let resolution = resolution(usr.into_iter().zip(both));
         Ok(RoundMirror { profile: profile.name.clone(), resolution })
     };

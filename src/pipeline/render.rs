@@ -10,7 +10,7 @@ use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::optics::Target;
-use crate::render::{Chessboard, Picture, Setup, TestWorld, World, views};
+use crate::render::{Chessboard, Picture, SetupDiagram, TestWorld, World, shaded_views};
 use crate::report::{ProfileId, Rendering, SCHEMA};
 use crate::trace::Scene;
 use std::path::Path;
@@ -73,7 +73,7 @@ fn taken(
         // The camera is held so that the board, towards it, is at the picture's foot.
         (Scenery::Chessboard, _) => around(&chessboard(design, wanted.square_mm)).turned(),
         (Scenery::Views, Some((scene, _))) => {
-            views(scene, |at| if wanted.smooth { optical(design, at) } else { None })
+            shaded_views(scene, |at| if wanted.smooth { optical(design, at) } else { None })
         }
         (Scenery::Panorama(world), _) => far(&*world),
         (Scenery::Model(world), _) => around(&*world),
@@ -137,7 +137,7 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     let rays = drawn.collect();
     let heights_mm = [foot, horizon, top];
     let half_mm = half_mm * shrink;
-    let setup = Setup { scene, half_mm, image_mm, radius_mm, heights_mm, rays };
+    let setup = SetupDiagram { scene, half_mm, image_mm, radius_mm, heights_mm, rays };
     let shown = |q: DVec2| reflected(design, &[q / shrink])[0].map(|ray| ray.direction);
     setup.picture(shown)
 }

@@ -10,7 +10,7 @@ use super::source::load;
 use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Observer, Stage, labelled, verdict};
 use crate::design::Design;
-use crate::export::Reread;
+use crate::export::ImportedMesh;
 use crate::geom::{DVec3, Precision, TriMesh};
 use crate::num::stats::Summary;
 use crate::parallel;
@@ -241,7 +241,7 @@ fn witnessed(
     staged: &Staged,
     smooth: &Displacement,
 ) -> Result<(Option<ReplayFile>, Vec<String>), Error> {
-    let read = |reread: Reread| {
+    let read = |reread: ImportedMesh| {
         let solid = check(&reread.mesh).through(design.holes());
         (reread.mesh, solid)
     };

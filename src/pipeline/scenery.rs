@@ -2,7 +2,7 @@
 
 use super::files::{self, FileError};
 use crate::raster::{Raster, RasterError};
-use crate::render::{Model, ModelError, Panorama};
+use crate::render::{Model, ModelError, PanoramaWorld};
 use std::path::Path;
 use thiserror::Error;
 
@@ -90,7 +90,7 @@ pub enum Scenery {
     /// The image, the part and the cylinder around it.
     Cylinder,
     /// A picture far away.
-    Panorama(Box<Panorama>),
+    Panorama(Box<PanoramaWorld>),
     /// Triangles around the mirror.
     Model(Box<Model>),
 }
@@ -154,7 +154,7 @@ impl Scenery {
         let picture = Raster::decode(&bytes)
             .map_err(|source| SceneError::Picture { file: file(), source })?;
         let (width, height) = (picture.width, picture.height);
-        let panorama = Panorama::new(picture).ok_or_else(|| SceneError::Shape {
+        let panorama = PanoramaWorld::new(picture).ok_or_else(|| SceneError::Shape {
             file: file(),
             width,
             height,

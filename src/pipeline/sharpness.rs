@@ -2,7 +2,7 @@
 
 use crate::design::Design;
 use crate::num::{asin, atan, sin, tan};
-use crate::pencil::{self, Spot, best_focus, over_some};
+use crate::pencil::{self, BlurEllipse, best_focus, map_pencils_sparsely};
 use crate::profile::{Aperture, Profile};
 use crate::report::{Opened, Reason, ReasonKind, Sharpness};
 
@@ -35,8 +35,8 @@ pub fn least_focus(design: &Design) -> f64 {
 pub fn sharpness(profile: &Profile, design: &Design) -> Option<Sharpness> {
     let Design { mirror, camera, view, .. } = design;
     let unit = 1.0 / camera.pixel_mm;
-    let spot = |pencil: &pencil::Pencil| Spot::new(pencil).scaled(unit);
-    let spots = over_some(mirror, camera, view.as_ref(), SOME, spot);
+    let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
+    let spots = map_pencils_sparsely(mirror, camera, view.as_ref(), SOME, spot);
     let best = best_focus(&spots, least_focus(design))?;
     of(profile, design, &spots, [best; 2], profile.lens.aperture)
 }
@@ -45,7 +45,7 @@ pub fn sharpness(profile: &Profile, design: &Design) -> Option<Sharpness> {
 pub fn of(
     profile: &Profile,
     design: &Design,
-    spots: &[Spot],
+    spots: &[BlurEllipse],
     [best, asked]: [f64; 2],
     given: Option<Aperture>,
 ) -> Option<Sharpness> {

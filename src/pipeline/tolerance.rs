@@ -7,7 +7,7 @@ use super::source::load;
 use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Observer, Stage};
 use crate::design::Design;
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use crate::profile::Profile;
 use crate::report::{Machining, ProfileId, ToleranceReport, read_trial, trial_columns, trial_line};
 use crate::tolerance::{
@@ -191,7 +191,7 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
     let mut text = heading(profile, engine, seed);
     let adjustments = engine.adjustments().len();
     for trial in trials {
-        let stream = Stream { seed, trial: trial.index };
+        let stream = RandomStream { seed, trial: trial.index };
         let draws = engine.draw(&engine.spec.sources, &stream);
         trial_line(&mut text, trial, adjustments, draws.into_iter().map(|(_, value)| value));
     }

@@ -6,7 +6,9 @@ use super::{Error, Source, designed};
 use crate::optics::Law;
 use crate::raster::{Raster, RasterError};
 use crate::report::{FileFacts, MapFacts, PanoramaFacts, PhotoFacts, ProfileId, SCHEMA, Unwrapped};
-use crate::unwrap::{Map, Optics, Panorama, TableError, UnwrapError, cuts};
+use crate::unwrap::{
+    ImagingSystem, MapEncodingError, Panorama, RemapTable, UnwrapError, crop_panels,
+};
 use std::path::Path;
 use thiserror::Error;
 
@@ -76,7 +78,7 @@ pub enum PhotoError {
     },
     /// The map cannot be encoded.
     #[error(transparent)]
-    Table(#[from] TableError),
+    Table(#[from] MapEncodingError),
 }
 
 /// Turns `photo`, taken through the mirror of `source`, into `out`/NAME/PHOTO-unwrapped.png and, where
@@ -107,20 +109,20 @@ pub fn unwrap(
     let size = [light.width, light.height];
     let design = clock.stage(Stage::Design, || designed(source))?;
     let view = design.view.as_ref().expect("a profile with a projection has a view");
-    let optics = Optics { mirror: &design.mirror, camera: &design.camera, view };
+    let optics = ImagingSystem { mirror: &design.mirror, camera: &design.camera, view };
     let unfit = |source| Error::from(PhotoError::Unfit { photo: name.clone(), source });
     let scale = optics.scale(size).map_err(unfit)?;
 
     let (panorama, picture, map) = clock.stage(Stage::Picture, || {
         let made = match way {
             Way::Cuts => {
-                let (picture, panorama) = cuts(&optics, &light).map_err(unfit)?;
+                let (picture, panorama) = crop_panels(&optics, &light).map_err(unfit)?;
                 (panorama, picture, None)
             }
             Way::Remap { projection, width, .. } => {
                 let law = projection.map(Rows::law);
                 let panorama = Panorama::new(&optics, size, law, width).map_err(unfit)?;
-                let map = Map::new(&optics, &panorama, size).map_err(unfit)?;
+                let map = RemapTable::new(&optics, &panorama, size).map_err(unfit)?;
                 let picture = map.paint(&light);
                 (panorama, picture, Some(map))
             }

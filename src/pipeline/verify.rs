@@ -5,9 +5,9 @@ use super::files::{self, Folder};
 use super::observer::{Observer, Stage, StageTimer};
 use super::verdict::Findings;
 use super::{Error, Source, designed, verdict};
-use crate::align::{Alignment, FormMap, Size, Unit, align};
+use crate::align::{Alignment, FormMap, SizeRange, Unit, align};
 use crate::design::Design;
-use crate::export::Reread;
+use crate::export::ImportedMesh;
 use crate::geom::Welder;
 use crate::mirror::Form;
 use crate::profile::Format;
@@ -77,7 +77,7 @@ pub fn inspect(
     // A file of unknown making has no proven bound; its shape is held to the profile's limit.
     let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
 
-    let size = Size::of(&design.mirror, design.border.as_ref());
+    let size = SizeRange::of(&design.mirror, design.border.as_ref());
     let (mut units, mut alignment, mut far, mut oversize) = (None, None, 0, None);
     let (file, read) = open(&clock, format, bytes, |mut reread| {
         // A 3MF says what its units are, and is read in millimetres.
@@ -91,7 +91,7 @@ pub fn inspect(
         Err(error) => FileCheck::unreadable(file, error),
         Ok((mut reread, found)) => {
             units = Some(found);
-            oversize = size.excess(&reread.mesh);
+            oversize = size.size_factor(&reread.mesh);
             if folder.is_some() {
                 let found = clock.stage(Stage::Align, || {
                     let found = align(&design.mirror, &reread.mesh);
@@ -190,7 +190,7 @@ const BY_SIZE: &str = "by size";
 const ASSUMED: &str = "assumed";
 
 /// Brings a mesh to millimetres.
-fn in_millimetres(reread: &mut Reread, size: &Size, asked: Option<Unit>) -> UnitFacts {
+fn in_millimetres(reread: &mut ImportedMesh, size: &SizeRange, asked: Option<Unit>) -> UnitFacts {
     let (unit, chosen) = match asked {
         Some(unit) => (unit, "asked"),
         None => match size.unit(&reread.mesh) {
@@ -220,7 +220,7 @@ const FAR: f64 = 8.0;
 
 /// Leaves out facets far from the part, among which the search for the others would be slow, and counts
 /// them.
-fn leave_far(reread: &mut Reread, design: &Design) -> usize {
+fn leave_far(reread: &mut ImportedMesh, design: &Design) -> usize {
     let outline = design.mirror.full_outline().bounds().size().length();
     let reach = FAR * (outline + design.mirror.chart.plane_mm.abs());
     let mesh = &reread.mesh;
@@ -238,7 +238,7 @@ fn leave_far(reread: &mut Reread, design: &Design) -> usize {
 }
 
 /// Brings a mesh, and the file's normals, into the part frame.
-fn place(reread: &mut Reread, alignment: &Alignment) {
+fn place(reread: &mut ImportedMesh, alignment: &Alignment) {
     alignment.apply(&mut reread.mesh);
     let matrix = alignment.pose.matrix();
     for (t, normals) in reread.normals.iter_mut().flatten().enumerate() {

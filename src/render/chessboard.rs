@@ -1,8 +1,8 @@
 //! The paper's chessboard: pieces in their first places around a mirror in the middle of the board.
 
 use super::World;
-use super::pieces::{KINGS_HEAD, Kind, Piece};
-use super::shade::{Lights, Matter, backdrop};
+use super::chess_pieces::{ChessPiece, KINGS_HEAD, PieceKind};
+use super::material::{Lighting, Material, backdrop};
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::raster::srgb::hex;
 
@@ -13,15 +13,15 @@ const THICK: f64 = 0.3;
 /// How far a shadow's ray starts from its surface, in squares.
 const CLEAR: f64 = 1e-6;
 /// From the files a to h.
-const OFFICERS: [Kind; 8] = [
-    Kind::Rook,
-    Kind::Knight,
-    Kind::Bishop,
-    Kind::Queen,
-    Kind::King,
-    Kind::Bishop,
-    Kind::Knight,
-    Kind::Rook,
+const OFFICERS: [PieceKind; 8] = [
+    PieceKind::Rook,
+    PieceKind::Knight,
+    PieceKind::Bishop,
+    PieceKind::Queen,
+    PieceKind::King,
+    PieceKind::Bishop,
+    PieceKind::Knight,
+    PieceKind::Rook,
 ];
 
 /// A chessboard with its 32 pieces on a table under the open sky. The mirror is in the middle of the
@@ -38,21 +38,27 @@ pub struct Chessboard {
     board_mm: f64,
     /// Radius of the hole, squares.
     hole: f64,
-    kinds: [Piece; 6],
+    kinds: [ChessPiece; 6],
     /// Number in `kinds`, place, whether it is White.
     pieces: Vec<(usize, DVec2, bool)>,
-    lights: Lights,
+    lights: Lighting,
 }
 
 /// What a ray meets first.
-enum Thing {
+enum BoardHit {
     Piece { white: bool, normal: DVec3 },
     Board(DVec2),
     Table,
 }
 
-const KINDS: [Kind; 6] =
-    [Kind::Pawn, Kind::Rook, Kind::Knight, Kind::Bishop, Kind::Queen, Kind::King];
+const KINDS: [PieceKind; 6] = [
+    PieceKind::Pawn,
+    PieceKind::Rook,
+    PieceKind::Knight,
+    PieceKind::Bishop,
+    PieceKind::Queen,
+    PieceKind::King,
+];
 
 impl Chessboard {
     /// A board of squares of `square_mm` around the place (0, 0, `height_mm`) of the mirror, with a
@@ -60,13 +66,13 @@ impl Chessboard {
     #[must_use]
     pub fn new(square_mm: f64, height_mm: f64, hole_mm: f64) -> Self {
         let mut pieces = Vec::new();
-        let number = |kind: Kind| KINDS.iter().position(|k| *k == kind).unwrap_or_default();
+        let number = |kind: PieceKind| KINDS.iter().position(|k| *k == kind).unwrap_or_default();
         for (file, officer) in OFFICERS.into_iter().enumerate() {
             let x = file as f64 - 3.5;
             for (y, kind, white) in [
                 (-3.5, officer, true),
-                (-2.5, Kind::Pawn, true),
-                (2.5, Kind::Pawn, false),
+                (-2.5, PieceKind::Pawn, true),
+                (2.5, PieceKind::Pawn, false),
                 (3.5, officer, false),
             ] {
                 pieces.push((number(kind), DVec2::new(x, y), white));
@@ -76,9 +82,9 @@ impl Chessboard {
             square_mm,
             board_mm: height_mm + KINGS_HEAD * square_mm,
             hole: hole_mm / square_mm,
-            kinds: KINDS.map(Piece::new),
+            kinds: KINDS.map(ChessPiece::new),
             pieces,
-            lights: Lights { up: DVec3::Z, lamp: DVec3::new(-0.45, -0.3, 0.84).normalize() },
+            lights: Lighting { up: DVec3::Z, lamp: DVec3::new(-0.45, -0.3, 0.84).normalize() },
         }
     }
 
@@ -97,7 +103,7 @@ impl Chessboard {
         Ray { origin, direction: DVec3::new(-d.x, d.y, -d.z) }
     }
 
-    fn first(&self, ray: &Ray) -> Option<(f64, Thing)> {
+    fn nearest_hit(&self, ray: &Ray) -> Option<(f64, BoardHit)> {
         let floor = |z: f64| {
             let t = (z - ray.origin.z) / ray.direction.z;
             if t > 0.0 { t } else { f64::INFINITY }
@@ -106,15 +112,15 @@ impl Chessboard {
         let mut end = floor(0.0);
         let on_board = ray.at(end).truncate();
         if end.is_finite() && on_board.abs().max_element() <= 4.0 + BORDER {
-            found = Some((end, Thing::Board(on_board)));
+            found = Some((end, BoardHit::Board(on_board)));
         } else {
             end = floor(-THICK);
             if end.is_finite() {
-                found = Some((end, Thing::Table));
+                found = Some((end, BoardHit::Table));
             }
         }
         if let Some((t, white, normal)) = self.piece(ray, end) {
-            found = Some((t, Thing::Piece { white, normal }));
+            found = Some((t, BoardHit::Piece { white, normal }));
         }
         found
     }
@@ -127,7 +133,7 @@ impl Chessboard {
             let side = DVec3::new(1.0, if white { 1.0 } else { -1.0 }, 1.0);
             let origin = (ray.origin - place.extend(0.0)) * side;
             let local = Ray { origin, direction: ray.direction * side };
-            if let Some(contact) = self.kinds[kind].meet(&local, end) {
+            if let Some(contact) = self.kinds[kind].intersect(&local, end) {
                 end = contact.t;
                 found = Some((contact.t, white, contact.normal * side));
             }
@@ -136,47 +142,50 @@ impl Chessboard {
     }
 
     /// Whether the lamp reaches a place.
-    fn lit(&self, place: DVec3, normal: DVec3) -> bool {
+    fn is_lit(&self, place: DVec3, normal: DVec3) -> bool {
         let ray = Ray { origin: place + normal * CLEAR, direction: self.lights.lamp };
         normal.dot(self.lights.lamp) > 0.0 && self.piece(&ray, f64::INFINITY).is_none()
     }
 
-    fn wood(&self, at: DVec2) -> Option<Matter> {
+    fn board_material(&self, at: DVec2) -> Option<Material> {
         if at.length() < self.hole {
             return None;
         }
         let wide = at.abs().max_element();
         if wide > 4.0 {
             let line = (4.06..4.1).contains(&wide);
-            return Some(Matter::new(if line { 0xc9a46b } else { 0x4a2c1a }, 0.05));
+            return Some(Material::new(if line { 0xc9a46b } else { 0x4a2c1a }, 0.05));
         }
         let [file, rank] = [at.x, at.y].map(|x| (x + 4.0).floor() as i64);
         let dark = (file + rank) % 2 == 0;
-        Some(Matter::new(if dark { 0x7a4a2b } else { 0xf0d9b5 }, 0.05))
+        Some(Material::new(if dark { 0x7a4a2b } else { 0xf0d9b5 }, 0.05))
     }
 }
 
 impl World for Chessboard {
     fn light(&self, ray: &Ray, _: f64) -> [f32; 3] {
         let ray = self.inside(ray);
-        let shade = |matter: &Matter, t: f64, normal: DVec3| {
-            let lit = self.lit(ray.at(t), normal);
+        let shade = |matter: &Material, t: f64, normal: DVec3| {
+            let lit = self.is_lit(ray.at(t), normal);
             self.lights.shade(matter, normal, ray.direction, lit)
         };
-        match self.first(&ray) {
+        match self.nearest_hit(&ray) {
             None => backdrop(ray.direction.z.max(0.0)),
-            Some((t, Thing::Piece { white, normal })) => {
-                let matter =
-                    if white { Matter::new(0xf4ead4, 0.25) } else { Matter::new(0x35302e, 0.35) };
+            Some((t, BoardHit::Piece { white, normal })) => {
+                let matter = if white {
+                    Material::new(0xf4ead4, 0.25)
+                } else {
+                    Material::new(0x35302e, 0.35)
+                };
                 shade(&matter, t, normal)
             }
-            Some((t, Thing::Board(at))) => match self.wood(at) {
+            Some((t, BoardHit::Board(at))) => match self.board_material(at) {
                 Some(wood) => shade(&wood, t, DVec3::Z),
                 None => hex(0x141210),
             },
-            Some((t, Thing::Table)) => {
+            Some((t, BoardHit::Table)) => {
                 // Into haze towards the horizon, where the sky begins.
-                let cloth = shade(&Matter::new(0x5f7a68, 0.0), t, DVec3::Z);
+                let cloth = shade(&Material::new(0x5f7a68, 0.0), t, DVec3::Z);
                 let haze = (1.0 - 1.0 / (1.0 + t / 40.0)) as f32;
                 let sky = backdrop(0.0);
                 std::array::from_fn(|c| cloth[c] + (sky[c] - cloth[c]) * haze)
@@ -228,7 +237,8 @@ mod tests {
                 let foot = board.place(f64::from(file) + 0.5, f64::from(rank) + 0.5);
                 // Straight down on it.
                 let ray = Ray { origin: foot - DVec3::Z * 500.0, direction: DVec3::Z };
-                let Some((t, Thing::Piece { white: found, .. })) = board.first(&board.inside(&ray))
+                let Some((t, BoardHit::Piece { white: found, .. })) =
+                    board.nearest_hit(&board.inside(&ray))
                 else {
                     panic!("no piece on {file} {rank}");
                 };
@@ -260,7 +270,7 @@ mod tests {
         let lamp = board.lights.lamp;
         let pawn = DVec3::new(0.5, -2.5, 0.0);
         let aside = DVec3::new(lamp.x, lamp.y, 0.0).normalize() * 0.45;
-        assert!(!board.lit(pawn - aside, DVec3::Z));
-        assert!(board.lit(DVec3::new(0.5, -0.5, 0.0), DVec3::Z));
+        assert!(!board.is_lit(pawn - aside, DVec3::Z));
+        assert!(board.is_lit(DVec3::new(0.5, -0.5, 0.0), DVec3::Z));
     }
 }

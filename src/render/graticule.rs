@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::angles::{Angles, nearest};
+use super::angle_tables::{AngleTables, round_to_integer};
 use crate::num;
 
 /// Angle between grid lines, in degrees of azimuth and of elevation.
@@ -18,12 +18,12 @@ pub const GRID: f64 = GRID_DEG / 180.0 * PI;
 /// Azimuth between the heavy meridians, in radians.
 pub const QUARTER: f64 = FRAC_PI_2;
 /// Number of the last grid circle, at 75 degrees: the thin meridians end on it, lest they crowd at the pole.
-pub const LAST: i32 = 5;
+pub const LAST_CIRCLE: i32 = 5;
 /// Meridians of the grid for each heavy one.
 const PER_QUARTER: i32 = 90 / GRID_DEG as i32;
 
 /// A direction and where it lies in the graticule; angles in radians.
-pub struct Place {
+pub struct GraticulePoint {
     /// Elevation over the horizon.
     pub elevation: f64,
     /// Cosine of the elevation.
@@ -46,17 +46,17 @@ pub struct Place {
     pub per_footprint: f64,
 }
 
-impl Place {
+impl GraticulePoint {
     /// Finds the unit vector `direction`, seen by a sample of `footprint_rad` radians.
     #[inline]
     #[must_use]
-    pub fn new(angles: &Angles, direction: DVec3, footprint_rad: f64) -> Self {
+    pub fn new(angles: &AngleTables, direction: DVec3, footprint_rad: f64) -> Self {
         let level = (direction.x * direction.x + direction.y * direction.y).sqrt();
-        let azimuth = angles.turn(direction.x, direction.y);
-        let elevation = angles.climb(direction.z, level);
-        let (meridian, line) = nearest(azimuth * (1.0 / GRID));
-        let (circle, row) = nearest(elevation * (1.0 / GRID));
-        let (quarter, column) = nearest(azimuth * (1.0 / QUARTER) - 0.5);
+        let azimuth = angles.atan2(direction.x, direction.y);
+        let elevation = angles.elevation(direction.z, level);
+        let (meridian, line) = round_to_integer(azimuth * (1.0 / GRID));
+        let (circle, row) = round_to_integer(elevation * (1.0 / GRID));
+        let (quarter, column) = round_to_integer(azimuth * (1.0 / QUARTER) - 0.5);
         let footprint = footprint_rad.max(1e-9);
         Self {
             elevation,
@@ -76,7 +76,7 @@ impl Place {
 /// Cover of the thin and of the heavy lines, 0 to 1; where they cross, the heavy one counts.
 #[inline]
 #[must_use]
-pub fn lines(place: &Place) -> (f32, f32) {
+pub fn line_cover(place: &GraticulePoint) -> (f32, f32) {
     let cover = |distance: f64, heavy: bool| {
         let half = num::radians(if heavy { HEAVY_DEG } else { THIN_DEG }) / 2.0;
         let reach = place.footprint / 2.0;
@@ -88,7 +88,7 @@ pub fn lines(place: &Place) -> (f32, f32) {
     };
     let mut thin = 0.0;
     let mut heavy = 0.0;
-    let beyond = place.elevation.abs() - f64::from(LAST) * GRID;
+    let beyond = place.elevation.abs() - f64::from(LAST_CIRCLE) * GRID;
     if beyond < 0.0 {
         let main = place.meridian % PER_QUARTER == 0;
         let share = cover(place.aside.abs() * place.level, main);
@@ -99,7 +99,7 @@ pub fn lines(place: &Place) -> (f32, f32) {
     }
     if place.circle == 0 {
         heavy = join(heavy, cover(place.above.abs(), true));
-    } else if place.circle.abs() <= LAST {
+    } else if place.circle.abs() <= LAST_CIRCLE {
         thin = join(thin, cover(place.above.abs(), false));
     }
     (thin * (1.0 - heavy), heavy)

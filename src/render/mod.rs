@@ -1,32 +1,32 @@
 //! What the camera sees: worlds, and pictures of them through any map from pixels to rays.
 //!
-//! Words: a **world** says what light comes along a ray. A **direction** is a unit vector (X, Y, Z)
+//! Words: a **test_world** says what light comes along a ray. A **direction** is a unit vector (X, Y, Z)
 //! of the part frame, written as **azimuth** a and **elevation** e by (cos e sin a, cos e cos a, sin e).
 //! **Footprint** is the angle, in radians, that one sample of the picture covers. **Linear** colour is
 //! light; sRGB is its 8-bit code.
 
-mod angles;
+mod angle_tables;
+mod chess_pieces;
 mod chessboard;
 mod graticule;
 mod label;
+mod material;
 mod model;
 mod panorama;
 pub mod picture;
-mod pieces;
-mod setup;
-mod shade;
-mod turned;
-mod views;
-pub mod world;
+mod setup_diagram;
+mod shaded_views;
+mod solid_of_revolution;
+pub mod test_world;
 
 pub use crate::raster::EncodingError;
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
-pub use panorama::Panorama;
+pub use panorama::PanoramaWorld;
 pub use picture::{Canvas, Picture, Seen};
-pub use setup::Setup;
-pub use views::views;
-pub use world::TestWorld;
+pub use setup_diagram::SetupDiagram;
+pub use shaded_views::shaded_views;
+pub use test_world::TestWorld;
 
 use crate::geom::Ray;
 

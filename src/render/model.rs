@@ -7,8 +7,8 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::World;
-use super::panorama::Pyramid;
-use super::shade::{Lights, Matter, backdrop};
+use super::material::{Lighting, Material, backdrop};
+use super::panorama::MipPyramid;
 use crate::geom::{DVec2, DVec3, Ray, TriMesh};
 use crate::raster::{Raster, RasterError};
 use crate::trace::Scene;
@@ -60,24 +60,24 @@ pub enum ModelError {
 #[derive(Debug, Clone)]
 pub struct Model {
     scene: Scene,
-    materials: Vec<Material>,
-    facets: Vec<Facet>,
+    materials: Vec<TexturedMaterial>,
+    facets: Vec<TexturedFacet>,
 }
 
 #[derive(Debug, Clone)]
-struct Material {
-    matter: Matter,
-    picture: Option<Pyramid>,
+struct TexturedMaterial {
+    matter: Material,
+    picture: Option<MipPyramid>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Facet {
+struct TexturedFacet {
     material: usize,
     /// Places of its corners in the material's picture: shares from the left and from the foot.
     places: [DVec2; 3],
 }
 
-const LIGHTS: Lights = Lights { up: DVec3::Z, lamp: DVec3::new(0.36, -0.48, 0.8) };
+const LIGHTS: Lighting = Lighting { up: DVec3::Z, lamp: DVec3::new(0.36, -0.48, 0.8) };
 
 impl Model {
     /// Reads an OBJ whose unit is `unit_mm`; `read` gives the bytes of the files beside it that it
@@ -114,22 +114,22 @@ impl Model {
             return Err(error);
         }
         let library = library.map_err(ModelError::Obj)?;
-        let plain = Material { matter: Matter::new(PLAIN, 0.0), picture: None };
+        let plain = TexturedMaterial { matter: Material::new(PLAIN, 0.0), picture: None };
         let mut materials = vec![plain];
         for material in &library {
-            materials.push(Material::new(material, &read)?);
+            materials.push(TexturedMaterial::new(material, &read)?);
         }
         let (mesh, facets) = gathered(&models, unit_mm, materials.len())?;
         Ok(Self { scene: Scene::new(mesh), materials, facets })
     }
 }
 
-impl Material {
+impl TexturedMaterial {
     fn new(
         from: &tobj::Material,
         read: impl Fn(&Path) -> Result<Vec<u8>, String>,
     ) -> Result<Self, ModelError> {
-        let mut matter = Matter::new(PLAIN, 0.0);
+        let mut matter = Material::new(PLAIN, 0.0);
         if let Some(colour) = from.diffuse {
             matter.colour = colour.map(|c| c as f32);
         }
@@ -139,7 +139,7 @@ impl Material {
         let bytes = read(Path::new(&name)).map_err(ModelError::File)?;
         let picture =
             Raster::decode(&bytes).map_err(|source| ModelError::Picture { file: name, source })?;
-        Ok(Self { matter, picture: Some(Pyramid::new(picture)) })
+        Ok(Self { matter, picture: Some(MipPyramid::new(picture)) })
     }
 }
 
@@ -199,7 +199,7 @@ fn gathered(
     models: &[tobj::Model],
     unit_mm: f64,
     materials: usize,
-) -> Result<(TriMesh, Vec<Facet>), ModelError> {
+) -> Result<(TriMesh, Vec<TexturedFacet>), ModelError> {
     let (mut mesh, mut facets) = (TriMesh::default(), Vec::new());
     for tobj::Model { mesh: part, .. } in models {
         let first = mesh.vertices.len() as u32;
@@ -218,7 +218,7 @@ fn gathered(
             };
             let places = [0, 1, 2].map(|corner| place(corner).unwrap_or_default());
             mesh.triangles.push(triangle);
-            facets.push(Facet { material, places });
+            facets.push(TexturedFacet { material, places });
         }
     }
     if facets.is_empty() { Err(ModelError::Empty) } else { Ok((mesh, facets)) }
@@ -228,7 +228,7 @@ impl World for Model {
     fn light(&self, ray: &Ray, footprint_rad: f64) -> [f32; 3] {
         let Some(hit) = self.scene.nearest_hit(ray) else { return backdrop(ray.direction.z) };
         let facet = &self.facets[hit.facet as usize];
-        let Material { mut matter, ref picture } = self.materials[facet.material];
+        let TexturedMaterial { mut matter, ref picture } = self.materials[facet.material];
         let area = self.scene.mesh().area_vector(hit.facet as usize);
         if let Some(picture) = picture {
             let [a, b, c] = facet.places;

@@ -3,25 +3,25 @@
 use std::f64::consts::TAU;
 
 use super::World;
-use super::angles::Angles;
+use super::angle_tables::AngleTables;
 use crate::geom::Ray;
 use crate::num;
 use crate::raster::Raster;
 
 /// A picture and its halves, quarters and so on: what samples that cover many pixels see.
 #[derive(Debug, Clone)]
-pub struct Pyramid {
+pub struct MipPyramid {
     /// The picture first.
     levels: Vec<Raster>,
 }
 
-impl Pyramid {
+impl MipPyramid {
     /// Averages `picture`, in linear light, down to one pixel.
     #[must_use]
     pub fn new(picture: Raster) -> Self {
         let mut levels = vec![picture];
         while let Some(last) = levels.last().filter(|last| last.width.max(last.height) > 1) {
-            let half = halved(last);
+            let half = downsampled(last);
             levels.push(half);
         }
         Self { levels }
@@ -53,7 +53,7 @@ impl Pyramid {
 }
 
 /// Half as many columns and rows, rounded up, by area.
-fn halved(picture: &Raster) -> Raster {
+fn downsampled(picture: &Raster) -> Raster {
     let (width, height) = (picture.width.div_ceil(2), picture.height.div_ceil(2));
     // The pixels under each of `fewer`, and the shares of its area that they fill.
     let covers = |count: usize, fewer: usize| -> Vec<Vec<(usize, f32)>> {
@@ -86,27 +86,27 @@ fn halved(picture: &Raster) -> Raster {
 /// 0, azimuth grows to the right; its middle row is the horizon, elevation grows upwards in steps as wide
 /// as the columns'. Twice as wide as high it is the whole sphere; lower, its first and last row go on
 /// above and below.
-pub struct Panorama {
-    pyramid: Pyramid,
-    angles: Angles,
+pub struct PanoramaWorld {
+    pyramid: MipPyramid,
+    angles: AngleTables,
 }
 
-impl Panorama {
+impl PanoramaWorld {
     /// Takes over a picture; none when it is higher than half its width, or empty.
     #[must_use]
     pub fn new(picture: Raster) -> Option<Self> {
         let fits = picture.height > 0 && 2 * picture.height <= picture.width;
-        fits.then(|| Self { pyramid: Pyramid::new(picture), angles: Angles::new() })
+        fits.then(|| Self { pyramid: MipPyramid::new(picture), angles: AngleTables::new() })
     }
 }
 
-impl World for Panorama {
+impl World for PanoramaWorld {
     fn light(&self, ray: &Ray, footprint_rad: f64) -> [f32; 3] {
         let d = ray.direction;
         let level = (d.x * d.x + d.y * d.y).sqrt();
         let [width, height] = self.pyramid.size().map(|n| n as f64);
-        let u = 0.5 + self.angles.turn(d.x, d.y) / TAU;
-        let v = 0.5 - self.angles.climb(d.z, level) / TAU * (width / height);
+        let u = 0.5 + self.angles.atan2(d.x, d.y) / TAU;
+        let v = 0.5 - self.angles.elevation(d.z, level) / TAU * (width / height);
         self.pyramid.light(u, v, footprint_rad * width / TAU)
     }
 }
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn directions_find_their_pixels() {
         for height in [180, 60] {
-            let world = Panorama::new(ramp(360, height)).unwrap();
+            let world = PanoramaWorld::new(ramp(360, height)).unwrap();
             let reach = height as f64 / 2.0;
             for azimuth in [-170.0, -90.25, 0.0, 33.3, 90.0, 178.0] {
                 for elevation in [-0.9 * reach, -10.0, 0.0, 7.7, 0.9 * reach] {
@@ -151,10 +151,12 @@ mod tests {
 
     #[test]
     fn poles_and_what_lies_beyond_the_rows_have_the_edges_colours() {
-        let world = Panorama::new(ramp(360, 60)).unwrap();
+        let world = PanoramaWorld::new(ramp(360, 60)).unwrap();
         assert!((world.light(&towards(12.0, 80.0), 1e-6)[1] - 0.5 / 60.0).abs() < 1e-6);
         assert!((world.light(&towards(12.0, -90.0), 1e-6)[1] - 59.5 / 60.0).abs() < 1e-6);
-        assert!(Panorama::new(ramp(10, 6)).is_none() && Panorama::new(ramp(0, 0)).is_none());
+        assert!(
+            PanoramaWorld::new(ramp(10, 6)).is_none() && PanoramaWorld::new(ramp(0, 0)).is_none()
+        );
     }
 
     #[test]
@@ -167,7 +169,7 @@ mod tests {
                 p.rgb.iter().map(|light| f64::from(light[c])).sum::<f64>() / p.rgb.len() as f64
             };
             let expected = [0, 1, 2].map(|c| mean(&picture, c));
-            let pyramid = Pyramid::new(picture.clone());
+            let pyramid = MipPyramid::new(picture.clone());
             for (c, expected) in expected.into_iter().enumerate() {
                 let last = pyramid.levels.last().unwrap();
                 assert!((mean(last, c) - expected).abs() < 1e-5, "{width} {height}");
@@ -183,7 +185,7 @@ mod tests {
     fn a_wide_sample_of_fine_stripes_sees_their_mean() {
         let stripes = |k: usize| [if k.is_multiple_of(2) { 1.0 } else { 0.0 }; 3];
         let rgb = (0..512 * 256).map(stripes).collect();
-        let world = Panorama::new(Raster { width: 512, height: 256, rgb }).unwrap();
+        let world = PanoramaWorld::new(Raster { width: 512, height: 256, rgb }).unwrap();
         let texel = TAU / 512.0;
         for azimuth in [0.0, 10.1, 50.3, -77.7] {
             let wide = world.light(&towards(azimuth, 3.0), 4.0 * texel)[0];

@@ -1,7 +1,7 @@
 //! What is known of a file of unknown making: its units, where it lay, and its form error.
 
 use super::text::digits;
-use crate::align::{Alignment, FormError, Free, Unit};
+use crate::align::{Alignment, FormError, FreeMotion, Unit};
 use crate::num::degrees;
 use serde::Serialize;
 
@@ -54,7 +54,7 @@ pub struct AlignmentFacts {
     /// How much worse the worst direction is determined than the best.
     pub condition: f64,
     /// Motions that move the mirror along itself; in these the file was left as it was.
-    pub free: Vec<Free>,
+    pub free: Vec<FreeMotion>,
 }
 
 impl AlignmentFacts {
@@ -63,7 +63,7 @@ impl AlignmentFacts {
     pub fn new(alignment: &Alignment) -> Self {
         let pose = &alignment.pose;
         Self {
-            turn_deg: pose.turn().to_array().map(degrees),
+            turn_deg: pose.rotation_vector().to_array().map(degrees),
             quaternion_xyzw: pose.rotation.to_array(),
             shift_mm: pose.shift.to_array(),
             turned_over: alignment.turned_over,
@@ -99,7 +99,7 @@ impl AlignmentFacts {
                 self.condition
             ),
         ];
-        for Free { direction, through_mm } in &self.free {
+        for FreeMotion { direction, through_mm } in &self.free {
             let along = place(direction.to_array());
             let motion = match through_mm {
                 Some(at) => format!("a turn about {along} through {} mm", place(at.to_array())),

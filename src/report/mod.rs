@@ -44,7 +44,7 @@ use crate::design::{DesignFacts, Mounting};
 use crate::mirror::Form;
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::profile::AcceptanceLimits;
-use crate::solid::Check;
+use crate::solid::SolidCheck;
 use crate::trace::FrameFill;
 use serde::{Deserialize, Serialize};
 
@@ -206,7 +206,7 @@ pub struct MeshFacts {
 pub struct SolidFacts {
     /// What was found.
     #[serde(flatten)]
-    pub check: Check,
+    pub check: SolidCheck,
     /// Integral of the design, mm^3.
     pub volume_expected_mm3: f64,
     /// What is wrong, facet by facet.
@@ -216,7 +216,7 @@ pub struct SolidFacts {
 impl SolidFacts {
     /// The facts of `check`, beside the volume expected.
     #[must_use]
-    pub fn new(check: &Check, volume_expected_mm3: f64) -> Self {
+    pub fn new(check: &SolidCheck, volume_expected_mm3: f64) -> Self {
         Self { check: check.clone(), volume_expected_mm3, reasons: check.reasons() }
     }
 }

@@ -4,7 +4,7 @@ use super::text::{digits, head_line, pretty, verdict_lines, written};
 use super::tolerance::px;
 use super::{FileFacts, ProfileId, Verdict};
 use crate::num::stats::Summary;
-use crate::solid::Check;
+use crate::solid::SolidCheck;
 use crate::tolerance::{Criterion, Displacement, Reference, RigidTransform, Witnessed};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -67,7 +67,7 @@ pub struct ReplayFile {
     /// Facets of the optical face.
     pub optical_triangles: usize,
     /// The check of the mesh that was read.
-    pub solid: Check,
+    pub solid: SolidCheck,
     /// The largest distance along Z of the optical face's vertices from the made surface, mm.
     pub off_surface_mm: f64,
     /// What rounding to the file's digits explains, mm.

@@ -1,7 +1,7 @@
 //! How sharp a picture can be, in reports.
 
 use super::text::digits;
-use crate::pencil::Sharp;
+use crate::pencil::ApertureSharpness;
 use crate::profile::Aperture;
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,7 @@ pub struct Opened {
     pub f_number: Option<f64>,
     /// The spots.
     #[serde(flatten)]
-    pub sharp: Sharp,
+    pub sharp: ApertureSharpness,
     /// How many such spots lie side by side across the frame and up it.
     pub resolved: [u32; 2],
 }
@@ -50,7 +50,8 @@ impl Opened {
     /// What is seen through it, on one line.
     #[must_use]
     pub fn line(&self) -> String {
-        let Sharp { geometric_px, diffraction_px, spot_px, mtf_p50, mtf_p05 } = self.sharp;
+        let ApertureSharpness { geometric_px, diffraction_px, spot_px, mtf_p50, mtf_p05 } =
+            self.sharp;
         let [across, up] = self.resolved;
         format!(
             "{}: spots of {} px p95 (mirror {}, diffraction {}), about {across} x {up} of them; MTF at a \

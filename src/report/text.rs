@@ -11,7 +11,7 @@ use crate::design::{DesignFacts, Mounting};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
-use crate::solid::Rim;
+use crate::solid::OpenBoundary;
 use crate::trace::FrameFill;
 use serde::Serialize;
 use std::fmt::{Display, Write};
@@ -318,7 +318,7 @@ pub(super) fn solid_line(solid: &SolidFacts) -> String {
     let yes = |flag: bool, word: &str| {
         if flag { word.into() } else { format!("NOT {word}") }
     };
-    let rim = check.open.map_or(String::new(), |Rim { edges, loops }| {
+    let rim = check.open.map_or(String::new(), |OpenBoundary { edges, loops }| {
         let s = if loops == 1 { "" } else { "s" };
         format!(" ({edges} rim edges in {loops} loop{s})")
     });

@@ -4,7 +4,7 @@
 //! facets, each giving a step from its next corner to its last, form exactly one cycle. Only when
 //! that fails are edges sorted to find out why.
 
-use super::{Check, Defect, Rim};
+use super::{Defect, OpenBoundary, SolidCheck};
 use crate::geom::TriMesh;
 use crate::parallel;
 use std::ops::Range;
@@ -17,10 +17,10 @@ const CHUNK: usize = 16_384;
 /// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet;
 /// without through holes, unless [`Check::through`] says otherwise.
 #[must_use]
-pub fn check(mesh: &TriMesh) -> Check {
+pub fn check(mesh: &TriMesh) -> SolidCheck {
     let ((fans, single), ((mut defects, volume_mm3), components)) = parallel::join(
         || {
-            let fans = Fans::new(mesh);
+            let fans = VertexFans::new(mesh);
             let single = fans.all_single();
             (fans, single)
         },
@@ -45,11 +45,11 @@ pub fn check(mesh: &TriMesh) -> Check {
     };
     let defect_count = defects.len();
     defects.truncate(REPORTED);
-    Check {
+    SolidCheck {
         closed,
         oriented,
         manifold,
-        open: (!closed).then(|| rim(mesh)),
+        open: (!closed).then(|| open_boundary(mesh)),
         components,
         euler: used as i64 - edges as i64 + mesh.triangles.len() as i64,
         holes: 0,
@@ -61,7 +61,7 @@ pub fn check(mesh: &TriMesh) -> Check {
 
 /// The directed edges without a partner, in the order of their facets.
 pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
-    let fans = Fans::new(mesh);
+    let fans = VertexFans::new(mesh);
     let open = |&[a, b, c]: &[u32; 3]| {
         let edges = [(a, b), (b, c), (c, a)].into_iter();
         edges.filter(|&(from, to)| !fans.has(to, from)).collect::<Vec<_>>()
@@ -70,7 +70,7 @@ pub fn open_edges(mesh: &TriMesh) -> Vec<(u32, u32)> {
     parallel::gather(triangles.len(), CHUNK, |part| triangles[part].iter().flat_map(open).collect())
 }
 
-fn rim(mesh: &TriMesh) -> Rim {
+fn open_boundary(mesh: &TriMesh) -> OpenBoundary {
     let edges = open_edges(mesh);
     let mut parent: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
     let mut loops = 0;
@@ -83,16 +83,16 @@ fn rim(mesh: &TriMesh) -> Rim {
         loops -= usize::from(a != b);
         parent[a.max(b) as usize] = a.min(b);
     }
-    Rim { edges: edges.len(), loops }
+    OpenBoundary { edges: edges.len(), loops }
 }
 
 /// For every vertex, the (next, last) corners of the facets around it.
-struct Fans {
+struct VertexFans {
     start: Vec<u32>,
     steps: Vec<[u32; 2]>,
 }
 
-impl Fans {
+impl VertexFans {
     fn new(mesh: &TriMesh) -> Self {
         let mut start = vec![0u32; mesh.vertices.len() + 1];
         for v in mesh.triangles.iter().flatten() {
@@ -195,7 +195,7 @@ fn edge_defects(mesh: &TriMesh) -> Vec<Defect> {
 }
 
 /// Vertices whose edges are all sound but whose facets form several fans.
-fn pinches(mesh: &TriMesh, fans: &Fans) -> Vec<Defect> {
+fn pinches(mesh: &TriMesh, fans: &VertexFans) -> Vec<Defect> {
     let sound = |v: usize| {
         let steps = fans.of(v);
         steps.iter().all(|&[next, last]| {
@@ -272,14 +272,14 @@ mod tests {
         assert!(!found.closed && found.oriented && found.manifold);
         assert_eq!(found.defect_count, 3);
         assert!(found.reasons()[0].starts_with("open: only facet"));
-        assert_eq!(found.open, Some(Rim { edges: 3, loops: 1 }));
+        assert_eq!(found.open, Some(OpenBoundary { edges: 3, loops: 1 }));
         // The last facet is one of the base, without a corner in common with the top.
         for (gone, edges, loops) in [([0, 13], 6, 2), ([0, 1], 4, 1)] {
             let mut mesh = cube();
             for t in gone.into_iter().rev() {
                 mesh.triangles.remove(t);
             }
-            assert_eq!(check(&mesh).open, Some(Rim { edges, loops }));
+            assert_eq!(check(&mesh).open, Some(OpenBoundary { edges, loops }));
         }
         assert_eq!(check(&cube()).open, None);
     }

@@ -78,7 +78,7 @@ impl fmt::Display for Defect {
 
 /// Where a mesh ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Rim {
+pub struct OpenBoundary {
     /// Edges without a second facet.
     pub edges: usize,
     /// Loops that they form; those that meet in a vertex count as one.
@@ -87,7 +87,7 @@ pub struct Rim {
 
 /// The result of checking a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Check {
+pub struct SolidCheck {
     /// Every edge has a facet on both sides.
     pub closed: bool,
     /// Neighbours agree on what is outside.
@@ -96,7 +96,7 @@ pub struct Check {
     pub manifold: bool,
     /// Its rims, where it is not closed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub open: Option<Rim>,
+    pub open: Option<OpenBoundary>,
     /// Pieces that hang together by vertices.
     pub components: usize,
     /// Vertices - edges + facets: 2 for a body without handles, 2 less for each through hole.
@@ -114,7 +114,7 @@ pub struct Check {
     pub defect_count: usize,
 }
 
-impl Check {
+impl SolidCheck {
     /// The check of a body that is to have so many through holes.
     #[must_use]
     pub fn through(self, holes: usize) -> Self {

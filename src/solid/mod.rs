@@ -1,11 +1,11 @@
 //! The solid stage: optical face -> closed body, and the check that a body is one.
 
-mod around;
+mod border_facets;
 mod check;
 mod defect;
 
 pub use check::check;
-pub use defect::{Check, Defect, Rim};
+pub use defect::{Defect, OpenBoundary, SolidCheck};
 
 use crate::geom::{Border, DVec2, DVec3, Precision, TriMesh};
 use thiserror::Error;
@@ -15,15 +15,17 @@ use thiserror::Error;
 #[derive(Debug, Clone)]
 pub struct Solid {
     mesh: TriMesh,
-    check: Check,
+    check: SolidCheck,
     optical: usize,
 }
 
 /// Why a solid could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolidError {
-    /// The rim of the face is not one closed loop, or one around another.
-    #[error("the rim of the optical face is not one closed loop, or one around another: {reason}")]
+    /// The rim of the face is not one closed loop, or one border_facets another.
+    #[error(
+        "the rim of the optical face is not one closed loop, or one border_facets another: {reason}"
+    )]
     Rim {
         /// What was found instead.
         reason: String,
@@ -36,7 +38,7 @@ pub enum SolidError {
         /// Least Z of the face, mm.
         lowest_mm: f64,
     },
-    /// The face reaches the flat rim around it or lies below it.
+    /// The face reaches the flat rim border_facets it or lies below it.
     #[error(
         "the optical face reaches down to Z = {lowest_mm} mm, to or below the flat rim at Z = \
          {top_mm} mm"
@@ -61,12 +63,12 @@ pub enum SolidError {
     },
     /// The closed surface is not a solid.
     #[error("not a solid: {}", .0.reasons().join("; "))]
-    Check(Check),
+    Check(SolidCheck),
 }
 
 impl Solid {
     /// Closes `face` (facets counter-clockwise from above, over an outline that is star-shaped
-    /// about the axis and may have one hole around it) by a vertical skirt down to the base plane
+    /// about the axis and may have one hole border_facets it) by a vertical skirt down to the base plane
     /// Z = 0 and the base; a hole by a land, a fan of facets to a vertex on the axis at the mean
     /// height of its rim. Every rim vertex has its own base vertex, so nothing meets in the middle
     /// of an edge. With `stock` the skirt ends on its flat top, which has the stock's holes and
@@ -94,7 +96,7 @@ impl Solid {
         let land = stock.and_then(|stock| stock.land.as_ref());
         let mut bores = Vec::new();
         if let (Some(hole), Some(land)) = (&hole, land) {
-            bores = around::land(&mut mesh, hole, land, precision)?;
+            bores = border_facets::land(&mut mesh, hole, land, precision)?;
         } else if let Some(hole) = hole {
             let centre = mesh.vertices.len() as u32;
             let height: f64 = hole.iter().map(|&v| face.vertices[v as usize].z).sum();
@@ -110,7 +112,7 @@ impl Solid {
                 mesh.vertices.push(DVec3::ZERO);
                 mesh.triangles.extend(sides(&feet).map(|[low, next]| [centre, next, low]));
             }
-            Some(stock) => around::close(&mut mesh, &feet, stock, bores, precision)?,
+            Some(stock) => border_facets::close(&mut mesh, &feet, stock, bores, precision)?,
         }
         mesh.vertices.iter_mut().for_each(|v| *v = kept(*v, precision));
         let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
@@ -144,7 +146,7 @@ impl Solid {
 
     /// What the check found.
     #[must_use]
-    pub fn check(&self) -> &Check {
+    pub fn check(&self) -> &SolidCheck {
         &self.check
     }
 
@@ -155,12 +157,12 @@ impl Solid {
     }
 }
 
-/// How many facets [`Solid::from_face`] adds to a face with so many edges around it and around its
+/// How many facets [`Solid::from_face`] adds to a face with so many edges border_facets it and border_facets its
 /// hole (0: it has none).
 #[must_use]
 pub fn added(outer: usize, hole: usize, stock: Option<&Border>) -> usize {
     // With stock, what ends on the rim's feet is the flat top in the place of the base.
-    3 * outer + hole + stock.map_or(0, around::added)
+    3 * outer + hole + stock.map_or(0, border_facets::added_facets)
 }
 
 /// What a file of this precision keeps of a place: only +0.0, for it must not hold one place in two
@@ -186,7 +188,7 @@ fn wall(mesh: &mut TriMesh, upper: &[u32], lower: &[u32]) {
     }
 }
 
-/// How many edges there are around `face`, and around its hole.
+/// How many edges there are border_facets `face`, and border_facets its hole.
 ///
 /// # Errors
 /// [`SolidError::Rim`] when its rim is not of one loop or two.
@@ -221,7 +223,7 @@ fn rims(face: &TriMesh) -> Result<Rims, SolidError> {
         None => broken("it has no rim".into()),
         Some(_) if more > 0 => broken(format!("it has {} loops", more + 2)),
         Some(outer) if !(area(&outer) > 0.0) || hole.as_ref().is_some_and(|h| area(h) >= 0.0) => {
-            broken("its loops do not run around the face".into())
+            broken("its loops do not run border_facets the face".into())
         }
         Some(outer) => Ok(Rims { outer, hole }),
     }

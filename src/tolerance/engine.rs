@@ -9,7 +9,7 @@ use super::spread::{facets_displace, terraced};
 use super::work_counts::{WorkCounts, WorkKind};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{BicubicSpline, Mirror};
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use crate::num::{cos, sin};
 use crate::optics::{Camera, ImagingTask};
 use serde::Serialize;
@@ -60,7 +60,7 @@ pub struct PerturbedSystem {
     /// Radius of the disc over which facets displace pixels evenly, px.
     pub facets_px: f64,
     /// Where what differs from pixel to pixel comes from.
-    pub stream: Stream,
+    pub stream: RandomStream,
 }
 
 /// A system with its errors, adjustments and derivatives.
@@ -227,7 +227,7 @@ impl Engine {
     }
 
     /// The system that `values`, each in its source's unit, make; `stream` gives the patterns.
-    pub fn make(&self, values: &[(Perturbation, f64)], stream: Stream) -> PerturbedSystem {
+    pub fn make(&self, values: &[(Perturbation, f64)], stream: RandomStream) -> PerturbedSystem {
         let mut state = self.system.perfect::<f64>();
         let mut facets_px = 0.0;
         for &(kind, value) in values {
@@ -279,7 +279,7 @@ impl Engine {
 
     /// The errors of a trial, each in its source's unit.
     #[must_use]
-    pub fn draw(&self, sources: &[ErrorSource], stream: &Stream) -> Vec<(Perturbation, f64)> {
+    pub fn draw(&self, sources: &[ErrorSource], stream: &RandomStream) -> Vec<(Perturbation, f64)> {
         sources.iter().map(|source| (source.kind, source.draw(stream))).collect()
     }
 

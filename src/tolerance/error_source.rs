@@ -1,6 +1,6 @@
 //! Error sources: what can be off, in which unit, by how much and how likely.
 
-use crate::num::random::{Stream, normal_quantile, normal_share};
+use crate::num::random::{RandomStream, normal_cdf, normal_quantile};
 use crate::num::{exp, radians};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -204,7 +204,7 @@ impl Distribution {
             Self::Uniform => 2.0 * u - 1.0,
             Self::Normal => normal_quantile(u) / Self::SIGMAS,
             Self::Truncated => {
-                let tail = normal_share(-Self::SIGMAS);
+                let tail = normal_cdf(-Self::SIGMAS);
                 (normal_quantile(tail + (1.0 - 2.0 * tail) * u) / Self::SIGMAS).clamp(-1.0, 1.0)
             }
             Self::Fixed => 1.0,
@@ -220,7 +220,7 @@ impl Distribution {
             Self::Truncated => {
                 let a = Self::SIGMAS;
                 let density = exp(-0.5 * a * a) / (2.0 * PI).sqrt();
-                let inside = 1.0 - 2.0 * normal_share(-a);
+                let inside = 1.0 - 2.0 * normal_cdf(-a);
                 (1.0 - 2.0 * a * density / inside) / (a * a)
             }
             Self::Fixed => 1.0,
@@ -258,7 +258,7 @@ impl ErrorSource {
 
     /// Its error in a trial, in its own unit; of a texture its strength.
     #[must_use]
-    pub fn draw(&self, stream: &Stream) -> f64 {
+    pub fn draw(&self, stream: &RandomStream) -> f64 {
         let [u, _] = stream.pair(self.kind.stream(), 0);
         self.limit * self.distribution.quantile(u)
     }

@@ -192,7 +192,7 @@ pub fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::random::Stream;
+    use crate::num::random::RandomStream;
     use crate::tolerance::error_source::scallop_height;
 
     fn terms(measure: FormMeasure) -> Vec<(FormField, [f64; 2])> {
@@ -267,7 +267,7 @@ mod tests {
         let modes = slope_modes(length, 60.0);
         let (mut square, mut at_length) = (0.0, 0.0);
         for trial in 0..trials {
-            let stream = Stream { seed: 3, trial };
+            let stream = RandomStream { seed: 3, trial };
             let slope = |at: [f64; 2]| {
                 let mut sum = [0.0; 2];
                 for (m, (field, deviation)) in modes.iter().enumerate() {

@@ -7,7 +7,7 @@ use super::quadratic_yield_model::QuadraticYieldModel;
 use super::solve_for_target::solve_for_target;
 use super::trials::quantile;
 use super::work_counts::WorkKind;
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use serde::Serialize;
 
 /// A source at its limit, px after adjustment.
@@ -88,7 +88,7 @@ impl Engine {
     #[must_use]
     pub fn sensitivity(&self, source: &ErrorSource, seed: u64, limit: f64) -> Sensitivity {
         if source.kind.is_texture() {
-            let made = |trial| self.make(&[(source.kind, limit)], Stream { seed, trial });
+            let made = |trial| self.make(&[(source.kind, limit)], RandomStream { seed, trial });
             let made: Vec<_> = (0..PATTERNS).map(made).collect();
             let judged: Vec<_> =
                 self.displacements(&made).into_iter().map(|d| self.compensate(d)).collect();
@@ -102,7 +102,7 @@ impl Engine {
             let (before, after) = (mean(&|k| judged[k].0), mean(&|k| judged[k].1));
             return Sensitivity { before: [before; 2], after: [after; 2] };
         }
-        let stream = Stream { seed, trial: 0 };
+        let stream = RandomStream { seed, trial: 0 };
         let made = [-limit.abs(), limit.abs()];
         let made = made.map(|value| self.make(&[(source.kind, value)], stream));
         let judged: Vec<_> =
@@ -136,7 +136,7 @@ impl Engine {
         let room = (budget * budget - start * start).sqrt();
         let mut first = room / self.mean_square(&source.fixed(1.0)).sqrt();
         if !texture {
-            let made = self.make(&[(source.kind, 1.0)], Stream { seed, trial: 0 });
+            let made = self.make(&[(source.kind, 1.0)], RandomStream { seed, trial: 0 });
             let moved = self.linear_displacement(&made);
             let moved: Vec<f64> = moved.iter().zip(&self.base).map(|(a, b)| a - b).collect();
             first = first.min(FAR * budget / DisplacementPx::of(&moved).rms_px);

@@ -6,7 +6,7 @@ use super::model::{OpticalSystem, PLACED, PartPose, PerturbedState, PixelSample,
 use super::spread::{facets_displace, terraced};
 use super::work_counts::{WorkCounts, WorkKind};
 use crate::num::Dual;
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use crate::parallel;
 
 /// Columns between those of form errors and the map's: the waviness' two and the terraces'.
@@ -131,7 +131,7 @@ impl Engine {
         let values: Vec<(Perturbation, f64)> =
             fixed.map(|source| (source.kind, source.limit)).collect();
         // Nothing in it is drawn.
-        let made = self.make(&values, Stream { seed: 0, trial: 0 });
+        let made = self.make(&values, RandomStream { seed: 0, trial: 0 });
         let mut field = self.linear_displacement(&made);
         self.compensation.apply(&mut field);
         field

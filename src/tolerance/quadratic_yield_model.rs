@@ -6,7 +6,7 @@ use super::engine::{Engine, PerturbedSystem};
 use super::error_source::{ErrorSource, Perturbation};
 use super::trials::quantile;
 use super::work_counts::{WorkCounter, WorkKind};
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use crate::parallel;
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl QuadraticYieldModel {
         };
         let units: Vec<f64> = sources.iter().map(unit).collect();
         let form = |trial: usize| {
-            let stream = Stream { seed, trial: trial as u64 };
+            let stream = RandomStream { seed, trial: trial as u64 };
             let drawn = engine.draw(sources, &stream);
             // Columns and amplitudes of each source; what is independent from sample to sample has
             // none.

@@ -7,7 +7,7 @@ use super::error_source::Perturbation;
 use super::model::{PartPose, PixelSample};
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::max_or_nan;
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use crate::num::stats::{Summary, or_null};
 use crate::optics::reflect;
 use crate::parallel;
@@ -60,7 +60,7 @@ impl Engine {
     /// The errors of a trial, each in its source's unit.
     #[must_use]
     pub fn drawn(&self, seed: u64, index: u64) -> Vec<(Perturbation, f64)> {
-        self.draw(&self.spec.sources, &Stream { seed, trial: index })
+        self.draw(&self.spec.sources, &RandomStream { seed, trial: index })
     }
 
     /// The system of a trial without some of its errors; the others are as they are with them.
@@ -68,7 +68,7 @@ impl Engine {
     pub fn replayed(&self, seed: u64, index: u64, without: &[Perturbation]) -> PerturbedSystem {
         let mut values = self.drawn(seed, index);
         values.retain(|(kind, _)| !without.contains(kind));
-        self.make(&values, Stream { seed, trial: index })
+        self.make(&values, RandomStream { seed, trial: index })
     }
 
     /// Figures of a made system.

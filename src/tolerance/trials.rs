@@ -4,7 +4,7 @@ use super::compensate::{DisplacementPx, or_lost};
 use super::engine::{Engine, PerturbedSystem};
 use super::error_source::ErrorSource;
 use super::yields::Yield;
-use crate::num::random::Stream;
+use crate::num::random::RandomStream;
 use crate::parallel;
 use serde::Serialize;
 use std::ops::Range;
@@ -103,7 +103,7 @@ impl Engine {
     /// The system of trial `index`.
     #[must_use]
     pub fn trial(&self, sources: &[ErrorSource], seed: u64, index: u64) -> PerturbedSystem {
-        let stream = Stream { seed, trial: index };
+        let stream = RandomStream { seed, trial: index };
         self.make(&self.draw(sources, &stream), stream)
     }
 

@@ -43,7 +43,7 @@ impl Yield {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::random::Stream;
+    use crate::num::random::RandomStream;
 
     #[test]
     fn the_interval_covers_the_truth_in_95_of_100_runs() {
@@ -54,7 +54,7 @@ mod tests {
         {
             let run = |run: u64| {
                 let good = |t: &u64| {
-                    Stream { seed: 11 + k as u64, trial: *t }.pair(run as u32, 0)[0] < truth
+                    RandomStream { seed: 11 + k as u64, trial: *t }.pair(run as u32, 0)[0] < truth
                 };
                 let found = Yield::of((0..trials).filter(good).count() as u64, trials);
                 found.low <= truth && truth <= found.high

@@ -11,7 +11,7 @@ use super::ray_end::{Outcome, RayEnd, reflect_at_facet};
 use super::scene::Scene;
 use crate::geom::Ray;
 use crate::optics::Camera;
-use crate::parallel::{self, Scratch};
+use crate::parallel::{self, ScratchPool};
 use std::ops::Add;
 
 /// Side of the smallest squares of pixels whose reflected rays are proven unoccluded together; the
@@ -116,7 +116,7 @@ impl<'a> CameraTrace<'a> {
         each: impl Fn(usize, &[RayEnd], &mut [T]) + Sync,
     ) -> TraceCounts {
         let tracer = Tracer::new(self);
-        let scratch = Scratch::default();
+        let scratch = ScratchPool::default();
         let band = |number: usize, out: &mut [T], ends: &mut Vec<RayEnd>| {
             ends.resize(out.len(), RayEnd::MISSED);
             let counts = tracer.trace_band(number * BAND_ROWS, ends);

@@ -7,7 +7,7 @@ use super::scene::Scene;
 use super::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
-use crate::parallel::{self, Scratch};
+use crate::parallel::{self, ScratchPool};
 
 /// Rows of a band, which is resolved by one thread.
 pub const BAND_ROWS: usize = 32;
@@ -184,7 +184,7 @@ impl<'a> Rasterizer<'a> {
                 self.chunk(buffers, first, chunk, ray)
             }
         };
-        let scratch = Scratch::default();
+        let scratch = ScratchPool::default();
         parallel::map_slice(&chunks, 1, |chunk| scratch.with(|buffers| hits(buffers, chunk)))
     }
 

@@ -3,18 +3,18 @@
 //!
 //! Shadows are not looked for: where one panel of a valley hides the other, the photo shows its panel.
 
-mod cuts;
-mod finder;
-mod line;
-mod map;
+mod inverse_map;
+mod map_files;
+mod panel_crop;
 mod panorama;
-mod table;
+mod remap_table;
+mod row;
 
-pub use cuts::cuts;
-pub use finder::{Finder, Found, Search};
-pub use map::Map;
+pub use inverse_map::{ImageLocation, InverseMap, InverseSearch};
+pub use map_files::MapEncodingError;
+pub use panel_crop::crop_panels;
 pub use panorama::{Panorama, STEEPEST_DEG};
-pub use table::TableError;
+pub use remap_table::RemapTable;
 
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask};
@@ -23,7 +23,7 @@ use thiserror::Error;
 
 /// What a photo was taken through.
 #[derive(Debug, Clone, Copy)]
-pub struct Optics<'a> {
+pub struct ImagingSystem<'a> {
     /// The mirror.
     pub mirror: &'a Mirror,
     /// The camera.
@@ -75,7 +75,7 @@ pub enum UnwrapError {
     },
 }
 
-impl Optics<'_> {
+impl ImagingSystem<'_> {
     /// Pixels of the photo to one of the sensor, across and down.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! What a panorama shows: which direction each of its pixels looks in.
 
-use super::{Optics, UnwrapError};
+use super::{ImagingSystem, UnwrapError};
 use crate::num::{atan, cos, degrees, sin};
 use crate::optics::{Law, Projection};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
@@ -26,7 +26,7 @@ pub struct Panorama {
 }
 
 /// Azimuths and elevations that a mirror is meant to show.
-struct Range {
+struct PanoramaExtent {
     law: Law,
     left: f64,
     span: f64,
@@ -44,7 +44,7 @@ impl Panorama {
     /// # Errors
     /// [`UnwrapError`].
     pub fn new(
-        optics: &Optics,
+        optics: &ImagingSystem,
         photo: [usize; 2],
         law: Option<Law>,
         width: Option<usize>,
@@ -92,7 +92,11 @@ fn elevation_deg(law: &Law, z: f64) -> f64 {
     90.0 - 2.0 * degrees(atan(law.stereographic_radius(z)))
 }
 
-fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, UnwrapError> {
+fn range(
+    optics: &ImagingSystem,
+    law: Option<Law>,
+    px_per_mm: f64,
+) -> Result<PanoramaExtent, UnwrapError> {
     let camera = optics.camera;
     let own = match &optics.view.projection {
         Projection::Strip(strip) => {
@@ -102,7 +106,7 @@ fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, Unw
             let rows = [panel.min.y.max(-edge), panel.max.y.min(edge)];
             let panels = if optics.mirror.folded { 2.0 } else { 1.0 };
             let across = panels * panel.size().x;
-            Range {
+            PanoramaExtent {
                 law: strip.law.clone(),
                 left: strip.azimuth + panel.min.x / strip.scale_mm,
                 span: across / strip.scale_mm,
@@ -113,7 +117,7 @@ fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, Unw
         Projection::Radial { law, radius: [inner, outer] } => {
             // A law may have no value on the axis itself.
             let psi = [*outer, inner.max(1e-9 * outer)].map(|r| law.polar(r));
-            Range {
+            PanoramaExtent {
                 law: Law::Equirectangular,
                 left: -PI,
                 span: TAU,
@@ -130,5 +134,5 @@ fn range(optics: &Optics, law: Option<Law>, px_per_mm: f64) -> Result<Range, Unw
         return Err(UnwrapError::Steep { elevation_deg });
     }
     let z = kept.map(|e| law.image_of_degrees(e));
-    Ok(Range { law, z, ..own })
+    Ok(PanoramaExtent { law, z, ..own })
 }

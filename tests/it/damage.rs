@@ -2,7 +2,7 @@
 
 use crate::support::builds::{SMALL, command, files, folder, morion, parsed, save, told};
 use crate::support::small_but;
-use morion::internals::export::{Reread, read_obj, read_stl};
+use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::DVec3;
 use morion::internals::pipeline::{Observer, Silent, build, verify};
 use morion::internals::profile::Profile;
@@ -66,7 +66,7 @@ fn place(v: DVec3) -> String {
 }
 
 /// Facet of `read` that has a vertex well inside the optical face, and that vertex.
-fn inner(read: &Reread) -> (usize, DVec3) {
+fn inner(read: &ImportedMesh) -> (usize, DVec3) {
     let here = DVec3::new(3.0, 2.0, 5.0);
     let top = |v: DVec3| v.z > 0.0;
     let far = |v: DVec3| (v - here).truncate().length();

@@ -3,7 +3,7 @@
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::{small_but, small_strip};
 use morion::internals::design::{Design, design};
-use morion::internals::export::{Reread, read_obj, read_stl};
+use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3, TriMesh, angle};
 use morion::internals::pipeline::{Silent, build};
 use morion::internals::report::{BuildReport, Verdict, html};
@@ -29,11 +29,11 @@ impl Built {
         serde_json::from_slice(&self.files["report.json"]).unwrap()
     }
 
-    fn stl(&self) -> Reread {
+    fn stl(&self) -> ImportedMesh {
         read_stl(&self.files["mirror.stl"]).unwrap()
     }
 
-    fn obj(&self) -> Reread {
+    fn obj(&self) -> ImportedMesh {
         read_obj(&self.files["mirror.obj"]).unwrap()
     }
 

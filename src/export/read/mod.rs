@@ -11,7 +11,7 @@ use thiserror::Error;
 
 /// A mesh as a file holds it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reread {
+pub struct ImportedMesh {
     /// Facets; corners at the same place are joined.
     pub mesh: TriMesh,
     /// Unit normals at each facet's corners, if the file has any. Facets without normals of their
@@ -64,7 +64,7 @@ pub enum ReadError {
 ///
 /// # Errors
 /// [`ReadError`].
-pub fn read_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
+pub fn read_stl(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
     const HEAD: usize = 84;
     const FACET: usize = 50;
     // Facets that a thread reads at a time.
@@ -91,11 +91,11 @@ pub fn read_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
     let parts: Vec<_> = bytes[HEAD..].chunks(PART * FACET).enumerate().collect();
     let parts: Vec<Result<TriMesh, ReadError>> = parallel::map_slice(&parts, 1, part);
     let mesh = Welder::join(parts.into_iter().collect::<Result<_, _>>()?);
-    Ok(Reread { mesh: not_empty(mesh)?, normals: None })
+    Ok(ImportedMesh { mesh: not_empty(mesh)?, normals: None })
 }
 
 /// STL that begins like text; `stl_io` looks more closely.
-fn read_text_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
+fn read_text_stl(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
     let mut cursor = Cursor::new(bytes);
     let facets = stl_io::create_stl_reader(&mut cursor).map_err(ReadError::Stl)?;
     let mut welder = Welder::new(0);
@@ -104,14 +104,14 @@ fn read_text_stl(bytes: &[u8]) -> Result<Reread, ReadError> {
         let corners = facet.vertices.map(|v| DVec3::from_array(v.0.map(f64::from)));
         add_finite(&mut welder, index, corners)?;
     }
-    Ok(Reread { mesh: not_empty(welder.finish())?, normals: None })
+    Ok(ImportedMesh { mesh: not_empty(welder.finish())?, normals: None })
 }
 
 /// Reads OBJ, with normals where it has them.
 ///
 /// # Errors
 /// [`ReadError`].
-pub fn read_obj(bytes: &[u8]) -> Result<Reread, ReadError> {
+pub fn read_obj(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -136,7 +136,7 @@ pub fn read_obj(bytes: &[u8]) -> Result<Reread, ReadError> {
     let has_normals = normals.len() == 3 * facets;
     let triples = |n: &[DVec3]| [n[0], n[1], n[2]].map(DVec3::normalize_or_zero);
     let normals = has_normals.then(|| normals.chunks_exact(3).map(triples).collect());
-    Ok(Reread { mesh: not_empty(welder.finish())?, normals })
+    Ok(ImportedMesh { mesh: not_empty(welder.finish())?, normals })
 }
 
 fn add_finite(welder: &mut Welder, facet: usize, corners: [DVec3; 3]) -> Result<(), ReadError> {

@@ -1,6 +1,6 @@
 //! Reading 3MF: `zip` for the package, `quick-xml` for the model.
 
-use super::{ReadError, Reread, add_finite, not_empty};
+use super::{ImportedMesh, ReadError, add_finite, not_empty};
 use crate::geom::{DVec3, Welder};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -70,7 +70,7 @@ pub enum ThreeMfError {
 ///
 /// # Errors
 /// [`ReadError`].
-pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
+pub fn read_3mf(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
     let broken = |part: &str| {
         let part = part.to_owned();
         move |source| ThreeMfError::Zip { part, source }
@@ -114,8 +114,8 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
     let Some(welder) = Welder::reserved(vertices, facets) else {
         return Err(ReadError::Memory { vertices, facets });
     };
-    let mut placed = Placed { welder, count: 0 };
-    let to_mm = Place([
+    let mut placed = BuildMesh { welder, count: 0 };
+    let to_mm = Transform([
         [model.unit_mm, 0.0, 0.0],
         [0.0, model.unit_mm, 0.0],
         [0.0, 0.0, model.unit_mm],
@@ -124,7 +124,7 @@ pub fn read_3mf(bytes: &[u8]) -> Result<Reread, ReadError> {
     for item in &model.build {
         placed.add(&model, item, &to_mm)?;
     }
-    Ok(Reread { mesh: not_empty(placed.welder.finish())?, normals: None })
+    Ok(ImportedMesh { mesh: not_empty(placed.welder.finish())?, normals: None })
 }
 
 /// What the package says that its parts are: by their names, or by how these end.
@@ -167,7 +167,7 @@ fn elements(
     mut visit: impl FnMut(&BytesStart) -> Result<(), String>,
 ) -> Result<(), ThreeMfError> {
     let mut reader =
-        Reader::from_reader(BufReader::with_capacity(1 << 16, Short { part, since: 0 }));
+        Reader::from_reader(BufReader::with_capacity(1 << 16, BoundedReader { part, since: 0 }));
     let (mut buffer, mut open) = (Vec::new(), 0_usize);
     loop {
         let event = next(&mut reader, &mut buffer, name)?;
@@ -192,13 +192,13 @@ fn elements(
 }
 
 /// Ends where the text between two tags, or a tag, is so long that it would fill memory.
-struct Short<R> {
+struct BoundedReader<R> {
     part: R,
     /// Bytes since a tag ended.
     since: usize,
 }
 
-impl<R: Read> Read for Short<R> {
+impl<R: Read> Read for BoundedReader<R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let count = self.part.read(bytes)?;
         let last = bytes[..count].iter().rposition(|&byte| byte == b'>');
@@ -254,9 +254,9 @@ fn numbers<T: FromStr + Copy, const N: usize>(
 }
 
 /// An affine map of row vectors: three rows for the axes and one for the origin.
-struct Place([[f64; 3]; 4]);
+struct Transform([[f64; 3]; 4]);
 
-impl Place {
+impl Transform {
     /// From an attribute `transform` of twelve numbers.
     fn of(element: &BytesStart) -> Result<Self, String> {
         let Some(text) = attribute(element, "transform")? else {
@@ -290,35 +290,35 @@ impl Place {
 }
 
 /// An object somewhere.
-struct Item {
+struct BuildItem {
     object: u32,
-    place: Place,
+    place: Transform,
 }
 
-impl Item {
+impl BuildItem {
     fn of(element: &BytesStart) -> Result<Self, String> {
         if element.attributes().with_checks(false).flatten().any(|a| a.key.0.ends_with(":path")) {
             return Err("objects in other parts of the package are not read".to_owned());
         }
         let [object] = numbers(element, ["objectid"])?;
-        Ok(Self { object, place: Place::of(element)? })
+        Ok(Self { object, place: Transform::of(element)? })
     }
 }
 
 /// A mesh, or other objects.
 #[derive(Default)]
-struct Object {
+struct ModelObject {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    components: Vec<Item>,
+    components: Vec<BuildItem>,
 }
 
 /// The model part, as far as it matters here.
 struct Model {
     unit_mm: f64,
-    objects: BTreeMap<u32, Object>,
+    objects: BTreeMap<u32, ModelObject>,
     last: Option<u32>,
-    build: Vec<Item>,
+    build: Vec<BuildItem>,
     /// Objects, and places where they are put.
     parts: usize,
 }
@@ -343,20 +343,20 @@ impl Model {
                 few(object.triangles.len())
             }
             "component" => {
-                let item = Item::of(element)?;
+                let item = BuildItem::of(element)?;
                 self.object()?.components.push(item);
                 self.part()
             }
             "object" => {
                 let [id] = numbers(element, ["id"])?;
                 self.last = Some(id);
-                match self.objects.insert(id, Object::default()) {
+                match self.objects.insert(id, ModelObject::default()) {
                     Some(_) => Err(format!("object {id} is there twice")),
                     None => self.part(),
                 }
             }
             "item" => {
-                self.build.push(Item::of(element)?);
+                self.build.push(BuildItem::of(element)?);
                 self.part()
             }
             "model" => {
@@ -382,14 +382,14 @@ impl Model {
             .ok_or_else(|| format!("more than {MOST_PARTS} objects and places of them"))
     }
 
-    fn object(&mut self) -> Result<&mut Object, String> {
+    fn object(&mut self) -> Result<&mut ModelObject, String> {
         let last = self.last.and_then(|last| self.objects.get_mut(&last));
         last.ok_or_else(|| "it must stand in an object".to_owned())
     }
 
     /// How many vertices and facets the items have with all that they consist of; none if one is
     /// unknown, too deep, or they are too many.
-    fn size(&self, items: &[Item], depth: usize) -> Option<[usize; 2]> {
+    fn size(&self, items: &[BuildItem], depth: usize) -> Option<[usize; 2]> {
         items.iter().try_fold([0, 0], |sum: [usize; 2], item| {
             let object = self.objects.get(&item.object).filter(|_| depth < DEEPEST)?;
             let parts = self.size(&object.components, depth + 1)?;
@@ -416,15 +416,15 @@ fn few(count: usize) -> Result<(), String> {
 }
 
 /// The facets of the whole build.
-struct Placed {
+struct BuildMesh {
     welder: Welder,
     count: usize,
 }
 
-impl Placed {
-    fn add(&mut self, model: &Model, item: &Item, next: &Place) -> Result<(), ReadError> {
+impl BuildMesh {
+    fn add(&mut self, model: &Model, item: &BuildItem, next: &Transform) -> Result<(), ReadError> {
         let place = item.place.then(next);
-        let Object { vertices, triangles, components } = &model.objects[&item.object];
+        let ModelObject { vertices, triangles, components } = &model.objects[&item.object];
         let turned = place.reflects();
         for &triangle in triangles {
             let [a, b, c] = triangle.map(|v| {

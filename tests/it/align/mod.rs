@@ -12,7 +12,7 @@ use morion::internals::geom::{DVec3, TriMesh};
 /// the axis count only where the mirror shows them.
 fn left(part: &Part, pose: &Pose, found: &Alignment) -> [f64; 2] {
     let both = pose.then(&found.pose);
-    let mut turn = both.turn();
+    let mut turn = both.rotation_vector();
     if part.round() {
         turn.z = 0.0;
     }
@@ -73,7 +73,7 @@ fn what_a_round_mirror_does_not_show_is_said_and_left_alone() {
         assert!((free.direction - DVec3::Z).length() < 1e-9, "{free:?}");
         assert!(through.truncate().length() < 1e-9, "{free:?}");
         // Left as it was, up to what a tilt and back again cannot tell.
-        let twist = pose.then(&found.pose).turn().z;
+        let twist = pose.then(&found.pose).rotation_vector().z;
         assert!(twist.abs() < 0.05, "{}: {twist}", part.name);
     }
 }

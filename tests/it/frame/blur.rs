@@ -6,7 +6,7 @@ use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::{asin, cos, sin, tan};
 use morion::internals::optics::{reflect, stereographic};
-use morion::internals::pencil::{Pencil, Spot, over_sensor, quantiles};
+use morion::internals::pencil::{BlurEllipse, Pencil, map_pencils, quantiles};
 use serde_json::Value;
 use std::f64::consts::TAU;
 
@@ -231,7 +231,8 @@ fn mirrors_of_a_single_viewpoint_have_no_astigmatism() {
         let design = designed(&shipped(name));
         let Design { mirror, camera, view, .. } = &design;
         let [width, height] = camera.pixels;
-        let spots = over_sensor(mirror, camera, view.as_ref(), [0..width, 0..height], Spot::new);
+        let spots =
+            map_pencils(mirror, camera, view.as_ref(), [0..width, 0..height], BlurEllipse::new);
         let apart = spots.iter().flatten().map(|spot| {
             let [a, b] = spot.foci();
             (b - a) / b.abs().max(a.abs())
@@ -248,7 +249,7 @@ fn mirrors_of_a_single_viewpoint_have_no_astigmatism() {
         let image = DVec2::new(r, 0.0);
         let pencil = Pencil::new(&camera.chart, None, image, &quadric).unwrap();
         let behind = 0.5 * h * (1.0 + r * r / (h * h));
-        for phi in Spot::new(&pencil).foci() {
+        for phi in BlurEllipse::new(&pencil).foci() {
             let found = quadric.at.z - (camera.chart.plane_mm - phi);
             assert!((found - behind).abs() < 1e-7, "{r}: {found} {behind}");
         }
@@ -305,7 +306,7 @@ export.formats = [\"stl\"]
         );
         let Design { mirror, camera, .. } = &design;
         let [width, height] = camera.pixels;
-        let spots = over_sensor(mirror, camera, None, [0..width, 0..height], Spot::new);
+        let spots = map_pencils(mirror, camera, None, [0..width, 0..height], BlurEllipse::new);
         let centre = mirror.position(DVec2::ZERO, &mirror.surface.at(DVec2::ZERO)) - DVec3::Z * r;
         let mut compared = 0;
         for (k, spot) in spots.iter().enumerate() {

@@ -5,7 +5,7 @@ use morion::internals::design::Design;
 use morion::internals::geom::DVec2;
 use morion::internals::num::{cos, radians, sin, tan, tanh};
 use morion::internals::optics::Projection;
-use morion::internals::pencil::over_sensor;
+use morion::internals::pencil::map_pencils;
 use std::f64::consts::{PI, TAU};
 
 /// Solid angle of every pixel, sr, and the pixels' image points.
@@ -13,7 +13,7 @@ fn pixels(design: &Design) -> Vec<(DVec2, f64)> {
     let Design { mirror, camera, view, .. } = design;
     let [width, height] = camera.pixels;
     let area = camera.pixel_mm * camera.pixel_mm;
-    let found = over_sensor(mirror, camera, view.as_ref(), [0..width, 0..height], |pencil| {
+    let found = map_pencils(mirror, camera, view.as_ref(), [0..width, 0..height], |pencil| {
         pencil.solid_angle() * area
     });
     let point = |k: usize| {

@@ -5,7 +5,7 @@ use crate::support::{designed, profile, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, Precision, Ray};
 use morion::internals::mesh::{Limits, mesh};
-use morion::internals::num::random::Stream;
+use morion::internals::num::random::RandomStream;
 use morion::internals::optics::reflect;
 use morion::internals::profile::Profile;
 use morion::internals::tolerance::{
@@ -39,7 +39,7 @@ fn webcam() -> Profile {
 /// A texture alone, by the engine's means and by rays spread over each pixel: the principal point is
 /// shifted by parts of a pixel.
 fn means(engine: &Engine, value: (Perturbation, f64)) -> [Vec<f64>; 3] {
-    let stream = Stream { seed: 5, trial: 2 };
+    let stream = RandomStream { seed: 5, trial: 2 };
     let of = |engine: &Engine, values: &[(Perturbation, f64)]| {
         engine.displacements(&[engine.make(values, stream)]).remove(0)
     };
@@ -179,7 +179,7 @@ fn cusps_far_below_the_wavelength_scatter_and_turn_no_rays() {
 fn terraces_of_a_print_show_something_else() {
     let design = designed(&shipped("conquistador"));
     let engine = engine(&design, spec(vec![fixed(Perturbation::Layers, 50.0)], &[]));
-    let stream = Stream { seed: 1, trial: 0 };
+    let stream = RandomStream { seed: 1, trial: 0 };
     let made = engine.make(&[(Perturbation::Layers, 50.0)], stream);
     let linear = engine.linear_displacement(&made);
     assert!(square(&linear).sqrt() > 100.0);

@@ -6,14 +6,14 @@ use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::machining::{BallRaster, SurfaceAnalysis};
 use morion::internals::mirror::{BicubicSpline, Knots};
-use morion::internals::num::random::Stream;
+use morion::internals::num::random::RandomStream;
 use morion::internals::num::{cos, radians, sin};
 use morion::internals::optics::reflect;
 use morion::internals::tolerance::{
     Compensator, Engine, Perturbation, Process, ToleranceSpec, ripple_slope,
 };
 
-const STREAM: Stream = Stream { seed: 5, trial: 2 };
+const STREAM: RandomStream = RandomStream { seed: 5, trial: 2 };
 
 fn designs() -> Vec<(&'static str, Design)> {
     let names = ["conquistador", "conformal", "hyperbolic", "conical", "plane"];
@@ -202,7 +202,7 @@ fn textures_displace_by_their_rms_slope() {
     let rms = |kind: Perturbation, limit: f64| {
         let engine = engine(&design, spec(vec![fixed(kind, limit)], &[])).pointwise();
         let made: Vec<_> = (0..300)
-            .map(|trial| engine.make(&[(kind, limit)], Stream { seed: 1, trial }))
+            .map(|trial| engine.make(&[(kind, limit)], RandomStream { seed: 1, trial }))
             .collect();
         let all = engine.displacements(&made).concat();
         let rms = (all.iter().map(|x| x * x).sum::<f64>() / (0.5 * all.len() as f64)).sqrt();

@@ -3,13 +3,13 @@
 use super::{engine, fixed, spec, usual};
 use crate::support::builds::{SMALL, edited, folder, morion, save, told};
 use crate::support::{designed, shipped};
-use morion::internals::num::random::Stream;
+use morion::internals::num::random::RandomStream;
 use morion::internals::tolerance::{Engine, Perturbation, Process, WorkKind};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-const STREAM: Stream = Stream { seed: 3, trial: 1 };
+const STREAM: RandomStream = RandomStream { seed: 3, trial: 1 };
 
 fn worked(engine: &Engine, kind: WorkKind) -> [u64; 2] {
     let tally = engine.worked();

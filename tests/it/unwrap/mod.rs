@@ -12,7 +12,7 @@ use morion::internals::optics::{Law, reflect};
 use morion::internals::profile::Profile;
 use morion::internals::raster::Raster;
 use morion::internals::trace::{Outcome, Scene};
-use morion::internals::unwrap::{Finder, Map, Optics, Panorama, cuts};
+use morion::internals::unwrap::{ImagingSystem, InverseMap, Panorama, RemapTable, crop_panels};
 use std::f64::consts::{PI, TAU};
 
 /// Waves of the test world's colours around the horizon.
@@ -102,9 +102,9 @@ fn direct(world: &Raster, panorama: &Panorama) -> Raster {
     Raster { width, height, rgb: (0..width * height).map(pixel).collect() }
 }
 
-fn optics(design: &Design) -> Optics<'_> {
+fn optics(design: &Design) -> ImagingSystem<'_> {
     let view = design.view.as_ref().unwrap();
-    Optics { mirror: &design.mirror, camera: &design.camera, view }
+    ImagingSystem { mirror: &design.mirror, camera: &design.camera, view }
 }
 
 /// A shipped profile with half as many pixels along each side, and edits.
@@ -175,7 +175,7 @@ fn a_world_seen_through_the_mirror_and_unwrapped_is_its_direct_projection() {
         let photo = photo(&design, &world, 1);
         let size = [photo.width, photo.height];
         let panorama = Panorama::new(&optics(&design), size, None, None).unwrap();
-        let map = Map::new(&optics(&design), &panorama, size).unwrap();
+        let map = RemapTable::new(&optics(&design), &panorama, size).unwrap();
         let (found, exact) = (map.paint(&photo), direct(&world, &panorama));
         let off: Vec<f64> = (0..map.places.len())
             .filter(|k| inside(&design, map.places[*k]))
@@ -187,8 +187,8 @@ fn a_world_seen_through_the_mirror_and_unwrapped_is_its_direct_projection() {
         assert!(off.len() > map.places.len() / 2, "{}: {} pixels", profile.name, off.len());
         assert!(mean <= 0.02 && worst <= 0.3, "{}: {mean} {worst}", profile.name);
 
-        // The cuts alone have the design's own error, which the remap took away.
-        let Ok((found, panorama)) = cuts(&optics(&design), &photo) else { continue };
+        // The crop_panels alone have the design's own error, which the remap took away.
+        let Ok((found, panorama)) = crop_panels(&optics(&design), &photo) else { continue };
         assert_eq!([found.width, found.height], panorama.size);
         let exact = direct(&world, &panorama);
         let off: Vec<f64> = (found.rgb.iter().zip(&exact.rgb))
@@ -196,7 +196,7 @@ fn a_world_seen_through_the_mirror_and_unwrapped_is_its_direct_projection() {
             .map(|(a, b)| apart(&panorama, *a, *b))
             .collect();
         let mean = off.iter().sum::<f64>() / off.len() as f64;
-        println!("  cuts: mean {mean:.4} px; removed {:?}", map.distortion_px.unwrap());
+        println!("  crop_panels: mean {mean:.4} px; removed {:?}", map.distortion_px.unwrap());
         let rms = (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt();
         let design_rms = design.facts.pixel_error_px.unwrap().rms;
         assert!((rms - design_rms).abs() <= 0.1 * design_rms + 0.1, "{}: {rms}", profile.name);
@@ -211,7 +211,7 @@ fn the_map_is_the_inverse_of_the_ray_trace_and_misses_nothing() {
         let view = design.view.as_ref().unwrap();
         let sensor = design.camera.pixels.map(|n| n as usize);
         let panorama = Panorama::new(&optics(&design), sensor, None, None).unwrap();
-        let map = Map::new(&optics(&design), &panorama, sensor).unwrap();
+        let map = RemapTable::new(&optics(&design), &panorama, sensor).unwrap();
         let [width, height] = map.size;
         let z = |e: f64| panorama.law.image_of_degrees(degrees(e));
         // Where in the panorama the ray of a place belongs, pixels.
@@ -269,7 +269,7 @@ fn facets_move_content_by_no_more_than_their_bound() {
     let view = design.view.as_ref().unwrap();
     let scene = Scene::new(face.mesh);
     let panorama = Panorama::new(&optics(&design), [160, 120], None, None).unwrap();
-    let mut search = Finder::new(optics(&design)).search();
+    let mut search = InverseMap::new(optics(&design)).search();
     let (mut worst, mut count) = (0.0_f64, 0);
     for k in 0..320 * 60 {
         let sigma = panorama.sigma((k % 320) as f64 + 0.5, (k / 320) as f64 + 0.5);

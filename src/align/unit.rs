@@ -1,6 +1,6 @@
 //! Which unit a file is in: files of meshes seldom say.
 
-use super::target::Target;
+use super::reference_surface::ReferenceSurface;
 use crate::geom::{Border, DVec3, TriMesh};
 use crate::mirror::Mirror;
 
@@ -76,7 +76,7 @@ impl Unit {
 /// How large a part is, whatever its pose: the distance of nearly all of its surface from its middle,
 /// mm. The least is that of the mirror alone, the largest that of the part with all around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Size {
+pub struct SizeRange {
     least: f64,
     most: f64,
 }
@@ -88,11 +88,11 @@ const DENSER: f64 = 0.8;
 /// How far out of the range a size may be, as a factor.
 const OFF: f64 = 1.25;
 
-impl Size {
+impl SizeRange {
     /// Of a part of `mirror`, with `stock` around it.
     #[must_use]
     pub fn of(mirror: &Mirror, stock: Option<&Border>) -> Self {
-        let target = Target::new(mirror);
+        let reference = ReferenceSurface::new(mirror);
         let (mut reach, mut top) = (0.0_f64, 0.0_f64);
         for line in mirror.full_outline().samples(8) {
             let places: Vec<_> = line.iter().map(|s| s.0).collect();
@@ -105,7 +105,7 @@ impl Size {
         for corner in stock.iter().flat_map(|stock| stock.contour.polygon()) {
             reach = reach.max(corner.length());
         }
-        Self { least: DENSER * target.radius, most: crate::num::hypot(reach, 0.5 * top) }
+        Self { least: DENSER * reference.radius, most: crate::num::hypot(reach, 0.5 * top) }
     }
 
     /// The unit that makes `mesh` a part of this size, and whether one does; mm otherwise.
@@ -124,7 +124,7 @@ impl Size {
     /// How many times too large a mesh in millimetres is, if it is too large or too small (below 1): as a
     /// ratio of that unit to the millimetre where one explains it, else roughly.
     #[must_use]
-    pub fn excess(&self, mesh: &TriMesh) -> Option<(f64, Option<Unit>)> {
+    pub fn size_factor(&self, mesh: &TriMesh) -> Option<(f64, Option<Unit>)> {
         let size = size(&mesh.vertices);
         let off = |factor: f64| (factor * self.least / size).max(size / (factor * self.most));
         if !(size > 0.0 && off(1.0) > OFF) {
@@ -161,7 +161,7 @@ mod tests {
     fn units_are_told_by_size_and_none_where_none_suits() {
         let place = |k: u32| DVec3::new(f64::from(k % 61) - 30.0, f64::from(k / 61) - 22.0, 9.0);
         let vertices: Vec<DVec3> = (0..61 * 45).map(place).collect();
-        let known = Size { least: DENSER * 30.0, most: 38.0 };
+        let known = SizeRange { least: DENSER * 30.0, most: 38.0 };
         let scaled = |factor: f64| TriMesh {
             vertices: vertices.iter().map(|v| *v * factor).collect(),
             triangles: Vec::new(),
@@ -180,11 +180,11 @@ mod tests {
             assert_eq!(known.unit(&scaled(factor)), (Unit::Mm, false));
         }
         assert_eq!(known.unit(&TriMesh::default()), (Unit::Mm, false));
-        assert_eq!(known.excess(&scaled(1.0)), None);
+        assert_eq!(known.size_factor(&scaled(1.0)), None);
         for (factor, unit) in [(25.4, Unit::In), (1.0 / 25.4, Unit::In), (10.0, Unit::Cm)] {
-            assert_eq!(known.excess(&scaled(factor)), Some((factor, Some(unit))));
+            assert_eq!(known.size_factor(&scaled(factor)), Some((factor, Some(unit))));
         }
-        let (about, unit) = known.excess(&scaled(4.0)).unwrap();
+        let (about, unit) = known.size_factor(&scaled(4.0)).unwrap();
         assert!((about / 4.0 - 1.0).abs() < 0.3 && unit.is_none(), "{about}");
     }
 }

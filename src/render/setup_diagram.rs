@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use crate::parallel;
 
+use super::material::{Lighting, Material};
 use super::picture::{Canvas, Picture};
-use super::shade::{Lights, Matter};
-use super::turned::Turned;
-use super::views::Eye;
-use super::world::TestWorld;
+use super::shaded_views::DistantView;
+use super::solid_of_revolution::SolidOfRevolution;
+use super::test_world::TestWorld;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, sin};
 use crate::trace::Scene;
@@ -24,7 +24,7 @@ const FILL: f64 = 0.94;
 const THICK: f64 = 0.006;
 
 /// What there is to draw, part frame, mm.
-pub struct Setup<'a> {
+pub struct SetupDiagram<'a> {
     /// The part.
     pub scene: &'a Scene,
     /// Half sides of the image, which is drawn in the plane Z = `image_mm`.
@@ -39,12 +39,12 @@ pub struct Setup<'a> {
     pub rays: Vec<[DVec3; 3]>,
 }
 
-impl Setup<'_> {
+impl SetupDiagram<'_> {
     /// Draws it, the front half of the cylinder cut away; `shown` is the direction that an image point
     /// shows, if any.
     #[must_use]
     pub fn picture(&self, shown: impl Fn(DVec2) -> Option<DVec3> + Sync) -> Picture {
-        let eye = Eye::new(EYE_DEG);
+        let eye = DistantView::new(EYE_DEG);
         let world = TestWorld::new();
         let [lo, hi] = self.span(&eye);
         let [columns, rows] = PIXELS.map(f64::from);
@@ -77,9 +77,9 @@ impl Setup<'_> {
 
     fn light(
         &self,
-        lights: &Lights,
+        lights: &Lighting,
         ray: &Ray,
-        tubes: &[Turned],
+        tubes: &[SolidOfRevolution],
         painted: impl Fn(DVec3) -> [f32; 3],
         shown: impl Fn(DVec2) -> Option<DVec3>,
     ) -> [f32; 3] {
@@ -96,13 +96,17 @@ impl Setup<'_> {
         if let Some(hit) = self.scene.nearest_hit(ray).filter(|hit| hit.t < end) {
             let normal = self.scene.mesh().area_vector(hit.facet as usize).normalize_or(DVec3::Z);
             end = hit.t;
-            light = lights.shade(&Matter::new(0x9fb3c8, 0.35), normal, ray.direction, true);
+            light = lights.shade(&Material::new(0x9fb3c8, 0.35), normal, ray.direction, true);
         }
         for tube in tubes {
-            if let Some(contact) = tube.meet(ray, end) {
+            if let Some(contact) = tube.intersect(ray, end) {
                 end = contact.t;
-                light =
-                    lights.shade(&Matter::new(0xd03a20, 0.2), contact.normal, ray.direction, true);
+                light = lights.shade(
+                    &Material::new(0xd03a20, 0.2),
+                    contact.normal,
+                    ray.direction,
+                    true,
+                );
             }
         }
         light
@@ -122,12 +126,12 @@ impl Setup<'_> {
         inside.then(|| (t, (at - DVec3::Z * horizon).normalize()))
     }
 
-    fn tubes(&self) -> Vec<Turned> {
+    fn tubes(&self) -> Vec<SolidOfRevolution> {
         let thick = THICK * self.radius_mm;
         let tube = |from: DVec3, to: DVec3| {
             let length = (to - from).length();
             let outline = vec![vec![[thick, 0.0], [thick, length]]];
-            (length > 0.0).then(|| Turned::new(from, (to - from) / length, &outline))
+            (length > 0.0).then(|| SolidOfRevolution::new(from, (to - from) / length, &outline))
         };
         let both =
             |[image, mirror, wall]: &[DVec3; 3]| [tube(*image, *mirror), tube(*mirror, *wall)];
@@ -135,7 +139,7 @@ impl Setup<'_> {
     }
 
     /// The corner points of all that the eye sees.
-    fn span(&self, eye: &Eye) -> [DVec2; 2] {
+    fn span(&self, eye: &DistantView) -> [DVec2; 2] {
         let mut points = Vec::new();
         for k in 0..=64 {
             let angle = PI * f64::from(k) / 64.0;
@@ -159,9 +163,9 @@ mod tests {
     use super::*;
     use crate::geom::TriMesh;
 
-    fn setup(scene: &Scene) -> Setup<'_> {
+    fn setup(scene: &Scene) -> SetupDiagram<'_> {
         let rays = vec![[DVec3::new(0.0, 0.0, 30.0), DVec3::ZERO, DVec3::new(0.0, 20.0, 0.0)]];
-        Setup {
+        SetupDiagram {
             scene,
             half_mm: DVec2::new(5.0, 2.0),
             image_mm: 30.0,
@@ -175,7 +179,7 @@ mod tests {
     fn the_wall_is_met_inside_and_behind_the_axis() {
         let scene = Scene::new(TriMesh::default());
         let setup = setup(&scene);
-        let eye = Eye::new(EYE_DEG);
+        let eye = DistantView::new(EYE_DEG);
         let back = -eye.towards.truncate().normalize() * 20.0;
         for z in [-7.9, 0.0, 8.9] {
             let at = back.extend(z);

@@ -6,7 +6,7 @@ use crate::num::exp;
 
 /// The mirror's place on the camera's ray through some point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foot {
+pub struct ProjectedPoint {
     /// Where it is, mm.
     pub at: DVec3,
     /// The mirror's unit normal there, towards the camera.
@@ -15,7 +15,7 @@ pub struct Foot {
     pub up: DVec3,
 }
 
-impl Foot {
+impl ProjectedPoint {
     fn new(mirror: &Mirror, q: DVec2, point: &HeightAndSlope) -> Self {
         let at = mirror.position(q, point);
         let view = DVec2::from_array(mirror.chart.view(at.to_array()));
@@ -37,10 +37,10 @@ const STEPS: usize = 48;
 
 /// A mirror, its measures, and a table of it for when speed matters more than digits.
 #[derive(Debug, Clone)]
-pub struct Target<'a> {
+pub struct ReferenceSurface<'a> {
     mirror: &'a Mirror,
     outline: Outline,
-    table: Vec<Foot>,
+    table: Vec<ProjectedPoint>,
     /// Area of the surface, mm^2.
     pub area: f64,
     /// Centre of that area, mm.
@@ -53,7 +53,7 @@ pub struct Target<'a> {
     pub width: f64,
 }
 
-impl<'a> Target<'a> {
+impl<'a> ReferenceSurface<'a> {
     /// Measures `mirror` and tabulates it.
     #[must_use]
     pub fn new(mirror: &'a Mirror) -> Self {
@@ -65,7 +65,7 @@ impl<'a> Target<'a> {
         for line in outline.samples(STEPS) {
             let places: Vec<DVec2> = line.iter().map(|s| s.0).collect();
             for (point, (q, weight)) in mirror.eval_many(&places).iter().zip(line) {
-                let foot = Foot::new(mirror, q, point);
+                let foot = ProjectedPoint::new(mirror, q, point);
                 let area = weight * exp(-2.0 * k * point.f) / foot.normal.dot(foot.up);
                 pieces.push((foot.at, area));
             }
@@ -74,7 +74,8 @@ impl<'a> Target<'a> {
         let centre = pieces.iter().map(|p| p.0 * p.1).sum::<DVec3>() / area;
         let square = |p: &(DVec3, f64)| p.1 * (p.0 - centre).length_squared();
         let gyration = (pieces.iter().map(square).sum::<f64>() / area).sqrt();
-        let radius = reach(pieces.into_iter().map(|(at, w)| ((at - centre).length(), w)).collect());
+        let radius =
+            percentile_95(pieces.into_iter().map(|(at, w)| ((at - centre).length(), w)).collect());
         let width = outline.bounds().size().max_element();
         let table = table(mirror, outline);
         Self { mirror, outline, table, area, centre, gyration, radius, width }
@@ -83,14 +84,14 @@ impl<'a> Target<'a> {
     /// The mirror under `p`, to all digits; none outside the outline or closer than `margin` mm to
     /// its rim or to a fold.
     #[must_use]
-    pub fn foot(&self, p: DVec3, margin: f64) -> Option<Foot> {
+    pub fn project(&self, p: DVec3, margin: f64) -> Option<ProjectedPoint> {
         let q = self.inside(p, margin)?;
-        Some(Foot::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
+        Some(ProjectedPoint::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
     }
 
     /// [`Target::foot`] by the table: to some thousandth of the width.
     #[must_use]
-    pub fn roughly(&self, p: DVec3) -> Option<Foot> {
+    pub fn project_approximately(&self, p: DVec3) -> Option<ProjectedPoint> {
         let q = self.inside(p, 0.0)?;
         let bounds = self.outline.bounds();
         let u = (q - bounds.min) / bounds.size() * (NODES - 1) as f64;
@@ -98,12 +99,12 @@ impl<'a> Target<'a> {
         let cell = u.floor().clamp(DVec2::ZERO, DVec2::splat(last));
         let t = u - cell;
         let first = cell.y as usize * NODES + cell.x as usize;
-        let mix = |pick: fn(&Foot) -> DVec3| {
+        let mix = |pick: fn(&ProjectedPoint) -> DVec3| {
             let at = |k: usize| pick(&self.table[first + k]);
             at(0).lerp(at(1), t.x).lerp(at(NODES).lerp(at(NODES + 1), t.x), t.y)
         };
         let normal = mix(|foot| foot.normal).normalize();
-        Some(Foot { at: mix(|foot| foot.at), normal, up: mix(|foot| foot.up) })
+        Some(ProjectedPoint { at: mix(|foot| foot.at), normal, up: mix(|foot| foot.up) })
     }
 
     fn inside(&self, p: DVec3, margin: f64) -> Option<DVec2> {
@@ -124,7 +125,7 @@ impl<'a> Target<'a> {
 }
 
 /// The distance that 95 % of the weight do not exceed.
-pub fn reach(mut distances: Vec<(f64, f64)>) -> f64 {
+pub fn percentile_95(mut distances: Vec<(f64, f64)>) -> f64 {
     distances.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = distances.iter().map(|d| d.1).sum();
     let mut sum = 0.0;
@@ -137,7 +138,7 @@ pub fn reach(mut distances: Vec<(f64, f64)>) -> f64 {
 
 /// The mirror over an even grid around its outline; beyond the rim it goes on straight, so that
 /// what is mixed near the rim is sound.
-fn table(mirror: &Mirror, outline: Outline) -> Vec<Foot> {
+fn table(mirror: &Mirror, outline: Outline) -> Vec<ProjectedPoint> {
     let bounds = outline.bounds();
     let step = bounds.size() / (NODES - 1) as f64;
     let node = |k: usize| {
@@ -151,7 +152,7 @@ fn table(mirror: &Mirror, outline: Outline) -> Vec<Foot> {
         };
         let mut point = mirror.row(rim.y).at(rim.x);
         point.f += point.slope.dot(q - rim);
-        Foot::new(mirror, q, &point)
+        ProjectedPoint::new(mirror, q, &point)
     };
     (0..NODES * NODES).map(node).collect()
 }

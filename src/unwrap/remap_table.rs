@@ -1,8 +1,8 @@
 //! The table of where each pixel of a panorama is in the photo, and what it makes of one.
 
-use super::cuts::{Piece, pieces};
-use super::line::line;
-use super::{Finder, Found, Optics, Panorama, UnwrapError};
+use super::panel_crop::{PanelCrop, panel_crops};
+use super::row::locate_row;
+use super::{ImageLocation, ImagingSystem, InverseMap, Panorama, UnwrapError};
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::raster::Raster;
@@ -14,7 +14,7 @@ const JUMP: f32 = 0.05;
 
 /// For each pixel of a panorama the place of the photo that shows what belongs there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Map {
+pub struct RemapTable {
     /// Pixels of the panorama across and down.
     pub size: [usize; 2],
     /// Pixels of the photo across and down.
@@ -27,31 +27,32 @@ pub struct Map {
     pub distortion_px: Option<Summary>,
     /// What of the photo to look at: each panel by itself, lest light of another or from beside the
     /// mirror bleeds in; the designed one first.
-    pieces: Vec<Piece>,
+    pieces: Vec<PanelCrop>,
 }
 
-impl Map {
+impl RemapTable {
     /// The table of `panorama` for photos of `photo` pixels. Every row is found by itself, so that
     /// its bits do not depend on the number of threads.
     ///
     /// # Errors
     /// [`UnwrapError::Aspect`].
     pub fn new(
-        optics: &Optics,
+        optics: &ImagingSystem,
         panorama: &Panorama,
         photo: [usize; 2],
     ) -> Result<Self, UnwrapError> {
         let scale = optics.scale(photo)?;
-        let finder = Finder::new(*optics);
-        let all = || vec![Piece { columns: 0..photo[0], rows: 0..photo[1] }];
+        let finder = InverseMap::new(*optics);
+        let all = || vec![PanelCrop { columns: 0..photo[0], rows: 0..photo[1] }];
         // A given mirror's sides may be curved in the picture.
         let straight = optics.mirror.chart == optics.camera.chart;
-        let pieces = if straight { pieces(optics, photo).unwrap_or_else(|_| all()) } else { all() };
+        let pieces =
+            if straight { panel_crops(optics, photo).unwrap_or_else(|_| all()) } else { all() };
         let [width, height] = panorama.size;
         let row = |y: usize| {
             let sigma = |x: usize| panorama.sigma(x as f64 + 0.5, y as f64 + 0.5);
-            let found = line(&mut finder.search(), width, optics.camera.pixel_mm, sigma);
-            let place = |found: Option<Found>| {
+            let found = locate_row(&mut finder.search(), width, optics.camera.pixel_mm, sigma);
+            let place = |found: Option<ImageLocation>| {
                 let Some(found) = found else { return ([f32::NAN; 2], None) };
                 let pixel = optics.pixel(found.image);
                 let off = (found.image - found.intended).length() / optics.camera.pixel_mm;
@@ -85,9 +86,9 @@ impl Map {
     #[must_use]
     pub fn paint(&self, photo: &Raster) -> Raster {
         assert_eq!([photo.width, photo.height], self.photo, "the size that the map is for");
-        let panels: Vec<Raster> = self.pieces.iter().map(|piece| piece.of(photo)).collect();
+        let panels: Vec<Raster> = self.pieces.iter().map(|piece| piece.crop(photo)).collect();
         let light = |[x, y]: [f32; 2], panel: usize| {
-            let Piece { columns, rows } = &self.pieces[panel];
+            let PanelCrop { columns, rows } = &self.pieces[panel];
             let (x, y) = (f64::from(x) - columns.start as f64, f64::from(y) - rows.start as f64);
             panels[panel].sample(x, y, false)
         };

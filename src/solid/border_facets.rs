@@ -5,7 +5,7 @@ use crate::geom::{Border, DVec2, Drilled, Land, Precision, TriMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// A hole's loops at its upper end and in the base, counter-clockwise from above.
-type Bore = [Vec<u32>; 2];
+type HoleLoops = [Vec<u32>; 2];
 
 /// The flat land within the loop `hole`, around its own holes, which are open below.
 ///
@@ -16,10 +16,10 @@ pub fn land(
     hole: &[u32],
     land: &Land,
     precision: Precision,
-) -> Result<Vec<Bore>, SolidError> {
-    let bores = bores(mesh, &land.holes, land.z_mm);
+) -> Result<Vec<HoleLoops>, SolidError> {
+    let bores = hole_loops(mesh, &land.holes, land.z_mm);
     let inner: Vec<&[u32]> = bores.iter().map(|bore| &bore[0][..]).collect();
-    let flat = between(mesh, hole, &inner, precision)?;
+    let flat = triangulate_between(mesh, hole, &inner, precision)?;
     mesh.triangles.extend(flat);
     Ok(bores)
 }
@@ -34,19 +34,19 @@ pub fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
     stock: &Border,
-    of_land: Vec<Bore>,
+    of_land: Vec<HoleLoops>,
     precision: Precision,
 ) -> Result<(), SolidError> {
     let top = stock.top_mm;
-    let side = both(mesh, &stock.contour.polygon(), top);
-    let mut holes = bores(mesh, &stock.holes, top);
+    let side = loop_pair(mesh, &stock.contour.polygon(), top);
+    let mut holes = hole_loops(mesh, &stock.holes, top);
     let marks: Vec<Vec<u32>> =
         stock.marks.iter().map(|mark| put(mesh, &mark.polygon(mark.at), top)).collect();
 
     let upper = holes.iter().map(|hole| &hole[0][..]);
     let inner: Vec<&[u32]> =
         std::iter::once(feet).chain(upper).chain(marks.iter().map(Vec::as_slice)).collect();
-    let flat = between(mesh, &side[0], &inner, precision)?;
+    let flat = triangulate_between(mesh, &side[0], &inner, precision)?;
     mesh.triangles.extend(flat);
     for (mark, rim) in stock.marks.iter().zip(&marks) {
         let tip = put(mesh, &[mark.at], top - mark.radius())[0];
@@ -59,14 +59,14 @@ pub fn close(
     }
     wall(mesh, &side[0], &side[1]);
     let lower: Vec<&[u32]> = holes.iter().map(|hole| &hole[1][..]).collect();
-    let base = between(mesh, &side[1], &lower, precision)?;
+    let base = triangulate_between(mesh, &side[1], &lower, precision)?;
     mesh.triangles.extend(base.into_iter().map(|[a, b, c]| [a, c, b]));
     Ok(())
 }
 
 /// How many facets [`close`] and [`land`] add, but for the one at each of the feet and at each edge
 /// of the land.
-pub fn added(stock: &Border) -> usize {
+pub fn added_facets(stock: &Border) -> usize {
     let corners = |list: &[Drilled]| -> usize {
         list.iter().map(|round| round.polygon(DVec2::ZERO).len()).sum()
     };
@@ -83,17 +83,17 @@ pub fn added(stock: &Border) -> usize {
     flat + base + marks + 2 * holes + 2 * side + land
 }
 
-fn bores(mesh: &mut TriMesh, holes: &[Drilled], top: f64) -> Vec<Bore> {
-    holes.iter().map(|hole| both(mesh, &hole.polygon(hole.at), top)).collect()
+fn hole_loops(mesh: &mut TriMesh, holes: &[Drilled], top: f64) -> Vec<HoleLoops> {
+    holes.iter().map(|hole| loop_pair(mesh, &hole.polygon(hole.at), top)).collect()
 }
 
 /// The polygon at the height of the top and in the base.
-fn both(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> Bore {
+fn loop_pair(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> HoleLoops {
     [top, 0.0].map(|z| put(mesh, polygon, z))
 }
 
 /// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
-fn between(
+fn triangulate_between(
     mesh: &TriMesh,
     outer: &[u32],
     inner: &[&[u32]],

@@ -10,13 +10,13 @@ const STEPS: usize = 64;
 type Node = [f64; 4];
 
 /// Tables of the arc tangent and the arc sine, good to 3e-8 rad: a ten-thousandth of a pixel.
-pub struct Angles {
+pub struct AngleTables {
     atan: [Node; STEPS + 1],
     /// Up to 45 degrees.
     asin: [Node; STEPS * 3 / 4],
 }
 
-impl Angles {
+impl AngleTables {
     /// Fills the tables.
     #[must_use]
     pub fn new() -> Self {
@@ -39,12 +39,12 @@ impl Angles {
     /// Angle of the point (x, y) from the positive x axis, in [-pi, pi]; 0 at the origin.
     #[inline]
     #[must_use]
-    pub fn turn(&self, y: f64, x: f64) -> f64 {
+    pub fn atan2(&self, y: f64, x: f64) -> f64 {
         let (run, rise) = (x.abs(), y.abs());
         let steep = rise > run;
         let (low, high) = if steep { (run, rise) } else { (rise, run) };
         let ratio = low / (high + f64::MIN_POSITIVE);
-        let mut angle = look_up(&self.atan, ratio);
+        let mut angle = interpolate(&self.atan, ratio);
         if steep {
             angle = FRAC_PI_2 - angle;
         }
@@ -58,20 +58,20 @@ impl Angles {
     /// `run` >= 0.
     #[inline]
     #[must_use]
-    pub fn climb(&self, rise: f64, run: f64) -> f64 {
+    pub fn elevation(&self, rise: f64, run: f64) -> f64 {
         let height = rise.abs();
         let angle = if height <= run {
-            look_up(&self.asin, height)
+            interpolate(&self.asin, height)
         } else {
-            FRAC_PI_2 - look_up(&self.asin, run)
+            FRAC_PI_2 - interpolate(&self.asin, run)
         };
         if rise < 0.0 { -angle } else { angle }
     }
 }
 
 #[inline]
-fn look_up(table: &[Node], argument: f64) -> f64 {
-    let (index, whole) = nearest(argument * STEPS as f64);
+fn interpolate(table: &[Node], argument: f64) -> f64 {
+    let (index, whole) = round_to_integer(argument * STEPS as f64);
     let d = argument - whole / STEPS as f64;
     let [a, b, c, e] = table[(index as usize).min(table.len() - 1)];
     a + d * (b + d * (c + d * e))
@@ -80,7 +80,7 @@ fn look_up(table: &[Node], argument: f64) -> f64 {
 /// The integer nearest to `x`, ties to even, twice; for |x| < 2^31.
 #[inline]
 #[must_use]
-pub fn nearest(x: f64) -> (i32, f64) {
+pub fn round_to_integer(x: f64) -> (i32, f64) {
     // The sum's last place is 1, so the addition rounds, and leaves the integer in the low bits:
     // without SSE4 `round` is a call, and a saturating cast is slow as well.
     const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
@@ -94,13 +94,13 @@ mod tests {
 
     #[test]
     fn angles_agree_with_num_all_around() {
-        let angles = Angles::new();
+        let angles = AngleTables::new();
         let mut worst: f64 = 0.0;
         for k in -20_000..=20_000 {
             let a = PI * f64::from(k) / 20_000.0;
             let (y, x) = (num::sin(a), num::cos(a));
-            worst = worst.max((angles.turn(3.0 * y, 3.0 * x) - num::atan2(y, x)).abs());
-            worst = worst.max((angles.climb(y, x.abs()) - num::atan2(y, x.abs())).abs());
+            worst = worst.max((angles.atan2(3.0 * y, 3.0 * x) - num::atan2(y, x)).abs());
+            worst = worst.max((angles.elevation(y, x.abs()) - num::atan2(y, x.abs())).abs());
         }
         assert!(worst < 3e-8, "{worst}");
         assert!(worst > 0.0);

@@ -1,7 +1,7 @@
 //! Where in the picture a direction is seen: the inverse of the real mirror's map from image points
 //! to the world, by Newton's method from where the projection puts it.
 
-use super::Optics;
+use super::ImagingSystem;
 use crate::geom::{DVec2, Outline, Rect};
 use crate::num::Dual;
 use crate::optics::Projection;
@@ -19,8 +19,8 @@ const BEYOND: f64 = 0.1;
 
 /// Finds directions in the picture that a mirror gives.
 #[derive(Debug, Clone, Copy)]
-pub struct Finder<'a> {
-    optics: Optics<'a>,
+pub struct InverseMap<'a> {
+    optics: ImagingSystem<'a>,
     /// The designed panel and what is near it.
     reach: Rect,
     close_mm: f64,
@@ -28,7 +28,7 @@ pub struct Finder<'a> {
 
 /// Where a direction is, in mm on the camera's reference plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
+pub struct ImageLocation {
     /// Where the mirror shows it.
     pub image: DVec2,
     /// Where the projection would have it.
@@ -37,25 +37,25 @@ pub struct Found {
 
 /// A series of searches for directions near to each other, each with the last one's help.
 #[derive(Debug, Clone)]
-pub struct Search<'a> {
-    finder: Finder<'a>,
+pub struct InverseSearch<'a> {
+    finder: InverseMap<'a>,
     /// Of the designed panel and of the reflected one.
-    known: [Option<Known>; 2],
+    known: [Option<LastSolution>; 2],
 }
 
 /// What the last place told.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct LastSolution {
     /// From the intended place to the place on the mirror.
     offset: DVec2,
     /// Derivatives of the place on the mirror by the intended one.
     follows: DMat2,
 }
 
-impl<'a> Finder<'a> {
+impl<'a> InverseMap<'a> {
     /// In the picture of `optics`.
     #[must_use]
-    pub fn new(optics: Optics<'a>) -> Self {
+    pub fn new(optics: ImagingSystem<'a>) -> Self {
         let panel = optics.mirror.outline.bounds();
         let slack = BEYOND * panel.size();
         let reach = Rect { min: panel.min - slack, max: panel.max + slack };
@@ -64,14 +64,14 @@ impl<'a> Finder<'a> {
 
     /// A new series.
     #[must_use]
-    pub fn search(&self) -> Search<'a> {
-        Search { finder: *self, known: [None; 2] }
+    pub fn search(&self) -> InverseSearch<'a> {
+        InverseSearch { finder: *self, known: [None; 2] }
     }
 
     /// Where the content of the mirror's place `at` belongs (on the designed panel), nearest to
     /// `near` in azimuth.
     fn content(&self, at: DVec2, near: DVec2) -> DVec2 {
-        let Optics { mirror, camera, view } = self.optics;
+        let ImagingSystem { mirror, camera, view } = self.optics;
         let point = mirror.surface.at(at);
         let place = mirror.position(at, &point).to_array();
         let slope = mirror.slope(at, &point).to_array();
@@ -80,7 +80,7 @@ impl<'a> Finder<'a> {
 
     /// The derivatives of [`Finder::content`], inverted.
     fn follows(&self, at: DVec2, near: DVec2) -> DMat2 {
-        let Optics { mirror, camera, view } = self.optics;
+        let ImagingSystem { mirror, camera, view } = self.optics;
         let point = mirror.surface.at(at);
         let bend = mirror.surface.hessian(at);
         let (q, slope) = (at.to_array(), point.slope.to_array());
@@ -95,7 +95,7 @@ impl<'a> Finder<'a> {
     }
 
     /// The place of the designed panel (or near it) whose content belongs to `intended`.
-    fn settle(&self, intended: DVec2, known: &mut Option<Known>) -> Option<DVec2> {
+    fn solve(&self, intended: DVec2, known: &mut Option<LastSolution>) -> Option<DVec2> {
         let mut at = intended + known.map_or(DVec2::ZERO, |known| known.offset);
         let mut borrowed = known.take().map(|known| known.follows);
         for step in 0..MOST_STEPS {
@@ -109,7 +109,7 @@ impl<'a> Finder<'a> {
                 return None;
             }
             if step.length() <= self.close_mm {
-                *known = Some(Known { offset: at - intended, follows });
+                *known = Some(LastSolution { offset: at - intended, follows });
                 return Some(at);
             }
         }
@@ -117,12 +117,12 @@ impl<'a> Finder<'a> {
     }
 }
 
-impl Search<'_> {
+impl InverseSearch<'_> {
     /// Where the direction `sigma` (stereographic, from the target's origin) is seen; none where
     /// neither the mirror nor the sensor has it.
     #[must_use]
-    pub fn find(&mut self, sigma: [f64; 2]) -> Option<Found> {
-        let Optics { mirror, camera, view } = self.finder.optics;
+    pub fn find(&mut self, sigma: [f64; 2]) -> Option<ImageLocation> {
+        let ImagingSystem { mirror, camera, view } = self.finder.optics;
         let centre = mirror.outline.bounds().centre();
         let turn = match (&view.projection, mirror.outline) {
             (Projection::Strip(strip), Outline::Rect(_)) => TAU * strip.scale_mm,
@@ -141,14 +141,14 @@ impl Search<'_> {
                 if !self.finder.reach.contains(intended) {
                     continue;
                 }
-                let found = self.finder.settle(intended, &mut self.known[panel]);
+                let found = self.finder.solve(intended, &mut self.known[panel]);
                 let Some(at) = found.filter(|at| mirror.outline.contains(*at)) else { continue };
                 let on = mirror.position(at, &mirror.surface.at(at));
                 let image = camera.chart.coordinates(on).0 * flip;
                 let pixel = self.finder.optics.pixel(image);
                 let seen = |k: usize| (0.0..=f64::from(camera.pixels[k])).contains(&pixel[k]);
                 if seen(0) && seen(1) {
-                    return Some(Found { image, intended: intended * flip });
+                    return Some(ImageLocation { image, intended: intended * flip });
                 }
             }
         }

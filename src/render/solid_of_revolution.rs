@@ -13,11 +13,11 @@ const GRAZE: f64 = 1e-14;
 
 /// The outline of a turned solid, from its foot to its top: runs of points (radius, height). A run is
 /// a smooth curve through its points; between runs there are edges.
-pub type Outline = Vec<Vec<[f64; 2]>>;
+pub type Generatrix = Vec<Vec<[f64; 2]>>;
 
 /// The side of a turned solid between two heights: a cone, a cylinder or a flat ring.
 #[derive(Debug, Clone, Copy)]
-struct Band {
+struct Frustum {
     /// Radius and height at the lower end.
     from: DVec2,
     /// At the upper end.
@@ -28,38 +28,38 @@ struct Band {
 
 /// A solid of revolution about any axis.
 #[derive(Debug, Clone)]
-pub struct Turned {
+pub struct SolidOfRevolution {
     foot: DVec3,
     /// Two vectors across the axis, and the axis.
     frame: DMat3,
-    bands: Vec<Band>,
+    bands: Vec<Frustum>,
     /// Largest radius.
     radius: f64,
 }
 
 /// Where a ray meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct SurfaceHit {
     /// Distance along the ray.
     pub t: f64,
     /// The surface's outward unit normal.
     pub normal: DVec3,
 }
 
-impl Turned {
+impl SolidOfRevolution {
     /// Turns `outline` about the line from `foot` along the unit vector `axis`.
     #[must_use]
-    pub fn new(foot: DVec3, axis: DVec3, outline: &Outline) -> Self {
+    pub fn new(foot: DVec3, axis: DVec3, outline: &Generatrix) -> Self {
         let across = axis.any_orthonormal_vector();
         let frame = DMat3::from_cols(across, axis.cross(across), axis);
-        let bands: Vec<Band> = outline.iter().flat_map(|run| bands(run)).collect();
+        let bands: Vec<Frustum> = outline.iter().flat_map(|run| bands(run)).collect();
         let radius = bands.iter().map(|band| band.from.x.max(band.to.x)).fold(0.0, f64::max);
         Self { foot, frame, bands, radius }
     }
 
     /// A sphere around it: centre and radius.
     #[must_use]
-    pub fn ball(&self) -> (DVec3, f64) {
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
         let heights = self.bands.iter().flat_map(|band| [band.from.y, band.to.y]);
         let [lo, hi] =
             heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], h| [lo.min(h), hi.max(h)]);
@@ -69,7 +69,7 @@ impl Turned {
 
     /// The first place ahead of the ray's origin, nearer than `within`, where it meets the surface.
     #[must_use]
-    pub fn meet(&self, ray: &Ray, within: f64) -> Option<Contact> {
+    pub fn intersect(&self, ray: &Ray, within: f64) -> Option<SurfaceHit> {
         let turn = self.frame.transpose();
         let (o, d) = (turn * (ray.origin - self.foot), turn * ray.direction);
         let across = d.truncate().length_squared();
@@ -82,22 +82,22 @@ impl Turned {
         let mut nearest: Option<(f64, DVec2)> = None;
         for band in &self.bands {
             let end = nearest.map_or(within, |(t, _)| t);
-            let found = band.meet(o.z, d.z, [across, along, away], end);
+            let found = band.intersect(o.z, d.z, [across, along, away], end);
             nearest = found.or(nearest);
         }
         let (t, normal) = nearest?;
         let place = (o + d * t).truncate().normalize_or(DVec2::X);
         let normal = self.frame * (place * normal.x).extend(normal.y);
-        Some(Contact { t, normal: normal.normalize() })
+        Some(SurfaceHit { t, normal: normal.normalize() })
     }
 }
 
-impl Band {
+impl Frustum {
     /// Distance and normal (radial, axial) of the first contact ahead and before `end` of a ray of axial
     /// place `z` and direction `dz`; `[a, b, c]`: its square distance from the axis is
     /// a t^2 + 2 b t + c.
     #[inline]
-    fn meet(&self, z: f64, dz: f64, [a, b, c]: [f64; 3], end: f64) -> Option<(f64, DVec2)> {
+    fn intersect(&self, z: f64, dz: f64, [a, b, c]: [f64; 3], end: f64) -> Option<(f64, DVec2)> {
         let way = self.to - self.from;
         if way.y == 0.0 {
             let t = (self.from.y - z) / dz;
@@ -125,7 +125,7 @@ impl Band {
 }
 
 /// The bands of one run, with one normal at each point between two of them.
-fn bands(run: &[[f64; 2]]) -> Vec<Band> {
+fn bands(run: &[[f64; 2]]) -> Vec<Frustum> {
     let points: Vec<DVec2> = run.iter().copied().map(DVec2::from_array).collect();
     let points = if points.len() > 2 { curve(&points) } else { points };
     // The outside is on the right hand of who climbs.
@@ -137,7 +137,7 @@ fn bands(run: &[[f64; 2]]) -> Vec<Band> {
         _ => (sides[k - 1] + sides[k]).normalize(),
     };
     let band =
-        |(k, p): (usize, &[DVec2])| Band { from: p[0], to: p[1], normals: [at(k), at(k + 1)] };
+        |(k, p): (usize, &[DVec2])| Frustum { from: p[0], to: p[1], normals: [at(k), at(k + 1)] };
     points.windows(2).enumerate().map(band).collect()
 }
 
@@ -182,7 +182,7 @@ mod tests {
     fn a_cone_is_met_where_its_equation_says() {
         let axis = DVec3::new(0.48, -0.6, 0.64);
         let foot = DVec3::new(3.0, 1.0, -2.0);
-        let cone = Turned::new(foot, axis, &vec![vec![[2.0, 0.0], [0.5, 3.0]]]);
+        let cone = SolidOfRevolution::new(foot, axis, &vec![vec![[2.0, 0.0], [0.5, 3.0]]]);
         let mut draws = Draws::new(1);
         let mut hits = 0;
         for _ in 0..4000 {
@@ -192,7 +192,7 @@ mod tests {
                 let h = p.dot(axis);
                 ((p - axis * h).length() - (2.0 - 0.5 * h), h)
             };
-            let found = cone.meet(&ray, f64::INFINITY);
+            let found = cone.intersect(&ray, f64::INFINITY);
             // By small steps.
             let change = |k: &i32| {
                 let [(a, h), (b, g)] = [*k, *k + 1].map(|k| off(f64::from(k) * 0.01));
@@ -202,7 +202,7 @@ mod tests {
             if let (Some(k), None) = (stepped, &found) {
                 panic!("{ray:?} is met at {k}");
             }
-            let Some(Contact { t, normal }) = found else { continue };
+            let Some(SurfaceHit { t, normal }) = found else { continue };
             hits += 1;
             let (off, height) = off(t);
             assert!(off.abs() < 1e-12 && (-1e-8..3.0 + 1e-8).contains(&height), "{off} {height}");
@@ -222,16 +222,16 @@ mod tests {
             vec![[0.9, 2.2], [0.4, 2.2]],
             vec![[0.4, 2.2], [0.3, 2.5], [0.0, 2.6]],
         ];
-        let solid = Turned::new(DVec3::ZERO, DVec3::Z, &egg);
-        let (centre, radius) = solid.ball();
+        let solid = SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &egg);
+        let (centre, radius) = solid.bounding_sphere();
         let mut draws = Draws::new(2);
         for _ in 0..20_000 {
             let way = draw(&mut draws).normalize();
             // Through a point inside: in at the front, out at the back.
             let inside = DVec3::new(0.0, 0.0, draws.inside([0.1, 2.4]));
             let from = inside - 20.0 * way;
-            let entry = solid.meet(&ray(from, inside), f64::INFINITY).expect("a hole");
-            let exit = solid.meet(&ray(inside, inside + way), f64::INFINITY).expect("a hole");
+            let entry = solid.intersect(&ray(from, inside), f64::INFINITY).expect("a hole");
+            let exit = solid.intersect(&ray(inside, inside + way), f64::INFINITY).expect("a hole");
             assert!(entry.t < 20.0 && entry.normal.length() - 1.0 < 1e-12);
             for p in [from + way * entry.t, inside + way * exit.t] {
                 assert!((p - centre).length() <= radius * (1.0 + 1e-12), "{p}");
@@ -245,12 +245,13 @@ mod tests {
             let a = crate::num::radians(f64::from(k) * 15.0 - 90.0);
             [2.0 * crate::num::cos(a).max(0.0), 5.0 + 2.0 * crate::num::sin(a)]
         };
-        let ball = Turned::new(DVec3::ZERO, DVec3::Z, &vec![(0..=12).map(arc).collect()]);
+        let ball =
+            SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &vec![(0..=12).map(arc).collect()]);
         let centre = DVec3::new(0.0, 0.0, 5.0);
         let mut draws = Draws::new(3);
         for _ in 0..2000 {
             let ray = ray(20.0 * draw(&mut draws).normalize(), centre + draw(&mut draws));
-            let Contact { t, normal } = ball.meet(&ray, f64::INFINITY).unwrap();
+            let SurfaceHit { t, normal } = ball.intersect(&ray, f64::INFINITY).unwrap();
             let exact = ray.at(t) - centre;
             assert!((exact.length() - 2.0).abs() < 0.004, "{}", exact.length());
             assert!(normal.angle_between(exact) < 0.05, "{}", normal.angle_between(exact));
@@ -259,10 +260,14 @@ mod tests {
 
     #[test]
     fn nothing_beyond_the_end_or_behind_the_origin_is_met() {
-        let rod = Turned::new(DVec3::ZERO, DVec3::Z, &vec![vec![[1.0, 0.0], [1.0, 4.0]]]);
+        let rod =
+            SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &vec![vec![[1.0, 0.0], [1.0, 4.0]]]);
         let from = DVec3::new(5.0, 0.0, 2.0);
-        assert_eq!(rod.meet(&ray(from, DVec3::new(0.0, 0.0, 2.0)), 9.0).map(|c| c.t), Some(4.0));
-        assert_eq!(rod.meet(&ray(from, DVec3::new(0.0, 0.0, 2.0)), 3.9), None);
-        assert_eq!(rod.meet(&ray(from, DVec3::new(9.0, 0.0, 2.0)), 9.0), None);
+        assert_eq!(
+            rod.intersect(&ray(from, DVec3::new(0.0, 0.0, 2.0)), 9.0).map(|c| c.t),
+            Some(4.0)
+        );
+        assert_eq!(rod.intersect(&ray(from, DVec3::new(0.0, 0.0, 2.0)), 3.9), None);
+        assert_eq!(rod.intersect(&ray(from, DVec3::new(9.0, 0.0, 2.0)), 9.0), None);
     }
 }

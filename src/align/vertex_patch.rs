@@ -6,14 +6,14 @@ use std::cmp::Ordering;
 
 /// A vertex and a third of the area vectors of the facets around it, mm^2.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Patch {
+pub struct VertexPatch {
     /// Where it is, mm.
     pub at: DVec3,
     /// The area vector, outwards.
     pub area: DVec3,
 }
 
-impl Patch {
+impl VertexPatch {
     /// The same after a motion.
     pub fn moved(&self, pose: &Pose) -> Self {
         Self { at: pose.apply(self.at), area: pose.rotation * self.area }
@@ -21,9 +21,9 @@ impl Patch {
 }
 
 /// The vertices of `mesh`.
-pub fn patches(mesh: &TriMesh) -> Vec<Patch> {
-    let mut patches: Vec<Patch> =
-        mesh.vertices.iter().map(|&at| Patch { at, area: DVec3::ZERO }).collect();
+pub fn patches(mesh: &TriMesh) -> Vec<VertexPatch> {
+    let mut patches: Vec<VertexPatch> =
+        mesh.vertices.iter().map(|&at| VertexPatch { at, area: DVec3::ZERO }).collect();
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         let third = mesh.area_vector(t) / 6.0;
         triangle.iter().for_each(|&v| patches[v as usize].area += third);
@@ -56,8 +56,8 @@ pub fn is_upside_down(mesh: &TriMesh) -> bool {
 }
 
 /// About `count` of `patches` that look up, chosen evenly by area.
-pub fn thinned(patches: &[Patch], count: usize) -> Vec<Patch> {
-    let up = |patch: &&Patch| patch.area.z > 0.1 * patch.area.length();
+pub fn thinned(patches: &[VertexPatch], count: usize) -> Vec<VertexPatch> {
+    let up = |patch: &&VertexPatch| patch.area.z > 0.1 * patch.area.length();
     let total: f64 = patches.iter().filter(up).map(|patch| patch.area.length()).sum();
     let step = total / count as f64;
     let (mut sum, mut next) = (0.0, 0.5 * step);
@@ -70,7 +70,7 @@ pub fn thinned(patches: &[Patch], count: usize) -> Vec<Patch> {
             next += step;
         }
         if times > 0.0 {
-            chosen.push(Patch { at: patch.at, area: patch.area.normalize() * times });
+            chosen.push(VertexPatch { at: patch.at, area: patch.area.normalize() * times });
         }
     }
     chosen

@@ -14,9 +14,9 @@ const GOLDEN: usize = 30;
 /// How a pixel's blur ellipse depends on aperture and focus, in the unit of K (mm on the reference
 /// plane for each unit of the pupil) or, [`scaled`](Self::scaled), in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
+pub struct BlurEllipse {
     /// phi of the pixel's own best focus: half the trace of K.
-    middle: f64,
+    own_focus: f64,
     /// Half the difference of K's two off-diagonal elements.
     twist: f64,
     /// The part of K that no focus takes away: of the deviator's length.
@@ -25,14 +25,14 @@ pub struct Spot {
     unit: f64,
 }
 
-impl Spot {
+impl BlurEllipse {
     /// The blur of `pencil`.
     #[must_use]
     pub fn new(pencil: &Pencil) -> Self {
         let [a, c, b, d] = pencil.focus.to_cols_array();
         let [half, cross] = [0.5 * (a - d), 0.5 * (b + c)];
         Self {
-            middle: 0.5 * (a + d),
+            own_focus: 0.5 * (a + d),
             twist: 0.5 * (c - b),
             astigmatism: (half * half + cross * cross).sqrt(),
             unit: 1.0,
@@ -47,14 +47,14 @@ impl Spot {
 
     /// phi of the focus that makes the ellipse smallest.
     #[must_use]
-    pub fn middle(&self) -> f64 {
-        self.middle
+    pub fn own_focus(&self) -> f64 {
+        self.own_focus
     }
 
     /// Semi-axes of the blur ellipse, the larger first, for an aperture radius of 1.
     #[must_use]
     pub fn semi_axes(&self, phi: f64) -> [f64; 2] {
-        let off = self.middle - phi;
+        let off = self.own_focus - phi;
         let even = (off * off + self.twist * self.twist).sqrt();
         [even + self.astigmatism, (even - self.astigmatism).abs()].map(|axis| axis * self.unit)
     }
@@ -78,7 +78,7 @@ impl Spot {
     pub fn foci(&self) -> [f64; 2] {
         let square = self.astigmatism * self.astigmatism - self.twist * self.twist;
         let half = square.max(0.0).sqrt();
-        [self.middle - half, self.middle + half]
+        [self.own_focus - half, self.own_focus + half]
     }
 }
 
@@ -120,19 +120,20 @@ pub fn quantiles(mut samples: Vec<f64>) -> Option<Quantiles> {
 /// least and the greatest of these. A scan over some of the spots finds the valley, a finer one over
 /// all of them and golden section its bottom.
 #[must_use]
-pub fn best_focus(spots: &[Spot], least: f64) -> Option<f64> {
-    let p95 = |spots: &[&Spot], phi: f64| {
+pub fn best_focus(spots: &[BlurEllipse], least: f64) -> Option<f64> {
+    let p95 = |spots: &[&BlurEllipse], phi: f64| {
         let lengths = parallel::map_slice(spots, 4096, |spot| spot.length(phi));
         quantiles(lengths).map_or(f64::NAN, |quantiles| quantiles.p95)
     };
-    let range = spots.iter().map(Spot::middle).fold(None, |range: Option<[f64; 2]>, phi| {
-        let [lo, hi] = range.unwrap_or([phi; 2]);
-        Some([lo.min(phi), hi.max(phi)])
-    });
+    let range =
+        spots.iter().map(BlurEllipse::own_focus).fold(None, |range: Option<[f64; 2]>, phi| {
+            let [lo, hi] = range.unwrap_or([phi; 2]);
+            Some([lo.min(phi), hi.max(phi)])
+        });
     let [lo, hi] = range?.map(|phi| phi.max(least));
-    let few: Vec<&Spot> = spots.iter().step_by(spots.len().div_ceil(FEW)).collect();
-    let all: Vec<&Spot> = spots.iter().collect();
-    let scanned = |spots: &[&Spot], [from, to]: [f64; 2], steps: usize| {
+    let few: Vec<&BlurEllipse> = spots.iter().step_by(spots.len().div_ceil(FEW)).collect();
+    let all: Vec<&BlurEllipse> = spots.iter().collect();
+    let scanned = |spots: &[&BlurEllipse], [from, to]: [f64; 2], steps: usize| {
         let step = (to - from) / steps as f64;
         let at = |k: usize| (from + step * k as f64, p95(spots, from + step * k as f64));
         let (valley, _) = (0..=steps).map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -171,8 +172,8 @@ mod tests {
     use crate::num::{cos, sin};
     use glam::{DMat2, DVec2};
 
-    fn spot(k: DMat2) -> Spot {
-        Spot::new(&Pencil { seen: DVec2::ZERO, turn: DMat2::IDENTITY, focus: k })
+    fn spot(k: DMat2) -> BlurEllipse {
+        BlurEllipse::new(&Pencil { seen: DVec2::ZERO, turn: DMat2::IDENTITY, focus: k })
     }
 
     #[test]
@@ -211,7 +212,7 @@ mod tests {
     fn the_best_focus_is_the_best_of_a_dense_scan() {
         for seed in 0..6 {
             let mut r = Draws::new(seed);
-            let spots: Vec<Spot> = (0..3000)
+            let spots: Vec<BlurEllipse> = (0..3000)
                 .map(|_| {
                     let middle = 4.0 + r.inside([-1.0, 1.0]) * r.inside([0.0, 2.0]);
                     let off = r.inside([0.0, 0.5]);

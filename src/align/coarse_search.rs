@@ -1,9 +1,9 @@
 //! From afar: the pose to some thousandth of the width, from many starts.
 
-use super::fit::{Equations, Residual, biweight, residuals};
-use super::points::thinned;
-use super::target::Target;
-use super::{Patch, Pose};
+use super::normal_equations::{AlignmentResidual, NormalEquations, biweight, residuals};
+use super::reference_surface::ReferenceSurface;
+use super::vertex_patch::thinned;
+use super::{Pose, VertexPatch};
 use crate::geom::DVec3;
 use crate::num::radians;
 use crate::parallel;
@@ -32,15 +32,15 @@ const BETTER: f64 = 1.02;
 const AT_MOST: f64 = 1.5;
 
 /// The best pose found, among starts ordered from small motions to large ones.
-pub fn coarse(patches: &[Patch], target: &Target) -> Pose {
+pub fn coarse_search(patches: &[VertexPatch], reference: &ReferenceSurface) -> Pose {
     let points = thinned(patches, POINTS);
     let weight: f64 = points.iter().map(|point| point.area.length()).sum();
     let middle = points.iter().map(|point| point.at * point.area.length()).sum::<DVec3>() / weight;
-    let starts = starts(middle, target);
+    let starts = starts(middle, reference);
     let mut best = (Pose::IDENTITY, 0.0);
     for batch in starts.chunks(BATCH) {
         let found: Vec<(Pose, f64)> =
-            parallel::map_slice(batch, 1, |&start| descend(&points, target, start));
+            parallel::map_slice(batch, 1, |&start| descend(&points, reference, start));
         for found in found {
             if found.1 > BETTER * best.1 {
                 best = found;
@@ -55,7 +55,7 @@ pub fn coarse(patches: &[Patch], target: &Target) -> Pose {
 
 /// Starts that bring the mesh's middle to the mirror's, and such that leave it where it is; and, for
 /// meshes that lack a side of the mirror, such that bring its middle beside the mirror's.
-fn starts(middle: DVec3, target: &Target) -> Vec<Pose> {
+fn starts(middle: DVec3, reference: &ReferenceSurface) -> Vec<Pose> {
     let ways = [0.0, 1.0, -1.0];
     let mut turns = Vec::new();
     for k in 0..27 {
@@ -63,36 +63,39 @@ fn starts(middle: DVec3, target: &Target) -> Vec<Pose> {
     }
     turns.sort_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
     let mut starts = Vec::new();
-    for from in [middle, target.centre] {
-        starts.extend(turns.iter().map(|&turn| Pose::about(from, target.centre, turn)));
+    for from in [middle, reference.centre] {
+        starts.extend(turns.iter().map(|&turn| Pose::about(from, reference.centre, turn)));
     }
-    let aside = BESIDE * target.width;
+    let aside = BESIDE * reference.width;
     for step in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y] {
         // None, and one about each axis to either side.
-        let to = target.centre + step * aside;
+        let to = reference.centre + step * aside;
         starts.extend(turns[..7].iter().map(|&turn| Pose::about(middle, to, turn)));
     }
     starts
 }
 
 /// The pose that a start leads to, and how much of the mesh it puts on the mirror.
-fn descend(points: &[Patch], target: &Target, start: Pose) -> (Pose, f64) {
-    let foot = |p: DVec3| target.roughly(p);
+fn descend(points: &[VertexPatch], reference: &ReferenceSurface, start: Pose) -> (Pose, f64) {
+    let foot = |p: DVec3| reference.project_approximately(p);
     let mut pose = start;
-    let mut reach = FIRST_REACH * target.width;
-    let last = LAST_REACH * target.width;
+    let mut reach = FIRST_REACH * reference.width;
+    let last = LAST_REACH * reference.width;
     for _ in 0..STEPS {
-        let equations = Equations::of(&residuals(points, &pose, foot), target, |residual| {
-            residual.area.min(AT_MOST) * biweight(residual.distance, reach)
-        });
+        let equations =
+            NormalEquations::of(&residuals(points, &pose, foot), reference, |residual| {
+                residual.area.min(AT_MOST) * biweight(residual.distance, reach)
+            });
         if !(equations.weight > 0.0) {
             return (pose, 0.0);
         }
         let step = equations.solve(FLOOR);
-        pose = pose.then(&step.pose(target, 0.1 * target.width));
+        pose = pose.then(&step.pose(reference, 0.1 * reference.width));
         reach = (reach * SHRINK).max(last);
     }
-    let on = |residual: &Residual| residual.area.min(AT_MOST) * biweight(residual.distance, last);
+    let on = |residual: &AlignmentResidual| {
+        residual.area.min(AT_MOST) * biweight(residual.distance, last)
+    };
     let score = residuals(points, &pose, foot).iter().flatten().map(on).sum();
     (pose, score)
 }

@@ -4,7 +4,7 @@
 //! convention of OpenCV's `remap`: pixel centres at whole numbers, the first one's at (0, 0); -1 where
 //! nothing is seen.
 
-use super::Map;
+use super::RemapTable;
 use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2, WritableImage,
 };
@@ -14,9 +14,9 @@ use thiserror::Error;
 /// A map could not be encoded.
 #[derive(Debug, Error)]
 #[error("the map cannot be encoded: {0}")]
-pub struct TableError(#[from] exr::error::Error);
+pub struct MapEncodingError(#[from] exr::error::Error);
 
-impl Map {
+impl RemapTable {
     /// Column and row for pixel `k`.
     fn entry(&self, k: usize) -> [f32; 2] {
         let place = self.places[k];
@@ -47,7 +47,7 @@ impl Map {
     ///
     /// # Errors
     /// [`TableError`] when there is not room enough.
-    pub fn exr(&self) -> Result<Vec<u8>, TableError> {
+    pub fn exr(&self) -> Result<Vec<u8>, MapEncodingError> {
         let [width, height] = self.size;
         let value = |at: Vec2<usize>| {
             let [x, y] = self.entry(at.y() * width + at.x());

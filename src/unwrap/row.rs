@@ -1,6 +1,6 @@
 //! One row of a map: searched for at some of its pixels, interpolated between where that is as good.
 
-use super::{Found, Search};
+use super::{ImageLocation, InverseSearch};
 use crate::geom::DVec2;
 
 /// Searches a row, about.
@@ -10,22 +10,22 @@ const KNOTS: usize = 320;
 const TOLERANCE_PX: f64 = 1e-3;
 
 /// Where the `width` directions `sigma` of a row are seen, by a sensor with pixels of `pixel_mm`.
-pub fn line(
-    search: &mut Search,
+pub fn locate_row(
+    search: &mut InverseSearch,
     width: usize,
     pixel_mm: f64,
     sigma: impl Fn(usize) -> [f64; 2],
-) -> Vec<Option<Found>> {
+) -> Vec<Option<ImageLocation>> {
     let stride = (width / KNOTS).max(2);
     let knots: Vec<_> = (0..width).step_by(stride).map(|x| search.find(sigma(x))).collect();
-    let four = |first: usize, step: usize| -> Option<[Found; 4]> {
+    let four = |first: usize, step: usize| -> Option<[ImageLocation; 4]> {
         let knot = |k: usize| knots.get(first + k * step).copied().flatten();
         Some([knot(0)?, knot(1)?, knot(2)?, knot(3)?])
     };
     let good = |k: usize| {
         let error = || {
-            let (known, found) = (knots[k]?, between(four(k.checked_sub(3)?, 2)?, 0.5));
-            let off = |f: Found| f.image - f.intended;
+            let (known, found) = (knots[k]?, cubic(four(k.checked_sub(3)?, 2)?, 0.5));
+            let off = |f: ImageLocation| f.image - f.intended;
             let error = (found.image - known.image).length();
             Some(error.max((off(found) - off(known)).length()))
         };
@@ -39,7 +39,7 @@ pub fn line(
         }
         let trusted = good[k] && good.get(k + 1) == Some(&true);
         match trusted.then(|| four(k - 1, 1)).flatten() {
-            Some(around) => Some(between(around, part as f64 / stride as f64)),
+            Some(around) => Some(cubic(around, part as f64 / stride as f64)),
             None => search.find(sigma(x)),
         }
     };
@@ -47,13 +47,13 @@ pub fn line(
 }
 
 /// The cubic through places at -1, 0, 1 and 2, at `t`.
-fn between(around: [Found; 4], t: f64) -> Found {
+fn cubic(around: [ImageLocation; 4], t: f64) -> ImageLocation {
     let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
     let weights = [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0];
-    let mix = |of: fn(&Found) -> DVec2| {
+    let mix = |of: fn(&ImageLocation) -> DVec2| {
         around.iter().zip(weights).map(|(found, weight)| of(found) * weight).sum()
     };
-    Found { image: mix(|found| found.image), intended: mix(|found| found.intended) }
+    ImageLocation { image: mix(|found| found.image), intended: mix(|found| found.intended) }
 }
 
 #[cfg(test)]
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use crate::design::design;
     use crate::profile::Profile;
-    use crate::unwrap::{Finder, Optics, Panorama};
+    use crate::unwrap::{ImagingSystem, InverseMap, Panorama};
 
     #[test]
     fn interpolated_places_are_the_searched_ones_and_searches_are_few() {
@@ -76,9 +76,9 @@ export.formats = [\"stl\"]
         let profile = Profile::parse("p", "p.toml", text.as_bytes()).unwrap();
         let design = design(&profile, None).unwrap();
         let (mirror, camera) = (&design.mirror, &design.camera);
-        let optics = Optics { mirror, camera, view: design.view.as_ref().unwrap() };
+        let optics = ImagingSystem { mirror, camera, view: design.view.as_ref().unwrap() };
         let panorama = Panorama::new(&optics, [160, 120], None, Some(2000)).unwrap();
-        let finder = Finder::new(optics);
+        let finder = InverseMap::new(optics);
         let [width, height] = panorama.size;
         for y in (0..height).step_by(23) {
             let searched = std::cell::Cell::new(0);
@@ -87,7 +87,7 @@ export.formats = [\"stl\"]
                 searched.set(searched.get() + 1);
                 sigma(x)
             };
-            let row = line(&mut finder.search(), width, camera.pixel_mm, counting);
+            let row = locate_row(&mut finder.search(), width, camera.pixel_mm, counting);
             for (x, found) in row.into_iter().enumerate() {
                 let exact = finder.search().find(sigma(x));
                 assert_eq!(found.is_some(), exact.is_some(), "{x} {y}");

@@ -1,6 +1,6 @@
 //! The way without a computer: the panels cut out of the photo and laid side by side.
 
-use super::{Optics, Panorama, UnwrapError};
+use super::{ImagingSystem, Panorama, UnwrapError};
 use crate::geom::{DVec2, Outline};
 use crate::optics::Projection;
 use crate::raster::Raster;
@@ -8,16 +8,16 @@ use std::ops::Range;
 
 /// Columns and rows of a photo.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Piece {
+pub struct PanelCrop {
     /// Columns.
     pub columns: Range<usize>,
     /// Rows.
     pub rows: Range<usize>,
 }
 
-impl Piece {
+impl PanelCrop {
     /// Those pixels of `photo`.
-    pub fn of(&self, photo: &Raster) -> Raster {
+    pub fn crop(&self, photo: &Raster) -> Raster {
         photo.crop(self.columns.clone(), self.rows.clone())
     }
 }
@@ -26,7 +26,10 @@ impl Piece {
 ///
 /// # Errors
 /// [`UnwrapError`]: a round mirror has no such pieces.
-pub fn pieces(optics: &Optics, photo: [usize; 2]) -> Result<Vec<Piece>, UnwrapError> {
+pub fn panel_crops(
+    optics: &ImagingSystem,
+    photo: [usize; 2],
+) -> Result<Vec<PanelCrop>, UnwrapError> {
     let scale = optics.scale(photo)?;
     let mirror = optics.mirror;
     let Outline::Rect(panel) = mirror.outline else { return Err(UnwrapError::Round) };
@@ -41,9 +44,9 @@ pub fn pieces(optics: &Optics, photo: [usize; 2]) -> Result<Vec<Piece>, UnwrapEr
         return Err(UnwrapError::Nothing);
     }
     let reflected = photo[1] - rows.end..photo[1] - rows.start;
-    let mut pieces = vec![Piece { columns: columns.clone(), rows }];
+    let mut pieces = vec![PanelCrop { columns: columns.clone(), rows }];
     if mirror.folded {
-        pieces.push(Piece { columns, rows: reflected });
+        pieces.push(PanelCrop { columns, rows: reflected });
     }
     Ok(pieces)
 }
@@ -55,14 +58,17 @@ pub fn pieces(optics: &Optics, photo: [usize; 2]) -> Result<Vec<Piece>, UnwrapEr
 ///
 /// # Errors
 /// [`UnwrapError`]: a round mirror has no such pieces.
-pub fn cuts(optics: &Optics, photo: &Raster) -> Result<(Raster, Panorama), UnwrapError> {
+pub fn crop_panels(
+    optics: &ImagingSystem,
+    photo: &Raster,
+) -> Result<(Raster, Panorama), UnwrapError> {
     let size = [photo.width, photo.height];
     let scale = optics.scale(size)?;
-    let pieces = pieces(optics, size)?;
+    let pieces = panel_crops(optics, size)?;
     let Projection::Strip(strip) = &optics.view.projection else {
         return Err(UnwrapError::Round);
     };
-    let Piece { columns, rows } = &pieces[0];
+    let PanelCrop { columns, rows } = &pieces[0];
     let per_mm = scale.map(|scale| scale / optics.camera.pixel_mm);
     let unit = strip.scale_mm * per_mm[0];
     let shows = Panorama {
@@ -72,9 +78,9 @@ pub fn cuts(optics: &Optics, photo: &Raster) -> Result<(Raster, Panorama), Unwra
         per_px: 1.0 / unit,
         size: [columns.len(), rows.len()],
     };
-    let piece = pieces[0].of(photo);
+    let piece = pieces[0].crop(photo);
     let Some(reflected) = pieces.get(1) else { return Ok((piece, shows)) };
-    let mut other = reflected.of(photo);
+    let mut other = reflected.crop(photo);
     other.rgb.reverse();
     let lines = piece.rgb.chunks(piece.width).zip(other.rgb.chunks(piece.width));
     let rgb = lines.flat_map(|(a, b)| [a, b]).flatten().copied().collect();

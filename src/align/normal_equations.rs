@@ -1,8 +1,8 @@
 //! One step of the fit: weighted residuals -> normal equations of the six degrees of freedom ->
 //! the motion that makes them small, and what it leaves open.
 
-use super::target::{Foot, Target};
-use super::{Free, Patch, Pose};
+use super::reference_surface::{ProjectedPoint, ReferenceSurface};
+use super::{FreeMotion, Pose, VertexPatch};
 use crate::geom::DVec3;
 use crate::parallel;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
@@ -12,7 +12,7 @@ const CHUNK: usize = 4096;
 
 /// What a vertex says about the pose.
 #[derive(Debug, Clone, Copy)]
-pub struct Residual {
+pub struct AlignmentResidual {
     /// Where the vertex is, mm.
     pub at: DVec3,
     /// The mirror's normal there.
@@ -23,10 +23,10 @@ pub struct Residual {
     pub area: f64,
 }
 
-impl Residual {
+impl AlignmentResidual {
     /// Of a patch in the part frame over its `foot`; none where its facets are not seen from the
     /// camera. A wall along the camera's rays has no share.
-    fn new(patch: &Patch, foot: &Foot) -> Option<Self> {
+    fn new(patch: &VertexPatch, foot: &ProjectedPoint) -> Option<Self> {
         let area = patch.area.dot(foot.up) / foot.normal.dot(foot.up);
         (area > 0.0).then(|| Self {
             at: patch.at,
@@ -39,13 +39,13 @@ impl Residual {
 
 /// The residuals of `patches` after `pose`, in their order.
 pub fn residuals(
-    patches: &[Patch],
+    patches: &[VertexPatch],
     pose: &Pose,
-    foot: impl Fn(DVec3) -> Option<Foot> + Sync,
-) -> Vec<Option<Residual>> {
-    let residual = |patch: &Patch| {
+    foot: impl Fn(DVec3) -> Option<ProjectedPoint> + Sync,
+) -> Vec<Option<AlignmentResidual>> {
+    let residual = |patch: &VertexPatch| {
         let patch = patch.moved(pose);
-        Residual::new(&patch, &foot(patch.at)?)
+        AlignmentResidual::new(&patch, &foot(patch.at)?)
     };
     parallel::map_slice(patches, CHUNK, residual)
 }
@@ -57,9 +57,9 @@ pub fn biweight(distance: f64, reach: f64) -> f64 {
     if rest > 0.0 { rest * rest } else { 0.0 }
 }
 
-/// Normal equations of a small motion about the target's centre: a shift in mm, and a turn as mm at
-/// the target's radius of gyration.
-pub struct Equations {
+/// Normal equations of a small motion about the reference's centre: a shift in mm, and a turn as mm at
+/// the reference's radius of gyration.
+pub struct NormalEquations {
     matrix: Matrix6<f64>,
     side: Vector6<f64>,
     /// Sum of the weights.
@@ -68,19 +68,19 @@ pub struct Equations {
     pub squares: f64,
 }
 
-impl Equations {
+impl NormalEquations {
     /// Sums up, in fixed order, what `weight` leaves of the residuals.
     pub fn of(
-        residuals: &[Option<Residual>],
-        target: &Target,
-        weight: impl Fn(&Residual) -> f64 + Sync,
+        residuals: &[Option<AlignmentResidual>],
+        reference: &ReferenceSurface,
+        weight: impl Fn(&AlignmentResidual) -> f64 + Sync,
     ) -> Self {
-        let sum = |chunk: &[Option<Residual>]| {
+        let sum = |chunk: &[Option<AlignmentResidual>]| {
             let mut sums = Self::zero();
             for residual in chunk.iter().flatten() {
                 let weight = weight(residual);
                 if weight > 0.0 {
-                    sums.add(residual, target, weight);
+                    sums.add(residual, reference, weight);
                 }
             }
             sums
@@ -101,9 +101,9 @@ impl Equations {
         Self { matrix: Matrix6::zeros(), side: Vector6::zeros(), weight: 0.0, squares: 0.0 }
     }
 
-    fn add(&mut self, residual: &Residual, target: &Target, weight: f64) {
-        let Residual { at, normal, distance, .. } = *residual;
-        let lever = (at - target.centre).cross(normal) / target.gyration;
+    fn add(&mut self, residual: &AlignmentResidual, reference: &ReferenceSurface, weight: f64) {
+        let AlignmentResidual { at, normal, distance, .. } = *residual;
+        let lever = (at - reference.centre).cross(normal) / reference.gyration;
         let row = [normal.x, normal.y, normal.z, lever.x, lever.y, lever.z];
         for j in 0..6 {
             let scaled = weight * row[j];
@@ -118,13 +118,14 @@ impl Equations {
 
     /// The motion that makes the residuals least. Directions in which the surface moves along itself,
     /// up to the share `floor` of the motion, are left alone.
-    pub fn solve(&self, floor: f64) -> Step {
+    pub fn solve(&self, floor: f64) -> GaussNewtonStep {
         let mut matrix = self.matrix / self.weight;
         matrix.fill_lower_triangle_with_upper_triangle();
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(matrix);
         let largest = eigenvalues.max();
         let least = floor * floor * largest;
-        let mut step = Step { motion: Vector6::zeros(), condition: 1.0, free: Vec::new() };
+        let mut step =
+            GaussNewtonStep { motion: Vector6::zeros(), condition: 1.0, free: Vec::new() };
         for (k, &value) in eigenvalues.iter().enumerate() {
             let direction: Vector6<f64> = eigenvectors.column(k).into();
             if value > least {
@@ -139,37 +140,37 @@ impl Equations {
 }
 
 /// The answer of the normal equations.
-pub struct Step {
+pub struct GaussNewtonStep {
     motion: Vector6<f64>,
     /// Square root of the ratio of the largest eigenvalue to the least that was used.
     pub condition: f64,
     free: Vec<Vector6<f64>>,
 }
 
-impl Step {
+impl GaussNewtonStep {
     /// Its length, mm.
     pub fn length(&self) -> f64 {
         self.motion.norm()
     }
 
     /// The motion, cut down to a length of at most `most` mm.
-    pub fn pose(&self, target: &Target, most: f64) -> Pose {
+    pub fn pose(&self, reference: &ReferenceSurface, most: f64) -> Pose {
         let cut = (most / self.length().max(most)).min(1.0);
         let [shift, turn] = split(&(self.motion * cut));
-        Pose::about(target.centre, target.centre + shift, turn / target.gyration)
+        Pose::about(reference.centre, reference.centre + shift, turn / reference.gyration)
     }
 
     /// The directions that were left alone.
-    pub fn free(&self, target: &Target) -> Vec<Free> {
+    pub fn free(&self, reference: &ReferenceSurface) -> Vec<FreeMotion> {
         let free = |direction: &Vector6<f64>| {
             let [shift, turn] = split(direction);
             if turn.length() < 1e-3 {
-                return Free { direction: forwards(shift), through_mm: None };
+                return FreeMotion { direction: forwards(shift), through_mm: None };
             }
             // A turn and a shift across its axis are a turn about an axis somewhere else.
-            let rate = turn / target.gyration;
-            let through = target.centre + rate.cross(shift) / rate.length_squared();
-            Free { direction: forwards(turn), through_mm: Some(through) }
+            let rate = turn / reference.gyration;
+            let through = reference.centre + rate.cross(shift) / rate.length_squared();
+            FreeMotion { direction: forwards(turn), through_mm: Some(through) }
         };
         self.free.iter().map(free).collect()
     }
@@ -188,7 +189,7 @@ fn split(vector: &Vector6<f64>) -> [DVec3; 2] {
 
 /// 1.4826 times the distance that the vertices of half the area do not exceed: the standard
 /// deviation of normal noise, whatever the other half does.
-pub fn scale(residuals: &[Option<Residual>]) -> f64 {
+pub fn robust_scale(residuals: &[Option<AlignmentResidual>]) -> f64 {
     const MOST: usize = 20_000;
     let known = residuals.iter().flatten();
     let every = known.clone().count() / MOST + 1;
@@ -215,13 +216,13 @@ mod tests {
         let of = |k: usize| {
             let distance =
                 if k.is_multiple_of(20) { 1e3 } else { 2.0 * (k as f64 + 0.5) / 1e4 - 1.0 };
-            Some(Residual { at: DVec3::ZERO, normal: DVec3::Z, distance, area: 1.0 })
+            Some(AlignmentResidual { at: DVec3::ZERO, normal: DVec3::Z, distance, area: 1.0 })
         };
         let residuals: Vec<_> = (0..10_000).map(of).chain([None]).collect();
-        let found = scale(&residuals);
+        let found = robust_scale(&residuals);
         let exact = 1.4826 * 0.5 / 0.95;
         assert!((found / exact - 1.0).abs() < 2e-3, "{found} {exact}");
-        assert_eq!(scale(&[]), 0.0);
+        assert_eq!(robust_scale(&[]), 0.0);
     }
 
     #[test]

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3A};
 
 use super::{
     World,
-    angles::Angles,
-    graticule::{GRID, LAST, Place, QUARTER, lines},
+    angle_tables::AngleTables,
+    graticule::{GRID, GraticulePoint, LAST_CIRCLE, QUARTER, line_cover},
     label::Label,
 };
 use crate::geom::Ray;
@@ -46,7 +46,7 @@ pub struct TestWorld {
     elevation: Vec<Label>,
     /// Cosines of the elevations of `elevation`.
     level: Vec<f64>,
-    angles: Angles,
+    angles: AngleTables,
     /// Radians a texel of a label.
     texel: f64,
 }
@@ -67,8 +67,9 @@ impl TestWorld {
             .map(|k| if 2 * k > count { k - count } else { k })
             .map(|k| Label::new(&format!("{}", k * step)))
             .collect();
-        let elevation = (-LAST..=LAST).map(|k| Label::new(&format!("{:+}", k * step))).collect();
-        let level = (-LAST..=LAST).map(|k| num::cos(f64::from(k) * GRID)).collect();
+        let elevation =
+            (-LAST_CIRCLE..=LAST_CIRCLE).map(|k| Label::new(&format!("{:+}", k * step))).collect();
+        let level = (-LAST_CIRCLE..=LAST_CIRCLE).map(|k| num::cos(f64::from(k) * GRID)).collect();
         let texel = num::radians(DIGIT_DEG) / f64::from(azimuth[0].height());
         Self {
             sky: [
@@ -91,7 +92,7 @@ impl TestWorld {
             azimuth,
             elevation,
             level,
-            angles: Angles::new(),
+            angles: AngleTables::new(),
             texel,
         }
     }
@@ -100,10 +101,10 @@ impl TestWorld {
     /// `footprint_rad` radians.
     #[must_use]
     pub fn colour(&self, direction: DVec3, footprint_rad: f64) -> [f32; 3] {
-        let place = Place::new(&self.angles, direction, footprint_rad);
+        let place = GraticulePoint::new(&self.angles, direction, footprint_rad);
         let mut colour = self.paper(&place, direction.z);
         let (fill, halo) = self.text(&place);
-        let (thin, heavy) = lines(&place);
+        let (thin, heavy) = line_cover(&place);
         for (cover, ink, strength) in [
             (thin * (1.0 - halo), self.thin, THIN_SHARE),
             (heavy * (1.0 - halo), self.heavy, HEAVY_SHARE),
@@ -117,7 +118,7 @@ impl TestWorld {
     }
 
     /// Sky or ground without lines.
-    fn paper(&self, place: &Place, height: f64) -> Vec3A {
+    fn paper(&self, place: &GraticulePoint, height: f64) -> Vec3A {
         let [from, to] = [0, 1].map(|k| (place.quarter + k).rem_euclid(4) as usize);
         let share = smooth((place.past * (3.0 / QUARTER) - 1.0) as f32);
         let away = 1.0 - height.abs() as f32;
@@ -144,14 +145,14 @@ impl TestWorld {
 
     /// Cover of the label ink, and of the halo that wipes out lines around it.
     #[inline]
-    fn text(&self, place: &Place) -> (f32, f32) {
+    fn text(&self, place: &GraticulePoint) -> (f32, f32) {
         let found = self.azimuth_label(place);
         found
             .or_else(|| self.elevation_label(place))
             .map_or((0.0, 0.0), |found| self.cover(place, found))
     }
 
-    fn cover(&self, place: &Place, (label, right, up): (&Label, f64, f64)) -> (f32, f32) {
+    fn cover(&self, place: &GraticulePoint, (label, right, up): (&Label, f64, f64)) -> (f32, f32) {
         let texels = |angle: f64| (angle / self.texel) as f32;
         let Some(distance) = label.distance(texels(right), texels(up)) else {
             return (0.0, 0.0);
@@ -167,7 +168,7 @@ impl TestWorld {
     /// The nearest label of the horizon, centred on its meridian, if `place` is at its height, and
     /// the angles from the start of its baseline to the right and up.
     #[inline]
-    fn azimuth_label(&self, place: &Place) -> Option<(&Label, f64, f64)> {
+    fn azimuth_label(&self, place: &GraticulePoint) -> Option<(&Label, f64, f64)> {
         let up = place.elevation - num::radians(HEAVY_DEG / 2.0 + GAP_DEG);
         if !in_sight(up) {
             return None;
@@ -180,7 +181,7 @@ impl TestWorld {
 
     /// The label right of the last column and on the horizon side of a circle, likewise.
     #[inline]
-    fn elevation_label(&self, place: &Place) -> Option<(&Label, f64, f64)> {
+    fn elevation_label(&self, place: &GraticulePoint) -> Option<(&Label, f64, f64)> {
         let start = num::radians(HEAVY_DEG / 2.0 + GAP_DEG);
         // The widest label with its halo stays within four of its heights.
         if place.past * place.level > num::radians(4.0 * DIGIT_DEG) {
@@ -192,7 +193,7 @@ impl TestWorld {
         } else {
             place.circle
         };
-        let index = (circle + LAST) as usize;
+        let index = (circle + LAST_CIRCLE) as usize;
         let label = self.elevation.get(index)?;
         let gap = num::radians(THIN_DEG / 2.0 + GAP_DEG);
         let beyond = place.elevation - f64::from(circle) * GRID;

@@ -1,13 +1,13 @@
 //! Chess pieces after Staunton's, as turned solids; lengths in squares of the board.
 
-use super::turned::{Contact, Outline, Turned};
+use super::solid_of_revolution::{Generatrix, SolidOfRevolution, SurfaceHit};
 use crate::geom::{DVec3, Ray};
 use crate::num::{asin, cos, sin};
 use std::f64::consts::FRAC_PI_2;
 
 /// The kinds of pieces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum PieceKind {
     /// 0.84 high.
     Pawn,
     /// 0.90 high.
@@ -27,43 +27,43 @@ pub const KINGS_HEAD: f64 = 1.5;
 
 /// A piece that stands on Z = 0 with the foot's centre at the origin.
 #[derive(Debug, Clone)]
-pub struct Piece {
-    parts: Vec<Turned>,
+pub struct ChessPiece {
+    parts: Vec<SolidOfRevolution>,
     centre: DVec3,
     /// Of a sphere around everything.
     radius: f64,
 }
 
-impl Piece {
+impl ChessPiece {
     /// Turns a piece.
     #[must_use]
-    pub fn new(kind: Kind) -> Self {
-        let upright = |outline: Outline| Turned::new(DVec3::ZERO, DVec3::Z, &outline);
+    pub fn new(kind: PieceKind) -> Self {
+        let upright = |outline: Generatrix| SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &outline);
         let parts = match kind {
-            Kind::Pawn => vec![upright(
+            PieceKind::Pawn => vec![upright(
                 [foot(0.27, 0.085, 0.5), collar(0.085, 0.16, 0.5), ball(0.69, 0.15, 0.09)].concat(),
             )],
-            Kind::Rook => vec![upright(rook())],
-            Kind::Knight => knight(),
-            Kind::Bishop => vec![upright(bishop())],
-            Kind::Queen => vec![upright(queen())],
-            Kind::King => king(),
+            PieceKind::Rook => vec![upright(rook())],
+            PieceKind::Knight => knight(),
+            PieceKind::Bishop => vec![upright(bishop())],
+            PieceKind::Queen => vec![upright(queen())],
+            PieceKind::King => king(),
         };
         // About the sphere's centre half way up the tallest part.
         let reach = |centre: DVec3| {
-            let far = |part: &Turned| {
-                let (middle, radius) = part.ball();
+            let far = |part: &SolidOfRevolution| {
+                let (middle, radius) = part.bounding_sphere();
                 (middle - centre).length() + radius
             };
             parts.iter().map(far).fold(0.0, f64::max)
         };
-        let centre = parts[0].ball().0;
+        let centre = parts[0].bounding_sphere().0;
         Self { radius: reach(centre), centre, parts }
     }
 
     /// The first place ahead of the ray's origin, nearer than `within`, where it meets the piece.
     #[must_use]
-    pub fn meet(&self, ray: &Ray, within: f64) -> Option<Contact> {
+    pub fn intersect(&self, ray: &Ray, within: f64) -> Option<SurfaceHit> {
         let away = self.centre - ray.origin;
         let along = away.dot(ray.direction);
         let aside = away.length_squared() - along * along;
@@ -71,17 +71,17 @@ impl Piece {
         {
             return None;
         }
-        let mut nearest: Option<Contact> = None;
+        let mut nearest: Option<SurfaceHit> = None;
         for part in &self.parts {
             let end = nearest.map_or(within, |contact| contact.t);
-            nearest = part.meet(ray, end).or(nearest);
+            nearest = part.intersect(ray, end).or(nearest);
         }
         nearest
     }
 }
 
 /// A foot of radius `wide` and the stem that tapers from it to `neck` at height `up`.
-fn foot(wide: f64, neck: f64, up: f64) -> Outline {
+fn foot(wide: f64, neck: f64, up: f64) -> Generatrix {
     let h = |share: f64| 0.2 + share * (up - 0.2);
     let r = |share: f64| neck + share * (0.62 * wide - neck);
     vec![
@@ -99,7 +99,7 @@ fn foot(wide: f64, neck: f64, up: f64) -> Outline {
 }
 
 /// A ring of radius `wide` around a neck at height `up`.
-fn collar(neck: f64, wide: f64, up: f64) -> Outline {
+fn collar(neck: f64, wide: f64, up: f64) -> Generatrix {
     let mid = 0.5 * (neck + wide);
     vec![
         vec![[neck, up], [mid, up + 0.005]],
@@ -109,7 +109,7 @@ fn collar(neck: f64, wide: f64, up: f64) -> Outline {
 }
 
 /// A ball around height `up`, from a neck of radius `neck` below to its top.
-fn ball(up: f64, radius: f64, neck: f64) -> Outline {
+fn ball(up: f64, radius: f64, neck: f64) -> Generatrix {
     let start = asin((neck / radius).min(1.0)) - FRAC_PI_2;
     let arc = |k: usize| {
         let angle = start + (FRAC_PI_2 - start) * k as f64 / 10.0;
@@ -118,7 +118,7 @@ fn ball(up: f64, radius: f64, neck: f64) -> Outline {
     vec![(0..=10).map(arc).collect()]
 }
 
-fn rook() -> Outline {
+fn rook() -> Generatrix {
     let head = vec![
         vec![[0.15, 0.60], [0.21, 0.61]],
         vec![[0.21, 0.61], [0.215, 0.64], [0.205, 0.66]],
@@ -131,7 +131,7 @@ fn rook() -> Outline {
     [foot(0.30, 0.15, 0.60), head].concat()
 }
 
-fn bishop() -> Outline {
+fn bishop() -> Generatrix {
     let mitre = vec![vec![
         [0.08, 0.79],
         [0.13, 0.85],
@@ -144,7 +144,7 @@ fn bishop() -> Outline {
     [foot(0.29, 0.08, 0.66), neck, mitre, ball(1.16, 0.042, 0.03)].concat()
 }
 
-fn queen() -> Outline {
+fn queen() -> Generatrix {
     let crown = vec![
         vec![[0.1, 1.03], [0.12, 1.12], [0.16, 1.23], [0.215, 1.33]],
         vec![[0.215, 1.33], [0.19, 1.35]],
@@ -155,7 +155,7 @@ fn queen() -> Outline {
     [foot(0.32, 0.095, 0.88), neck, crown, ball(1.41, 0.05, 0.045)].concat()
 }
 
-fn king() -> Vec<Turned> {
+fn king() -> Vec<SolidOfRevolution> {
     let crown = vec![
         vec![[0.105, 1.10], [0.13, 1.2], [0.17, 1.33], [0.205, 1.4]],
         vec![[0.205, 1.4], [0.2, 1.42], [0.17, 1.44]],
@@ -169,14 +169,18 @@ fn king() -> Vec<Turned> {
         vec![[0.028, 0.16], [0.0, 0.16]],
     ];
     vec![
-        Turned::new(DVec3::ZERO, DVec3::Z, &[foot(0.33, 0.1, 0.95), neck, crown].concat()),
-        Turned::new(DVec3::ZERO, DVec3::Z, &stem),
-        Turned::new(DVec3::new(-0.08, 0.0, 1.6), DVec3::X, &bar),
+        SolidOfRevolution::new(
+            DVec3::ZERO,
+            DVec3::Z,
+            &[foot(0.33, 0.1, 0.95), neck, crown].concat(),
+        ),
+        SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &stem),
+        SolidOfRevolution::new(DVec3::new(-0.08, 0.0, 1.6), DVec3::X, &bar),
     ]
 }
 
 /// A foot, a neck that leans forward, a head across it, and two ears.
-fn knight() -> Vec<Turned> {
+fn knight() -> Vec<SolidOfRevolution> {
     let pedestal = [foot(0.29, 0.2, 0.24), vec![vec![[0.2, 0.24], [0.0, 0.26]]]].concat();
     let neck = vec![vec![
         [0.2, 0.0],
@@ -198,12 +202,13 @@ fn knight() -> Vec<Turned> {
     ]];
     let ear = vec![vec![[0.05, 0.0], [0.0, 0.17]]];
     let lean = |y: f64, z: f64| DVec3::new(0.0, y, z).normalize();
-    let ears = [-0.06, 0.06].map(|x| Turned::new(DVec3::new(x, 0.05, 0.93), lean(0.1, 1.0), &ear));
+    let ears = [-0.06, 0.06]
+        .map(|x| SolidOfRevolution::new(DVec3::new(x, 0.05, 0.93), lean(0.1, 1.0), &ear));
     let [left, right] = ears;
     vec![
-        Turned::new(DVec3::ZERO, DVec3::Z, &pedestal),
-        Turned::new(DVec3::new(0.0, -0.05, 0.2), lean(0.14, 1.0), &neck),
-        Turned::new(DVec3::new(0.0, -0.04, 0.95), lean(0.8, -0.5), &head),
+        SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &pedestal),
+        SolidOfRevolution::new(DVec3::new(0.0, -0.05, 0.2), lean(0.14, 1.0), &neck),
+        SolidOfRevolution::new(DVec3::new(0.0, -0.04, 0.95), lean(0.8, -0.5), &head),
         left,
         right,
     ]
@@ -213,25 +218,25 @@ fn knight() -> Vec<Turned> {
 mod tests {
     use super::*;
 
-    const ALL: [(Kind, f64); 6] = [
-        (Kind::Pawn, 0.84),
-        (Kind::Rook, 0.9),
-        (Kind::Knight, 1.1),
-        (Kind::Bishop, 1.2),
-        (Kind::Queen, 1.46),
-        (Kind::King, 1.68),
+    const ALL: [(PieceKind, f64); 6] = [
+        (PieceKind::Pawn, 0.84),
+        (PieceKind::Rook, 0.9),
+        (PieceKind::Knight, 1.1),
+        (PieceKind::Bishop, 1.2),
+        (PieceKind::Queen, 1.46),
+        (PieceKind::King, 1.68),
     ];
 
     #[test]
     fn pieces_are_as_high_as_told_and_stay_in_their_square() {
         for (kind, height) in ALL {
-            let piece = Piece::new(kind);
+            let piece = ChessPiece::new(kind);
             let mut top = 0.0_f64;
             for k in -60..=60 {
                 for z in 1..180 {
                     let (y, z) = (f64::from(k) / 120.0, f64::from(z) / 100.0);
                     let ray = Ray { origin: DVec3::new(-3.0, y, z), direction: DVec3::X };
-                    let Some(contact) = piece.meet(&ray, 6.0) else { continue };
+                    let Some(contact) = piece.intersect(&ray, 6.0) else { continue };
                     let at = ray.at(contact.t);
                     assert!(at.truncate().abs().max_element() < 0.5, "{kind:?}: {at}");
                     assert!(contact.normal.x < 1e-9, "{kind:?} shows its inside at {at}");
@@ -245,12 +250,12 @@ mod tests {
     #[test]
     fn no_ray_through_the_middle_of_a_foot_passes() {
         for (kind, _) in ALL {
-            let piece = Piece::new(kind);
+            let piece = ChessPiece::new(kind);
             for k in 0..360 {
                 let angle = crate::num::radians(f64::from(k));
                 let way = DVec3::new(cos(angle), sin(angle), 0.0);
                 let ray = Ray { origin: DVec3::new(0.0, 0.0, 0.1) - 2.0 * way, direction: way };
-                assert!(piece.meet(&ray, 4.0).is_some_and(|c| c.t < 2.0), "{kind:?} {k}");
+                assert!(piece.intersect(&ray, 4.0).is_some_and(|c| c.t < 2.0), "{kind:?} {k}");
             }
         }
     }

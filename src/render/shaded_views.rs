@@ -2,8 +2,8 @@
 
 use crate::parallel;
 
+use super::material::{Lighting, Material};
 use super::picture::{Canvas, Picture};
-use super::shade::{Lights, Matter};
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::trace::Scene;
@@ -19,7 +19,7 @@ const EYES_DEG: [[f64; 2]; 3] = [[0.0, 90.0], [0.0, 14.0], [38.0, 34.0]];
 
 /// A distant eye: unit vectors to the right, upwards and towards it.
 #[derive(Debug, Clone, Copy)]
-pub struct Eye {
+pub struct DistantView {
     /// To the right in the picture.
     pub right: DVec3,
     /// Up in it.
@@ -28,7 +28,7 @@ pub struct Eye {
     pub towards: DVec3,
 }
 
-impl Eye {
+impl DistantView {
     /// An eye `turn_deg` to the right of the picture's foot and `rise_deg` over the base plane.
     #[must_use]
     pub fn new([turn_deg, rise_deg]: [f64; 2]) -> Self {
@@ -40,9 +40,9 @@ impl Eye {
 
     /// A lamp above it on the left.
     #[must_use]
-    pub fn lights(&self) -> Lights {
+    pub fn lights(&self) -> Lighting {
         let lamp = 0.62 * self.towards + 0.62 * self.up - 0.48 * self.right;
-        Lights { up: self.up, lamp: lamp.normalize() }
+        Lighting { up: self.up, lamp: lamp.normalize() }
     }
 
     /// Where it sees `v`, mm to the right and up.
@@ -55,8 +55,8 @@ impl Eye {
 /// Three views of the mesh side by side on white, all to one scale. Facets are flat; where `normal`
 /// knows a normal at a place of the mesh, that is taken instead.
 #[must_use]
-pub fn views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> Picture {
-    let eyes = EYES_DEG.map(Eye::new);
+pub fn shaded_views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> Picture {
+    let eyes = EYES_DEG.map(DistantView::new);
     let vertices = &scene.mesh().vertices;
     let spans = eyes.map(|eye| {
         let nothing = [DVec2::INFINITY, DVec2::NEG_INFINITY];
@@ -70,7 +70,7 @@ pub fn views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> P
     let pixels_per_mm = FILL * fit.into_iter().fold(f64::INFINITY, f64::min);
     let reach =
         scene.mesh().bounds().map_or(1.0, |(lo, hi)| 2.0 * (lo.abs().max(hi.abs())).length());
-    let matter = Matter::new(0x9fb3c8, 0.35);
+    let matter = Material::new(0x9fb3c8, 0.35);
     let light = |x: f64, y: f64| {
         let tile = (x / columns) as usize;
         let (eye, [lo, hi]) = (&eyes[tile], spans[tile]);
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn a_block_fills_its_tiles_to_one_scale() {
         let scene = Scene::new(block(DVec3::new(20.0, 5.0, 3.0)));
-        let picture = views(&scene, |_| None);
+        let picture = shaded_views(&scene, |_| None);
         let width = picture.width as usize;
         let white = |x: usize, y: usize| picture.rgb[3 * (y * width + x)..][..3] == [255; 3];
         // In the front view and the low one its 40 mm fill the width.
@@ -140,8 +140,8 @@ mod tests {
     #[test]
     fn faces_of_a_block_have_one_colour_each_and_given_normals_another() {
         let scene = Scene::new(block(DVec3::splat(5.0)));
-        let flat = views(&scene, |_| None);
-        let leaning = views(&scene, |_| Some(DVec3::new(-0.6, 0.0, 0.8)));
+        let flat = shaded_views(&scene, |_| None);
+        let leaning = shaded_views(&scene, |_| Some(DVec3::new(-0.6, 0.0, 0.8)));
         let at = |picture: &Picture, x: u32, y: u32| {
             let start = 3 * (y * picture.width + x) as usize;
             picture.rgb[start..start + 3].to_vec()

@@ -12,7 +12,7 @@ const GLOSS: u32 = 5;
 
 /// What lights a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Lights {
+pub struct Lighting {
     /// Unit vector upwards.
     pub up: DVec3,
     /// Unit vector towards the lamp.
@@ -21,14 +21,14 @@ pub struct Lights {
 
 /// What a surface does with light.
 #[derive(Debug, Clone, Copy)]
-pub struct Matter {
+pub struct Material {
     /// Linear colour of the matt part.
     pub colour: [f32; 3],
     /// Strength of the highlight.
     pub gloss: f64,
 }
 
-impl Matter {
+impl Material {
     /// A surface of an sRGB colour.
     #[must_use]
     pub fn new(code: u32, gloss: f64) -> Self {
@@ -36,11 +36,17 @@ impl Matter {
     }
 }
 
-impl Lights {
+impl Lighting {
     /// Linear light from `matter` with the unit normal `normal` in the direction against `seen_along`;
     /// `lit`: whether the lamp reaches it.
     #[must_use]
-    pub fn shade(&self, matter: &Matter, normal: DVec3, seen_along: DVec3, lit: bool) -> [f32; 3] {
+    pub fn shade(
+        &self,
+        matter: &Material,
+        normal: DVec3,
+        seen_along: DVec3,
+        lit: bool,
+    ) -> [f32; 3] {
         let [above, below] = SKY;
         let sky = 0.5 * ((above + below) + (above - below) * normal.dot(self.up));
         let lamp = if lit { normal.dot(self.lamp).max(0.0) } else { 0.0 };
@@ -72,11 +78,11 @@ pub fn backdrop(rise: f64) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    const LIGHTS: Lights = Lights { up: DVec3::Z, lamp: DVec3::new(0.6, 0.0, 0.8) };
+    const LIGHTS: Lighting = Lighting { up: DVec3::Z, lamp: DVec3::new(0.6, 0.0, 0.8) };
 
     #[test]
     fn a_surface_is_brightest_towards_the_lamp_and_dark_without_it() {
-        let matter = Matter { colour: [1.0, 0.5, 0.25], gloss: 0.0 };
+        let matter = Material { colour: [1.0, 0.5, 0.25], gloss: 0.0 };
         let seen = |normal, lit| LIGHTS.shade(&matter, normal, DVec3::NEG_Z, lit);
         let [facing, up, away] = [LIGHTS.lamp, DVec3::Z, -LIGHTS.lamp].map(|n| seen(n, true));
         assert!(facing[0] > up[0] && up[0] > away[0] && away[0] > 0.0);
@@ -86,7 +92,7 @@ mod tests {
 
     #[test]
     fn gloss_shines_only_in_the_mirror_direction() {
-        let matter = Matter { colour: [0.0; 3], gloss: 1.0 };
+        let matter = Material { colour: [0.0; 3], gloss: 1.0 };
         let mirrored = DVec3::new(0.6, 0.0, -0.8);
         assert!(LIGHTS.shade(&matter, DVec3::Z, mirrored, true)[0] > 0.999);
         assert!(LIGHTS.shade(&matter, DVec3::Z, -LIGHTS.lamp, true)[0] < 0.01);

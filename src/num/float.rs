@@ -1,0 +1,93 @@
+//! `f64` as a [`Scalar`]: plain values.
+
+use super::elementary as f;
+use super::scalar::{Base, Scalar, SmoothFn};
+use super::special::{AtanOverRoot, TanOverRoot};
+
+impl Scalar for f64 {
+    #[inline]
+    fn constant(x: f64) -> Self {
+        x
+    }
+    #[inline]
+    fn mid(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn square(self) -> Self {
+        self * self
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        f::exp(self)
+    }
+    #[inline]
+    fn log(self) -> Self {
+        f::log(self)
+    }
+    #[inline]
+    fn sin(self) -> Self {
+        f::sin(self)
+    }
+    #[inline]
+    fn cos(self) -> Self {
+        f::cos(self)
+    }
+    #[inline]
+    fn tan(self) -> Self {
+        f::tan(self)
+    }
+    #[inline]
+    fn atan(self) -> Self {
+        f::atan(self)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        f::atan2(self, x)
+    }
+    #[inline]
+    fn one_minus_exp_over_x(self) -> Self {
+        if self == 0.0 { 1.0 } else { -f::expm1(-self) / self }
+    }
+    #[inline]
+    fn ln_1p_over_x(self) -> Self {
+        if self == 0.0 { 1.0 } else { f::log1p(self) / self }
+    }
+    #[inline]
+    fn tan_over_root(self) -> Self {
+        if self.abs() < 1e-8 {
+            1.0 + self / 3.0
+        } else if self < 0.0 {
+            TanOverRoot.at(self)[0]
+        } else {
+            let root = f64::sqrt(self);
+            f::tan(root) / root
+        }
+    }
+    #[inline]
+    fn atan_over_root(self) -> Self {
+        if self.abs() < 1e-8 {
+            1.0 - self / 3.0
+        } else if self < 0.0 {
+            AtanOverRoot.at(self)[0]
+        } else {
+            let root = f64::sqrt(self);
+            f::atan(root) / root
+        }
+    }
+    #[inline]
+    fn map(self, curve: &impl SmoothFn) -> Self {
+        curve.at(self)[0]
+    }
+}
+
+impl Base for f64 {
+    #[inline]
+    fn curve(self, curve: &impl SmoothFn) -> [Self; 3] {
+        curve.at(self)
+    }
+}
