@@ -7,7 +7,7 @@
 //! - **camera**: which ray each image point sends out; orthographic or pinhole (`optics::Camera`).
 //! - **projection**: which world direction, or point of a target surface, an image point must see
 //!   (`optics::Projection`; with the target, `optics::ImagingTask`).
-//! - **law**: how an image row or radius maps to elevation (`optics::Law`, `optics::RadialLaw`).
+//! - **law**: how an image row or radius maps to elevation (`optics::StripLaw`, `optics::RadialLaw`).
 //! - **chart**: image coordinates and a height along the camera's rays (`geom::Chart`).
 //! - **panel**: one smooth mirror sheet over one image region; a conquistador has two, the second
 //!   being the reflection of the first.

@@ -234,9 +234,9 @@ fn tried(stage: Option<FitStage>) -> String {
 mod tests {
     use super::*;
     use crate::num::{atan, radians};
-    use crate::optics::{Law, Projection, Strip};
+    use crate::optics::{Projection, Strip, StripLaw};
 
-    fn view(law: Law, target: Target) -> ImagingTask {
+    fn view(law: StripLaw, target: Target) -> ImagingTask {
         let strip = Strip { law, scale_mm: 1.0, azimuth: 0.0, z: 0.0 };
         ImagingTask { projection: Projection::Strip(strip), target, origin_mm: 0.0, fold: None }
     }
@@ -254,26 +254,26 @@ mod tests {
 
     #[test]
     fn each_failure_is_told_from_the_others() {
-        let far = view(Law::EqualArea, Target::Infinity);
+        let far = view(StripLaw::EqualArea, Target::Infinity);
         let lean = [0.0, 0.5];
         assert_eq!(failure(&far, [0.0, 0.5], [0.0; 3], lean), None);
         assert_eq!(failure(&far, [0.0, 1.5], [0.0; 3], lean), Some(LocalFailure::LawUndefined));
         let upright = failure(&far, [0.0, 0.5], [0.0; 3], [f64::INFINITY, 0.0]);
         assert_eq!(upright, Some(LocalFailure::Vertical));
-        let round = view(Law::EqualArea, Target::Cylinder { radius_mm: 10.0 });
+        let round = view(StripLaw::EqualArea, Target::Cylinder { radius_mm: 10.0 });
         let outside = failure(&round, [0.0, 0.5], [0.0, 11.0, 0.0], lean);
         assert_eq!(outside, Some(LocalFailure::OutsideCylinder { by_mm: 1.0 }));
-        let below = view(Law::EqualArea, Target::Plane { height_mm: -50.0 });
+        let below = view(StripLaw::EqualArea, Target::Plane { height_mm: -50.0 });
         let past = failure(&below, [0.0, -0.5], [0.0, 0.0, -53.0], lean);
         assert_eq!(past, Some(LocalFailure::PastPlane { by_mm: 3.0 }));
-        let cylindrical = view(Law::Cylindrical, Target::Infinity);
+        let cylindrical = view(StripLaw::Cylindrical, Target::Infinity);
         let nowhere = failure(&cylindrical, [0.0, 0.5], [0.0; 3], [0.0; 2]);
         assert_eq!(nowhere, Some(LocalFailure::NotInImage { elevation_deg: 90.0 }));
     }
 
     #[test]
     fn elevations_that_miss_a_plane_are_told() {
-        let below = view(Law::EqualArea, Target::Plane { height_mm: -50.0 });
+        let below = view(StripLaw::EqualArea, Target::Plane { height_mm: -50.0 });
         // This law's coordinate is the sine of the elevation.
         let Some(LocalFailure::WantedMissesPlane { elevation_deg }) =
             failure(&below, [0.0, 0.5], [0.0; 3], [0.0, 2.0])

@@ -92,7 +92,7 @@ fn outline(profile: &Profile) -> Result<Outline, DesignError> {
 /// Camera and view about the mirror: the reference plane at the mean height of the mirror, of a
 /// round one at its outer rim's; the target's origin at the mean height.
 fn with_camera(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, DesignError> {
-    let mut camera = layout::camera(profile);
+    let mut camera = Camera::new(&profile.camera, profile.part.width_mm);
     if camera.chart.vergence != 0.0 {
         camera.chart.plane_mm = match mirror.outline {
             Outline::Rect(_) => at_mean(&mirror, camera.chart, profile.part.width_mm),

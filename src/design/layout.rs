@@ -2,12 +2,12 @@
 
 use super::FailureCause;
 use super::strip::{self, StripPanel};
-use crate::geom::{Chart, DVec2, Outline, Rect};
+use crate::geom::{DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
-use crate::optics::{Camera, Fold, ImagingTask, Law, Projection, RimConditions, Target};
-use crate::profile::{self, Layout, PanelSource, Profile, RadialLawKind, RadialSpec, Ridge};
+use crate::optics::{Camera, Fold, ImagingTask, Projection, RimConditions, StripLaw, Target};
+use crate::profile::{Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge, StripSpec};
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
 #[derive(Debug, Clone)]
@@ -57,8 +57,7 @@ impl SelfConsistentGeometry {
         let rim =
             mirror.position(DVec2::new(inner, 0.0), &mirror.surface.at(DVec2::new(inner, 0.0)));
         let inner_mm = if wanted == 0.0 { 0.0 } else { wanted * inner / rim.x };
-        let far =
-            |projection: &profile::ProjectionSpec| projection.target() == profile::Target::Infinity;
+        let far = |projection: &ProjectionSpec| projection.target() == Target::Infinity;
         if profile.projection.as_ref().is_none_or(far) {
             return Self { inner_mm, ..*self };
         }
@@ -86,22 +85,6 @@ impl SelfConsistentGeometry {
     }
 }
 
-/// The camera that `profile` asks for, its reference plane at Z = 0.
-#[must_use]
-pub fn camera(profile: &Profile) -> Camera {
-    let chart = |vergence| Chart { vergence, plane_mm: 0.0 };
-    match profile.camera {
-        profile::CameraModel::Orthographic { pixels } => {
-            let pixel_mm = profile.part.width_mm / f64::from(pixels[0]);
-            Camera { pixels, pixel_mm, chart: chart(0.0) }
-        }
-        profile::CameraModel::Pinhole { pixels, focal_px, distance_mm } => {
-            let pixel_mm = distance_mm / focal_px;
-            Camera { pixels, pixel_mm, chart: chart(1.0 / distance_mm) }
-        }
-    }
-}
-
 impl DesignProblem {
     /// Lays out `profile`, if it has a projection.
     ///
@@ -111,13 +94,11 @@ impl DesignProblem {
         profile: &Profile,
         geometry: &SelfConsistentGeometry,
     ) -> Result<Option<Self>, FailureCause> {
-        let camera = camera(profile);
+        let camera = Camera::new(&profile.camera, profile.part.width_mm);
         match &profile.projection {
             None => Ok(None),
-            Some(profile::ProjectionSpec::Strip(wanted)) => {
-                Self::strip(profile, wanted, camera).map(Some)
-            }
-            Some(profile::ProjectionSpec::Radial(wanted)) => {
+            Some(ProjectionSpec::Strip(wanted)) => Self::strip(profile, wanted, camera).map(Some),
+            Some(ProjectionSpec::Radial(wanted)) => {
                 Ok(Some(Self::round(profile, wanted, camera, geometry)))
             }
         }
@@ -133,11 +114,7 @@ impl DesignProblem {
         }
     }
 
-    fn strip(
-        profile: &Profile,
-        wanted: &profile::StripSpec,
-        camera: Camera,
-    ) -> Result<Self, FailureCause> {
+    fn strip(profile: &Profile, wanted: &StripSpec, camera: Camera) -> Result<Self, FailureCause> {
         let width = profile.part.width_mm;
         let frame_height = camera.pixel_mm * f64::from(camera.pixels[1]);
         let [first, last] = wanted.azimuth_deg;
@@ -150,7 +127,7 @@ impl DesignProblem {
             _ => (span, 1.0, false),
         };
         let scale_mm = width / across;
-        let target = target(wanted.target);
+        let target = wanted.target;
         // The line Y = 0 is the ridge, or the middle of the rows.
         let (fold, below) = match profile.layout {
             Layout::Conquistador { ridge: Ridge::Crest, .. } => (Some(Fold::Above), 0.0),
@@ -212,24 +189,14 @@ impl DesignProblem {
         let radius = [geometry.inner_mm, 0.5 * profile.part.width_mm];
         let psi = [wanted.inner_polar_deg.unwrap_or(0.0), wanted.outer_polar_deg].map(radians);
         let rims = RimConditions { radius, psi, vergence: camera.chart.vergence };
-        let law = match wanted.law {
-            RadialLawKind::Parabolic => rims.parabolic(),
-            RadialLawKind::Hyperbolic => rims.hyperbolic(),
-            RadialLawKind::Conical => rims.conical(),
-            RadialLawKind::Equiangular => rims.equiangular(),
-            RadialLawKind::TangentProportional => rims.tangent_proportional(),
-            RadialLawKind::AreaProportional => rims.area_proportional(),
-            RadialLawKind::Plane => rims.plane(),
-            RadialLawKind::EquiAreal => rims.equi_areal(),
-            RadialLawKind::Cylinder => rims.cylinder(),
-        };
+        let law = rims.law(wanted.law);
         let projection = Projection::Radial { law, radius };
         let outline = Outline::Ring { inner: radius[0], outer: radius[1] };
         Self {
             camera,
             view: ImagingTask {
                 projection,
-                target: target(wanted.target),
+                target: wanted.target,
                 origin_mm: geometry.origin_mm,
                 fold: None,
             },
@@ -247,7 +214,7 @@ impl DesignProblem {
 /// # Errors
 /// [`FailureCause::BeyondPole`] or [`FailureCause::BeyondHorizon`] when it does not.
 fn check_frame_filled(
-    law: &Law,
+    law: &StripLaw,
     target: Target,
     z: [f64; 2],
     rows: f64,
@@ -266,14 +233,6 @@ fn check_frame_filled(
         _ => return Ok(()),
     };
     if past >= 0.0 { Err(FailureCause::BeyondHorizon { rows: past * rows }) } else { Ok(()) }
-}
-
-fn target(target: profile::Target) -> Target {
-    match target {
-        profile::Target::Infinity => Target::Infinity,
-        profile::Target::Cylinder { radius_mm } => Target::Cylinder { radius_mm },
-        profile::Target::Plane { height_mm } => Target::Plane { height_mm },
-    }
 }
 
 /// The nearest single-precision numbers.

@@ -319,7 +319,7 @@ mod tests {
     use super::*;
     use crate::geom::{Chart, DVec2};
     use crate::num::{log, sin};
-    use crate::optics::{ImagingTask, Law, Projection, Strip};
+    use crate::optics::{ImagingTask, Projection, Strip, StripLaw};
     use std::sync::Arc;
 
     fn search(chart: &Chart, target: Target, below: f64) -> LeastCurlProblem<'_> {
@@ -343,7 +343,7 @@ mod tests {
     }
 
     /// The root mean square by the view's own curl, for a law over the range `z`.
-    fn rms(search: &LeastCurlProblem, law: Law, z: [f64; 2]) -> f64 {
+    fn rms(search: &LeastCurlProblem, law: StripLaw, z: [f64; 2]) -> f64 {
         let unit = search.scale_mm;
         let below = z[0] + search.below * (z[1] - z[0]);
         let strip = Strip { law, scale_mm: unit, azimuth: search.azimuth, z: below };
@@ -367,7 +367,7 @@ mod tests {
     }
 
     fn rms_of(search: &LeastCurlProblem, (table, height): (TabulatedLaw, f64)) -> f64 {
-        rms(search, Law::Tabulated(Arc::new(table)), [0.0, height])
+        rms(search, StripLaw::Tabulated(Arc::new(table)), [0.0, height])
     }
 
     fn charts() -> [Chart; 3] {
@@ -434,7 +434,12 @@ mod tests {
             let search = search(chart, target, below);
             let (table, height) = search.law().unwrap();
             let least = rms_of(&search, (table.clone(), height));
-            for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
+            for law in [
+                StripLaw::Cylindrical,
+                StripLaw::Mercator,
+                StripLaw::Equirectangular,
+                StripLaw::EqualArea,
+            ] {
                 let z = search.elevation_deg.map(|e| law.image_of_degrees(e));
                 let named = rms(&search, law.clone(), z);
                 assert!(least < 0.95 * named, "{law:?}: {named:e} {least:e}");

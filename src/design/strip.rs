@@ -3,7 +3,7 @@
 use super::FailureCause;
 use super::least_curl_law::LeastCurlProblem;
 use crate::num::radians;
-use crate::optics::{Camera, Law, SlopeField, TabulatedLaw, Target};
+use crate::optics::{Camera, SlopeField, StripLaw, TabulatedLaw, Target};
 use crate::profile::{StripLawSpec, StripSpec};
 use std::sync::Arc;
 
@@ -34,19 +34,16 @@ pub fn strip_law(
     wanted: &StripSpec,
     panel: &StripPanel,
     high: Option<f64>,
-) -> Result<(Law, [f64; 2]), FailureCause> {
+) -> Result<(StripLaw, [f64; 2]), FailureCause> {
     let law = match &wanted.law {
-        StripLawSpec::Cylindrical => Law::Cylindrical,
-        StripLawSpec::Mercator => Law::Mercator,
-        StripLawSpec::Equirectangular => Law::Equirectangular,
-        StripLawSpec::EqualArea => Law::EqualArea,
-        StripLawSpec::Best => {
+        StripLawSpec::Named(law) => law.clone(),
+        StripLawSpec::LeastCurl => {
             let search = least_curl_problem(wanted, panel);
             let (table, height) = match high {
                 Some(high) => search.filling(high)?,
                 None => search.law()?,
             };
-            return Ok((Law::Tabulated(Arc::new(table)), [0.0, height]));
+            return Ok((StripLaw::Tabulated(Arc::new(table)), [0.0, height]));
         }
         StripLawSpec::Table(rows) => {
             let (law, z) = tabulated(rows, panel.camera.pixel_mm / panel.scale_mm)?;
@@ -77,12 +74,12 @@ fn least_curl_problem<'a>(wanted: &StripSpec, panel: &StripPanel<'a>) -> LeastCu
 
 /// The law through rows (pixels down the picture) and elevations (degrees), for pixels of `pixel`
 /// in the paper's units.
-fn tabulated(rows: &[[f64; 2]], pixel: f64) -> Result<(Law, [f64; 2]), FailureCause> {
+fn tabulated(rows: &[[f64; 2]], pixel: f64) -> Result<(StripLaw, [f64; 2]), FailureCause> {
     let z: Vec<f64> = rows.iter().rev().map(|[row, _]| -row * pixel).collect();
     let elevations: Vec<f64> = rows.iter().rev().map(|[_, e]| radians(*e)).collect();
     let table =
         TabulatedLaw::from_elevations(&z, &elevations).ok_or(FailureCause::DegenerateTable)?;
-    Ok((Law::Tabulated(Arc::new(table)), [z[0], z[z.len() - 1]]))
+    Ok((StripLaw::Tabulated(Arc::new(table)), [z[0], z[z.len() - 1]]))
 }
 
 #[cfg(test)]

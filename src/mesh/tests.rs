@@ -8,7 +8,9 @@ use crate::num::legendre::{Series, values};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::sample::Draws;
 use crate::num::{atan2, cos, exp, log, radians, sin};
-use crate::optics::{ImagingTask, Law, Projection, RadialLaw, RimConditions, Strip, Target};
+use crate::optics::{
+    ImagingTask, Projection, RadialLaw, RadialLawKind, RimConditions, Strip, StripLaw, Target,
+};
 use std::collections::{HashMap, HashSet};
 
 const PARALLEL: Chart = Chart { vergence: 0.0, plane_mm: 20.0 };
@@ -52,7 +54,7 @@ fn ring([inner, outer]: [f64; 2], chart: Chart, f: impl Fn(f64) -> f64) -> Mirro
     Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] }
 }
 
-fn strip(law: Law, target: Target) -> ImagingTask {
+fn strip(law: StripLaw, target: Target) -> ImagingTask {
     let projection = Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.3 });
     ImagingTask { projection, target, origin_mm: 20.0, fold: None }
 }
@@ -205,7 +207,7 @@ impl Case {
 /// The exact conformal mirror on a sheet, as large as the conquistador's panel: for the law of
 /// Mercator the field is a gradient.
 fn conformal() -> Case {
-    let view = strip(Law::Mercator, Target::Infinity);
+    let view = strip(StripLaw::Mercator, Target::Infinity);
     let rect = Rect { min: DVec2::new(-30.0, -18.0), max: DVec2::new(30.0, 22.5) };
     let f = |q: DVec2| 19.0 * exp(-(q.y / 19.0 - 0.3)) * cos(q.x / 19.0);
     let mut mirror = sheet(rect, Chart { plane_mm: 0.0, ..PARALLEL }, 20, f);
@@ -228,7 +230,8 @@ fn an_error_that_is_no_number_is_not_forgotten() {
 #[test]
 fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
     let rims = RimConditions { radius: [10.0, 30.0], psi: [0.4, 1.9], vergence: PINHOLE.vergence };
-    let projection = Projection::Radial { law: rims.equiangular(), radius: rims.radius };
+    let projection =
+        Projection::Radial { law: rims.law(RadialLawKind::Equiangular), radius: rims.radius };
     let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
     let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
     let case = Case { mirror, camera: PINHOLE, view };
@@ -306,7 +309,7 @@ fn sheet_under_parallel_rays() {
 #[test]
 fn sheets_under_a_pinhole() {
     for target in [Target::Infinity, Target::Cylinder { radius_mm: 150.0 }] {
-        let view = strip(Law::Cylindrical, target);
+        let view = strip(StripLaw::Cylindrical, target);
         let rect = Rect { min: DVec2::new(-28.3, -17.1), max: DVec2::new(25.2, 19.4) };
         let mirror = sheet(rect, PINHOLE, 18, towards(&view, &PINHOLE, DVec2::new(0.0, 5.0)));
         let case = Case { mirror, camera: PINHOLE, view };
@@ -322,7 +325,8 @@ fn sheets_under_a_pinhole() {
 #[test]
 fn disc_in_a_cylinder() {
     let rims = RimConditions { radius: [0.0, 30.0], psi: [0.0, radians(90.0)], vergence: 0.0 };
-    let projection = Projection::Radial { law: rims.parabolic(), radius: rims.radius };
+    let projection =
+        Projection::Radial { law: rims.law(RadialLawKind::Parabolic), radius: rims.radius };
     let target = Target::Cylinder { radius_mm: 200.0 };
     let view = ImagingTask { projection, target, origin_mm: 12.0, fold: None };
     let mirror = ring([0.0, 30.0], PARALLEL, |r| -r * r / 60.0 + 1e-7 * r * r * r * r);
@@ -342,7 +346,7 @@ fn cone_under_a_pinhole() {
         psi: [0.0, radians(100.0)],
         vergence: PINHOLE.vergence,
     };
-    let law = rims.conical();
+    let law = rims.law(RadialLawKind::Conical);
     let RadialLaw::Conical { slope, vergence: k } = law else { unreachable!() };
     // h is linear in the radius.
     let cone = |r: f64| -log((1.0 - slope * k * 20.0) / (1.0 - slope * k * r)) / k;
@@ -365,7 +369,8 @@ fn given_mirrors_under_a_pinhole() {
         psi: [0.0, radians(80.0)],
         vergence: PINHOLE.vergence,
     };
-    let radial = Projection::Radial { law: rims.hyperbolic(), radius: rims.radius };
+    let radial =
+        Projection::Radial { law: rims.law(RadialLawKind::Hyperbolic), radius: rims.radius };
     let target = Target::Cylinder { radius_mm: 300.0 };
     let bowl = |r: f64| -r * r / 60.0;
     let rect = Rect { min: DVec2::new(-20.0, 3.0), max: DVec2::new(20.0, 25.0) };
@@ -375,7 +380,7 @@ fn given_mirrors_under_a_pinhole() {
             ring([0.0, 22.0], PARALLEL, bowl),
             ImagingTask { projection: radial, target, origin_mm: 15.0, fold: None },
         ),
-        (sheet, strip(Law::Equirectangular, Target::Infinity)),
+        (sheet, strip(StripLaw::Equirectangular, Target::Infinity)),
     ] {
         let case = Case { mirror, camera: PINHOLE, view };
         for limits in [(Some(1e-3), None), (None, Some(0.3))] {

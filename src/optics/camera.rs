@@ -2,6 +2,54 @@
 
 use crate::geom::{Chart, DVec2, Ray};
 
+/// Camera that looks into the mirror, by its frame and its focal length in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CameraModel {
+    /// Telecentric camera: all its rays are parallel to the optical axis.
+    Orthographic {
+        /// Width and height of the frame in pixels.
+        pixels: [u32; 2],
+    },
+    /// Camera whose rays all pass through one point on the optical axis.
+    Pinhole {
+        /// Width and height of the frame in pixels.
+        pixels: [u32; 2],
+        /// Focal length in pixels, positive.
+        focal_px: f64,
+        /// Distance of the reference plane from the pinhole, mm, positive.
+        distance_mm: f64,
+    },
+}
+
+impl CameraModel {
+    /// Width and height of the frame in pixels.
+    #[must_use]
+    pub fn pixels(&self) -> [u32; 2] {
+        match *self {
+            Self::Orthographic { pixels } | Self::Pinhole { pixels, .. } => pixels,
+        }
+    }
+
+    /// Side of a pixel on the reference plane, mm: the frame of a telecentric camera is as wide as the
+    /// mirror, `width_mm`.
+    #[must_use]
+    pub fn pixel_mm(&self, width_mm: f64) -> f64 {
+        match *self {
+            Self::Orthographic { pixels } => width_mm / f64::from(pixels[0]),
+            Self::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
+        }
+    }
+
+    /// Curvature of the wavefronts on the reference plane, 1/mm: 0 for parallel rays.
+    #[must_use]
+    pub fn vergence(&self) -> f64 {
+        match *self {
+            Self::Orthographic { .. } => 0.0,
+            Self::Pinhole { distance_mm, .. } => 1.0 / distance_mm,
+        }
+    }
+}
+
 /// A camera on the axis looking along -Z, orthographic (telecentric) or pinhole, its picture
 /// centred on the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +63,13 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// Camera of a model over a mirror `width_mm` wide, its reference plane at Z = 0.
+    #[must_use]
+    pub fn new(model: &CameraModel, width_mm: f64) -> Self {
+        let chart = Chart { vergence: model.vergence(), plane_mm: 0.0 };
+        Self { pixels: model.pixels(), pixel_mm: model.pixel_mm(width_mm), chart }
+    }
+
     /// The point (X, Y) mm on the reference plane under the picture point (`x`, `y`) pixels: x to
     /// the right, y downwards, both from the upper left corner; pixel centres at halves.
     #[inline]

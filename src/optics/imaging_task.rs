@@ -271,23 +271,28 @@ impl ImagingTask {
 mod tests {
     use super::*;
     use crate::num::{atan2, cos, radians, sin, wrap_turn};
-    use crate::optics::{Law, RimConditions, reflect};
+    use crate::optics::{RadialLawKind, RimConditions, StripLaw, reflect};
 
-    fn strip(law: Law) -> Projection {
+    fn strip(law: StripLaw) -> Projection {
         Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.589 })
     }
 
     fn ring() -> Projection {
         let rims =
             RimConditions { radius: [6.0, 31.0], psi: [50.0, 120.0].map(radians), vergence: 0.004 };
-        Projection::Radial { law: rims.equiangular(), radius: rims.radius }
+        Projection::Radial { law: rims.law(RadialLawKind::Equiangular), radius: rims.radius }
     }
 
     fn views() -> Vec<ImagingTask> {
         let targets = [Target::Infinity, Target::Cylinder { radius_mm: 70.0 }];
         let mut views = Vec::new();
         for target in targets {
-            for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
+            for law in [
+                StripLaw::Cylindrical,
+                StripLaw::Mercator,
+                StripLaw::Equirectangular,
+                StripLaw::EqualArea,
+            ] {
                 let fold = Some(Fold::Above);
                 views.push(ImagingTask { projection: strip(law), target, origin_mm: 8.0, fold });
             }
@@ -296,7 +301,8 @@ mod tests {
         let target = Target::Plane { height_mm: -300.0 };
         let rims =
             RimConditions { radius: [6.0, 31.0], psi: [110.0, 140.0].map(radians), vergence: 0.0 };
-        let projection = Projection::Radial { law: rims.cylinder(), radius: rims.radius };
+        let projection =
+            Projection::Radial { law: rims.law(RadialLawKind::Cylinder), radius: rims.radius };
         views.push(ImagingTask { projection, target, origin_mm: 8.0, fold: None });
         views
     }
@@ -361,7 +367,7 @@ mod tests {
             |projection, target| ImagingTask { projection, target, origin_mm: 3.0, fold: None };
         let cylinder = Target::Cylinder { radius_mm: 70.0 };
         for q in points() {
-            let mercator = exact(strip(Law::Mercator), Target::Infinity);
+            let mercator = exact(strip(StripLaw::Mercator), Target::Infinity);
             assert!(mercator.curl(&chart, q, 0.0).abs() < 1e-16);
             for target in [Target::Infinity, cylinder] {
                 for chart in charts() {
@@ -370,7 +376,7 @@ mod tests {
             }
         }
         let q = DVec2::new(12.0, 9.0);
-        assert!(exact(strip(Law::Cylindrical), cylinder).curl(&chart, q, 0.0).abs() > 1e-5);
+        assert!(exact(strip(StripLaw::Cylindrical), cylinder).curl(&chart, q, 0.0).abs() > 1e-5);
     }
 
     /// Under parallel rays and far away, with azimuth a and elevation e, it is sin a (e' - cos e) / 2.
@@ -378,7 +384,12 @@ mod tests {
     fn bounds_of_the_curl_hold_its_closed_form_and_are_near_it() {
         let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
         for scale_mm in [1e-4, 0.3, 19.0, 1e6] {
-            for law in [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea] {
+            for law in [
+                StripLaw::Cylindrical,
+                StripLaw::Mercator,
+                StripLaw::Equirectangular,
+                StripLaw::EqualArea,
+            ] {
                 let strip = Strip { law: law.clone(), scale_mm, azimuth: 0.1, z: 0.0 };
                 let projection = Projection::Strip(strip);
                 let view = ImagingTask {
@@ -393,9 +404,9 @@ mod tests {
                     // cos e and de/dz, z being what the law makes of it.
                     let z = q.y / scale_mm;
                     let (c, slope) = match law {
-                        Law::Cylindrical => (1.0 / (1.0 + z * z).sqrt(), 1.0 / (1.0 + z * z)),
-                        Law::Mercator => (0.0, 0.0),
-                        Law::Equirectangular => (cos(z), 1.0),
+                        StripLaw::Cylindrical => (1.0 / (1.0 + z * z).sqrt(), 1.0 / (1.0 + z * z)),
+                        StripLaw::Mercator => (0.0, 0.0),
+                        StripLaw::Equirectangular => (cos(z), 1.0),
                         _ => ((1.0 - z * z).sqrt(), 1.0 / (1.0 - z * z).sqrt()),
                     };
                     let exact = 0.5 * sin(q.x / scale_mm + 0.1) * (slope - c) / scale_mm;
@@ -403,7 +414,7 @@ mod tests {
                     let ulp = f64::EPSILON * condition;
                     let room = Interval::new(range.lo - 2.0 * ulp, range.hi + 2.0 * ulp);
                     assert!(room.contains(exact), "{law:?} {q}: {exact:e} {range:?}");
-                    assert!(range.contains(exact) || law != Law::Mercator, "{q}: {range:?}");
+                    assert!(range.contains(exact) || law != StripLaw::Mercator, "{q}: {range:?}");
                     assert!(range.contains(view.curl(&chart, q, 0.0)), "{law:?} {q}: {range:?}");
                     assert!(range.width() < 100.0 * ulp, "{law:?} {q}: {range:?} {ulp:e}");
                 }
@@ -427,7 +438,7 @@ mod tests {
                     };
                     assert!(of(ring()).contains(0.0), "{target:?} {chart:?} {q}");
                     let turned = q.x.abs() > 1.0;
-                    let other = of(strip(Law::Cylindrical));
+                    let other = of(strip(StripLaw::Cylindrical));
                     assert!(!turned || !other.contains(0.0), "{target:?} {chart:?} {q} {other:?}");
                 }
             }
@@ -451,17 +462,17 @@ mod tests {
         for x in [-2.0, -1.0, 0.0, 1.0] {
             let far = DVec2::new(x * turn, 2.0) + way;
             assert!(
-                (strip(Law::Mercator).image_distance(far, DVec2::new(0.0, 2.0)) - 0.5).abs()
+                (strip(StripLaw::Mercator).image_distance(far, DVec2::new(0.0, 2.0)) - 0.5).abs()
                     < 1e-13
             );
         }
         assert_eq!(ring().image_distance(DVec2::new(turn, 0.0), DVec2::ZERO), turn);
-        assert!(strip(Law::Mercator).image_distance(DVec2::NAN, DVec2::ZERO).is_nan());
+        assert!(strip(StripLaw::Mercator).image_distance(DVec2::NAN, DVec2::ZERO).is_nan());
     }
 
     #[test]
     fn azimuth_wraps_to_the_nearer_turn() {
-        let strip = Strip { law: Law::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
+        let strip = Strip { law: StripLaw::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
         let edge = DVec2::new(10.0 * std::f64::consts::PI - 0.01, 1.0);
         let beyond = edge + DVec2::new(0.02, 0.0);
         let back = DVec2::from_array(strip.image_of(strip.direction_of(beyond.to_array()), edge));

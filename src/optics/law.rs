@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// The law of the rows of a panorama.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Law {
+pub enum StripLaw {
     /// tan e = z: the paper's projection onto a cylinder.
     Cylindrical,
     /// tan e = sinh z: conformal.
@@ -24,7 +24,7 @@ pub enum Law {
     Tabulated(Arc<TabulatedLaw>),
 }
 
-impl Law {
+impl StripLaw {
     /// E = exp(-m) = cos e / (1 + sin e) at image coordinate `z`, to a few ulps. (For the paper's
     /// law 1 / (z + sqrt(1 + z^2)); its other form, sqrt(1 + z^2) - z, loses every digit for large
     /// z.)
@@ -121,7 +121,9 @@ mod tests {
 
     #[test]
     fn law_forms_lose_no_digits() {
-        for (law, table) in [(Law::Cylindrical, &CYLINDRICAL[..]), (Law::Mercator, &MERCATOR[..])] {
+        for (law, table) in
+            [(StripLaw::Cylindrical, &CYLINDRICAL[..]), (StripLaw::Mercator, &MERCATOR[..])]
+        {
             for &(z, radius, cos_e) in table {
                 let found = law.stereographic_radius(z);
                 assert!(close(found, radius, 3.0), "{law:?} {z}: {found}");
@@ -132,7 +134,8 @@ mod tests {
         }
     }
 
-    const LAWS: [Law; 4] = [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea];
+    const LAWS: [StripLaw; 4] =
+        [StripLaw::Cylindrical, StripLaw::Mercator, StripLaw::Equirectangular, StripLaw::EqualArea];
 
     #[test]
     fn every_law_puts_an_elevation_where_its_definition_says() {

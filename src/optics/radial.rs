@@ -6,7 +6,7 @@
 //! r / t against t^2: smooth at the centre wherever the mirror is.
 
 use crate::geom::DVec2;
-use crate::num::{Scalar, atan, sin, tan};
+use crate::num::{Scalar, atan};
 
 /// The law of the radii (docs/theory.md, T19). Lengths are mm on the reference plane, angles
 /// radians.
@@ -75,105 +75,6 @@ pub enum RadialLaw {
         /// 1/mm.
         rate: f64,
     },
-}
-
-/// What the rims of an axisymmetric mirror see, from which a law's constants follow.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RimConditions {
-    /// Image radii of the inner and the outer rim, mm; the inner one is 0 for a disc.
-    pub radius: [f64; 2],
-    /// Polar angles psi there, radians. One-constant laws look at the outer one alone.
-    pub psi: [f64; 2],
-    /// k of the camera, 1/mm.
-    pub vergence: f64,
-}
-
-impl RimConditions {
-    /// theta / k at image radius `r`: r itself for parallel rays.
-    fn angle(&self, r: f64) -> f64 {
-        r * (self.vergence * r).square().atan_over_root()
-    }
-
-    /// t at the outer rim.
-    fn outer_t(&self) -> f64 {
-        tan(0.5 * self.psi[1])
-    }
-
-    /// tan(theta / 2) at the outer rim.
-    fn outer_half(&self) -> f64 {
-        tan(0.5 * atan(self.vergence * self.radius[1]))
-    }
-
-    /// [`RadialLaw::Parabolic`] through the outer rim.
-    #[must_use]
-    pub fn parabolic(&self) -> RadialLaw {
-        RadialLaw::Parabolic { rate: self.outer_t() / self.radius[1] }
-    }
-
-    /// [`RadialLaw::Hyperbolic`] through the outer rim.
-    #[must_use]
-    pub fn hyperbolic(&self) -> RadialLaw {
-        let rate = self.outer_half() / self.outer_t();
-        RadialLaw::Hyperbolic { rate, vergence: self.vergence }
-    }
-
-    /// [`RadialLaw::Conical`] through the outer rim.
-    #[must_use]
-    pub fn conical(&self) -> RadialLaw {
-        let alpha = 0.5 * (self.psi[1] - atan(self.vergence * self.radius[1]));
-        RadialLaw::Conical { slope: tan(alpha), vergence: self.vergence }
-    }
-
-    /// [`RadialLaw::Equiangular`] through both rims.
-    #[must_use]
-    pub fn equiangular(&self) -> RadialLaw {
-        let [inner, outer] = self.radius.map(|r| self.angle(r));
-        let [psi, psi1] = self.psi;
-        let rate = (psi1 - psi) / (outer - inner);
-        RadialLaw::Equiangular { psi, inner, rate, vergence: self.vergence }
-    }
-
-    /// Ollis' law through both rims.
-    #[must_use]
-    pub fn tangent_proportional(&self) -> RadialLaw {
-        Self { vergence: 0.0, ..*self }.equiangular()
-    }
-
-    /// [`RadialLaw::AreaProportional`] through both rims.
-    #[must_use]
-    pub fn area_proportional(&self) -> RadialLaw {
-        let [inner, outer] = self.radius.map(|r| r * r);
-        let [psi, psi1] = self.psi;
-        RadialLaw::AreaProportional { psi, inner, rate: (psi1 - psi) / (outer - inner) }
-    }
-
-    /// [`RadialLaw::Plane`] through the outer rim.
-    #[must_use]
-    pub fn plane(&self) -> RadialLaw {
-        RadialLaw::Plane { rate: tan(self.psi[1]) / self.radius[1] }
-    }
-
-    /// [`RadialLaw::EquiAreal`] through both rims.
-    #[must_use]
-    pub fn equi_areal(&self) -> RadialLaw {
-        let [inner, outer] = self.radius.map(|r| r * r);
-        let [versine, last] = self.psi.map(versine);
-        RadialLaw::EquiAreal { versine, inner, rate: (last - versine) / (outer - inner) }
-    }
-
-    /// [`RadialLaw::Cylinder`] through both rims.
-    #[must_use]
-    pub fn cylinder(&self) -> RadialLaw {
-        let [cot, outer_cot] = self.psi.map(|psi| 1.0 / tan(psi));
-        let [inner, outer] = self.radius;
-        RadialLaw::Cylinder { cot, inner, rate: (cot - outer_cot) / (outer - inner) }
-    }
-}
-
-/// 1 - cos psi without cancellation.
-fn versine(psi: f64) -> f64 {
-    let half = sin(0.5 * psi);
-    2.0 * half * half
 }
 
 impl RadialLaw {
@@ -292,28 +193,19 @@ fn half_tangent<S: Scalar>(cot: S) -> S {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::{cos, degrees, radians};
+    use crate::num::{cos, degrees, radians, tan};
+    use crate::optics::{RadialLawKind, RimConditions};
 
     fn laws(rims: &RimConditions) -> Vec<(&'static str, RadialLaw)> {
-        let mut laws = vec![
-            ("equiangular", rims.equiangular()),
-            ("tangent-proportional", rims.tangent_proportional()),
-            ("equi-areal", rims.equi_areal()),
-        ];
-        if rims.vergence == 0.0 {
-            laws.push(("parabolic", rims.parabolic()));
-        } else {
-            laws.push(("hyperbolic", rims.hyperbolic()));
-            laws.push(("conical", rims.conical()));
-        }
-        if rims.radius[0] > 0.0 {
-            laws.push(("area-proportional", rims.area_proportional()));
-            laws.push(("cylinder", rims.cylinder()));
-        }
-        if rims.psi[1] < radians(90.0) {
-            laws.push(("plane", rims.plane()));
-        }
-        laws
+        let possible = |kind: &RadialLawKind| match kind {
+            RadialLawKind::Parabolic => rims.vergence == 0.0,
+            RadialLawKind::Hyperbolic | RadialLawKind::Conical => rims.vergence != 0.0,
+            RadialLawKind::AreaProportional | RadialLawKind::Cylinder => rims.radius[0] > 0.0,
+            RadialLawKind::Plane => rims.psi[1] < radians(90.0),
+            _ => true,
+        };
+        let kinds = RadialLawKind::ALL.into_iter().filter(possible);
+        kinds.map(|kind| (kind.name(), rims.law(kind))).collect()
     }
 
     fn rims() -> impl Iterator<Item = RimConditions> {

@@ -1,6 +1,6 @@
 //! Straight panoramic strips: azimuth along X, elevation by a law along Y.
 
-use super::Law;
+use super::StripLaw;
 use crate::geom::DVec2;
 use crate::num::{Scalar, cos, sin};
 
@@ -8,7 +8,7 @@ use crate::num::{Scalar, cos, sin};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strip {
     /// How rows map to elevation.
-    pub law: Law,
+    pub law: StripLaw,
     /// Scale s, mm per radian of azimuth.
     pub scale_mm: f64,
     /// Azimuth at X = 0, radians.

@@ -62,7 +62,7 @@ impl Lens {
         aperture: Option<Aperture>,
         focus_mm: Option<f64>,
     ) -> Result<Self, Error> {
-        let pinhole = matches!(profile.camera, crate::profile::CameraModel::Pinhole { .. });
+        let pinhole = matches!(profile.camera, crate::optics::CameraModel::Pinhole { .. });
         let wrong = |reason| Err(Error::Lens { profile: profile.name.clone(), reason });
         let Some(aperture) = aperture.or(profile.lens.aperture) else {
             return wrong(if pinhole {

@@ -7,10 +7,10 @@ use super::in_memory_build::{InMemoryBuild, build_in_memory};
 use super::observer::StageTimer;
 use super::{Error, Observer, Source, Stage, designed, remedy, verdict};
 use crate::design::{Design, design};
-use crate::optics::Camera;
+use crate::optics::{Camera, CameraModel};
 use crate::parallel;
 use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
-use crate::profile::{self, Layout, Profile, shipped};
+use crate::profile::{Layout, Profile, shipped};
 use crate::report::{FrameReport, ProfileId, Resolution, RoundMirror};
 use crate::trace::{Coverage, MinMeanMax};
 use std::path::Path;
@@ -155,13 +155,13 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
 }
 
 /// The camera of a mirror that fills its square sensor, with a sensor of `side` pixels.
-fn inscribed(camera: &profile::CameraModel, side: u32) -> profile::CameraModel {
+fn inscribed(camera: &CameraModel, side: u32) -> CameraModel {
     let pixels = [side; 2];
     match *camera {
-        profile::CameraModel::Orthographic { .. } => profile::CameraModel::Orthographic { pixels },
-        profile::CameraModel::Pinhole { pixels: [width, _], focal_px, distance_mm } => {
+        CameraModel::Orthographic { .. } => CameraModel::Orthographic { pixels },
+        CameraModel::Pinhole { pixels: [width, _], focal_px, distance_mm } => {
             let focal_px = focal_px * f64::from(side) / f64::from(width);
-            profile::CameraModel::Pinhole { pixels, focal_px, distance_mm }
+            CameraModel::Pinhole { pixels, focal_px, distance_mm }
         }
     }
 }

@@ -2,7 +2,8 @@
 //! follows from the camera.
 
 use crate::design::{Design, design};
-use crate::profile::{CameraModel, Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
+use crate::optics::CameraModel;
+use crate::profile::{Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
 use crate::report::{Reason, ReasonKind};
 
 /// How much less of an error another law must leave to be worth a change.
@@ -26,11 +27,11 @@ pub fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
 /// The law that leaves a smaller error, if it is much smaller, with that error.
 fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return None };
-    if strip.law == StripLawSpec::Best || !matches!(profile.shape, ShapeSpec::Designed(_)) {
+    if strip.law == StripLawSpec::LeastCurl || !matches!(profile.shape, ShapeSpec::Designed(_)) {
         return None;
     }
     let mut other = profile.clone();
-    let law = StripLawSpec::Best;
+    let law = StripLawSpec::LeastCurl;
     other.projection =
         Some(ProjectionSpec::Strip(crate::profile::StripSpec { law, ..strip.clone() }));
     let now = designed.facts.pixel_error_px?.rms;

@@ -3,7 +3,7 @@
 use super::files::{self, Folder, Staged};
 use super::observer::{Observer, Stage, StageTimer};
 use super::{Error, Source, designed};
-use crate::optics::Law;
+use crate::optics::StripLaw;
 use crate::raster::{Raster, RasterError};
 use crate::report::{FileFacts, MapFacts, PanoramaFacts, PhotoFacts, ProfileId, SCHEMA, Unwrapped};
 use crate::unwrap::{
@@ -184,21 +184,21 @@ fn publish(
 }
 
 impl Rows {
-    fn law(self) -> Law {
+    fn law(self) -> StripLaw {
         match self {
-            Self::Cylindrical => Law::Cylindrical,
-            Self::Equirectangular => Law::Equirectangular,
-            Self::Mercator => Law::Mercator,
+            Self::Cylindrical => StripLaw::Cylindrical,
+            Self::Equirectangular => StripLaw::Equirectangular,
+            Self::Mercator => StripLaw::Mercator,
         }
     }
 }
 
-fn law_name(law: &Law) -> &'static str {
+fn law_name(law: &StripLaw) -> &'static str {
     match law {
-        Law::Cylindrical => "cylindrical",
-        Law::Mercator => "mercator",
-        Law::Equirectangular => "equirectangular",
-        Law::EqualArea => "equal-area",
-        Law::Tabulated(_) => "table",
+        StripLaw::Cylindrical => "cylindrical",
+        StripLaw::Mercator => "mercator",
+        StripLaw::Equirectangular => "equirectangular",
+        StripLaw::EqualArea => "equal-area",
+        StripLaw::Tabulated(_) => "table",
     }
 }

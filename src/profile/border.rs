@@ -1,5 +1,7 @@
 //! The flat rim around a mirror, and what is drilled into it.
 
+use crate::num::hypot;
+
 /// A flat rim around the mirror, below it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BorderSpec {
@@ -161,7 +163,7 @@ impl BorderSpec {
         if let (BorderFeature::Hole(_), Footprint::Round { land_mm, .. }, true) =
             (feature, mirror, mirror.has_in_land(spot))
         {
-            let gap = land_mm - libm::hypot(spot.x_mm, spot.y_mm) - radius;
+            let gap = land_mm - hypot(spot.x_mm, spot.y_mm) - radius;
             if tight(gap) {
                 let hint = format!(
                     "the land inside the mirror reaches {land_mm:.3} mm from the axis; make the hole \
@@ -204,7 +206,7 @@ impl Spot {
     }
 
     fn distance(&self, other: &Self) -> f64 {
-        libm::hypot(self.x_mm - other.x_mm, self.y_mm - other.y_mm)
+        hypot(self.x_mm - other.x_mm, self.y_mm - other.y_mm)
     }
 }
 
@@ -215,16 +217,16 @@ impl Footprint {
         match *self {
             Self::Rect { half_mm: [half_x, half_y] } => {
                 let (x, y) = (x.abs() - half_x + corner, y.abs() - half_y + corner);
-                libm::hypot(x.max(0.0), y.max(0.0)) + x.max(y).min(0.0) - corner
+                hypot(x.max(0.0), y.max(0.0)) + x.max(y).min(0.0) - corner
             }
-            Self::Round { radius_mm, .. } => libm::hypot(x, y) - radius_mm,
+            Self::Round { radius_mm, .. } => hypot(x, y) - radius_mm,
         }
     }
 
     /// Whether the centre of a hole is in the land inside the mirror.
     pub fn has_in_land(&self, hole: &Spot) -> bool {
         let Self::Round { land_mm, .. } = *self else { return false };
-        libm::hypot(hole.x_mm, hole.y_mm) < land_mm
+        hypot(hole.x_mm, hole.y_mm) < land_mm
     }
 
     /// How far it reaches, in words.

@@ -20,6 +20,7 @@ pub mod tolerance;
 mod values;
 mod words;
 
+use crate::optics::CameraModel;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -27,7 +28,7 @@ pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
 pub use border::{BorderConflict, BorderFeature, BorderSpec, Footprint, Spot};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
-pub use projection::{ProjectionSpec, RadialLawKind, RadialSpec, StripLawSpec, StripSpec, Target};
+pub use projection::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 pub use sag::{GridError, SagAxis, SagGrid};
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 pub use shipped::{Shipped, shipped};
@@ -42,7 +43,8 @@ pub struct Profile {
     pub sha256: String,
     /// What the mirror is for, in the author's words; empty if not given.
     pub summary: String,
-    /// The camera that looks into the mirror.
+    /// The camera that looks into the mirror: each side of its frame has 1 to 16384 pixels; a pinhole's
+    /// distance is that to the mirror's mean height, for a disc or an annulus to its outer rim.
     pub camera: CameraModel,
     /// What its lens lets through.
     pub lens: LensSpec,
@@ -66,26 +68,6 @@ pub struct Profile {
     pub accept: AcceptanceSpec,
     /// The errors of making and mounting that are expected.
     pub tolerance: Tolerance,
-}
-
-/// The camera that looks into the mirror.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CameraModel {
-    /// A telecentric camera: all its rays are parallel to the optical axis.
-    Orthographic {
-        /// Width and height of the frame in pixels, each 1 to 16384.
-        pixels: [u32; 2],
-    },
-    /// A camera whose rays all pass through one point on the optical axis.
-    Pinhole {
-        /// Width and height of the frame in pixels, each 1 to 16384.
-        pixels: [u32; 2],
-        /// Focal length in pixels, positive; a profile may give the angle of view instead.
-        focal_px: f64,
-        /// From the pinhole to the mirror along the axis, in millimetres: to its mean height, for a
-        /// disc or an annulus to its outer rim.
-        distance_mm: f64,
-    },
 }
 
 /// What a lens lets through.
@@ -118,15 +100,6 @@ pub enum Aperture {
         /// Sine of the half angle of the cone about a chief ray.
         na: f64,
     },
-}
-
-impl CameraModel {
-    /// Width and height of the frame in pixels.
-    pub fn pixels(&self) -> [u32; 2] {
-        match *self {
-            CameraModel::Orthographic { pixels } | CameraModel::Pinhole { pixels, .. } => pixels,
-        }
-    }
 }
 
 /// The mirror's outline, and how its panels tile the image.

@@ -1,6 +1,8 @@
-//! Which direction of the world an image point must see.
+//! The projection as a profile asks for it, in degrees and without the scale that the part gives it.
 
-/// Which direction, or which point of a target, an image point must see.
+use crate::optics::{RadialLawKind, StripLaw, Target};
+
+/// Directions, or points of a target, that the image points must see.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProjectionSpec {
     /// Azimuth along the image's rows, elevation along its columns.
@@ -33,20 +35,14 @@ pub struct StripSpec {
     pub target: Target,
 }
 
-/// How an image row maps to elevation; `z` is the row's height in units of the strip's scale.
+/// Relation of image row and elevation, as a profile asks for it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StripLawSpec {
-    /// `tan(elevation) = z`, the picture on a cylinder about the axis. No mirror is exact.
-    Cylindrical,
-    /// `tan(elevation) = sinh(z)`, the conformal picture. An exact mirror exists.
-    Mercator,
-    /// `elevation = z`.
-    Equirectangular,
-    /// `sin(elevation) = z`: each pixel sees the same solid angle.
-    EqualArea,
+    /// A law that is known before the mirror is designed.
+    Named(StripLaw),
     /// The law between the two elevations whose slope field has the least curl. The strip's height
     /// is an outcome, so the frame is never filled by it. Never of a given mirror.
-    Best,
+    LeastCurl,
     /// Rows and their elevations in degrees, 2 to 1000 of them: the rows, in pixels down the
     /// picture, strictly rise and the elevations strictly fall. The strip is as high as the table.
     Table(Vec<[f64; 2]>),
@@ -70,64 +66,45 @@ pub struct RadialSpec {
     pub target: Target,
 }
 
-/// How the image's radius maps to the polar angle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RadialLawKind {
-    /// A paraboloid under an orthographic camera: single viewpoint (Nayar).
-    Parabolic,
-    /// A hyperboloid with a pinhole at its focus: single viewpoint (Rees; Yamazawa).
-    Hyperbolic,
-    /// A cone under a pinhole, on an annulus (Yagi).
-    Conical,
-    /// The polar angle is linear in the camera's angle (Chahl and Srinivasan). Two parameters.
-    Equiangular,
-    /// The polar angle is linear in the image's radius (Ollis et al.). Two parameters.
-    TangentProportional,
-    /// The polar angle is linear in the image's area, on an annulus (Conroy and Moore). Two
-    /// parameters.
-    AreaProportional,
-    /// The tangent of the polar angle is proportional to the image's radius: a plane across the
-    /// axis looks undistorted (Hicks and Bajcsy).
-    Plane,
-    /// Each pixel sees the same solid angle (Hicks and Perline). Two parameters.
-    EquiAreal,
-    /// The height on a cylinder about the axis is linear in the image's radius, on an annulus
-    /// (Gaechter and Pajdla). Two parameters.
-    Cylinder,
+/// A law by its name in a profile.
+pub(super) enum LawName {
+    /// Of a strip.
+    Strip(StripLawSpec),
+    /// Of a disc or an annulus.
+    Radial(RadialLawKind),
 }
 
-impl RadialLawKind {
-    /// Whether the polar angle at an annulus' inner rim is free to choose.
-    pub fn has_two_parameters(self) -> bool {
-        use RadialLawKind::*;
-        match self {
-            Parabolic | Hyperbolic | Conical | Plane => false,
-            Equiangular | TangentProportional | AreaProportional | EquiAreal | Cylinder => true,
+impl LawName {
+    /// The law that `[projection.NAME]` asks for; none where there is no such name.
+    pub(super) fn find(name: &str) -> Option<Self> {
+        let named = |law| Some(Self::Strip(StripLawSpec::Named(law)));
+        match name {
+            "cylindrical" => named(StripLaw::Cylindrical),
+            "mercator" => named(StripLaw::Mercator),
+            "equirectangular" => named(StripLaw::Equirectangular),
+            "equal-area" => named(StripLaw::EqualArea),
+            "best" => Some(Self::Strip(StripLawSpec::LeastCurl)),
+            "table" => Some(Self::Strip(StripLawSpec::Table(Vec::new()))),
+            name => {
+                let kind = RadialLawKind::ALL.into_iter().find(|kind| kind.name() == name);
+                kind.map(Self::Radial)
+            }
         }
     }
-
-    /// Whether the law's mirror is not smooth at the centre, so that it must be an annulus.
-    pub fn needs_annulus(self) -> bool {
-        matches!(
-            self,
-            RadialLawKind::Conical | RadialLawKind::AreaProportional | RadialLawKind::Cylinder
-        )
-    }
 }
 
-/// Where the points lie that the picture shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// So far away that only directions count.
-    Infinity,
-    /// On a cylinder about the axis.
-    Cylinder {
-        /// Its radius in millimetres, more than half the part's width.
-        radius_mm: f64,
-    },
-    /// On a plane across the axis.
-    Plane {
-        /// Its height over the target's origin in millimetres, positive towards the camera, not 0.
-        height_mm: f64,
-    },
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::schema;
+
+    #[test]
+    fn every_name_of_the_schema_is_a_law() {
+        for name in schema::keys("projection") {
+            assert!(LawName::find(name).is_some(), "{name}");
+        }
+        let kinds =
+            RadialLawKind::ALL.iter().all(|k| schema::keys("projection").contains(&k.name()));
+        assert!(kinds && LawName::find("fisheye").is_none());
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{ImagingSystem, UnwrapError};
 use crate::num::{atan, cos, degrees, sin};
-use crate::optics::{Law, Projection};
+use crate::optics::{Projection, StripLaw};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -14,7 +14,7 @@ pub const STEEPEST_DEG: f64 = 75.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panorama {
     /// How rows map to elevation.
-    pub law: Law,
+    pub law: StripLaw,
     /// Azimuth at the left edge, radians.
     pub left: f64,
     /// The law's coordinate at the upper edge.
@@ -27,7 +27,7 @@ pub struct Panorama {
 
 /// Azimuths and elevations that a mirror is meant to show.
 struct PanoramaExtent {
-    law: Law,
+    law: StripLaw,
     left: f64,
     span: f64,
     /// Least and largest coordinate of the law.
@@ -46,7 +46,7 @@ impl Panorama {
     pub fn new(
         optics: &ImagingSystem,
         photo: [usize; 2],
-        law: Option<Law>,
+        law: Option<StripLaw>,
         width: Option<usize>,
     ) -> Result<Self, UnwrapError> {
         let [across, _] = optics.scale(photo)?;
@@ -88,13 +88,13 @@ impl Panorama {
     }
 }
 
-fn elevation_deg(law: &Law, z: f64) -> f64 {
+fn elevation_deg(law: &StripLaw, z: f64) -> f64 {
     90.0 - 2.0 * degrees(atan(law.stereographic_radius(z)))
 }
 
 fn range(
     optics: &ImagingSystem,
-    law: Option<Law>,
+    law: Option<StripLaw>,
     px_per_mm: f64,
 ) -> Result<PanoramaExtent, UnwrapError> {
     let camera = optics.camera;
@@ -118,7 +118,7 @@ fn range(
             // A law may have no value on the axis itself.
             let psi = [*outer, inner.max(1e-9 * outer)].map(|r| law.polar(r));
             PanoramaExtent {
-                law: Law::Equirectangular,
+                law: StripLaw::Equirectangular,
                 left: -PI,
                 span: TAU,
                 z: psi.map(|psi| FRAC_PI_2 - psi),

@@ -2,10 +2,11 @@
 
 use crate::support::least::{strip_of, with};
 use crate::support::shipped_text;
+use morion::internals::optics::{CameraModel, StripLaw, Target};
 use morion::internals::profile::{
-    AcceptanceSpec, CameraModel, Format, Layout, LensSpec, MeshLimits, Method, MethodKind,
-    PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ScanPattern, ShapeSpec,
-    StripLawSpec, StripSpec, Target, Tolerance, shipped,
+    AcceptanceSpec, Format, Layout, LensSpec, MeshLimits, Method, MethodKind, PanelSource,
+    PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ScanPattern, ShapeSpec, StripLawSpec,
+    StripSpec, Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -22,7 +23,7 @@ fn the_shipped_conquistador_is_the_papers() {
             camera: CameraModel::Orthographic { pixels: [640, 480] },
             lens: LensSpec { aperture: None, focal_mm: None, wavelength_nm: 550.0 },
             projection: Some(ProjectionSpec::Strip(StripSpec {
-                law: StripLawSpec::Cylindrical,
+                law: StripLawSpec::Named(StripLaw::Cylindrical),
                 azimuth_deg: [-180.0, 180.0],
                 elevation_deg: [-30.0, 30.0],
                 target: Target::Infinity,
@@ -107,7 +108,7 @@ fn defaults_and_other_ways_to_write_toml() {
         }
     );
     let mercator = with(&[("cylindrical", "mercator"), ("[640", "[0x2_80")]).expect("valid");
-    assert_eq!(strip_of(&mercator).law, StripLawSpec::Mercator);
+    assert_eq!(strip_of(&mercator).law, StripLawSpec::Named(StripLaw::Mercator));
     assert_eq!(mercator.camera, CameraModel::Orthographic { pixels: [640, 480] });
 }
 

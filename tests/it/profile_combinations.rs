@@ -1,9 +1,10 @@
 //! Valid combinations of camera, projection, layout, shape and part, and the types they come to.
 
 use crate::support::least::{strip_of, with};
+use morion::internals::optics::{CameraModel, RadialLawKind, StripLaw, Target};
 use morion::internals::profile::{
-    CameraModel, Conic, Layout, Method, MethodKind, Monomial, Polynomial, ProjectionSpec,
-    RadialLawKind, RadialSpec, ShapeSpec, StripLawSpec, StripSpec, Target,
+    Conic, Layout, Method, MethodKind, Monomial, Polynomial, ProjectionSpec, RadialSpec, ShapeSpec,
+    StripLawSpec, StripSpec,
 };
 
 const STRIP: (&str, &str) = ("layout.conquistador", "layout.strip");
@@ -45,11 +46,11 @@ fn a_pinhole_is_given_by_focal_length_or_angle_of_view() {
 #[test]
 fn strip_laws_and_targets() {
     for (name, law) in [
-        ("cylindrical", StripLawSpec::Cylindrical),
-        ("mercator", StripLawSpec::Mercator),
-        ("equirectangular", StripLawSpec::Equirectangular),
-        ("equal-area", StripLawSpec::EqualArea),
-        ("best", StripLawSpec::Best),
+        ("cylindrical", StripLawSpec::Named(StripLaw::Cylindrical)),
+        ("mercator", StripLawSpec::Named(StripLaw::Mercator)),
+        ("equirectangular", StripLawSpec::Named(StripLaw::Equirectangular)),
+        ("equal-area", StripLawSpec::Named(StripLaw::EqualArea)),
+        ("best", StripLawSpec::LeastCurl),
     ] {
         for layout in [STRIP, ("layout.conquistador", "layout.conquistador")] {
             let profile = with(&[layout, ("cylindrical", name)]).expect("valid");
@@ -198,7 +199,7 @@ fn given_mirrors() {
     }
     let strip = with(&[(METHOD, dome), STRIP]).expect("valid");
     assert_eq!(strip.shape, polynomial);
-    assert_eq!(strip_of(&strip).law, StripLawSpec::Cylindrical);
+    assert_eq!(strip_of(&strip).law, StripLawSpec::Named(StripLaw::Cylindrical));
     let grid = with(&[(METHOD, "mirror.grid.file = \"sag.csv\""), bare, DISC]).expect("valid");
     assert_eq!(grid.shape, ShapeSpec::Grid { file: "sag.csv".into() });
     let one = with(&[(METHOD, "mirror.polynomial.terms = [[0, 40, -1]]"), bare, DISC]);

@@ -2,10 +2,8 @@
 
 use super::{KeyChange, KeyValue};
 use crate::num::rounding::significant;
-use crate::profile::{
-    CameraModel, Layout, MethodKind, Profile, ProjectionSpec, RadialLawKind, ShapeSpec,
-    StripLawSpec, Target,
-};
+use crate::optics::{CameraModel, RadialLawKind, StripLaw, Target};
+use crate::profile::{Layout, MethodKind, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
 
 /// A profile after a change.
 pub struct EditedProfile {
@@ -180,12 +178,12 @@ pub fn law(profile: &Profile) -> Vec<EditedProfile> {
     let mut projection = profile.projection.clone();
     let name = match &mut projection {
         Some(ProjectionSpec::Strip(strip)) => match strip.law {
-            StripLawSpec::Best => {
-                strip.law = StripLawSpec::Mercator;
+            StripLawSpec::LeastCurl => {
+                strip.law = StripLawSpec::Named(StripLaw::Mercator);
                 "mercator"
             }
-            StripLawSpec::Cylindrical | StripLawSpec::Mercator => {
-                strip.law = StripLawSpec::Equirectangular;
+            StripLawSpec::Named(StripLaw::Cylindrical | StripLaw::Mercator) => {
+                strip.law = StripLawSpec::Named(StripLaw::Equirectangular);
                 "equirectangular"
             }
             _ => return Vec::new(),

@@ -3,8 +3,10 @@
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, PairFormat, number, pair};
-use super::super::{Aperture, CameraModel, LensSpec};
+use super::super::{Aperture, LensSpec};
 use super::{LARGE, is_large, only};
+use crate::num::tan;
+use crate::optics::CameraModel;
 
 const MAX_PIXELS: f64 = 16384.0;
 /// Pixels of a frame: the ray trace keeps some 120 bytes for each.
@@ -214,7 +216,7 @@ fn focal_of_lens(
 
 /// The focal length in pixels of an angle of view.
 fn focal_of_view(width_px: f64, view_deg: f64) -> f64 {
-    0.5 * width_px / libm::tan((0.5 * view_deg).to_radians())
+    0.5 * width_px / tan((0.5 * view_deg).to_radians())
 }
 
 #[cfg(test)]

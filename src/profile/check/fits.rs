@@ -2,9 +2,10 @@
 
 use super::super::reader::ProfileReader;
 use super::super::words::list;
-use super::super::{CameraModel, RadialLawKind, StripLawSpec, schema};
+use super::super::{StripLawSpec, schema};
 use super::projection::{INNER_POLAR, ProjectionKeys};
 use super::{Entries, layout, projection};
+use crate::optics::{CameraModel, RadialLawKind};
 
 const FULL_TURN: [f64; 2] = [-180.0, 180.0];
 /// An annulus' land is narrower than this share of the part.
@@ -36,17 +37,20 @@ fn camera_suits(
     projection: &projection::ProjectionEntry,
 ) {
     let Some(camera) = &parts.camera else { return };
-    let (needed, hint) = match projection.name {
-        "parabolic" => (
+    let ProjectionKeys::Radial { law, .. } = &projection.keys else { return };
+    let (needed, hint) = match law {
+        RadialLawKind::Parabolic => (
             "orthographic",
             "a paraboloid gathers parallel rays; for a pinhole use [projection.hyperbolic]",
         ),
-        "hyperbolic" => (
+        RadialLawKind::Hyperbolic => (
             "pinhole",
             "a hyperboloid has a pinhole at its focus; for parallel rays use \
              [projection.parabolic]",
         ),
-        "conical" => ("pinhole", "under parallel rays a cone sees one polar angle only"),
+        RadialLawKind::Conical => {
+            ("pinhole", "under parallel rays a cone sees one polar angle only")
+        }
         _ => return,
     };
     if camera.name != needed {

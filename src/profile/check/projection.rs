@@ -1,10 +1,12 @@
 //! The projection's own keys; what it needs of camera, layout and part is in `fits` and `reach`.
 
+use super::super::projection::LawName;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, PairFormat, RowsFormat, number, pair, rows, within};
-use super::super::{ProjectionSpec, RadialLawKind, RadialSpec, StripLawSpec, StripSpec, Target};
+use super::super::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
+use crate::optics::{RadialLawKind, Target};
 
 /// A projection's figures, each with its place.
 pub(super) struct ProjectionEntry<'t> {
@@ -30,31 +32,6 @@ pub(super) enum ProjectionKeys {
     },
 }
 
-enum LawName {
-    Strip(StripLawSpec),
-    Radial(RadialLawKind),
-}
-
-fn law(name: &str) -> LawName {
-    match name {
-        "mercator" => LawName::Strip(StripLawSpec::Mercator),
-        "equirectangular" => LawName::Strip(StripLawSpec::Equirectangular),
-        "equal-area" => LawName::Strip(StripLawSpec::EqualArea),
-        "best" => LawName::Strip(StripLawSpec::Best),
-        "table" => LawName::Strip(StripLawSpec::Table(Vec::new())),
-        "parabolic" => LawName::Radial(RadialLawKind::Parabolic),
-        "hyperbolic" => LawName::Radial(RadialLawKind::Hyperbolic),
-        "conical" => LawName::Radial(RadialLawKind::Conical),
-        "equiangular" => LawName::Radial(RadialLawKind::Equiangular),
-        "tangent-proportional" => LawName::Radial(RadialLawKind::TangentProportional),
-        "area-proportional" => LawName::Radial(RadialLawKind::AreaProportional),
-        "plane" => LawName::Radial(RadialLawKind::Plane),
-        "equi-areal" => LawName::Radial(RadialLawKind::EquiAreal),
-        "cylinder" => LawName::Radial(RadialLawKind::Cylinder),
-        _ => LawName::Strip(StripLawSpec::Cylindrical),
-    }
-}
-
 pub(super) fn read<'t>(
     reader: &mut ProfileReader,
     root: &Section<'t>,
@@ -64,7 +41,7 @@ pub(super) fn read<'t>(
     let read = reader
         .alternatives(root, "projection", hint)
         .into_iter()
-        .map(|(name, section)| one(reader, name, section))
+        .filter_map(|(name, section)| Some(one(reader, name, LawName::find(name)?, section)))
         .collect();
     only(read)
 }
@@ -72,9 +49,10 @@ pub(super) fn read<'t>(
 fn one<'t>(
     reader: &mut ProfileReader,
     name: &'static str,
+    law: LawName,
     section: Section<'t>,
 ) -> ProjectionEntry<'t> {
-    let keys = match law(name) {
+    let keys = match law {
         LawName::Strip(StripLawSpec::Table(_)) => {
             let azimuth = azimuth(reader, &section);
             let table = table(reader, &section);

@@ -1,7 +1,7 @@
 //! How far the mirror's outline reaches, and whether a given conic reaches it.
 
 use super::super::reader::ProfileReader;
-use super::super::{CameraModel, Footprint, StripLawSpec};
+use super::super::{Footprint, StripLawSpec};
 use super::projection::ProjectionKeys;
 use super::{Entries, layout};
 
@@ -57,10 +57,7 @@ fn covered(parts: &Entries) -> Option<Footprint> {
 fn strip_height(parts: &Entries, width: f64) -> Option<f64> {
     let camera = parts.camera.as_ref()?.camera?;
     let pixels = camera.pixels().map(f64::from);
-    let pixel_mm = match camera {
-        CameraModel::Orthographic { .. } => width / pixels[0],
-        CameraModel::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
-    };
+    let pixel_mm = camera.pixel_mm(width);
     let layout = parts.layout.as_ref()?;
     if layout.fills.is_some() {
         return Some(pixels[1] * pixel_mm);
@@ -71,19 +68,16 @@ fn strip_height(parts: &Entries, width: f64) -> Option<f64> {
     // A conquistador has two panels, each half a turn wide.
     let panels = if layout.name == "conquistador" { 2.0 } else { 1.0 };
     let azimuth = azimuth.as_ref()?.value;
-    let [low, high] = elevation.as_ref()?.value.map(f64::to_radians);
-    let z = |law: fn(f64) -> f64| law(high) - law(low);
-    let height = match law.as_ref()? {
-        StripLawSpec::Cylindrical => z(libm::tan),
-        StripLawSpec::Mercator => z(|e| libm::asinh(libm::tan(e))),
-        StripLawSpec::Equirectangular => high - low,
-        StripLawSpec::EqualArea => z(libm::sin),
-        StripLawSpec::Best => return None,
+    let z = match law.as_ref()? {
+        StripLawSpec::Named(law) => {
+            elevation.as_ref()?.value.map(|degrees| law.image_of_degrees(degrees))
+        }
+        StripLawSpec::LeastCurl => return None,
         StripLawSpec::Table(rows) => {
             return Some(panels * (rows.last()?[0] - rows.first()?[0]) * pixel_mm);
         }
     };
-    Some(panels * panels * height * width / (azimuth[1] - azimuth[0]).to_radians())
+    Some(panels * panels * (z[1] - z[0]) * width / (azimuth[1] - azimuth[0]).to_radians())
 }
 
 #[cfg(test)]
@@ -118,7 +112,7 @@ mod tests {
             (40.0, "part = { width_mm = 80, base_mm = 5 }\nlayout.disc = {}".to_owned()),
             (diagonal(45.0), strip("cylindrical", true)),
             (diagonal(scale * 2.0 / f64::sqrt(3.0)), strip("cylindrical", false)),
-            (diagonal(scale * libm::log(3.0)), strip("mercator", false)),
+            (diagonal(scale * crate::num::log(3.0)), strip("mercator", false)),
             (diagonal(20.0), strip("equirectangular", false)),
             (diagonal(scale), strip("equal-area", false)),
             (diagonal(30.0), table),

@@ -1,10 +1,11 @@
 //! Whether the directions that the picture shows meet the target.
 
-use super::super::RadialLawKind;
 use super::super::reader::ProfileReader;
 use super::super::values::Located;
 use super::projection::{ProjectionEntry, ProjectionKeys};
 use super::{Entries, layout};
+use crate::num::{degrees, radians};
+use crate::optics::{RadialLawKind, RimConditions};
 
 pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     let Some(projection) = &parts.projection else { return };
@@ -141,7 +142,7 @@ fn polar_angles_meet(
 /// The polar angle at the inner rim of a paraboloid, in degrees.
 fn parabolic_inner(parts: &Entries, outer_deg: f64) -> Option<f64> {
     let inner = parts.layout.as_ref().and_then(|layout: &layout::LayoutEntry| layout.inner)?;
-    let share = inner.value / parts.part.width?.value;
-    let half = libm::tan((0.5 * outer_deg).to_radians());
-    Some(2.0 * libm::atan(share * half).to_degrees())
+    let radius = [inner.value, parts.part.width?.value].map(|diameter| 0.5 * diameter);
+    let rims = RimConditions { radius, psi: [0.0, radians(outer_deg)], vergence: 0.0 };
+    Some(degrees(rims.law(RadialLawKind::Parabolic).polar(radius[0])))
 }

@@ -9,7 +9,8 @@ use super::super::tolerance::{
 };
 use super::super::values::{number, word};
 use super::super::words::list;
-use super::super::{CameraModel, Layout, schema};
+use super::super::{Layout, schema};
+use crate::optics::CameraModel;
 
 /// What of a profile decides which sources there are; none of what is missing or wrong.
 #[derive(Clone, Copy)]

@@ -14,10 +14,10 @@ const ALL_ABOVE: &[&str] = &["..."];
 const TABLE: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("num", &["parallel"]),
-    ("profile", &[]),
     ("geom", &["num", "parallel"]),
     ("raster", &["num"]),
     ("optics", &["geom", "num"]),
+    ("profile", &["optics", "geom", "num"]),
     ("mirror", &["geom", "num", "parallel"]),
     ("design", &["profile", "optics", "mirror", "num", "geom", "parallel"]),
     ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),

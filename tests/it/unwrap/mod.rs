@@ -8,7 +8,7 @@ use crate::support::{self, shipped_text};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::{atan2, cos, degrees, sin, wrap_turn};
-use morion::internals::optics::{Law, reflect};
+use morion::internals::optics::{StripLaw, reflect};
 use morion::internals::profile::Profile;
 use morion::internals::raster::Raster;
 use morion::internals::trace::{Outcome, Scene};
@@ -91,8 +91,8 @@ fn direct(world: &Raster, panorama: &Panorama) -> Raster {
         let (x, y) = ((k % width) as f64 + 0.5, (k / width) as f64 + 0.5);
         let z = panorama.top - y * panorama.per_px;
         let elevation = match panorama.law {
-            Law::Cylindrical => atan2(z, 1.0),
-            Law::Equirectangular => z,
+            StripLaw::Cylindrical => atan2(z, 1.0),
+            StripLaw::Equirectangular => z,
             _ => {
                 atan2(0.5 * (morion::internals::num::exp(z) - morion::internals::num::exp(-z)), 1.0)
             }

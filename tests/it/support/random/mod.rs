@@ -13,7 +13,9 @@ use morion::internals::mirror::{
 };
 use morion::internals::num::legendre::Series;
 use morion::internals::num::{cos, exp, log, radians, sin};
-use morion::internals::optics::{ImagingTask, Law, Projection, RimConditions, Strip, Target};
+use morion::internals::optics::{
+    ImagingTask, Projection, RadialLawKind, RimConditions, Strip, StripLaw, Target,
+};
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -178,7 +180,12 @@ fn single(rect: Rect) -> Rect {
 /// Looking to the side, or all around: with what a slope changes the image by, mm.
 fn looking(r: &mut Draws, outer: f64, target: Target, lean: bool) -> (ImagingTask, f64) {
     if lean {
-        let laws = [Law::Cylindrical, Law::Mercator, Law::Equirectangular, Law::EqualArea];
+        let laws = [
+            StripLaw::Cylindrical,
+            StripLaw::Mercator,
+            StripLaw::Equirectangular,
+            StripLaw::EqualArea,
+        ];
         let (law, scale_mm) =
             (laws[(r.unit() * 4.0) as usize].clone(), r.inside([0.3, 1.0]) * outer);
         let projection = Projection::Strip(Strip { law, scale_mm, azimuth: 0.0, z: 0.0 });
@@ -188,7 +195,7 @@ fn looking(r: &mut Draws, outer: f64, target: Target, lean: bool) -> (ImagingTas
     // Has a derivative wherever a mirror looks.
     let rims =
         RimConditions { radius, psi: [0.0, radians(r.inside([60.0, 110.0]))], vergence: 0.0 };
-    let projection = Projection::Radial { law: rims.parabolic(), radius };
+    let projection = Projection::Radial { law: rims.law(RadialLawKind::Parabolic), radius };
     (ImagingTask { projection, target, origin_mm: 20.0, fold: None }, outer)
 }
 
