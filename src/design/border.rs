@@ -1,11 +1,11 @@
 //! The material around a mirror, once its outline is known.
 
 use super::DesignError;
-use crate::geom::{Border, Contour, DVec2, Drilled, Land, Outline, Rect};
+use crate::geom::{Border, DVec2, Drilled, Land, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::rounding::significant;
 use crate::num::{cos, radians, sin};
-use crate::profile::{BorderConflict, BorderFeature, BorderSpec, Footprint, Profile, Spot};
+use crate::profile::{BorderConflict, BorderFeature, BorderSpec, Profile, is_in_land};
 
 /// Steps along each side of the outline, which is curved under a pinhole: finer than a mesh's.
 const STEPS: usize = 1024;
@@ -18,54 +18,30 @@ const FLAT_MM: f64 = 1e-6;
 /// [`DesignError::Border`] when a hole, a mark or rounded corners do not fit.
 pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
     let Some(border) = &profile.part.border else { return Ok(None) };
-    let footprint = footprint(mirror);
-    if let Some(conflict) = border.conflicts(&footprint).into_iter().next() {
-        let hint = fitting(border, &footprint, &conflict).unwrap_or(conflict.hint);
+    let outline = outline_about_axis(mirror);
+    if let Some(conflict) = border.conflicts(&outline).into_iter().next() {
+        let hint = fitting(border, &outline, &conflict).unwrap_or(conflict.hint);
         return Err(DesignError::Border { message: conflict.message, hint });
     }
-    let contour = match footprint {
-        Footprint::Rect { half_mm } => {
-            let half = DVec2::from_array(half_mm) + border.width_mm;
-            let (corner, most) = (border.corner_radius_mm, half.min_element());
-            // Arcs that meet but for rounding meet.
-            let corner_mm =
-                if (corner - most).abs() <= BorderSpec::ROUNDING_MM { most } else { corner };
-            Contour::Rect { half, corner_mm }
-        }
-        Footprint::Round { radius_mm, .. } => {
-            Contour::Circle { radius_mm: radius_mm + border.width_mm }
-        }
-    };
-    let drilled = |spot: &Spot| Drilled {
-        at: DVec2::new(spot.x_mm, spot.y_mm),
-        diameter_mm: spot.diameter_mm,
-    };
-    let (in_land, holes): (Vec<&Spot>, Vec<&Spot>) =
-        border.holes.iter().partition(|hole| footprint.has_in_land(hole));
+    let (in_land, holes): (Vec<Drilled>, Vec<Drilled>) =
+        border.holes.iter().partition(|hole| is_in_land(&outline, hole));
     let land = match in_land.first() {
         None => None,
-        Some(hole) => Some(Land {
-            z_mm: land(mirror, hole)?,
-            holes: in_land.into_iter().map(drilled).collect(),
-        }),
+        Some(hole) => Some(Land { z_mm: land(mirror, hole)?, holes: in_land }),
     };
     Ok(Some(Border {
-        contour,
+        contour: border.contour(&outline),
         top_mm: border.rim_mm,
-        holes: holes.into_iter().map(drilled).collect(),
-        marks: border.marks.iter().map(drilled).collect(),
+        holes,
+        marks: border.marks.clone(),
         land,
     }))
 }
 
 /// What to do about a conflict, in numbers of which it is certain that they fit.
-fn fitting(
-    border: &BorderSpec,
-    footprint: &Footprint,
-    conflict: &BorderConflict,
-) -> Option<String> {
+fn fitting(border: &BorderSpec, mirror: &Outline, conflict: &BorderConflict) -> Option<String> {
     let fits = |tried: &BorderSpec| {
-        let conflicts = tried.conflicts(footprint);
+        let conflicts = tried.conflicts(mirror);
         conflicts.iter().all(|left| left.feature != conflict.feature)
     };
     let name = match conflict.feature {
@@ -86,10 +62,10 @@ fn fitting(
             BorderFeature::Mark(k) => &mut tried.marks[k],
             BorderFeature::Corners => return None,
         };
-        let before = spot.from_axis_mm();
-        *spot = middle(footprint, width_mm, spot);
-        let way = if spot.from_axis_mm() < before { "inwards" } else { "outwards" };
-        let found = format!("[{}, {}, {}]", spot.x_mm, spot.y_mm, spot.diameter_mm);
+        let before = spot.at.length();
+        *spot = middle(mirror, width_mm, spot);
+        let way = if spot.at.length() < before { "inwards" } else { "outwards" };
+        let found = format!("[{}, {}, {}]", spot.at.x, spot.at.y, spot.diameter_mm);
         let widen = match width_mm > border.width_mm {
             true => format!("set border_mm = {width_mm} and "),
             false => String::new(),
@@ -101,21 +77,18 @@ fn fitting(
 
 /// The place of `spot` in the middle of a border of this width, on the same side, and as large as
 /// it may be there.
-fn middle(mirror: &Footprint, width_mm: f64, spot: &Spot) -> Spot {
+fn middle(mirror: &Outline, width_mm: f64, spot: &Drilled) -> Drilled {
     let room = width_mm - 2.5 * BorderSpec::CLEAR_MM;
     let diameter_mm = digits(spot.diameter_mm.min(room).max(BorderSpec::LEAST_MM));
-    let (x, y) = (spot.x_mm, spot.y_mm);
-    let [x_mm, y_mm] = match *mirror {
-        Footprint::Rect { half_mm: [half, _] } if x.abs() >= y.abs() => {
-            [(half + 0.5 * width_mm) * x.signum(), 0.0]
+    let DVec2 { x, y } = spot.at;
+    let at = match *mirror {
+        Outline::Rect(rect) if x.abs() >= y.abs() => {
+            DVec2::new((rect.max.x + 0.5 * width_mm) * x.signum(), 0.0)
         }
-        Footprint::Rect { half_mm: [_, half] } => [0.0, (half + 0.5 * width_mm) * y.signum()],
-        Footprint::Round { radius_mm, .. } => {
-            let far = (radius_mm + 0.5 * width_mm) / DVec2::new(x, y).length();
-            [far * x, far * y]
-        }
+        Outline::Rect(rect) => DVec2::new(0.0, (rect.max.y + 0.5 * width_mm) * y.signum()),
+        Outline::Ring { outer, .. } => (outer + 0.5 * width_mm) / spot.at.length() * spot.at,
     };
-    Spot { x_mm: digits(x_mm), y_mm: digits(y_mm), diameter_mm }
+    Drilled { at: DVec2::new(digits(at.x), digits(at.y)), diameter_mm }
 }
 
 /// To six digits.
@@ -124,7 +97,7 @@ fn digits(x: f64) -> f64 {
 }
 
 /// Z of the land inside a ring, which must be flat for `hole` to go through it.
-fn land(mirror: &Mirror, hole: &Spot) -> Result<f64, DesignError> {
+fn land(mirror: &Mirror, hole: &Drilled) -> Result<f64, DesignError> {
     let Outline::Ring { inner, .. } = mirror.outline else { unreachable!("a ring has a land") };
     let z = mirror.rim_mm(inner);
     let off = (0..360).map(|degrees| {
@@ -140,7 +113,7 @@ fn land(mirror: &Mirror, hole: &Spot) -> Result<f64, DesignError> {
         message: format!(
             "part.holes_mm must leave out the land of a mirror that is not round, found [{}, {}, {}]; \
              the land's rim is not flat, it rises and falls by {off:.4} mm",
-            hole.x_mm, hole.y_mm, hole.diameter_mm
+            hole.at.x, hole.at.y, hole.diameter_mm
         ),
         hint: "drill the hole through a mirror without terms, or move it to the flat rim"
             .to_owned(),
@@ -174,17 +147,17 @@ pub fn extent(mirror: &Mirror) -> Rect {
         .fold(none, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) })
 }
 
-/// The rectangle or circle about the axis that holds the mirror.
-fn footprint(mirror: &Mirror) -> Footprint {
+/// The rectangle or ring about the axis that holds the mirror, over X and Y.
+fn outline_about_axis(mirror: &Mirror) -> Outline {
     match mirror.full_outline() {
         Outline::Ring { inner, outer } => {
             let radius = |q: f64| if q == 0.0 { 0.0 } else { plan(mirror, DVec2::new(q, 0.0)).x };
-            Footprint::Round { radius_mm: radius(outer), land_mm: radius(inner) }
+            Outline::Ring { inner: radius(inner), outer: radius(outer) }
         }
         Outline::Rect(_) => {
             let extent = extent(mirror);
             let half = extent.max.abs().max(extent.min.abs());
-            Footprint::Rect { half_mm: half.to_array() }
+            Outline::Rect(Rect { min: -half, max: half })
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The flat rim around a mirror, and what is drilled into it.
 
-use crate::num::hypot;
+use crate::geom::{Contour, Drilled, Outline};
 
 /// A flat rim around the mirror, below it.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,48 +12,12 @@ pub struct BorderSpec {
     /// The radius of a rectangular part's corners in millimetres; 0 for sharp ones.
     pub corner_radius_mm: f64,
     /// Through holes, in the flat rim or in the land of an annulus.
-    pub holes: Vec<Spot>,
+    pub holes: Vec<Drilled>,
     /// Conical dimples of 90 degrees, half as deep as wide.
-    pub marks: Vec<Spot>,
+    pub marks: Vec<Drilled>,
 }
 
-/// A round feature in the flat rim.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
-    /// X of its centre in millimetres.
-    pub x_mm: f64,
-    /// Y of its centre in millimetres.
-    pub y_mm: f64,
-    /// Its diameter in millimetres.
-    pub diameter_mm: f64,
-}
-
-impl Spot {
-    /// The distance of its centre from the axis, mm.
-    #[must_use]
-    pub fn from_axis_mm(&self) -> f64 {
-        (self.x_mm * self.x_mm + self.y_mm * self.y_mm).sqrt()
-    }
-}
-
-/// What the mirror covers of the (X, Y) plane, or the part does: a shape about the axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Footprint {
-    /// A rectangle, or one around it.
-    Rect {
-        /// Half its width and half its height in millimetres.
-        half_mm: [f64; 2],
-    },
-    /// A circle.
-    Round {
-        /// Its radius in millimetres.
-        radius_mm: f64,
-        /// The radius of the land inside it; 0 for none.
-        land_mm: f64,
-    },
-}
-
-/// What of a border does not fit.
+/// Part of a border that does not fit around a mirror.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BorderFeature {
     /// The rounding of the corners.
@@ -64,7 +28,7 @@ pub enum BorderFeature {
     Mark(usize),
 }
 
-/// Why a border does not fit around a mirror.
+/// A feature of a border that does not fit around a mirror, and what to do about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BorderConflict {
     /// What is to blame.
@@ -84,12 +48,12 @@ impl BorderSpec {
     /// millimetres.
     pub const LEAST_MM: f64 = 0.1;
 
-    /// Everything that does not fit around a mirror with this footprint.
-    pub fn conflicts(&self, mirror: &Footprint) -> Vec<BorderConflict> {
+    /// Everything that does not fit around a mirror with this outline, a rectangle or a ring about the axis.
+    pub fn conflicts(&self, mirror: &Outline) -> Vec<BorderConflict> {
         let mut conflicts: Vec<BorderConflict> = self.corners(mirror).into_iter().collect();
         let holes = self.holes.iter().enumerate().map(|(k, spot)| (BorderFeature::Hole(k), spot));
         let marks = self.marks.iter().enumerate().map(|(k, spot)| (BorderFeature::Mark(k), spot));
-        let mut before: Vec<(BorderFeature, &Spot)> = Vec::new();
+        let mut before: Vec<(BorderFeature, &Drilled)> = Vec::new();
         for (feature, spot) in holes.chain(marks) {
             conflicts.extend(self.misplaced(mirror, &before, feature, spot));
             before.push((feature, spot));
@@ -97,29 +61,33 @@ impl BorderSpec {
         conflicts
     }
 
-    /// The part's outer side.
-    fn side(&self, mirror: &Footprint) -> Footprint {
-        match *mirror {
-            Footprint::Rect { half_mm: [x, y] } => {
-                Footprint::Rect { half_mm: [x + self.width_mm, y + self.width_mm] }
+    /// The part's outer side around a mirror with this outline.
+    pub fn contour(&self, mirror: &Outline) -> Contour {
+        match rim(mirror) {
+            Contour::Rect { half, .. } => {
+                let half = half + self.width_mm;
+                let (corner, most) = (self.corner_radius_mm, half.min_element());
+                // Arcs that meet but for rounding meet.
+                let meet = (corner - most).abs() <= Self::ROUNDING_MM;
+                Contour::Rect { half, corner_mm: if meet { most } else { corner } }
             }
-            Footprint::Round { radius_mm, .. } => {
-                Footprint::Round { radius_mm: radius_mm + self.width_mm, land_mm: 0.0 }
+            Contour::Circle { radius_mm } => {
+                Contour::Circle { radius_mm: radius_mm + self.width_mm }
             }
         }
     }
 
-    fn corners(&self, mirror: &Footprint) -> Option<BorderConflict> {
-        let (Footprint::Rect { half_mm }, Footprint::Rect { half_mm: [x, y] }) =
-            (mirror, self.side(mirror))
+    /// The conflict of the corners' rounding, with the part's sides or with the mirror's corners.
+    fn corners(&self, mirror: &Outline) -> Option<BorderConflict> {
+        let side = self.contour(mirror);
+        let (Contour::Rect { half: corner, .. }, Contour::Rect { half, .. }) = (rim(mirror), side)
         else {
             return None;
         };
-        let radius = self.corner_radius_mm;
-        let beside = -self.side(mirror).outside(*half_mm, radius);
-        let what = if radius > x.min(y) + Self::ROUNDING_MM {
-            format!("be at most half the part's shorter side, {:.3} mm", x.min(y))
-        } else if tight(beside) {
+        let (radius, most) = (self.corner_radius_mm, half.min_element());
+        let what = if radius > most + Self::ROUNDING_MM {
+            format!("be at most half the part's shorter side, {most:.3} mm")
+        } else if is_tight(side.inset(corner)) {
             format!("leave the mirror's corners {} mm of material", Self::CLEAR_MM)
         } else {
             return None;
@@ -131,128 +99,150 @@ impl BorderSpec {
         })
     }
 
-    /// What is wrong with the place of a hole or mark.
+    /// The conflict of a hole or mark with the mirror, with the part's side, or with those `before` it.
     fn misplaced(
         &self,
-        mirror: &Footprint,
-        before: &[(BorderFeature, &Spot)],
+        mirror: &Outline,
+        before: &[(BorderFeature, &Drilled)],
         feature: BorderFeature,
-        spot: &Spot,
+        spot: &Drilled,
     ) -> Option<BorderConflict> {
-        let (key, name) = match feature {
-            BorderFeature::Hole(_) => ("part.holes_mm", "hole"),
-            _ => ("part.marks_mm", "mark"),
+        let conflict = |of: &str, gap: f64, hint: String| {
+            is_tight(gap).then(|| too_close(feature, spot, of, gap, hint))
         };
-        let (at, radius) = ([spot.x_mm, spot.y_mm], 0.5 * spot.diameter_mm);
-        let side = self.side(mirror);
-        let conflict = |of: &str, gap: f64, hint: String| BorderConflict {
-            feature,
-            message: format!(
-                "{key} must stay {} mm clear of {of}, found {}, which {}",
-                Self::CLEAR_MM,
-                spot.text(),
-                if gap < 0.0 {
-                    format!("cuts {:.3} mm into it", -gap)
-                } else {
-                    format!("leaves {gap:.3} mm")
-                }
-            ),
-            hint,
-        };
-        let gap = mirror.outside(at, 0.0) - radius;
-        if let (BorderFeature::Hole(_), Footprint::Round { land_mm, .. }, true) =
-            (feature, mirror, mirror.has_in_land(spot))
-        {
-            let gap = land_mm - hypot(spot.x_mm, spot.y_mm) - radius;
-            if tight(gap) {
+        let name = feature.name();
+        let (gap, hint) = self.gap_to_mirror(mirror, feature, spot);
+        conflict("the mirror", gap, hint)
+            .or_else(|| {
+                let side = self.contour(mirror);
                 let hint = format!(
-                    "the land inside the mirror reaches {land_mm:.3} mm from the axis; make the hole \
+                    "the part reaches {}; move the {name} inwards, make it smaller or widen border_mm",
+                    extent_text(&side)
+                );
+                conflict("the part's side", side.inset(spot.at) - spot.radius(), hint)
+            })
+            .or_else(|| {
+                before.iter().find_map(|(other, there)| {
+                    let gap = spot.at.distance(there.at) - spot.radius() - there.radius();
+                    let other = format!("the {} {}", other.name(), spot_text(there));
+                    conflict(&other, gap, "move one of them or make it smaller".to_owned())
+                })
+            })
+    }
+
+    /// Material between a feature and the mirror, mm, and what to do about too little of it.
+    fn gap_to_mirror(
+        &self,
+        mirror: &Outline,
+        feature: BorderFeature,
+        spot: &Drilled,
+    ) -> (f64, String) {
+        match mirror {
+            Outline::Ring { inner, .. }
+                if matches!(feature, BorderFeature::Hole(_)) && is_in_land(mirror, spot) =>
+            {
+                let hint = format!(
+                    "the land inside the mirror reaches {inner:.3} mm from the axis; make the hole \
                      smaller"
                 );
-                return Some(conflict("the mirror", gap, hint));
+                (inner - spot.at.length() - spot.radius(), hint)
             }
-        } else if tight(gap) {
-            let hint = format!(
-                "the mirror reaches {}; move the {name} outwards or make it smaller",
-                mirror.reach()
-            );
-            return Some(conflict("the mirror", gap, hint));
+            _ => {
+                let rim = rim(mirror);
+                let hint = format!(
+                    "the mirror reaches {}; move the {} outwards or make it smaller",
+                    extent_text(&rim),
+                    feature.name()
+                );
+                (-rim.inset(spot.at) - spot.radius(), hint)
+            }
         }
-        let gap = -side.outside(at, self.corner_radius_mm) - radius;
-        if tight(gap) {
-            let hint = format!(
-                "the part reaches {}; move the {name} inwards, make it smaller or widen border_mm",
-                side.reach()
-            );
-            return Some(conflict("the part's side", gap, hint));
-        }
-        before.iter().find_map(|(other, there)| {
-            let gap = spot.distance(there) - radius - 0.5 * there.diameter_mm;
-            let other = if matches!(other, BorderFeature::Hole(_)) { "hole" } else { "mark" };
-            let hint = "move one of them or make it smaller".to_owned();
-            tight(gap).then(|| conflict(&format!("the {other} {}", there.text()), gap, hint))
-        })
     }
+}
+
+impl BorderFeature {
+    /// What it is called in a complaint.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Corners => "corners",
+            Self::Hole(_) => "hole",
+            Self::Mark(_) => "mark",
+        }
+    }
+}
+
+/// Whether the centre of a hole is in the land inside a mirror with this outline.
+pub fn is_in_land(mirror: &Outline, hole: &Drilled) -> bool {
+    matches!(mirror, Outline::Ring { inner, .. } if hole.at.length() < *inner)
+}
+
+/// The conflict of a feature that leaves `gap` mm to what it must stay clear `of`.
+fn too_close(
+    feature: BorderFeature,
+    spot: &Drilled,
+    of: &str,
+    gap: f64,
+    hint: String,
+) -> BorderConflict {
+    let key =
+        if matches!(feature, BorderFeature::Hole(_)) { "part.holes_mm" } else { "part.marks_mm" };
+    let found = if gap < 0.0 {
+        format!("cuts {:.3} mm into it", -gap)
+    } else {
+        format!("leaves {gap:.3} mm")
+    };
+    let message = format!(
+        "{key} must stay {} mm clear of {of}, found {}, which {found}",
+        BorderSpec::CLEAR_MM,
+        spot_text(spot)
+    );
+    BorderConflict { feature, message, hint }
 }
 
 /// Whether a gap is smaller than the clearance by more than rounding.
-fn tight(gap: f64) -> bool {
+fn is_tight(gap: f64) -> bool {
     !(gap >= BorderSpec::CLEAR_MM - BorderSpec::ROUNDING_MM)
 }
 
-impl Spot {
-    fn text(&self) -> String {
-        format!("[{}, {}, {}]", self.x_mm, self.y_mm, self.diameter_mm)
-    }
-
-    fn distance(&self, other: &Self) -> f64 {
-        hypot(self.x_mm - other.x_mm, self.y_mm - other.y_mm)
+/// The outer rim of a mirror about the axis.
+fn rim(mirror: &Outline) -> Contour {
+    match *mirror {
+        Outline::Rect(rect) => Contour::Rect { half: rect.max, corner_mm: 0.0 },
+        Outline::Ring { outer, .. } => Contour::Circle { radius_mm: outer },
     }
 }
 
-impl Footprint {
-    /// How far outside a place is, negative inside; a rectangle's corners are rounded with this
-    /// radius.
-    fn outside(&self, [x, y]: [f64; 2], corner: f64) -> f64 {
-        match *self {
-            Self::Rect { half_mm: [half_x, half_y] } => {
-                let (x, y) = (x.abs() - half_x + corner, y.abs() - half_y + corner);
-                hypot(x.max(0.0), y.max(0.0)) + x.max(y).min(0.0) - corner
-            }
-            Self::Round { radius_mm, .. } => hypot(x, y) - radius_mm,
-        }
-    }
+/// A feature as a profile writes it.
+fn spot_text(spot: &Drilled) -> String {
+    format!("[{}, {}, {}]", spot.at.x, spot.at.y, spot.diameter_mm)
+}
 
-    /// Whether the centre of a hole is in the land inside the mirror.
-    pub fn has_in_land(&self, hole: &Spot) -> bool {
-        let Self::Round { land_mm, .. } = *self else { return false };
-        hypot(hole.x_mm, hole.y_mm) < land_mm
-    }
-
-    /// How far it reaches, in words.
-    fn reach(&self) -> String {
-        match self {
-            Self::Rect { half_mm: [x, y] } => format!("X = +-{x:.3} and Y = +-{y:.3} mm"),
-            Self::Round { radius_mm, .. } => format!("{radius_mm:.3} mm from the axis"),
-        }
+/// The extent of a contour in words.
+fn extent_text(contour: &Contour) -> String {
+    match contour {
+        Contour::Rect { half, .. } => format!("X = +-{:.3} and Y = +-{:.3} mm", half.x, half.y),
+        Contour::Circle { radius_mm } => format!("{radius_mm:.3} mm from the axis"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::{DVec2, Rect};
 
     fn border(corner_radius_mm: f64, holes: &[[f64; 3]], marks: &[[f64; 3]]) -> BorderSpec {
         let spots = |list: &[[f64; 3]]| {
-            let spot = |&[x_mm, y_mm, diameter_mm]: &[f64; 3]| Spot { x_mm, y_mm, diameter_mm };
+            let spot =
+                |&[x, y, diameter_mm]: &[f64; 3]| Drilled { at: DVec2::new(x, y), diameter_mm };
             list.iter().map(spot).collect()
         };
         let (holes, marks) = (spots(holes), spots(marks));
         BorderSpec { width_mm: 8.0, rim_mm: 2.0, corner_radius_mm, holes, marks }
     }
 
-    const RECT: Footprint = Footprint::Rect { half_mm: [30.0, 20.0] };
-    const ROUND: Footprint = Footprint::Round { radius_mm: 30.0, land_mm: 5.0 };
+    const HALF: DVec2 = DVec2::new(30.0, 20.0);
+    const RECT: Outline = Outline::Rect(Rect { min: DVec2::new(-30.0, -20.0), max: HALF });
+    const ROUND: Outline = Outline::Ring { inner: 5.0, outer: 30.0 };
 
     /// Each is just far enough away, and a little larger one is not.
     #[test]

@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
-pub use border::{BorderConflict, BorderFeature, BorderSpec, Footprint, Spot};
+pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use projection::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};

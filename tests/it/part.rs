@@ -8,7 +8,7 @@ use morion::internals::design::Design;
 use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
 use morion::internals::pipeline::{Silent, Source, build, dry_run};
-use morion::internals::profile::{Format, Spot};
+use morion::internals::profile::Format;
 use morion::internals::report::{BuildReport, Reason, Verdict};
 use morion::internals::solid::{Solid, added, rim};
 use std::f64::consts::PI;
@@ -147,7 +147,7 @@ fn parts_pass_and_holes_and_marks_are_where_they_were_asked_for() {
         let design = designed(&profile);
         let land = stock(&design).land.as_ref().map_or(f64::NAN, |land| land.z_mm);
         let upper =
-            |s: &Spot| if s.x_mm.abs().max(s.y_mm.abs()) < 8.0 { land } else { border.rim_mm };
+            |s: &Drilled| if s.at.x.abs().max(s.at.y.abs()) < 8.0 { land } else { border.rim_mm };
         for format in profile.formats {
             let bytes =
                 std::fs::read(folder.path().join(format!("small/mirror.{format}"))).unwrap();
@@ -163,18 +163,18 @@ fn parts_pass_and_holes_and_marks_are_where_they_were_asked_for() {
                 let r = 0.5 * spot.diameter_mm;
                 for (x, y) in [(r, 0.0), (0.0, r), (-r, 0.0), (0.0, -r)] {
                     for z in [0.0, upper(spot)] {
-                        assert!(near(spot.x_mm + x, spot.y_mm + y, z) < digits, "{what} {format}");
+                        assert!(near(spot.at.x + x, spot.at.y + y, z) < digits, "{what} {format}");
                     }
                 }
                 // Nothing is left inside.
-                let at = DVec2::new(spot.x_mm, spot.y_mm);
+                let at = spot.at;
                 let within = mesh.vertices.iter().map(|v| v.truncate().distance(at));
                 assert!(within.fold(f64::INFINITY, f64::min) > r - digits, "{what} {format}");
             }
             for spot in &border.marks {
                 let r = 0.5 * spot.diameter_mm;
-                assert!(near(spot.x_mm, spot.y_mm, border.rim_mm - r) < digits, "{what} {format}");
-                assert!(near(spot.x_mm + r, spot.y_mm, border.rim_mm) < digits, "{what} {format}");
+                assert!(near(spot.at.x, spot.at.y, border.rim_mm - r) < digits, "{what} {format}");
+                assert!(near(spot.at.x + r, spot.at.y, border.rim_mm) < digits, "{what} {format}");
             }
             let (lo, hi) = mesh.bounds().unwrap();
             let wide = 30.0 + border.width_mm;

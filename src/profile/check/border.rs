@@ -1,10 +1,11 @@
 //! The flat rim around the mirror: its keys, and whether everything in it has room.
 
-use super::super::border::{BorderFeature, BorderSpec, Spot};
+use super::super::border::{BorderFeature, BorderSpec};
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, RowsFormat, number, rows, within};
 use super::{Entries, SIZE, is_size, reach};
+use crate::geom::{DVec2, Drilled};
 
 /// Most holes, and most marks.
 const MOST: usize = 200;
@@ -19,8 +20,8 @@ pub(super) struct BorderEntry {
     width: Option<Located<f64>>,
     rim: Option<Located<f64>>,
     corner: Option<Located<f64>>,
-    holes: Vec<Located<Spot>>,
-    marks: Vec<Located<Spot>>,
+    holes: Vec<Located<Drilled>>,
+    marks: Vec<Located<Drilled>>,
 }
 
 pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> BorderEntry {
@@ -47,7 +48,7 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> BorderEntry
     BorderEntry { width, rim, corner, holes, marks }
 }
 
-fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Located<Spot>> {
+fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Located<Drilled>> {
     let hint = "[34, 0, 3.2] is 3.2 mm wide, about X = 34 mm and Y = 0 mm";
     let list =
         RowsFormat { key, need: Optional, entry: "[x, y, diameter]", count: [1, MOST], hint };
@@ -62,8 +63,8 @@ fn spots(reader: &mut ProfileReader, section: &Section, key: &str) -> Vec<Locate
         let must = "numbers from 0.1 to 1000000";
         let least = |f: f64| (BorderSpec::LEAST_MM..=1e6).contains(&f);
         let diameter = within(reader, &diameters, diameter, must, hint, least);
-        let (Some(x_mm), Some(y_mm), Some(diameter_mm)) = (x, y, diameter) else { return spots };
-        spots.push(Located { value: Spot { x_mm, y_mm, diameter_mm }, at: entry.at });
+        let (Some(x), Some(y), Some(diameter_mm)) = (x, y, diameter) else { return spots };
+        spots.push(Located { value: Drilled { at: DVec2::new(x, y), diameter_mm }, at: entry.at });
     }
     spots
 }
@@ -96,7 +97,7 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     }
     let Some(border) = found.border(base.value) else { return };
     for mark in &found.marks {
-        let depth = 0.5 * mark.value.diameter_mm;
+        let depth = mark.value.radius();
         if !(depth <= DEEPEST * border.rim_mm) {
             let message = format!(
                 "part.marks_mm must be less deep than {DEEPEST} of rim_mm = {}, found a mark \
@@ -108,8 +109,8 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
         }
     }
     // Of a mirror whose outline the design alone can tell, the design complains.
-    let Some(footprint) = reach::footprint(parts) else { return };
-    for conflict in border.conflicts(&footprint) {
+    let Some(mirror) = reach::known_outline(parts) else { return };
+    for conflict in border.conflicts(&mirror) {
         let at = match conflict.feature {
             BorderFeature::Corners => found.corner.map_or(0, |corner| corner.at),
             BorderFeature::Hole(k) => found.holes[k].at,
@@ -122,7 +123,7 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
 impl BorderEntry {
     /// The border over a base of this thickness.
     pub(super) fn border(&self, base_mm: f64) -> Option<BorderSpec> {
-        let spots = |list: &[Located<Spot>]| list.iter().map(|spot| spot.value).collect();
+        let spots = |list: &[Located<Drilled>]| list.iter().map(|spot| spot.value).collect();
         Some(BorderSpec {
             width_mm: self.width?.value,
             rim_mm: self.rim.map_or(0.5 * base_mm, |rim| rim.value),

@@ -1,14 +1,15 @@
 //! How far the mirror's outline reaches, and whether a given conic reaches it.
 
+use super::super::StripLawSpec;
 use super::super::reader::ProfileReader;
-use super::super::{Footprint, StripLawSpec};
 use super::projection::ProjectionKeys;
 use super::{Entries, layout};
+use crate::geom::{DVec2, Outline, Rect};
 
 /// A conic ends where its slope is upright, `|R| / sqrt(1 + k)` from the axis.
 pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     let Some(shape) = &parts.shape else { return };
-    let (Some(conic), Some(reach)) = (shape.conic, outline(parts)) else { return };
+    let (Some(conic), Some(reach)) = (shape.conic, farthest(parts)) else { return };
     let (radius, k) = (conic.value.radius_mm, conic.value.conic);
     if (1.0 + k) * (reach / radius) * (reach / radius) < 1.0 {
         return;
@@ -23,34 +24,35 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     reader.complain(conic.at, message, hint);
 }
 
-/// How far the outline's farthest point is from the axis, in millimetres.
-fn outline(parts: &Entries) -> Option<f64> {
-    Some(match covered(parts)? {
-        Footprint::Rect { half_mm: [x, y] } => f64::sqrt(x * x + y * y),
-        Footprint::Round { radius_mm, .. } => radius_mm,
+/// Distance of the outline's farthest point from the axis, mm.
+fn farthest(parts: &Entries) -> Option<f64> {
+    Some(match outline(parts)? {
+        Outline::Rect(rect) => rect.max.length(),
+        Outline::Ring { outer, .. } => outer,
     })
 }
 
-/// What the mirror covers of the part, where that is known before it is designed.
-pub(super) fn footprint(parts: &Entries) -> Option<Footprint> {
+/// The mirror's outline over X and Y, where that is known before it is designed.
+pub(super) fn known_outline(parts: &Entries) -> Option<Outline> {
     let given = parts.shape.as_ref()?.path.starts_with("mirror");
     let parallel = parts.camera.as_ref()?.name == "orthographic";
     let round = parts.layout.as_ref().is_some_and(layout::LayoutEntry::is_round);
-    if given || parallel || round { covered(parts) } else { None }
+    if given || parallel || round { outline(parts) } else { None }
 }
 
-/// The same but for what a pinhole does to designed strips.
-fn covered(parts: &Entries) -> Option<Footprint> {
+/// The same but for the curved sides that designed strips have under a pinhole.
+fn outline(parts: &Entries) -> Option<Outline> {
     let width = parts.part.width?.value;
     let height = if parts.rectangle {
         parts.part.height?.value
     } else if parts.layout.as_ref()?.is_round() {
         let land = parts.layout.as_ref()?.inner.map_or(0.0, |inner| inner.value);
-        return Some(Footprint::Round { radius_mm: 0.5 * width, land_mm: 0.5 * land });
+        return Some(Outline::Ring { inner: 0.5 * land, outer: 0.5 * width });
     } else {
         strip_height(parts, width)?
     };
-    Some(Footprint::Rect { half_mm: [0.5 * width, 0.5 * height] })
+    let half = 0.5 * DVec2::new(width, height);
+    Some(Outline::Rect(Rect { min: -half, max: half }))
 }
 
 /// The height in millimetres of the strip or the two panels that the frame or the law makes.
