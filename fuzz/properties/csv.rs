@@ -3,7 +3,7 @@
 use morion::internals::design::design;
 use morion::internals::export::read_sag;
 use morion::internals::pipeline::{Silent, Source, dry_run};
-use morion::internals::profile::{Profile, SagAxis, SagGrid};
+use morion::internals::profile::{Profile, SagGrid};
 use std::sync::LazyLock;
 
 /// A mirror of the grid's heights, of which it uses the middle.
@@ -32,7 +32,7 @@ pub fn holds(bytes: &[u8]) {
     let mut lines = Vec::new();
     for (j, row) in grid.z_mm.chunks(grid.x.count).enumerate() {
         for (i, z) in row.iter().enumerate() {
-            lines.push(format!("{},{},{z}\n", at(&grid.x, i), at(&grid.y, j)));
+            lines.push(format!("{},{},{z}\n", grid.x.at(i), grid.y.at(j)));
         }
     }
     // In any order.
@@ -57,8 +57,4 @@ fn is_sound(grid: &SagGrid) {
         assert!(axis.count >= 4 && axis.step_mm > 0.0, "{axis:?}");
         assert!(axis.first_mm.is_finite() && axis.last_mm().is_finite(), "{axis:?}");
     }
-}
-
-fn at(axis: &SagAxis, k: usize) -> f64 {
-    axis.first_mm + axis.step_mm * k as f64
 }

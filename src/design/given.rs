@@ -6,11 +6,11 @@ use super::layout::{self, DesignProblem, SelfConsistentGeometry};
 use super::{Design, DesignError, FailureCause, MOST_ROUNDS, place_on_base};
 use crate::geom::{Chart, DVec2, Outline, Rect};
 use crate::mirror::{
-    BicubicSpline, Knots, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
+    BicubicSpline, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
 };
 use crate::num::legendre::Series;
 use crate::optics::{Camera, ImagingTask};
-use crate::profile::{Layout, Monomial, Polynomial, Profile, SagAxis, SagGrid};
+use crate::profile::{Layout, Monomial, Polynomial, Profile, SagGrid};
 
 /// How far an outline may reach beyond a grid, as a share of its size: its corners are rounded.
 const ROUNDED: f64 = 1e-6;
@@ -48,8 +48,7 @@ pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
             grid: ends(covered.min, covered.max),
         });
     }
-    let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
-    let patches = BicubicSpline::new(knots(&sag.x), knots(&sag.y), &sag.z_mm)
+    let patches = BicubicSpline::new(sag.x, sag.y, &sag.z_mm)
         .ok_or(FailureCause::NotFinite { what: "sag" })?;
     let surface = Surface::Spline(patches);
     with_camera(profile, Mirror { surface, ..bare(outline) }, CUBIC)
@@ -213,6 +212,7 @@ mod tests {
     use super::super::conic::sag;
     use super::super::design;
     use super::*;
+    use crate::geom::GridAxis;
     use crate::mirror::HeightField;
     use crate::num::sample::Draws;
     use crate::num::tan;
@@ -317,7 +317,7 @@ layout.annulus.inner_width_mm = 12
     /// A grid over a square about the axis.
     fn sampled(reach: f64, count: usize, f: impl Fn(DVec2) -> f64) -> SagGrid {
         let step = 2.0 * reach / (count - 1) as f64;
-        let axis = SagAxis { first_mm: -reach, step_mm: step, count };
+        let axis = GridAxis { first_mm: -reach, step_mm: step, count };
         let at = |k: usize| -reach + step * k as f64;
         let z_mm =
             (0..count * count).map(|k| f(DVec2::new(at(k % count), at(k / count)))).collect();

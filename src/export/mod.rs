@@ -12,7 +12,7 @@ mod threemf;
 pub use obj::{obj_bytes, write_obj, write_obj_bare};
 pub use read::{ImportedMesh, ReadError, ThreeMfError, read_3mf, read_obj, read_stl};
 pub use sag::{
-    SagDeviation, SagError, SagRow, SamplingPath, compare_sag, read_sag, sag_bytes, write_sag,
+    SagDeviation, SagError, SagRow, compare_sag, read_sag, sag_bytes, sag_points, write_sag,
 };
 pub use stl::{stl_bytes, write_stl};
 pub use text::ByteCounter;

@@ -3,34 +3,13 @@
 
 use super::Label;
 use super::text::{ByteCounter, lines};
-use crate::geom::{Chart, DVec2, DVec3, Outline, angle};
+use crate::geom::{Chart, DVec2, DVec3, Outline, ScanPath, ScanPattern, angle};
 use crate::mirror::Mirror;
 use crate::num::{cos, max_or_nan, sin};
 use crate::parallel;
 use std::f64::consts::PI;
 use std::io::{self, Write};
 use thiserror::Error;
-
-/// Where a mirror is sampled, in the part frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SamplingPath {
-    /// Lines of increasing X, evenly spaced and no farther apart than asked for, the one of the
-    /// least Y first.
-    Raster {
-        /// From line to line, mm.
-        pitch_mm: f64,
-        /// From point to point, mm.
-        step_mm: f64,
-    },
-    /// Archimedes' spiral about the axis, from the farthest point's radius on the X axis
-    /// counter-clockwise inwards.
-    Spiral {
-        /// From turn to turn, mm.
-        pitch_mm: f64,
-        /// From point to point along it, mm.
-        step_mm: f64,
-    },
-}
 
 /// A row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,20 +58,20 @@ const COUNTED: f64 = 2e5;
 pub fn write_sag(
     out: &mut impl Write,
     mirror: &Mirror,
-    path: &SamplingPath,
+    path: &ScanPath,
     label: &Label,
     notes: &[String],
 ) -> io::Result<()> {
     header(out, path, label, notes)?;
     let mut rows = RowWriter { mirror, pending: Vec::new(), out };
-    path.walk(mirror, |line| rows.add(line))?;
+    walk(path, mirror, |line| rows.add(line))?;
     rows.flush()?;
     out.flush()
 }
 
 fn header(
     out: &mut impl Write,
-    path: &SamplingPath,
+    path: &ScanPath,
     label: &Label,
     notes: &[String],
 ) -> io::Result<()> {
@@ -103,11 +82,12 @@ fn header(
         out,
         "# part frame: X right in the picture, Y up in it, Z towards the camera; base at Z = 0"
     )?;
-    match path {
-        SamplingPath::Raster { pitch_mm, step_mm } => {
+    let ScanPath { pattern, pitch_mm, step_mm } = path;
+    match pattern {
+        ScanPattern::Raster => {
             writeln!(out, "# raster: lines along X, pitch {pitch_mm}, step {step_mm}")?;
         }
-        SamplingPath::Spiral { pitch_mm, step_mm } => {
+        ScanPattern::Spiral => {
             writeln!(out, "# spiral: about the axis inwards, pitch {pitch_mm}, step {step_mm}")?;
         }
     }
@@ -179,76 +159,56 @@ fn rows(mirror: &Mirror, places: &[DVec2]) -> Vec<SagRow> {
     places.iter().zip(charted).zip(points).map(row).collect()
 }
 
-impl SamplingPath {
-    /// About how many places it samples, those beside the mirror too.
-    #[must_use]
-    pub fn points(&self, mirror: &Mirror) -> f64 {
-        let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
-        match *self {
-            Self::Raster { pitch_mm, step_mm } => {
-                let steps = (hi - lo) / DVec2::new(step_mm, pitch_mm);
-                (steps.x + 1.0) * (steps.y + 1.0)
-            }
-            Self::Spiral { pitch_mm, step_mm } => PI * radius * radius / (pitch_mm * step_mm),
+/// Number of places of a scan, about; those beside the mirror count too.
+#[must_use]
+pub fn sag_points(path: &ScanPath, mirror: &Mirror) -> f64 {
+    let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
+    let ScanPath { pattern, pitch_mm, step_mm } = *path;
+    match pattern {
+        ScanPattern::Raster => {
+            let steps = (hi - lo) / DVec2::new(step_mm, pitch_mm);
+            (steps.x + 1.0) * (steps.y + 1.0)
         }
+        ScanPattern::Spiral => PI * radius * radius / (pitch_mm * step_mm),
     }
+}
 
-    /// Hands the path's points to `visit`, a line at a time.
-    fn walk(
-        &self,
-        mirror: &Mirror,
-        mut visit: impl FnMut(Vec<DVec2>) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
-        match *self {
-            Self::Raster { pitch_mm, step_mm } => {
-                // Not the edges alone: those of a mirror whose sides are curved hardly meet it.
-                let [columns, rows] = [(hi - lo).x / step_mm, (hi - lo).y / pitch_mm]
-                    .map(|steps| ((steps * (1.0 - 1e-12)).ceil() as usize).max(2));
-                let at = |k: usize, n: usize, lo: f64, hi: f64| match k {
-                    _ if k == n => hi,
-                    _ => lo + (hi - lo) * (k as f64 / n as f64),
-                };
-                (0..=rows).try_for_each(|j| {
-                    let y = at(j, rows, lo.y, hi.y);
-                    let point = |i: usize| DVec2::new(at(i, columns, lo.x, hi.x), y);
-                    visit((0..=columns).map(point).collect())
-                })
-            }
-            Self::Spiral { pitch_mm, step_mm } => {
-                let inwards = pitch_mm / (2.0 * PI);
-                let (mut angle, mut line) = (0.0, Vec::with_capacity(TURN));
-                loop {
-                    let r = (radius - inwards * angle).max(0.0);
-                    line.push(DVec2::new(cos(angle), sin(angle)) * r);
-                    if line.len() == TURN {
-                        visit(std::mem::replace(&mut line, Vec::with_capacity(TURN)))?;
-                    }
-                    if r == 0.0 {
-                        return visit(line);
-                    }
-                    angle += step_mm / (r * r + inwards * inwards).sqrt();
+/// Hands the points of a scan to `visit`, a line at a time.
+fn walk(
+    path: &ScanPath,
+    mirror: &Mirror,
+    mut visit: impl FnMut(Vec<DVec2>) -> io::Result<()>,
+) -> io::Result<()> {
+    let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
+    let ScanPath { pattern, pitch_mm, step_mm } = *path;
+    match pattern {
+        ScanPattern::Raster => {
+            // Not the edges alone: those of a mirror whose sides are curved hardly meet it.
+            let [columns, rows] = [(hi - lo).x / step_mm, (hi - lo).y / pitch_mm]
+                .map(|steps| ((steps * (1.0 - 1e-12)).ceil() as usize).max(2));
+            let at = |k: usize, n: usize, lo: f64, hi: f64| match k {
+                _ if k == n => hi,
+                _ => lo + (hi - lo) * (k as f64 / n as f64),
+            };
+            (0..=rows).try_for_each(|j| {
+                let y = at(j, rows, lo.y, hi.y);
+                let point = |i: usize| DVec2::new(at(i, columns, lo.x, hi.x), y);
+                visit((0..=columns).map(point).collect())
+            })
+        }
+        ScanPattern::Spiral => {
+            let inwards = pitch_mm / (2.0 * PI);
+            let (mut angle, mut line) = (0.0, Vec::with_capacity(TURN));
+            loop {
+                let r = (radius - inwards * angle).max(0.0);
+                line.push(DVec2::new(cos(angle), sin(angle)) * r);
+                if line.len() == TURN {
+                    visit(std::mem::replace(&mut line, Vec::with_capacity(TURN)))?;
                 }
-            }
-        }
-    }
-
-    /// The same with pitch and step so many times as long.
-    fn coarser(&self, times: f64) -> Self {
-        match *self {
-            Self::Raster { pitch_mm, step_mm } => {
-                Self::Raster { pitch_mm: times * pitch_mm, step_mm: times * step_mm }
-            }
-            Self::Spiral { pitch_mm, step_mm } => {
-                Self::Spiral { pitch_mm: times * pitch_mm, step_mm: times * step_mm }
-            }
-        }
-    }
-
-    fn cell_mm2(&self) -> f64 {
-        match self {
-            Self::Raster { pitch_mm, step_mm } | Self::Spiral { pitch_mm, step_mm } => {
-                pitch_mm * step_mm
+                if r == 0.0 {
+                    return visit(line);
+                }
+                angle += step_mm / (r * r + inwards * inwards).sqrt();
             }
         }
     }
@@ -309,13 +269,15 @@ impl MirrorExtent {
 /// Foresees the length of what [`write_sag`] writes: to the byte for tables of up to some hundred
 /// thousand rows, for longer ones by one that is coarser.
 #[must_use]
-pub fn sag_bytes(mirror: &Mirror, path: &SamplingPath, label: &Label, notes: &[String]) -> u64 {
-    let points = mirror.full_outline().area() / path.cell_mm2();
+pub fn sag_bytes(mirror: &Mirror, path: &ScanPath, label: &Label, notes: &[String]) -> u64 {
+    let ScanPath { pattern, pitch_mm, step_mm } = *path;
+    let points = mirror.full_outline().area() / (pitch_mm * step_mm);
     let times = (points / COUNTED).max(1.0).sqrt();
     let [mut head, mut all] = [ByteCounter::default(), ByteCounter::default()];
+    let coarser = ScanPath { pattern, pitch_mm: times * pitch_mm, step_mm: times * step_mm };
     // Counting cannot fail.
     let _ = header(&mut head, path, label, notes);
-    let _ = write_sag(&mut all, mirror, &path.coarser(times), label, notes);
+    let _ = write_sag(&mut all, mirror, &coarser, label, notes);
     let rows = all.count().saturating_sub(head.count());
     head.count() + (rows as f64 * times * times) as u64
 }

@@ -7,6 +7,7 @@ mod border;
 mod chart;
 mod outline;
 mod rect;
+mod sampling;
 mod split;
 mod trimesh;
 
@@ -15,6 +16,7 @@ pub use chart::Chart;
 pub use glam::{DVec2, DVec3};
 pub use outline::Outline;
 pub use rect::Rect;
+pub use sampling::{GridAxis, ScanPath, ScanPattern};
 pub use trimesh::{TriMesh, Welder, turn};
 
 /// How many digits the coordinates of a file carry.

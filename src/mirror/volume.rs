@@ -152,10 +152,8 @@ fn composite(breaks: &[f64], count: usize) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Chart, Rect};
-    use crate::mirror::{
-        BicubicSpline, HeightField, Knots, RadialLegendre, Surface, TensorLegendre,
-    };
+    use crate::geom::{Chart, GridAxis, Rect};
+    use crate::mirror::{BicubicSpline, HeightField, RadialLegendre, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 
@@ -202,10 +200,10 @@ mod tests {
         });
         let sheet =
             TensorLegendre { series, centre: DVec2::ZERO, half: DVec2::splat(4.0), scale_mm: 1.0 };
-        let knots = Knots { first: -4.1, step: 8.2 / 50.0, count: 51 };
-        let at = |k: usize| knots.first + knots.step * k as f64;
-        let values: Vec<f64> =
-            (0..51 * 51).map(|k| sheet.at(DVec2::new(at(k % 51), at(k / 51))).f).collect();
+        let knots = GridAxis { first_mm: -4.1, step_mm: 8.2 / 50.0, count: 51 };
+        let values: Vec<f64> = (0..51 * 51)
+            .map(|k| sheet.at(DVec2::new(knots.at(k % 51), knots.at(k / 51))).f)
+            .collect();
         let spline = BicubicSpline::new(knots, knots, &values).unwrap();
         let volume = |surface: Surface, outline| {
             let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
@@ -238,7 +236,7 @@ mod tests {
     #[test]
     fn cut_patches_are_integrated_to_their_rim() {
         let mut r = Draws::new(3);
-        let knots = Knots { first: -4.0, step: 1.0, count: 9 };
+        let knots = GridAxis { first_mm: -4.0, step_mm: 1.0, count: 9 };
         let values: Vec<f64> = (0..81).map(|_| r.inside([2.0, 3.0])).collect();
         let spline = BicubicSpline::new(knots, knots, &values).unwrap();
         let (n, rings) = (1024, 64);

@@ -5,9 +5,7 @@ use super::Error;
 use super::files::sha256;
 use crate::design::Design;
 use crate::export::step::{FittedMirror, fit_splines, write_step};
-use crate::export::{
-    ByteCounter, Label, SamplingPath, compare_sag, read_sag, sag_bytes, write_sag,
-};
+use crate::export::{ByteCounter, Label, compare_sag, read_sag, sag_bytes, sag_points, write_sag};
 use crate::mirror::{Departure, Form};
 use crate::profile::{self, Format, Profile};
 use crate::report::{FileFacts, Reason, ReasonKind, SagFacts};
@@ -33,7 +31,7 @@ pub struct CadExports<'a> {
 /// # Errors
 /// [`Error::Table`] when it has.
 pub fn check_table(profile: &Profile, design: &Design) -> Result<(), Error> {
-    let points = sag_path(profile).points(&design.mirror);
+    let points = sag_points(&profile.sag.scan(profile.part.width_mm), &design.mirror);
     let most = profile::SagTable::MOST_POINTS;
     if profile.formats.contains(&Format::Csv) && !(points <= most) {
         return Err(Error::Table { profile: profile.name.clone(), points, most });
@@ -56,15 +54,6 @@ pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<FittedMirror>
     made.map(Some).map_err(|source| Error::Step { profile: profile.name.clone(), source })
 }
 
-fn sag_path(profile: &Profile) -> SamplingPath {
-    let Profile { sag, part, .. } = profile;
-    let [pitch_mm, step_mm] = sag.spacing_mm(part.width_mm);
-    match sag.path {
-        profile::ScanPattern::Raster => SamplingPath::Raster { pitch_mm, step_mm },
-        profile::ScanPattern::Spiral => SamplingPath::Spiral { pitch_mm, step_mm },
-    }
-}
-
 /// What the bytes of one such file showed.
 pub struct CadCheck {
     /// The file.
@@ -84,7 +73,7 @@ impl CadExports<'_> {
     pub fn write(&self, format: Format, mut out: impl Write) -> io::Result<()> {
         match format {
             Format::Csv => {
-                let path = sag_path(self.profile);
+                let path = self.profile.sag.scan(self.profile.part.width_mm);
                 write_sag(&mut out, &self.design.mirror, &path, self.label, &self.notes())
             }
             Format::Step => {
@@ -99,7 +88,7 @@ impl CadExports<'_> {
     pub fn bytes(&self, format: Format) -> u64 {
         match format {
             Format::Csv => {
-                let path = sag_path(self.profile);
+                let path = self.profile.sag.scan(self.profile.part.width_mm);
                 sag_bytes(&self.design.mirror, &path, self.label, &self.notes())
             }
             Format::Step => {

@@ -138,8 +138,8 @@ impl SizeWarnings<'_> {
     fn on_table(&self, file: &str, bytes: u64) -> String {
         let name = &self.profile.name;
         let longer = (bytes as f64 / (BELOW * LARGE as f64)).sqrt();
-        let spacing = self.profile.sag.spacing_mm(self.profile.part.width_mm);
-        let [pitch, step] = spacing.map(|mm| two_digits_above(longer * mm));
+        let scan = self.profile.sag.scan(self.profile.part.width_mm);
+        let [pitch, step] = [scan.pitch_mm, scan.step_mm].map(|mm| two_digits_above(longer * mm));
         let [size, large] = [bytes, LARGE].map(|bytes| bytes as f64 / 1e6);
         format!(
             "{name}: {file} takes {size:.0} MB; to stay under {large} MB, write pitch_mm = {pitch} \

@@ -7,8 +7,8 @@ use super::source::heights_beside;
 use super::{Error, Source, Stage, designed};
 use crate::design::Design;
 use crate::geom::Outline;
-use crate::mirror::{BicubicSpline, Knots, Mirror};
-use crate::profile::{Format, Profile, SagAxis};
+use crate::mirror::{BicubicSpline, Mirror};
+use crate::profile::{Format, Profile};
 use crate::report::FacetsFrom;
 use crate::tolerance::{
     Compensator, Criterion, Distribution, Engine, ErrorSource, FormMeasure, Perturbation, Process,
@@ -61,19 +61,18 @@ fn map(named: &str, file: &str, mirror: &Mirror) -> Result<BicubicSpline, Error>
     const SLACK: f64 = 1e-6;
     let grid = heights_beside(named, file)?;
     let fault = |reason: String| Error::Map { file: file.to_owned(), reason };
-    let knots = |a: &SagAxis| Knots { first: a.first_mm, step: a.step_mm, count: a.count };
-    let map = BicubicSpline::new(knots(&grid.x), knots(&grid.y), &grid.z_mm)
+    let map = BicubicSpline::new(grid.x, grid.y, &grid.z_mm)
         .ok_or_else(|| fault("no spline goes through its heights".into()))?;
     let (centre, half) = extent(mirror);
     for (k, (axis, knots)) in ["X", "Y"].into_iter().zip(map.knots()).enumerate() {
         let [lo, hi] = [centre[k] - half[k], centre[k] + half[k]];
         let slack = SLACK * half[k];
-        if knots.first > lo + slack || knots.last() < hi - slack {
+        if knots.first_mm > lo + slack || knots.last_mm() < hi - slack {
             return Err(fault(format!(
                 "it covers {axis} from {} to {} mm, and the mirror goes from {lo:.4} to {hi:.4} mm; \
                  add rows or columns as far as that",
-                knots.first,
-                knots.last()
+                knots.first_mm,
+                knots.last_mm()
             )));
         }
     }

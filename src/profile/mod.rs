@@ -20,6 +20,7 @@ pub mod tolerance;
 mod values;
 mod words;
 
+use crate::geom::ScanPattern;
 use crate::optics::CameraModel;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -29,7 +30,7 @@ pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use projection::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
-pub use sag::{GridError, SagAxis, SagGrid};
+pub use sag::{GridError, SagGrid};
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 pub use shipped::{Shipped, shipped};
 pub use tolerance::Tolerance;
@@ -241,16 +242,6 @@ pub struct SagTable {
     pub pitch_mm: Option<f64>,
     /// From point to point along them, in millimetres.
     pub step_mm: Option<f64>,
-}
-
-/// The lines along which the sag table samples the mirror.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ScanPattern {
-    /// Lines along X.
-    #[default]
-    Raster,
-    /// A spiral about the axis, from outside in.
-    Spiral,
 }
 
 impl Profile {

@@ -1,5 +1,6 @@
 //! A given mirror's heights: lines of X, Y and Z that together are a complete regular grid.
 
+use crate::geom::GridAxis;
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -7,33 +8,11 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SagGrid {
     /// Places along X.
-    pub x: SagAxis,
+    pub x: GridAxis,
     /// Places along Y.
-    pub y: SagAxis,
+    pub y: GridAxis,
     /// Z, row after row along X, the row of the least Y first.
     pub z_mm: Vec<f64>,
-}
-
-/// Evenly spaced places along one axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SagAxis {
-    /// The least, mm.
-    pub first_mm: f64,
-    /// From one to the next, mm; positive.
-    pub step_mm: f64,
-    /// How many; at least 4.
-    pub count: usize,
-}
-
-impl SagAxis {
-    /// The largest place, mm.
-    pub fn last_mm(&self) -> f64 {
-        self.at(self.count - 1)
-    }
-
-    fn at(&self, k: usize) -> f64 {
-        self.first_mm + self.step_mm * k as f64
-    }
 }
 
 /// Most nodes that a grid may have.
@@ -254,9 +233,9 @@ fn short(text: &str) -> String {
 }
 
 /// The even places that most of the sorted ones lie on; a few strays do not matter.
-fn axis(places: &[f64]) -> SagAxis {
+fn axis(places: &[f64]) -> GridAxis {
     let (Some(&first), count) = (places.first(), places.len()) else {
-        return SagAxis { first_mm: 0.0, step_mm: 0.0, count: 0 };
+        return GridAxis { first_mm: 0.0, step_mm: 0.0, count: 0 };
     };
     let strays = count / 100 + usize::from(count >= LEAST * LEAST);
     let mut gaps: Vec<f64> =
@@ -270,7 +249,7 @@ fn axis(places: &[f64]) -> SagAxis {
         way >= half
     });
     let Some(gap) = gap.filter(|gap| *gap > 0.0) else {
-        return SagAxis { first_mm: first, step_mm: 0.0, count: 1 };
+        return GridAxis { first_mm: first, step_mm: 0.0, count: 1 };
     };
     // The step, from the outermost places that it leads to.
     let middle = places[count / 2];
@@ -283,13 +262,13 @@ fn axis(places: &[f64]) -> SagAxis {
     let high = *places.iter().rev().find(fits).unwrap_or(&middle);
     let count = steps(high) - steps(low);
     if !(count >= 1.0) {
-        return SagAxis { first_mm: first, step_mm: 0.0, count: 1 };
+        return GridAxis { first_mm: first, step_mm: 0.0, count: 1 };
     }
-    SagAxis { first_mm: low, step_mm: (high - low) / count, count: count as usize + 1 }
+    GridAxis { first_mm: low, step_mm: (high - low) / count, count: count as usize + 1 }
 }
 
 /// The nearest node, and how far off it is, in steps.
-fn node(axis: &SagAxis, place: f64) -> (usize, f64) {
+fn node(axis: &GridAxis, place: f64) -> (usize, f64) {
     if axis.step_mm == 0.0 {
         return (0, 0.0);
     }
@@ -298,7 +277,7 @@ fn node(axis: &SagAxis, place: f64) -> (usize, f64) {
     (nearest as usize, (steps - nearest).abs())
 }
 
-fn off_grid(sample: &GridPoint, axes: &[SagAxis; 2]) -> Option<GridError> {
+fn off_grid(sample: &GridPoint, axes: &[GridAxis; 2]) -> Option<GridError> {
     (0..2).find_map(|k| {
         let (nearest, off) = node(&axes[k], sample.at[k]);
         (off > OFF).then(|| GridError::OffGrid {

@@ -5,7 +5,7 @@ use toml::de::DeValue;
 use super::reader::Need::{Optional, Required};
 use super::reader::{Need, ProfileReader, Section, TomlValue};
 use super::schema;
-use super::words::{figure, list};
+use super::words::list;
 
 const FINITE: &str = "every figure of a profile must be finite";
 
@@ -200,4 +200,38 @@ pub(super) fn word<T: Copy>(
     };
     reader.complain(value.span().start, format!("{path} must be {must}, found {found}"), &hint);
     None
+}
+
+/// The number that a value is, finite or not; `None` if it is of another type.
+fn figure(value: &TomlValue) -> Option<f64> {
+    match value.get_ref() {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(int) if int.radix() == 10 => int.as_str().parse().ok(),
+        DeValue::Integer(int) => {
+            Some(u64::from_str_radix(int.as_str(), int.radix()).map_or(f64::INFINITY, |n| n as f64))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toml::de::DeTable;
+
+    #[test]
+    fn figures_in_every_radix() {
+        for (text, number) in [
+            ("a = 1_000", 1000.0),
+            ("a = +7", 7.0),
+            ("a = 0x1F", 31.0),
+            ("a = 0b101", 5.0),
+            ("a = -2.5e-1", -0.25),
+            ("a = 99999999999999999999", 1e20),
+            ("a = 0xFFFFFFFFFFFFFFFFFFFFF", f64::INFINITY),
+        ] {
+            let tree = DeTable::parse(text).expect("TOML");
+            assert_eq!(tree.get_ref().get("a").and_then(figure), Some(number), "{text}");
+        }
+    }
 }

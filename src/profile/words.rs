@@ -1,22 +1,6 @@
-//! Words for complaints: values quoted, lists in prose, hints on syntax.
-
-use toml::de::DeValue;
-
-use super::reader::TomlValue;
+//! Words for complaints: text quoted, lists in prose, hints on syntax.
 
 const MAX_QUOTED: usize = 40;
-
-/// The number that a value is, finite or not; `None` if it is of another type.
-pub(super) fn figure(value: &TomlValue) -> Option<f64> {
-    match value.get_ref() {
-        DeValue::Float(float) => float.as_str().parse().ok(),
-        DeValue::Integer(int) if int.radix() == 10 => int.as_str().parse().ok(),
-        DeValue::Integer(int) => {
-            Some(u64::from_str_radix(int.as_str(), int.radix()).map_or(f64::INFINITY, |n| n as f64))
-        }
-        _ => None,
-    }
-}
 
 /// Text safe to print on one line: nothing invisible, not too long.
 pub(super) fn shown(text: &str) -> String {
@@ -64,7 +48,6 @@ pub(super) fn syntax_hint(message: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use toml::de::DeTable;
 
     #[test]
     fn quotes_are_short_and_visible() {
@@ -79,21 +62,5 @@ mod tests {
     fn lists_read_as_prose() {
         assert_eq!(list(&["a"], "or"), "a");
         assert_eq!(list(&["a", "b", "c"], "or"), "a, b or c");
-    }
-
-    #[test]
-    fn figures_in_every_radix() {
-        for (text, number) in [
-            ("a = 1_000", 1000.0),
-            ("a = +7", 7.0),
-            ("a = 0x1F", 31.0),
-            ("a = 0b101", 5.0),
-            ("a = -2.5e-1", -0.25),
-            ("a = 99999999999999999999", 1e20),
-            ("a = 0xFFFFFFFFFFFFFFFFFFFFF", f64::INFINITY),
-        ] {
-            let tree = DeTable::parse(text).expect("TOML");
-            assert_eq!(tree.get_ref().get("a").and_then(figure), Some(number), "{text}");
-        }
     }
 }

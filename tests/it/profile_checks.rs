@@ -2,11 +2,12 @@
 
 use crate::support::least::{strip_of, with};
 use crate::support::shipped_text;
+use morion::internals::geom::{ScanPath, ScanPattern};
 use morion::internals::optics::{CameraModel, StripLaw, Target};
 use morion::internals::profile::{
     AcceptanceSpec, Format, Layout, LensSpec, MeshLimits, Method, MethodKind, PanelSource,
-    PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ScanPattern, ShapeSpec, StripLawSpec,
-    StripSpec, Tolerance, shipped,
+    PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StripLawSpec, StripSpec,
+    Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -59,12 +60,16 @@ fn a_sag_table_has_a_path_and_spacings_or_usual_ones() {
         let export = format!("export.formats = [\"stl\", \"csv\"]\n{text}");
         with(&[("export.formats = [\"stl\"]\n", &export)]).map(|profile| profile.sag)
     };
+    let spacing_mm = |table: &SagTable| {
+        let ScanPath { pitch_mm, step_mm, .. } = table.scan(60.0);
+        [pitch_mm, step_mm]
+    };
     let usual = table("").unwrap();
     assert_eq!(usual, SagTable::default());
-    assert_eq!(usual.spacing_mm(60.0), [0.3, 0.3]);
+    assert_eq!(spacing_mm(&usual), [0.3, 0.3]);
     let spiral = table("export.sag = { path = \"spiral\", pitch_mm = 0.02 }").unwrap();
     assert_eq!(spiral.path, ScanPattern::Spiral);
-    assert_eq!(spiral.spacing_mm(60.0), [0.02, 0.3]);
+    assert_eq!(spacing_mm(&spiral), [0.02, 0.3]);
     for (text, words) in [
         ("export.sag.path = \"spirale\"", "did you mean \"spiral\"?"),
         ("export.sag.step_mm = 0", "export.sag.step_mm must be a number from 0.001 to 1000000"),

@@ -1,13 +1,10 @@
 //! Sag on a regular grid: the bicubic spline through it, twice differentiable.
 
-mod knots;
 mod patch_bounds;
-
-pub use knots::Knots;
 
 use super::bounds::{BoundCells, DerivativeBounds, UnionBound};
 use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
-use crate::geom::DVec2;
+use crate::geom::{DVec2, GridAxis};
 use crate::parallel;
 
 /// f and its derivatives f_s, f_t, f_st at a node, per step of the grid: a patch between four nodes
@@ -18,8 +15,8 @@ type Node = [f64; 4];
 /// (the two pieces at each end are one cubic). Outside the grid the end patches go on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BicubicSpline {
-    x: Knots,
-    y: Knots,
+    x: GridAxis,
+    y: GridAxis,
     nodes: Vec<Node>,
 }
 
@@ -109,9 +106,12 @@ impl BicubicSpline {
     /// [`LEAST_KNOTS`] knots along an axis, steps that are not positive, a wrong number of values
     /// or values that are not finite.
     #[must_use]
-    pub fn new(x: Knots, y: Knots, values: &[f64]) -> Option<Self> {
-        let sound = |k: &Knots| {
-            k.count >= LEAST_KNOTS && k.step > 0.0 && k.first.is_finite() && k.last().is_finite()
+    pub fn new(x: GridAxis, y: GridAxis, values: &[f64]) -> Option<Self> {
+        let sound = |k: &GridAxis| {
+            k.count >= LEAST_KNOTS
+                && k.step_mm > 0.0
+                && k.first_mm.is_finite()
+                && k.last_mm().is_finite()
         };
         let fits = x.count.checked_mul(y.count) == Some(values.len());
         if !(sound(&x) && sound(&y) && fits && values.iter().all(|f| f.is_finite())) {
@@ -126,7 +126,7 @@ impl BicubicSpline {
 
     /// The knots along X and along Y.
     #[must_use]
-    pub fn knots(&self) -> [Knots; 2] {
+    pub fn knots(&self) -> [GridAxis; 2] {
         [self.x, self.y]
     }
 
@@ -135,9 +135,10 @@ impl BicubicSpline {
     #[must_use]
     pub fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
         let across = |(j, t): (usize, [f64; 2])| {
-            self.x.touched(lo.x, hi.x).map(move |(i, s)| self.patch_bounds(i, j, s, t))
+            patch_bounds::touched(&self.x, lo.x, hi.x)
+                .map(move |(i, s)| self.patch_bounds(i, j, s, t))
         };
-        let all = self.y.touched(lo.y, hi.y).flat_map(across);
+        let all = patch_bounds::touched(&self.y, lo.y, hi.y).flat_map(across);
         all.reduce(UnionBound::union).expect("a box touches a patch")
     }
 }
@@ -146,11 +147,11 @@ impl HeightField for BicubicSpline {
     type Row<'a> = BicubicSplineRow<'a>;
 
     fn row(&self, y: f64) -> BicubicSplineRow<'_> {
-        let (j, t) = self.y.find(y);
+        let (j, t) = self.y.interval(y);
         let row = |j: usize| &self.nodes[j * self.x.count..(j + 1) * self.x.count];
         BicubicSplineRow {
             x: self.x,
-            per_step: DVec2::new(1.0 / self.x.step, 1.0 / self.y.step),
+            per_step: DVec2::new(1.0 / self.x.step_mm, 1.0 / self.y.step_mm),
             rows: [row(j), row(j + 1)],
             value: hermite(t),
             slope: hermite_slope(t),
@@ -158,13 +159,13 @@ impl HeightField for BicubicSpline {
     }
 
     fn hessian(&self, q: DVec2) -> Hessian {
-        let ((i, s), (j, t)) = (self.x.find(q.x), self.y.find(q.y));
+        let ((i, s), (j, t)) = (self.x.interval(q.x), self.y.interval(q.y));
         let column =
             |i: usize| [&self.nodes[j * self.x.count + i], &self.nodes[(j + 1) * self.x.count + i]];
         let second = |along: [f64; 4], across: [f64; 4]| {
             sum(fold(column(i), &across), fold(column(i + 1), &across), &along)
         };
-        let (dx, dy) = (self.x.step, self.y.step);
+        let (dx, dy) = (self.x.step_mm, self.y.step_mm);
         Hessian {
             xx: second(hermite_second(s), hermite(t)) / (dx * dx),
             xy: second(hermite_slope(s), hermite_slope(t)) / (dx * dy),
@@ -175,7 +176,7 @@ impl HeightField for BicubicSpline {
     fn reflected(&self, axis: usize) -> Self {
         let mut reflected = self.clone();
         let knots = if axis == 0 { &mut reflected.x } else { &mut reflected.y };
-        knots.first = -knots.last();
+        knots.first_mm = -knots.last_mm();
         let [columns, rows] = [self.x.count, self.y.count];
         for (k, node) in reflected.nodes.iter_mut().enumerate() {
             let (i, j) = (k % columns, k / columns);
@@ -206,7 +207,7 @@ impl HeightField for BicubicSpline {
 /// A spline on one line of constant y.
 #[derive(Debug, Clone)]
 pub struct BicubicSplineRow<'a> {
-    x: Knots,
+    x: GridAxis,
     per_step: DVec2,
     rows: [&'a [Node]; 2],
     value: [f64; 4],
@@ -216,7 +217,7 @@ pub struct BicubicSplineRow<'a> {
 impl HeightRow for BicubicSplineRow<'_> {
     #[inline]
     fn at(&self, x: f64) -> HeightAndSlope {
-        let (i, s) = self.x.find(x);
+        let (i, s) = self.x.interval(x);
         let column = |i: usize| self.rows.map(|row| &row[i]);
         let (left, right) = (column(i), column(i + 1));
         let (l, r) = (fold(left, &self.value), fold(right, &self.value));
@@ -235,14 +236,14 @@ mod tests {
     use crate::num::sample::Draws;
     use crate::num::{cos, sin};
 
-    fn grid(x: Knots, y: Knots, f: impl Fn(DVec2) -> f64) -> BicubicSpline {
+    fn grid(x: GridAxis, y: GridAxis, f: impl Fn(DVec2) -> f64) -> BicubicSpline {
         let node = |k: usize| f(DVec2::new(x.at(k % x.count), y.at(k / x.count)));
         let values: Vec<f64> = (0..x.count * y.count).map(node).collect();
         BicubicSpline::new(x, y, &values).unwrap()
     }
 
-    fn knots(first: f64, last: f64, count: usize) -> Knots {
-        Knots { first, step: (last - first) / (count - 1) as f64, count }
+    fn knots(first: f64, last: f64, count: usize) -> GridAxis {
+        GridAxis { first_mm: first, step_mm: (last - first) / (count - 1) as f64, count }
     }
 
     fn rough(seed: u64) -> BicubicSpline {
@@ -284,8 +285,8 @@ mod tests {
         let mut r = Draws::new(2);
         for k in 1..x.count - 1 {
             let e = 1e-9;
-            let (a, b) = (x.at(k), r.inside([y.first, y.last()]));
-            let (c, d) = (r.inside([x.first, x.last()]), y.at(k.min(y.count - 2)));
+            let (a, b) = (x.at(k), r.inside([y.first_mm, y.last_mm()]));
+            let (c, d) = (r.inside([x.first_mm, x.last_mm()]), y.at(k.min(y.count - 2)));
             for (before, after) in [
                 (DVec2::new(a - e, b), DVec2::new(a + e, b)),
                 (DVec2::new(c, d - e), DVec2::new(c, d + e)),
@@ -336,7 +337,7 @@ mod tests {
                     // The third derivatives are constant along their own axis on a patch.
                     let e = DVec2::new(1e-4, 0.0);
                     let inside = |q: DVec2| lo.cmple(q).all() && q.cmple(hi).all();
-                    let same = |q: DVec2| patches.x.find(q.x).0;
+                    let same = |q: DVec2| patches.x.interval(q.x).0;
                     if inside(q - e) && inside(q + e) && same(q - e) == same(q + e) {
                         let (a, b) = (patches.hessian(q + e), patches.hessian(q - e));
                         for (range, d) in

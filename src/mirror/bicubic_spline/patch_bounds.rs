@@ -2,10 +2,28 @@
 
 use super::super::bounds::DerivativeBounds;
 use super::BicubicSpline;
+use crate::geom::GridAxis;
 use crate::num::Interval;
 
 /// Rounding of a patch's Bernstein coefficients, as a share of the largest height.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
+/// Bounds look at whole such shares of a patch.
+const SHARES: f64 = 32.0;
+
+/// The intervals of an axis that `lo`..=`hi` touches, each with the share of it, a little widened.
+pub(super) fn touched(
+    axis: &GridAxis,
+    lo: f64,
+    hi: f64,
+) -> impl Iterator<Item = (usize, [f64; 2])> {
+    let ((first, from), (last, to)) = (axis.interval(lo), axis.interval(hi));
+    (first..=last).map(move |k| {
+        let from = if k == first { (from * SHARES).floor() / SHARES } else { 0.0 };
+        let to = if k == last { (to * SHARES).ceil() / SHARES } else { 1.0 };
+        (k, [from, if to > from { to } else { from + 1.0 / SHARES }])
+    })
+}
 
 impl BicubicSpline {
     /// Bounds over the shares `s` and `t` of the patch from node (`i`, `j`).
@@ -36,7 +54,7 @@ impl BicubicSpline {
         if t != [0.0, 1.0] {
             net = transpose(transpose(net).map(|line| restrict(line, t)));
         }
-        let (w, h) = (self.x.step * (s[1] - s[0]), self.y.step * (t[1] - t[0]));
+        let (w, h) = (self.x.step_mm * (s[1] - s[0]), self.y.step_mm * (t[1] - t[0]));
         let along = differences(&net);
         let up = along.map(|net| differences(&transpose(net)));
         // The derivative of order p along x and q along y: entries q of 4 - p lines, each of 4 - q.

@@ -1,11 +1,12 @@
 //! Where the sag table samples the mirror.
 
+use super::super::SagTable;
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, number, word};
-use super::super::{SagTable, ScanPattern};
 use super::limits::PartEntry;
 use super::{SIZE, is_size};
+use crate::geom::{ScanPath, ScanPattern};
 use std::f64::consts::PI;
 
 /// The table's places; the defaults where `[export]` does not say.
@@ -22,14 +23,14 @@ pub(super) fn read(reader: &mut ProfileReader, export: &Section, part: &PartEntr
     let step = number(reader, &section, "step_mm", Optional, SIZE, hint, is_size);
     let table = SagTable { path, pitch_mm: pitch.map(|f| f.value), step_mm: step.map(|f| f.value) };
     if let (Some(width), Some(finest)) = (&part.width, finest(pitch, step)) {
-        let [pitch, step] = table.spacing_mm(width.value);
+        let ScanPath { pitch_mm, step_mm, .. } = table.scan(width.value);
         let height = part.height.as_ref().map_or(width.value, |height| height.value);
         let covered = match path {
             ScanPattern::Raster => height * width.value,
             // About the axis out to the corners.
             ScanPattern::Spiral => 0.25 * PI * (height * height + width.value * width.value),
         };
-        let points = covered / (pitch * step);
+        let points = covered / (pitch_mm * step_mm);
         if points > SagTable::MOST_POINTS {
             let path = &section.path;
             let message = format!(
@@ -54,8 +55,10 @@ impl SagTable {
     /// Points that are taken across the part's width where the profile does not say.
     const ACROSS: f64 = 200.0;
 
-    /// Pitch and step on a part of that width, mm.
-    pub fn spacing_mm(&self, width_mm: f64) -> [f64; 2] {
-        [self.pitch_mm, self.step_mm].map(|mm| mm.unwrap_or(width_mm / Self::ACROSS))
+    /// Scan of a part of that width, mm.
+    pub fn scan(&self, width_mm: f64) -> ScanPath {
+        let [pitch_mm, step_mm] =
+            [self.pitch_mm, self.step_mm].map(|mm| mm.unwrap_or(width_mm / Self::ACROSS));
+        ScanPath { pattern: self.path, pitch_mm, step_mm }
     }
 }

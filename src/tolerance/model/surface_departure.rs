@@ -104,7 +104,7 @@ impl OpticalSystem {
         let wave = state.wave.filter(|a| *a != [0.0; 2]).map(|_| period(self.wave));
         let tracks = state.tracks.map(|[stepover, _]| stepover);
         let knots = self.map.iter().filter(|_| state.map.is_some_and(|share| share != 0.0));
-        let knots = knots.flat_map(|map| map.knots().map(|knots| knots.step));
+        let knots = knots.flat_map(|map| map.knots().map(|knots| knots.step_mm));
         let forms = forms.map(|(_, field)| field.swing());
         forms.chain(wave).chain(tracks).chain(knots).reduce(f64::min)
     }

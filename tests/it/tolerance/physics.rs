@@ -3,9 +3,9 @@
 use super::{engine, fixed, spec, usual, with_map};
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::Design;
-use morion::internals::geom::{DVec2, DVec3};
+use morion::internals::geom::{DVec2, DVec3, GridAxis};
 use morion::internals::machining::{BallRaster, SurfaceAnalysis};
-use morion::internals::mirror::{BicubicSpline, Knots};
+use morion::internals::mirror::BicubicSpline;
 use morion::internals::num::random::RandomStream;
 use morion::internals::num::{cos, radians, sin};
 use morion::internals::optics::reflect;
@@ -268,11 +268,11 @@ fn adjustments_undo_what_they_can() {
 #[test]
 fn a_measured_map_acts_as_what_it_holds() {
     let design = designed(&shipped("conquistador"));
-    let knots = |reach: f64| Knots { first: -reach, step: reach / 20.0, count: 41 };
+    let knots = |reach: f64| GridAxis { first_mm: -reach, step_mm: reach / 20.0, count: 41 };
     let (x, y) = (knots(32.0), knots(24.0));
     let heights: Vec<f64> = (0..41 * 41)
         .map(|k| {
-            let u = (x.first + x.step * (k % 41) as f64) / 30.0;
+            let u = (x.at(k % 41)) / 30.0;
             1e-3 * (1.5 * u * u - 0.5) / 1.5
         })
         .collect();

@@ -3,7 +3,8 @@
 use super::{engine, fixed, spec, usual, with_map};
 use crate::support::shipped_builds;
 use crate::support::{designed, share, shipped};
-use morion::internals::mirror::{BicubicSpline, Knots};
+use morion::internals::geom::GridAxis;
+use morion::internals::mirror::BicubicSpline;
 use morion::internals::tolerance::{
     AllocationError, Compensator, Criterion, DisplacementPx, Engine, ErrorSource, Perturbation,
     Process, Reference, SourceFacts, Study, ToleranceSpec, Trial, quantile, worst_offenders,
@@ -75,11 +76,11 @@ fn systematic_errors_add_with_their_signs() {
 
     // A measured bend against a projection that the design does not meet.
     let design = designed(&shipped("conquistador"));
-    let knots = |reach: f64| Knots { first: -reach, step: reach / 20.0, count: 41 };
+    let knots = |reach: f64| GridAxis { first_mm: -reach, step_mm: reach / 20.0, count: 41 };
     let (x, y) = (knots(32.0), knots(24.0));
     let heights: Vec<f64> = (0..41 * 41)
         .map(|k| {
-            let [u, v] = [x.first + x.step * (k % 41) as f64, y.first + y.step * (k / 41) as f64];
+            let [u, v] = [x.at(k % 41), y.at(k / 41)];
             2e-6 * u * u - 1e-6 * u * v
         })
         .collect();

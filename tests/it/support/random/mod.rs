@@ -5,11 +5,10 @@ pub mod errors;
 pub mod shape;
 
 use super::draws::Draws;
-use morion::internals::geom::{Chart, DVec2, Outline, Precision, Rect};
+use morion::internals::geom::{Chart, DVec2, GridAxis, Outline, Precision, Rect};
 use morion::internals::mesh::{Face, Limits, MeshError, mesh};
 use morion::internals::mirror::{
-    BicubicSpline, HeightField, Knots, Mirror, RadialLegendre, RadialTensorSum, Surface,
-    TensorLegendre,
+    BicubicSpline, HeightField, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
 };
 use morion::internals::num::legendre::Series;
 use morion::internals::num::{cos, exp, log, radians, sin};
@@ -299,13 +298,13 @@ pub fn case(kind: Kind, seed: u64, facets: [f64; 2]) -> Case {
             let plain = sheet(of.series, rect);
             let count = [0; 2].map(|_| 4 + (r.unit() * 20.0) as usize);
             let slack = 1e-3 * half;
-            let knots = [0, 1].map(|k| Knots {
-                first: (rect.min - slack)[k],
-                step: (rect.size() + 2.0 * slack)[k] / (count[k] - 1) as f64,
+            let knots = [0, 1].map(|k| GridAxis {
+                first_mm: (rect.min - slack)[k],
+                step_mm: (rect.size() + 2.0 * slack)[k] / (count[k] - 1) as f64,
                 count: count[k],
             });
             let node = |k: usize| {
-                let at = |a: Knots, k: usize| a.first + a.step * k as f64;
+                let at = |a: GridAxis, k: usize| a.at(k);
                 plain.at(DVec2::new(at(knots[0], k % count[0]), at(knots[1], k / count[0]))).f
             };
             let values: Vec<f64> = (0..count[0] * count[1]).map(node).collect();
