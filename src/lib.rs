@@ -47,14 +47,15 @@
 //!                unwrap <- [photo]
 //! ```
 //!
-//! Which module may use which; everything below `profile` may use `num` and `parallel`, the one
+//! Which module may use which; every module after `num` may use `num` and `parallel`, the one
 //! door to threads, and from `optics` on `geom` too:
 //!
 //! ```text
 //! parallel
-//! num                profile              raster
+//! num                raster
 //! geom
 //! optics
+//! profile            optics
 //! mirror
 //! design             profile, optics, mirror
 //! mesh               optics, mirror

@@ -65,7 +65,7 @@ fn one<'t>(
         }
         LawName::Strip(law) => {
             let azimuth = azimuth(reader, &section);
-            let elevation = elevation(reader, &section, name);
+            let elevation = elevation(reader, &section, name, &law);
             ProjectionKeys::Strip { law: Some(law), azimuth, elevation }
         }
         LawName::Radial(law) => {
@@ -115,9 +115,10 @@ fn elevation(
     reader: &mut ProfileReader,
     section: &Section,
     name: &str,
+    law: &StripLawSpec,
 ) -> Option<Located<[f64; 2]>> {
-    let limit = match name {
-        "cylindrical" | "mercator" => {
+    let limit = match law {
+        StripLawSpec::Named(law) if law.pole_coordinate().is_none() => {
             format!("the {name} law reaches the pole only at infinity; use 89 or less, -89 or more")
         }
         _ => POLE.to_owned(),
