@@ -6,7 +6,7 @@ use crate::geom::{DVec2, DVec3, Outline, Ray};
 use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
 use crate::parallel;
-use crate::render::{Canvas, Picture, Seen as Painted, World};
+use crate::render::{Picture, PictureRay, SampleGrid, World};
 use crate::trace::{Outcome, PixelTrace, Scene, TraceResult};
 
 /// A mesh, ready for more rays, and what became of those sent so far.
@@ -48,49 +48,47 @@ pub fn picture(
     let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
     let scale = view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
     let pixel_rad = camera.pixel_mm * scale;
-    let canvas = Canvas { width, height, samples_per_side, pixel_rad };
+    let grid = SampleGrid { width, height, samples_per_side, pixel_rad };
     let leaving = |at: DVec3, direction: DVec3| {
         let shown = match (distance, view) {
             (Distance::Target, Some(view)) => view.direction_from_origin(at, direction),
             _ => direction,
         };
-        Painted::World(Ray { origin: at, direction: shown })
+        PictureRay::reflected(Ray { origin: at, direction: shown })
     };
+    let missed = PictureRay::lost(Outcome::Missed);
     match eye {
         CameraView::Shut => {
-            let nothing = vec![Painted::Missed; width as usize * height as usize];
-            Picture::paint(&canvas, world, &nothing, |_, _| Painted::Missed)
+            let nothing = vec![missed; width as usize * height as usize];
+            Picture::paint(&grid, world, &nothing, |_, _| missed)
         }
         CameraView::Mesh((scene, witness)) => {
             let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
-                Outcome::Hit if is_dull(design, at) => Painted::Missed,
+                Outcome::Hit if is_dull(design, at) => missed,
                 Outcome::Hit => leaving(at, direction),
-                Outcome::Missed => Painted::Missed,
-                Outcome::Shadowed(_) => Painted::Shadowed,
-                Outcome::BackFace => Painted::BackFace,
+                lost => PictureRay::lost(lost),
             };
             let centre =
                 |pixel: &PixelTrace| painted(pixel.outcome, pixel.hit_point, pixel.direction);
-            let centres: Vec<Painted> = witness.pixels.iter().map(centre).collect();
+            let centres: Vec<PictureRay> = witness.pixels.iter().map(centre).collect();
             let top = above(scene);
             let see = |x: f64, y: f64| {
                 let centre = &witness.pixels[y as usize * width as usize + x as usize];
                 if let Outcome::Shadowed(_) = centre.outcome {
-                    return Painted::Shadowed;
+                    return PictureRay::lost(centre.outcome);
                 }
                 let ray = camera.ray(camera.image_point(x, y), top);
                 let end = scene.trace_primary(&ray);
                 painted(end.outcome, end.hit_point(&ray), end.direction)
             };
-            Picture::paint(&canvas, world, &centres, see)
+            Picture::paint(&grid, world, &centres, see)
         }
         CameraView::Smooth => {
-            let row = |y: f64, columns: &[f64]| -> Vec<Painted> {
+            let row = |y: f64, columns: &[f64]| -> Vec<PictureRay> {
                 let points = columns.iter().map(|&x| camera.image_point(x, y));
                 let ends = reflected(design, &points.collect::<Vec<_>>());
-                let painted = |end: Option<Ray>| {
-                    end.map_or(Painted::Missed, |ray| leaving(ray.origin, ray.direction))
-                };
+                let painted =
+                    |end: Option<Ray>| end.map_or(missed, |ray| leaving(ray.origin, ray.direction));
                 ends.into_iter().map(painted).collect()
             };
             let columns: Vec<f64> = (0..width).map(|x| f64::from(x) + 0.5).collect();
@@ -98,7 +96,7 @@ pub fn picture(
                 rows.flat_map(|y| row(y as f64 + 0.5, &columns)).collect()
             });
             let see = |x: f64, y: f64| row(y, &[x])[0];
-            Picture::paint(&canvas, world, &centres, see)
+            Picture::paint(&grid, world, &centres, see)
         }
     }
 }

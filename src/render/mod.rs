@@ -1,6 +1,6 @@
-//! What the camera sees: worlds, and pictures of them through any map from pixels to rays.
+//! Worlds, and pictures of them through any map from pixels to rays.
 //!
-//! Words: a **test_world** says what light comes along a ray. A **direction** is a unit vector (X, Y, Z)
+//! Words: a **world** says what light comes along a ray. A **direction** is a unit vector (X, Y, Z)
 //! of the part frame, written as **azimuth** a and **elevation** e by (cos e sin a, cos e cos a, sin e).
 //! **Footprint** is the angle, in radians, that one sample of the picture covers. **Linear** colour is
 //! light; sRGB is its 8-bit code.
@@ -9,7 +9,6 @@ mod angle_tables;
 mod chess_pieces;
 mod chessboard;
 mod graticule;
-mod label;
 mod material;
 mod model;
 mod panorama;
@@ -18,19 +17,20 @@ mod setup_diagram;
 mod shaded_views;
 mod solid_of_revolution;
 pub mod test_world;
+mod text_distance_field;
 
 pub use crate::raster::EncodingError;
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
-pub use picture::{Canvas, Picture, Seen};
+pub use picture::{Picture, PictureRay, SampleGrid};
 pub use setup_diagram::SetupDiagram;
 pub use shaded_views::shaded_views;
 pub use test_world::TestWorld;
 
 use crate::geom::Ray;
 
-/// What there is to see.
+/// Radiance along every ray: a scene that pictures are made of.
 pub trait World: Sync {
     /// Linear red, green and blue of the light that comes against `ray` (part frame, mm; unit
     /// direction) to where it starts, seen by a sample that covers `footprint_rad` radians. Worlds far

@@ -3,39 +3,50 @@
 use crate::parallel;
 
 use super::World;
-use crate::geom::Ray;
+use crate::geom::{DVec3, Ray};
 use crate::raster::{
     EncodingError, png,
     srgb::{encode, hex},
 };
+use crate::trace::Outcome;
 
-/// sRGB code of [`Seen::Missed`]: dark grey.
+/// sRGB code of [`Outcome::Missed`]: dark grey.
 pub const MISSED: u32 = 0x3a3a3c;
-/// sRGB code of [`Seen::Shadowed`]: dark red.
+/// sRGB code of [`Outcome::Shadowed`]: dark red.
 pub const SHADOWED: u32 = 0x7a1018;
-/// sRGB code of [`Seen::BackFace`]: magenta.
+/// sRGB code of [`Outcome::BackFace`]: magenta.
 pub const BACK_FACE: u32 = 0xff00ff;
 
 /// Difference in linear light that makes an edge: a few times what the sky changes from pixel to
 /// pixel, a fraction of a thin line.
 const EDGE: f32 = 0.06;
 
-/// What one point of the picture sees.
+/// End of the camera ray through one point of the picture, and the ray that leaves into the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
-    /// The world, along this ray of the part frame.
-    World(Ray),
-    /// The mirror, but another part of it blocks the way to the world.
-    Shadowed,
-    /// Nothing: the ray passes by the mirror.
-    Missed,
-    /// The wrong side of a facet; a sound part never shows it.
-    BackFace,
+pub struct PictureRay {
+    /// How the camera ray ends.
+    pub outcome: Outcome,
+    /// The reflected ray in the part frame, where the outcome is [`Outcome::Hit`].
+    pub leaving: Ray,
 }
 
-/// The grid of samples of a picture.
+impl PictureRay {
+    /// A camera ray that is reflected and leaves as `leaving`.
+    #[must_use]
+    pub fn reflected(leaving: Ray) -> Self {
+        Self { outcome: Outcome::Hit, leaving }
+    }
+
+    /// A camera ray from which nothing leaves.
+    #[must_use]
+    pub fn lost(outcome: Outcome) -> Self {
+        Self { outcome, leaving: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO } }
+    }
+}
+
+/// Pixels of a picture and the samples in each.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Canvas {
+pub struct SampleGrid {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
@@ -55,33 +66,33 @@ pub struct Picture {
     pub height: u32,
     /// Red, green and blue of each pixel, row by row from the top left.
     pub rgb: Vec<u8>,
-    /// Points of the picture that were looked at: the pixels' centres, and those within edges.
+    /// Number of samples: the pixels' centres, and those within edges.
     pub samples: u64,
 }
 
 impl Picture {
-    /// Paints `world` as seen: `centres` holds what each pixel's centre sees, row by row, and `see`
-    /// finds the same for any other point, as in [`Picture::refined`].
+    /// Paints `world`: `centres` holds the ray of each pixel's centre, row by row, and `see` gives that of
+    /// any other point, as in [`Picture::refined`].
     ///
     /// # Panics
     /// When `centres` has not one entry a pixel.
     #[must_use]
     pub fn paint(
-        canvas: &Canvas,
+        grid: &SampleGrid,
         world: &(impl World + ?Sized),
-        centres: &[Seen],
-        see: impl Fn(f64, f64) -> Seen + Sync,
+        centres: &[PictureRay],
+        see: impl Fn(f64, f64) -> PictureRay + Sync,
     ) -> Self {
         let [missed, shadowed, back_face] = [MISSED, SHADOWED, BACK_FACE].map(hex);
-        let light = |seen: Seen, footprint: f64| match seen {
-            Seen::World(ray) => world.light(&ray, footprint),
-            Seen::Shadowed => shadowed,
-            Seen::Missed => missed,
-            Seen::BackFace => back_face,
+        let light = |end: PictureRay, footprint: f64| match end.outcome {
+            Outcome::Hit => world.light(&end.leaving, footprint),
+            Outcome::Shadowed(_) => shadowed,
+            Outcome::Missed => missed,
+            Outcome::BackFace => back_face,
         };
-        let coarse = parallel::map_slice(centres, 4096, |&seen| light(seen, canvas.pixel_rad));
-        let footprint = canvas.pixel_rad / f64::from(canvas.samples_per_side.max(1));
-        Self::refined(canvas, &coarse, |x, y| light(see(x, y), footprint))
+        let coarse = parallel::map_slice(centres, 4096, |&end| light(end, grid.pixel_rad));
+        let footprint = grid.pixel_rad / f64::from(grid.samples_per_side.max(1));
+        Self::refined(grid, &coarse, |x, y| light(see(x, y), footprint))
     }
 
     /// The picture of `coarse`, the linear light at each pixel's centre, row by row, with pixels that
@@ -95,13 +106,13 @@ impl Picture {
     /// When `coarse` has not one entry a pixel.
     #[must_use]
     pub fn refined(
-        canvas: &Canvas,
+        grid: &SampleGrid,
         coarse: &[[f32; 3]],
         light: impl Fn(f64, f64) -> [f32; 3] + Sync,
     ) -> Self {
-        let (width, height) = (canvas.width as usize, canvas.height as usize);
+        let (width, height) = (grid.width as usize, grid.height as usize);
         assert_eq!(coarse.len(), width * height, "one centre a pixel");
-        let side = canvas.samples_per_side.max(1);
+        let side = grid.samples_per_side.max(1);
         let fine = |x: usize, y: usize| {
             let mut sum = [0.0_f32; 3];
             let place = |p: usize, k: u32| p as f64 + (f64::from(k) + 0.5) / f64::from(side);
@@ -136,7 +147,7 @@ impl Picture {
             edges
         });
         let samples = edges.iter().sum::<u64>() * u64::from(side * side) + coarse.len() as u64;
-        Self { width: canvas.width, height: canvas.height, rgb, samples }
+        Self { width: grid.width, height: grid.height, rgb, samples }
     }
 
     /// The picture turned by half a turn: what a camera held upside down takes.
@@ -161,7 +172,6 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::geom::DVec3;
     use crate::num;
     use crate::render::TestWorld;
 
@@ -169,21 +179,21 @@ mod tests {
     const SCALE: f64 = 2.0 * PI / WIDTH as f64;
 
     /// A panorama of half a degree of azimuth a pixel, the horizon at y = 60.
-    fn panorama(x: f64, y: f64) -> Seen {
+    fn panorama(x: f64, y: f64) -> PictureRay {
         let (a, z) = ((x - 360.0) * SCALE, (60.0 - y) * SCALE);
         let direction = DVec3::new(num::sin(a), num::cos(a), z).normalize();
-        Seen::World(Ray { origin: DVec3::ZERO, direction })
+        PictureRay::reflected(Ray { origin: DVec3::ZERO, direction })
     }
 
     fn painted(samples_per_side: u32) -> Picture {
-        let canvas = Canvas { width: WIDTH, height: 120, samples_per_side, pixel_rad: SCALE };
-        Picture::paint(&canvas, &TestWorld::new(), &centres(&canvas, panorama), panorama)
+        let grid = SampleGrid { width: WIDTH, height: 120, samples_per_side, pixel_rad: SCALE };
+        Picture::paint(&grid, &TestWorld::new(), &centres(&grid, panorama), panorama)
     }
 
-    /// What the pixel centres see.
-    fn centres(canvas: &Canvas, see: impl Fn(f64, f64) -> Seen) -> Vec<Seen> {
-        let pixels = 0..canvas.width * canvas.height;
-        let centre = |k| see(f64::from(k % canvas.width) + 0.5, f64::from(k / canvas.width) + 0.5);
+    /// The rays of the pixel centres.
+    fn centres(grid: &SampleGrid, see: impl Fn(f64, f64) -> PictureRay) -> Vec<PictureRay> {
+        let pixels = 0..grid.width * grid.height;
+        let centre = |k| see(f64::from(k % grid.width) + 0.5, f64::from(k / grid.width) + 0.5);
         pixels.map(centre).collect()
     }
 
@@ -256,13 +266,13 @@ mod tests {
 
     #[test]
     fn samples_are_averaged_in_linear_light() {
-        let canvas = Canvas { width: 3, height: 1, samples_per_side: 2, pixel_rad: 0.01 };
+        let grid = SampleGrid { width: 3, height: 1, samples_per_side: 2, pixel_rad: 0.01 };
         let see = |x: f64, _: f64| match x {
-            ..1.0 => Seen::Missed,
-            ..1.5 => Seen::BackFace,
-            _ => Seen::Shadowed,
+            ..1.0 => PictureRay::lost(Outcome::Missed),
+            ..1.5 => PictureRay::lost(Outcome::BackFace),
+            _ => PictureRay::lost(Outcome::Shadowed(0)),
         };
-        let picture = Picture::paint(&canvas, &TestWorld::new(), &centres(&canvas, see), see);
+        let picture = Picture::paint(&grid, &TestWorld::new(), &centres(&grid, see), see);
         let code = |hex: u32| [16, 8, 0].map(|shift| (hex >> shift & 0xff) as i32);
         assert_eq!(at(&picture, 0, 0), code(MISSED));
         assert_eq!(at(&picture, 2, 0), code(SHADOWED));
@@ -272,17 +282,17 @@ mod tests {
 
     #[test]
     fn only_edges_are_sampled_again() {
-        let canvas = Canvas { width: 8, height: 4, samples_per_side: 2, pixel_rad: 0.01 };
+        let grid = SampleGrid { width: 8, height: 4, samples_per_side: 2, pixel_rad: 0.01 };
         let see = |x: f64, _: f64| {
-            if x < 4.3 { Seen::Missed } else { Seen::BackFace }
+            PictureRay::lost(if x < 4.3 { Outcome::Missed } else { Outcome::BackFace })
         };
         let visited = std::sync::Mutex::new(Vec::new());
         let noting = |x: f64, y: f64| {
             visited.lock().unwrap().push(x as u32);
             see(x, y)
         };
-        let centres = centres(&canvas, see);
-        let picture = Picture::paint(&canvas, &TestWorld::new(), &centres, noting);
+        let centres = centres(&grid, see);
+        let picture = Picture::paint(&grid, &TestWorld::new(), &centres, noting);
         assert!(visited.lock().unwrap().iter().all(|x| [3, 4].contains(x)));
         assert_eq!(at(&picture, 2, 1), at(&picture, 3, 1));
         assert_eq!(picture.samples, 8 * 4 + 2 * 4 * 4);
@@ -298,8 +308,8 @@ mod tests {
 
     #[test]
     fn an_empty_picture_is_an_error_not_a_panic() {
-        let canvas = Canvas { width: 0, height: 4, samples_per_side: 0, pixel_rad: 0.01 };
-        let picture = Picture::paint(&canvas, &TestWorld::new(), &[], panorama);
+        let grid = SampleGrid { width: 0, height: 4, samples_per_side: 0, pixel_rad: 0.01 };
+        let picture = Picture::paint(&grid, &TestWorld::new(), &[], panorama);
         assert!(picture.to_png().is_err());
     }
 }

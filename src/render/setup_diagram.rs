@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::parallel;
 
 use super::material::{Lighting, Material};
-use super::picture::{Canvas, Picture};
+use super::picture::{Picture, SampleGrid};
 use super::shaded_views::DistantView;
 use super::solid_of_revolution::SolidOfRevolution;
 use super::test_world::TestWorld;
@@ -66,13 +66,13 @@ impl SetupDiagram<'_> {
             )
         };
         let [width, height] = PIXELS;
-        let canvas = Canvas { width, height, samples_per_side: SAMPLES, pixel_rad: footprint };
+        let grid = SampleGrid { width, height, samples_per_side: SAMPLES, pixel_rad: footprint };
         let centre = |k| [k % width, k / width].map(|n: u32| f64::from(n) + 0.5);
         let coarse = parallel::map((width * height) as usize, 1, |k| {
             let [x, y] = centre(k as u32);
             light(x, y)
         });
-        Picture::refined(&canvas, &coarse, light)
+        Picture::refined(&grid, &coarse, light)
     }
 
     fn light(

@@ -3,7 +3,7 @@
 use crate::parallel;
 
 use super::material::{Lighting, Material};
-use super::picture::{Canvas, Picture};
+use super::picture::{Picture, SampleGrid};
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::trace::Scene;
@@ -83,18 +83,18 @@ pub fn shaded_views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Syn
         let outward = normal(ray.at(hit.t)).unwrap_or_else(facet);
         eye.lights().shade(&matter, outward, ray.direction, true)
     };
-    let canvas = Canvas {
+    let grid = SampleGrid {
         width: TILE[0] * eyes.len() as u32,
         height: TILE[1],
         samples_per_side: SAMPLES,
         pixel_rad: 0.0,
     };
-    let centre = |k| [k % canvas.width, k / canvas.width].map(|n| f64::from(n) + 0.5);
-    let coarse = parallel::map((canvas.width * canvas.height) as usize, 1, |k| {
+    let centre = |k| [k % grid.width, k / grid.width].map(|n| f64::from(n) + 0.5);
+    let coarse = parallel::map((grid.width * grid.height) as usize, 1, |k| {
         let [x, y] = centre(k as u32);
         light(x, y)
     });
-    Picture::refined(&canvas, &coarse, light)
+    Picture::refined(&grid, &coarse, light)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::{
     World,
     angle_tables::AngleTables,
     graticule::{GRID, GraticulePoint, LAST_CIRCLE, QUARTER, line_cover},
-    label::Label,
+    text_distance_field::TextDistanceField,
 };
 use crate::geom::Ray;
 use crate::num;
@@ -41,9 +41,9 @@ pub struct TestWorld {
     heavy: Vec3A,
     ink: Vec3A,
     /// For azimuths 0, 15, ..., 180, -165, ..., -15 degrees.
-    azimuth: Vec<Label>,
+    azimuth: Vec<TextDistanceField>,
     /// For elevations -75, -60, ..., 75 degrees.
-    elevation: Vec<Label>,
+    elevation: Vec<TextDistanceField>,
     /// Cosines of the elevations of `elevation`.
     level: Vec<f64>,
     angles: AngleTables,
@@ -63,12 +63,13 @@ impl TestWorld {
     pub fn new() -> Self {
         let count = (360.0 / GRID_DEG) as i32;
         let step = GRID_DEG as i32;
-        let azimuth: Vec<Label> = (0..count)
+        let azimuth: Vec<TextDistanceField> = (0..count)
             .map(|k| if 2 * k > count { k - count } else { k })
-            .map(|k| Label::new(&format!("{}", k * step)))
+            .map(|k| TextDistanceField::new(&format!("{}", k * step)))
             .collect();
-        let elevation =
-            (-LAST_CIRCLE..=LAST_CIRCLE).map(|k| Label::new(&format!("{:+}", k * step))).collect();
+        let elevation = (-LAST_CIRCLE..=LAST_CIRCLE)
+            .map(|k| TextDistanceField::new(&format!("{:+}", k * step)))
+            .collect();
         let level = (-LAST_CIRCLE..=LAST_CIRCLE).map(|k| num::cos(f64::from(k) * GRID)).collect();
         let texel = num::radians(DIGIT_DEG) / f64::from(azimuth[0].height());
         Self {
@@ -152,7 +153,11 @@ impl TestWorld {
             .map_or((0.0, 0.0), |found| self.cover(place, found))
     }
 
-    fn cover(&self, place: &GraticulePoint, (label, right, up): (&Label, f64, f64)) -> (f32, f32) {
+    fn cover(
+        &self,
+        place: &GraticulePoint,
+        (label, right, up): (&TextDistanceField, f64, f64),
+    ) -> (f32, f32) {
         let texels = |angle: f64| (angle / self.texel) as f32;
         let Some(distance) = label.distance(texels(right), texels(up)) else {
             return (0.0, 0.0);
@@ -168,7 +173,7 @@ impl TestWorld {
     /// The nearest label of the horizon, centred on its meridian, if `place` is at its height, and
     /// the angles from the start of its baseline to the right and up.
     #[inline]
-    fn azimuth_label(&self, place: &GraticulePoint) -> Option<(&Label, f64, f64)> {
+    fn azimuth_label(&self, place: &GraticulePoint) -> Option<(&TextDistanceField, f64, f64)> {
         let up = place.elevation - num::radians(HEAVY_DEG / 2.0 + GAP_DEG);
         if !in_sight(up) {
             return None;
@@ -181,7 +186,7 @@ impl TestWorld {
 
     /// The label right of the last column and on the horizon side of a circle, likewise.
     #[inline]
-    fn elevation_label(&self, place: &GraticulePoint) -> Option<(&Label, f64, f64)> {
+    fn elevation_label(&self, place: &GraticulePoint) -> Option<(&TextDistanceField, f64, f64)> {
         let start = num::radians(HEAVY_DEG / 2.0 + GAP_DEG);
         // The widest label with its halo stays within four of its heights.
         if place.past * place.level > num::radians(4.0 * DIGIT_DEG) {

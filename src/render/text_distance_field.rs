@@ -10,13 +10,13 @@ const MARGIN: usize = 6;
 ///
 /// Place (0, 0) is the lower left corner of the first digit's cell on the baseline; x grows to the
 /// right, y up.
-pub struct Label {
+pub struct TextDistanceField {
     columns: usize,
     rows: usize,
     distance: Vec<f32>,
 }
 
-impl Label {
+impl TextDistanceField {
     /// Draws `text`, a line of printable ASCII.
     #[must_use]
     pub fn new(text: &str) -> Self {
@@ -120,7 +120,11 @@ fn digit_rows() -> (usize, usize) {
 mod tests {
     use super::*;
 
-    fn ink_share(label: &Label, x: std::ops::Range<f32>, y: std::ops::Range<f32>) -> f32 {
+    fn ink_share(
+        label: &TextDistanceField,
+        x: std::ops::Range<f32>,
+        y: std::ops::Range<f32>,
+    ) -> f32 {
         let steps = 60;
         let at = |range: &std::ops::Range<f32>, i: i32| {
             range.start + (range.end - range.start) * (i as f32 + 0.5) / steps as f32
@@ -135,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_seven_stands_upright_and_is_not_mirrored() {
-        let seven = Label::new("7");
+        let seven = TextDistanceField::new("7");
         let (w, h) = (seven.width(), seven.height());
         let bar = ink_share(&seven, 0.0..w, h * 0.85..h);
         let foot = ink_share(&seven, 0.0..w, 0.0..h * 0.15);
@@ -147,7 +151,7 @@ mod tests {
 
     #[test]
     fn texts_run_to_the_right() {
-        let label = Label::new("1-");
+        let label = TextDistanceField::new("1-");
         let half = label.width() / 2.0;
         let low = 0.0..label.height() * 0.3;
         assert!(ink_share(&label, 0.0..half, low.clone()) > 0.1);
@@ -156,7 +160,7 @@ mod tests {
 
     #[test]
     fn distance_falls_by_one_a_texel_outside() {
-        let label = Label::new("1");
+        let label = TextDistanceField::new("1");
         let x = label.width() / 2.0;
         let below = |y: f32| label.distance(x, -y).unwrap();
         assert!((below(1.5) - below(2.5) - 1.0).abs() < 1e-6);
