@@ -168,7 +168,7 @@ pub fn sort_unstable_by<T: Send>(
     rayon::slice::ParallelSliceMut::par_sort_unstable_by(items, compare);
 }
 
-/// Working memory that is handed from one piece of work to another.
+/// Pool of working memory that tasks reuse.
 #[derive(Default)]
 pub struct ScratchPool<S>(Mutex<Vec<S>>);
 

@@ -1,4 +1,4 @@
-//! From afar: the pose to some thousandth of the width, from many starts.
+//! Coarse alignment: the pose to some thousandth of the width, by a search from many starts.
 
 use super::normal_equations::{AlignmentResidual, NormalEquations, biweight, residuals};
 use super::reference_surface::ReferenceSurface;
@@ -8,27 +8,26 @@ use crate::geom::DVec3;
 use crate::num::radians;
 use crate::parallel;
 
-/// Vertices that take part.
+/// Number of vertices that are used.
 const POINTS: usize = 600;
-/// Starts are turned by so many degrees about each axis, to either side or not.
+/// Rotation of the starts about each axis to either side, degrees.
 const TURN_DEG: f64 = 12.0;
-/// How far aside the middle of a mesh may be that lacks a part of the mirror, as a share of the width.
+/// Offset of the middle of a mesh that lacks a side of the mirror, as a share of the width.
 const BESIDE: f64 = 0.17;
 /// Steps from each start, and the reach of residuals in each: it shrinks from one to the next.
 const STEPS: i32 = 26;
 const FIRST_REACH: f64 = 0.3;
 const SHRINK: f64 = 0.82;
-/// The last reach, and the one that starts are judged by, as a share of the width.
+/// The last reach, by which the results of all starts are scored, as a share of the width.
 const LAST_REACH: f64 = 0.01;
-/// Directions that move the surface along itself so much are left to the end.
+/// Share of a motion across the surface below which it is left to the fine fit.
 const FLOOR: f64 = 0.02;
-/// Starts that are tried together. When one of them puts so much of the mesh on the mirror, there
-/// is no need of more.
+/// Starts that are tried together, and the share of the mesh on the mirror that ends the search.
 const BATCH: usize = 9;
 const ENOUGH: f64 = 0.85;
-/// A later start has to be better by so much.
+/// Factor by which a later start has to score better.
 const BETTER: f64 = 1.02;
-/// A vertex is chosen for its area; one that looks aslant must not count as much more.
+/// Largest weight of a vertex: vertices are chosen by area, and oblique ones must not count much more.
 const AT_MOST: f64 = 1.5;
 
 /// The best pose found, among starts ordered from small motions to large ones.

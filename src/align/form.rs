@@ -1,4 +1,4 @@
-//! Form error: how far a part is above or below its design, seen pixel by pixel.
+//! Form error: departures of a part from its design along the normal, pixel by pixel.
 
 use super::OUTLIER;
 use crate::geom::{DVec2, DVec3};
@@ -17,7 +17,7 @@ pub struct FormMap {
     pub mm: Vec<f64>,
 }
 
-/// Departures: from the lowest place to the highest, and RMS.
+/// Statistics of the departures: peak to valley, RMS and extremes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FormStatistics {
     /// Highest less lowest.
@@ -30,7 +30,7 @@ pub struct FormStatistics {
     pub highest: f64,
 }
 
-/// The figures of a map, um.
+/// Form error of a part, um, with and without outliers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FormError {
     /// Over all pixels.

@@ -1,10 +1,10 @@
-//! Where a measured part lies: the motion that brings a mesh of unknown pose onto the designed mirror,
-//! and how far from the design the part then is.
+//! Alignment of a measured part: the motion that brings a mesh of unknown pose onto the designed mirror,
+//! and the form error that remains.
 //!
-//! The normal_equations makes the distances of the mesh's vertices from the mirror small, each measured along the
-//! mirror's normal and weighted by its share of the facets as the camera sees them, so that neither
-//! walls nor bases pull: "point to plane" with exact feet on the designed surface instead of a
-//! nearest neighbour (Y. Chen and G. Medioni, *Object modelling by registration of multiple range
+//! The fit makes the distances of the mesh's vertices from the mirror small, each measured along the
+//! mirror's normal and weighted by its share of the facets as the camera sees them, so that walls and
+//! bases have no weight: "point to plane" with exact projections on the designed surface instead of
+//! nearest neighbours (Y. Chen and G. Medioni, *Object modelling by registration of multiple range
 //! images*, 1992). Tukey's biweight with a scale from the median distance leaves outliers out (P. J.
 //! Huber, *Robust Statistics*, 1981).
 
@@ -30,12 +30,12 @@ use serde::Serialize;
 use thiserror::Error;
 use vertex_patch::{is_upside_down, patches};
 
-/// A pose, and what is known about it.
+/// Pose of a measured mesh, with the quality of its determination.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alignment {
-    /// Takes places of the file to the part frame.
+    /// Motion from the file's frame to the part frame.
     pub pose: Pose,
-    /// Whether the facets show the camera their backs, and are to be turned over.
+    /// Whether the facets show the camera their backs and have to be reversed.
     pub turned_over: bool,
     /// Weighted RMS distance of the vertices from the mirror, outliers left out, mm.
     pub rms_mm: f64,
@@ -44,17 +44,17 @@ pub struct Alignment {
     pub outliers: f64,
     /// Share of the mirror's area that the other vertices stand for.
     pub covered: f64,
-    /// Vertices that the pose rests on.
+    /// Number of vertices that determine the pose.
     pub vertices: usize,
-    /// Steps with all vertices.
+    /// Number of Gauss-Newton steps with all vertices.
     pub steps: usize,
-    /// How much worse the worst direction is determined than the best; free ones do not count.
+    /// Condition number of the fit, without the free motions.
     pub condition: f64,
     /// Motions that move the mirror along itself, in which the pose is the file's.
     pub free: Vec<FreeMotion>,
 }
 
-/// A motion that the mirror's shape says nothing about.
+/// A motion that the mirror's shape does not determine: it moves the surface along itself.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FreeMotion {
     /// Along this unit vector, or about an axis along it.
@@ -110,23 +110,23 @@ pub enum AlignError {
     },
 }
 
-/// The least number of vertices to go by.
+/// Least number of vertices that determine a pose.
 const FEWEST: usize = 30;
-/// The least share of the mirror that has to be covered.
+/// Least share of the mirror that the mesh has to cover.
 const LEAST_COVERED: f64 = 0.25;
 /// Median distance, as a share of the width, that no scan of the same part has.
 const UNLIKE: f64 = 0.005;
 /// Standard deviations from which on a vertex is an outlier: the biweight then keeps 95 % of least
 /// squares' efficiency under normal noise.
 const OUTLIER: f64 = 4.685;
-/// What is farther off, as a share of the width, is no outlier but something else.
+/// Distance, as a share of the width, beyond which facets do not belong to the optical face.
 const FACE: f64 = 0.05;
-/// What is so near the rim or a fold does not count, as a share of the width: edges are rounded,
-/// their vertices belong to the skirt as well, and across a fold the normal jumps.
+/// Width of the strip at rim and fold that is left out, as a share of the width: edges are rounded, their
+/// vertices belong to the skirt as well, and across a fold the normal jumps.
 const RIM: f64 = 0.004;
-/// Motions that move the surface along itself, but for so small a share, are free.
+/// Share of a motion across the surface below which the motion is free.
 const FLOOR: f64 = 1e-3;
-/// Most steps while the scale and who takes part may change, and with both fixed.
+/// Most steps while scale and vertices may change, and most with both fixed.
 const ROBUST_STEPS: usize = 16;
 const FIXED_STEPS: usize = 60;
 /// The last step, and the least scale of the noise, as a share of the width.
@@ -151,29 +151,28 @@ impl Alignment {
 /// # Errors
 /// [`AlignError`] when the mesh does not determine a pose.
 pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
-    let reference_surface = ReferenceSurface::new(mirror);
+    let reference = ReferenceSurface::new(mirror);
     let mut patches = patches(mesh);
     let turned_over = is_upside_down(mesh);
     if turned_over {
         patches.iter_mut().for_each(|patch| patch.area = -patch.area);
     }
-    let rough = coarse_search(&patches, &reference_surface);
-    let (pose, steps, last) = refine(&patches, &reference_surface, rough)?;
+    let rough = coarse_search(&patches, &reference);
+    let (pose, steps, last) = refine(&patches, &reference, rough)?;
 
-    let at = |margin: f64| residuals(&patches, &pose, |p| reference_surface.project(p, margin));
+    let at = |margin: f64| residuals(&patches, &pose, |p| reference.project(p, margin));
     let reach = OUTLIER * last.scale;
     let area = |all: &[Option<AlignmentResidual>], reach: f64| {
         let within = all.iter().flatten().filter(|residual| residual.distance.abs() < reach);
         within.map(|residual| residual.area).sum::<f64>()
     };
     let all = at(0.0);
-    let covered = (area(&all, reach) / reference_surface.area).min(1.0);
+    let covered = (area(&all, reach) / reference.area).min(1.0);
     // What stands on the rim may belong to what is beside it, and what is far off to what a pinhole
     // would see through the part.
-    let inner = at(RIM * reference_surface.width);
+    let inner = at(RIM * reference.width);
     let vertices = inner.iter().flatten().filter(|r| r.distance.abs() < reach).count();
-    let outliers =
-        1.0 - area(&inner, reach) / area(&inner, reach.max(FACE * reference_surface.width));
+    let outliers = 1.0 - area(&inner, reach) / area(&inner, reach.max(FACE * reference.width));
     if vertices < FEWEST {
         return Err(AlignError::Few { found: vertices });
     }
@@ -189,11 +188,11 @@ pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
         vertices,
         steps,
         condition: last.step.condition,
-        free: last.step.free(&reference_surface),
+        free: last.step.free(&reference),
     })
 }
 
-/// The last step of the normal_equations.
+/// The last step of the fit.
 struct FinalStep {
     step: GaussNewtonStep,
     scale: f64,
@@ -201,27 +200,27 @@ struct FinalStep {
 }
 
 /// Gauss and Newton's steps with all vertices: first with weights that follow the residuals, then
-/// with a fixed scale and fixed vertices, so that the steps can become as small as one likes.
+/// with a fixed scale and fixed vertices, so that the steps converge to zero.
 fn refine(
     patches: &[VertexPatch],
-    reference_surface: &ReferenceSurface,
+    reference: &ReferenceSurface,
     start: Pose,
 ) -> Result<(Pose, usize, FinalStep), AlignError> {
-    let margin = RIM * reference_surface.width;
-    let near = |p: DVec3| reference_surface.project(p, margin);
-    let least = LEAST_SCALE * reference_surface.width;
+    let margin = RIM * reference.width;
+    let near = |p: DVec3| reference.project(p, margin);
+    let least = LEAST_SCALE * reference.width;
     let (mut pose, mut steps) = (start, 0);
     let mut taken = Vec::new();
     let mut scale = 0.0;
     while steps < ROBUST_STEPS {
         taken = residuals(patches, &pose, near);
         scale = normal_equations::robust_scale(&taken).max(least);
-        let equations = weighted_equations(&taken, reference_surface, scale);
+        let equations = weighted_equations(&taken, reference, scale);
         if !(equations.weight > 0.0) {
             return Err(AlignError::Few { found: 0 });
         }
         let step = equations.solve(FLOOR);
-        pose = pose.then(&step.pose(reference_surface, 0.1 * reference_surface.width));
+        pose = pose.then(&step.pose(reference, 0.1 * reference.width));
         steps += 1;
         if step.length() < 0.01 * scale {
             break;
@@ -229,23 +228,22 @@ fn refine(
     }
     // The scale is that of normal noise with this median.
     let off_mm = scale / 1.4826;
-    if off_mm > UNLIKE * reference_surface.width {
+    if off_mm > UNLIKE * reference.width {
         return Err(AlignError::Unlike { off_mm });
     }
     let chosen: Vec<VertexPatch> =
         patches.iter().zip(&taken).filter(|(_, taken)| taken.is_some()).map(|p| *p.0).collect();
-    let anywhere = |p: DVec3| reference_surface.project(p, 0.0);
+    let anywhere = |p: DVec3| reference.project(p, 0.0);
     let mut last_mm = f64::INFINITY;
     for _ in 0..FIXED_STEPS {
-        let equations =
-            weighted_equations(&residuals(&chosen, &pose, anywhere), reference_surface, scale);
+        let equations = weighted_equations(&residuals(&chosen, &pose, anywhere), reference, scale);
         let step = equations.solve(FLOOR);
-        pose = pose.then(&step.pose(reference_surface, 0.1 * reference_surface.width));
+        pose = pose.then(&step.pose(reference, 0.1 * reference.width));
         steps += 1;
         let length = step.length();
         // Rounding keeps the steps from becoming smaller still.
-        let rounded = length < 1e3 * LAST_STEP * reference_surface.width && length >= 0.5 * last_mm;
-        if length < LAST_STEP * reference_surface.width || rounded {
+        let rounded = length < 1e3 * LAST_STEP * reference.width && length >= 0.5 * last_mm;
+        if length < LAST_STEP * reference.width || rounded {
             let rms_mm = (equations.squares / equations.weight).sqrt();
             return Ok((pose, steps, FinalStep { step, scale, rms_mm }));
         }
@@ -256,11 +254,11 @@ fn refine(
 
 fn weighted_equations(
     residuals: &[Option<AlignmentResidual>],
-    reference_surface: &ReferenceSurface,
+    reference: &ReferenceSurface,
     scale: f64,
 ) -> NormalEquations {
     let reach = OUTLIER * scale;
-    NormalEquations::of(residuals, reference_surface, |residual| {
+    NormalEquations::of(residuals, reference, |residual| {
         residual.area * biweight(residual.distance, reach)
     })
 }

@@ -10,10 +10,10 @@ use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 /// Vertices that a thread handles at a time; fixed, so that sums do not depend on the threads.
 const CHUNK: usize = 4096;
 
-/// What a vertex says about the pose.
+/// Residual of a vertex: its distance from the mirror along the normal.
 #[derive(Debug, Clone, Copy)]
 pub struct AlignmentResidual {
-    /// Where the vertex is, mm.
+    /// Position of the vertex, mm.
     pub at: DVec3,
     /// The mirror's normal there.
     pub normal: DVec3,
@@ -24,8 +24,8 @@ pub struct AlignmentResidual {
 }
 
 impl AlignmentResidual {
-    /// Of a patch in the part frame over its `foot`; none where its facets are not seen from the
-    /// camera. A wall along the camera's rays has no share.
+    /// The residual of a patch in the part frame over its projection `foot`; `None` where its facets are
+    /// not seen from the camera. A wall along the camera's rays has no share.
     fn new(patch: &VertexPatch, foot: &ProjectedPoint) -> Option<Self> {
         let area = patch.area.dot(foot.up) / foot.normal.dot(foot.up);
         (area > 0.0).then(|| Self {
@@ -69,7 +69,7 @@ pub struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// Sums up, in fixed order, what `weight` leaves of the residuals.
+    /// Sums up, in fixed order, the residuals with the weights `weight`.
     pub fn of(
         residuals: &[Option<AlignmentResidual>],
         reference: &ReferenceSurface,
@@ -116,8 +116,8 @@ impl NormalEquations {
         self.squares += weight * distance * distance;
     }
 
-    /// The motion that makes the residuals least. Directions in which the surface moves along itself,
-    /// up to the share `floor` of the motion, are left alone.
+    /// The motion that minimises the weighted squares. Directions in which the surface moves along
+    /// itself, up to the share `floor` of the motion, are left out.
     pub fn solve(&self, floor: f64) -> GaussNewtonStep {
         let mut matrix = self.matrix / self.weight;
         matrix.fill_lower_triangle_with_upper_triangle();
@@ -139,7 +139,7 @@ impl NormalEquations {
     }
 }
 
-/// The answer of the normal equations.
+/// Solution of the normal equations.
 pub struct GaussNewtonStep {
     motion: Vector6<f64>,
     /// Square root of the ratio of the largest eigenvalue to the least that was used.
@@ -148,7 +148,7 @@ pub struct GaussNewtonStep {
 }
 
 impl GaussNewtonStep {
-    /// Its length, mm.
+    /// Length of the motion, mm.
     pub fn length(&self) -> f64 {
         self.motion.norm()
     }
@@ -160,7 +160,7 @@ impl GaussNewtonStep {
         Pose::about(reference.centre, reference.centre + shift, turn / reference.gyration)
     }
 
-    /// The directions that were left alone.
+    /// The directions that were left out.
     pub fn free(&self, reference: &ReferenceSurface) -> Vec<FreeMotion> {
         let free = |direction: &Vector6<f64>| {
             let [shift, turn] = split(direction);

@@ -1,13 +1,13 @@
-//! The designed mirror as something to fit to: the place on it under any point, its size and area.
+//! The designed mirror as reference surface: the projection of any point on it, its size and area.
 
 use crate::geom::{DVec2, DVec3, Outline};
 use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::exp;
 
-/// The mirror's place on the camera's ray through some point.
+/// Projection of a point on the mirror along the camera's ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectedPoint {
-    /// Where it is, mm.
+    /// Position on the mirror, mm.
     pub at: DVec3,
     /// The mirror's unit normal there, towards the camera.
     pub normal: DVec3,
@@ -22,7 +22,7 @@ impl ProjectedPoint {
         Self { at, normal: mirror.normal(q, point).normalize(), up: (-view).extend(1.0) }
     }
 
-    /// How far `p` is above the tangent plane, mm.
+    /// Signed distance of `p` above the tangent plane, mm.
     #[inline]
     #[must_use]
     pub fn distance(&self, p: DVec3) -> f64 {
@@ -35,7 +35,7 @@ const NODES: usize = 96;
 /// Steps of the quadrature along each side.
 const STEPS: usize = 48;
 
-/// A mirror, its measures, and a table of it for when speed matters more than digits.
+/// A mirror with its size, and a table of it for searches where speed matters more than digits.
 #[derive(Debug, Clone)]
 pub struct ReferenceSurface<'a> {
     mirror: &'a Mirror,
@@ -81,15 +81,15 @@ impl<'a> ReferenceSurface<'a> {
         Self { mirror, outline, table, area, centre, gyration, radius, width }
     }
 
-    /// The mirror under `p`, to all digits; none outside the outline or closer than `margin` mm to
-    /// its rim or to a fold.
+    /// Projection of `p`, to all digits; `None` outside the outline or closer than `margin` mm to its
+    /// rim or to a fold.
     #[must_use]
     pub fn project(&self, p: DVec3, margin: f64) -> Option<ProjectedPoint> {
         let q = self.inside(p, margin)?;
         Some(ProjectedPoint::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
     }
 
-    /// [`Target::foot`] by the table: to some thousandth of the width.
+    /// [`ReferenceSurface::project`] by the table, to some thousandth of the width.
     #[must_use]
     pub fn project_approximately(&self, p: DVec3) -> Option<ProjectedPoint> {
         let q = self.inside(p, 0.0)?;

@@ -1,4 +1,4 @@
-//! Which unit a file is in: files of meshes seldom say.
+//! The unit of a file of a mesh, which seldom states it.
 
 use super::reference_surface::ReferenceSurface;
 use crate::geom::{Border, DVec3, TriMesh};
@@ -41,7 +41,7 @@ impl Unit {
         Self::ALL.into_iter().find(|unit| unit.name() == name)
     }
 
-    /// What people call it.
+    /// Its English name.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -53,7 +53,7 @@ impl Unit {
         }
     }
 
-    /// How many mm it has.
+    /// Its length, mm.
     #[must_use]
     pub fn mm(self) -> f64 {
         match self {
@@ -73,8 +73,8 @@ impl Unit {
     }
 }
 
-/// How large a part is, whatever its pose: the distance of nearly all of its surface from its middle,
-/// mm. The least is that of the mirror alone, the largest that of the part with all around it.
+/// Range of a part's size, whatever its pose: the distance of nearly all of its surface from its middle,
+/// mm. The least is that of the mirror alone, the largest that of the part with its border.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeRange {
     least: f64,
@@ -85,7 +85,7 @@ pub struct SizeRange {
 const NEARLY_ALL: f64 = 0.9;
 /// Meshes may have their vertices closer together in the middle.
 const DENSER: f64 = 0.8;
-/// How far out of the range a size may be, as a factor.
+/// Factor by which a size may be out of the range.
 const OFF: f64 = 1.25;
 
 impl SizeRange {

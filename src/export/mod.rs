@@ -18,7 +18,7 @@ pub use stl::{stl_bytes, write_stl};
 pub use text::ByteCounter;
 pub use threemf::{threemf_bytes, write_3mf};
 
-/// How large a solid is, or will be.
+/// Numbers of facets and vertices of a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshCounts {
     /// Facets of the optical face.
@@ -31,7 +31,7 @@ pub struct MeshCounts {
     pub more_vertices: usize,
 }
 
-/// What every file says about itself.
+/// Text about the part in the header of every file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// Profile name.

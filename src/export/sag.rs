@@ -20,7 +20,7 @@ pub struct SagRow {
     pub normal: DVec3,
 }
 
-/// Why a table could not be read.
+/// Reason why a table could not be read.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("line {line}: a row must hold six finite numbers, found {found:?}")]
 pub struct SagError {
@@ -30,7 +30,7 @@ pub struct SagError {
     pub found: String,
 }
 
-/// How far a table is from a mirror.
+/// Largest deviations of a table from a mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SagDeviation {
     /// Largest difference of Z, mm.

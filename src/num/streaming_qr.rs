@@ -9,7 +9,7 @@ const PANEL: usize = 16;
 /// Below this many entries to update the threads cost more than they bring.
 const WORTH_THREADS: usize = 1 << 16;
 
-/// The triangle R of the rows so far, the projected right side, and what is left of it.
+/// Triangle R of the rows so far, the projected right side, and the norm of the residual.
 #[derive(Debug, Clone)]
 pub struct StreamingQr {
     unknowns: usize,

@@ -11,7 +11,7 @@ const FINE_STEPS: usize = 64;
 /// Steps of golden section: the last interval is 1e-6 of the first.
 const GOLDEN: usize = 30;
 
-/// How a pixel's blur ellipse depends on aperture and focus, in the unit of K (mm on the reference
+/// Blur ellipse of a pixel as a function of aperture and focus, in the unit of K (mm on the reference
 /// plane for each unit of the pupil) or, [`scaled`](Self::scaled), in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlurEllipse {
@@ -19,9 +19,9 @@ pub struct BlurEllipse {
     own_focus: f64,
     /// Half the difference of K's two off-diagonal elements.
     twist: f64,
-    /// The part of K that no focus takes away: of the deviator's length.
+    /// Norm of the deviator of K, which no focus removes.
     astigmatism: f64,
-    /// Unit in which the results are.
+    /// Factor of the results.
     unit: f64,
 }
 
@@ -45,7 +45,7 @@ impl BlurEllipse {
         Self { unit: self.unit * unit, ..self }
     }
 
-    /// phi of the focus that makes the ellipse smallest.
+    /// phi of the focus that minimises this ellipse.
     #[must_use]
     pub fn own_focus(&self) -> f64 {
         self.own_focus

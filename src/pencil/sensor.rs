@@ -7,8 +7,8 @@ use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
 use std::ops::Range;
 
-/// What `each` makes of the pencil of every pixel centre in `columns` and `rows`, row by row; none
-/// where the camera is not aimed at the mirror or it has no pencil.
+/// Values of `each` for the pencils of all pixel centres in `columns` and `rows`, row by row; `None` where
+/// the camera is not aimed at the mirror or it has no pencil.
 #[must_use]
 pub fn map_pencils<T: Send>(
     mirror: &Mirror,
@@ -41,7 +41,7 @@ fn pencil(
     Pencil::new(&camera.chart, view, image, &mirror.local_surface(place))
 }
 
-/// What `each` makes of the pencils of pixels spread evenly over the sensor, at most `most` along each
+/// Values of `each` for the pencils of pixels spread evenly over the sensor, at most `most` along each
 /// side.
 #[must_use]
 pub fn map_pencils_sparsely<T: Send>(
@@ -63,8 +63,8 @@ pub fn map_pencils_sparsely<T: Send>(
     parallel::gather(counts[1] as usize, 1, |part| part.flat_map(|k| row(k as u32)).collect())
 }
 
-/// For each of the first half of `count` columns or rows of a symmetric picture, the middle one
-/// included, for how many it stands.
+/// Multiplicity of each of the first half of `count` columns or rows of a symmetric picture, the middle
+/// one included.
 pub fn mirror_symmetric_weights(count: u32) -> impl Iterator<Item = u32> {
     (0..count.div_ceil(2)).map(move |k| if 2 * k + 1 == count { 1 } else { 2 })
 }

@@ -10,10 +10,10 @@ use std::f64::consts::PI;
 /// Diameter of the Airy disc, to its first dark ring, in wavelengths over the sine of the cone's half
 /// angle: twice the first zero of the Bessel function J1 over 2 pi.
 const AIRY: f64 = 1.219_669_891_266_504_5;
-/// Where the contrast is told, cycles a pixel: a quarter of the sampling frequency.
+/// Spatial frequency of the reported contrast, cycles a pixel: a quarter of the sampling frequency.
 const FREQUENCY: f64 = 0.25;
 
-/// The spots of a picture in some focus, for any aperture.
+/// Blur of a picture in one focus, as a function of the aperture.
 #[derive(Debug, Clone, Copy)]
 pub struct Sharpness {
     /// Full length of the blur ellipses for an aperture radius of 1, px.
@@ -22,7 +22,7 @@ pub struct Sharpness {
     airy: f64,
 }
 
-/// Spots through one aperture.
+/// Blur and contrast through one aperture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ApertureSharpness {
     /// Full length of a pixel's blur ellipse that 95 % of the pixels do not exceed, px.
@@ -33,7 +33,7 @@ pub struct ApertureSharpness {
     pub spot_px: f64,
     /// Contrast at a quarter of the sampling frequency along the ellipse's length, for the median spot.
     pub mtf_p50: f64,
-    /// What the contrast of 95 % of the pixels is not below.
+    /// Contrast that 95 % of the pixels reach.
     pub mtf_p05: f64,
 }
 

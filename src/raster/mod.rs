@@ -32,7 +32,7 @@ impl fmt::Debug for Raster {
     }
 }
 
-/// Why bytes are no picture.
+/// Reason why bytes could not be decoded.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RasterError {
     /// Neither PNG nor JPEG nor EXR.

@@ -44,7 +44,7 @@ pub struct Chessboard {
     lights: Lighting,
 }
 
-/// What a ray meets first.
+/// Nearest surface that a ray meets.
 enum BoardHit {
     Piece { white: bool, normal: DVec3 },
     Board(DVec2),

@@ -22,7 +22,7 @@ pub const LAST_CIRCLE: i32 = 5;
 /// Meridians of the grid for each heavy one.
 const PER_QUARTER: i32 = 90 / GRID_DEG as i32;
 
-/// A direction and where it lies in the graticule; angles in radians.
+/// A direction with its position in the graticule; angles in radians.
 pub struct GraticulePoint {
     /// Elevation over the horizon.
     pub elevation: f64,

@@ -10,7 +10,7 @@ const LAMP: f64 = 0.68;
 /// Squarings of the cosine between mirror direction and lamp: a highlight of about 10 degrees.
 const GLOSS: u32 = 5;
 
-/// What lights a scene.
+/// Illumination of a scene: a sky and one lamp.
 #[derive(Debug, Clone, Copy)]
 pub struct Lighting {
     /// Unit vector upwards.
@@ -19,7 +19,7 @@ pub struct Lighting {
     pub lamp: DVec3,
 }
 
-/// What a surface does with light.
+/// Reflectance of a surface: a matt colour and a highlight.
 #[derive(Debug, Clone, Copy)]
 pub struct Material {
     /// Linear colour of the matt part.
@@ -37,12 +37,12 @@ impl Material {
 }
 
 impl Lighting {
-    /// Linear light from `matter` with the unit normal `normal` in the direction against `seen_along`;
+    /// Linear light from `material` with the unit normal `normal` in the direction against `seen_along`;
     /// `lit`: whether the lamp reaches it.
     #[must_use]
     pub fn shade(
         &self,
-        matter: &Material,
+        material: &Material,
         normal: DVec3,
         seen_along: DVec3,
         lit: bool,
@@ -51,15 +51,15 @@ impl Lighting {
         let sky = 0.5 * ((above + below) + (above - below) * normal.dot(self.up));
         let lamp = if lit { normal.dot(self.lamp).max(0.0) } else { 0.0 };
         let mut shine = 0.0;
-        if lamp > 0.0 && matter.gloss > 0.0 {
+        if lamp > 0.0 && material.gloss > 0.0 {
             shine = (self.lamp - seen_along).normalize_or_zero().dot(normal).max(0.0);
             for _ in 0..GLOSS {
                 shine *= shine;
             }
         }
         let matt = (sky + LAMP * lamp) as f32;
-        let shine = (matter.gloss * shine) as f32;
-        matter.colour.map(|c| c * matt + shine)
+        let shine = (material.gloss * shine) as f32;
+        material.colour.map(|c| c * matt + shine)
     }
 }
 
@@ -82,8 +82,8 @@ mod tests {
 
     #[test]
     fn a_surface_is_brightest_towards_the_lamp_and_dark_without_it() {
-        let matter = Material { colour: [1.0, 0.5, 0.25], gloss: 0.0 };
-        let seen = |normal, lit| LIGHTS.shade(&matter, normal, DVec3::NEG_Z, lit);
+        let material = Material { colour: [1.0, 0.5, 0.25], gloss: 0.0 };
+        let seen = |normal, lit| LIGHTS.shade(&material, normal, DVec3::NEG_Z, lit);
         let [facing, up, away] = [LIGHTS.lamp, DVec3::Z, -LIGHTS.lamp].map(|n| seen(n, true));
         assert!(facing[0] > up[0] && up[0] > away[0] && away[0] > 0.0);
         assert!((f64::from(facing[0] - seen(LIGHTS.lamp, false)[0]) - LAMP).abs() < 1e-6);
@@ -92,10 +92,10 @@ mod tests {
 
     #[test]
     fn gloss_shines_only_in_the_mirror_direction() {
-        let matter = Material { colour: [0.0; 3], gloss: 1.0 };
+        let material = Material { colour: [0.0; 3], gloss: 1.0 };
         let mirrored = DVec3::new(0.6, 0.0, -0.8);
-        assert!(LIGHTS.shade(&matter, DVec3::Z, mirrored, true)[0] > 0.999);
-        assert!(LIGHTS.shade(&matter, DVec3::Z, -LIGHTS.lamp, true)[0] < 0.01);
-        assert_eq!(LIGHTS.shade(&matter, DVec3::Z, mirrored, false)[0], 0.0);
+        assert!(LIGHTS.shade(&material, DVec3::Z, mirrored, true)[0] > 0.999);
+        assert!(LIGHTS.shade(&material, DVec3::Z, -LIGHTS.lamp, true)[0] < 0.01);
+        assert_eq!(LIGHTS.shade(&material, DVec3::Z, mirrored, false)[0], 0.0);
     }
 }

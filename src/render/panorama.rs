@@ -8,7 +8,7 @@ use crate::geom::Ray;
 use crate::num;
 use crate::raster::Raster;
 
-/// A picture and its halves, quarters and so on: what samples that cover many pixels see.
+/// Mip pyramid of a picture: its halves, quarters and so on, for samples that cover many pixels.
 #[derive(Debug, Clone)]
 pub struct MipPyramid {
     /// The picture first.

@@ -23,7 +23,7 @@ const FILL: f64 = 0.94;
 /// Radius of the rays as drawn, as a share of the cylinder's.
 const THICK: f64 = 0.006;
 
-/// What there is to draw, part frame, mm.
+/// Contents of the diagram, in the part frame, mm.
 pub struct SetupDiagram<'a> {
     /// The part.
     pub scene: &'a Scene,

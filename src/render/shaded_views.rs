@@ -17,7 +17,7 @@ const FILL: f64 = 0.92;
 /// Where the eye is, degrees: to the right of the picture's foot, and over the base plane.
 const EYES_DEG: [[f64; 2]; 3] = [[0.0, 90.0], [0.0, 14.0], [38.0, 34.0]];
 
-/// A distant eye: unit vectors to the right, upwards and towards it.
+/// An orthographic view from afar: unit vectors to the right, upwards and towards the viewer.
 #[derive(Debug, Clone, Copy)]
 pub struct DistantView {
     /// To the right in the picture.

@@ -1,21 +1,21 @@
-//! Solids of revolution: what a lathe turns, and where a ray meets it.
+//! Solids of revolution, and the intersection of a ray with them.
 
 use glam::DMat3;
 
 use crate::geom::{DVec2, DVec3, Ray};
 
-/// Points that a smooth run gets between two of its own.
-const FINER: usize = 4;
+/// Segments of the smooth curve between two of a run's points.
+const SEGMENTS: usize = 4;
 /// Share of a band's height by which bands overlap, lest rays slip between two of them.
-const LAP: f64 = 1e-9;
+const OVERLAP: f64 = 1e-9;
 /// Share of its terms by which a discriminant may be negative.
 const GRAZE: f64 = 1e-14;
 
-/// The outline of a turned solid, from its foot to its top: runs of points (radius, height). A run is
+/// The generatrix of a solid of revolution, from its foot to its top: runs of points (radius, height). A run is
 /// a smooth curve through its points; between runs there are edges.
 pub type Generatrix = Vec<Vec<[f64; 2]>>;
 
-/// The side of a turned solid between two heights: a cone, a cylinder or a flat ring.
+/// The side of a solid of revolution between two heights: a cone, a cylinder or a flat ring.
 #[derive(Debug, Clone, Copy)]
 struct Frustum {
     /// Radius and height at the lower end.
@@ -37,7 +37,7 @@ pub struct SolidOfRevolution {
     radius: f64,
 }
 
-/// Where a ray meets a surface.
+/// Intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceHit {
     /// Distance along the ray.
@@ -103,7 +103,7 @@ impl Frustum {
             let t = (self.from.y - z) / dz;
             let radius = (a * t * t + 2.0 * b * t + c).max(0.0).sqrt();
             let share = (radius - self.from.x) / way.x;
-            let inside = t > 0.0 && t < end && (-LAP..=1.0 + LAP).contains(&share);
+            let inside = t > 0.0 && t < end && (-OVERLAP..=1.0 + OVERLAP).contains(&share);
             return inside.then(|| (t, self.normals[0].lerp(self.normals[1], share)));
         }
         // Where the square distance from the axis is that of the cone's side.
@@ -118,7 +118,8 @@ impl Frustum {
         let q = -b - root.max(0.0).sqrt().copysign(b);
         let (first, second) = (q / a, c / q);
         let share = |t: f64| (z + dz * t - self.from.y) / way.y;
-        let inside = |t: &f64| *t > 0.0 && *t < end && (-LAP..=1.0 + LAP).contains(&share(*t));
+        let inside =
+            |t: &f64| *t > 0.0 && *t < end && (-OVERLAP..=1.0 + OVERLAP).contains(&share(*t));
         let t = [first, second].into_iter().filter(inside).min_by(f64::total_cmp)?;
         Some((t, self.normals[0].lerp(self.normals[1], share(t))))
     }
@@ -154,12 +155,12 @@ fn curve(points: &[DVec2]) -> Vec<DVec2> {
         let (p1, p2) = (points[k], points[k + 1]);
         let p0 = if k > 0 { points[k - 1] } else { beyond(p1, p2, points[2]) };
         let p3 = if k + 1 < last { points[k + 2] } else { beyond(p2, p1, points[k - 1]) };
-        for step in 1..=FINER {
-            let t = step as f64 / FINER as f64;
+        for step in 1..=SEGMENTS {
+            let t = step as f64 / SEGMENTS as f64;
             let bend =
                 (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3) * t + (3.0 * (p1 - p2) + p3 - p0) * (t * t);
             let point = p1 + 0.5 * t * ((p2 - p0) + bend);
-            out.push(if step == FINER { p2 } else { point.max(DVec2::new(0.0, f64::MIN)) });
+            out.push(if step == SEGMENTS { p2 } else { point.max(DVec2::new(0.0, f64::MIN)) });
         }
     }
     out

@@ -4,7 +4,7 @@ use crate::geom::DVec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What is wrong at one place.
+/// A defect of a mesh as a boundary of a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Defect {
     /// Only one facet has this edge.
@@ -76,7 +76,7 @@ impl fmt::Display for Defect {
     }
 }
 
-/// Where a mesh ends.
+/// Boundary of a mesh that is not closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OpenBoundary {
     /// Edges without a second facet.
@@ -85,7 +85,7 @@ pub struct OpenBoundary {
     pub loops: usize,
 }
 
-/// The result of checking a mesh.
+/// Result of checking a mesh as a boundary of a solid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SolidCheck {
     /// Every edge has a facet on both sides.

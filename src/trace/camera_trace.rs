@@ -4,9 +4,10 @@
 //! The rasterizer intersects a facet with the rays of the pixel centres near its picture by the same
 //! arithmetic, to the last bit, as the general search; so both answer alike.
 
+use super::band_depths::BAND_ROWS;
 use super::camera_rays::CameraRays;
 use super::occlusion::{OcclusionProof, RayPacket};
-use super::rasterizer::{BAND_ROWS, PixelHit, Rasterizer};
+use super::rasterizer::{PixelHit, Rasterizer};
 use super::ray_end::{Outcome, RayEnd, reflect_at_facet};
 use super::scene::Scene;
 use crate::geom::Ray;

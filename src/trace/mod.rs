@@ -8,6 +8,7 @@
 //! same result to the bit. [`TraceResult`] compares them with the table; [`FrameFill`] and [`Coverage`]
 //! evaluate it.
 
+mod band_depths;
 mod camera_rays;
 mod camera_trace;
 mod closed_mesh;

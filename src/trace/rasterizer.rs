@@ -1,5 +1,6 @@
 //! Facets rasterized over the pixel centres of a camera, with a depth test.
 
+use super::band_depths::{BAND_ROWS, BandDepths, greater};
 use super::camera_rays::CameraRays;
 use super::fragment::{Fragment, PixelSpan};
 use super::ray_end::RayEnd;
@@ -9,8 +10,6 @@ use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
 
-/// Rows of a band, which is resolved by one thread.
-pub const BAND_ROWS: usize = 32;
 /// Facets of a chunk, rasterized by one thread, whatever the number of threads.
 const CHUNK: usize = 1 << 14;
 /// Facets over more pixels than this are large: they are drawn last, where nothing is nearer.
@@ -303,7 +302,7 @@ impl<'a> Rasterizer<'a> {
                 depth_test(hit, columns, ends, &shade);
             }
         }
-        let depths = Depths::new(ends, columns);
+        let depths = BandDepths::new(ends, columns);
         for large in self.chunks.iter().flat_map(|chunk| &chunk.large) {
             self.draw_large(large, &depths, first, ends, &shade);
         }
@@ -313,7 +312,7 @@ impl<'a> Rasterizer<'a> {
     fn draw_large(
         &self,
         large: &LargeFacet,
-        depths: &Depths,
+        depths: &BandDepths,
         first: usize,
         ends: &mut [RayEnd],
         shade: &impl Fn(PixelHit) -> RayEnd,
@@ -366,40 +365,7 @@ impl<'a> Rasterizer<'a> {
     }
 }
 
-/// Greatest distances at which the pixels of a band show something, mm.
-struct Depths {
-    /// The greatest over each run of columns as long as the band is high.
-    runs: Vec<f64>,
-    /// The greatest over the band.
-    whole: f64,
-}
-
-impl Depths {
-    fn new(ends: &[RayEnd], columns: usize) -> Self {
-        let mut runs = vec![f64::NEG_INFINITY; columns.div_ceil(BAND_ROWS)];
-        for row in ends.chunks(columns) {
-            for (depth, run) in runs.iter_mut().zip(row.chunks(BAND_ROWS)) {
-                *depth = run.iter().map(|end| end.t).fold(*depth, greater);
-            }
-        }
-        let whole = runs.iter().copied().fold(f64::NEG_INFINITY, greater);
-        Self { runs, whole }
-    }
-
-    /// Whether pixels of the columns from `left` up to `right` may show something as far as `t`.
-    #[inline]
-    fn reach(&self, [left, right]: [usize; 2], t: f64) -> bool {
-        left < right
-            && self.runs[left / BAND_ROWS..=(right - 1) / BAND_ROWS].iter().any(|&d| d >= t)
-    }
-}
-
 #[inline]
 fn lesser(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
-}
-
-#[inline]
-fn greater(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }

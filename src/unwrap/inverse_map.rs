@@ -1,5 +1,5 @@
-//! Where in the picture a direction is seen: the inverse of the real mirror's map from image points
-//! to the world, by Newton's method from where the projection puts it.
+//! The image point that shows a direction: the inverse of the real mirror's map from image points to the
+//! world, by Newton's method from where the projection puts it.
 
 use super::ImagingSystem;
 use crate::geom::{DVec2, Outline, Rect};
@@ -8,16 +8,16 @@ use crate::optics::Projection;
 use glam::DMat2;
 use std::f64::consts::TAU;
 
-/// Steps before a search is given up.
+/// Most Newton steps of a search.
 const MOST_STEPS: usize = 30;
-/// Steps with derivatives taken over from the last place.
+/// Steps with the Jacobian of the last solution.
 const BORROWED: usize = 2;
 /// Share of a pixel: a last step of this length leaves an error below a millionth of it.
 const CLOSE: f64 = 1e-4;
 /// Share of the mirror's size by which places may lie beyond its rim on the way.
 const BEYOND: f64 = 0.1;
 
-/// Finds directions in the picture that a mirror gives.
+/// Inverse of the map from image points to directions that mirror and camera give.
 #[derive(Debug, Clone, Copy)]
 pub struct InverseMap<'a> {
     optics: ImagingSystem<'a>,
@@ -26,24 +26,24 @@ pub struct InverseMap<'a> {
     close_mm: f64,
 }
 
-/// Where a direction is, in mm on the camera's reference plane.
+/// Image point of a direction, mm on the camera's reference plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageLocation {
-    /// Where the mirror shows it.
+    /// Image point where the mirror shows it.
     pub image: DVec2,
-    /// Where the projection would have it.
+    /// Image point that the projection intends.
     pub intended: DVec2,
 }
 
-/// A series of searches for directions near to each other, each with the last one's help.
+/// A series of searches for neighbouring directions, each started from the last solution.
 #[derive(Debug, Clone)]
 pub struct InverseSearch<'a> {
-    finder: InverseMap<'a>,
+    map: InverseMap<'a>,
     /// Of the designed panel and of the reflected one.
     known: [Option<LastSolution>; 2],
 }
 
-/// What the last place told.
+/// Solution of the last search, from which the next one starts.
 #[derive(Debug, Clone, Copy)]
 struct LastSolution {
     /// From the intended place to the place on the mirror.
@@ -65,7 +65,7 @@ impl<'a> InverseMap<'a> {
     /// A new series.
     #[must_use]
     pub fn search(&self) -> InverseSearch<'a> {
-        InverseSearch { finder: *self, known: [None; 2] }
+        InverseSearch { map: *self, known: [None; 2] }
     }
 
     /// Where the content of the mirror's place `at` belongs (on the designed panel), nearest to
@@ -118,11 +118,11 @@ impl<'a> InverseMap<'a> {
 }
 
 impl InverseSearch<'_> {
-    /// Where the direction `sigma` (stereographic, from the target's origin) is seen; none where
-    /// neither the mirror nor the sensor has it.
+    /// Image point of the direction `sigma` (stereographic, from the target's origin); `None` where mirror
+    /// or sensor does not show it.
     #[must_use]
     pub fn find(&mut self, sigma: [f64; 2]) -> Option<ImageLocation> {
-        let ImagingSystem { mirror, camera, view } = self.finder.optics;
+        let ImagingSystem { mirror, camera, view } = self.map.optics;
         let centre = mirror.outline.bounds().centre();
         let turn = match (&view.projection, mirror.outline) {
             (Projection::Strip(strip), Outline::Rect(_)) => TAU * strip.scale_mm,
@@ -138,14 +138,14 @@ impl InverseSearch<'_> {
             let turns = if turn > 0.0 { &[0.0, -turn, turn][..] } else { &[0.0] };
             for shift in turns {
                 let intended = place + DVec2::new(*shift, 0.0);
-                if !self.finder.reach.contains(intended) {
+                if !self.map.reach.contains(intended) {
                     continue;
                 }
-                let found = self.finder.solve(intended, &mut self.known[panel]);
+                let found = self.map.solve(intended, &mut self.known[panel]);
                 let Some(at) = found.filter(|at| mirror.outline.contains(*at)) else { continue };
                 let on = mirror.position(at, &mirror.surface.at(at));
                 let image = camera.chart.coordinates(on).0 * flip;
-                let pixel = self.finder.optics.pixel(image);
+                let pixel = self.map.optics.pixel(image);
                 let seen = |k: usize| (0.0..=f64::from(camera.pixels[k])).contains(&pixel[k]);
                 if seen(0) && seen(1) {
                     return Some(ImageLocation { image, intended: intended * flip });

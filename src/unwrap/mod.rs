@@ -21,7 +21,7 @@ use crate::optics::{Camera, ImagingTask};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use thiserror::Error;
 
-/// What a photo was taken through.
+/// The catadioptric system that a photo was taken with.
 #[derive(Debug, Clone, Copy)]
 pub struct ImagingSystem<'a> {
     /// The mirror.
@@ -32,7 +32,7 @@ pub struct ImagingSystem<'a> {
     pub view: &'a ImagingTask,
 }
 
-/// Why a photo cannot be unwrapped.
+/// Reason why a photo cannot be unwrapped.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum UnwrapError {
     /// The photo is not a larger or smaller picture of the sensor.

@@ -1,4 +1,4 @@
-//! The way without a computer: the panels cut out of the photo and laid side by side.
+//! Panels cropped from the photo and laid side by side: unwrapping without resampling.
 
 use super::{ImagingSystem, Panorama, UnwrapError};
 use crate::geom::{DVec2, Outline};
@@ -6,7 +6,7 @@ use crate::optics::Projection;
 use crate::raster::Raster;
 use std::ops::Range;
 
-/// Columns and rows of a photo.
+/// Columns and rows of a photo that show one panel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PanelCrop {
     /// Columns.
@@ -16,7 +16,7 @@ pub struct PanelCrop {
 }
 
 impl PanelCrop {
-    /// Those pixels of `photo`.
+    /// These pixels of `photo`.
     pub fn crop(&self, photo: &Raster) -> Raster {
         photo.crop(self.columns.clone(), self.rows.clone())
     }
@@ -25,7 +25,7 @@ impl PanelCrop {
 /// The whole pixels nearest to each panel, the designed one's first.
 ///
 /// # Errors
-/// [`UnwrapError`]: a round mirror has no such pieces.
+/// [`UnwrapError`]: a round mirror has no straight panels.
 pub fn panel_crops(
     optics: &ImagingSystem,
     photo: [usize; 2],
@@ -51,13 +51,13 @@ pub fn panel_crops(
     Ok(pieces)
 }
 
-/// The pieces of `photo` that show the panels, side by side in the order of azimuth, and what they
+/// The crops of `photo` that show the panels, side by side in the order of azimuth, and what they
 /// are meant to show. The reflected panel's is turned by half a turn: it sees the world reflected in the
 /// ridge, azimuth 180 - a in the place of a, which read backwards goes on where the designed panel
 /// ends.
 ///
 /// # Errors
-/// [`UnwrapError`]: a round mirror has no such pieces.
+/// [`UnwrapError`]: a round mirror has no straight panels.
 pub fn crop_panels(
     optics: &ImagingSystem,
     photo: &Raster,

@@ -25,7 +25,7 @@ pub struct Panorama {
     pub size: [usize; 2],
 }
 
-/// Azimuths and elevations that a mirror is meant to show.
+/// Field of view of a mirror and the photo's resolution in it.
 struct PanoramaExtent {
     law: StripLaw,
     left: f64,

@@ -1,4 +1,4 @@
-//! The table of where each pixel of a panorama is in the photo, and what it makes of one.
+//! The remap table of a panorama: for each of its pixels the position in the photo; and its use.
 
 use super::panel_crop::{PanelCrop, panel_crops};
 use super::row::locate_row;
@@ -7,12 +7,12 @@ use crate::num::stats::Summary;
 use crate::parallel;
 use crate::raster::Raster;
 
-/// A pixel of the panorama is averaged over at most so many places of the photo along each side.
+/// Most samples of the photo along each side of a pixel of the panorama.
 const MOST_SAMPLES: usize = 16;
 /// Neighbours further apart, as a share of the photo's width, lie at both ends of a turn.
 const JUMP: f32 = 0.05;
 
-/// For each pixel of a panorama the place of the photo that shows what belongs there.
+/// Positions in a photo of the content of each pixel of a panorama.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RemapTable {
     /// Pixels of the panorama across and down.
@@ -25,9 +25,9 @@ pub struct RemapTable {
     /// Distance on the sensor, in its pixels, between where the mirror shows what belongs to a
     /// pixel and where it was meant to; none when nothing is seen.
     pub distortion_px: Option<Summary>,
-    /// What of the photo to look at: each panel by itself, lest light of another or from beside the
+    /// Crops of the photo that are sampled: each panel by itself, lest light of another or from beside the
     /// mirror bleeds in; the designed one first.
-    pieces: Vec<PanelCrop>,
+    panels: Vec<PanelCrop>,
 }
 
 impl RemapTable {
@@ -42,16 +42,16 @@ impl RemapTable {
         photo: [usize; 2],
     ) -> Result<Self, UnwrapError> {
         let scale = optics.scale(photo)?;
-        let finder = InverseMap::new(*optics);
+        let map = InverseMap::new(*optics);
         let all = || vec![PanelCrop { columns: 0..photo[0], rows: 0..photo[1] }];
         // A given mirror's sides may be curved in the picture.
         let straight = optics.mirror.chart == optics.camera.chart;
-        let pieces =
+        let panels =
             if straight { panel_crops(optics, photo).unwrap_or_else(|_| all()) } else { all() };
         let [width, height] = panorama.size;
         let row = |y: usize| {
             let sigma = |x: usize| panorama.sigma(x as f64 + 0.5, y as f64 + 0.5);
-            let found = locate_row(&mut finder.search(), width, optics.camera.pixel_mm, sigma);
+            let found = locate_row(&mut map.search(), width, optics.camera.pixel_mm, sigma);
             let place = |found: Option<ImageLocation>| {
                 let Some(found) = found else { return ([f32::NAN; 2], None) };
                 let pixel = optics.pixel(found.image);
@@ -67,11 +67,11 @@ impl RemapTable {
             photo,
             places,
             distortion_px: Summary::of(off.into_iter().flatten().collect()),
-            pieces,
+            panels,
         })
     }
 
-    /// The share of the panorama's pixels that the photo shows.
+    /// Share of the panorama's pixels that the photo shows.
     #[must_use]
     pub fn seen(&self) -> f64 {
         let seen = self.places.iter().filter(|place| !place[0].is_nan()).count();
@@ -86,9 +86,9 @@ impl RemapTable {
     #[must_use]
     pub fn paint(&self, photo: &Raster) -> Raster {
         assert_eq!([photo.width, photo.height], self.photo, "the size that the map is for");
-        let panels: Vec<Raster> = self.pieces.iter().map(|piece| piece.crop(photo)).collect();
+        let panels: Vec<Raster> = self.panels.iter().map(|panel| panel.crop(photo)).collect();
         let light = |[x, y]: [f32; 2], panel: usize| {
-            let PanelCrop { columns, rows } = &self.pieces[panel];
+            let PanelCrop { columns, rows } = &self.panels[panel];
             let (x, y) = (f64::from(x) - columns.start as f64, f64::from(y) - rows.start as f64);
             panels[panel].sample(x, y, false)
         };
@@ -116,12 +116,12 @@ impl RemapTable {
         Raster { width, height, rgb }
     }
 
-    /// Which of the pieces a place belongs to.
+    /// Number of the panel that shows a position.
     fn panel(&self, place: [f32; 2]) -> usize {
-        let rows = &self.pieces[0].rows;
+        let rows = &self.panels[0].rows;
         let first_above = rows.start < self.photo[1] - rows.end;
         let above = place[1] < 0.5 * self.photo[1] as f32;
-        usize::from(self.pieces.len() > 1 && above != first_above)
+        usize::from(self.panels.len() > 1 && above != first_above)
     }
 
     /// How far the photo's place moves from pixel `k` to the next one, `stride` further among `count`

@@ -1,9 +1,9 @@
-//! One row of a map: searched for at some of its pixels, interpolated between where that is as good.
+//! One row of a remap table: searched at some of its pixels, interpolated between where that is as good.
 
 use super::{ImageLocation, InverseSearch};
 use crate::geom::DVec2;
 
-/// Searches a row, about.
+/// Number of searched pixels of a row, about.
 const KNOTS: usize = 320;
 /// The largest error, in pixels of the sensor, of a knot when it is interpolated between others twice as
 /// far apart as those that are used then; the cubic's own error is a sixteenth.
@@ -46,7 +46,7 @@ pub fn locate_row(
     (0..width).map(place).collect()
 }
 
-/// The cubic through places at -1, 0, 1 and 2, at `t`.
+/// Cubic interpolation at `t` through locations at -1, 0, 1 and 2.
 fn cubic(around: [ImageLocation; 4], t: f64) -> ImageLocation {
     let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
     let weights = [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0];

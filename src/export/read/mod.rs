@@ -9,7 +9,7 @@ use crate::parallel;
 use std::io::{self, Cursor};
 use thiserror::Error;
 
-/// A mesh as a file holds it.
+/// A mesh as read from a file, with the file's normals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedMesh {
     /// Facets; corners at the same place are joined.
@@ -19,7 +19,7 @@ pub struct ImportedMesh {
     pub normals: Option<Vec<[DVec3; 3]>>,
 }
 
-/// Why a file could not be read.
+/// Reason why a file could not be read.
 #[derive(Debug, Error)]
 pub enum ReadError {
     /// A binary STL is shorter or longer than its facet count says.
