@@ -54,6 +54,8 @@
 //! parallel
 //! num                raster
 //! geom
+//! tolerance_terms
+//! profile            tolerance_terms
 //! optics
 //! profile            optics
 //! mirror
@@ -67,7 +69,7 @@
 //! pencil             optics, mirror
 //! unwrap             optics, mirror, raster
 //! render             optics, trace, raster
-//! tolerance          optics, mirror, trace
+//! tolerance          optics, mirror, trace, tolerance_terms
 //! report             results of all of these
 //! pipeline           all of these, and the file system
 //! bench              all of these, and the file system
@@ -104,6 +106,7 @@ mod render;
 mod report;
 mod solid;
 mod tolerance;
+mod tolerance_terms;
 mod trace;
 mod unwrap;
 

@@ -17,7 +17,8 @@ use crate::parallel;
 use crate::profile::{Format, Profile};
 use crate::report::{ErrorDrawn, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
 use crate::solid::{Solid, check};
-use crate::tolerance::{Criterion, Displacement, Engine, Perturbation, PerturbedSystem};
+use crate::tolerance::{Displacement, Engine, PerturbedSystem};
+use crate::tolerance_terms::{ActsOn, Criterion, ErrorSourceRow, Perturbation};
 use crate::trace::Scene;
 use std::path::Path;
 
@@ -32,11 +33,11 @@ pub struct ReplayOptions<'a> {
     pub without: &'a [String],
 }
 
-/// So many facets' edges go into the shortest swing of a surface.
+/// Edges of facets in the shortest swing of a surface.
 const PER_SWING: f64 = 12.0;
 /// Largest number of facets of the optical face.
 const MOST_FACETS: usize = 6_000_000;
-/// AtPrecision with edges of a unit and less, halved from longer ones, on a unit of area.
+/// Facets with edges of a unit and less, halved from longer ones, on a unit of area.
 const PER_AREA: f64 = 5.0;
 /// Rounding along Z of a vertex, in units of a coordinate's last digit: where the mirror is steep
 /// that of X and Y shows too.
@@ -61,87 +62,30 @@ pub fn replay(
     let home = out.join(&profile.name);
     let folder = Folder::create(&home.join(format!("replay-{trial}")))?;
     let PreparedStudy { design, engine, .. } = prepared(&clock, named, &source)?;
-    let mut without = left_out(profile, &engine, wanted.without)?;
-    // The file has facets of its own, and no terraces: these are the printer's.
-    let own = [Perturbation::Facets, Perturbation::Layers];
-    without.extend(sources(&engine).filter(|kind| own.contains(kind)));
-    without.sort_unstable();
-    without.dedup();
-    let whole = engine.replayed(seed, trial, &[]);
-    let made = engine.replayed(seed, trial, &without);
-    let longest_edge_mm = engine.shortest(&made).map(|swing| swing / PER_SWING);
-    let fine = || too_fine(profile, &design, &engine, seed, trial, &without);
-    if longest_edge_mm.is_some_and(|edge| facets_of(&design, edge) > MOST_FACETS as f64) {
-        return Err(fine());
-    }
-
-    let AtPrecision { made: face, formats, refused, .. } = clock.stage(Stage::Mesh, || {
-        let facets = face::face(profile, &design)?;
-        let mesh = facets.made.mesh.clone();
-        let note = format!("{} optical triangles", mesh.triangles.len());
-        let mesh = match longest_edge_mm {
-            Some(edge) => {
-                let between = |a: DVec3, b: DVec3| middle(&design, a, b);
-                mesh.split(edge, MOST_FACETS, between).ok_or_else(fine)?
-            }
-            None => mesh,
-        };
-        let AtPrecision { precision, formats, refused, .. } = facets;
-        let made = displaced(&engine, &made, mesh);
-        Ok::<_, Error>((AtPrecision { made, precision, formats, refused }, note))
-    })?;
+    let part = ImperfectPart::new(profile, &design, &engine, wanted)?;
+    let AtPrecision { made: face, formats, refused, .. } =
+        clock.stage(Stage::Mesh, || part.face())?;
 
     let label = labelled(profile, &design, format!("imperfect: trial {trial} of seed {seed}"));
     let (mut staged, mut files) = (Vec::new(), Vec::new());
     let mut reasons: Vec<String> = refused.into_iter().map(String::from).collect();
     // Single rays see points of textures.
     let rays = engine.pointwise();
-    let smooth = rays.displacement_of(&made);
+    let smooth = rays.displacement_of(&part.made);
     for &format in &formats {
-        let closed = |source| Error::Solid { profile: profile.name.clone(), format, source };
-        let solid = clock.stage(Stage::Solid, || {
-            let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Double)
-                .and_then(|solid| solid.grown(engine.growth(&made), precision(format)))
-                .map_err(closed)?;
-            let note = format!("{} triangles, closed", solid.mesh().triangles.len());
-            Ok::<_, Error>((solid, note))
-        })?;
+        let solid = clock.stage(Stage::Solid, || part.solid(&face, format))?;
         let optical = solid.optical();
         let file =
             super::write(&clock, &folder, format, |out| write_solid(out, format, &solid, &label))?;
         drop(solid);
-        let subject = (&rays, &made, &design);
+        let subject = (&rays, &part.made, &design);
         let (found, faults) = witnessed(&clock, subject, format, optical, &file, &smooth)?;
         reasons.extend(faults);
         files.extend(found);
         staged.push(file);
     }
-
-    let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
-    let errors = engine.drawn(seed, trial);
-    let kept: Vec<(Perturbation, f64)> =
-        errors.iter().filter(|(kind, _)| !without.contains(kind)).copied().collect();
-    let pose = pose(&engine, &made, id.clone(), (seed, trial), &kept);
-    let report = ReplayReport {
-        schema: SCHEMA,
-        profile: id,
-        seed,
-        trial,
-        samples: engine.samples(),
-        criterion: engine.spec.criterion,
-        reference: engine.spec.reference,
-        errors: errors
-            .iter()
-            .map(|(kind, value)| ErrorDrawn { source: kind.key(), value: *value })
-            .collect(),
-        without: without.iter().map(|kind| kind.key()).collect(),
-        repeated: engine.displacement_of(&whole),
-        smooth,
-        longest_edge_mm,
-        files,
-        verdict: verdict::of(&reasons),
-        reasons,
-    };
+    let report = part.report(smooth, files, reasons);
+    let pose = part.pose(report.profile.clone());
     clock.stage(Stage::Report, || {
         let text =
             |name: &str, text: String| folder.stage(name, |out| out.write_all(text.as_bytes()));
@@ -155,6 +99,156 @@ pub fn replay(
     Ok(report)
 }
 
+/// The part of a trial, without the errors that its files do not have.
+struct ImperfectPart<'a> {
+    profile: &'a Profile,
+    design: &'a Design,
+    engine: &'a Engine,
+    seed: u64,
+    trial: u64,
+    /// Errors that the part is made without.
+    without: Vec<Perturbation>,
+    made: PerturbedSystem,
+    /// Longest edge of a facet, mm; none where the surface is as designed.
+    longest_edge_mm: Option<f64>,
+}
+
+impl<'a> ImperfectPart<'a> {
+    fn new(
+        profile: &'a Profile,
+        design: &'a Design,
+        engine: &'a Engine,
+        wanted: &ReplayOptions,
+    ) -> Result<Self, Error> {
+        let ReplayOptions { trial, seed, .. } = *wanted;
+        let mut without = left_out(profile, engine, wanted.without)?;
+        // The file has facets of its own, and no terraces: these are the printer's.
+        let own = [Perturbation::Facets, Perturbation::Layers];
+        without.extend(sources(engine).filter(|kind| own.contains(kind)));
+        without.sort_unstable();
+        without.dedup();
+        let made = engine.replayed(seed, trial, &without);
+        let longest_edge_mm = engine.shortest(&made).map(|swing| swing / PER_SWING);
+        let part = Self { profile, design, engine, seed, trial, without, made, longest_edge_mm };
+        let too_fine = |edge| facets_of(design, edge) > MOST_FACETS as f64;
+        if longest_edge_mm.is_some_and(too_fine) { Err(part.too_fine()) } else { Ok(part) }
+    }
+
+    /// The optical face with the part's form, and how many facets its mesh has as designed.
+    fn face(&self) -> Result<(AtPrecision<TriMesh>, String), Error> {
+        let AtPrecision { made, precision, formats, refused } =
+            face::face(self.profile, self.design)?;
+        let note = format!("{} optical triangles", made.mesh.triangles.len());
+        let mut mesh = made.mesh;
+        if let Some(edge) = self.longest_edge_mm {
+            let between = |a: DVec3, b: DVec3| middle(self.design, a, b);
+            mesh = mesh.split(edge, MOST_FACETS, between).ok_or_else(|| self.too_fine())?;
+        }
+        let made = displaced(self.engine, &self.made, mesh);
+        Ok((AtPrecision { made, precision, formats, refused }, note))
+    }
+
+    /// The closed part in the digits of a format, and how many triangles it has.
+    fn solid(&self, face: &TriMesh, format: Format) -> Result<(Solid, String), Error> {
+        let name = || self.profile.name.clone();
+        let solid = Solid::from_face(face, self.design.border.as_ref(), Precision::Double)
+            .and_then(|solid| solid.grown(self.engine.growth(&self.made), precision(format)))
+            .map_err(|source| Error::Solid { profile: name(), format, source })?;
+        let note = format!("{} triangles, closed", solid.mesh().triangles.len());
+        Ok((solid, note))
+    }
+
+    fn report(
+        &self,
+        smooth: Displacement,
+        files: Vec<ReplayFile>,
+        reasons: Vec<String>,
+    ) -> ReplayReport {
+        let Self { profile, engine, seed, trial, .. } = *self;
+        let errors = engine.drawn(seed, trial);
+        let drawn = |(kind, value): (Perturbation, f64)| ErrorDrawn {
+            source: kind.key().to_owned(),
+            value,
+        };
+        ReplayReport {
+            schema: SCHEMA,
+            profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+            seed,
+            trial,
+            samples: engine.samples(),
+            criterion: engine.spec.criterion,
+            reference: engine.spec.reference,
+            errors: errors.into_iter().map(drawn).collect(),
+            without: self.without.iter().map(|kind| kind.key().to_owned()).collect(),
+            repeated: engine.displacement_of(&engine.replayed(seed, trial, &[])),
+            smooth,
+            longest_edge_mm: self.longest_edge_mm,
+            files,
+            verdict: verdict::of(&reasons),
+            reasons,
+        }
+    }
+
+    /// Pose of the part and errors of the camera, of the errors that are not left out.
+    fn pose(&self, profile: ProfileId) -> PoseFile {
+        let Self { engine, seed, trial, .. } = *self;
+        let mut errors = engine.drawn(seed, trial);
+        errors.retain(|(kind, _)| !self.without.contains(kind));
+        // All keys, so that readers find them.
+        let of = |acts: fn(ActsOn) -> bool| {
+            let rows = ErrorSourceRow::TABLE.iter().filter(|row| acts(row.acts_on));
+            let value = |kind| errors.iter().find(|e| e.0 == kind).map_or(0.0, |e| e.1);
+            rows.map(|row| (row.key.to_owned(), value(row.perturbation).into())).collect()
+        };
+        PoseFile {
+            schema: SCHEMA,
+            profile,
+            seed,
+            trial,
+            part: of(|acts_on| matches!(acts_on, ActsOn::Mounting(_))),
+            world_from_file: engine.placing(&self.made),
+            camera: of(|acts_on| matches!(acts_on, ActsOn::Camera(_))),
+            in_the_files: of(|acts_on| acts_on == ActsOn::Size),
+            growth: engine.growth(&self.made),
+        }
+    }
+
+    /// Names the errors that swing too finely.
+    fn too_fine(&self) -> Error {
+        let finest = |kind: Perturbation| {
+            let others: Vec<Perturbation> =
+                sources(self.engine).filter(|other| *other != kind).collect();
+            let alone = self.engine.replayed(self.seed, self.trial, &others);
+            let swing = self.engine.shortest(&alone)?;
+            Some((kind, swing, facets_of(self.design, swing / PER_SWING)))
+        };
+        let mut fine: Vec<(Perturbation, f64, f64)> = sources(self.engine)
+            .filter(|kind| !self.without.contains(kind))
+            .filter_map(finest)
+            .collect();
+        fine.sort_by(|a, b| b.2.total_cmp(&a.2));
+        let most = fine.first().map_or(0.0, |finest| finest.2);
+        // The worst one in any case.
+        let guilty = fine.iter().take_while(|f| f.2 > MOST_FACETS as f64 || f.2 == most);
+        let (words, options): (Vec<String>, Vec<String>) = guilty
+            .map(|(kind, swing, facets)| {
+                let key = kind.key();
+                let words = format!(
+                    "{key} swings within {swing} mm, which takes about {facets:.1e} facets"
+                );
+                (words, format!("--without {key}"))
+            })
+            .unzip();
+        let reason = format!(
+            "{}, over the {:.0e} that are made; leave it out of the part by {}",
+            words.join("; "),
+            MOST_FACETS as f64,
+            options.join(" "),
+        );
+        Error::Replay { profile: self.profile.name.clone(), reason }
+    }
+}
+
 fn sources(engine: &Engine) -> impl Iterator<Item = Perturbation> {
     engine.spec.sources.iter().map(|source| source.kind)
 }
@@ -166,9 +260,9 @@ fn left_out(
     keys: &[String],
 ) -> Result<Vec<Perturbation>, Error> {
     let kind = |key: &String| {
-        let found = sources(engine).find(|kind| kind.key() == *key);
+        let found = sources(engine).find(|kind| kind.key() == key);
         found.ok_or_else(|| {
-            let known: Vec<String> = sources(engine).map(Perturbation::key).collect();
+            let known: Vec<&str> = sources(engine).map(Perturbation::key).collect();
             let reason = format!("{key} is none of its errors, which are {}", known.join(", "));
             Error::Replay { profile: profile.name.clone(), reason }
         })
@@ -179,43 +273,6 @@ fn left_out(
 /// About how many facets with such edges the mirror takes.
 fn facets_of(design: &Design, edge: f64) -> f64 {
     PER_AREA * design.mirror.full_outline().area() / (edge * edge)
-}
-
-/// Names the errors that swing too finely.
-fn too_fine(
-    profile: &Profile,
-    design: &Design,
-    engine: &Engine,
-    seed: u64,
-    trial: u64,
-    without: &[Perturbation],
-) -> Error {
-    let finest = |kind: Perturbation| {
-        let others: Vec<Perturbation> = sources(engine).filter(|other| *other != kind).collect();
-        let swing = engine.shortest(&engine.replayed(seed, trial, &others))?;
-        Some((kind, swing, facets_of(design, swing / PER_SWING)))
-    };
-    let mut fine: Vec<(Perturbation, f64, f64)> =
-        sources(engine).filter(|kind| !without.contains(kind)).filter_map(finest).collect();
-    fine.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let most = fine.first().map_or(0.0, |finest| finest.2);
-    // The worst one in any case.
-    let guilty = fine.iter().take_while(|f| f.2 > MOST_FACETS as f64 || f.2 == most);
-    let (words, options): (Vec<String>, Vec<String>) = guilty
-        .map(|(kind, swing, facets)| {
-            let key = kind.key();
-            let words =
-                format!("{key} swings within {swing} mm, which takes about {facets:.1e} facets");
-            (words, format!("--without {key}"))
-        })
-        .unzip();
-    let reason = format!(
-        "{}, over the {:.0e} that are made; leave it out of the part by {}",
-        words.join("; "),
-        MOST_FACETS as f64,
-        options.join(" "),
-    );
-    Error::Replay { profile: profile.name.clone(), reason }
 }
 
 /// The place of the designed mirror half way between two others.
@@ -335,43 +392,4 @@ fn objections(found: &ReplayFile, smooth: &Displacement, criterion: Criterion) -
         }
     }
     faults
-}
-
-/// What places the part and what the camera has, of the errors that are not left out.
-fn pose(
-    engine: &Engine,
-    made: &PerturbedSystem,
-    profile: ProfileId,
-    (seed, trial): (u64, u64),
-    errors: &[(Perturbation, f64)],
-) -> PoseFile {
-    // All keys, so that readers find them.
-    let of = |kinds: &[Perturbation]| {
-        let value = |kind: &Perturbation| errors.iter().find(|e| e.0 == *kind).map_or(0.0, |e| e.1);
-        kinds.iter().map(|kind| (kind.key(), value(kind).into())).collect()
-    };
-    PoseFile {
-        schema: SCHEMA,
-        profile,
-        seed,
-        trial,
-        part: of(&[
-            Perturbation::DecentreX,
-            Perturbation::DecentreY,
-            Perturbation::Despace,
-            Perturbation::TiltX,
-            Perturbation::TiltY,
-            Perturbation::Clocking,
-        ]),
-        world_from_file: engine.placing(made),
-        camera: of(&[
-            Perturbation::Magnification,
-            Perturbation::Telecentricity,
-            Perturbation::PrincipalX,
-            Perturbation::PrincipalY,
-            Perturbation::Distortion,
-        ]),
-        in_the_files: of(&[Perturbation::Scale, Perturbation::Temperature]),
-        growth: engine.growth(made),
-    }
 }

@@ -92,51 +92,69 @@ pub fn tolerance_merged(
     observer: &dyn Observer,
 ) -> Result<ToleranceReport, Error> {
     let clock = StageTimer::new(observer);
-    let fault = |path: &Path, reason: String| Error::Part { path: path.to_owned(), reason };
     let Some(first) = parts.first() else {
-        return Err(fault(Path::new("--merge"), "no part is named".into()));
+        return Err(part_fault(Path::new("--merge"), "no part is named"));
     };
-    let mut read: Vec<(&PathBuf, String)> = Vec::new();
+    let mut read: Vec<(&Path, String)> = Vec::new();
     for path in parts {
         let text = String::from_utf8(files::read(path)?)
-            .map_err(|_| fault(path, "it is no part of a run: not text".into()))?;
+            .map_err(|_| part_fault(path, "it is no part of a run: not text"))?;
         read.push((path, text));
     }
-    let asked_of = |text: &str| -> Option<(Range<u64>, String)> {
-        let (range, named) = text.lines().next()?.strip_prefix(PART)?.split_once(' ')?;
-        let (start, end) = range.split_once("..")?;
-        Some((start.parse().ok()?..end.parse().ok()?, serde_json::from_str(named).ok()?))
-    };
-    let no_part =
-        "it is no part of a run; `morion tolerance PROFILE --trials A..B --part` makes them";
-    let (_, named) = asked_of(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
+    let (_, named) = heading_of_part(&read[0].1).ok_or_else(|| part_fault(first, NO_PART))?;
     let source = load(&named)?;
     let folder = Folder::create(&out.join(&source.profile.name))?;
     let asked = prepared(&clock, &named, &source)?;
     let engine = &asked.engine;
-    let seed = seed_of(&read[0].1).ok_or_else(|| fault(first, no_part.into()))?;
+    let seed = seed_of(&read[0].1).ok_or_else(|| part_fault(first, NO_PART))?;
     let head = heading(&source.profile, engine, seed);
-    let adjustments = engine.adjustments().len();
-    let mut runs: Vec<(&PathBuf, Vec<Trial>)> = Vec::new();
+    let mut runs: Vec<(&Path, Vec<Trial>)> = Vec::new();
     for (path, text) in &read {
-        let (range, _) = asked_of(text).ok_or_else(|| fault(path, no_part.into()))?;
+        let (range, _) = heading_of_part(text).ok_or_else(|| part_fault(path, NO_PART))?;
         let body = text.split_once('\n').map_or("", |(_, body)| body);
-        let Some(lines) = body.strip_prefix(&head) else {
+        let lines = body.strip_prefix(&head).ok_or_else(|| {
             let reason = format!(
                 "its profile, seed or version is not that of {}, or the profile, a file that it names or \
                  the build whose facets it takes has changed since",
                 first.display()
             );
-            return Err(fault(path, reason));
-        };
-        let trials: Option<Vec<Trial>> =
-            lines.lines().map(|line| read_trial(line, adjustments)).collect();
-        // The last line is whole when it ends.
-        let whole = trials.filter(|trials| {
-            !range.is_empty() && text.ends_with('\n') && trials.iter().map(|t| t.index).eq(range)
-        });
-        runs.push((path, whole.ok_or_else(|| fault(path, "its trials are not whole".into()))?));
+            part_fault(path, &reason)
+        })?;
+        let trials = whole_trials(lines, range, engine.adjustments().len());
+        runs.push((path, trials.ok_or_else(|| part_fault(path, "its trials are not whole"))?));
     }
+    let all = joined(runs)?;
+    clock.worked(Stage::Trials, TRIALS, [0, all.len()], "the parts hold them");
+    let machining = tracks(&clock, (&source.profile, &asked.design), engine)?;
+    concluded(&clock, (&source.profile, machining), &asked, seed, &all, &folder)
+}
+
+const NO_PART: &str =
+    "it is no part of a run; `morion tolerance PROFILE --trials A..B --part` makes them";
+
+fn part_fault(path: &Path, reason: &str) -> Error {
+    Error::Part { path: path.to_owned(), reason: reason.to_owned() }
+}
+
+/// The numbers of the trials of a part, and the profile as it was named.
+fn heading_of_part(text: &str) -> Option<(Range<u64>, String)> {
+    let (range, named) = text.lines().next()?.strip_prefix(PART)?.split_once(' ')?;
+    let (start, end) = range.split_once("..")?;
+    Some((start.parse().ok()?..end.parse().ok()?, serde_json::from_str(named).ok()?))
+}
+
+/// The trials of a part's lines, if they are all that it has in its name.
+fn whole_trials(lines: &str, range: Range<u64>, adjustments: usize) -> Option<Vec<Trial>> {
+    let trials: Option<Vec<Trial>> =
+        lines.lines().map(|line| read_trial(line, adjustments)).collect();
+    // The last line is whole when it ends.
+    trials.filter(|trials| {
+        !range.is_empty() && lines.ends_with('\n') && trials.iter().map(|t| t.index).eq(range)
+    })
+}
+
+/// The trials of parts in any order, which have to follow each other.
+fn joined(mut runs: Vec<(&Path, Vec<Trial>)>) -> Result<Vec<Trial>, Error> {
     runs.sort_by_key(|(_, trials)| trials[0].index);
     let mut all: Vec<Trial> = Vec::new();
     for (path, trials) in runs {
@@ -145,13 +163,11 @@ pub fn tolerance_merged(
         {
             let (first, next) = (trials[0].index, last.index + 1);
             let reason = format!("it begins with trial {first}, where {next} is to follow");
-            return Err(fault(path, reason));
+            return Err(part_fault(path, &reason));
         }
         all.extend(trials);
     }
-    clock.worked(Stage::Trials, TRIALS, [0, all.len()], "the parts hold them");
-    let machining = tracks(&clock, (&source.profile, &asked.design), engine)?;
-    concluded(&clock, (&source.profile, machining), &asked, seed, &all, &folder)
+    Ok(all)
 }
 
 /// What a part begins with; the profile as it was named follows, as a string of JSON.
@@ -170,7 +186,8 @@ fn seed_of(text: &str) -> Option<u64> {
 fn heading(profile: &Profile, engine: &Engine, seed: u64) -> String {
     let adjustments: Vec<String> =
         engine.adjustments().iter().map(|a| format!("{} {}", a.name, a.unit)).collect();
-    let sources: Vec<String> = engine.spec.sources.iter().map(|source| source.kind.key()).collect();
+    let keys = engine.spec.sources.iter().map(|source| source.kind.key().to_owned());
+    let sources: Vec<String> = keys.collect();
     // The files that a profile names are none of its bytes, and a build may say what facets do.
     let limits = engine.spec.sources.iter().map(|source| source.limit);
     let marks: Vec<u8> =

@@ -8,12 +8,12 @@ use super::{Error, Source, Stage, designed};
 use crate::design::Design;
 use crate::geom::Outline;
 use crate::mirror::{BicubicSpline, Mirror};
-use crate::profile::{Format, Profile};
+use crate::profile::{Format, Profile, Tolerance};
 use crate::report::FacetsFrom;
 use crate::tolerance::{
-    Compensator, Criterion, Distribution, Engine, ErrorSource, FormMeasure, Perturbation, Process,
-    Reference, TextureShape, ToleranceSpec, extent, facets_bound, form_of_pv,
+    Engine, ErrorSource, Process, TextureShape, ToleranceSpec, extent, facets_bound, form_of_pv,
 };
+use crate::tolerance_terms::{ErrorSourceRow, MadeFrom, Perturbation};
 
 /// About how many places stand for the picture: a Fibonacci number, as lattices have that many. RMS
 /// and P95 of the shipped designs' errors are then within 0.1 % and 1 %.
@@ -84,12 +84,11 @@ fn map(named: &str, file: &str, mirror: &Mirror) -> Result<BicubicSpline, Error>
 fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)>, Error> {
     let first = profile.formats.iter().find(|format| !matches!(format, Format::Csv));
     let from_step = match profile.tolerance.made_from {
-        Some(word) => word == "step",
+        Some(file) => file == MadeFrom::Step,
         None => first.is_none_or(|format| *format == Format::Step),
     };
-    let key = Perturbation::Facets.key();
-    if let Some((_, px)) = profile.tolerance.limits.iter().find(|limit| limit.0 == key) {
-        return Ok(Some((*px, FacetsFrom::Limits)));
+    if let Some(px) = said_of(&profile.tolerance.limits, Perturbation::Facets) {
+        return Ok(Some((px, FacetsFrom::Limits)));
     }
     if from_step {
         return Ok(None);
@@ -118,44 +117,63 @@ fn spec(
     meshed: Option<(f64, FacetsFrom)>,
 ) -> Result<(ToleranceSpec, Option<FacetsFrom>), Error> {
     let asked = &profile.tolerance;
-    let process = Process::named(asked.preset).expect("the profile knows the presets");
-    let form = if asked.form == "rms" { FormMeasure::Rms } else { FormMeasure::Pv };
+    let process = Process::of(asked.preset);
     let round = matches!(design.mirror.outline, Outline::Ring { .. });
-    let applies = |kind: &Perturbation| match kind {
-        Perturbation::Legendre(..) => !round,
-        Perturbation::Zernike(_) => round,
-        Perturbation::Telecentricity => design.camera.chart.vergence == 0.0,
-        Perturbation::Map => map.is_some(),
-        _ => true,
-    };
-    let source = |kind: Perturbation| {
-        let key = kind.key();
-        let (usual, distribution) = match kind {
-            Perturbation::Facets => (meshed.map_or(0.0, |(px, _)| px), Distribution::Fixed),
-            kind => process.usual(kind),
-        };
-        let of = |values: &[(&str, f64)]| values.iter().find(|v| v.0 == key).map(|v| v.1);
-        let word = asked.distributions.iter().find(|v| v.0 == key).map(|v| v.1);
-        ErrorSource {
-            kind,
-            // (A usual figure has few digits.)
-            limit: of(&asked.limits).unwrap_or_else(|| match form_of_pv(kind, form) {
-                1.0 => usual,
-                share => (1e3 * usual * share).round() * 1e-3,
-            }),
-            distribution: word.map_or(distribution, distribution_of),
-            weight: of(&asked.weights).unwrap_or(1.0),
-        }
-    };
-    let sources: Vec<ErrorSource> = Perturbation::all()
-        .filter(applies)
-        .map(source)
+    let telecentric = design.camera.chart.vergence == 0.0;
+    let facets_px = meshed.map_or(0.0, |(px, _)| px);
+    let sources: Vec<ErrorSource> = ErrorSourceRow::TABLE
+        .iter()
+        .filter(|row| row.applies_to.holds(round, telecentric, map.is_some()))
+        .map(|row| source(asked, &process, row.perturbation, facets_px))
         .filter(|source| source.limit != 0.0)
         .collect();
     let has_facets = sources.iter().any(|source| source.kind == Perturbation::Facets);
     let facets_from = meshed.map(|(_, from)| from).filter(|_| has_facets);
-    let usual = process.texture;
-    let texture = TextureShape {
+    let texture = texture(asked, &process.texture, profile.lens.wavelength_nm);
+    let tracks = sources.iter().find(|source| source.kind == Perturbation::Stepover);
+    if let Some(tracks) = tracks.filter(|t| t.limit >= 2.0 * texture.ball_radius_mm) {
+        let (stepover_mm, ball_radius_mm) = (tracks.limit, texture.ball_radius_mm);
+        return Err(Error::Tracks { profile: profile.name.clone(), stepover_mm, ball_radius_mm });
+    }
+    let spec = ToleranceSpec {
+        sources,
+        form: asked.form,
+        texture,
+        map,
+        compensators: asked.compensators.clone(),
+        criterion: asked.criterion,
+        reference: asked.reference,
+        budget_px: asked.budget_px,
+        budget_blur_px: asked.budget_blur_px.unwrap_or(asked.budget_px),
+        target_yield: asked.target_yield,
+        samples: SAMPLES,
+    };
+    Ok((spec, facets_from))
+}
+
+/// An error source as the profile has it, or as is usual; `facets_px` is the bound that the mesh keeps.
+fn source(asked: &Tolerance, process: &Process, kind: Perturbation, facets_px: f64) -> ErrorSource {
+    let (usual, distribution) = process.usual(kind);
+    let usual = if kind == Perturbation::Facets { facets_px } else { usual };
+    let share = kind.form_term().map_or(1.0, |term| form_of_pv(term, asked.form));
+    // (A usual figure has few digits.)
+    let usual = if share == 1.0 { usual } else { (1e3 * usual * share).round() * 1e-3 };
+    ErrorSource {
+        kind,
+        limit: said_of(&asked.limits, kind).unwrap_or(usual),
+        distribution: said_of(&asked.distributions, kind).unwrap_or(distribution),
+        weight: said_of(&asked.weights, kind).unwrap_or(1.0),
+    }
+}
+
+/// What a table of the profile says of an error source.
+fn said_of<T: Copy>(table: &[(Perturbation, T)], kind: Perturbation) -> Option<T> {
+    table.iter().find(|(of, _)| *of == kind).map(|(_, said)| *said)
+}
+
+/// Shapes of the textures as the profile has them, or as are usual.
+fn texture(asked: &Tolerance, usual: &TextureShape, wavelength_nm: f64) -> TextureShape {
+    TextureShape {
         cte_ppm_per_k: asked.expansion_ppm_per_k.unwrap_or(usual.cte_ppm_per_k),
         waviness_period_mm: asked.waviness_period_mm.unwrap_or(usual.waviness_period_mm),
         waviness_direction_deg: asked
@@ -166,48 +184,7 @@ fn spec(
         stepover_direction_deg: asked
             .stepover_direction_deg
             .unwrap_or(usual.stepover_direction_deg),
-        wavelength_nm: profile.lens.wavelength_nm,
-    };
-    let tracks = sources.iter().find(|source| source.kind == Perturbation::Stepover);
-    if let Some(tracks) = tracks.filter(|t| t.limit >= 2.0 * texture.ball_radius_mm) {
-        let (stepover_mm, ball_radius_mm) = (tracks.limit, texture.ball_radius_mm);
-        return Err(Error::Tracks { profile: profile.name.clone(), stepover_mm, ball_radius_mm });
-    }
-    let spec = ToleranceSpec {
-        sources,
-        form,
-        texture,
-        map,
-        compensators: asked.compensators.iter().map(|word| compensator_of(word)).collect(),
-        criterion: if asked.criterion == "p95" { Criterion::P95 } else { Criterion::Rms },
-        reference: match asked.reference {
-            "projection" => Reference::Projection,
-            _ => Reference::Design,
-        },
-        budget_px: asked.budget_px,
-        budget_blur_px: asked.budget_blur_px.unwrap_or(asked.budget_px),
-        target_yield: asked.target_yield,
-        samples: SAMPLES,
-    };
-    Ok((spec, facets_from))
-}
-
-fn distribution_of(word: &str) -> Distribution {
-    match word {
-        "uniform" => Distribution::Uniform,
-        "normal" => Distribution::Normal,
-        "truncated" => Distribution::Truncated,
-        _ => Distribution::Fixed,
-    }
-}
-
-fn compensator_of(word: &str) -> Compensator {
-    match word {
-        "shift" => Compensator::Shift,
-        "rotation" => Compensator::Rotation,
-        "magnification" => Compensator::Magnification,
-        "tilt" => Compensator::Tilt,
-        _ => Compensator::Despace,
+        wavelength_nm,
     }
 }
 
@@ -215,33 +192,12 @@ fn compensator_of(word: &str) -> Compensator {
 mod tests {
     use super::*;
     use crate::profile::shipped;
-    use crate::profile::tolerance::{COMPENSATORS, DISTRIBUTIONS, PRESETS};
-    use std::fmt::Write;
+    use crate::tolerance_terms::{Compensator, Criterion, Distribution};
 
     fn profile(edit: &str) -> Profile {
         let shipped = shipped().iter().find(|p| p.name == "conquistador").unwrap();
         let text = format!("{}\n{edit}", shipped.text);
         Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
-    }
-
-    #[test]
-    fn every_word_of_a_profile_means_something_of_its_own() {
-        let means = |distribution: Distribution| {
-            serde_json::to_value(distribution).unwrap().as_str().unwrap().to_owned()
-        };
-        assert!(DISTRIBUTIONS.iter().all(|word| means(distribution_of(word)) == *word));
-        let means = |c: Compensator| serde_json::to_value(c).unwrap().as_str().unwrap().to_owned();
-        assert!(COMPENSATORS.iter().all(|word| means(compensator_of(word)) == *word));
-        assert_eq!(PRESETS.len(), Process::ALL.len());
-        assert!(PRESETS.iter().all(|word| Process::named(word).is_some()));
-        // Every key of an error is known to the profile, and there are no others.
-        let mut lines = String::from("[tolerance]\nmap_file = \"map.csv\"\n[tolerance.limits]\n");
-        for kind in Perturbation::all() {
-            let _ = writeln!(lines, "{} = 0", kind.key());
-        }
-        let read = profile(&lines).tolerance;
-        assert_eq!(read.limits.len(), Perturbation::all().count());
-        assert!(read.limits.iter().all(|(key, _)| Perturbation::of_key(key).is_some()));
     }
 
     #[test]

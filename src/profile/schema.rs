@@ -1,49 +1,14 @@
 //! Which tables a profile may have, and which keys each of them.
 
+use crate::tolerance_terms::Perturbation;
+
 const STRIP: &[&str] = &["azimuth_deg", "elevation_deg", "target_radius_mm", "target_plane_mm"];
 const ONE_PARAMETER: &[&str] = &["outer_polar_deg", "target_radius_mm", "target_plane_mm"];
 const TWO_PARAMETERS: &[&str] =
     &["inner_polar_deg", "outer_polar_deg", "target_radius_mm", "target_plane_mm"];
 const METHOD: &[&str] = &["degree", "minimax"];
 /// Error sources, each with its unit.
-pub(super) const SOURCES: &[&str] = &[
-    "decentre_x_um",
-    "decentre_y_um",
-    "despace_um",
-    "tilt_x_mrad",
-    "tilt_y_mrad",
-    "clocking_mrad",
-    "scale_ppm",
-    "temperature_k",
-    "magnification_ppm",
-    "telecentricity_mrad",
-    "principal_x_px",
-    "principal_y_px",
-    "distortion_ppm",
-    "legendre_20_um",
-    "legendre_11_um",
-    "legendre_02_um",
-    "legendre_30_um",
-    "legendre_21_um",
-    "legendre_12_um",
-    "legendre_03_um",
-    "legendre_40_um",
-    "legendre_22_um",
-    "zernike_4_um",
-    "zernike_5_um",
-    "zernike_6_um",
-    "zernike_7_um",
-    "zernike_8_um",
-    "zernike_9_um",
-    "zernike_10_um",
-    "zernike_11_um",
-    "map_share",
-    "waviness_um",
-    "slope_mrad",
-    "stepover_mm",
-    "layer_um",
-    "facets_px",
-];
+const SOURCES: &[&str] = Perturbation::KEYS;
 
 /// Keys that most profiles do without.
 const RARE: &[&str] = &[

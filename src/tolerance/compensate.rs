@@ -2,39 +2,23 @@
 //! and magnified, the mirror tilted and moved, so that least squares of displacement remain.
 
 use crate::num::max_or_nan;
+use crate::tolerance_terms::Criterion;
 use serde::{Serialize, Serializer};
 
-/// An adjustment. Focusing a camera changes its magnification, and nothing else that a displacement
-/// of content shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Compensator {
-    /// The picture along X and Y.
-    Shift,
-    /// The picture about its middle.
-    Rotation,
-    /// The picture's size.
-    Magnification,
-    /// The mirror about X and Y.
-    Tilt,
-    /// The mirror along the axis.
-    Despace,
-}
-
-/// A direction of adjustment.
+/// One direction of adjustment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjustment {
     /// Its name.
     pub name: &'static str,
     /// The unit it is told in.
     pub unit: &'static str,
-    /// So many of the unit make one step.
+    /// Units in one step.
     pub per_step: f64,
-    /// What a step displaces: x and y of each sample, px.
+    /// Displacement by one step: x and y of each sample, px.
     pub column: Vec<f64>,
 }
 
-/// The projection on what no adjustment can mend.
+/// Least-squares adjustment: the projection of displacements on what the adjustments cannot undo.
 #[derive(Debug, Clone, Default)]
 pub struct Compensation {
     adjustments: Vec<Adjustment>,
@@ -44,7 +28,7 @@ pub struct Compensation {
     r: Vec<Vec<f64>>,
 }
 
-/// A column that others span to this share is left out.
+/// Share of a column's length outside the span of the ones before it, below which it is left out.
 const DEPENDENT: f64 = 1e-7;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -109,16 +93,6 @@ impl Compensation {
     }
 }
 
-/// Which figure of the displacements is held against the budget.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Criterion {
-    /// Root of the mean square over the picture.
-    Rms,
-    /// What 95 % of the picture stay below.
-    P95,
-}
-
 /// RMS and P95 of a displacement over the samples, px. Infinite where a ray is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DisplacementPx {
@@ -162,7 +136,7 @@ impl DisplacementPx {
         Self { rms_px, p95_px }
     }
 
-    /// The one that `criterion` looks at.
+    /// The figure of a criterion.
     #[must_use]
     pub fn by(&self, criterion: Criterion) -> f64 {
         match criterion {

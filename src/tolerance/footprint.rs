@@ -1,5 +1,5 @@
-//! What a pixel sees of a texture: the mean over its footprint on the part displaces its content,
-//! and what the mean leaves out spreads it.
+//! A pixel's footprint on the part: the mean of a texture over it displaces the pixel's content, and the
+//! deviation from the mean blurs it.
 
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{Scalar, sin};
@@ -8,10 +8,10 @@ use crate::num::{Scalar, sin};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint([[f64; 2]; 2]);
 
-/// Sides of a footprint count as so much of a period at least: differences of polynomials have no
-/// digits below.
+/// Shortest side of a footprint that is told from a point, in periods: below it differences of polynomials
+/// have no digits.
 const LEAST_SIDE: f64 = 1e-3;
-/// Places of a period by which the mean square of a mean is found.
+/// Positions in a period by which the mean square of a mean is found.
 const PLACES: usize = 128;
 
 impl Footprint {

@@ -1,19 +1,9 @@
 //! Departures of the made surface from the designed one, along Z over (X, Y) of the part frame.
 
-use super::error_source::Perturbation;
+use super::footprint::Footprint;
 use crate::num::{Scalar, cos, log, sin};
-use serde::Serialize;
+use crate::tolerance_terms::{FormMeasure, FormTerm};
 use std::f64::consts::{PI, TAU};
-
-/// What the size of a form error's term is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum FormMeasure {
-    /// From its highest to its lowest place.
-    Pv,
-    /// Its root mean square over the term's rectangle or disc.
-    Rms,
-}
 
 /// A departure of unit size: of a term one millimetre by its measure, of a wave an amplitude of one
 /// millimetre.
@@ -34,7 +24,7 @@ pub enum FormField {
     Sine([f64; 2]),
 }
 
-/// What makes P_i P_j, up to degrees of 4, one by its measure.
+/// Factor that makes P_i P_j, of degrees up to 4, one by its measure.
 fn legendre_per(i: u8, j: u8, measure: FormMeasure) -> f64 {
     match measure {
         FormMeasure::Pv => {
@@ -47,7 +37,7 @@ fn legendre_per(i: u8, j: u8, measure: FormMeasure) -> f64 {
     }
 }
 
-/// What makes a Zernike term of one peak to valley one by its measure.
+/// Factor that makes a Zernike term of one peak to valley one by its measure.
 fn zernike_per(j: u8, measure: FormMeasure) -> f64 {
     match (measure, j) {
         (FormMeasure::Pv, _) => 1.0,
@@ -59,16 +49,14 @@ fn zernike_per(j: u8, measure: FormMeasure) -> f64 {
     }
 }
 
-/// By its measure, the size of a form error that is one peak to valley; 1 for all other errors.
+/// By its measure, the size of a form error that is one peak to valley.
 #[must_use]
-pub fn form_of_pv(kind: Perturbation, measure: FormMeasure) -> f64 {
-    match kind {
-        Perturbation::Legendre(i, j) => {
-            legendre_per(i, j, FormMeasure::Pv) / legendre_per(i, j, measure)
-        }
-        Perturbation::Zernike(j) => zernike_per(j, FormMeasure::Pv) / zernike_per(j, measure),
-        _ => 1.0,
-    }
+pub fn form_of_pv(term: FormTerm, measure: FormMeasure) -> f64 {
+    let per = |measure| match term {
+        FormTerm::Legendre(i, j) => legendre_per(i, j, measure),
+        FormTerm::Zernike(j) => zernike_per(j, measure),
+    };
+    per(FormMeasure::Pv) / per(measure)
 }
 
 impl FormField {
@@ -146,6 +134,33 @@ impl FormField {
             }
         }
     }
+
+    /// The share of it that a pixel of this footprint sees.
+    pub fn footprint_share(&self, footprint: &Footprint) -> f64 {
+        match self {
+            Self::Polynomial { .. } => 1.0,
+            Self::Cosine(k) | Self::Sine(k) => footprint.ripple(*k),
+        }
+    }
+
+    /// A period, or half the mirror.
+    pub fn swing_mm(&self) -> f64 {
+        match self {
+            Self::Polynomial { half: [a, b], .. } => a.min(*b),
+            Self::Cosine(k) | Self::Sine(k) => period_mm(*k),
+        }
+    }
+}
+
+/// The wavelength of a wave vector, mm.
+pub fn period_mm([x, y]: [f64; 2]) -> f64 {
+    TAU / (x * x + y * y).sqrt()
+}
+
+/// `sum` and `a` times a height and slopes.
+#[inline]
+pub fn add_scaled<S: Scalar>(sum: [S; 3], a: f64, [f, x, y]: [S; 3]) -> [S; 3] {
+    [sum[0] + f * a, sum[1] + x * a, sum[2] + y * a]
 }
 
 /// Height and slope of a cos(phase) + b sin(phase), of phase k . (x, y).
@@ -157,7 +172,7 @@ pub fn ripple<S: Scalar>(k: [f64; 2], [a, b]: [f64; 2], at: [S; 2]) -> [S; 3] {
     [c * a + s * b, rise * k[0], rise * k[1]]
 }
 
-/// Waves of the random slope error.
+/// Number of waves of the random slope error.
 const MODES: usize = 24;
 
 /// The waves whose sum, with independent normal amplitudes of the standard deviations given with
@@ -193,7 +208,7 @@ pub fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
 mod tests {
     use super::*;
     use crate::num::random::RandomStream;
-    use crate::tolerance::error_source::scallop_height;
+    use crate::tolerance::texture::scallop_height;
 
     fn terms(measure: FormMeasure) -> Vec<(FormField, [f64; 2])> {
         let (centre, half) = ([1.0, -2.0], [30.0, 20.0]);

@@ -14,6 +14,11 @@ pub const fn terms(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
+/// Degrees of the polynomials that are tried for form errors.
+pub const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
+/// Terms of the highest of them.
+pub const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
+
 /// The square that a polynomial holds on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpansionSquare {
@@ -175,9 +180,9 @@ impl Fitter {
     }
 }
 
-/// How far height or slope of `found` is from those of `exact`, at places in the square between the
+/// Largest difference in height, mm, or slope of `found` from `exact`, at places in the square between the
 /// points that polynomials are made of.
-pub fn off(
+pub fn largest_difference(
     square: &ExpansionSquare,
     found: impl Fn([f64; 2]) -> [f64; 3],
     exact: impl Fn([f64; 2]) -> [f64; 3],
@@ -226,9 +231,9 @@ mod tests {
             let fitter = Fitter::new(degree);
             let missed = |f: &dyn Fn([f64; 2]) -> [f64; 3]| {
                 let c = fitter.fit(&square, |at| [f(at)[0]]).concat();
-                let by_height = off(&square, |at| value(degree, &c, &square, at), f);
+                let by_height = largest_difference(&square, |at| value(degree, &c, &square, at), f);
                 let c = fitter.fit(&square, f);
-                let by_all = off(&square, |at| values(degree, &c, &square, at), f);
+                let by_all = largest_difference(&square, |at| values(degree, &c, &square, at), f);
                 assert!(by_all <= by_height);
                 by_height
             };

@@ -12,39 +12,56 @@
 //! What is not modelled: shadows, and that rays end which errors lead over the rim or the ridge (the
 //! surface goes on there).
 
+mod allocation;
+mod blur;
 mod compensate;
 mod engine;
 mod error_source;
+mod extent;
 mod footprint;
 mod form_field;
-mod inverse;
-mod linear;
+mod linear_model;
+mod linear_prediction;
 mod local_polynomial;
 mod model;
+mod perturb;
+mod perturbed_system;
 mod plot_data;
 mod preset;
 mod quadratic_yield_model;
 mod replay;
 mod sampling;
+mod sensitivity;
 mod solve_for_target;
-mod spread;
+mod spec;
 mod study;
+mod texture;
 mod trials;
 mod work_counts;
 mod yields;
 
-pub use compensate::{Adjustment, Compensator, Criterion, DisplacementPx};
-pub use engine::{Engine, PerturbedSystem, Reference, ToleranceSpec, extent};
-pub use error_source::{
-    Distribution, ErrorSource, Perturbation, TextureShape, ripple_slope, scallop_height,
+pub use crate::tolerance_terms::{
+    ActsOn, Compensator, Criterion, Distribution, ErrorSourceRow, FormMeasure, FormTerm,
+    Perturbation, ProcessPreset, Reference,
 };
-pub use form_field::{FormMeasure, form_of_pv};
-pub use inverse::{AllocatedLimits, AllocationError, Sensitivity};
+pub use allocation::{AllocatedLimits, AllocationError};
+pub use blur::BlurAndScatter;
+pub use compensate::{Adjustment, DisplacementPx};
+pub use engine::Engine;
+pub use error_source::ErrorSource;
+pub use extent::extent;
+pub use form_field::form_of_pv;
+
+pub use perturbed_system::PerturbedSystem;
 pub use plot_data::{Offender, PlotData, worst_offenders};
-pub use preset::{MOUNT, Process};
+pub use preset::Process;
 pub use replay::{Displacement, RigidTransform, Witnessed};
-pub use spread::{BlurAndScatter, facets_bound, facets_displace, scattered};
+pub use sensitivity::Sensitivity;
+pub use spec::ToleranceSpec;
 pub use study::{AdjustmentFacts, LinearityGap, SourceFacts, Study};
+pub use texture::{
+    TextureShape, facets_bound, facets_displace, ripple_slope, scallop_height, scattered,
+};
 pub use trials::{Statistics, Trial, quantile};
 pub use work_counts::{WorkCounts, WorkKind};
 pub use yields::Yield;

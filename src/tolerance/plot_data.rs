@@ -1,4 +1,4 @@
-//! What pictures of a study show, and which errors hurt most.
+//! Data of a study's plots, and the error sources that displace most.
 
 use super::compensate::or_lost;
 use super::engine::Engine;

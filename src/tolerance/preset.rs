@@ -4,13 +4,16 @@
 //! profile. Form is peak to valley of each low-order term, waviness peak to valley, slope RMS over
 //! spatial wavelengths of millimetres.
 
-use super::error_source::{Distribution, Perturbation, TextureShape};
+use super::texture::TextureShape;
+use crate::tolerance_terms::{
+    ActsOn, Distribution, Perturbation, ProcessPreset, Texture, UsualLimit,
+};
 
-/// A way of making.
+/// A way of making with its usual limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Process {
-    /// Its name in a profile.
-    pub name: &'static str,
+    /// Which one.
+    pub preset: ProcessPreset,
     /// Error of the whole part's size, ppm.
     pub scale_ppm: f64,
     /// Each form error, um.
@@ -40,128 +43,120 @@ const fn texture(cte_ppm_per_k: f64, period: f64, correlation: f64, ball: f64) -
 }
 
 impl Process {
-    /// All, finest first.
-    pub const ALL: [Self; 6] = [
-        // Single-point diamond turning with a slow tool servo in aluminium: figure of half a wave
-        // to a wave, 2 to 5 nm of roughness (R. Rhorer and C. Evans, *Fabrication of optics by
-        // diamond turning*, Handbook of Optics).
-        Self {
-            name: "spdt",
-            scale_ppm: 20.0,
-            form_um: 0.2,
-            waviness_um: 0.05,
-            slope_mrad: 0.05,
-            stepover_mm: 0.005,
-            layer_um: 0.0,
-            texture: texture(23.0, 2.5, 5.0, 1.0),
-        },
-        // Diamond ball milling on an ultra-precision machine: cusps of some 10 nm (E. Brinksmeier
-        // and W. Preuss, *Micro-machining*, 2012).
-        Self {
-            name: "ultra-precision-cnc",
-            scale_ppm: 50.0,
-            form_um: 0.5,
-            waviness_um: 0.1,
-            slope_mrad: 0.1,
-            stepover_mm: 0.01,
-            layer_um: 0.0,
-            texture: texture(23.0, 2.5, 5.0, 2.0),
-        },
-        // A good five-axis machine in a climate of 1 K: positions to 2 to 5 um (ISO 230-2 data
-        // sheets).
-        Self {
-            name: "precision-cnc",
-            scale_ppm: 100.0,
-            form_um: 3.0,
-            waviness_um: 0.5,
-            slope_mrad: 0.5,
-            stepover_mm: 0.02,
-            layer_um: 0.0,
-            texture: texture(23.0, 5.0, 5.0, 3.0),
-        },
-        // A job shop's milling: class f of ISO 2768-1 holds 0.1 to 0.15 mm, machines themselves
-        // about a fifth of it.
-        Self {
-            name: "standard-cnc",
-            scale_ppm: 500.0,
-            form_um: 15.0,
-            waviness_um: 3.0,
-            slope_mrad: 2.0,
-            stepover_mm: 0.1,
-            layer_um: 0.0,
-            texture: texture(23.0, 8.0, 5.0, 3.0),
-        },
-        // Milled with precision and polished by hand: what is taken off goes with pressure, speed and
-        // time (F. W. Preston, *The theory and design of plate glass polishing machines*, 1927), so
-        // that the 10 um that cusps and pits want, uneven by a tenth, add 1 um to the milled form.
-        // Ripple and slope, 0.6 times those of milling, are an estimate.
-        Self {
-            name: "polished",
-            scale_ppm: 100.0,
-            form_um: 4.0,
-            waviness_um: 0.3,
-            slope_mrad: 0.3,
-            stepover_mm: 0.0,
-            layer_um: 0.0,
-            texture: texture(23.0, 8.0, 8.0, 3.0),
-        },
-        // Stereolithography, coated as it comes: shrinkage of 0.2 %, layers of 25 to 50 um, and the
-        // expansion of acrylic resins (printers' and resins' data sheets). Sanded smooth it has none of
-        // the layers.
-        Self {
-            name: "sla-print",
-            scale_ppm: 2000.0,
-            form_um: 50.0,
-            waviness_um: 5.0,
-            slope_mrad: 5.0,
-            stepover_mm: 0.0,
-            layer_um: 50.0,
-            texture: texture(90.0, 8.0, 5.0, 3.0),
-        },
-    ];
+    /// Single-point diamond turning with a slow tool servo in aluminium: figure of half a wave
+    /// to a wave, 2 to 5 nm of roughness (R. Rhorer and C. Evans, *Fabrication of optics by
+    /// diamond turning*, Handbook of Optics).
+    const SPDT: Self = Self {
+        preset: ProcessPreset::Spdt,
+        scale_ppm: 20.0,
+        form_um: 0.2,
+        waviness_um: 0.05,
+        slope_mrad: 0.05,
+        stepover_mm: 0.005,
+        layer_um: 0.0,
+        texture: texture(23.0, 2.5, 5.0, 1.0),
+    };
 
-    /// The one with this name.
+    /// Diamond ball milling on an ultra-precision machine: cusps of some 10 nm (E. Brinksmeier
+    /// and W. Preuss, *Micro-machining*, 2012).
+    const ULTRA_PRECISION_CNC: Self = Self {
+        preset: ProcessPreset::UltraPrecisionCnc,
+        scale_ppm: 50.0,
+        form_um: 0.5,
+        waviness_um: 0.1,
+        slope_mrad: 0.1,
+        stepover_mm: 0.01,
+        layer_um: 0.0,
+        texture: texture(23.0, 2.5, 5.0, 2.0),
+    };
+
+    /// A good five-axis machine in a climate of 1 K: positions to 2 to 5 um (ISO 230-2 data
+    /// sheets).
+    const PRECISION_CNC: Self = Self {
+        preset: ProcessPreset::PrecisionCnc,
+        scale_ppm: 100.0,
+        form_um: 3.0,
+        waviness_um: 0.5,
+        slope_mrad: 0.5,
+        stepover_mm: 0.02,
+        layer_um: 0.0,
+        texture: texture(23.0, 5.0, 5.0, 3.0),
+    };
+
+    /// A job shop's milling: class f of ISO 2768-1 holds 0.1 to 0.15 mm, machines themselves
+    /// about a fifth of it.
+    const STANDARD_CNC: Self = Self {
+        preset: ProcessPreset::StandardCnc,
+        scale_ppm: 500.0,
+        form_um: 15.0,
+        waviness_um: 3.0,
+        slope_mrad: 2.0,
+        stepover_mm: 0.1,
+        layer_um: 0.0,
+        texture: texture(23.0, 8.0, 5.0, 3.0),
+    };
+
+    /// Milled with precision and polished by hand: what is taken off goes with pressure, speed and
+    /// time (F. W. Preston, *The theory and design of plate glass polishing machines*, 1927), so
+    /// that the 10 um that cusps and pits want, uneven by a tenth, add 1 um to the milled form.
+    /// Ripple and slope, 0.6 times those of milling, are an estimate.
+    const POLISHED: Self = Self {
+        preset: ProcessPreset::Polished,
+        scale_ppm: 100.0,
+        form_um: 4.0,
+        waviness_um: 0.3,
+        slope_mrad: 0.3,
+        stepover_mm: 0.0,
+        layer_um: 0.0,
+        texture: texture(23.0, 8.0, 8.0, 3.0),
+    };
+
+    /// Stereolithography, coated as it comes: shrinkage of 0.2 %, layers of 25 to 50 um, and the
+    /// expansion of acrylic resins (printers' and resins' data sheets). Sanded smooth it has none of
+    /// the layers.
+    const SLA_PRINT: Self = Self {
+        preset: ProcessPreset::SlaPrint,
+        scale_ppm: 2000.0,
+        form_um: 50.0,
+        waviness_um: 5.0,
+        slope_mrad: 5.0,
+        stepover_mm: 0.0,
+        layer_um: 50.0,
+        texture: texture(90.0, 8.0, 5.0, 3.0),
+    };
+
+    /// The one of a preset.
     #[must_use]
-    pub fn named(name: &str) -> Option<&'static Self> {
-        Self::ALL.iter().find(|process| process.name == name)
+    pub fn of(preset: ProcessPreset) -> Self {
+        match preset {
+            ProcessPreset::Spdt => Self::SPDT,
+            ProcessPreset::UltraPrecisionCnc => Self::ULTRA_PRECISION_CNC,
+            ProcessPreset::PrecisionCnc => Self::PRECISION_CNC,
+            ProcessPreset::StandardCnc => Self::STANDARD_CNC,
+            ProcessPreset::Polished => Self::POLISHED,
+            ProcessPreset::SlaPrint => Self::SLA_PRINT,
+        }
     }
 
-    /// The usual limit of a kind of error, with its distribution; a mesh's own is not usual.
+    /// Usual limit of a perturbation, with its distribution; a mesh's own is not usual.
     #[must_use]
     pub fn usual(&self, kind: Perturbation) -> (f64, Distribution) {
-        let mounted = MOUNT.iter().find(|(k, _)| *k == kind);
-        if let Some((_, limit)) = mounted {
-            return (*limit, Distribution::Uniform);
-        }
-        match kind {
-            Perturbation::Scale => (self.scale_ppm, Distribution::Truncated),
-            Perturbation::Legendre(..) | Perturbation::Zernike(_) => {
-                (self.form_um, Distribution::Truncated)
-            }
-            Perturbation::Waviness => (self.waviness_um, Distribution::Fixed),
-            Perturbation::Slope => (self.slope_mrad, Distribution::Fixed),
-            Perturbation::Stepover => (self.stepover_mm, Distribution::Fixed),
-            Perturbation::Layers => (self.layer_um, Distribution::Fixed),
-            Perturbation::Map => (1.0, Distribution::Fixed),
-            _ => (0.0, Distribution::Fixed),
+        let row = kind.row();
+        match row.usual {
+            UsualLimit::Uniform(limit) => (limit, Distribution::Uniform),
+            UsualLimit::Fixed(limit) => (limit, Distribution::Fixed),
+            UsualLimit::ByMesh => (0.0, Distribution::Fixed),
+            UsualLimit::ByProcess => match row.acts_on {
+                ActsOn::Size => (self.scale_ppm, Distribution::Truncated),
+                ActsOn::Form(_) => (self.form_um, Distribution::Truncated),
+                ActsOn::Texture(Texture::Waviness) => (self.waviness_um, Distribution::Fixed),
+                ActsOn::Texture(Texture::Slope) => (self.slope_mrad, Distribution::Fixed),
+                ActsOn::Texture(Texture::Stepover) => (self.stepover_mm, Distribution::Fixed),
+                ActsOn::Layers => (self.layer_um, Distribution::Fixed),
+                ActsOn::Mounting(_) | ActsOn::Camera(_) | ActsOn::Map | ActsOn::Facets => {
+                    (0.0, Distribution::Fixed)
+                }
+            },
         }
     }
 }
-
-/// What a mount with ground faces and pins leaves, what a camera on it does, and a heated room: 50
-/// um, half a milliradian; telecentric lenses lean by 0.1 degrees and less, and distort by 0.1 %
-/// and less (makers' data sheets), half of which remains.
-pub const MOUNT: [(Perturbation, f64); 12] = [
-    (Perturbation::DecentreX, 50.0),
-    (Perturbation::DecentreY, 50.0),
-    (Perturbation::Despace, 50.0),
-    (Perturbation::TiltX, 0.5),
-    (Perturbation::TiltY, 0.5),
-    (Perturbation::Clocking, 1.0),
-    (Perturbation::Temperature, 10.0),
-    (Perturbation::Magnification, 500.0),
-    (Perturbation::Telecentricity, 1.0),
-    (Perturbation::PrincipalX, 1.0),
-    (Perturbation::PrincipalY, 1.0),
-    (Perturbation::Distortion, 500.0),
-];

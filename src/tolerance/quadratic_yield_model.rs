@@ -1,16 +1,16 @@
 //! The mean square of the picture's displacement, by first derivatives, for very many trials: of
 //! each a quadratic form of its sources' factors, whatever the number of pixels.
 
-use super::compensate::Compensation;
-use super::engine::{Engine, PerturbedSystem};
-use super::error_source::{ErrorSource, Perturbation};
+use super::engine::Engine;
+use super::error_source::ErrorSource;
 use super::trials::quantile;
 use super::work_counts::{WorkCounter, WorkKind};
 use crate::num::random::RandomStream;
 use crate::parallel;
+use crate::tolerance_terms::Perturbation;
 use std::sync::Arc;
 
-/// Trials, and what any factors on their sources' limits make of them.
+/// Mean square displacement of each of many trials as a quadratic form of factors on the sources' limits.
 #[derive(Debug, Clone)]
 pub struct QuadraticYieldModel {
     sources: usize,
@@ -22,71 +22,93 @@ pub struct QuadraticYieldModel {
     counter: Arc<WorkCounter>,
 }
 
-impl QuadraticYieldModel {
-    /// Trials 0 to `count` of `seed`.
-    #[must_use]
-    pub fn new(engine: &Engine, seed: u64, count: u64) -> Self {
+/// Columns of derivatives after adjustment, and what quadratic forms of trials need of them.
+struct AdjustedColumns<'a> {
+    engine: &'a Engine,
+    /// Mean products of the columns with each other, px^2 per unit of both.
+    products: Vec<Vec<f64>>,
+    /// Twice their mean products with the displacement without errors.
+    with_base: Vec<f64>,
+    /// Mean square without errors, px^2.
+    base: f64,
+    /// Mean square of each source, px^2, by the square of its error.
+    units: Vec<f64>,
+}
+
+impl<'a> AdjustedColumns<'a> {
+    fn new(engine: &'a Engine) -> Self {
         let samples = engine.samples() as f64;
-        let (compensation, linear): (&Compensation, _) = (&engine.compensation, &engine.linear);
         let adjusted = |column: &Vec<f64>| {
             let mut column = column.clone();
-            compensation.apply(&mut column);
+            engine.compensation.apply(&mut column);
             column
         };
-        let columns: Vec<Vec<f64>> = parallel::map_slice(linear.columns(), 1, adjusted);
+        let columns: Vec<Vec<f64>> = parallel::map_slice(engine.linear.columns(), 1, adjusted);
         let base = adjusted(&engine.base);
         let mean =
             |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / samples;
         let row = |a: &Vec<f64>| columns.iter().map(|b| mean(a, b)).collect();
-        let products: Vec<Vec<f64>> = parallel::map_slice(&columns, 1, row);
-        let with_base: Vec<f64> = columns.iter().map(|a| 2.0 * mean(a, &base)).collect();
-        let sources = &engine.spec.sources;
         // Of the limit's square: what is finer than pixels grows faster than its limit, and full traces
         // correct that.
         let unit = |source: &ErrorSource| {
             engine.mean_square(&source.fixed(source.limit)) / (source.limit * source.limit)
         };
-        let units: Vec<f64> = sources.iter().map(unit).collect();
-        let form = |trial: usize| {
-            let stream = RandomStream { seed, trial: trial as u64 };
-            let drawn = engine.draw(sources, &stream);
-            // Columns and amplitudes of each source; what is independent from sample to sample has
-            // none.
-            let patterns: Vec<Vec<(usize, f64)>> = drawn
-                .iter()
-                .map(|&(kind, value)| match kind {
-                    Perturbation::Stepover | Perturbation::Facets => Vec::new(),
-                    _ => {
-                        let PerturbedSystem { state, .. } = engine.make(&[(kind, value)], stream);
-                        let all = linear.amplitudes(&state).into_iter().enumerate();
-                        // A measured form error has no column where there is none.
-                        all.take(columns.len()).filter(|(_, a)| *a != 0.0).collect()
-                    }
-                })
-                .collect();
-            let along = |of: &[f64], pattern: &[(usize, f64)]| -> f64 {
-                pattern.iter().map(|&(column, a)| a * of[column]).sum()
-            };
-            let mut form: Vec<f64> = patterns.iter().map(|p| along(&with_base, p)).collect();
-            for (s, pattern) in patterns.iter().enumerate() {
-                let mut by = vec![0.0; columns.len()];
-                for &(column, a) in pattern {
-                    by.iter_mut().zip(&products[column]).for_each(|(by, p)| *by += a * p);
-                }
-                let noise = match drawn[s] {
-                    (Perturbation::Stepover | Perturbation::Facets, value) => {
-                        value * value * units[s]
-                    }
-                    _ => 0.0,
-                };
-                form.push(along(&by, pattern) + noise);
-                form.extend(patterns[s + 1..].iter().map(|other| 2.0 * along(&by, other)));
-            }
-            form
+        Self {
+            engine,
+            products: parallel::map_slice(&columns, 1, row),
+            with_base: columns.iter().map(|a| 2.0 * mean(a, &base)).collect(),
+            base: mean(&base, &base),
+            units: engine.spec.sources.iter().map(unit).collect(),
+        }
+    }
+
+    /// Columns that an error acts through, and its amplitudes of them; none of what is independent from
+    /// sample to sample.
+    fn pattern(&self, kind: Perturbation, value: f64, stream: RandomStream) -> Vec<(usize, f64)> {
+        if kind.is_fine() {
+            return Vec::new();
+        }
+        let made = self.engine.make(&[(kind, value)], stream);
+        let all = self.engine.linear.amplitudes(&made.state).into_iter().enumerate();
+        // A measured form error has no column where there is none.
+        all.take(self.with_base.len()).filter(|(_, a)| *a != 0.0).collect()
+    }
+
+    /// The quadratic form of a trial: see [`QuadraticYieldModel::forms`].
+    fn form(&self, stream: RandomStream) -> Vec<f64> {
+        let drawn = self.engine.draw(&self.engine.spec.sources, &stream);
+        let patterns: Vec<Vec<(usize, f64)>> =
+            drawn.iter().map(|&(kind, value)| self.pattern(kind, value, stream)).collect();
+        let along = |of: &[f64], pattern: &[(usize, f64)]| -> f64 {
+            pattern.iter().map(|&(column, a)| a * of[column]).sum()
         };
-        let forms = parallel::map(count as usize, 1, form);
-        let counter = Arc::clone(&engine.system.counter);
-        Self { sources: sources.len(), forms, base: mean(&base, &base), counter }
+        let mut form: Vec<f64> = patterns.iter().map(|p| along(&self.with_base, p)).collect();
+        for (s, pattern) in patterns.iter().enumerate() {
+            let mut by = vec![0.0; self.with_base.len()];
+            for &(column, a) in pattern {
+                by.iter_mut().zip(&self.products[column]).for_each(|(by, p)| *by += a * p);
+            }
+            let (kind, value) = drawn[s];
+            let noise = if kind.is_fine() { value * value * self.units[s] } else { 0.0 };
+            form.push(along(&by, pattern) + noise);
+            form.extend(patterns[s + 1..].iter().map(|other| 2.0 * along(&by, other)));
+        }
+        form
+    }
+}
+
+impl QuadraticYieldModel {
+    /// Trials 0 to `count` of `seed`.
+    #[must_use]
+    pub fn new(engine: &Engine, seed: u64, count: u64) -> Self {
+        let columns = AdjustedColumns::new(engine);
+        let form = |trial: usize| columns.form(RandomStream { seed, trial: trial as u64 });
+        Self {
+            sources: engine.spec.sources.len(),
+            forms: parallel::map(count as usize, 1, form),
+            base: columns.base,
+            counter: Arc::clone(&engine.system.counter),
+        }
     }
 
     /// The mean squares, px^2, of the first `count` trials, where each source's limit is multiplied

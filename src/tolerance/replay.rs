@@ -2,19 +2,20 @@
 //! camera of that trial.
 
 use super::compensate::DisplacementPx;
-use super::engine::{Engine, PerturbedSystem};
-use super::error_source::Perturbation;
+use super::engine::Engine;
 use super::model::{PartPose, PixelSample};
+use super::perturbed_system::PerturbedSystem;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::max_or_nan;
 use crate::num::random::RandomStream;
 use crate::num::stats::{Summary, or_null};
 use crate::optics::reflect;
 use crate::parallel;
+use crate::tolerance_terms::Perturbation;
 use crate::trace::{Outcome, Scene};
 use serde::Serialize;
 
-/// How far each adjustment was moved, and what remains.
+/// Displacement of the picture, px, as made and after adjustment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Displacement {
     /// Figures as made.
@@ -23,8 +24,8 @@ pub struct Displacement {
     pub adjusted: DisplacementPx,
 }
 
-/// What a file of a made part shows: the camera's ray of each sample, its nearest facet, and the
-/// reflection by that.
+/// Displacement that a file of a made part shows, by the camera's ray of each sample, its nearest facet
+/// and the reflection by that.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Witnessed {
     /// Rays.
@@ -41,13 +42,13 @@ pub struct Witnessed {
     pub lost: usize,
     /// The displacements' figures.
     pub displacement: Displacement,
-    /// What the facets' own slopes displace: reflection by the facet against that by the made
-    /// surface at the same place, px. None when no ray hits.
+    /// Displacement by the facets' own slopes, px: reflection by the facet against that by the made
+    /// surface at the same place. None when no ray hits.
     #[serde(serialize_with = "or_null")]
     pub facet_error_px: Option<Summary>,
 }
 
-/// The matrix R and the shift t, mm, of world = R part + t.
+/// Rotation and shift from the part to the world: world = R part + t.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RigidTransform {
     /// Rows of R.
@@ -98,16 +99,16 @@ impl Engine {
     /// How much larger a made part is, about the origin.
     #[must_use]
     pub fn growth(&self, made: &PerturbedSystem) -> f64 {
-        1.0 + made.state.placed[super::model::placed::SCALE]
+        1.0 + made.state.misalignment.growth
     }
 
     /// Where the part is put.
     #[must_use]
     pub fn placing(&self, made: &PerturbedSystem) -> RigidTransform {
-        let pose = PartPose::new(&made.state.placed);
-        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|e| pose.turned(e));
+        let pose = PartPose::new(&made.state.misalignment);
+        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|e| pose.to_world(e));
         let turn = [0, 1, 2].map(|row| columns.map(|column| column[row]));
-        RigidTransform { turn, shift_mm: super::model::placed::SHIFT.map(|k| made.state.placed[k]) }
+        RigidTransform { turn, shift_mm: pose.shift }
     }
 
     /// The made surface, Z and slope, under a place of the grown part that is near it.
@@ -130,7 +131,7 @@ impl Engine {
     /// mirror: Newton's method.
     fn meets(&self, made: &PerturbedSystem, sample: &PixelSample, ray: &Ray) -> bool {
         const MOST_STEPS: usize = 40;
-        let mut t = (sample.height() - ray.origin.z) / ray.direction.z;
+        let mut t = (sample.hit.z - ray.origin.z) / ray.direction.z;
         for _ in 0..MOST_STEPS {
             let at = ray.at(t);
             let [z, x, y] = self.surface(made, at);
@@ -148,10 +149,10 @@ impl Engine {
     /// part, in its place and under its camera.
     #[must_use]
     pub fn witness(&self, made: &PerturbedSystem, scene: &Scene, optical: usize) -> Witnessed {
-        let pose = PartPose::new(&made.state.placed);
+        let pose = PartPose::new(&made.state.misalignment);
         let shift = DVec3::from_array(self.placing(made).shift_mm);
-        let out = |v: DVec3| DVec3::from_array(pose.turned(v.to_array()));
-        let back = |v: DVec3| DVec3::from_array(pose.turned_back(v.to_array()));
+        let out = |v: DVec3| DVec3::from_array(pose.to_world(v.to_array()));
+        let back = |v: DVec3| DVec3::from_array(pose.to_part(v.to_array()));
         let pixel = self.system.camera.pixel_mm;
         // Parallel rays begin above the part.
         let parallel = self.system.camera.chart.vergence == 0.0;
@@ -160,15 +161,15 @@ impl Engine {
         let smooth = self.displacements(std::slice::from_ref(made)).remove(0);
         let look_through = |k: usize| {
             let sample = &self.system.samples[k];
-            let (origin, along) = self.system.ray(sample, &made.state.placed);
+            let (origin, along) = self.system.ray(sample, &made.state.misalignment);
             let direction = back(DVec3::from_array(along)).normalize();
             let origin = back(DVec3::from_array(origin) - shift) - direction * above;
             let ray = Ray { origin, direction };
             let traced = scene.trace(&ray);
             let reflected = matches!(traced.outcome, Outcome::Hit | Outcome::Shadowed(_));
-            let beyond = (End::Beyond, [smooth[2 * k], smooth[2 * k + 1]], None);
+            let beyond = (RayOutcome::Beyond, [smooth[2 * k], smooth[2 * k + 1]], None);
             if !(reflected && (traced.facet as usize) < optical) {
-                let lost = (End::Lost, [f64::NAN; 2], None);
+                let lost = (RayOutcome::Lost, [f64::NAN; 2], None);
                 return if self.meets(made, sample, &ray) { lost } else { beyond };
             }
             // Errors led it over the ridge: of its own panel it sees nothing.
@@ -179,36 +180,41 @@ impl Engine {
             let world = (out(at) + shift).to_array();
             let content = |leaving: DVec3| {
                 let leaving = out(leaving).to_array();
-                DVec2::from_array(self.system.place(sample.point, world, leaving))
+                DVec2::from_array(self.system.image_of_reflected(sample.point, world, leaving))
             };
             let [_, x, y] = self.surface(made, at);
             let by_surface = content(reflect(direction, DVec3::new(-x, -y, 1.0)));
             let by_facet = content(traced.direction);
             let base = DVec2::new(self.base[2 * k], self.base[2 * k + 1]);
             let moved = base + (by_facet - sample.content) / pixel;
-            let end = if traced.outcome == Outcome::Hit { End::Hit } else { End::Shadowed };
+            let end =
+                if traced.outcome == Outcome::Hit { RayOutcome::Hit } else { RayOutcome::Shadowed };
             (end, moved.to_array(), Some((by_facet - by_surface).length() / pixel))
         };
         let seen: Vec<_> = parallel::map(self.samples(), 1, look_through);
-        let count = |end: End| seen.iter().filter(|s| s.0 == end).count();
-        let shadowed = count(End::Shadowed);
+        let count = |end: RayOutcome| seen.iter().filter(|s| s.0 == end).count();
+        let shadowed = count(RayOutcome::Shadowed);
         Witnessed {
             rays: seen.len(),
-            hit: count(End::Hit) + shadowed,
+            hit: count(RayOutcome::Hit) + shadowed,
             shadowed,
-            beyond: count(End::Beyond),
-            lost: count(End::Lost),
+            beyond: count(RayOutcome::Beyond),
+            lost: count(RayOutcome::Lost),
             displacement: self.figures_of(seen.iter().flat_map(|s| s.1).collect()),
             facet_error_px: Summary::of(seen.iter().filter_map(|s| s.2).collect()),
         }
     }
 }
 
-/// What becomes of a ray.
+/// Outcome of one ray through a file's mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum End {
+enum RayOutcome {
+    /// Reflected by the optical face.
     Hit,
+    /// Reflected by it, and meeting the part again.
     Shadowed,
+    /// Led over the mirror's rim by the errors.
     Beyond,
+    /// Not reflected where the made surface is.
     Lost,
 }

@@ -1,14 +1,21 @@
-//! Which places of the picture stand for it, and polynomials of the mirror where they see it.
+//! Sampling of the picture: pixels that stand for it, and polynomials of the mirror where they see it.
 
 use super::footprint::Footprint;
-use super::local_polynomial::{ExpansionSquare, Fitter, off, terms, value, values};
-use super::model::{OpticalSystem, PartPose, PixelSample, TextureSite};
+use super::form_field::FormField;
+use super::local_polynomial::{
+    ExpansionSquare, FORM_DEGREES, Fitter, largest_difference, value, values,
+};
+use super::model::{BallCutter, OpticalSystem, PartPose, PerturbedState, PixelSample, TextureSite};
+use super::texture::TextureShape;
 use super::work_counts::{WorkCounts, WorkKind};
-use crate::geom::{DVec2, DVec3, Outline, Rect};
+use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
+use crate::mirror::{BicubicSpline, Mirror};
 use crate::num::{cos, sin};
+use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
 use std::cell::Cell;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Steps along a side of the mirror in which its rim is looked at.
 const RIM: usize = 64;
@@ -25,9 +32,6 @@ const WIDER: [f64; 4] = [1.0, 0.75, 0.5, 0.3];
 const SOME: usize = 100;
 /// As [`SMOOTH`], for form errors of 1 mm; made ones have micrometres, the waves of a random slope
 /// fractions of them.
-const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
-/// Most terms of form errors.
-pub const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
 const SMOOTH_FORM: f64 = 5e-9;
 
 /// Points that share `region` out evenly, each on a row (or circle) of its own, so that all rows are
@@ -53,6 +57,49 @@ fn lattice(region: &Outline, count: usize) -> impl Iterator<Item = DVec2> {
 }
 
 impl OpticalSystem {
+    /// The system of `mirror`, `camera` and `view`, with about `count` samples spread evenly over
+    /// the picture of the mirror; hits move by about `reach` mm. `fields` are the form errors.
+    #[must_use]
+    pub fn new(
+        parts: (&Mirror, &Camera, &ImagingTask),
+        fields: Vec<FormField>,
+        texture: &TextureShape,
+        map: Option<BicubicSpline>,
+        count: usize,
+        reach: f64,
+    ) -> Self {
+        let (mirror, camera, view) = (parts.0.clone(), *parts.1, parts.2.clone());
+        let wave = TextureShape::way(texture.waviness_direction_deg)
+            .map(|way| way * TAU / texture.waviness_period_mm);
+        let tool = BallCutter {
+            ball: texture.ball_radius_mm,
+            way: TextureShape::way(texture.stepover_direction_deg),
+        };
+        let sag = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
+        let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
+        let farthest = mirror.full_outline().bounds().size().max_element();
+        let mut system = Self {
+            camera,
+            view,
+            samples: Vec::new(),
+            share: 0.0,
+            panels: mirror.panels(),
+            mirror,
+            sag,
+            half_width,
+            farthest,
+            fields,
+            form_degree: 0,
+            wave,
+            tool,
+            map,
+            counter: Arc::default(),
+        };
+        (system.samples, system.share) = system.sample_picture(count, reach);
+        system.expand_forms();
+        system
+    }
+
     /// Number of samples near whose hits polynomials are the designed surface and the form errors.
     pub(super) fn expanded(&self) -> usize {
         let smooth = |sample: &&PixelSample| sample.base.is_some() && self.form_degree > 0;
@@ -61,7 +108,7 @@ impl OpticalSystem {
 
     /// About `count` samples, spread evenly over the picture of the mirror, but no closer than
     /// pixels, and the share of that picture where they see the target; hits move by about `reach` mm.
-    pub(super) fn spread(&self, count: usize, reach: f64) -> (Vec<PixelSample>, f64) {
+    fn sample_picture(&self, count: usize, reach: f64) -> (Vec<PixelSample>, f64) {
         let region = self.region();
         let places = |count: usize| -> Vec<DVec2> {
             lattice(&region, count).filter(|&q| self.sees(q).is_some()).collect()
@@ -149,10 +196,10 @@ impl OpticalSystem {
         let expanded = |sample: &PixelSample, fitter: &Fitter| -> Option<Vec<f64>> {
             let mut all = Vec::new();
             for field in fields {
-                let seen = field.seen(&sample.site.footprint);
+                let seen = field.footprint_share(&sample.site.footprint);
                 let c = fitter.fit(&sample.square, |at| [field.at(at)[0]]).concat();
                 let found = |at| value(fitter.degree(), &c, &sample.square, at);
-                if !(off(&sample.square, found, |at| field.at(at)) <= SMOOTH_FORM) {
+                if !(largest_difference(&sample.square, found, |at| field.at(at)) <= SMOOTH_FORM) {
                     return None;
                 }
                 all.extend(c.into_iter().map(|c| seen * c));
@@ -206,7 +253,7 @@ impl OpticalSystem {
         let found = fitters.iter().find_map(|fitter| {
             let c = fitter.fit(square, designed);
             let found = |at| values(fitter.degree(), &c, square, at);
-            let smooth = off(square, found, designed) <= SMOOTH;
+            let smooth = largest_difference(square, found, designed) <= SMOOTH;
             smooth.then_some((fitter.degree(), c))
         });
         self.counter.count(WorkKind::Surface, [calls.get(), 0]);
@@ -237,8 +284,8 @@ impl OpticalSystem {
         let (site, form) = (TextureSite { groove, footprint }, Vec::new());
         let mut sample =
             PixelSample { point, content, panel, hit, slope, square, site, base, form };
-        let perfect = self.perfect::<f64>();
-        let pose = PartPose::new(&perfect.placed);
+        let perfect = PerturbedState::<f64>::perfect(self.fields.len());
+        let pose = PartPose::new(&perfect.misalignment);
         let mut work = WorkCounts::default();
         sample.content = DVec2::from_array(self.content(&sample, &pose, &perfect, &mut work));
         self.counter.add(work);

@@ -1,36 +1,49 @@
-//! How far something must go until a figure has a given size.
+//! The position at which a figure that grows with it meets a target.
 
 use crate::num::{exp, log};
 
-/// Most steps.
+/// Evaluations of the figure at most.
 const MOST_STEPS: usize = 40;
-/// A figure that changes by less than this share of the goal does not change.
-const NOTHING: f64 = 1e-7;
-/// Between a place with a figure and one without, no farther apart than this, there is no other.
-const AT_LOSS: f64 = 1.05;
+/// Change of the figure, as a share of the goal, below which it counts as constant.
+const LEAST_CHANGE: f64 = 1e-7;
+/// Ratio of the nearest position without a finite figure to the farthest with one below the goal at which
+/// the search between them ends: no goal lies there.
+const LEAST_BRACKET: f64 = 1.05;
 
-/// Where `figure`, which is `start` at 0 and grows with x before long, is `goal` to the share `near`:
-/// by the power of x with which its square grows over that of the start, inside what is known to be
-/// too little and too much. None where it does not change, where it is not finite before, and where
-/// x would be more than `most`.
+/// Value that a figure is to have.
+#[derive(Debug, Clone, Copy)]
+pub struct Target {
+    /// The figure at 0.
+    pub start: f64,
+    /// The figure that is wanted.
+    pub goal: f64,
+    /// Relative accuracy with which it has to be met.
+    pub accuracy: f64,
+}
+
+/// The position where `figure`, which grows with the position before long, meets `target`. The search
+/// begins at `first`: the figure's square is taken to grow over that of the start by a power of the
+/// position, fitted to the last two evaluations and kept inside the bracket of positions that are known to
+/// be too near and too far. None where the figure does not change, where it stops being finite below the
+/// goal, and where the position would be more than `most`.
 pub fn solve_for_target(
+    target: Target,
     first: f64,
     most: f64,
-    [start, goal]: [f64; 2],
-    near: f64,
     figure: impl Fn(f64) -> f64,
 ) -> Option<f64> {
+    let Target { start, goal, accuracy } = target;
     let room = goal * goal - start * start;
     let (mut low, mut high, mut x) = (0.0, f64::INFINITY, first);
     let mut lost = false;
     let (mut power, mut last): (f64, Option<(f64, f64)>) = (2.0, None);
     for step in 0..MOST_STEPS {
         let found = figure(x);
-        if (found / goal - 1.0).abs() < near {
+        if (found / goal - 1.0).abs() < accuracy {
             return Some(x);
         }
         let more = found * found - start * start;
-        if high == f64::INFINITY && more.abs() <= NOTHING * goal * NOTHING * goal {
+        if high == f64::INFINITY && more.abs() <= LEAST_CHANGE * goal * LEAST_CHANGE * goal {
             return None;
         }
         if found < goal {
@@ -38,7 +51,7 @@ pub fn solve_for_target(
         } else {
             (high, lost) = (x, !found.is_finite());
         }
-        if low >= most || lost && high < AT_LOSS * low {
+        if low >= most || lost && high < LEAST_BRACKET * low {
             return None;
         }
         let mut next = f64::NAN;
@@ -54,7 +67,7 @@ pub fn solve_for_target(
         x = match (high.is_finite(), low < next && next < high) {
             (false, true) => next.min(8.0 * low).min(most),
             (false, false) => (2.0 * low).min(most),
-            // Not for ever from one side.
+            // Every fifth step bisects: the bracket shrinks from both sides.
             (true, true) if step % 5 != 4 => next,
             (true, _) if low > 0.0 => (low * high).sqrt(),
             (true, _) => 0.25 * high,
@@ -93,7 +106,8 @@ mod tests {
         for first in [1e-6, 1.0, 40.0, 1e6] {
             for (k, (f, start, exact)) in cases.into_iter().enumerate() {
                 count.set(0);
-                let found = solve_for_target(first, 1e6, [start, 1.0], 1e-9, counted(f));
+                let target = Target { start, goal: 1.0, accuracy: 1e-9 };
+                let found = solve_for_target(target, first, 1e6, counted(f));
                 let right = match (found, exact) {
                     (Some(found), Some(exact)) => (found / exact - 1.0).abs() < 1e-7,
                     (found, exact) => found == exact,

@@ -1,17 +1,16 @@
-//! Everything that is asked, answered.
+//! The results of a tolerance study.
 
-use super::compensate::{Criterion, DisplacementPx, or_lost};
-use super::engine::{Engine, Reference};
-use super::error_source::{Distribution, ErrorSource};
-use super::form_field::FormMeasure;
-use super::inverse::AllocationError;
-use super::spread::BlurAndScatter;
+use super::allocation::{AllocatedLimits, AllocationError};
+use super::blur::BlurAndScatter;
+use super::compensate::{DisplacementPx, or_lost};
+use super::engine::Engine;
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
 use crate::parallel;
+use crate::tolerance_terms::{Criterion, Distribution, FormMeasure, Reference};
 use serde::Serialize;
 
-/// The answers. Figures in px are those of the criterion, over the samples.
+/// Results of a tolerance study. Figures in px are those of the criterion, over the samples.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Study {
     /// Seed of the trials.
@@ -24,15 +23,15 @@ pub struct Study {
     pub samples: usize,
     /// Share of the picture of the mirror that they stand for: where they see the target.
     pub picture_share: f64,
-    /// Which figure counts.
+    /// Figure that is held against the budget.
     pub criterion: Criterion,
-    /// What displacements are measured from.
+    /// Picture that displacements are measured from.
     pub reference: Reference,
-    /// What the limits of form errors are.
+    /// Measure of the form errors' limits.
     pub form: FormMeasure,
-    /// The most that it may be.
+    /// Largest value of the criterion, px.
     pub budget_px: f64,
-    /// The most that textures may blur within a pixel, px.
+    /// Largest blur by textures within a pixel, px.
     pub budget_blur_px: f64,
     /// The share of parts that must keep the budget.
     pub target_yield: f64,
@@ -45,7 +44,7 @@ pub struct Study {
     pub blur_px: f64,
     /// Share of the light that textures turn or scatter, in all.
     pub scattered: f64,
-    /// Why there are no limits in concert, if there are none.
+    /// Why no allocated limits meet the budget, if none do.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_limit_joint: Option<AllocationError>,
     /// RMS of what all parts have in common after adjustment: the design's displacement and those of
@@ -75,7 +74,7 @@ pub struct Study {
     pub passes: bool,
 }
 
-/// What is known of a source.
+/// Results of one error source.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SourceFacts {
     /// Its key in the profile, with the unit of its limits.
@@ -115,6 +114,40 @@ pub struct SourceFacts {
     /// Whether it is as wide as joint limits are made, four times the own one: less than its share
     /// of the variance.
     pub limit_joint_widest: bool,
+}
+
+impl SourceFacts {
+    /// Of source `k`, which has this share of the variance.
+    fn of(
+        engine: &Engine,
+        seed: u64,
+        k: usize,
+        share_of_variance: f64,
+        allocated: Option<&AllocatedLimits>,
+    ) -> Self {
+        let source = &engine.spec.sources[k];
+        let sensitivity = engine.sensitivity(source, seed, source.limit);
+        let figure = |displacement: DisplacementPx| displacement.by(engine.spec.criterion);
+        let [minus_px, plus_px] = sensitivity.before.map(figure);
+        let [minus_adjusted_px, plus_adjusted_px] = sensitivity.after.map(figure);
+        Self {
+            source: source.kind.key().to_owned(),
+            unit: source.kind.row().unit.label(),
+            limit: source.limit,
+            distribution: source.distribution,
+            weight: source.weight,
+            systematic: source.is_systematic(),
+            minus_px,
+            plus_px,
+            minus_adjusted_px,
+            plus_adjusted_px,
+            spread: engine.blur_and_scatter(source),
+            share_of_variance,
+            limit_alone: engine.inverse_sensitivity(source, seed),
+            limit_joint: allocated.map(|allocated| allocated.sources[k].limit),
+            limit_joint_widest: allocated.is_some_and(|allocated| allocated.widest[k]),
+        }
+    }
 }
 
 /// First derivatives against the full trace, over the same trials.
@@ -166,31 +199,11 @@ impl Study {
 
         let variances: Vec<f64> = spec.sources.iter().map(|s| engine.variance(s)).collect();
         let variance: f64 = variances.iter().sum();
+        let share = |k: usize| if variance > 0.0 { variances[k] / variance } else { 0.0 };
         let mean_px = DisplacementPx::of(&engine.mean_field(&spec.sources)).rms_px;
-        let joint = engine.allocate_limits(seed);
-        let facts = |(k, source): (usize, &ErrorSource)| {
-            let impact = engine.sensitivity(source, seed, source.limit);
-            let [minus_px, plus_px] = impact.before.map(figure);
-            let [minus_adjusted_px, plus_adjusted_px] = impact.after.map(figure);
-            SourceFacts {
-                source: source.kind.key(),
-                unit: source.kind.unit(),
-                limit: source.limit,
-                distribution: source.distribution,
-                weight: source.weight,
-                systematic: source.is_systematic(),
-                minus_px,
-                plus_px,
-                minus_adjusted_px,
-                plus_adjusted_px,
-                spread: engine.spread(source),
-                share_of_variance: if variance > 0.0 { variances[k] / variance } else { 0.0 },
-                limit_alone: engine.inverse_sensitivity(source, seed),
-                limit_joint: joint.as_ref().ok().map(|joint| joint.sources[k].limit),
-                limit_joint_widest: joint.as_ref().is_ok_and(|joint| joint.widest[k]),
-            }
-        };
-        let mut sources = parallel::map(spec.sources.len(), 1, |k| facts((k, &spec.sources[k])));
+        let allocated = engine.allocate_limits(seed);
+        let facts = |k: usize| SourceFacts::of(engine, seed, k, share(k), allocated.as_ref().ok());
+        let mut sources = parallel::map(spec.sources.len(), 1, facts);
         let worst = |facts: &SourceFacts| facts.minus_adjusted_px.max(facts.plus_adjusted_px);
         sources.sort_by(|a, b| worst(b).total_cmp(&worst(a)));
 
@@ -217,7 +230,7 @@ impl Study {
             sources,
             blur_px,
             scattered: 1.0 - specular,
-            no_limit_joint: joint.err(),
+            no_limit_joint: allocated.err(),
             mean_px,
             rss_px: (mean_px * mean_px + variance).sqrt(),
             rms_px,

@@ -1,15 +1,16 @@
 //! Monte Carlo: many made systems, each a function of the seed and its own number.
 
 use super::compensate::{DisplacementPx, or_lost};
-use super::engine::{Engine, PerturbedSystem};
+use super::engine::Engine;
 use super::error_source::ErrorSource;
+use super::perturbed_system::PerturbedSystem;
 use super::yields::Yield;
 use crate::num::random::RandomStream;
 use crate::parallel;
 use serde::Serialize;
 use std::ops::Range;
 
-/// What became of one trial.
+/// Displacements of one Monte Carlo trial, and its adjustments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// Its number.
@@ -87,16 +88,17 @@ pub(super) fn deviation(sample: impl Iterator<Item = f64> + Clone) -> Option<f64
     (count > 1.0).then(|| (squares / (count - 1.0)).sqrt())
 }
 
-/// The smallest of `sorted` that the share of them does not exceed; not a number of none.
+/// Empirical quantile of sorted values: the smallest that the share `share` of them does not exceed; not a
+/// number without values.
 #[must_use]
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let rank = ((share * sorted.len() as f64).ceil() as usize).saturating_sub(1);
     sorted.get(rank.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
 }
 
-/// Trials that a thread makes at a time.
+/// Trials that a thread traces at a time: what belongs to a sample stays in the cache for all of them.
 const BATCH: u64 = 20;
-/// After so many trials it is asked whether they are enough.
+/// Trials between two looks at the width of the yield's interval.
 const CHECKED: u64 = 500;
 
 impl Engine {

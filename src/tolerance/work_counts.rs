@@ -1,20 +1,20 @@
-//! How much work tracing made systems was, and how much could be left undone.
+//! Counts of the work done and avoided in tracing perturbed systems.
 
 use std::array;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is counted.
+/// Kind of work that is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkKind {
     /// Rays of made systems, met with the made mirror.
     Rays,
-    /// Places of the designed surface that are asked for.
+    /// Evaluations of the designed surface.
     Surface,
     /// Form errors at a ray.
     Forms,
     /// Derivatives at a ray.
     Derivatives,
-    /// Trials for limits that go together.
+    /// Trials for allocated limits.
     LimitTrials,
 }
 
@@ -27,7 +27,7 @@ const WORK_KINDS: [WorkKind; 5] = [
 ];
 
 impl WorkKind {
-    /// What is done.
+    /// The work in words, as `timings.json` has it.
     #[must_use]
     pub fn what(self) -> &'static str {
         match self {
@@ -39,7 +39,7 @@ impl WorkKind {
         }
     }
 
-    /// Why some of it need not be done.
+    /// Reason why some of it need not be done.
     #[must_use]
     pub fn why(self) -> &'static str {
         match self {
@@ -52,12 +52,12 @@ impl WorkKind {
     }
 }
 
-/// Of each piece, how many were `[done, avoided]`.
+/// Numbers `[done, avoided]` of each kind of work.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WorkCounts([[u64; 2]; WORK_KINDS.len()]);
 
 impl WorkCounts {
-    /// Counts some of a piece.
+    /// Counts some work of a kind.
     #[inline]
     pub(super) fn count(&mut self, kind: WorkKind, [done, avoided]: [usize; 2]) {
         let [d, a] = &mut self.0[kind as usize];
@@ -65,13 +65,13 @@ impl WorkCounts {
         *a += avoided as u64;
     }
 
-    /// Every piece of which there was any.
+    /// Every kind of which there was any.
     pub fn kinds(&self) -> impl Iterator<Item = (WorkKind, [u64; 2])> {
         WORK_KINDS.into_iter().zip(self.0).filter(|(_, counts)| *counts != [0, 0])
     }
 }
 
-/// A tally that threads share. (Sums do not depend on their order.)
+/// Counts that threads share. (Sums do not depend on their order.)
 #[derive(Debug, Default)]
 pub(super) struct WorkCounter([[AtomicU64; 2]; WORK_KINDS.len()]);
 
@@ -83,7 +83,7 @@ impl WorkCounter {
         });
     }
 
-    /// Counts some of a piece.
+    /// Counts some work of a kind.
     pub fn count(&self, kind: WorkKind, counts: [usize; 2]) {
         let mut work = WorkCounts::default();
         work.count(kind, counts);

@@ -4,13 +4,15 @@ use toml::de::DeValue;
 
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
-use super::super::tolerance::{
-    COMPENSATORS, CRITERIA, DISTRIBUTIONS, FORMS, MADE_FROM, PRESETS, REFERENCES, Tolerance,
-};
+use super::super::tolerance::Tolerance;
 use super::super::values::{number, word};
 use super::super::words::list;
 use super::super::{Layout, schema};
 use crate::optics::CameraModel;
+use crate::tolerance_terms::{
+    AppliesTo, Compensator, Criterion, Distribution, FormMeasure, MadeFrom, Perturbation,
+    ProcessPreset, Reference, UsualLimit,
+};
 
 /// What of a profile decides which sources there are; none of what is missing or wrong.
 #[derive(Clone, Copy)]
@@ -22,24 +24,20 @@ pub(super) struct Setting {
 pub(super) fn read(reader: &mut ProfileReader, root: &Section, setting: Setting) -> Tolerance {
     let mut found = Tolerance::default();
     let Some(section) = reader.section(root, "tolerance", Optional) else { return found };
-    let mut choice = |key, words: &[&'static str], hint: &str, value: &mut &'static str| {
-        let words: Vec<(&str, &'static str)> = words.iter().map(|w| (*w, *w)).collect();
-        if let Some(chosen) = word(reader, &section, key, &words, hint) {
-            *value = chosen;
-        }
-    };
     let hint = "how the part is made, as in preset = \"precision-cnc\"";
-    choice("preset", &PRESETS, hint, &mut found.preset);
+    let preset = word(reader, &section, "preset", ProcessPreset::WORDS, hint);
+    found.preset = preset.unwrap_or(found.preset);
     let hint = "the root mean square over the picture, or what 95 % of it stay below";
-    choice("criterion", &CRITERIA, hint, &mut found.criterion);
+    let criterion = word(reader, &section, "criterion", Criterion::WORDS, hint);
+    found.criterion = criterion.unwrap_or(found.criterion);
     let hint = "errors against the picture as designed, or against the projection";
-    choice("reference", &REFERENCES, hint, &mut found.reference);
+    let reference = word(reader, &section, "reference", Reference::WORDS, hint);
+    found.reference = reference.unwrap_or(found.reference);
     let hint = "limits of form errors from peak to valley, or their root mean squares";
-    choice("form", &FORMS, hint, &mut found.form);
-
-    let words = MADE_FROM.map(|word| (word, word));
+    let form = word(reader, &section, "form", FormMeasure::WORDS, hint);
+    found.form = form.unwrap_or(found.form);
     let hint = "what the shop makes the part from, the triangles or the curved faces";
-    found.made_from = word(reader, &section, "made_from", &words, hint);
+    found.made_from = word(reader, &section, "made_from", MadeFrom::WORDS, hint);
     let must = "a number from 0.000001 to 1000000";
     let size = |f: f64| (1e-6..=1e6).contains(&f);
     let mut budget = |key, hint: &str| {
@@ -85,65 +83,66 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section, setting: Setting)
 /// Limits, distributions and weights by source.
 fn sources(reader: &mut ProfileReader, section: &Section, setting: Setting, found: &mut Tolerance) {
     let has_map = section.has("map_file");
-    let why = |key: &str| foreign(key, setting, has_map);
+    let why = |source: Perturbation| foreign(source, setting, has_map);
     if let Some(section) = reader.section(section, "distributions", Optional) {
-        let words = DISTRIBUTIONS.map(|word| (word, word));
-        for key in schema::SOURCES {
+        for source in Perturbation::all() {
+            let key = source.key();
             let hint = "uniform between the limits; normal with the limit at two standard \
                         deviations, truncated there or not; or fixed at the limit";
-            if let Some(chosen) = word(reader, &section, key, &words, hint) {
-                refuse_foreign(reader, &section, key, why(key));
-                found.distributions.push((key, chosen));
+            if let Some(chosen) = word(reader, &section, key, Distribution::WORDS, hint) {
+                refuse_foreign(reader, &section, key, why(source));
+                found.distributions.push((source, chosen));
             }
         }
     }
     if let Some(limits) = reader.section(section, "limits", Optional) {
-        for key in schema::SOURCES {
-            let signed = has_sign(key, &found.distributions);
+        for source in Perturbation::all() {
+            let key = source.key();
+            let signed = has_sign(source, &found.distributions);
             let (must, hint) = if signed {
                 (
                     "a number from -1000000 to 1000000",
                     "the error with its sign; 0 for no such error",
                 )
             } else {
-                ("a number from 0 to 1000000", unsigned_hint(key))
+                ("a number from 0 to 1000000", unsigned_hint(source))
             };
             let least = if signed { -1e6 } else { 0.0 };
             let allowed = |f: f64| (least..=1e6).contains(&f);
             let limit = number(reader, &limits, key, Optional, must, hint, allowed);
             let Some(limit) = limit else { continue };
             if limit.value != 0.0 {
-                refuse_foreign(reader, &limits, key, why(key));
+                refuse_foreign(reader, &limits, key, why(source));
             }
-            found.limits.push((key, limit.value));
+            found.limits.push((source, limit.value));
         }
     }
     if let Some(section) = reader.section(section, "weights", Optional) {
-        for key in schema::SOURCES {
+        for source in Perturbation::all() {
+            let key = source.key();
             let must = "a number from 0.000001 to 1000000";
             let hint = "how dear this is to hold against the others, which have 1";
             let allowed = |f: f64| (1e-6..=1e6).contains(&f);
             if let Some(f) = number(reader, &section, key, Optional, must, hint, allowed) {
-                refuse_foreign(reader, &section, key, why(key));
-                found.weights.push((key, f.value));
+                refuse_foreign(reader, &section, key, why(source));
+                found.weights.push((source, f.value));
             }
         }
     }
 }
 
-/// Keys of errors that every part has all of: they have a strength and no sign.
-const STRENGTHS: [&str; 5] = ["waviness_um", "slope_mrad", "stepover_mm", "layer_um", "facets_px"];
-
 /// Whether an error is at its limit, with its sign, where these distributions are asked for.
-fn has_sign(key: &str, distributions: &[(&str, &str)]) -> bool {
-    let word = distributions.iter().find(|of| of.0 == key).map(|of| of.1);
-    // (A measured form error is fixed unless it is said to be something else.)
-    let fixed = word.map_or(key == "map_share", |word| word == "fixed");
-    fixed && !STRENGTHS.contains(&key)
+fn has_sign(source: Perturbation, distributions: &[(Perturbation, Distribution)]) -> bool {
+    let asked = distributions.iter().find(|of| of.0 == source).map(|of| of.1);
+    let fixed = match asked {
+        Some(distribution) => distribution == Distribution::Fixed,
+        None => matches!(source.row().usual, UsualLimit::Fixed(_)),
+    };
+    fixed && !source.is_unsigned()
 }
 
-fn unsigned_hint(key: &str) -> &'static str {
-    if STRENGTHS.contains(&key) {
+fn unsigned_hint(source: Perturbation) -> &'static str {
+    if source.is_unsigned() {
         "the limit in the unit that the key ends in; 0 for no such error"
     } else {
         "the limit in the unit that the key ends in, on both sides; 0 for no such error. An error with a \
@@ -166,18 +165,24 @@ fn refuse_foreign(
 }
 
 /// Why a mirror cannot have this error, and what to take instead.
-fn foreign(key: &str, setting: Setting, has_map: bool) -> Option<(&'static str, &'static str)> {
+fn foreign(
+    source: Perturbation,
+    setting: Setting,
+    has_map: bool,
+) -> Option<(&'static str, &'static str)> {
     let round = setting.layout.map(|l| matches!(l, Layout::Disc | Layout::Annulus { .. }));
     let pinhole = matches!(setting.camera, Some(CameraModel::Pinhole { .. }));
-    match (key.split('_').next()?, round) {
-        ("zernike", Some(false)) => {
+    match source.row().applies_to {
+        AppliesTo::RoundMirror if round == Some(false) => {
             Some(("for a rectangular mirror", "its form errors are legendre_20_um and the like"))
         }
-        ("legendre", Some(true)) => {
+        AppliesTo::RectangularMirror if round == Some(true) => {
             Some(("for a round mirror", "its form errors are zernike_4_um to zernike_11_um"))
         }
-        ("telecentricity", _) if pinhole => Some(("for a pinhole", "its rays meet in one point")),
-        ("map", _) if !has_map => Some(("without a map", "map_file names it")),
+        AppliesTo::TelecentricCamera if pinhole => {
+            Some(("for a pinhole", "its rays meet in one point"))
+        }
+        AppliesTo::MappedMirror if !has_map => Some(("without a map", "map_file names it")),
         _ => None,
     }
 }
@@ -197,9 +202,11 @@ fn map_file(reader: &mut ProfileReader, section: &Section) -> Option<String> {
     }
 }
 
-fn compensators(reader: &mut ProfileReader, section: &Section) -> Option<Vec<&'static str>> {
-    let quoted = COMPENSATORS.map(|name| format!("\"{name}\""));
-    let quoted = list(&quoted.each_ref().map(String::as_str), "or");
+fn compensators(reader: &mut ProfileReader, section: &Section) -> Option<Vec<Compensator>> {
+    let names: Vec<&str> = Compensator::WORDS.iter().map(|(name, _)| *name).collect();
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    let quoted: Vec<&str> = quoted.iter().map(String::as_str).collect();
+    let quoted = list(&quoted, "or");
     let must = format!("a list of none or some of {quoted}");
     let hint = "as in compensators = [\"shift\", \"rotation\"]; focusing is \"magnification\"";
     let path = section.path_of("compensators");
@@ -212,16 +219,16 @@ fn compensators(reader: &mut ProfileReader, section: &Section) -> Option<Vec<&'s
     let mut asked = Vec::new();
     for item in items {
         let name = item.get_ref().as_str();
-        match COMPENSATORS.into_iter().find(|known| Some(*known) == name) {
-            Some(known) if asked.contains(&known) => {
+        match Compensator::WORDS.iter().find(|(known, _)| Some(*known) == name) {
+            Some((known, compensator)) if asked.contains(compensator) => {
                 let message = format!("{path} must name each once, found \"{known}\" again");
                 reader.complain(item.span().start, message, "remove the second one");
             }
-            Some(known) => asked.push(known),
+            Some((_, compensator)) => asked.push(*compensator),
             None => {
                 let message =
                     format!("{path} must name {quoted}, found {}", reader.quote_type(item));
-                let meant = name.and_then(|name| schema::nearest(name, &COMPENSATORS));
+                let meant = name.and_then(|name| schema::nearest(name, &names));
                 let meant = meant.map(|meant| format!("did you mean \"{meant}\"?"));
                 reader.complain(item.span().start, message, meant.as_deref().unwrap_or(hint));
             }

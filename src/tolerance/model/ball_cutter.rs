@@ -1,7 +1,8 @@
 //! Tracks of a ball cutter.
 
 use super::super::form_field::cusp;
-use super::TextureSite;
+use super::sample::TextureSite;
+use crate::mirror::Hessian;
 use crate::num::Scalar;
 
 /// The tool.
@@ -18,12 +19,12 @@ impl BallCutter {
     /// the mirror has slope p and second derivatives H. A ball of radius R that touches it there is over
     /// it by half the form M = sqrt(1 + p^2) (I + p p^T) / R - H; a track is the least of all balls along
     /// it. Zero where the ball does not fit.
-    pub fn curvature(&self, [p, q]: [f64; 2], bend: [[f64; 2]; 2]) -> f64 {
+    pub fn curvature(&self, [p, q]: [f64; 2], hessian: &Hessian) -> f64 {
         let long = (1.0 + p * p + q * q).sqrt() / self.ball;
         let [xx, xy, yy] = [
-            long * (1.0 + p * p) - bend[0][0],
-            long * p * q - 0.5 * (bend[0][1] + bend[1][0]),
-            long * (1.0 + q * q) - bend[1][1],
+            long * (1.0 + p * p) - hessian.xx,
+            long * p * q - hessian.xy,
+            long * (1.0 + q * q) - hessian.yy,
         ];
         let [a, b] = self.way;
         // Of the track's direction (-b, a); the least over it leaves the determinant over this.

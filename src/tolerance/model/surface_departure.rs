@@ -1,28 +1,31 @@
 //! How far a made surface is from the designed one, and how finely it does so.
 
 use super::super::footprint::Footprint;
-use super::super::form_field::{FormField, ripple};
-use super::{OpticalSystem, PerturbedState, PixelSample, TextureSite, added};
+use super::super::form_field::{FormField, add_scaled, period_mm, ripple};
+use super::sample::{PixelSample, TextureSite};
+use super::state::PerturbedState;
+use super::system::OpticalSystem;
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::{BicubicSpline, HeightField};
 use crate::num::Scalar;
-use std::f64::consts::TAU;
 
 impl OpticalSystem {
-    /// The measured form error with derivatives.
-    pub(super) fn mapped<S: Scalar>(map: &BicubicSpline, at: [S; 2]) -> [S; 3] {
-        let q = DVec2::new(at[0].mid(), at[1].mid());
-        let (point, bend) = (map.at(q), map.hessian(q));
-        let away = [at[0] - q.x, at[1] - q.y];
-        [
-            away[0] * point.slope.x + away[1] * point.slope.y + point.f,
-            away[0] * bend.xx + away[1] * bend.xy + point.slope.x,
-            away[0] * bend.xy + away[1] * bend.yy + point.slope.y,
-        ]
+    /// Height and slopes, where `sample` sees the designed surface, of a unit of each form error,
+    /// of the waviness' cosine and sine, and of the measured form error if there is one.
+    pub fn form_units(&self, sample: &PixelSample) -> Vec<[f64; 3]> {
+        let at = [sample.hit.x, sample.hit.y];
+        let footprint = &sample.site.footprint;
+        let forms = self.fields.iter().map(|field| {
+            let seen = field.footprint_share(footprint);
+            field.at(at).map(|x| seen * x)
+        });
+        let seen = footprint.ripple(self.wave);
+        let waves = [[seen, 0.0], [0.0, seen]].map(|a| ripple(self.wave, a, at));
+        forms.chain(waves).chain(self.map.as_ref().map(|map| map_error(map, at))).collect()
     }
 
     /// The sum of form errors of these amplitudes, of waves their mean over `footprint`.
-    pub(super) fn forms<S: Scalar>(
+    pub fn form_errors<S: Scalar>(
         &self,
         amplitudes: &[f64],
         footprint: &Footprint,
@@ -36,13 +39,13 @@ impl OpticalSystem {
                 (FormField::Cosine(k), FormField::Sine(same)) => k == same,
                 _ => false,
             });
-            let seen = || field.seen(footprint);
+            let seen = || field.footprint_share(footprint);
             sum = match (field, sine) {
                 (_, Some((b, _))) if *a == 0.0 && *b == 0.0 => sum,
                 (FormField::Cosine(k), Some((b, _))) => {
-                    added(sum, seen(), ripple(*k, [*a, *b], at))
+                    add_scaled(sum, seen(), ripple(*k, [*a, *b], at))
                 }
-                _ if *a != 0.0 => added(sum, seen() * *a, field.at(at)),
+                _ if *a != 0.0 => add_scaled(sum, seen() * *a, field.at(at)),
                 _ => sum,
             };
         }
@@ -51,7 +54,7 @@ impl OpticalSystem {
 
     /// `sum` and the waviness, the measured form error and the tool's tracks, height and slope, as
     /// they are on `site`.
-    pub(super) fn textured<S: Scalar>(
+    pub fn add_textures<S: Scalar>(
         &self,
         mut sum: [S; 3],
         state: &PerturbedState<S>,
@@ -60,31 +63,26 @@ impl OpticalSystem {
     ) -> [S; 3] {
         if let Some(wave) = state.wave {
             let seen = site.footprint.ripple(self.wave);
-            sum = added(sum, seen, ripple(self.wave, wave, at));
+            sum = add_scaled(sum, seen, ripple(self.wave, wave, at));
         }
         if let (Some(map), Some(share)) = (&self.map, state.map) {
-            sum = added(sum, share, Self::mapped(map, at));
+            sum = add_scaled(sum, share, map_error(map, at));
         }
         if let Some(tracks) = state.tracks {
-            sum = added(sum, 1.0, self.tool.cusp(tracks, site, at));
+            sum = add_scaled(sum, 1.0, self.tool.cusp(tracks, site, at));
         }
         sum
     }
 
     /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
-    pub(in crate::tolerance) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
+    pub fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
         let PixelSample { hit, site, .. } = &self.samples[k];
         self.tool.cusp(tracks, site, [hit.x, hit.y])
     }
 
-    /// Wave vector of the waviness, 1/mm.
-    pub(in crate::tolerance) fn wave(&self) -> [f64; 2] {
-        self.wave
-    }
-
-    /// The direction in which tracks follow each other.
-    pub(in crate::tolerance) fn track_way(&self) -> [f64; 2] {
-        self.tool.way
+    /// Whether a place of the part, before it is grown, is surely on the mirror.
+    pub fn holds(&self, at: DVec3) -> bool {
+        self.mirror.full_outline().aims(self.mirror.chart.coordinates(at).0)
     }
 
     /// Height and slope of the made surface over the designed one at a place of the part, before it
@@ -93,56 +91,31 @@ impl OpticalSystem {
         let at = place.truncate().to_array();
         let groove = if state.tracks.is_some() { self.groove(&self.mirror, place) } else { 0.0 };
         let footprint = Footprint::POINT;
-        let forms = self.forms(&state.form, &footprint, at);
-        self.textured(forms, state, at, &TextureSite { groove, footprint })
+        let forms = self.form_errors(&state.form, &footprint, at);
+        self.add_textures(forms, state, at, &TextureSite { groove, footprint })
     }
 
     /// The shortest length, mm, over which this departure swings: a period, a distance of tracks or
     /// of a map's knots, half the mirror of a polynomial. None where there is no departure.
     pub fn shortest(&self, state: &PerturbedState<f64>) -> Option<f64> {
         let forms = state.form.iter().zip(&self.fields).filter(|(a, _)| **a != 0.0);
-        let wave = state.wave.filter(|a| *a != [0.0; 2]).map(|_| period(self.wave));
+        let wave = state.wave.filter(|a| *a != [0.0; 2]).map(|_| period_mm(self.wave));
         let tracks = state.tracks.map(|[stepover, _]| stepover);
         let knots = self.map.iter().filter(|_| state.map.is_some_and(|share| share != 0.0));
         let knots = knots.flat_map(|map| map.knots().map(|knots| knots.step_mm));
-        let forms = forms.map(|(_, field)| field.swing());
+        let forms = forms.map(|(_, field)| field.swing_mm());
         forms.chain(wave).chain(tracks).chain(knots).reduce(f64::min)
     }
 }
 
-impl OpticalSystem {
-    /// Whether a place of the part, before it is grown, is surely on the mirror.
-    pub fn holds(&self, at: DVec3) -> bool {
-        self.mirror.full_outline().aims(self.mirror.chart.coordinates(at).0)
-    }
-}
-
-impl PixelSample {
-    /// Z where it sees the designed mirror, mm.
-    pub fn height(&self) -> f64 {
-        self.hit.z
-    }
-}
-
-impl FormField {
-    /// The share of it that a pixel of this footprint sees.
-    pub(in crate::tolerance) fn seen(&self, footprint: &Footprint) -> f64 {
-        match self {
-            Self::Polynomial { .. } => 1.0,
-            Self::Cosine(k) | Self::Sine(k) => footprint.ripple(*k),
-        }
-    }
-
-    /// A period, or half the mirror.
-    fn swing(&self) -> f64 {
-        match self {
-            Self::Polynomial { half: [a, b], .. } => a.min(*b),
-            Self::Cosine(k) | Self::Sine(k) => period(*k),
-        }
-    }
-}
-
-/// The wavelength of a wave vector, mm.
-fn period([x, y]: [f64; 2]) -> f64 {
-    TAU / (x * x + y * y).sqrt()
+/// The measured form error with derivatives.
+fn map_error<S: Scalar>(map: &BicubicSpline, at: [S; 2]) -> [S; 3] {
+    let q = DVec2::new(at[0].mid(), at[1].mid());
+    let (point, bend) = (map.at(q), map.hessian(q));
+    let away = [at[0] - q.x, at[1] - q.y];
+    [
+        away[0] * point.slope.x + away[1] * point.slope.y + point.f,
+        away[0] * bend.xx + away[1] * bend.xy + point.slope.x,
+        away[0] * bend.xy + away[1] * bend.yy + point.slope.y,
+    ]
 }

@@ -84,7 +84,7 @@ fn content_moves_by_the_mean_over_a_pixel_and_blurs_by_the_rest() {
             // Sums of so few rays miss cusps by a few percent of what a point shows.
             let share = (square(&off) / points).sqrt();
             assert!(share < 0.06, "{k} {kind:?} {limit}: {share}");
-            let blur = engine.spread(&fixed(kind, limit)).blur_px;
+            let blur = engine.blur_and_scatter(&fixed(kind, limit)).blur_px;
             let exact = (spread.iter().sum::<f64>() / engine.samples() as f64).sqrt();
             assert!((blur / exact - 1.0).abs() < 0.15, "{k} {kind:?} {limit}: {blur} {exact}");
             let predicted = engine.mean_square(&fixed(kind, limit));
@@ -168,7 +168,7 @@ fn cusps_far_below_the_wavelength_scatter_and_turn_no_rays() {
     let engine = engine(&design, asked);
     let by_points = engine.pointwise().mean_square(&source).sqrt();
     let moved = engine.mean_square(&source).sqrt();
-    let spread = engine.spread(&source);
+    let spread = engine.blur_and_scatter(&source);
     assert!(by_points > 0.5, "{by_points}");
     assert!(moved < 0.01 && spread.blur_px < 0.1, "{moved} {spread:?}");
     assert!(spread.scattered > 1e-5 && spread.scattered < 2e-3, "{spread:?}");

@@ -10,8 +10,8 @@ mod work;
 use morion::internals::design::Design;
 use morion::internals::mirror::BicubicSpline;
 use morion::internals::tolerance::{
-    Compensator, Criterion, Distribution, Engine, ErrorSource, FormMeasure, Perturbation, Process,
-    Reference, ToleranceSpec,
+    Compensator, Criterion, Distribution, Engine, ErrorSource, ErrorSourceRow, FormMeasure,
+    Perturbation, Process, ProcessPreset, Reference, ToleranceSpec,
 };
 
 /// A source that is always at `limit`.
@@ -20,15 +20,9 @@ fn fixed(kind: Perturbation, limit: f64) -> ErrorSource {
 }
 
 /// All usual sources of a mirror, as a process leaves them.
-fn usual(design: &Design, process: &Process) -> Vec<ErrorSource> {
+fn usual(design: &Design, process: Process) -> Vec<ErrorSource> {
     let round = matches!(design.mirror.outline, morion::internals::geom::Outline::Ring { .. });
-    let applies = |kind: &Perturbation| match kind {
-        Perturbation::Legendre(..) => !round,
-        Perturbation::Zernike(_) => round,
-        Perturbation::Telecentricity => design.camera.chart.vergence == 0.0,
-        Perturbation::Map => false,
-        _ => true,
-    };
+    let telecentric = design.camera.chart.vergence == 0.0;
     let source = |kind: Perturbation| {
         let (limit, distribution) = match kind {
             Perturbation::Facets => (0.5, Distribution::Fixed),
@@ -36,14 +30,19 @@ fn usual(design: &Design, process: &Process) -> Vec<ErrorSource> {
         };
         ErrorSource { kind, limit, distribution, weight: 1.0 }
     };
-    Perturbation::all().filter(applies).map(source).filter(|source| source.limit != 0.0).collect()
+    ErrorSourceRow::TABLE
+        .iter()
+        .filter(|row| row.applies_to.holds(round, telecentric, false))
+        .map(|row| source(row.perturbation))
+        .filter(|source| source.limit != 0.0)
+        .collect()
 }
 
 fn spec(sources: Vec<ErrorSource>, compensators: &[Compensator]) -> ToleranceSpec {
     ToleranceSpec {
         sources,
         form: FormMeasure::Pv,
-        texture: Process::named("precision-cnc").unwrap().texture,
+        texture: Process::of(ProcessPreset::PrecisionCnc).texture,
         map: None,
         compensators: compensators.to_vec(),
         criterion: Criterion::Rms,

@@ -10,7 +10,7 @@ use morion::internals::num::random::RandomStream;
 use morion::internals::num::{cos, radians, sin};
 use morion::internals::optics::reflect;
 use morion::internals::tolerance::{
-    Compensator, Engine, Perturbation, Process, ToleranceSpec, ripple_slope,
+    Compensator, Engine, Perturbation, Process, ProcessPreset, ToleranceSpec, ripple_slope,
 };
 
 const STREAM: RandomStream = RandomStream { seed: 5, trial: 2 };
@@ -20,8 +20,8 @@ fn designs() -> Vec<(&'static str, Design)> {
     names.map(|name| (name, designed(&shipped(name)))).into()
 }
 
-fn precise() -> &'static Process {
-    Process::named("precision-cnc").unwrap()
+fn precise() -> Process {
+    Process::of(ProcessPreset::PrecisionCnc)
 }
 
 /// Displacement of `values`, made and by first derivatives.
@@ -50,23 +50,28 @@ fn derivatives_agree_with_central_differences() {
             if source.kind == Perturbation::Stepover {
                 continue;
             }
-            // By Richardson, of fourth order.
-            let step = if source.kind == Perturbation::Waviness { 1e-2 } else { 2e-2 };
-            let h = step * source.limit;
+            // By Richardson, of eighth order.
+            let h = if source.kind == Perturbation::Waviness { 2e-2 } else { 5e-2 } * source.limit;
             let difference = |h: f64| -> Vec<f64> {
                 let [up, _] = both(&engine, &[(source.kind, h)]);
                 let [down, _] = both(&engine, &[(source.kind, -h)]);
                 up.iter().zip(&down).map(|(a, b)| (a - b) / (2.0 * h)).collect()
             };
-            let (coarse, fine) = (difference(2.0 * h), difference(h));
-            let differences: Vec<f64> =
-                fine.iter().zip(&coarse).map(|(f, c)| (4.0 * f - c) / 3.0).collect();
+            let mut rows: Vec<Vec<f64>> =
+                [8.0, 4.0, 2.0, 1.0].map(|times| difference(times * h)).into();
+            for power in [4.0, 16.0, 64.0] {
+                let finer = |pair: &[Vec<f64>]| -> Vec<f64> {
+                    let all = pair[0].iter().zip(&pair[1]);
+                    all.map(|(coarse, fine)| (power * fine - coarse) / (power - 1.0)).collect()
+                };
+                rows = rows.windows(2).map(finer).collect();
+            }
             let [_, linear] = both(&engine, &[(source.kind, h)]);
             let exact: Vec<f64> = linear.iter().map(|x| x / h).collect();
-            let off: Vec<f64> = exact.iter().zip(&differences).map(|(a, b)| a - b).collect();
-            // What is symmetric about the axis does not feel being turned; 1e-9 px are rounding.
+            let off: Vec<f64> = exact.iter().zip(&rows[0]).map(|(a, b)| a - b).collect();
+            // What is symmetric about the axis does not feel being turned; 1e-11 px are rounding.
             assert!(
-                length(&off) <= 1e-6 * length(&exact) + 1e-8 / h,
+                length(&off) <= 1e-9 * length(&exact) + 1e-11 / h,
                 "{name} {:?}: {:e}",
                 source.kind,
                 length(&off) / length(&exact)
@@ -277,10 +282,10 @@ fn a_measured_map_acts_as_what_it_holds() {
         })
         .collect();
     let map = BicubicSpline::new(x, y, &heights).unwrap();
-    let sources = vec![fixed(Perturbation::Map, 1.0), fixed(Perturbation::Legendre(2, 0), 1.0)];
+    let sources = vec![fixed(Perturbation::Map, 1.0), fixed(Perturbation::Legendre20, 1.0)];
     let engine = engine(&design, with_map(spec(sources.clone(), &[]), map));
     let [mapped, by_map] = both(&engine, &[(Perturbation::Map, 1.0)]);
-    let [term, by_term] = both(&engine, &[(Perturbation::Legendre(2, 0), 1.0)]);
+    let [term, by_term] = both(&engine, &[(Perturbation::Legendre20, 1.0)]);
     let off = |a: &[f64], b: &[f64]| {
         length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>()) / length(b)
     };

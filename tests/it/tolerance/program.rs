@@ -221,9 +221,9 @@ fn the_verdict_is_the_exit_code_and_json_is_the_file() {
 fn absurd_limits_lose_rays_and_say_so() {
     let folder = folder();
     let home = folder.path();
-    let keys = Perturbation::all().map(|kind| kind.key()).filter(|key| {
-        !key.starts_with("zernike") && !["map_share", "stepover_mm"].contains(&&**key)
-    });
+    let keys = Perturbation::all()
+        .map(|kind| kind.key())
+        .filter(|key| !key.starts_with("zernike") && !["map_share", "stepover_mm"].contains(key));
     let limits: String = keys.map(|key| format!("{key} = 1e6\n")).collect();
     let none = "[tolerance]\nbudget_px = 1e-3\nreference = \"projection\"\n";
     save(home, &format!("{}\n{none}[tolerance.limits]\n{limits}", small()));

@@ -132,8 +132,8 @@ fn the_files_have_the_form_and_the_size_that_formulas_say() {
     let home = folder.path();
     let none: Vec<String> = morion::internals::tolerance::Perturbation::all()
         .map(|kind| kind.key())
-        .filter(|key| !key.starts_with("zernike") && !["map_share", "scale_ppm"].contains(&&**key))
-        .filter(|key| key != "legendre_20_um" && key != "waviness_um")
+        .filter(|key| !key.starts_with("zernike") && !["map_share", "scale_ppm"].contains(key))
+        .filter(|key| *key != "legendre_20_um" && *key != "waviness_um")
         .map(|key| format!("{key} = 0\n"))
         .collect();
     let text = rough();

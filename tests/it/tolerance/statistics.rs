@@ -7,7 +7,8 @@ use morion::internals::geom::GridAxis;
 use morion::internals::mirror::BicubicSpline;
 use morion::internals::tolerance::{
     AllocationError, Compensator, Criterion, DisplacementPx, Engine, ErrorSource, Perturbation,
-    Process, Reference, SourceFacts, Study, ToleranceSpec, Trial, quantile, worst_offenders,
+    Process, ProcessPreset, Reference, SourceFacts, Study, ToleranceSpec, Trial, quantile,
+    worst_offenders,
 };
 
 /// Samples that a run of the program takes.
@@ -15,8 +16,8 @@ const SAMPLES: usize = 987;
 const ALL: [Compensator; 3] =
     [Compensator::Shift, Compensator::Rotation, Compensator::Magnification];
 
-fn process() -> &'static Process {
-    Process::named("ultra-precision-cnc").unwrap()
+fn process() -> Process {
+    Process::of(ProcessPreset::UltraPrecisionCnc)
 }
 
 fn trials(engine: &Engine, seed: u64, count: u64) -> Vec<Trial> {
@@ -215,7 +216,7 @@ fn trials_do_not_depend_on_threads_or_on_their_company() {
     let fewer: Vec<ErrorSource> = engine.spec.sources[1..].to_vec();
     let rest = engine.trial(&fewer, 9, 77);
     assert_eq!(rest.state.form, made.state.form);
-    assert_eq!(rest.state.placed[1..], made.state.placed[1..]);
+    assert_eq!(rest.state.misalignment.values()[1..], made.state.misalignment.values()[1..]);
 }
 
 #[test]
@@ -372,7 +373,7 @@ fn a_perfect_part_of_a_design_beyond_the_budget_fails() {
 fn forms_displace_the_whole_picture() {
     for name in ["panoramic", "conquistador"] {
         let design = designed(&shipped(name));
-        let source = fixed(Perturbation::Legendre(0, 3), 1.0);
+        let source = fixed(Perturbation::Legendre03, 1.0);
         let made = |samples: usize| {
             let engine = engine(&design, ToleranceSpec { samples, ..spec(vec![source], &[]) });
             engine.mean_square(&source).sqrt()

@@ -4,7 +4,7 @@ use super::{engine, fixed, spec, usual};
 use crate::support::builds::{SMALL, edited, folder, morion, save, told};
 use crate::support::{designed, shipped};
 use morion::internals::num::random::RandomStream;
-use morion::internals::tolerance::{Engine, Perturbation, Process, WorkKind};
+use morion::internals::tolerance::{Engine, Perturbation, Process, ProcessPreset, WorkKind};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,7 +22,7 @@ fn worked(engine: &Engine, kind: WorkKind) -> [u64; 2] {
 fn rays_that_errors_leave_alone_are_where_tracing_finds_them() {
     for name in ["conquistador", "hyperbolic"] {
         let design = designed(&shipped(name));
-        let sources = usual(&design, Process::named("precision-cnc").unwrap());
+        let sources = usual(&design, Process::of(ProcessPreset::PrecisionCnc));
         let engine = engine(&design, spec(sources, &[]));
         let all = engine.samples() as u64;
         assert_ne!(worked(&engine, WorkKind::Rays), [0, 0]);
@@ -43,8 +43,8 @@ fn rays_that_errors_leave_alone_are_where_tracing_finds_them() {
 #[test]
 fn what_an_engine_evaluates_and_what_stands_for_it_is_counted() {
     let design = designed(&shipped("conquistador"));
-    let sources = usual(&design, Process::named("precision-cnc").unwrap());
-    let forms = sources.iter().filter(|s| matches!(s.kind, Perturbation::Legendre(..))).count();
+    let sources = usual(&design, Process::of(ProcessPreset::PrecisionCnc));
+    let forms = sources.iter().filter(|s| s.kind.form_term().is_some()).count();
     let of = |sources| engine(&design, spec(sources, &[]));
     let full = of(sources);
     let all = full.samples() as u64;

@@ -1,0 +1,225 @@
+//! Displacements and their variances by first derivatives.
+
+use super::engine::Engine;
+use super::error_source::ErrorSource;
+use super::model::TextureSite;
+use super::perturbed_system::PerturbedSystem;
+use super::texture::{facets_displace, terraced};
+use crate::num::random::RandomStream;
+use crate::tolerance_terms::{ActsOn, Perturbation, Texture};
+
+impl Engine {
+    /// Displacement of a made system by first derivatives alone.
+    #[must_use]
+    pub fn linear_displacement(&self, made: &PerturbedSystem) -> Vec<f64> {
+        let mut sum = self.base.clone();
+        let amplitudes = self.linear.amplitudes(&made.state);
+        let acting: Vec<(f64, &[f64])> = amplitudes
+            .iter()
+            .zip(self.linear.columns())
+            .filter(|(a, _)| **a != 0.0)
+            .map(|(a, column)| (*a, column.as_slice()))
+            .collect();
+        // Four at a time: the sum is fetched less often.
+        let fours = acting.chunks_exact(4);
+        for &(a, column) in fours.remainder() {
+            sum.iter_mut().zip(column).for_each(|(sum, c)| *sum += a * c);
+        }
+        for four in fours {
+            let columns = four[0].1.iter().zip(four[1].1).zip(four[2].1.iter().zip(four[3].1));
+            for (sum, ((p, q), (r, s))) in sum.iter_mut().zip(columns) {
+                *sum += (four[0].0 * p + four[1].0 * q) + (four[2].0 * r + four[3].0 * s);
+            }
+        }
+        for (k, out) in sum.chunks_exact_mut(2).enumerate() {
+            let noise = made.noise(k);
+            let mut by_tracks = [0.0; 2];
+            if let Some(tracks) = made.state.tracks {
+                let found = self.system.tracks_at(k, tracks);
+                let by = self.linear.by_form()[k];
+                by_tracks = [0, 1].map(|i| (0..3).map(|j| found[j] * by[j][i]).sum());
+            }
+            out.iter_mut().zip(noise).zip(by_tracks).for_each(|((out, a), b)| *out += a + b);
+        }
+        sum
+    }
+
+    /// Displacement that all parts have in common after adjustment, by first derivatives: that without
+    /// errors, and those of the systematic sources, which add with their signs; x and y of each
+    /// sample, px.
+    #[must_use]
+    pub fn mean_field(&self, sources: &[ErrorSource]) -> Vec<f64> {
+        let fixed = sources.iter().filter(|source| source.is_systematic());
+        let values: Vec<(Perturbation, f64)> =
+            fixed.map(|source| (source.kind, source.limit)).collect();
+        // Nothing in it is drawn.
+        let made = self.make(&values, RandomStream { seed: 0, trial: 0 });
+        let mut field = self.linear_displacement(&made);
+        self.compensation.apply(&mut field);
+        field
+    }
+
+    /// Variance of the displacement, px^2, that a source causes after adjustment: the mean square of
+    /// a random one; none of a systematic one, which is part of the [`Engine::mean_field`].
+    #[must_use]
+    pub fn variance(&self, source: &ErrorSource) -> f64 {
+        if source.is_systematic() { 0.0 } else { self.mean_square(source) }
+    }
+
+    /// Mean square of the displacement, px^2, that a source alone causes after adjustment, by first
+    /// derivatives and its distribution. Patterns finer than the distance of samples count as
+    /// independent from sample to sample.
+    #[must_use]
+    pub fn mean_square(&self, source: &ErrorSource) -> f64 {
+        let square = source.limit * source.limit * source.distribution.mean_square();
+        let strength = square.sqrt();
+        let form = |k: usize| 1e-6 * self.adjusted_square(self.linear.form(k));
+        square
+            * match source.kind.row().acts_on {
+                ActsOn::Mounting(_) | ActsOn::Camera(_) | ActsOn::Size => {
+                    let placed = self.misalignment_per_unit(source.kind);
+                    placed.map_or(0.0, |(field, unit)| {
+                        unit * unit * self.adjusted_square(self.linear.misalignment(field))
+                    })
+                }
+                ActsOn::Form(_) => {
+                    self.forms.iter().position(|form| *form == source.kind).map_or(0.0, form)
+                }
+                ActsOn::Map => self.linear.map().map_or(0.0, |map| self.adjusted_square(map)),
+                ActsOn::Texture(Texture::Waviness) => {
+                    let [cosine, sine] =
+                        self.linear.waviness().map(|wave| 1e-6 * self.adjusted_square(wave));
+                    0.125 * (cosine + sine)
+                }
+                ActsOn::Texture(Texture::Slope) => {
+                    let first = self.forms.len();
+                    let modes = self.modes.iter().enumerate();
+                    modes.map(|(m, a)| a * a * form(first + m)).sum()
+                }
+                ActsOn::Texture(Texture::Stepover) => self.stepover_square(strength),
+                ActsOn::Layers => {
+                    let share = terraced(strength, self.spec.texture.wavelength_nm);
+                    return share * share * self.adjusted_square(self.linear.terraces());
+                }
+                ActsOn::Facets => {
+                    let moved = facets_displace(strength);
+                    return self.unadjusted_share() * moved * moved;
+                }
+            }
+    }
+
+    /// Mean square, px^2, of a column of derivatives after adjustment.
+    fn adjusted_square(&self, column: &[f64]) -> f64 {
+        let mut column = column.to_vec();
+        self.compensation.apply(&mut column);
+        column.iter().map(|x| x * x).sum::<f64>() / self.samples() as f64
+    }
+
+    /// Share of a displacement that is independent from sample to sample which adjustments leave.
+    fn unadjusted_share(&self) -> f64 {
+        1.0 - self.adjustments().len() as f64 / (2.0 * self.samples() as f64)
+    }
+
+    /// Mean square of the displacement, px^2, by tool tracks `stepover_mm` apart, by the square of that.
+    fn stepover_square(&self, stepover_mm: f64) -> f64 {
+        let way = self.system.tool.way;
+        let by = |k: usize| {
+            let [_, x, y] = self.linear.by_form()[k];
+            let moved = [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]);
+            let TextureSite { groove, footprint } = &self.system.samples[k].site;
+            let seen = groove * groove * footprint.sawtooth_share(way, stepover_mm);
+            seen * (moved[0] * moved[0] + moved[1] * moved[1])
+        };
+        let mean = (0..self.samples()).map(by).sum::<f64>() / self.samples() as f64;
+        self.unadjusted_share() * mean / 12.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::design;
+    use crate::geom::DVec2;
+    use crate::num::max_or_nan;
+    use crate::pipeline::load;
+    use crate::tolerance::linear_model::LinearModel;
+    use crate::tolerance::model::{OpticalSystem, PartPose, PixelSample};
+    use crate::tolerance::spec::ToleranceSpec;
+    use crate::tolerance::work_counts::WorkCounts;
+    use crate::tolerance::{Criterion, FormMeasure, Process, ProcessPreset, Reference};
+
+    fn length(field: &[f64]) -> f64 {
+        field.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Largest relative difference of columns, and largest difference of displacements in a trial, px, with
+    /// polynomials for the mirror and the form errors from those of the mirror's own derivatives.
+    /// Columns shorter than the share `floor` of the longest are rounding.
+    fn polynomials_against_the_mirror(name: &str, floor: f64) -> [f64; 2] {
+        let design = design(&load(name).unwrap().profile, None).unwrap();
+        let view = design.view.as_ref().unwrap();
+        let process = Process::of(ProcessPreset::PrecisionCnc);
+        let source = |kind: Perturbation| {
+            let (limit, distribution) = process.usual(kind);
+            ErrorSource { kind, limit, distribution, weight: 1.0 }
+        };
+        let kinds =
+            Perturbation::all().filter(|k| !matches!(k, Perturbation::Map | Perturbation::Facets));
+        let spec = ToleranceSpec {
+            sources: kinds.map(source).collect(),
+            form: FormMeasure::Pv,
+            texture: process.texture,
+            map: None,
+            compensators: Vec::new(),
+            criterion: Criterion::Rms,
+            reference: Reference::Design,
+            budget_px: 1.0,
+            budget_blur_px: 1.0,
+            target_yield: 0.9,
+            samples: 40,
+        };
+        let engine = Engine::new(&design.mirror, &design.camera, view, spec).unwrap();
+        assert_eq!(engine.expanded(), engine.samples(), "{name}");
+        let mut plain = engine.system.clone();
+        for sample in &mut plain.samples {
+            (sample.base, sample.form) = (None, Vec::new());
+        }
+        let forms = engine.forms.len() + engine.modes.len();
+        let exact = LinearModel::new(&plain, &engine.spec, forms);
+        let largest = exact.columns().iter().map(|c| length(c)).fold(0.0, f64::max);
+        let pairs = engine.linear.columns().iter().zip(exact.columns());
+        let columns = pairs.map(|(found, exact)| {
+            let off: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();
+            length(&off) / length(exact).max(floor * largest)
+        });
+        let made = engine.trial(&engine.spec.sources, 1, 3);
+        let pose = PartPose::new(&made.state.misalignment);
+        let pairs = engine.system.samples.iter().zip(&plain.samples);
+        let displacements = pairs.map(|(sample, plain)| {
+            let content = |system: &OpticalSystem, sample: &PixelSample| {
+                let work = &mut WorkCounts::default();
+                DVec2::from_array(system.content(sample, &pose, &made.state, work))
+            };
+            let off = content(&engine.system, sample) - content(&engine.system, plain);
+            off.length() / engine.system.camera.pixel_mm
+        });
+        [columns.fold(0.0, max_or_nan), displacements.fold(0.0, max_or_nan)]
+    }
+
+    /// Under a pinhole too, where the mirror's second derivatives over X and Y are those of its chart.
+    #[test]
+    fn derivatives_of_polynomials_are_the_mirrors_own() {
+        // What is symmetric about the axis does not feel being turned.
+        let cases = [
+            ("conquistador", 1e-4, 1e-10),
+            ("hyperbolic", 1e-3, 1e-9),
+            ("phone", 1e-3, 1e-9),
+            ("conical", 1e-3, 1e-9),
+        ];
+        for (name, floor, most) in cases {
+            let [columns, displacements] = polynomials_against_the_mirror(name, floor);
+            assert!(columns < most, "{name}: {columns:e}");
+            assert!(displacements < 1e-8, "{name}: {displacements:e}");
+        }
+    }
+}

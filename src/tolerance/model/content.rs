@@ -1,0 +1,206 @@
+//! Tracing a pixel's ray through a perturbed system to the image point of what it sees.
+
+use super::super::form_field::add_scaled;
+use super::super::local_polynomial::{FORM_TERMS, terms, value, values};
+use super::super::work_counts::{WorkCounts, WorkKind};
+use super::sample::PixelSample;
+use super::state::{PartPose, PerturbedState};
+use super::system::{OpticalSystem, is_plain};
+use crate::geom::{Chart, DVec2};
+use crate::num::{Dual, Scalar};
+use crate::optics::stereographic;
+use crate::tolerance_terms::Misalignment;
+
+/// Steps of Newton's method at most.
+const MOST_STEPS: usize = 40;
+/// Step, mm, after which the place is known to rounding.
+const LAST_STEP: f64 = 1e-8;
+
+impl OpticalSystem {
+    /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
+    /// where the ray is lost: it does not meet the surface, which goes on beyond the rim, within the
+    /// mirror's size of where it does as designed, or terraces reflect most of the light.
+    pub fn content<S: Scalar>(
+        &self,
+        sample: &PixelSample,
+        pose: &PartPose<S>,
+        state: &PerturbedState<S>,
+        work: &mut WorkCounts,
+    ) -> [S; 2] {
+        work.count(WorkKind::Rays, [1, 0]);
+        let mut sum = [0.0; FORM_TERMS];
+        let count = terms(self.form_degree);
+        if sample.form.is_empty() {
+            let forms = |at: [S; 2]| self.form_errors(&state.form, &sample.site.footprint, at);
+            let zeros = state.form.iter().filter(|a| **a == 0.0).count();
+            work.count(WorkKind::Forms, [state.form.len() - zeros, zeros]);
+            return self.trace_content(sample, pose, state, work, forms);
+        }
+        let sum = &mut sum[..count];
+        // Four at a time: the sum is fetched less often.
+        let (fours, rest) = state.form.as_chunks::<4>();
+        let mut forms = sample.form.chunks_exact(4 * count);
+        let mut avoided = 0;
+        for (four @ [a, b, c, d], forms) in fours.iter().zip(&mut forms) {
+            // Most errors alone have none.
+            if *four == [0.0; 4] {
+                avoided += 4;
+                continue;
+            }
+            let (ab, cd) = forms.split_at(2 * count);
+            let ((p, q), (r, s)) = (ab.split_at(count), cd.split_at(count));
+            let columns = p.iter().zip(q).zip(r.iter().zip(s));
+            for (sum, ((p, q), (r, s))) in sum.iter_mut().zip(columns) {
+                *sum += (a * p + b * q) + (c * r + d * s);
+            }
+        }
+        for (a, form) in rest.iter().zip(forms.remainder().chunks_exact(count)) {
+            sum.iter_mut().zip(form).for_each(|(sum, c)| *sum += a * c);
+        }
+        work.count(WorkKind::Forms, [state.form.len() - avoided, avoided]);
+        let (degree, sum) = (self.form_degree, &*sum);
+        self.trace_content(sample, pose, state, work, |at| {
+            if sample.square.holds(at) {
+                value(degree, sum, &sample.square, at)
+            } else {
+                self.form_errors(&state.form, &sample.site.footprint, at)
+            }
+        })
+    }
+
+    /// How content moves, mm, with a height of 1 mm and a slope of 1 along X and along Y added to
+    /// the designed surface where `sample` sees it: x and y of each.
+    pub fn by_form(&self, sample: &PixelSample, work: &mut WorkCounts) -> [[f64; 2]; 3] {
+        let state = PerturbedState::<Dual<3>>::perfect(self.fields.len());
+        let pose = PartPose::new(&state.misalignment);
+        let plane = [0, 1, 2].map(|k| Dual::<3>::variable(0.0, k));
+        work.count(WorkKind::Rays, [1, 0]);
+        let [x, y] = self.trace_content(sample, &pose, &state, work, |at| {
+            let [dx, dy] = [at[0] - sample.hit.x, at[1] - sample.hit.y];
+            [plane[0] + plane[1] * dx + plane[2] * dy, plane[1], plane[2]]
+        });
+        [0, 1, 2].map(|k| [x.slope[k], y.slope[k]])
+    }
+
+    /// The same content, with form errors that are `form`.
+    fn trace_content<S: Scalar>(
+        &self,
+        sample: &PixelSample,
+        pose: &PartPose<S>,
+        state: &PerturbedState<S>,
+        work: &mut WorkCounts,
+        form: impl Fn([S; 2]) -> [S; 3],
+    ) -> [S; 2] {
+        let surface = |at: [S; 2]| {
+            let designed = match &sample.base {
+                Some((degree, c)) if sample.square.holds(at) => {
+                    work.count(WorkKind::Surface, [0, 1]);
+                    values(*degree, c, &sample.square, at)
+                }
+                _ => {
+                    work.count(WorkKind::Surface, [1, 0]);
+                    self.designed(&self.panels[sample.panel], at, sample.hit.z)
+                }
+            };
+            self.add_textures(add_scaled(designed, 1.0, form(at)), state, at, &sample.site)
+        };
+        // Most of the light goes where flat tops send it: there is no picture.
+        if state.terraced > 0.5 {
+            return [S::constant(f64::NAN); 2];
+        }
+        let (origin, along) = self.ray(sample, &state.misalignment);
+        let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
+        let from = pose.to_part(from).map(|x| x / pose.scale);
+        let along = pose.to_part(along);
+        let Some((at, slope)) = meet(sample, self.farthest, (from, along), surface) else {
+            return [S::constant(f64::NAN); 2];
+        };
+        // Of terraces the flat tops reflect.
+        let slope = slope.map(|p| p * (1.0 - state.terraced));
+        // d - n (2 d . n / n . n) with n = (-slope, 1).
+        let normal = [-slope[0], -slope[1], S::constant(1.0)];
+        let across = along[2] - along[0] * slope[0] - along[1] * slope[1];
+        let twice = across * 2.0 / (slope[0].square() + slope[1].square() + 1.0);
+        let leaving = pose.to_world([0, 1, 2].map(|k| along[k] - normal[k] * twice));
+        let at = pose.to_world(at.map(|x| x * pose.scale));
+        let at: [S; 3] = std::array::from_fn(|k| at[k] + pose.shift[k]);
+        self.image_of_reflected(sample.point, at, leaving)
+    }
+
+    /// The camera's ray through the pixel: a point of it and its direction, of any length.
+    pub fn ray<S: Scalar>(
+        &self,
+        sample: &PixelSample,
+        misalignment: &Misalignment<S>,
+    ) -> ([S; 3], [S; 3]) {
+        let (m, q) = (misalignment, sample.point);
+        let far = q.length_squared() / (self.half_width * self.half_width);
+        let grown = m.magnification + m.distortion * far + 1.0;
+        let q_off = [grown * q.x + m.principal_x_mm, grown * q.y + m.principal_y_mm];
+        let Chart { vergence: k, plane_mm } = self.camera.chart;
+        let down = S::constant(-1.0);
+        if k == 0.0 {
+            let lean = m.telecentricity_rad / self.half_width;
+            ([q_off[0], q_off[1], S::constant(plane_mm)], [lean * q.x, lean * q.y, down])
+        } else {
+            let zero = S::constant(0.0);
+            ([zero, zero, S::constant(plane_mm + 1.0 / k)], [q_off[0] * k, q_off[1] * k, down])
+        }
+    }
+
+    /// [`ImagingTask::locate`] for all kinds of numbers.
+    pub fn image_of_reflected<S: Scalar>(
+        &self,
+        near: DVec2,
+        at: [S; 3],
+        leaving: [S; 3],
+    ) -> [S; 2] {
+        let flip = if self.view.reflects(near) { -1.0 } else { 1.0 };
+        let from = [at[0], at[1] * flip, at[2] - self.view.origin_mm];
+        let sigma = stereographic::sigma([leaving[0], leaving[1] * flip, leaving[2]]);
+        let seen = self.view.target.direction_from_origin(from, sigma);
+        let [x, y] = self.view.projection.image_of(seen, DVec2::new(near.x, near.y * flip));
+        [x, y * flip]
+    }
+}
+
+/// Where a line meets `surface`, and the slope there: Newton's method from the sample's own hit, no
+/// farther from that than `farthest`.
+#[inline]
+fn meet<S: Scalar>(
+    sample: &PixelSample,
+    farthest: f64,
+    (from, along): ([S; 3], [S; 3]),
+    mut surface: impl FnMut([S; 2]) -> [S; 3],
+) -> Option<([S; 3], [S; 2])> {
+    let (hit, p) = (sample.hit, sample.slope);
+    // The tangent plane there.
+    let rate = along[2] - along[0] * p[0] - along[1] * p[1];
+    let below = from[2] - hit.z - (from[0] - hit.x) * p[0] - (from[1] - hit.y) * p[1];
+    let mut t = -below / rate;
+    // The step before and the slope before it.
+    let mut last: Option<(S, [S; 2])> = None;
+    for _ in 0..MOST_STEPS {
+        let [x, y, z] = [0, 1, 2].map(|k| from[k] + along[k] * t);
+        // Nor is what is not a number near.
+        let near = |x: S, hit: f64| (x.mid() - hit).abs() <= farthest;
+        if !(near(x, hit.x) && near(y, hit.y)) {
+            return None;
+        }
+        let [f, f_x, f_y] = surface([x, y]);
+        let step = (z - f) / (along[2] - along[0] * f_x - along[1] * f_y);
+        t = t - step;
+        if step.mid().abs() < LAST_STEP {
+            let at = [0, 1, 2].map(|k| from[k] + along[k] * t);
+            if let (true, Some((before, [p, q]))) = (is_plain::<S>(), last) {
+                // So short a step changes the slope as the one before did.
+                let more: S = step / before;
+                return Some((at, [f_x + (f_x - p) * more, f_y + (f_y - q) * more]));
+            }
+            let [_, f_x, f_y] = surface([at[0], at[1]]);
+            return Some((at, [f_x, f_y]));
+        }
+        last = Some((step, [f_x, f_y]));
+    }
+    None
+}
