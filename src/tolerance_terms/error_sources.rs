@@ -230,6 +230,8 @@ error_sources! {
     PrincipalY: "principal_y_px", Px, 11, Camera(Field::PrincipalY), AnySystem, Uniform(1.0);
     /// Third-order radial distortion, at half the frame's width.
     Distortion: "distortion_ppm", Ppm, 12, Camera(Field::Distortion), AnySystem, Uniform(500.0);
+    /// Third-order coma of the lens along X (decentering distortion), at half the frame's width.
+    Coma: "coma_ppm", Ppm, 19, Camera(Field::Coma), AnySystem, Uniform(0.0);
     /// Form error: the Legendre term of degree 2 in X.
     Legendre20: "legendre_20_um", Microns, 120, Form(Legendre(2, 0)), RectangularMirror, ByProcess;
     /// Form error: the Legendre term of degrees 1 in X and 1 in Y.

@@ -71,4 +71,6 @@ misalignment! {
     PrincipalY: principal_y_mm,
     /// Third-order radial distortion, as a share of the radius at half the frame's width.
     Distortion: distortion,
+    /// Third-order coma of the lens along X, as a share of the radius at half the frame's width.
+    Coma: coma,
 }

@@ -136,7 +136,9 @@ impl OpticalSystem {
         let (m, q) = (misalignment, sample.point);
         let far = q.length_squared() / (self.half_width * self.half_width);
         let grown = m.magnification + m.distortion * far + 1.0;
-        let q_off = [grown * q.x + m.principal_x_mm, grown * q.y + m.principal_y_mm];
+        let [coma_x, coma_y] = coma_shift(q, self.half_width).map(|shift| m.coma * shift);
+        let q_off =
+            [grown * q.x + m.principal_x_mm + coma_x, grown * q.y + m.principal_y_mm + coma_y];
         let Chart { vergence: k, plane_mm } = self.camera.chart;
         let down = S::constant(-1.0);
         if k == 0.0 {
@@ -162,6 +164,15 @@ impl OpticalSystem {
         let [x, y] = self.view.projection.image_of(seen, DVec2::new(near.x, near.y * flip));
         [x, y * flip]
     }
+}
+
+/// Shift of image point `q`, mm, by a coma of 1 along X: that of a lens whose elements are decentred, which
+/// moves the chief ray as p (3 x^2 + y^2, 2 x y) (A. E. Conrady, *Decentred lens-systems*, 1919; D. C. Brown,
+/// *Decentering distortion of lenses*, 1966, his p1). It is the derivative of third-order radial distortion
+/// by a shift of its centre. With p = 1 / (3 w), it is w at (w, 0), and a third of that at (0, w).
+fn coma_shift(q: DVec2, half_width: f64) -> [f64; 2] {
+    let p = 1.0 / (3.0 * half_width);
+    [p * (3.0 * q.x * q.x + q.y * q.y), p * 2.0 * q.x * q.y]
 }
 
 /// Where a line meets `surface`, and the slope there: Newton's method from the sample's own hit, no
@@ -203,4 +214,24 @@ fn meet<S: Scalar>(
         last = Some((step, [f_x, f_y]));
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coma_is_what_decentring_makes_of_radial_distortion() {
+        let w = 30.0;
+        assert_eq!(coma_shift(DVec2::new(w, 0.0), w), [w, 0.0]);
+        assert_eq!(coma_shift(DVec2::new(0.0, w), w), [w / 3.0, 0.0]);
+        let distorted = |q: DVec2| q * q.length_squared();
+        for q in [DVec2::new(11.0, -7.0), DVec2::new(-3.0, 20.0)] {
+            // A cubic: central differences are exact up to the square of the step.
+            let h = 1e-3;
+            let moved = (distorted(q + DVec2::X * h) - distorted(q - DVec2::X * h)) / (2.0 * h);
+            let off = DVec2::from_array(coma_shift(q, w)) - moved / (3.0 * w);
+            assert!(off.length() < 1e-7, "{q}: {off}");
+        }
+    }
 }

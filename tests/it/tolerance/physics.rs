@@ -38,7 +38,8 @@ fn length(field: &[f64]) -> f64 {
 #[test]
 fn derivatives_agree_with_central_differences() {
     for (name, design) in designs() {
-        let sources = usual(&design, precise());
+        let mut sources = usual(&design, precise());
+        sources.push(fixed(Perturbation::Coma, 500.0));
         let engine = engine(&design, spec(sources.clone(), &[]));
         for source in sources {
             // Facets are drawn, and displace by what is drawn; tracks have a test of their own.
@@ -117,6 +118,7 @@ fn a_perturbed_picture_is_that_of_rays_traced_by_hand() {
             (Perturbation::PrincipalX, 0.7),
             (Perturbation::PrincipalY, -0.4),
             (Perturbation::Distortion, 300.0),
+            (Perturbation::Coma, 600.0),
             (Perturbation::Telecentricity, if telecentric { 0.9 } else { 0.0 }),
         ];
         let [found, _] = both(&engine, &values);
@@ -133,7 +135,10 @@ fn a_perturbed_picture_is_that_of_rays_traced_by_hand() {
         let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
         for (k, (point, content)) in engine.places().enumerate() {
             let far = point.length_squared() / (half_width * half_width);
-            let q = point * (1.0 - 4e-4 + 3e-4 * far) + DVec2::new(0.7, -0.4) * camera.pixel_mm;
+            let (x, y) = (point.x, point.y);
+            let coma = DVec2::new(3.0 * x * x + y * y, 2.0 * x * y) * (2e-4 / half_width);
+            let q =
+                point * (1.0 - 4e-4 + 3e-4 * far) + coma + DVec2::new(0.7, -0.4) * camera.pixel_mm;
             let mut ray = camera.ray(q, camera.chart.plane_mm);
             if telecentric {
                 ray.direction = (point * 9e-4 / half_width).extend(-1.0).normalize();
@@ -160,6 +165,34 @@ fn a_perturbed_picture_is_that_of_rays_traced_by_hand() {
             let exact = (seen - content) / camera.pixel_mm;
             let found = DVec2::new(found[2 * k], found[2 * k + 1]);
             assert!((found - exact).length() < 1e-8, "{name} {point}: {found} {exact}");
+        }
+    }
+}
+
+/// What a pixel sees through a lens with coma, another sees through one without, of a sensor shifted by
+/// p (3 x^2 + y^2, 2 x y); by first derivatives too.
+#[test]
+fn coma_displaces_each_pixel_as_a_shift_of_the_sensor_by_its_closed_form() {
+    for (name, design) in designs() {
+        let engine = engine(&design, spec(vec![fixed(Perturbation::Coma, 800.0)], &[]));
+        let pixel = design.camera.pixel_mm;
+        let half_width = 0.5 * pixel * f64::from(design.camera.pixels[0]);
+        let [full, linear] = both(&engine, &[(Perturbation::Coma, 800.0)]);
+        let [full_x, linear_x] = both(&engine, &[(Perturbation::PrincipalX, 1.0)]);
+        let [_, linear_y] = both(&engine, &[(Perturbation::PrincipalY, 1.0)]);
+        assert!(length(&full) > 0.0 && length(&full_x) > 0.0);
+        for (k, (point, _)) in engine.places().enumerate().step_by(10) {
+            let (x, y) = (point.x, point.y);
+            let p = 8e-4 / (3.0 * half_width);
+            let [shift_x, shift_y] =
+                [p * (3.0 * x * x + y * y), p * 2.0 * x * y].map(|mm| mm / pixel);
+            let shift = [(Perturbation::PrincipalX, shift_x), (Perturbation::PrincipalY, shift_y)];
+            let [shifted, _] = both(&engine, &shift);
+            for i in [2 * k, 2 * k + 1] {
+                assert!((full[i] - shifted[i]).abs() < 1e-9, "{name} {point}");
+                let by_shift = linear_x[i] * shift_x + linear_y[i] * shift_y;
+                assert!((linear[i] - by_shift).abs() < 1e-10, "{name} {point}");
+            }
         }
     }
 }
