@@ -4,7 +4,7 @@
 //! the solid angle of a pixel ([`Pencil::solid_angle`]). A lens with an aperture collects a bundle of
 //! rays about the chief ray, all of which pass through one point of the plane in focus. The
 //! curved mirror spreads them over the world: divided by the turn from pixel to pixel that is an
-//! ellipse of blur in the picture ([`Spot`]).
+//! ellipse of blur in the picture ([`BlurEllipse`]).
 //!
 //! Words: the **aperture** radius A of a pinhole camera is half its entrance pupil's diameter, mm; of
 //! a telecentric one, whose pupil is far away, the tangent of the cone's half angle. A pupil point

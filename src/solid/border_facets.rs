@@ -1,6 +1,6 @@
 //! The stock around a face: its flat top, side and base, with marks and through holes.
 
-use super::{SolidError, kept, put, sides, wall};
+use super::{SolidError, add_polygon, rounded, sides, wall};
 use crate::geom::{Border, DVec2, Drilled, Land, Precision, TriMesh};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
@@ -10,7 +10,7 @@ type HoleLoops = [Vec<u32>; 2];
 /// The flat land within the loop `hole`, around its own holes, which are open below.
 ///
 /// # Errors
-/// [`SolidError::Flat`] when loops touch each other.
+/// [`SolidError::BorderTriangulation`] when loops touch each other.
 pub fn land(
     mesh: &mut TriMesh,
     hole: &[u32],
@@ -26,10 +26,10 @@ pub fn land(
 
 /// Closes what is open at `feet`, the loop of the face's skirt on the stock's flat top, and at the
 /// holes of the land. Circles become polygons with their corners on them, of chords within
-/// [`Stock::CHORD_MM`].
+/// [`Border::CHORD_MM`].
 ///
 /// # Errors
-/// [`SolidError::Flat`] when loops touch each other.
+/// [`SolidError::BorderTriangulation`] when loops touch each other.
 pub fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
@@ -41,7 +41,7 @@ pub fn close(
     let side = loop_pair(mesh, &stock.contour.polygon(), top);
     let mut holes = hole_loops(mesh, &stock.holes, top);
     let marks: Vec<Vec<u32>> =
-        stock.marks.iter().map(|mark| put(mesh, &mark.polygon(mark.at), top)).collect();
+        stock.marks.iter().map(|mark| add_polygon(mesh, &mark.polygon(mark.at), top)).collect();
 
     let upper = holes.iter().map(|hole| &hole[0][..]);
     let inner: Vec<&[u32]> =
@@ -49,7 +49,7 @@ pub fn close(
     let flat = triangulate_between(mesh, &side[0], &inner, precision)?;
     mesh.triangles.extend(flat);
     for (mark, rim) in stock.marks.iter().zip(&marks) {
-        let tip = put(mesh, &[mark.at], top - mark.radius())[0];
+        let tip = add_polygon(mesh, &[mark.at], top - mark.radius())[0];
         mesh.triangles.extend(sides(rim).map(|[v, next]| [v, next, tip]));
     }
     holes.extend(of_land);
@@ -89,7 +89,7 @@ fn hole_loops(mesh: &mut TriMesh, holes: &[Drilled], top: f64) -> Vec<HoleLoops>
 
 /// The polygon at the height of the top and in the base.
 fn loop_pair(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> HoleLoops {
-    [top, 0.0].map(|z| put(mesh, polygon, z))
+    [top, 0.0].map(|z| add_polygon(mesh, polygon, z))
 }
 
 /// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
@@ -100,14 +100,15 @@ fn triangulate_between(
     precision: Precision,
 ) -> Result<Vec<[u32; 3]>, SolidError> {
     let numbers: Vec<u32> = [&[outer], inner].concat().concat();
-    let at = |v: u32| kept(mesh.vertices[v as usize], precision).truncate();
+    let at = |v: u32| rounded(mesh.vertices[v as usize], precision).truncate();
     let points = numbers.iter().map(|&v| Point2::new(at(v).x, at(v).y)).collect();
     let mut edges: Vec<[usize; 2]> = Vec::with_capacity(numbers.len());
     for corners in std::iter::once(&outer).chain(inner) {
         let (first, count) = (edges.len(), corners.len());
         edges.extend((0..count).map(|k| [first + k, first + (k + 1) % count]));
     }
-    let refuse = |near: u32, reason: String| SolidError::Flat { near: at(near), reason };
+    let refuse =
+        |near: u32, reason: String| SolidError::BorderTriangulation { near: at(near), reason };
     let mut crossing = None;
     let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
         points,
@@ -198,7 +199,9 @@ mod tests {
             &plate(holes, marks),
             Precision::Single,
         ) {
-            Err(SolidError::Flat { near, reason }) => (near.round().to_array(), reason),
+            Err(SolidError::BorderTriangulation { near, reason }) => {
+                (near.round().to_array(), reason)
+            }
             other => panic!("{other:?}"),
         };
         // Into each other, the skirt, the side; one on the other; too small for the digits.
@@ -216,7 +219,7 @@ mod tests {
         assert_eq!(refused(&[[2.9, 0.0, 1.0]], &[]).1, "two edges cross");
         assert!(closed(&plate(&[[9.0, 0.0, 1.0]], &[]), Precision::Double).is_err());
         let high = Border { top_mm: 2.0, ..plate(&[], &[]) };
-        let sunk = SolidError::Sunk { lowest_mm: 2.0, top_mm: 2.0 };
+        let sunk = SolidError::BelowBorder { lowest_mm: 2.0, top_mm: 2.0 };
         assert_eq!(closed(&high, Precision::Double).unwrap_err(), sunk);
     }
 }

@@ -15,7 +15,7 @@ const REPORTED: usize = 8;
 const CHUNK: usize = 16_384;
 
 /// Checks `mesh`: closed, oriented, manifold in edges and vertices, connected, no empty facet;
-/// without through holes, unless [`Check::through`] says otherwise.
+/// without through holes, unless [`SolidCheck::through`] says otherwise.
 #[must_use]
 pub fn check(mesh: &TriMesh) -> SolidCheck {
     let ((fans, single), ((mut defects, volume_mm3), components)) = parallel::join(
@@ -30,8 +30,8 @@ pub fn check(mesh: &TriMesh) -> SolidCheck {
     if !single {
         for defect in edge_defects(mesh).into_iter().chain(pinches(mesh, &fans)) {
             match defect {
-                Defect::Open { .. } => closed = false,
-                Defect::Turned { .. } => oriented = false,
+                Defect::OpenEdge { .. } => closed = false,
+                Defect::InconsistentEdge { .. } => oriented = false,
                 _ => manifold = false,
             }
             defects.push(defect);
@@ -154,7 +154,7 @@ fn degenerate_facets(mesh: &TriMesh) -> Vec<Defect> {
         let area = mesh.area_vector(t).length_squared();
         !(area > 0.0 && area.is_finite())
     };
-    let defect = |facet| Defect::Degenerate { facet, at: mesh.corners(facet)[0] };
+    let defect = |facet| Defect::DegenerateFacet { facet, at: mesh.corners(facet)[0] };
     parallel::gather(mesh.triangles.len(), CHUNK, |part| {
         part.filter(is_empty).map(defect).collect()
     })
@@ -185,10 +185,10 @@ fn edge_defects(mesh: &TriMesh) -> Vec<Defect> {
         let edge = ends.map(|v| mesh.vertices[v as usize]);
         let along = group.iter().filter(|g| g.2).count();
         match group.len() {
-            1 => Some(Defect::Open { facet, edge }),
+            1 => Some(Defect::OpenEdge { facet, edge }),
             2 if along == 1 => None,
-            2 => Some(Defect::Turned { facet, edge }),
-            facets => Some(Defect::Crowded { facet, edge, facets }),
+            2 => Some(Defect::InconsistentEdge { facet, edge }),
+            facets => Some(Defect::NonManifoldEdge { facet, edge, facets }),
         }
     };
     sorted_edges(mesh).chunk_by(|a, b| a.0 == b.0).filter_map(defect).collect()
@@ -209,7 +209,7 @@ fn pinches(mesh: &TriMesh, fans: &VertexFans) -> Vec<Defect> {
         .map(|v| {
             let here = |t: &[u32; 3]| t.contains(&(v as u32));
             let facet = mesh.triangles.iter().position(here).unwrap_or_default();
-            Defect::Pinched { facet, at: mesh.vertices[v] }
+            Defect::NonManifoldVertex { facet, at: mesh.vertices[v] }
         })
         .collect()
 }
@@ -290,7 +290,7 @@ mod tests {
         mesh.triangles[4].swap(0, 1);
         let found = check(&mesh);
         assert!(found.closed && !found.oriented && found.manifold);
-        assert!(matches!(found.defects[0], Defect::Turned { .. }));
+        assert!(matches!(found.defects[0], Defect::InconsistentEdge { .. }));
     }
 
     #[test]
@@ -325,7 +325,7 @@ mod tests {
         }
         let found = check(&welder.finish());
         assert!(found.closed && found.oriented && !found.manifold);
-        assert!(matches!(found.defects[..], [Defect::Pinched { .. }]));
+        assert!(matches!(found.defects[..], [Defect::NonManifoldVertex { .. }]));
         assert_eq!(found.components, 1);
     }
 
@@ -342,7 +342,7 @@ mod tests {
     fn an_empty_facet_and_a_nan_are_degenerate() {
         let mut mesh = cube();
         mesh.vertices[1] = mesh.vertices[0];
-        assert!(check(&mesh).defects.iter().any(|d| matches!(d, Defect::Degenerate { .. })));
+        assert!(check(&mesh).defects.iter().any(|d| matches!(d, Defect::DegenerateFacet { .. })));
         let mut mesh = cube();
         mesh.vertices[1].x = f64::NAN;
         assert!(!check(&mesh).is_solid());

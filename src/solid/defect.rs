@@ -8,14 +8,14 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Defect {
     /// Only one facet has this edge.
-    Open {
+    OpenEdge {
         /// That facet.
         facet: usize,
         /// The edge's ends.
         edge: [DVec3; 2],
     },
     /// More than two facets have this edge.
-    Crowded {
+    NonManifoldEdge {
         /// One of them.
         facet: usize,
         /// The edge's ends.
@@ -24,21 +24,21 @@ pub enum Defect {
         facets: usize,
     },
     /// Two facets run along this edge in the same direction.
-    Turned {
+    InconsistentEdge {
         /// One of them.
         facet: usize,
         /// The edge's ends.
         edge: [DVec3; 2],
     },
     /// The facets at this vertex form more than one fan.
-    Pinched {
+    NonManifoldVertex {
         /// A facet there.
         facet: usize,
         /// The vertex.
         at: DVec3,
     },
     /// The facet has no area, or a coordinate that is not a number.
-    Degenerate {
+    DegenerateFacet {
         /// The facet.
         facet: usize,
         /// One of its corners.
@@ -50,26 +50,26 @@ impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = |v: DVec3| format!("({}, {}, {})", v.x, v.y, v.z);
         match *self {
-            Self::Open { facet, edge: [a, b] } => {
+            Self::OpenEdge { facet, edge: [a, b] } => {
                 write!(f, "open: only facet {facet} has the edge {}-{}", place(a), place(b))
             }
-            Self::Crowded { facet, edge: [a, b], facets } => write!(
+            Self::NonManifoldEdge { facet, edge: [a, b], facets } => write!(
                 f,
                 "not manifold: facet {facet} and {} more share the edge {}-{}",
                 facets - 1,
                 place(a),
                 place(b)
             ),
-            Self::Turned { facet, edge: [a, b] } => write!(
+            Self::InconsistentEdge { facet, edge: [a, b] } => write!(
                 f,
                 "not oriented: facet {facet} and its neighbour run the same way along {}-{}",
                 place(a),
                 place(b)
             ),
-            Self::Pinched { facet, at } => {
+            Self::NonManifoldVertex { facet, at } => {
                 write!(f, "not manifold: facet {facet} touches another fan at vertex {}", place(at))
             }
-            Self::Degenerate { facet, at } => {
+            Self::DegenerateFacet { facet, at } => {
                 write!(f, "degenerate: facet {facet} at {} has no area", place(at))
             }
         }

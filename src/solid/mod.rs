@@ -26,7 +26,7 @@ pub enum SolidError {
     #[error(
         "the rim of the optical face is not one closed loop, or one border_facets another: {reason}"
     )]
-    Rim {
+    BoundaryLoops {
         /// What was found instead.
         reason: String,
     },
@@ -34,7 +34,7 @@ pub enum SolidError {
     #[error(
         "the optical face reaches down to Z = {lowest_mm} mm, to or below the base plane Z = 0"
     )]
-    Base {
+    BelowBasePlane {
         /// Least Z of the face, mm.
         lowest_mm: f64,
     },
@@ -43,7 +43,7 @@ pub enum SolidError {
         "the optical face reaches down to Z = {lowest_mm} mm, to or below the flat rim at Z = \
          {top_mm} mm"
     )]
-    Sunk {
+    BelowBorder {
         /// Least Z of the face, mm.
         lowest_mm: f64,
         /// Z of the flat rim, mm.
@@ -55,7 +55,7 @@ pub enum SolidError {
          holes and marks further apart, or export obj alone",
         near.x, near.y
     )]
-    Flat {
+    BorderTriangulation {
         /// Where.
         near: DVec2,
         /// What was found.
@@ -85,13 +85,13 @@ impl Solid {
     ) -> Result<Self, SolidError> {
         let lowest_mm = face.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         if !(lowest_mm > 0.0) {
-            return Err(SolidError::Base { lowest_mm });
+            return Err(SolidError::BelowBasePlane { lowest_mm });
         }
         let top_mm = stock.map_or(0.0, |stock| stock.top_mm);
         if !(lowest_mm > top_mm) {
-            return Err(SolidError::Sunk { lowest_mm, top_mm });
+            return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
-        let Rims { outer, hole } = rims(face)?;
+        let BoundaryLoops { outer, hole } = boundary_loops(face)?;
         let mut mesh = face.clone();
         let land = stock.and_then(|stock| stock.land.as_ref());
         let mut bores = Vec::new();
@@ -104,7 +104,7 @@ impl Solid {
             mesh.triangles.extend(sides(&hole).map(|[v, next]| [next, v, centre]));
         }
         let rim: Vec<DVec2> = outer.iter().map(|&v| face.vertices[v as usize].truncate()).collect();
-        let feet = put(&mut mesh, &rim, top_mm);
+        let feet = add_polygon(&mut mesh, &rim, top_mm);
         wall(&mut mesh, &outer, &feet);
         match stock {
             None => {
@@ -114,7 +114,7 @@ impl Solid {
             }
             Some(stock) => border_facets::close(&mut mesh, &feet, stock, bores, precision)?,
         }
-        mesh.vertices.iter_mut().for_each(|v| *v = kept(*v, precision));
+        mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v, precision));
         let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
         if check.is_solid() {
             Ok(Self { mesh, check, optical: face.triangles.len() })
@@ -129,7 +129,7 @@ impl Solid {
     /// [`SolidError::Check`] when rounding makes it no solid.
     pub fn grown(&self, factor: f64, precision: Precision) -> Result<Self, SolidError> {
         let mut mesh = self.mesh.clone();
-        mesh.vertices.iter_mut().for_each(|v| *v = kept(*v * factor, precision));
+        mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v * factor, precision));
         let check = check(&mesh).through(self.check.holes);
         if check.is_solid() {
             Ok(Self { mesh, check, optical: self.optical })
@@ -167,13 +167,13 @@ pub fn added(outer: usize, hole: usize, stock: Option<&Border>) -> usize {
 
 /// What a file of this precision keeps of a place: only +0.0, for it must not hold one place in two
 /// spellings.
-fn kept(v: DVec3, precision: Precision) -> DVec3 {
+fn rounded(v: DVec3, precision: Precision) -> DVec3 {
     let v = if precision == Precision::Single { v.as_vec3().as_dvec3() } else { v };
     v + DVec3::ZERO
 }
 
 /// New vertices over `places` at height `z`.
-fn put(mesh: &mut TriMesh, places: &[DVec2], z: f64) -> Vec<u32> {
+fn add_polygon(mesh: &mut TriMesh, places: &[DVec2], z: f64) -> Vec<u32> {
     let first = mesh.vertices.len() as u32;
     mesh.vertices.extend(places.iter().map(|p| p.extend(z)));
     (first..mesh.vertices.len() as u32).collect()
@@ -191,9 +191,9 @@ fn wall(mesh: &mut TriMesh, upper: &[u32], lower: &[u32]) {
 /// How many edges there are border_facets `face`, and border_facets its hole.
 ///
 /// # Errors
-/// [`SolidError::Rim`] when its rim is not of one loop or two.
+/// [`SolidError::BoundaryLoops`] when its rim is not of one loop or two.
 pub fn rim(face: &TriMesh) -> Result<[usize; 2], SolidError> {
-    let Rims { outer, hole } = rims(face)?;
+    let BoundaryLoops { outer, hole } = boundary_loops(face)?;
     Ok([outer.len(), hole.map_or(0, |hole| hole.len())])
 }
 
@@ -204,12 +204,12 @@ fn sides(vertices: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// The rim's loops: vertices in order, the face on the left.
-struct Rims {
+struct BoundaryLoops {
     outer: Vec<u32>,
     hole: Option<Vec<u32>>,
 }
 
-fn rims(face: &TriMesh) -> Result<Rims, SolidError> {
+fn boundary_loops(face: &TriMesh) -> Result<BoundaryLoops, SolidError> {
     let mut loops = loops(face)?;
     let area = |vertices: &Vec<u32>| -> f64 {
         let at = |v: u32| face.vertices[v as usize].truncate();
@@ -218,21 +218,21 @@ fn rims(face: &TriMesh) -> Result<Rims, SolidError> {
     loops.sort_by(|a, b| area(b).abs().total_cmp(&area(a).abs()));
     let mut loops = loops.into_iter();
     let (outer, hole, more) = (loops.next(), loops.next(), loops.count());
-    let broken = |reason: String| Err(SolidError::Rim { reason });
+    let broken = |reason: String| Err(SolidError::BoundaryLoops { reason });
     match outer {
         None => broken("it has no rim".into()),
         Some(_) if more > 0 => broken(format!("it has {} loops", more + 2)),
         Some(outer) if !(area(&outer) > 0.0) || hole.as_ref().is_some_and(|h| area(h) >= 0.0) => {
             broken("its loops do not run border_facets the face".into())
         }
-        Some(outer) => Ok(Rims { outer, hole }),
+        Some(outer) => Ok(BoundaryLoops { outer, hole }),
     }
 }
 
 /// The closed loops of edges that have a facet on one side only, in the order of their least
 /// vertices.
 fn loops(face: &TriMesh) -> Result<Vec<Vec<u32>>, SolidError> {
-    let broken = |reason: String| SolidError::Rim { reason };
+    let broken = |reason: String| SolidError::BoundaryLoops { reason };
     const NONE: u32 = u32::MAX;
     let mut next = vec![NONE; face.vertices.len()];
     for (from, to) in check::open_edges(face) {
@@ -299,7 +299,7 @@ mod tests {
         low.vertices[2].z = 0.0;
         assert_eq!(
             Solid::from_face(&low, None, Precision::Double).unwrap_err(),
-            SolidError::Base { lowest_mm: 0.0 }
+            SolidError::BelowBasePlane { lowest_mm: 0.0 }
         );
     }
 
@@ -339,7 +339,10 @@ mod tests {
         let mut face = holed(DVec3::ZERO);
         face.triangles.remove(0);
         let refused = |face: &TriMesh| {
-            matches!(Solid::from_face(face, None, Precision::Single), Err(SolidError::Rim { .. }))
+            matches!(
+                Solid::from_face(face, None, Precision::Single),
+                Err(SolidError::BoundaryLoops { .. })
+            )
         };
         assert!(refused(&face));
         // Apart, two faces have two outer rims.

@@ -78,7 +78,7 @@ impl<'a> InverseMap<'a> {
         DVec2::from_array(view.image_of_seen(&camera.chart, place, slope, near))
     }
 
-    /// The derivatives of [`Finder::content`], inverted.
+    /// Inverse of the Jacobian of [`InverseMap::content`].
     fn follows(&self, at: DVec2, near: DVec2) -> DMat2 {
         let ImagingSystem { mirror, camera, view } = self.optics;
         let point = mirror.surface.at(at);

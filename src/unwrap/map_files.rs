@@ -46,7 +46,7 @@ impl RemapTable {
     /// An OpenEXR picture with two channels in single precision, losslessly compressed: R is the column, G the row.
     ///
     /// # Errors
-    /// [`TableError`] when there is not room enough.
+    /// [`MapEncodingError`] when there is not room enough.
     pub fn exr(&self) -> Result<Vec<u8>, MapEncodingError> {
         let [width, height] = self.size;
         let value = |at: Vec2<usize>| {
