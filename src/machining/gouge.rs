@@ -1,7 +1,8 @@
-//! Where the ball does not fit: hollow ground, other ground in its way, and the valley between two panels.
+//! Rest material: what a ball leaves where the mirror is too hollow for it, stands in its way elsewhere, or has a
+//! valley between two panels.
 
 use super::closing::closing_height;
-use super::drop_cutter::{DropCutter, over_face};
+use super::drop_cutter::{DropCutter, surface_on_face};
 use super::touches;
 use crate::geom::DVec2;
 use crate::mirror::{LocalSurface, Mirror};
@@ -19,11 +20,11 @@ pub struct Gouge {
     /// Distance of its places, mm.
     pub step: f64,
     /// What is left, mm, row by row with Y rising: 0 for less than [`FLOOR_MM`]; none off the mirror.
-    pub left: Vec<Option<f64>>,
+    pub rest_mm: Vec<Option<f64>>,
     /// The most that is left anywhere, mm, and where; none where the ball fits everywhere.
-    pub most: Option<(f64, DVec2)>,
+    pub largest: Option<(f64, DVec2)>,
     /// The same outside the fillet of a valley.
-    pub most_beside: Option<(f64, DVec2)>,
+    pub largest_outside_fillet: Option<(f64, DVec2)>,
 }
 
 /// Steps of the grid along its longer side, where the ball is not too large.
@@ -44,36 +45,37 @@ impl Gouge {
         let half = (lo.abs().max(hi.abs()) / step).floor() + 1.0;
         let [columns, rows] = [2 * half.x as usize + 1, 2 * half.y as usize + 1];
         let first = -half * step;
-        let places =
-            parallel::map(columns * rows, 1, |k| over_face(mirror, node(first, step, columns, k)));
-        let heights = places.iter().map(|place| place.map_or(f64::NAN, |p| p.at.z)).collect();
-        let ground = DropCutter::new(mirror, ball_mm, step, first, [columns, rows], heights);
-        let lay = Lay::new(&ground);
-        let left = parallel::map_slice(&places, 1, |place| {
-            let left = lay.left(&(*place)?);
-            Some(if left > FLOOR_MM { left } else { 0.0 })
+        let places = parallel::map(columns * rows, 1, |k| {
+            surface_on_face(mirror, node(first, step, columns, k))
         });
-        let mut found =
-            Self { size: [columns, rows], first, step, left, most: None, most_beside: None };
-        let reached = |place: &LocalSurface| touches(mirror, place, ball_mm);
-        [found.most, found.most_beside] = [true, false].map(|valley| {
-            let counts = |place: &LocalSurface| valley || reached(place);
-            let on_grid = found.left.iter().zip(&places).filter_map(|(left, place)| {
+        let heights = places.iter().map(|place| place.map_or(f64::NAN, |p| p.at.z)).collect();
+        let cutter = DropCutter::new(mirror, ball_mm, step, first, [columns, rows], heights);
+        let centres = BallCentres::new(&cutter);
+        let rest_mm = parallel::map_slice(&places, 1, |place| {
+            let rest = centres.rest_mm(&(*place)?);
+            Some(if rest > FLOOR_MM { rest } else { 0.0 })
+        });
+        // The most where `counts`, from the best place of the grid and from the hollow one.
+        let largest = |counts: &dyn Fn(&LocalSurface) -> bool| {
+            let on_grid = rest_mm.iter().zip(&places).filter_map(|(rest, place)| {
                 let place =
-                    place.filter(|place| left.is_some_and(|mm| mm > 0.0) && counts(place))?;
-                Some(((*left)?, place.at.truncate()))
+                    place.filter(|place| rest.is_some_and(|mm| mm > 0.0) && counts(place))?;
+                Some(((*rest)?, place.at.truncate()))
             });
             let highest = on_grid.reduce(|most, next| if next.0 > most.0 { next } else { most });
             let hollow = hollow.and_then(|xy| {
-                let place = ground.place(xy).filter(|place| counts(place))?;
-                Some((lay.left(&place), xy))
+                let place = cutter.surface_over(xy).filter(|place| counts(place))?;
+                Some((centres.rest_mm(&place), xy))
             });
             let starts = [highest, hollow].into_iter().flatten();
             starts
-                .map(|start| lay.deepest(start, counts))
+                .map(|start| centres.deepest(start, counts))
                 .reduce(|most, next| if next.0 > most.0 { next } else { most })
-        });
-        found
+        };
+        let outside = |place: &LocalSurface| touches(mirror, place, ball_mm);
+        let (largest, largest_outside_fillet) = (largest(&|_| true), largest(&outside));
+        let size = [columns, rows];
+        Self { size, first, step, rest_mm, largest, largest_outside_fillet }
     }
 
     /// Place number `k` of the grid.
@@ -85,7 +87,7 @@ impl Gouge {
     /// The share of the face's area, in the plan, where something is left.
     #[must_use]
     pub fn share(&self) -> f64 {
-        let face = self.left.iter().flatten();
+        let face = self.rest_mm.iter().flatten();
         let (mut left, mut all) = (0, 0);
         for &value in face {
             all += 1;
@@ -117,11 +119,11 @@ fn step(size: DVec2, ball_mm: f64) -> f64 {
     long / steps
 }
 
-/// The ball laid on the nodes of a ground: heights of its centre, from which the search for the lowest ball over a
-/// place starts.
-struct Lay<'a> {
-    ground: &'a DropCutter<'a>,
-    /// Nodes by which centres may lie beyond the ground's.
+/// Heights of the ball's centre where it rests over the nodes of a grid, from which the search for the lowest ball over
+/// a point starts.
+struct BallCentres<'a> {
+    cutter: &'a DropCutter<'a>,
+    /// Nodes by which centres may lie beyond the face's.
     reach: usize,
     columns: usize,
     rows: usize,
@@ -129,56 +131,56 @@ struct Lay<'a> {
     centres: Vec<f64>,
 }
 
-impl<'a> Lay<'a> {
-    fn new(ground: &'a DropCutter<'a>) -> Self {
-        let reach = (ground.ball_mm / ground.step).ceil() as usize;
-        let [columns, rows] = ground.size.map(|count| count + 2 * reach);
-        let mut lay = Self { ground, reach, columns, rows, centres: Vec::new() };
-        lay.centres = parallel::map(columns * rows, 1, |k| {
-            ground.over_nodes(node(lay.first(), ground.step, columns, k))
+impl<'a> BallCentres<'a> {
+    fn new(cutter: &'a DropCutter<'a>) -> Self {
+        let reach = (cutter.ball_mm / cutter.step).ceil() as usize;
+        let [columns, rows] = cutter.size.map(|count| count + 2 * reach);
+        let mut grid = Self { cutter, reach, columns, rows, centres: Vec::new() };
+        grid.centres = parallel::map(columns * rows, 1, |k| {
+            cutter.height_over_nodes(node(grid.first(), cutter.step, columns, k))
         });
-        lay
+        grid
     }
 
     /// X and Y of the first centre.
     fn first(&self) -> DVec2 {
-        self.ground.first - DVec2::splat(self.reach as f64 * self.ground.step)
+        self.cutter.first - DVec2::splat(self.reach as f64 * self.cutter.step)
     }
 
     /// What the ball leaves on `place`, mm.
-    fn left(&self, place: &LocalSurface) -> f64 {
-        if !self.clashes(place) {
+    fn rest_mm(&self, place: &LocalSurface) -> f64 {
+        if !self.gouges(place) {
             return 0.0;
         }
         let xy = place.at.truncate();
-        let [anywhere, over_face] = self.starts(xy);
-        let height = closing_height(self.ground, xy, anywhere);
+        let [anywhere, on_face] = self.starts(xy);
+        let height = closing_height(self.cutter, xy, anywhere);
         let other =
-            if over_face == anywhere { height } else { closing_height(self.ground, xy, over_face) };
+            if on_face == anywhere { height } else { closing_height(self.cutter, xy, on_face) };
         (height.min(other) - place.at.z).max(0.0)
     }
 
-    /// Whether a ball that touches `place` cuts into other ground, or may.
-    fn clashes(&self, place: &LocalSurface) -> bool {
-        let DropCutter { ball_mm, step, .. } = *self.ground;
+    /// Whether a ball that touches `place` cuts into the mirror elsewhere, or may.
+    fn gouges(&self, place: &LocalSurface) -> bool {
+        let DropCutter { ball_mm, step, .. } = *self.cutter;
         if !(place.largest_curvature() * ball_mm < 1.0) {
             return true;
         }
         let centre = place.at + ball_mm * place.normal();
         let c = centre.truncate();
-        let seeds = self.ground.seeds(c);
-        // A top is no farther above its nearest node than a step.
-        let near = seeds.iter().take_while(|(top, _)| *top > centre.z - step);
-        let cuts = |top: f64| top > centre.z + FLOOR_MM;
-        near.into_iter().any(|(top, seed)| {
-            cuts(*top) || self.ground.ascend(c, seed).is_some_and(|found| cuts(found.top))
+        let seeds = self.cutter.seeds(c);
+        // A contact is no farther above its nearest node than a step.
+        let near = seeds.iter().take_while(|(z, _)| *z > centre.z - step);
+        let cuts = |z: f64| z > centre.z + FLOOR_MM;
+        near.into_iter().any(|(z, seed)| {
+            cuts(*z) || self.cutter.ascend(c, seed).is_some_and(|found| cuts(found.centre_z))
         })
     }
 
     /// The centre of the lowest ball over `p` of those over the nodes, and of those over nodes of the face: beside a rim
     /// a ball may come low from within and from outside.
     fn starts(&self, p: DVec2) -> [DVec2; 2] {
-        let DropCutter { ball_mm, step, size, .. } = *self.ground;
+        let DropCutter { ball_mm, step, size, .. } = *self.cutter;
         let (at, reach) = ((p - self.first()) / step, ball_mm / step);
         let range = |at: f64, count: usize| {
             let last = (at + reach).floor().min(count as f64 - 1.0);
@@ -186,7 +188,7 @@ impl<'a> Lay<'a> {
         };
         let on_face = |column: usize, row: usize| {
             let (x, y) = (column.wrapping_sub(self.reach), row.wrapping_sub(self.reach));
-            x < size[0] && y < size[1] && self.ground.heights[y * size[0] + x].is_finite()
+            x < size[0] && y < size[1] && self.cutter.heights[y * size[0] + x].is_finite()
         };
         let mut best = [(f64::INFINITY, p); 2];
         for row in range(at.y, self.rows) {
@@ -216,15 +218,15 @@ impl<'a> Lay<'a> {
         (mut most, mut at): (f64, DVec2),
         counts: impl Fn(&LocalSurface) -> bool,
     ) -> (f64, DVec2) {
-        let mut step = self.ground.step;
-        while step > 1e-3 * self.ground.step {
+        let mut step = self.cutter.step;
+        while step > 1e-3 * self.cutter.step {
             let ways = [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)];
             let better = ways
                 .into_iter()
                 .flat_map(|way| [at + way * step, at - way * step])
                 .find_map(|xy| {
-                    let place = self.ground.place(xy).filter(|place| counts(place))?;
-                    let left = self.left(&place);
+                    let place = self.cutter.surface_over(xy).filter(|place| counts(place))?;
+                    let left = self.rest_mm(&place);
                     (left > most).then_some((left, xy))
                 });
             match better {
@@ -253,7 +255,7 @@ mod tests {
 
     /// Holds each place of a map where `exact` knows what is left to that, and counts them.
     fn compared(gouge: &Gouge, what: &str, exact: impl Fn(DVec2) -> Option<f64>) -> usize {
-        let places = gouge.left.iter().enumerate().filter_map(|(k, left)| {
+        let places = gouge.rest_mm.iter().enumerate().filter_map(|(k, left)| {
             let at = gouge.place(k);
             let exact = exact(at)?;
             let found = (*left)?;
@@ -270,7 +272,7 @@ mod tests {
         for terms in [[-0.05, 0.01, -0.02], [0.06, 0.0, -0.06], [0.05, 0.0, 0.08]] {
             for vergence in [0.0, 0.01] {
                 let gouge = laid(&quadric(terms, vergence), 3.0);
-                assert_eq!((gouge.most, gouge.share()), (None, 0.0), "{terms:?} {vergence}");
+                assert_eq!((gouge.largest, gouge.share()), (None, 0.0), "{terms:?} {vergence}");
             }
         }
     }
@@ -288,7 +290,7 @@ mod tests {
             let centre = k * ball * ball + 0.25 / k;
             let foot = (ball * ball - 0.25 / (k * k)).sqrt();
             let what = format!("{k} {degrees} {u0}");
-            let (most, at) = gouge.most.unwrap();
+            let (most, at) = gouge.largest.unwrap();
             assert!((most - (centre - ball)).abs() < GOOD, "{what}: {most} {}", centre - ball);
             assert!((at.dot(way) - u0).abs() < 0.01, "{what}: {at}");
             let counted = compared(&gouge, &what, |at| {
@@ -326,7 +328,7 @@ mod tests {
         }
         // The rim of a hill is no hollow, however steep.
         let hill = quadric([-0.4, 0.1, -0.3], 0.0);
-        assert_eq!(laid(&hill, 3.0).most, None);
+        assert_eq!(laid(&hill, 3.0).largest, None);
     }
 
     /// In a bowl Z = k r^2 the ball touches all along a circle; with 2 k R hardly above 1 it is of next to no size.
@@ -344,9 +346,9 @@ mod tests {
                 Some(if square < foot * foot { inside } else { 0.0 })
             });
             let deep = centre - ball;
-            assert_eq!(gouge.most.is_some(), deep > FLOOR_MM);
+            assert_eq!(gouge.largest.is_some(), deep > FLOOR_MM);
             // What is told of hollow ground counts, however little is left there.
-            let (most, _) = Gouge::new(&mirror, CORNERS, ball, Some(middle)).most.unwrap();
+            let (most, _) = Gouge::new(&mirror, CORNERS, ball, Some(middle)).largest.unwrap();
             assert!((most - deep).abs() < 1e-3 * deep, "{most} {deep}");
         }
     }
@@ -366,9 +368,9 @@ mod tests {
                 let left = if at.y.abs() < foot { inside } else { 0.0 };
                 (at.x.abs() < 4.0 - ball).then_some(left)
             });
-            let (most, at) = gouge.most.unwrap();
+            let (most, at) = gouge.largest.unwrap();
             assert!((most - (centre - ball)).abs() < GOOD && at.y == 0.0, "{most} {at}");
-            assert_eq!(gouge.most_beside, None);
+            assert_eq!(gouge.largest_outside_fillet, None);
         }
     }
 }

@@ -314,9 +314,9 @@ fn surveyed<'a>(
         steepest_deg: survey.steepest_deg(),
         least_hollow_mm,
         gouge: GougeFacts {
-            fits: gouge.most.is_none() && fillet.is_none() && scallops.is_some(),
-            left_max_um: gouge.most.map_or(0.0, |most| 1e3 * most.0),
-            at_mm: gouge.most.map(|most| most.1.to_array()),
+            fits: gouge.largest.is_none() && fillet.is_none() && scallops.is_some(),
+            left_max_um: gouge.largest.map_or(0.0, |most| 1e3 * most.0),
+            at_mm: gouge.largest.map(|most| most.1.to_array()),
             share: gouge.share(),
             step_mm: gouge.step,
         },
@@ -366,7 +366,7 @@ fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
 fn unreached(gouge: &Gouge, found: &Machining, tight: bool) -> Option<String> {
     let ball = found.ball_mm;
     let nowhere = found.scallops.is_none();
-    let Some((left, at)) = gouge.most_beside else {
+    let Some((left, at)) = gouge.largest_outside_fillet else {
         return nowhere.then(|| format!("the ball of {ball} mm fits nowhere on the mirror"));
     };
     let fits = if nowhere { "fits nowhere on the mirror" } else { "does not fit" };

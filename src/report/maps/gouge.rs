@@ -18,14 +18,14 @@ const FITS: Srgb = [200, 200, 204];
 pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingError> {
     let [columns, rows] = gouge.size;
     let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
-    let most = gouge.left.iter().flatten().copied().fold(FLOOR_MM, f64::max);
+    let most = gouge.rest_mm.iter().flatten().copied().fold(FLOOR_MM, f64::max);
     let decades = (over(most) - 1e-9).ceil().max(1.0);
     let colour = |left: Option<f64>| match left {
         None => NO_MIRROR,
         Some(..FLOOR_MM) => FITS,
         Some(mm) => viridis(over(mm) / decades),
     };
-    let row = |row: usize| gouge.left[row * columns..][..columns].iter();
+    let row = |row: usize| gouge.rest_mm[row * columns..][..columns].iter();
     // In um: tenths of a power of ten are exact.
     let powers = std::iter::successors(Some(1e4 * FLOOR_MM), |power| Some(10.0 * power));
     let map = FalseColourMap {
@@ -49,8 +49,14 @@ mod tests {
     #[test]
     fn the_map_has_y_upwards_and_the_colours_of_its_decades() {
         let left = vec![Some(0.0), None, Some(1e-1), Some(1e-2)];
-        let (most, most_beside) = (None, None);
-        let gouge = Gouge { size: [2, 2], first: DVec2::ZERO, step: 0.5, left, most, most_beside };
+        let gouge = Gouge {
+            size: [2, 2],
+            first: DVec2::ZERO,
+            step: 0.5,
+            rest_mm: left,
+            largest: None,
+            largest_outside_fillet: None,
+        };
         let (width, _, rgb) = decoded(&gouge_picture(&gouge, 3.0).unwrap());
         let (width, cell) = (width as usize, 320);
         let at = |x: usize, y: usize| {

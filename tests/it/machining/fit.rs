@@ -33,15 +33,15 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
         cutting.ball_mm,
         None,
     );
-    let cells = gouge.left.iter().flatten().filter(|left| **left > 0.0).count();
+    let cells = gouge.rest_mm.iter().flatten().filter(|left| **left > 0.0).count();
     let area = cells as f64 * gouge.step * gouge.step;
     let exact = fillet.pixels * design.camera.pixel_mm * design.camera.pixel_mm;
     // The map is coarse: a row of it on either side.
     let row = 2.0 * gouge.step * 15.0;
     assert!((area - exact).abs() < row, "{area} {exact}");
-    let (left, at) = gouge.most.unwrap();
+    let (left, at) = gouge.largest.unwrap();
     assert!((left / fillet.left_max_mm - 1.0).abs() < 1e-3 && at.y == 0.0, "{left} {fillet:?}");
-    assert_eq!(gouge.most_beside, None);
+    assert_eq!(gouge.largest_outside_fillet, None);
     // Ridges that stand out, and those that flatten towards their ends, are none.
     for crest in [builds::parsed(SMALL), load("conformal").unwrap().profile] {
         let design = morion::internals::design::design(&crest, None).unwrap();
@@ -177,13 +177,14 @@ fn the_map_of_the_panoramic_mirror_is_that_of_brute_force() {
         }
         least
     };
-    let face: Vec<usize> = (0..gouge.left.len()).filter(|&k| gouge.left[k].is_some()).collect();
+    let face: Vec<usize> =
+        (0..gouge.rest_mm.len()).filter(|&k| gouge.rest_mm[k].is_some()).collect();
     let (mut bad, mut good) = (0, 0);
     for n in 0..16 {
         let k = face[(n * 7919 + 131) * 31 % face.len()];
         let p = gouge.place(k);
         let exact = closed(p) - mirror.extended_surface_over(p).unwrap().at.z;
-        let found = gouge.left[k].unwrap();
+        let found = gouge.rest_mm[k].unwrap();
         // The nodes lie a tenth of a millimetre apart, under which a ball sinks by a micrometre; from above there are
         // the last steps of the centres.
         assert!(found < exact + 2e-3 && found > exact - 5e-3, "{p}: {found} {exact}");

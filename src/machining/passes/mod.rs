@@ -4,27 +4,20 @@
 //! radius along the normal, known by its points and derivatives and between them by cubics. The height of
 //! the cut under one pass is the least of C_z(t) - sqrt(R^2 - |(X, Y) - C_xy(t)|^2), found by Newton's method.
 
-use super::{BallRaster, MachiningError, foot, touches};
-use crate::geom::{DVec2, DVec3};
-use crate::mirror::{LocalSurface, Mirror};
+mod pass;
+mod path;
+
+use super::{BallRaster, MachiningError};
+use crate::geom::DVec2;
+use crate::mirror::Mirror;
 use crate::parallel;
+use pass::Pass;
+use path::{Line, passes_along_ridge};
 
 /// Longest step along a pass, as a share of the face's size; otherwise a stepover.
 const LONGEST: f64 = 1.0 / 200.0;
 /// Most points of all passes.
 pub const MOST_POINTS: f64 = 2e7;
-
-/// Ball centres along one line without a break.
-#[derive(Debug, Clone)]
-struct Pass {
-    /// What a place's part along it gives the parameter of.
-    along: DVec2,
-    /// Parameter of the first point, and the step from each to the next.
-    start: f64,
-    step: f64,
-    /// Centres and their derivatives by the parameter.
-    centres: Vec<[DVec3; 2]>,
-}
 
 /// All passes of a raster, and those that follow the ridge of a folded mirror.
 #[derive(Debug, Clone)]
@@ -64,13 +57,19 @@ impl Passes {
         let line = |k: i64| -> Result<Vec<Pass>, MachiningError> {
             let foot = across * ((k as f64 + 0.5) * w);
             let ends = [t_lo - 2.0 * w, t_hi + 2.0 * w];
-            line(mirror, raster, foot, along, ends, step)
+            Line { mirror, raster, foot, along, ends }.passes(step)
         };
         // Gathered before the first error is looked for, which is the same on any number of threads.
         let count = (last - first + 1).max(0) as usize;
         let lines = parallel::map(count, 1, |k| line(first + k as i64));
         let lines = lines.into_iter().collect::<Result<_, _>>()?;
-        Ok(Self { raster, across, first, lines, ridge: ridge(mirror, raster.ball_mm, step) })
+        Ok(Self {
+            raster,
+            across,
+            first,
+            lines,
+            ridge: passes_along_ridge(mirror, raster.ball_mm, step),
+        })
     }
 
     /// How many points the passes of `raster` would have, about; no more than [`MOST_POINTS`] are made.
@@ -147,199 +146,6 @@ fn step([lo, hi]: [DVec2; 2], raster: &BallRaster) -> f64 {
 fn range([lo, hi]: [DVec2; 2], way: DVec2) -> [f64; 2] {
     let all = [lo, hi, DVec2::new(lo.x, hi.y), DVec2::new(hi.x, lo.y)].map(|p| p.dot(way));
     [all.into_iter().fold(f64::MAX, f64::min), all.into_iter().fold(f64::MIN, f64::max)]
-}
-
-/// The passes along one line: its parts on each panel, as far as the ball fits.
-fn line(
-    mirror: &Mirror,
-    raster: BallRaster,
-    foot: DVec2,
-    along: DVec2,
-    ends: [f64; 2],
-    step: f64,
-) -> Result<Vec<Pass>, MachiningError> {
-    let ball = raster.ball_mm;
-    let reach = 2.0 * raster.stepover_mm;
-    let place = |t: f64| mirror.extended_surface_over(foot + along * t);
-    let counts = |t: f64| {
-        place(t).is_some_and(|place| {
-            let q = mirror.chart.coordinates(place.at).0;
-            touches(mirror, &place, ball) && mirror.full_outline().distance_outside(q) <= reach
-        })
-    };
-    let edge = |mut bad: f64, mut good: f64| {
-        for _ in 0..40 {
-            let middle = 0.5 * (bad + good);
-            if counts(middle) {
-                good = middle;
-            } else {
-                bad = middle;
-            }
-        }
-        good
-    };
-    let mut passes = Vec::new();
-    for [lo, hi] in stretches(mirror, foot, along, ends) {
-        // A ridge is where one panel ends and the other begins; a hair off it tells which.
-        let hair = 1e-9 * (hi - lo);
-        let (lo, hi) = (lo + hair, hi - hair);
-        let steps = ((hi - lo) / step).ceil().max(1.0) as usize;
-        let at = |k: usize| lo + (hi - lo) * k as f64 / steps as f64;
-        let good: Vec<bool> = (0..=steps).map(|k| counts(at(k))).collect();
-        let mut next = 0;
-        for run in good.chunk_by(|a, b| a == b) {
-            let (begin, end) = (next, next + run.len() - 1);
-            next += run.len();
-            if !run[0] {
-                continue;
-            }
-            let from = if begin > 0 { edge(at(begin - 1), at(begin)) } else { at(begin) };
-            let to = if end < steps { edge(at(end + 1), at(end)) } else { at(end) };
-            let steps = ((to - from) / step).ceil().max(1.0) as usize;
-            let step = (to - from) / steps as f64;
-            let centre = |k: usize| {
-                let t = from + step * k as f64;
-                let place = place(t).ok_or(MachiningError::Lost { at: foot + along * t })?;
-                Ok(centre(&place, ball, along))
-            };
-            let centres = (0..=steps).map(centre).collect::<Result<_, MachiningError>>()?;
-            passes.push(Pass { along, start: from, step, centres });
-        }
-    }
-    Ok(passes)
-}
-
-/// The parts of a line that lie on one panel each.
-fn stretches(mirror: &Mirror, foot: DVec2, along: DVec2, [lo, hi]: [f64; 2]) -> Vec<[f64; 2]> {
-    let ridge = -foot.y / along.y;
-    if mirror.folded && along.y != 0.0 && ridge > lo && ridge < hi {
-        vec![[lo, ridge], [ridge, hi]]
-    } else {
-        vec![[lo, hi]]
-    }
-}
-
-/// The centre of the ball on `place`, and its derivative as the place moves along the plan's `along`.
-fn centre(place: &LocalSurface, ball: f64, along: DVec2) -> [DVec3; 2] {
-    let g = place.stretch();
-    let turn = place.hessian.times(along);
-    let steeper = place.slope.dot(turn) / g;
-    let up = (-place.slope).extend(1.0);
-    let normal = (-turn).extend(0.0) / g - up * (steeper / (g * g));
-    [place.at + place.normal() * ball, along.extend(place.slope.dot(along)) + normal * ball]
-}
-
-/// The passes along the ridge of a folded mirror, their parameter x of the chart: where it is a valley
-/// the ball touches both panels, where it is a crest first one and then the other.
-fn ridge(mirror: &Mirror, ball: f64, step: f64) -> Vec<Pass> {
-    if !mirror.folded {
-        return Vec::new();
-    }
-    let bounds = mirror.outline.bounds();
-    // Beyond both ends, as lines are.
-    let over = 4.0 * step;
-    let (start, end) = (bounds.min.x - over, bounds.max.x + over);
-    let steps = ((end - start) / step).ceil() as usize;
-    let step = (end - start) / steps as f64;
-    let centre = |k: usize| {
-        let x = start + step * k as f64;
-        let foot = foot(mirror, x, ball);
-        let place = mirror.extended_surface(foot.unwrap_or(DVec2::new(x, 0.0)));
-        (foot.is_some(), place.at + place.normal() * ball)
-    };
-    let all: Vec<(bool, DVec3)> = (0..=steps).map(centre).collect();
-    let (mut passes, mut next) = (Vec::new(), 0);
-    for run in all.chunk_by(|a, b| a.0 == b.0) {
-        let start = start + step * next as f64;
-        next += run.len();
-        let last = run.len() - 1;
-        if last == 0 {
-            continue;
-        }
-        // Differences, on one side at the ends.
-        let pass = |flip: f64| {
-            let at = |k: usize| run[k].1 * DVec3::new(1.0, flip, 1.0);
-            let turn = |k: usize| {
-                let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
-                (at(b) - at(a)) / (step * (b - a) as f64)
-            };
-            let centres = (0..=last).map(|k| [at(k), turn(k)]).collect();
-            Pass { along: DVec2::X, start, step, centres }
-        };
-        // In a valley the centre is over its bottom.
-        let flips = if run[0].0 { &[0.0][..] } else { &[1.0, -1.0] };
-        passes.extend(flips.iter().map(|&flip| pass(flip)));
-    }
-    passes
-}
-
-impl Pass {
-    /// Lowest Z of the balls over `xy`; none where none comes there.
-    fn height(&self, xy: DVec2, ball: f64) -> Option<f64> {
-        let last = self.centres.len() - 1;
-        let under = |centre: DVec3| {
-            let square = ball * ball - (xy - centre.truncate()).length_squared();
-            (square > 0.0).then(|| centre.z - square.sqrt())
-        };
-        // Balls that do not come there count for higher the farther they are.
-        let node = |k: usize| {
-            let centre = self.centres[k][0];
-            under(centre).unwrap_or(1e9 + (xy - centre.truncate()).length())
-        };
-        let guess = (xy.dot(self.along) - self.start) / self.step;
-        let mut k = (guess.round().max(0.0) as usize).min(last);
-        let mut least = node(k);
-        for up in [true, false] {
-            loop {
-                let next = if up { k + 1 } else { k.wrapping_sub(1) };
-                if next > last {
-                    break;
-                }
-                let height = node(next);
-                if !(height < least) {
-                    break;
-                }
-                (k, least) = (next, height);
-            }
-        }
-        if least >= 1e9 {
-            return None;
-        }
-        // Newton's method between the neighbours of the lowest point.
-        let (lo, hi) = (k.saturating_sub(1) as f64, (k + 1).min(last) as f64);
-        let mut t = k as f64;
-        for _ in 0..4 {
-            let [c, d, e] = self.at(t);
-            let away = xy - c.truncate();
-            let square = ball * ball - away.length_squared();
-            if !(square > 0.0) {
-                break;
-            }
-            least = least.min(c.z - square.sqrt());
-            let (root, drift) = (square.sqrt(), away.dot(d.truncate()));
-            let slope = d.z - drift / root;
-            let bend = e.z
-                + (d.truncate().length_squared() - away.dot(e.truncate())) / root
-                + drift * drift / (root * square);
-            if !(bend > 0.0) {
-                break;
-            }
-            t = (t - slope / bend).clamp(lo, hi);
-        }
-        Some(under(self.at(t)[0]).map_or(least, |height| height.min(least)))
-    }
-
-    /// The centre at `t` steps from the first, with its first two derivatives by t.
-    fn at(&self, t: f64) -> [DVec3; 3] {
-        let k = (t.floor() as usize).min(self.centres.len() - 2);
-        let s = t - k as f64;
-        let ([a, da], [b, db]) = (self.centres[k], self.centres[k + 1]);
-        let (da, db) = (da * self.step, db * self.step);
-        // a + s (da + s (p + s q)).
-        let p = 3.0 * (b - a) - 2.0 * da - db;
-        let q = 2.0 * (a - b) + da + db;
-        [a + s * (da + s * (p + s * q)), da + s * (2.0 * p + 3.0 * s * q), 2.0 * p + 6.0 * s * q]
-    }
 }
 
 #[cfg(test)]
