@@ -3,7 +3,7 @@
 
 use super::Label;
 use super::text::{ByteCounter, lines};
-use crate::geom::{Chart, DVec2, DVec3, Outline, ScanPath, ScanPattern, angle};
+use crate::geom::{DVec2, DVec3, Outline, ScanPath, ScanPattern, angle};
 use crate::mirror::Mirror;
 use crate::num::{cos, max_or_nan, sin};
 use crate::parallel;
@@ -143,8 +143,7 @@ fn on_mirror(mirror: &Mirror, line: &[DVec2]) -> Vec<SagRow> {
 
 /// The chart's coordinates of the mirror's place at (X, Y).
 fn under(mirror: &Mirror, p: DVec2) -> Option<DVec2> {
-    let above = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
-    if mirror.chart.vergence == 0.0 { Some(p) } else { mirror.intersect_camera_ray(&above, p) }
+    mirror.intersect_camera_ray(&mirror.chart.parallel(), p)
 }
 
 /// The mirror's rows over `places`, of which each has one.

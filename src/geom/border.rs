@@ -91,7 +91,7 @@ impl Border {
         self.holes.iter().map(|hole| (hole, self.top_mm)).chain(land)
     }
 
-    /// How far `v` is from the stock's surfaces, mm: flat top, side, base, holes, marks and a land
+    /// How far `v` is from the border's surfaces, mm: flat top, side, base, holes, marks and a land
     /// with holes. `beside` is how far outside the mirror's rim it is; under the mirror base and
     /// holes alone count, and the land if `v` is `over_land`.
     #[must_use]

@@ -25,6 +25,12 @@ pub struct Chart {
 }
 
 impl Chart {
+    /// The chart of parallel rays on the same reference plane: X, Y and the height over the plane.
+    #[must_use]
+    pub fn parallel(&self) -> Self {
+        Self { vergence: 0.0, plane_mm: self.plane_mm }
+    }
+
     /// The point at height `f` on the ray of image point `q`.
     #[inline]
     pub fn position<S: Scalar>(&self, q: [S; 2], f: S) -> [S; 3] {

@@ -1,6 +1,6 @@
-//! Where the cuts of neighbouring lines meet, and the rows of a lattice bent onto these cusps.
+//! Cusps: the lines in which the cuts of neighbouring passes meet, and rows of a lattice that follow them.
 //!
-//! Half way between two lines is the cusp of even ground alone: elsewhere it is off by a share of the
+//! Half way between two lines is the cusp on a plane alone: elsewhere it is off by a share of the
 //! stepover that grows with it. A facet across a cusp would take both slopes for their mean.
 
 use super::Passes;
@@ -38,7 +38,7 @@ impl Cusps {
 
     /// Where the place (`x`, `y`) of the lattice goes across the lines: on the cusp if it is half way between
     /// two lines, on its line if it is on one, and evenly in between.
-    pub fn bent(&self, x: f64, y: f64) -> f64 {
+    pub fn snap(&self, x: f64, y: f64) -> f64 {
         let at = y / self.stepover_mm;
         let share = 1.0 - 2.0 * (at - at.round()).abs();
         let column = (x / self.along_mm).round() as i64 - self.first[0];
@@ -47,12 +47,12 @@ impl Cusps {
     }
 }
 
-/// The least that bending may leave of a facet's area.
+/// The least that snapping may leave of a facet's area.
 const LEFT: f64 = 0.2;
 
-/// Puts the corners of facets back on their rows, `straight` across the lines, where the bent ones leave
+/// Puts the corners of facets back on their rows, `straight` across the lines, where the snapped corners leave
 /// next to nothing of the facet or turn it over.
-pub fn straighten(x: &[f64], straight: &[f64], bent: &mut [f64], triangles: &[[u32; 3]]) {
+pub fn straighten(x: &[f64], straight: &[f64], snapped: &mut [f64], triangles: &[[u32; 3]]) {
     let area = |t: &[u32; 3], y: &[f64]| {
         let [a, b, c] = t.map(|v| DVec2::new(x[v as usize], y[v as usize]));
         turn(a, b, c)
@@ -61,11 +61,11 @@ pub fn straighten(x: &[f64], straight: &[f64], bent: &mut [f64], triangles: &[[u
     while any {
         any = false;
         for t in triangles {
-            let moved = t.iter().any(|&v| bent[v as usize] != straight[v as usize]);
-            if moved && !(area(t, bent) >= LEFT * area(t, straight)) {
+            let moved = t.iter().any(|&v| snapped[v as usize] != straight[v as usize]);
+            if moved && !(area(t, snapped) >= LEFT * area(t, straight)) {
                 any = true;
                 for &v in t {
-                    bent[v as usize] = straight[v as usize];
+                    snapped[v as usize] = straight[v as usize];
                 }
             }
         }
@@ -106,12 +106,12 @@ mod tests {
         let cusps = Cusps::new(&passes, CORNERS, 0.5);
         for (x, y) in [(0.0, 0.0), (3.5, -2.0), (-4.0, 3.6)] {
             assert!(
-                (cusps.bent(x, y) - y - exact).abs() < 1e-5,
+                (cusps.snap(x, y) - y - exact).abs() < 1e-5,
                 "{} {exact}",
-                cusps.bent(x, y) - y
+                cusps.snap(x, y) - y
             );
-            assert!((cusps.bent(x, y + 0.2) - y - 0.2).abs() < 1e-14);
-            assert!((cusps.bent(x, y + 0.1) - y - 0.1 - 0.5 * exact).abs() < 1e-5);
+            assert!((cusps.snap(x, y + 0.2) - y - 0.2).abs() < 1e-14);
+            assert!((cusps.snap(x, y + 0.1) - y - 0.1 - 0.5 * exact).abs() < 1e-5);
         }
     }
 
@@ -139,11 +139,11 @@ mod tests {
     }
 
     #[test]
-    fn facets_that_bending_turns_over_are_put_back() {
+    fn facets_that_snapping_turns_over_are_put_back() {
         let (x, straight) = ([0.0, 1.0, 0.5, 0.5], [0.0, 0.0, 0.1, -1.0]);
         let triangles = [[0, 1, 2], [0, 3, 1]];
-        let mut bent = [0.0, 0.0, -0.1, -1.2];
-        straighten(&x, &straight, &mut bent, &triangles);
-        assert_eq!(bent, [0.0, 0.0, 0.1, -1.2]);
+        let mut snapped = [0.0, 0.0, -0.1, -1.2];
+        straighten(&x, &straight, &mut snapped, &triangles);
+        assert_eq!(snapped, [0.0, 0.0, 0.1, -1.2]);
     }
 }

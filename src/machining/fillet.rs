@@ -8,13 +8,13 @@ use serde::Serialize;
 /// Whether a ball that touches the mirror at `place` stays on its own side of the ridge of a folded
 /// mirror: in a valley the other panel is in the way of one that does not.
 #[must_use]
-pub fn touches(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> bool {
-    !mirror.folded || clear(mirror, place, ball_mm) >= 0.0
+pub fn clears_ridge(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> bool {
+    !mirror.folded || ridge_clearance(mirror, place, ball_mm) >= 0.0
 }
 
 /// How far the centre of a ball on `place` is from the plane of the ridge, on the place's own side, mm.
 /// On the ridge the designed panel's side counts.
-fn clear(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
+fn ridge_clearance(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
     let y = if place.at.y == 0.0 { mirror.outline.bounds().centre().y } else { place.at.y };
     y.signum() * (place.at.y + ball_mm * place.normal().y)
 }
@@ -45,7 +45,7 @@ impl Fillet {
         let (mut widths, mut area, mut left) = (Vec::new(), 0.0, 0.0f64);
         for k in 0..=ALONG {
             let x = bounds.min.x + step * k as f64;
-            let Some(q) = foot(mirror, x, ball_mm) else {
+            let Some(q) = fillet_foot(mirror, x, ball_mm) else {
                 widths.push(0.0);
                 continue;
             };
@@ -70,7 +70,7 @@ impl Fillet {
 /// Where on the designed panel, at `x` of the chart, a ball touches that lies in the valley on both panels;
 /// none where there is no valley. The panel's far rim where it touches nowhere.
 #[must_use]
-pub fn foot(mirror: &Mirror, x: f64, ball_mm: f64) -> Option<DVec2> {
+pub fn fillet_foot(mirror: &Mirror, x: f64, ball_mm: f64) -> Option<DVec2> {
     if !mirror.folded {
         return None;
     }

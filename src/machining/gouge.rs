@@ -1,9 +1,9 @@
 //! Rest material: what a ball leaves where the mirror is too hollow for it, stands in its way elsewhere, or has a
 //! valley between two panels.
 
+use super::clears_ridge;
 use super::closing::closing_height;
 use super::drop_cutter::{DropCutter, surface_on_face};
-use super::touches;
 use crate::geom::DVec2;
 use crate::mirror::{LocalSurface, Mirror};
 use crate::parallel;
@@ -36,7 +36,7 @@ pub const FLOOR_MM: f64 = 1e-4;
 
 impl Gouge {
     /// Lays the ball over `mirror`, whose places lie between the corners `lo` and `hi` of X and Y. At `hollow`, X and Y
-    /// of ground with a smaller radius than the ball's, whatever is left counts.
+    /// of a place with a smaller radius of curvature than the ball's, whatever is left counts.
     #[must_use]
     pub fn new(mirror: &Mirror, [lo, hi]: [DVec2; 2], ball_mm: f64, hollow: Option<DVec2>) -> Self {
         let size = hi - lo;
@@ -72,7 +72,7 @@ impl Gouge {
                 .map(|start| centres.deepest(start, counts))
                 .reduce(|most, next| if next.0 > most.0 { next } else { most })
         };
-        let outside = |place: &LocalSurface| touches(mirror, place, ball_mm);
+        let outside = |place: &LocalSurface| clears_ridge(mirror, place, ball_mm);
         let (largest, largest_outside_fillet) = (largest(&|_| true), largest(&outside));
         let size = [columns, rows];
         Self { size, first, step, rest_mm, largest, largest_outside_fillet }

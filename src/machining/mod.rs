@@ -4,14 +4,14 @@
 //!
 //! - The **ball** of radius R comes from above (+Z) and touches the mirror along **lines** that are
 //!   straight in the plan (X, Y); neighbours are one **stepover** w apart there, which is w / cos of the slope on
-//!   ground that slopes across them. (Of a program that spaces the *axes* of the tool by w the lines of
-//!   contact are w / (1 + k R) apart on ground of curvature k: its scallops are lower on domes, higher in
+//!   a mirror that slopes across them. (Of a program that spaces the *axes* of the tool by w the lines of
+//!   contact are w / (1 + k R) apart on a mirror of curvature k: its scallops are lower on domes, higher in
 //!   bowls.)
-//! - Curvature is positive where the ground bulges towards the tool.
+//! - Curvature is positive where the mirror bulges towards the tool.
 //! - A **scallop** is what stays between two lines ([`Scallop`]). Its slope, not its height, moves pixels:
 //!   the image moves by the derivative of the view's content by the slope ([`SurfaceAnalysis`]), in an orthographic
 //!   camera's ray error 2 dp / (1 + |p|^2).
-//! - The ball **fits** where the ground is hollow by no more than 1/R in any direction, and on a folded mirror
+//! - The ball **fits** where the mirror is hollow by no more than 1/R in any direction, and on a folded mirror
 //!   no nearer to a valley than where it touches both panels ([`Gouge`], [`Fillet`]).
 //! - The **as-cut** surface is the lowest place of all balls of all lines ([`Passes`], [`as_cut_face`]).
 
@@ -26,7 +26,7 @@ mod scallop;
 mod surface_analysis;
 
 pub use as_cut_mesh::{ROWS, as_cut_face, bounding_corners, facet_estimate, plan_outlines};
-pub use fillet::{Fillet, foot, touches};
+pub use fillet::{Fillet, clears_ridge, fillet_foot};
 pub use gouge::{FLOOR_MM, Gouge};
 pub use passes::{MOST_POINTS, Passes};
 pub use scallop::{BallRaster, Scallop};

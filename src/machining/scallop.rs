@@ -68,11 +68,11 @@ impl Scallop {
         let g = place.stretch();
         let lean = place.slope.dot(along);
         let line = 1.0 + lean * lean;
-        let bend = g * det / sunk;
+        let slope_rate = g * det / sunk;
         Some(Self {
-            slope_rate: bend,
+            slope_rate,
             apart: g / line.sqrt(),
-            radius_mm: g * g * g / (bend * line),
+            radius_mm: g * g * g / (slope_rate * line),
         })
     }
 

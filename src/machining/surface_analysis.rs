@@ -1,7 +1,7 @@
 //! The whole face before a raster: how steep and hollow it is, what scallops do to its pixels, which
 //! direction is best, and which stepover keeps a budget.
 
-use super::{BallRaster, MachiningError, Scallop, touches};
+use super::{BallRaster, MachiningError, Scallop, clears_ridge};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{LocalSurface, Mirror};
 use crate::num::stats::Summary;
@@ -37,7 +37,7 @@ pub struct ScallopFigures {
     pub slope_rms: f64,
     /// Its largest value.
     pub slope_max: f64,
-    /// Pixels that were looked at and see ground that the ball touches.
+    /// Pixels that were looked at and see a place that the ball touches.
     pub pixels: usize,
     /// Those of them whose image moves by no finite number of pixels, which are left out of the pixel error.
     pub pixels_unbounded: usize,
@@ -263,7 +263,7 @@ impl<'a> SurfaceAnalysis<'a> {
         place: &'b LocalSurface,
         raster: &BallRaster,
     ) -> Option<(&'b LocalSurface, Scallop)> {
-        let fits = touches(self.mirror, place, raster.ball_mm);
+        let fits = clears_ridge(self.mirror, place, raster.ball_mm);
         let scallop = fits.then(|| Scallop::new(place, raster.ball_mm, raster.along()))??;
         Some((place, scallop))
     }

@@ -188,19 +188,19 @@ mod tests {
         for vergence in [0.0, 0.012] {
             let mirror = mirror(vergence);
             for q in [DVec2::new(7.0, 11.0), DVec2::new(-13.0, -22.0), DVec2::new(1.0, 3.0)] {
-                let quadric = mirror.local_surface(q);
-                let at = quadric.at.truncate();
+                let surface = mirror.local_surface(q);
+                let at = surface.at.truncate();
                 let (z, slope) = over(&mirror, at);
-                assert!((quadric.at.z - z).abs() < 1e-11);
-                assert!((quadric.slope - slope).length() < 1e-11);
+                assert!((surface.at.z - z).abs() < 1e-11);
+                assert!((surface.slope - slope).length() < 1e-11);
                 let change = |way: DVec2| {
                     (over(&mirror, at + way * h).1 - over(&mirror, at - way * h).1) / (2.0 * h)
                 };
                 let (x, y) = (change(DVec2::X), change(DVec2::Y));
-                let off = [quadric.hessian.xx - x.x, quadric.hessian.xy - x.y];
-                let more = [quadric.hessian.xy - y.x, quadric.hessian.yy - y.y];
+                let off = [surface.hessian.xx - x.x, surface.hessian.xy - x.y];
+                let more = [surface.hessian.xy - y.x, surface.hessian.yy - y.y];
                 let worst = off.iter().chain(&more).fold(0.0, |m: f64, e| m.max(e.abs()));
-                assert!(worst < 1e-8, "{vergence} {q}: {worst:e} of {:?}", quadric.hessian);
+                assert!(worst < 1e-8, "{vergence} {q}: {worst:e} of {:?}", surface.hessian);
             }
         }
     }
@@ -208,13 +208,13 @@ mod tests {
     #[test]
     fn rays_meet_it_as_they_meet_the_mirror_up_to_second_order() {
         let mirror = mirror(0.012);
-        let quadric = mirror.local_surface(DVec2::new(7.0, 11.0));
+        let surface = mirror.local_surface(DVec2::new(7.0, 11.0));
         let (top, tangent) = (70.0, DVec2::new(0.1, 0.2));
-        let from = quadric.at.truncate() - tangent * (top - quadric.at.z);
+        let from = surface.at.truncate() - tangent * (top - surface.at.z);
         let off = |size: f64| {
             let (from, tangent) =
                 (from + DVec2::new(0.3, -0.4) * size, tangent + DVec2::new(0.004, 0.003) * size);
-            let (place, slope) = quadric.meet(from.to_array(), top, tangent.to_array());
+            let (place, slope) = surface.meet(from.to_array(), top, tangent.to_array());
             // On the ray to rounding, on the mirror to second order.
             let [x, y, z] = place;
             assert!((from + tangent * (top - z) - DVec2::new(x, y)).length() < 1e-12);

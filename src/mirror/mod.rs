@@ -1,8 +1,10 @@
-//! Mirrors that can be evaluated: height, slope, curvature, and bounds of them.
+//! Mirrors as functions: height, slope, second derivatives, bounds of them, and where rays meet them.
 //!
 //! A mirror is one [`Surface`] over an outline of a chart's image coordinates, and, when it is
 //! folded, the surface's reflection in the plane Y = 0. The chart is that of the camera the mirror
-//! was designed for; a mirror given as sag over X and Y has the chart of parallel rays.
+//! was designed for; a mirror given as sag over X and Y has the chart of parallel rays. What a surface
+//! has to offer is the contract [`HeightField`]; over X and Y of the part, whatever the chart, the mirror
+//! is a [`LocalSurface`] at each point.
 
 mod bicubic_spline;
 mod bounds;
@@ -35,7 +37,7 @@ use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
 pub struct Mirror {
     /// The designed panel's surface.
     pub surface: Surface,
-    /// What its coordinates mean.
+    /// The chart in whose coordinates the surface is a height.
     pub chart: Chart,
     /// The designed panel's outline, mm of the chart. A rectangle's corners are single-precision
     /// numbers where the chart is that of parallel rays.
@@ -48,8 +50,9 @@ pub struct Mirror {
 }
 
 impl Mirror {
-    /// What the mirror is seen as in each mirror image of the part in which its evenness makes it the
-    /// same: across X = 0, across Y = 0, and across both.
+    /// The mirror reflected in X = 0, in Y = 0 and in both planes, as far as it is then the same mirror
+    /// ([`Mirror::mirror_symmetric`]). Each has the coefficients of the reflected surface, so that a mesh of it shows
+    /// whether reflecting the mesh of one half was right.
     #[must_use]
     pub fn reflections(&self) -> Vec<Self> {
         let mut all = vec![self.clone()];
@@ -121,7 +124,7 @@ impl Mirror {
         places.chunk_by(|a, b| a.y == b.y).flat_map(line).collect()
     }
 
-    /// Where the mirror's point over `q` is.
+    /// Position (mm) of the mirror's point over `q`.
     #[inline]
     #[must_use]
     pub fn position(&self, q: DVec2, point: &HeightAndSlope) -> DVec3 {
@@ -155,8 +158,8 @@ impl Mirror {
     /// mirror more than once, the one near the height `z_mm`. None where Newton's method finds none.
     #[must_use]
     pub fn local_surface_over(&self, xy: DVec2, z_mm: f64) -> Option<LocalSurface> {
-        let above = Chart { vergence: 0.0, plane_mm: self.chart.plane_mm };
-        Some(self.local_surface(self.intersect_camera_ray_near(&above, xy, z_mm)?))
+        let q = self.intersect_camera_ray_near(&self.chart.parallel(), xy, z_mm)?;
+        Some(self.local_surface(q))
     }
 
     /// The same on the designed panel.

@@ -129,3 +129,73 @@ surfaces! {
     /// A spline through sag on a grid.
     Spline(BicubicSpline),
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::GridAxis;
+    use crate::num::legendre::Series;
+    use crate::num::sample::Draws;
+
+    const HALF: f64 = 6.0;
+
+    /// One of each kind, over a square or a disc about the axis.
+    fn surfaces() -> Vec<Surface> {
+        let mut r = Draws::new(11);
+        let series =
+            Series::from_fn(5, 4, |i, j| r.inside([-1.0, 1.0]) / (1 + i * i + j * j) as f64);
+        let (centre, half) = (DVec2::ZERO, DVec2::splat(HALF));
+        let tensor = TensorLegendre { series, centre, half, scale_mm: 1.5 };
+        let series = Series::from_fn(4, 1, |i, _| [1.0, -2.0, 0.4, 0.1][i]);
+        let radial = RadialLegendre::new(series, [0.0, 1.5 * HALF], 0.7);
+        let knots = GridAxis { first_mm: -HALF, step_mm: 2.0 * HALF / 8.0, count: 9 };
+        let values: Vec<f64> = (0..81).map(|_| r.inside([-1.0, 1.0])).collect();
+        let spline = BicubicSpline::new(knots, knots, &values).expect("a grid");
+        vec![
+            Surface::Tensor(tensor.clone()),
+            Surface::Radial(radial.clone()),
+            Surface::Sum(RadialTensorSum { radial, tensor }),
+            Surface::Spline(spline),
+        ]
+    }
+
+    #[test]
+    fn every_surface_keeps_the_contract() {
+        let rect = Rect { min: DVec2::splat(-HALF), max: DVec2::splat(HALF) };
+        let size = |surface: &Surface| surface.hessian(DVec2::ONE).norm() + 1.0;
+        for surface in surfaces() {
+            let (bounds, mirrored) = (surface.bound_grid(rect), surface.reflected(1));
+            let mut r = Draws::new(3);
+            for _ in 0..200 {
+                let q = DVec2::new(r.inside([-HALF, HALF]), r.inside([-HALF, HALF]));
+                let (point, hessian) = (surface.at(q), surface.hessian(q));
+                // A row has the same bits.
+                let on_row = surface.row(q.y).at(q.x);
+                assert_eq!(on_row, point, "{q}");
+                // The Hessian is the derivative of the slope; differences are good to their step, where a
+                // knot is between.
+                let e = 1e-5;
+                for (way, second) in
+                    [(DVec2::X, [hessian.xx, hessian.xy]), (DVec2::Y, [hessian.xy, hessian.yy])]
+                {
+                    let change = surface.at(q + way * e).slope - surface.at(q - way * e).slope;
+                    let off = change / (2.0 * e) - DVec2::from_array(second);
+                    assert!(off.length() < 1e-3 * size(&surface), "{q}: {off}");
+                }
+                let there = mirrored.at(q * DVec2::new(1.0, -1.0));
+                assert!((there.f - point.f).abs() < 1e-12 * size(&surface), "{q}");
+                let held = bounds.over(q, q);
+                assert!(held.f.contains(point.f) && held.slope[0].contains(point.slope.x), "{q}");
+                assert!(
+                    held.slope[1].contains(point.slope.y) && held.hessian[0].contains(hessian.xx)
+                );
+                assert!(
+                    held.hessian[1].contains(hessian.xy) && held.hessian[2].contains(hessian.yy)
+                );
+            }
+            let breaks = surface.breaks(0, -HALF, HALF);
+            assert_eq!((breaks[0], breaks[breaks.len() - 1]), (-HALF, HALF));
+            assert_eq!(breaks.len() > 2, surface.is_bicubic());
+        }
+    }
+}

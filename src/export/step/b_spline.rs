@@ -8,7 +8,7 @@ use crate::parallel;
 const LOBATTO: [(f64, f64); 3] =
     [(0.0, 1.0), (0.276_393_202_250_021, 5.0), (0.723_606_797_749_979, 5.0)];
 
-/// The knots of cubic splines of one variable.
+/// Clamped knot vector of cubic splines of one variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnotVector {
     /// The inner ones once, both ends four times.
@@ -16,7 +16,7 @@ pub struct KnotVector {
 }
 
 impl KnotVector {
-    /// The axis that breaks at `breaks`, two of them or more in rising order, ends included.
+    /// The knots with breaks at `breaks`, two of them or more in rising order, ends included.
     pub fn new(breaks: &[f64]) -> Self {
         let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
         let knots = [&[first; 3], breaks, &[last; 3]].concat();
@@ -43,12 +43,12 @@ impl KnotVector {
             .collect()
     }
 
-    /// The axis of the splines s(-u).
+    /// The knots of the splines s(-u).
     pub fn reversed(&self) -> Self {
         Self { knots: self.knots.iter().rev().map(|&k| 0.0 - k).collect() }
     }
 
-    /// The first of the four coefficients that matter at `u`, and their weights.
+    /// The four basis functions that are not 0 at `u`: the number of the first, and their values.
     pub fn basis(&self, u: f64) -> (usize, [f64; 4]) {
         let k = &self.knots;
         let inner = &k[4..k.len() - 4];
@@ -67,7 +67,7 @@ impl KnotVector {
         (span - 3, b)
     }
 
-    /// Where [`Axis::fit`] wants samples.
+    /// Where [`KnotVector::fit`] wants samples.
     pub fn sites(&self) -> Vec<f64> {
         let span = |ends: &[f64]| LOBATTO.map(|(t, _)| ends[0] + (ends[1] - ends[0]) * t);
         let last = *self.breaks().last().expect("two breaks or more");
@@ -131,7 +131,7 @@ fn solve(a: &mut [[f64; 4]], lanes: usize, x: &mut [f64]) {
     }
 }
 
-/// A bicubic surface.
+/// A bicubic B-spline surface: knots and net of control points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BSplineSurface {
     /// The knots along u and along v.
@@ -142,7 +142,7 @@ pub struct BSplineSurface {
 
 impl BSplineSurface {
     /// The coefficients of the spline nearest to a function of which `samples` has a row of values
-    /// along u's sites for each of v's sites; in the order of [`Net::points`].
+    /// along u's sites for each of v's sites; in the order of [`BSplineSurface::points`].
     pub fn fit([u, v]: [&KnotVector; 2], samples: &[f64]) -> Vec<f64> {
         let sites = samples.len() / v.sites().len();
         let along_v = v.fit(sites, samples);

@@ -15,10 +15,10 @@ const LIMIT_MM: f64 = 2e-6;
 const PARTS: usize = 12;
 /// Rounds of choosing knots before giving up.
 const ROUNDS: usize = 6;
-/// A round mirror that takes more control points over a square is turned instead.
+/// A round mirror that takes more control points over a square is a surface of revolution instead.
 const MOST_POINTS: usize = 3400;
 
-/// The splines that stand for a mirror in a STEP file.
+/// Splines within a known distance of a mirror, as a STEP file holds them.
 #[derive(Debug, Clone)]
 pub struct FittedMirror {
     pub(super) faces: FittedFaces,
@@ -27,7 +27,7 @@ pub struct FittedMirror {
     pub error_mm: f64,
 }
 
-/// What kind of faces a mirror has.
+/// The faces of a fitted mirror.
 #[derive(Debug, Clone)]
 pub(super) enum FittedFaces {
     /// A rectangular panel, and its reflection in Y = 0 if it is folded. Its sides are straight
@@ -92,7 +92,7 @@ pub fn fit_splines(mirror: &Mirror) -> Result<FittedMirror, FitError> {
     square.ok().filter(small).map_or_else(|| fit_revolved(&surface, ring), Ok)
 }
 
-/// The surface over a square that is cut along its rims.
+/// The bicubic surface over a square that is cut along the rims of a round mirror.
 fn fit_trimmed(
     mirror: &Mirror,
     surface: &ParametricSurface,
@@ -105,7 +105,7 @@ fn fit_trimmed(
     Ok(FittedMirror { faces: FittedFaces::Trimmed { net, outer, inner, middle_mm }, error_mm })
 }
 
-/// The surface with the fewest control points found, and its error.
+/// The bicubic surface with the fewest control points found, and its distance from the mirror, mm.
 fn fit_bicubic(
     surface: &ParametricSurface,
     folded: bool,
@@ -218,7 +218,7 @@ fn fit_net(surface: &ParametricSurface, axes: [KnotVector; 2], folded: bool) -> 
     BSplineSurface { points: points.into_iter().map(fine).collect(), axes }
 }
 
-/// The largest distance of corresponding points.
+/// The largest distance of corresponding points of both surfaces, mm.
 fn max_distance(surface: &ParametricSurface, net: &BSplineSurface) -> f64 {
     let places = |k: usize| -> Vec<f64> {
         let half = |&x: &f64| !surface.even[k] || x <= 0.0;

@@ -1,4 +1,4 @@
-//! How fine a spline must be where.
+//! Knots: how fine a spline has to be, and where.
 
 use super::b_spline::KnotVector;
 use super::parametric_surface::ParametricSurface;
@@ -65,7 +65,7 @@ pub fn choose_breaks(surface: &ParametricSurface, lines: &KnotLines, limit: f64)
     }
 }
 
-/// So many spans over the old ones, whose number in each is proportional to its `density`.
+/// Breaks of `count` spans, whose density in each of the old spans is proportional to `density`.
 fn distribute(old: &[f64], density: &[f64], count: usize, even: bool) -> Vec<f64> {
     let mut at = vec![0.0];
     for (ends, density) in old.windows(2).zip(density) {
@@ -97,7 +97,7 @@ fn distribute(old: &[f64], density: &[f64], count: usize, even: bool) -> Vec<f64
     breaks
 }
 
-/// The largest errors in the spans between `breaks`.
+/// The largest distance (mm) of a spline with `breaks` from the mirror in each of its spans.
 fn errors(surface: &ParametricSurface, lines: &KnotLines, breaks: &[f64]) -> Vec<f64> {
     let KnotLines { axis, across, .. } = lines;
     let count = across.len();
@@ -132,7 +132,7 @@ fn errors(surface: &ParametricSurface, lines: &KnotLines, breaks: &[f64]) -> Vec
     errors
 }
 
-/// `x` with the digits that are written.
+/// `x` rounded to the digits that are written, 1e-10.
 pub fn written_digits(x: f64) -> f64 {
     (x * 1e10).round() / 1e10 + 0.0
 }

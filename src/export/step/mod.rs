@@ -16,6 +16,7 @@ mod border;
 mod brep;
 mod fit;
 mod knots;
+mod panels;
 mod parametric_surface;
 mod part21;
 mod rim_curve;

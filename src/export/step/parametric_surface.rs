@@ -1,11 +1,11 @@
-//! The surface that a spline is fitted to, over a whole rectangle of parameters.
+//! The parametric surface that a spline is fitted to, over a whole rectangle of parameters.
 //!
 //! A mirror in a rectangle has its chart's coordinates for parameters. A round one has X and Y,
 //! whatever its camera, and is continued beyond its rim by Taylor's polynomial in the squared
 //! distance from the axis.
 
 use super::FitError;
-use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
+use crate::geom::{DVec2, DVec3, Outline, Rect};
 use crate::mirror::{HeightField, HeightRow, Mirror, Surface};
 use crate::parallel;
 
@@ -17,20 +17,20 @@ const MARGIN: f64 = 1.02;
 /// millionth of what splines on a hundredth as many knots do.
 const STEPS: usize = 4096;
 
-/// A mirror's designed panel, wherever a spline wants it.
+/// A mirror's designed panel as a function of two parameters.
 pub struct ParametricSurface<'a> {
     mirror: &'a Mirror,
     /// The parameters' domain.
     pub domain: Rect,
     /// Inner and outer radius in the part frame of a round mirror.
     pub ring: Option<[f64; 2]>,
-    /// The round part, if there is one.
+    /// The axisymmetric part, if there is one.
     radial: Option<RadialProfile>,
     /// Whether it is even in x and in y.
     pub even: [bool; 2],
 }
 
-/// A round surface: out to its rim, and what continues it.
+/// Height along the radius of a surface of revolution: a table out to its rim, and what continues it.
 struct RadialProfile {
     /// Heights and slopes at even steps of the radius.
     table: Vec<(f64, f64)>,
@@ -39,7 +39,7 @@ struct RadialProfile {
     outside: TaylorContinuation,
 }
 
-/// A polynomial in the distance of t = rho^2 from that of the rim.
+/// Taylor's polynomial beyond a rim, in the distance of t = rho^2 from that of the rim.
 struct TaylorContinuation {
     rho: f64,
     /// Coefficients, of the constant term first.
@@ -107,10 +107,8 @@ impl<'a> ParametricSurface<'a> {
             let point = sum.radial.at(place);
             return Some((point.f, point.slope.x));
         }
-        let above = Chart { vergence: 0.0, ..self.mirror.chart };
-        let q = self.mirror.intersect_camera_ray(&above, place)?;
-        let point = self.mirror.surface.at(q);
-        Some((self.mirror.position(q, &point).z, self.mirror.slope(q, &point).x))
+        let surface = self.mirror.local_surface_over(place, self.mirror.chart.plane_mm)?;
+        Some((surface.at.z, surface.slope.x))
     }
 
     /// The round part; that of a sum is smooth inside an annulus too.
@@ -243,6 +241,7 @@ fn rounded_up(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Chart;
     use crate::mirror::{RadialLegendre, RadialTensorSum, TensorLegendre};
     use crate::num::legendre::Series;
 

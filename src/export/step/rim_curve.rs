@@ -1,4 +1,4 @@
-//! Round rims: closed curves on a spline.
+//! Rim curves: closed splines on a B-spline surface, over a circle.
 
 use super::FitError;
 use super::b_spline::{BSplineSurface, KnotVector};
@@ -96,7 +96,7 @@ fn crossings(net: &BSplineSurface, rho: f64) -> Vec<f64> {
     subdivide(&breaks, |k| (lengths[k] / most).ceil() as usize)
 }
 
-/// `breaks` with every span divided.
+/// `breaks` with every span divided into so many equal parts.
 fn subdivide(breaks: &[f64], parts: impl Fn(usize) -> usize) -> Vec<f64> {
     let mut all = Vec::new();
     for (k, ends) in breaks.windows(2).enumerate() {

@@ -38,23 +38,23 @@ impl BrepEdge {
     }
 }
 
-/// A loop the other way round.
+/// A loop in the opposite direction.
 pub fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
     boundary.iter().rev().map(|edge| OrientedEdge { forward: !edge.forward, ..*edge }).collect()
 }
 
-/// What a face is of; its name in the file.
+/// The part of the body that a face bounds: its name in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaceRole {
     /// The mirror.
     Optical,
     /// The flat land or the middle inside a round mirror.
     Land,
-    /// What leads from the mirror's edge down to the base or to the rim.
+    /// A wall from the mirror's edge down to the base or to the rim.
     Wall,
-    /// The flat rim around it.
+    /// The flat top of the border.
     Rim,
-    /// The outer walls of what is around it.
+    /// An outer wall of the border.
     Side,
     /// The bottom.
     Base,
@@ -173,14 +173,14 @@ impl DataSection {
         ))
     }
 
-    /// What a curve in the XZ plane makes about the Z axis.
+    /// The surface of revolution of a curve in the XZ plane about the Z axis.
     pub fn surface_of_revolution(&mut self, curve: InstanceId) -> InstanceId {
         let (origin, up) = (self.point(DVec3::ZERO), self.direction(DVec3::Z));
         let axis = self.add(format_args!("AXIS1_PLACEMENT('',{origin},{up})"));
         self.add(format_args!("SURFACE_OF_REVOLUTION('',{curve},{axis})"))
     }
 
-    /// A curve in space with what it is in the parameters of a surface.
+    /// A curve in space together with its image in the parameters of a surface.
     pub fn surface_curve(
         &mut self,
         curve: InstanceId,

@@ -3,7 +3,7 @@
 //! Rows run along the raster's lines, several to a stepover, one of them along the cusps; further rows
 //! go through the corners of the outline and wherever its sides bend. Between two rows the face is a
 //! set of strips, whose sides are taken for straight, and each strip is triangulated from side to side.
-//! Then the rows are bent onto the cusps, but for their ends and those that the outline needs.
+//! Then the rows are snapped onto the cusps, but for their ends and those that the outline needs.
 
 mod outlines;
 mod strips;
@@ -53,7 +53,7 @@ pub fn as_cut_face(
     let levels = rows.y.iter().zip(&places);
     let straight: Vec<f64> = levels.flat_map(|(&y, line)| vec![y; line.len()]).collect();
     let mut y: Vec<f64> =
-        (0..rows.y.len()).flat_map(|k| bent(&rows, k, &places[k], &cusps)).collect();
+        (0..rows.y.len()).flat_map(|k| snapped(&rows, k, &places[k], &cusps)).collect();
     let x = places.concat();
     straighten(&x, &straight, &mut y, &triangles);
     let place = |k: usize| along * x[k] + across * y[k] + DVec2::ZERO;
@@ -88,11 +88,11 @@ fn triangles(rows: &Rows, places: &[Vec<f64>]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// y of the places of row `k`, bent onto the cusps but where sides of strips meet it.
-fn bent(rows: &Rows, k: usize, places: &[f64], cusps: &Cusps) -> Vec<f64> {
+/// y of the places of row `k`, snapped onto the cusps but where sides of strips meet it.
+fn snapped(rows: &Rows, k: usize, places: &[f64], cusps: &Cusps) -> Vec<f64> {
     let (y, fixed) = (rows.y[k], rows.fixed(k));
     let stays = |x: f64| !rows.free[k] || fixed.binary_search_by(|at| at.total_cmp(&x)).is_ok();
-    places.iter().map(|&x| if stays(x) { y } else { cusps.bent(x, y) }).collect()
+    places.iter().map(|&x| if stays(x) { y } else { cusps.snap(x, y) }).collect()
 }
 
 /// Triangulates a strip between two lines of vertices, each the number of its first and their x, by

@@ -14,7 +14,7 @@ pub type StripSide = [f64; 2];
 pub(super) struct Rows {
     /// y of each row.
     pub y: Vec<f64>,
-    /// Whether the outline leaves the row free to bend.
+    /// Whether the outline leaves the row free to follow a cusp.
     pub free: Vec<bool>,
     /// Strips over each row but the last: left and right side.
     pub strips: Vec<Vec<[StripSide; 2]>>,
@@ -82,7 +82,7 @@ impl Rows {
     }
 }
 
-/// The rows that the outline needs: through its corners and turns, and so near each other that its
+/// y of the rows that the outline needs: through its corners and turns, and so near each other that its
 /// sides are straight between them.
 fn needed_rows(panels: &[Vec<Polygon>], size: f64, hair: f64) -> Vec<f64> {
     let mut y: Vec<f64> = Vec::new();

@@ -64,11 +64,11 @@ impl DropCutter<'_> {
         let (mut held, mut curved) = (false, None);
         for _ in 0..MOST_STEPS {
             let (off, root) = (surface.at.truncate() - c, centre_z - surface.at.z);
-            let (ball, ground) = (ball_hessian(off, root), surface.hessian);
+            let (ball, mirror) = (ball_hessian(off, root), surface.hessian);
             let between = Hessian {
-                xx: ball.xx - ground.xx,
-                xy: ball.xy - ground.xy,
-                yy: ball.yy - ground.yy,
+                xx: ball.xx - mirror.xx,
+                xy: ball.xy - mirror.xy,
+                yy: ball.yy - mirror.yy,
             };
             let rise = surface.slope - off / root;
             curved = between.is_positive_definite().then_some((ball, between));

@@ -1,9 +1,9 @@
 //! Drop cutter: the height at which a ball that is let down over a place of the plan comes to rest on a mirror.
 //!
-//! A ball with its centre over c touches the ground at Q when the centre is at Q_z + sqrt(R^2 - |Q - c|^2), and it
+//! A ball with its centre over c touches the mirror at Q when the centre is at Q_z + sqrt(R^2 - |Q - c|^2), and it
 //! rests at the largest of these. Each local maximum over Q is a contact. A grid over the face and nodes along its
-//! rims find all of them to a step; from there an ascent goes on on the mirror itself. Beyond the rim there is no
-//! ground.
+//! rims find all of them to a step; from there an ascent goes on on the mirror itself. Beyond the rim there is
+//! nothing.
 
 mod ascent;
 mod rim;

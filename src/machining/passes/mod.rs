@@ -128,7 +128,7 @@ impl Passes {
     #[must_use]
     pub fn height(&self, xy: DVec2) -> Option<f64> {
         let at = xy.dot(self.across) / self.raster.stepover_mm - 0.5;
-        // The two lines beside it and, as they may be bent or broken, the next two.
+        // The two lines beside it and, as they may be curved or broken, the next two.
         let near = (at.floor() as i64 - 1)..=(at.floor() as i64 + 2);
         let lines = near.filter_map(|k| self.lines.get(usize::try_from(k - self.first).ok()?));
         let all = lines.flatten().chain(&self.ridge);
@@ -178,7 +178,7 @@ mod tests {
         }
     }
 
-    /// On bent ground the cut differs from the formula of [`Scallop`] by what is smaller by a power of
+    /// On a curved mirror the cut differs from the formula of [`Scallop`] by what is smaller by a power of
     /// the stepover: its slope, of first order, by the second order at most.
     #[test]
     fn scallops_converge_to_the_formula_on_twisted_ground() {

@@ -1,6 +1,6 @@
 //! Paths of the ball: along the lines of a raster, and along the ridge of a folded mirror.
 
-use super::super::{BallRaster, MachiningError, foot, touches};
+use super::super::{BallRaster, MachiningError, clears_ridge, fillet_foot};
 use super::pass::Pass;
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::{LocalSurface, Mirror};
@@ -55,7 +55,7 @@ impl Line<'_> {
         let BallRaster { ball_mm, stepover_mm, .. } = self.raster;
         self.surface(t).is_some_and(|place| {
             let q = self.mirror.chart.coordinates(place.at).0;
-            touches(self.mirror, &place, ball_mm)
+            clears_ridge(self.mirror, &place, ball_mm)
                 && self.mirror.full_outline().distance_outside(q) <= 2.0 * stepover_mm
         })
     }
@@ -123,7 +123,7 @@ pub(super) fn passes_along_ridge(mirror: &Mirror, ball: f64, step: f64) -> Vec<P
     let step = (end - start) / steps as f64;
     let centre = |k: usize| {
         let x = start + step * k as f64;
-        let foot = foot(mirror, x, ball);
+        let foot = fillet_foot(mirror, x, ball);
         let place = mirror.extended_surface(foot.unwrap_or(DVec2::new(x, 0.0)));
         (foot.is_some(), place.at + place.normal() * ball)
     };
