@@ -192,12 +192,32 @@ fn texture(asked: &Tolerance, usual: &TextureShape, wavelength_nm: f64) -> Textu
 mod tests {
     use super::*;
     use crate::profile::shipped;
-    use crate::tolerance_terms::{Compensator, Criterion, Distribution};
+    use crate::tolerance_terms::{Compensator, Criterion, Distribution, ProcessPreset};
 
     fn profile(edit: &str) -> Profile {
         let shipped = shipped().iter().find(|p| p.name == "conquistador").unwrap();
         let text = format!("{}\n{edit}", shipped.text);
         Profile::parse("case", "case.toml", text.as_bytes()).unwrap_or_else(|c| panic!("{c}"))
+    }
+
+    #[test]
+    fn every_key_and_every_word_of_a_profile_is_read() {
+        let zeros: Vec<String> =
+            Perturbation::KEYS.iter().map(|key| format!("{key} = 0\n")).collect();
+        let limits = format!("map_file = \"map.csv\"\n[tolerance.limits]\n{}", zeros.concat());
+        let read = |lines: &str| profile(&format!("[tolerance]\n{lines}")).tolerance;
+        assert!(read(&limits).limits.iter().map(|limit| limit.0).eq(Perturbation::all()));
+        for (word, preset) in ProcessPreset::WORDS {
+            assert_eq!(read(&format!("preset = \"{word}\"")).preset, *preset);
+            assert_eq!((preset.word(), Process::of(*preset).preset), (*word, *preset));
+        }
+        for (word, distribution) in Distribution::WORDS {
+            let asked = read(&format!("distributions.scale_ppm = \"{word}\""));
+            assert_eq!(asked.distributions, [(Perturbation::Scale, *distribution)]);
+        }
+        for (word, compensator) in Compensator::WORDS {
+            assert_eq!(read(&format!("compensators = [\"{word}\"]")).compensators, [*compensator]);
+        }
     }
 
     #[test]

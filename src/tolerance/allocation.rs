@@ -4,7 +4,7 @@ use super::compensate::DisplacementPx;
 use super::engine::Engine;
 use super::error_source::ErrorSource;
 use super::quadratic_yield_model::QuadraticYieldModel;
-use super::solve_for_target::{Target, solve_for_target};
+use super::solve_for_target::{TargetFigure, solve_for_target};
 use super::trials::quantile;
 use super::work_counts::WorkKind;
 use crate::tolerance_terms::Criterion;
@@ -147,7 +147,7 @@ impl<'a> Allocation<'a> {
         if !(start < goal_px) {
             return Err(AllocationError::Systematic);
         }
-        let target = Target { start, goal: goal_px, accuracy: GOAL_ACCURACY };
+        let target = TargetFigure { start, goal: goal_px, accuracy: GOAL_ACCURACY };
         solve_for_target(target, first.min(widest), widest, |scale| self.rms_at_target(scale))
             .ok_or(AllocationError::RaysLost)
     }

@@ -2,7 +2,7 @@
 
 use super::texture::TextureShape;
 use crate::num::random::RandomStream;
-use crate::tolerance_terms::{Distribution, MisalignmentField, Perturbation, Unit};
+use crate::tolerance_terms::{Distribution, LimitUnit, MisalignmentField, Perturbation};
 
 /// A perturbation with its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,12 +50,12 @@ pub(super) fn misalignment_per_unit(
     let (um, mrad, ppm) = (1e-3, 1e-3, 1e-6);
     let row = kind.row();
     let per_unit = match row.unit {
-        Unit::Microns => um,
-        Unit::Milliradians => mrad,
-        Unit::Ppm => ppm,
-        Unit::Kelvin => texture.cte_ppm_per_k * ppm,
-        Unit::Px => pixel_mm,
-        Unit::Millimetres | Unit::ShareOfMap => 1.0,
+        LimitUnit::Microns => um,
+        LimitUnit::Milliradians => mrad,
+        LimitUnit::Ppm => ppm,
+        LimitUnit::Kelvin => texture.cte_ppm_per_k * ppm,
+        LimitUnit::Px => pixel_mm,
+        LimitUnit::Millimetres | LimitUnit::ShareOfMap => 1.0,
     };
     row.acts_on.misalignment().map(|field| (field, per_unit))
 }

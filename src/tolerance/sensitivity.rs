@@ -4,7 +4,7 @@
 use super::compensate::DisplacementPx;
 use super::engine::Engine;
 use super::error_source::ErrorSource;
-use super::solve_for_target::{Target, solve_for_target};
+use super::solve_for_target::{TargetFigure, solve_for_target};
 use crate::num::random::RandomStream;
 
 /// Displacement by one source alone at its limit.
@@ -97,7 +97,7 @@ impl Engine {
         }
         let first = if first.is_finite() && first > 0.0 { first } else { source.limit.abs() };
         let accuracy = if texture { TEXTURE_ACCURACY } else { ACCURACY };
-        let target = Target { start, goal: budget, accuracy };
+        let target = TargetFigure { start, goal: budget, accuracy };
         let found = solve_for_target(target, first.min(MOST), MOST, figure)?;
         Some(found.copysign(source.limit))
     }

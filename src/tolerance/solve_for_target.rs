@@ -12,7 +12,7 @@ const LEAST_BRACKET: f64 = 1.05;
 
 /// Value that a figure is to have.
 #[derive(Debug, Clone, Copy)]
-pub struct Target {
+pub struct TargetFigure {
     /// The figure at 0.
     pub start: f64,
     /// The figure that is wanted.
@@ -27,12 +27,12 @@ pub struct Target {
 /// be too near and too far. None where the figure does not change, where it stops being finite below the
 /// goal, and where the position would be more than `most`.
 pub fn solve_for_target(
-    target: Target,
+    target: TargetFigure,
     first: f64,
     most: f64,
     figure: impl Fn(f64) -> f64,
 ) -> Option<f64> {
-    let Target { start, goal, accuracy } = target;
+    let TargetFigure { start, goal, accuracy } = target;
     let room = goal * goal - start * start;
     let (mut low, mut high, mut x) = (0.0, f64::INFINITY, first);
     let mut lost = false;
@@ -106,7 +106,7 @@ mod tests {
         for first in [1e-6, 1.0, 40.0, 1e6] {
             for (k, (f, start, exact)) in cases.into_iter().enumerate() {
                 count.set(0);
-                let target = Target { start, goal: 1.0, accuracy: 1e-9 };
+                let target = TargetFigure { start, goal: 1.0, accuracy: 1e-9 };
                 let found = solve_for_target(target, first, 1e6, counted(f));
                 let right = match (found, exact) {
                     (Some(found), Some(exact)) => (found / exact - 1.0).abs() < 1e-7,

@@ -5,13 +5,13 @@ use super::MisalignmentField;
 use ActsOn::{Camera, Facets, Form, Layers, Map, Mounting, Size, Texture as InTexture};
 use AppliesTo::{AnySystem, MappedMirror, RectangularMirror, RoundMirror, TelecentricCamera};
 use FormTerm::{Legendre, Zernike};
+use LimitUnit::{Kelvin, Microns, Millimetres, Milliradians, Ppm, Px, ShareOfMap};
 use MisalignmentField as Field;
-use Unit::{Kelvin, Microns, Millimetres, Milliradians, Ppm, Px, ShareOfMap};
 use UsualLimit::{ByMesh, ByProcess, Fixed, Uniform};
 
 /// Unit of a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum LimitUnit {
     /// Micrometres.
     Microns,
     /// Millimetres.
@@ -28,7 +28,7 @@ pub enum Unit {
     ShareOfMap,
 }
 
-impl Unit {
+impl LimitUnit {
     /// As reports write it.
     #[must_use]
     pub fn label(self) -> &'static str {
@@ -153,7 +153,7 @@ pub struct ErrorSourceRow {
     /// Key in a profile, which ends in its unit.
     pub key: &'static str,
     /// Unit of its limit.
-    pub unit: Unit,
+    pub unit: LimitUnit,
     /// Number of its random stream: trials stay the same whatever other sources there are.
     pub stream: u32,
     /// What it changes.

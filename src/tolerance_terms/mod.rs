@@ -8,7 +8,7 @@ mod words;
 
 pub use distribution::Distribution;
 pub use error_sources::{
-    ActsOn, AppliesTo, ErrorSourceRow, FormTerm, Perturbation, Texture, Unit, UsualLimit,
+    ActsOn, AppliesTo, ErrorSourceRow, FormTerm, LimitUnit, Perturbation, Texture, UsualLimit,
 };
 pub use misalignment::{Misalignment, MisalignmentField};
 pub use words::{Compensator, Criterion, FormMeasure, MadeFrom, ProcessPreset, Reference};
