@@ -18,7 +18,7 @@ mod vertex_patch;
 
 pub use form::{FormError, FormMap, FormStatistics};
 pub use pose::Pose;
-pub use unit::{SizeRange, Unit};
+pub use unit::{LengthUnit, SizeRange};
 pub use vertex_patch::VertexPatch;
 
 use crate::geom::{DVec3, TriMesh};

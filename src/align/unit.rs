@@ -6,7 +6,7 @@ use crate::mirror::Mirror;
 
 /// A unit of length that files of meshes use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
+pub enum LengthUnit {
     /// Millimetres.
     Mm,
     /// Centimetres.
@@ -19,7 +19,7 @@ pub enum Unit {
     Um,
 }
 
-impl Unit {
+impl LengthUnit {
     /// All units; where several suit equally well, the first does.
     pub const ALL: [Self; 5] = [Self::Mm, Self::Cm, Self::M, Self::In, Self::Um];
 
@@ -110,28 +110,30 @@ impl SizeRange {
 
     /// The unit that makes `mesh` a part of this size, and whether one does; mm otherwise.
     #[must_use]
-    pub fn unit(&self, mesh: &TriMesh) -> (Unit, bool) {
+    pub fn unit(&self, mesh: &TriMesh) -> (LengthUnit, bool) {
         let size = size(&mesh.vertices);
-        let off = |unit: Unit| {
+        let off = |unit: LengthUnit| {
             let mm = size * unit.mm();
             (self.least / mm).max(mm / self.most).max(1.0)
         };
-        let suits = |unit: &Unit| off(*unit) <= OFF;
-        let best = Unit::ALL.into_iter().filter(suits).min_by(|a, b| off(*a).total_cmp(&off(*b)));
-        best.map_or((Unit::Mm, false), |unit| (unit, true))
+        let suits = |unit: &LengthUnit| off(*unit) <= OFF;
+        let best =
+            LengthUnit::ALL.into_iter().filter(suits).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+        best.map_or((LengthUnit::Mm, false), |unit| (unit, true))
     }
 
     /// How many times too large a mesh in millimetres is, if it is too large or too small (below 1): as a
     /// ratio of that unit to the millimetre where one explains it, else roughly.
     #[must_use]
-    pub fn size_factor(&self, mesh: &TriMesh) -> Option<(f64, Option<Unit>)> {
+    pub fn size_factor(&self, mesh: &TriMesh) -> Option<(f64, Option<LengthUnit>)> {
         let size = size(&mesh.vertices);
         let off = |factor: f64| (factor * self.least / size).max(size / (factor * self.most));
         if !(size > 0.0 && off(1.0) > OFF) {
             return None;
         }
-        let factors =
-            Unit::ALL.into_iter().flat_map(|unit| [(unit.mm(), unit), (1.0 / unit.mm(), unit)]);
+        let factors = LengthUnit::ALL
+            .into_iter()
+            .flat_map(|unit| [(unit.mm(), unit), (1.0 / unit.mm(), unit)]);
         let suits = factors.filter(|&(factor, _)| off(factor) <= OFF);
         let best = suits.min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
         let about = size / (self.least * self.most).sqrt();
@@ -166,7 +168,7 @@ mod tests {
             vertices: vertices.iter().map(|v| *v * factor).collect(),
             triangles: Vec::new(),
         };
-        for unit in Unit::ALL {
+        for unit in LengthUnit::ALL {
             for factor in [0.85, 1.0, 1.2] {
                 let (found, clear) = known.unit(&scaled(factor / unit.mm()));
                 assert_eq!((found, clear), (unit, true), "{factor}");
@@ -174,14 +176,16 @@ mod tests {
             let mut mesh = scaled(1.0 / unit.mm());
             unit.convert(&mut mesh);
             assert!((mesh.vertices[7] - vertices[7]).length() < 1e-13);
-            assert_eq!(Unit::named(unit.name()), Some(unit));
+            assert_eq!(LengthUnit::named(unit.name()), Some(unit));
         }
         for factor in [5.0, 0.2] {
-            assert_eq!(known.unit(&scaled(factor)), (Unit::Mm, false));
+            assert_eq!(known.unit(&scaled(factor)), (LengthUnit::Mm, false));
         }
-        assert_eq!(known.unit(&TriMesh::default()), (Unit::Mm, false));
+        assert_eq!(known.unit(&TriMesh::default()), (LengthUnit::Mm, false));
         assert_eq!(known.size_factor(&scaled(1.0)), None);
-        for (factor, unit) in [(25.4, Unit::In), (1.0 / 25.4, Unit::In), (10.0, Unit::Cm)] {
+        for (factor, unit) in
+            [(25.4, LengthUnit::In), (1.0 / 25.4, LengthUnit::In), (10.0, LengthUnit::Cm)]
+        {
             assert_eq!(known.size_factor(&scaled(factor)), Some((factor, Some(unit))));
         }
         let (about, unit) = known.size_factor(&scaled(4.0)).unwrap();

@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::pipeline::Unit;
+use crate::pipeline::LengthUnit;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -349,7 +349,7 @@ pub enum UnitArg {
     Um,
 }
 
-impl From<UnitArg> for Unit {
+impl From<UnitArg> for LengthUnit {
     fn from(units: UnitArg) -> Self {
         match units {
             UnitArg::Mm => Self::Mm,

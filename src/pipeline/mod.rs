@@ -33,7 +33,7 @@ mod verdict;
 mod verify;
 mod vertex_check;
 
-pub use crate::align::Unit;
+pub use crate::align::LengthUnit;
 pub use blur::blur;
 pub use build::{Effort, build, build_with};
 pub use dry_run::dry_run;

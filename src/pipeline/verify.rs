@@ -5,7 +5,7 @@ use super::files::{self, Folder};
 use super::observer::{Observer, Stage, StageTimer};
 use super::verdict::Findings;
 use super::{Error, Source, designed, verdict};
-use crate::align::{Alignment, FormMap, SizeRange, Unit, align};
+use crate::align::{Alignment, FormMap, LengthUnit, SizeRange, align};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::Welder;
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Default)]
 pub struct VerifyOptions {
     /// The unit of its coordinates; none: by its size.
-    pub units: Option<Unit>,
+    pub units: Option<LengthUnit>,
     /// Fit its pose first, judge it as a measured part, and write the form error's map and the report
     /// into NAME-verify below this folder.
     pub align: Option<PathBuf>,
@@ -82,7 +82,7 @@ pub fn inspect(
     let (file, read) = open(&clock, format, bytes, |mut reread| {
         // A 3MF says what its units are, and is read in millimetres.
         let found = match format {
-            Format::ThreeMf => UnitFacts::new(Unit::Mm, DECLARED),
+            Format::ThreeMf => UnitFacts::new(LengthUnit::Mm, DECLARED),
             _ => in_millimetres(&mut reread, &size, inspection.units),
         };
         (reread, found)
@@ -190,7 +190,11 @@ const BY_SIZE: &str = "by size";
 const ASSUMED: &str = "assumed";
 
 /// Brings a mesh to millimetres.
-fn in_millimetres(reread: &mut ImportedMesh, size: &SizeRange, asked: Option<Unit>) -> UnitFacts {
+fn in_millimetres(
+    reread: &mut ImportedMesh,
+    size: &SizeRange,
+    asked: Option<LengthUnit>,
+) -> UnitFacts {
     let (unit, chosen) = match asked {
         Some(unit) => (unit, "asked"),
         None => match size.unit(&reread.mesh) {
@@ -203,7 +207,7 @@ fn in_millimetres(reread: &mut ImportedMesh, size: &SizeRange, asked: Option<Uni
 }
 
 /// A part that is `factor` times as large as it should be, as two units are if there is one.
-fn off_size(factor: f64, unit: Option<Unit>) -> Reason {
+fn off_size(factor: f64, unit: Option<LengthUnit>) -> Reason {
     let (times, way) = if factor > 1.0 { (factor, "large") } else { (1.0 / factor, "small") };
     let sentence = match unit {
         Some(unit) => {

@@ -1,7 +1,7 @@
 //! What is known of a file of unknown making: its units, where it lay, and its form error.
 
 use super::text::digits;
-use crate::align::{Alignment, FormError, FreeMotion, Unit};
+use crate::align::{Alignment, FormError, FreeMotion, LengthUnit};
 use crate::num::degrees;
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct UnitFacts {
 impl UnitFacts {
     /// `unit`, and how it was chosen.
     #[must_use]
-    pub fn new(unit: Unit, chosen: &'static str) -> Self {
+    pub fn new(unit: LengthUnit, chosen: &'static str) -> Self {
         Self { name: unit.name(), mm_per_unit: unit.mm(), chosen }
     }
 

@@ -6,7 +6,7 @@ use crate::support::draws::Draws;
 use crate::support::refused;
 use morion::internals::geom::TriMesh;
 use morion::internals::num::cos;
-use morion::internals::pipeline::{Silent, Unit, VerifyOptions, inspect, load};
+use morion::internals::pipeline::{LengthUnit, Silent, VerifyOptions, inspect, load};
 use morion::internals::report::{Verdict, VerifyReport};
 use std::path::{Path, PathBuf};
 
@@ -56,7 +56,7 @@ fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
     text
 }
 
-fn look(file: &Path, limits: [f64; 2], units: Option<Unit>, aligned: bool) -> VerifyReport {
+fn look(file: &Path, limits: [f64; 2], units: Option<LengthUnit>, aligned: bool) -> VerifyReport {
     let folder = file.parent().unwrap();
     let source = load(profile(folder, limits).to_str().unwrap()).unwrap();
     let inspection = VerifyOptions { units, align: aligned.then(|| folder.join("made")) };
@@ -171,10 +171,10 @@ fn a_facet_far_away_does_not_hinder() {
     mesh.triangles.push([first, first + 1, first + 2]);
     std::fs::write(&file, stl(&mesh, 1.0)).unwrap();
     let said = "1 facets lie far from the part";
-    let report = look(&file, WIDE, Some(Unit::Mm), true);
+    let report = look(&file, WIDE, Some(LengthUnit::Mm), true);
     assert_eq!(report.verdict, Verdict::Pass, "{:#?}", report.reasons);
     assert!(report.warnings.iter().any(|w| w.contains(said)), "{:#?}", report.warnings);
-    let report = look(&file, WIDE, Some(Unit::Mm), false);
+    let report = look(&file, WIDE, Some(LengthUnit::Mm), false);
     assert_eq!(report.verdict, Verdict::Fail);
     assert!(report.reasons.iter().any(|r| r.contains(said)), "{:#?}", report.reasons);
 }
@@ -209,7 +209,7 @@ fn units_are_found_or_taken_as_told() {
     let folder = folder();
     let home = folder.path();
     let mut draws = Draws::new(4);
-    for (k, unit) in Unit::ALL.into_iter().enumerate() {
+    for (k, unit) in LengthUnit::ALL.into_iter().enumerate() {
         for (units, aligned) in [(None, true), (Some(unit), false)] {
             let pose = draws.pose(20.0, 0.2, part.width());
             let mesh = if aligned { moved(&part.solid, &pose) } else { part.solid.clone() };
