@@ -22,12 +22,12 @@ use crate::tolerance_terms::{ActsOn, Criterion, ErrorSourceRow, Perturbation};
 use crate::trace::Scene;
 use std::path::Path;
 
-/// Which trial, and of what.
+/// Trial that is made a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReplayOptions<'a> {
     /// Its number.
     pub trial: u64,
-    /// What the trials are drawn from.
+    /// Seed of the trials.
     pub seed: u64,
     /// Keys of errors that the part is made without.
     pub without: &'a [String],
@@ -342,7 +342,7 @@ fn witnessed(
     Ok((found, faults.into_iter().map(|fault| format!("{name}: {fault}")).collect()))
 }
 
-/// What rounding to a format's digits moves a vertex along Z, mm.
+/// Displacement of a vertex along Z by rounding to a format's digits, mm.
 fn rounding(mesh: &TriMesh, format: Format) -> f64 {
     let largest = mesh.bounds().map_or(0.0, |(lo, hi)| lo.abs().max(hi.abs()).max_element());
     let digit = match precision(format) {

@@ -17,12 +17,12 @@ use serde_json::Value;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Which trials.
+/// Trials of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trials {
     /// Their numbers: at least one.
     pub range: Range<u64>,
-    /// What they are drawn from.
+    /// Seed that they are drawn from.
     pub seed: u64,
     /// End early when the yield's 95 % interval is no wider than this.
     pub until: Option<f64>,
@@ -170,7 +170,7 @@ fn joined(mut runs: Vec<(&Path, Vec<Trial>)>) -> Result<Vec<Trial>, Error> {
     Ok(all)
 }
 
-/// What a part begins with; the profile as it was named follows, as a string of JSON.
+/// First words of a part's file; the profile as it was named follows, as a string of JSON.
 const PART: &str = "# part of a run of morion tolerance ";
 
 /// On one line, whatever is in it.
@@ -215,7 +215,7 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
     text
 }
 
-/// What the stage of trials counts.
+/// Name of the work that the stage of trials counts.
 const TRIALS: &str = "trials";
 
 fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
@@ -266,7 +266,7 @@ fn concluded(
     Ok(report)
 }
 
-/// What the ball cutter makes of the mirror as designed, where tool tracks are an error source.
+/// Survey of the mirror as the ball cutter leaves it, where tool tracks are an error source.
 fn tracks(
     clock: &StageTimer,
     (profile, design): (&Profile, &Design),

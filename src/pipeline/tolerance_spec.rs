@@ -1,4 +1,4 @@
-//! What is asked of a tolerance run: the profile's words, a measured form error, and the facets of the
+//! Specification of a tolerance run, by the profile's words, a measured form error, and the facets of the
 //! mesh that the part is made from.
 
 use super::face::plan;
@@ -23,9 +23,9 @@ const SAMPLES: usize = 987;
 pub struct PreparedStudy {
     /// The design.
     pub design: Design,
-    /// What traces it.
+    /// Engine that traces it.
     pub engine: Engine,
-    /// Where the facets' limit comes from, if they are a source.
+    /// Origin of the facets' limit, if they are a source.
     pub facets_from: Option<FacetsFrom>,
 }
 
@@ -109,7 +109,7 @@ fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)
     Ok(Some(((1e3 * px).round() / 1e3, FacetsFrom::Foreseen)))
 }
 
-/// What the profile asks, with what is usual where it says nothing.
+/// The profile's specification, with usual values where it says nothing.
 fn spec(
     profile: &Profile,
     design: &Design,
@@ -166,7 +166,7 @@ fn source(asked: &Tolerance, process: &Process, kind: Perturbation, facets_px: f
     }
 }
 
-/// What a table of the profile says of an error source.
+/// The value of an error source in a table of the profile.
 fn said_of<T: Copy>(table: &[(Perturbation, T)], kind: Perturbation) -> Option<T> {
     table.iter().find(|(of, _)| *of == kind).map(|(_, said)| *said)
 }

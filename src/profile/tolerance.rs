@@ -1,4 +1,4 @@
-//! What is asked of `morion tolerance`.
+//! The table `[tolerance]` of a profile.
 
 use crate::tolerance_terms::{
     Compensator, Criterion, Distribution, FormMeasure, MadeFrom, Perturbation, ProcessPreset,

@@ -68,7 +68,7 @@ impl Engine {
         [0, 1].map(|i| way[0] * x[i] + way[1] * y[i]).into_iter().map(|d| d * d).sum::<f64>()
     }
 
-    /// Of a ripple of wave vector `vector`, 1/mm, and RMS slope `slope`.
+    /// Blur by a ripple of wave vector `vector`, 1/mm, and RMS slope `slope`.
     fn ripple_blur(&self, k: usize, vector: [f64; 2], slope: f64) -> LocalBlur {
         let seen = self.system.samples[k].site.footprint.ripple(vector);
         let length = (vector[0] * vector[0] + vector[1] * vector[1]).sqrt();

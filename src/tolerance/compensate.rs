@@ -1,4 +1,4 @@
-//! What is adjusted when the system is put together or calibrated: the picture is shifted, turned
+//! Adjustment of a system when it is put together or calibrated: the picture is shifted, turned
 //! and magnified, the mirror tilted and moved, so that least squares of displacement remain.
 
 use crate::num::max_or_nan;
@@ -36,7 +36,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Compensation {
-    /// By these adjustments, without those that the ones before them can do as well.
+    /// The projection by these adjustments, without those that the ones before them can do as well.
     #[must_use]
     pub fn new(adjustments: Vec<Adjustment>) -> Self {
         let mut made = Self::default();
@@ -99,7 +99,7 @@ pub struct DisplacementPx {
     /// Root of the mean square.
     #[serde(serialize_with = "or_lost")]
     pub rms_px: f64,
-    /// What 95 % of the samples do not exceed.
+    /// 95th percentile over the samples.
     #[serde(serialize_with = "or_lost")]
     pub p95_px: f64,
 }
@@ -113,7 +113,7 @@ pub fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::Error> {
 }
 
 impl DisplacementPx {
-    /// Those of a system that loses rays.
+    /// The figures of a system that loses rays.
     pub const LOST: Self = Self { rms_px: f64::INFINITY, p95_px: f64::INFINITY };
 
     /// Whether it loses none.
@@ -122,7 +122,7 @@ impl DisplacementPx {
         self.rms_px.is_finite()
     }
 
-    /// Of x and y of each sample; infinite where rays are lost.
+    /// The figures of a displacement, x and y of each sample; infinite where rays are lost.
     #[must_use]
     pub fn of(displacement: &[f64]) -> Self {
         let square = |d: &[f64]| d[0] * d[0] + d[1] * d[1];

@@ -14,10 +14,10 @@ use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask};
 use crate::tolerance_terms::{Compensator, FormTerm, MisalignmentField, Perturbation, Reference};
 
-/// A system with its errors, adjustments and derivatives.
+/// A designed system prepared for trials: its samples, error sources, adjustments and derivatives.
 #[derive(Debug, Clone)]
 pub struct Engine {
-    /// What is asked.
+    /// Specification of the study.
     pub spec: ToleranceSpec,
     pub(super) system: OpticalSystem,
     /// Standard deviations of the random slope's waves, whose amplitudes come after the other form
@@ -79,7 +79,7 @@ impl Engine {
         seen.then_some(made)
     }
 
-    /// The same, ready for errors of these limits: polynomials hold where hits then go. None where
+    /// The engine prepared for errors of these limits: polynomials hold where hits then go. None where
     /// that gains nothing.
     pub(super) fn widened(&self, sources: &[ErrorSource]) -> Option<Self> {
         let (_, half) = extent(&self.system.mirror);
@@ -110,7 +110,7 @@ impl Engine {
         fields.filter_map(of).collect()
     }
 
-    /// The same with samples that see points of textures, as single rays do.
+    /// The engine with samples that see points of textures, as single rays do.
     #[must_use]
     pub fn pointwise(&self) -> Self {
         Self { system: self.system.pointwise(), ..self.clone() }
@@ -165,7 +165,7 @@ impl Engine {
         DisplacementPx::of(&off.flat_map(|d: DVec2| d.to_array()).collect::<Vec<f64>>())
     }
 
-    /// What is adjusted.
+    /// Adjustments that are made.
     #[must_use]
     pub fn adjustments(&self) -> &[Adjustment] {
         self.compensation.adjustments()

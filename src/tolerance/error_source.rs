@@ -7,13 +7,13 @@ use crate::tolerance_terms::{Distribution, LimitUnit, MisalignmentField, Perturb
 /// A perturbation with its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSource {
-    /// What is off.
+    /// Quantity that is off.
     pub kind: Perturbation,
-    /// By how much, in the unit of its kind; negative only of a systematic error.
+    /// Limit, in the unit of the perturbation; negative only of a systematic error.
     pub limit: f64,
-    /// How likely.
+    /// Distribution about zero.
     pub distribution: Distribution,
-    /// Its share of the variance when a budget is allotted, against the others': what is expensive
+    /// Share of the variance when a budget is allocated, against the others': what is expensive
     /// to hold gets more.
     pub weight: f64,
 }

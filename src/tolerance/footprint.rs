@@ -18,7 +18,7 @@ impl Footprint {
     /// A point, which sees all of a texture.
     pub const POINT: Self = Self([[0.0; 2]; 2]);
 
-    /// That of a pixel of side `pixel_mm` at image point `q` whose ray meets the mirror at `hit` with
+    /// The footprint of a pixel of side `pixel_mm` at image point `q` whose ray meets the mirror at `hit` with
     /// the slope `p`. For a ray from the pinhole at height P along (k q, -1), X = k q (P - Z) and
     /// dZ = p . dX give dX = k (P - Z) (I - k q p^T / (1 + k p . q)) dq; k (P - Z) is 1 for parallel
     /// rays.
@@ -38,7 +38,7 @@ impl Footprint {
         (a * d - b * c).abs()
     }
 
-    /// How far it reaches along a direction, mm: of both sides.
+    /// Lengths of both sides along a direction, mm.
     fn along(&self, way: [f64; 2]) -> [f64; 2] {
         self.0.map(|side| (side[0] * way[0] + side[1] * way[1]).abs())
     }

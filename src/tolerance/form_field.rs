@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 pub enum FormField {
     /// Sum of c u^i v^j over (i, j, c), with (u, v) = ((x, y) - centre) / half.
     Polynomial {
-        /// Where (u, v) = (0, 0), mm.
+        /// Place of (u, v) = (0, 0), mm.
         centre: [f64; 2],
         /// mm per unit of u and v.
         half: [f64; 2],
@@ -49,7 +49,7 @@ fn zernike_per(j: u8, measure: FormMeasure) -> f64 {
     }
 }
 
-/// By its measure, the size of a form error that is one peak to valley.
+/// Size, by a measure, of a form error that is one peak to valley.
 #[must_use]
 pub fn form_of_pv(term: FormTerm, measure: FormMeasure) -> f64 {
     let per = |measure| match term {

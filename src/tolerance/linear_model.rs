@@ -18,12 +18,12 @@ const TEXTURES: usize = 3;
 pub struct LinearModel {
     columns: Vec<Vec<f64>>,
     forms: usize,
-    /// By the surface's height and its slopes along X and Y at the hit: x and y of each sample.
+    /// Derivatives by the surface's height and its slopes along X and Y at the hit: x and y of each sample, px.
     by_form: Vec<[[f64; 2]; 3]>,
 }
 
 impl LinearModel {
-    /// Of `system`, which has so many form errors; columns that no source and no compensator may
+    /// The model of `system`, which has so many form errors; columns that no source and no compensator may
     /// need are there too but for the map's.
     pub(super) fn new(system: &OpticalSystem, spec: &ToleranceSpec, forms: usize) -> Self {
         let count = PLACED + forms + TEXTURES + usize::from(spec.map.is_some());
@@ -88,7 +88,7 @@ impl LinearModel {
         self.columns.get(PLACED + self.forms + TEXTURES).map(Vec::as_slice)
     }
 
-    /// By the surface's height and its slopes along X and Y at each sample's hit: x and y, px.
+    /// Derivatives by the surface's height and its slopes along X and Y at each sample's hit: x and y, px.
     #[must_use]
     pub fn by_form(&self) -> &[[[f64; 2]; 3]] {
         &self.by_form

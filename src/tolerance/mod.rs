@@ -1,5 +1,5 @@
-//! How well a system must be made and mounted, which error hurts most, and what share of parts
-//! will be good.
+//! Tolerancing: sensitivities of the picture to errors of making and mounting, the yield, and limits for a
+//! budget.
 //!
 //! An [`Engine`] traces samples of the picture through a camera and a mirror with errors, in full,
 //! and knows the exact first derivatives of their displacements. Monte Carlo trials are full traces;
@@ -9,8 +9,8 @@
 //! A displacement is of content: where in the picture that belongs which a pixel sees, in the mean over
 //! its footprint. What textures spread within it is blur, and heights far below the wavelength scatter.
 //!
-//! What is not modelled: shadows, and that rays end which errors lead over the rim or the ridge (the
-//! surface goes on there).
+//! Shadows are not modelled, nor the end of rays that errors lead over the rim or the ridge: the surface
+//! goes on there.
 
 mod allocation;
 mod blur;

@@ -16,7 +16,7 @@ pub struct PerturbedSystem {
 }
 
 impl PerturbedSystem {
-    /// What facets displace sample `k` by, px: evenly over a disc, by rejection from the square.
+    /// Displacement of sample `k` by facets, px: evenly over a disc, by rejection from the square.
     #[inline]
     pub(super) fn noise(&self, k: usize) -> [f64; 2] {
         if self.facets_px == 0.0 {

@@ -14,7 +14,7 @@ pub struct Offender {
     pub source: String,
     /// The limit, with its sign where it has one.
     pub value: f64,
-    /// What it does alone after adjustment, px; infinite where rays are lost.
+    /// Displacement by it alone after adjustment, px; infinite where rays are lost.
     #[serde(serialize_with = "or_lost")]
     pub adjusted_px: f64,
 }
@@ -43,7 +43,7 @@ pub struct PlotData {
     /// The figure that counts of each trial after adjustment, px, smallest first; lost rays make
     /// it infinite.
     pub figures: Vec<f64>,
-    /// The same of the first trials by the full trace and by first derivatives.
+    /// Figures of the first trials by the full trace and by first derivatives, px.
     pub pairs: Vec<[f64; 2]>,
     /// Budgets, px, and the share of the trials that keep them.
     pub yields: Vec<(f64, Yield)>,
@@ -53,11 +53,11 @@ pub struct PlotData {
 const PAIRS: usize = 500;
 /// Steps of the budget.
 const STEPS: usize = 200;
-/// How far beyond the best and the worst figure, or the budget, they go.
+/// Factor by which they go beyond the best and the worst figure, or the budget.
 const BEYOND: f64 = 1.05;
 
 impl PlotData {
-    /// Of `trials`, which follow each other and are not none, of `seed`.
+    /// The data of `trials` of `seed`, at least one, which follow each other.
     #[must_use]
     pub fn new(engine: &Engine, seed: u64, trials: &[Trial]) -> Self {
         let first = trials.first().map_or(0, |trial| trial.index);

@@ -1,4 +1,4 @@
-//! What ways of making and of mounting usually leave.
+//! Usual limits of error sources, by the way of making.
 //!
 //! Orders of magnitude to start from, for parts some 50 mm wide; a shop's own figures belong in the
 //! profile. Form is peak to valley of each low-order term, waviness peak to valley, slope RMS over
@@ -12,7 +12,7 @@ use crate::tolerance_terms::{
 /// A way of making with its usual limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Process {
-    /// Which one.
+    /// The preset's name.
     pub preset: ProcessPreset,
     /// Error of the whole part's size, ppm.
     pub scale_ppm: f64,
@@ -125,7 +125,7 @@ impl Process {
         texture: texture(90.0, 8.0, 5.0, 3.0),
     };
 
-    /// The one of a preset.
+    /// The limits of a preset.
     #[must_use]
     pub fn of(preset: ProcessPreset) -> Self {
         match preset {

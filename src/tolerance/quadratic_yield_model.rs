@@ -14,8 +14,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct QuadraticYieldModel {
     sources: usize,
-    /// Of each trial, px^2: what each source adds with what is there without errors, then for each
-    /// source its mean products with itself and (twice) with those after it.
+    /// Coefficients of each trial, px^2: twice the mean product of each source with the displacement without
+    /// errors, then for each source its mean products with itself and (twice) with those after it.
     forms: Vec<Vec<f64>>,
     /// Mean square without errors, px^2.
     base: f64,
@@ -131,7 +131,7 @@ impl QuadraticYieldModel {
         parallel::map_slice(forms, 1, of)
     }
 
-    /// What the share `target` of all trials does not exceed, px.
+    /// Quantile of the RMS over all trials at the share `target`, px.
     #[must_use]
     pub fn reached(&self, factors: &[f64], target: f64) -> f64 {
         let mut squares = self.squares(factors, self.forms.len());

@@ -83,7 +83,7 @@ impl Engine {
         Displacement { as_made, adjusted }
     }
 
-    /// How far the made surface lies over the designed one at a place of the part, mm, before the
+    /// Height of the made surface over the designed one at a place of the part, mm, before the
     /// part is grown.
     #[must_use]
     pub fn departure(&self, made: &PerturbedSystem, at: DVec3) -> f64 {
@@ -96,13 +96,13 @@ impl Engine {
         self.system.shortest(&made.state)
     }
 
-    /// How much larger a made part is, about the origin.
+    /// Size of a made part against the designed one, about the origin.
     #[must_use]
     pub fn growth(&self, made: &PerturbedSystem) -> f64 {
         1.0 + made.state.misalignment.growth
     }
 
-    /// Where the part is put.
+    /// Pose of the part in the world.
     #[must_use]
     pub fn placing(&self, made: &PerturbedSystem) -> RigidTransform {
         let pose = PartPose::new(&made.state.misalignment);

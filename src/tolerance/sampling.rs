@@ -25,7 +25,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// farther off than this is not used.
 const DEGREES: [usize; 4] = [5, 7, 10, 14];
 const SMOOTH: f64 = 1e-12;
-/// Where none is near enough on a square, this share of its side is tried.
+/// Share of a square's side that is tried where no polynomial is near enough on the whole.
 const SMALLER: f64 = 0.25;
 /// Shares that are tried of squares that are to be wider, by every so many samples.
 const WIDER: [f64; 4] = [1.0, 0.75, 0.5, 0.3];
@@ -153,7 +153,7 @@ impl OpticalSystem {
         Outline::Rect(Rect { min: bounds.min.max(-half), max: bounds.max.min(half) })
     }
 
-    /// The same with larger squares, for hits that move by about `reach` mm, where polynomials are the
+    /// The system with larger squares, for hits that move by about `reach` mm, where polynomials are the
     /// surface on them; none where they are not.
     pub(super) fn widened(&self, reach: f64) -> Option<Self> {
         let fitters = DEGREES.map(Fitter::new);
@@ -182,7 +182,7 @@ impl OpticalSystem {
         (wide.form_degree > 0).then_some(wide)
     }
 
-    /// The same with samples that see points.
+    /// The system with samples that see points.
     pub(super) fn pointwise(&self) -> Self {
         let mut made = self.clone();
         made.samples.iter_mut().for_each(|sample| sample.site.footprint = Footprint::POINT);
@@ -221,7 +221,7 @@ impl OpticalSystem {
         }
     }
 
-    /// Where the image point `q` sees the mirror, as chart coordinates.
+    /// Chart coordinates of the mirror's point that the image point `q` sees.
     fn sees(&self, q: DVec2) -> Option<DVec2> {
         let place = self.mirror.intersect_camera_ray(&self.camera.chart, q)?;
         self.mirror.full_outline().aims(place).then_some(place)

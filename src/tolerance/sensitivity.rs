@@ -29,7 +29,7 @@ impl Sensitivity {
 const PATTERNS: u64 = 16;
 /// Relative accuracy with which a limit meets the budget.
 const ACCURACY: f64 = 1e-6;
-/// The same of a texture, whose figures are means over patterns that change with its limit.
+/// Relative accuracy of a texture's limit: its figures are means over patterns that change with its limit.
 const TEXTURE_ACCURACY: f64 = 5e-3;
 /// Largest limit: profiles have no larger ones.
 const MOST: f64 = 1e6;
@@ -43,24 +43,24 @@ impl Engine {
         if source.kind.is_texture() {
             let made = |trial| self.make(&[(source.kind, limit)], RandomStream { seed, trial });
             let made: Vec<_> = (0..PATTERNS).map(made).collect();
-            let judged: Vec<_> =
+            let figures: Vec<_> =
                 self.displacements(&made).into_iter().map(|d| self.compensate(d)).collect();
             let mean = |of: &dyn Fn(usize) -> DisplacementPx| {
                 let square = |pick: fn(DisplacementPx) -> f64| {
-                    let sum: f64 = (0..judged.len()).map(|k| pick(of(k)) * pick(of(k))).sum();
-                    (sum / judged.len() as f64).sqrt()
+                    let sum: f64 = (0..figures.len()).map(|k| pick(of(k)) * pick(of(k))).sum();
+                    (sum / figures.len() as f64).sqrt()
                 };
                 DisplacementPx { rms_px: square(|p| p.rms_px), p95_px: square(|p| p.p95_px) }
             };
-            let (before, after) = (mean(&|k| judged[k].0), mean(&|k| judged[k].1));
+            let (before, after) = (mean(&|k| figures[k].0), mean(&|k| figures[k].1));
             return Sensitivity { before: [before; 2], after: [after; 2] };
         }
         let stream = RandomStream { seed, trial: 0 };
         let made = [-limit.abs(), limit.abs()];
         let made = made.map(|value| self.make(&[(source.kind, value)], stream));
-        let judged: Vec<_> =
+        let figures: Vec<_> =
             self.displacements(&made).into_iter().map(|d| self.compensate(d)).collect();
-        Sensitivity { before: [0, 1].map(|k| judged[k].0), after: [0, 1].map(|k| judged[k].1) }
+        Sensitivity { before: [0, 1].map(|k| figures[k].0), after: [0, 1].map(|k| figures[k].1) }
     }
 
     /// The criterion's figure without errors, px.

@@ -39,7 +39,7 @@ pub struct Study {
     pub nominal: DisplacementPx,
     /// The sources, that with the largest impact after adjustment first.
     pub sources: Vec<SourceFacts>,
-    /// What textures blur within a pixel, px: RMS over the picture, the root of the sum of the sources'
+    /// Blur by textures within a pixel, px: RMS over the picture, the root of the sum of the sources'
     /// squares.
     pub blur_px: f64,
     /// Share of the light that textures turn or scatter, in all.
@@ -57,11 +57,11 @@ pub struct Study {
     pub rms_px: f64,
     /// Trials in which a sampled ray does not meet the mirror. They do not keep the budget.
     pub lost_trials: u64,
-    /// What first derivatives make of the first trials.
+    /// Statistics of the first trials by first derivatives.
     pub linear: Statistics,
-    /// All trials, as made.
+    /// Statistics of all trials, as made.
     pub as_made: Statistics,
-    /// All trials, after adjustment.
+    /// Statistics of all trials, after adjustment.
     pub adjusted: Statistics,
     /// The share that keeps the budget.
     #[serde(rename = "yield")]
@@ -89,7 +89,7 @@ pub struct SourceFacts {
     pub weight: f64,
     /// Whether it is the same in every part, with its sign: fixed, and no texture.
     pub systematic: bool,
-    /// What it does alone at the negative limit, as made, px.
+    /// Displacement by it alone at the negative limit, as made, px.
     #[serde(serialize_with = "or_lost")]
     pub minus_px: f64,
     /// At the positive limit.
@@ -101,23 +101,23 @@ pub struct SourceFacts {
     /// At the positive limit.
     #[serde(serialize_with = "or_lost")]
     pub plus_adjusted_px: f64,
-    /// What it blurs and scatters at its limit; of textures, others do neither.
+    /// Blur and scatter at its limit; of textures, others do neither.
     #[serde(flatten)]
     pub spread: BlurAndScatter,
     /// Its share of the variance after adjustment; 0 of a systematic source, which has none.
     pub share_of_variance: f64,
     /// The limit at which it alone uses up the budget; none where there is none.
     pub limit_alone: Option<f64>,
-    /// The limit that goes with those of all others at the target yield; its own of a systematic
+    /// Allocated limit: with those of all others it just reaches the target yield; its own of a systematic
     /// source.
     pub limit_joint: Option<f64>,
-    /// Whether it is as wide as joint limits are made, four times the own one: less than its share
+    /// Whether that is as wide as allocated limits are made, four times the own one: less than its share
     /// of the variance.
     pub limit_joint_widest: bool,
 }
 
 impl SourceFacts {
-    /// Of source `k`, which has this share of the variance.
+    /// Results of source `k`, which has this share of the variance.
     fn of(
         engine: &Engine,
         seed: u64,
@@ -163,7 +163,7 @@ pub struct LinearityGap {
     pub relative: f64,
 }
 
-/// How far an adjustment was moved, in the trials that lose no rays.
+/// Motion of an adjustment in the trials that lose no rays.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdjustmentFacts {
     /// Its name.
@@ -173,7 +173,7 @@ pub struct AdjustmentFacts {
     /// Standard deviation over the trials; none of a single one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma: Option<f64>,
-    /// What 95 % of the trials stay within.
+    /// 95th percentile of its size.
     #[serde(serialize_with = "or_lost")]
     pub p95: f64,
     /// The farthest.
@@ -185,7 +185,7 @@ pub struct AdjustmentFacts {
 const REPEATED: u64 = 1000;
 
 impl Study {
-    /// Of `trials`, which follow each other and are not none, of `seed`.
+    /// The results of `trials` of `seed`, at least one, which follow each other.
     #[must_use]
     pub fn new(engine: &Engine, seed: u64, trials: &[Trial]) -> Self {
         let spec = &engine.spec;
@@ -246,7 +246,7 @@ impl Study {
     }
 }
 
-/// Of figures by first derivatives and of the full traces that they repeat.
+/// Differences of figures by first derivatives from those of the full traces that they repeat.
 fn gap(linear: &[f64], full: &[f64]) -> LinearityGap {
     let pairs = || linear.iter().zip(full).filter(|(_, full)| full.is_finite());
     let trials = pairs().count() as f64;

@@ -15,11 +15,11 @@ use std::ops::Range;
 pub struct Trial {
     /// Its number.
     pub index: u64,
-    /// As made.
+    /// Displacement as made.
     pub before: DisplacementPx,
-    /// After adjustment.
+    /// Displacement after adjustment.
     pub after: DisplacementPx,
-    /// How far each adjustment was moved, in its unit; empty where rays are lost.
+    /// Motion of each adjustment, in its unit; empty where rays are lost.
     pub steps: Vec<f64>,
 }
 
@@ -36,19 +36,19 @@ pub struct Statistics {
     /// Median.
     #[serde(serialize_with = "or_lost")]
     pub p50_px: f64,
-    /// What 80 % of the trials do not exceed.
+    /// 80th percentile of the trials.
     #[serde(serialize_with = "or_lost")]
     pub p80_px: f64,
-    /// 90 %.
+    /// 90th percentile.
     #[serde(serialize_with = "or_lost")]
     pub p90_px: f64,
-    /// 95 %.
+    /// 95th percentile.
     #[serde(serialize_with = "or_lost")]
     pub p95_px: f64,
-    /// 98 %.
+    /// 98th percentile.
     #[serde(serialize_with = "or_lost")]
     pub p98_px: f64,
-    /// 99 %.
+    /// 99th percentile.
     #[serde(serialize_with = "or_lost")]
     pub p99_px: f64,
     /// The worst of all.
@@ -57,7 +57,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of one figure a trial; not a number without trials.
+    /// Statistics of one figure a trial; not a number without trials.
     #[must_use]
     pub fn of(mut figures: Vec<f64>) -> Self {
         let kept = || figures.iter().copied().filter(|x| x.is_finite());
@@ -132,7 +132,7 @@ impl Engine {
         all
     }
 
-    /// The same by first derivatives alone.
+    /// The trials of `range` by first derivatives alone.
     #[must_use]
     pub fn linear_trials(
         &self,
@@ -159,9 +159,9 @@ impl Engine {
         let batch = |batch: &Range<u64>| {
             let made: Vec<PerturbedSystem> =
                 batch.clone().map(|index| self.trial(sources, seed, index)).collect();
-            let judged = displacements(&made).into_iter().map(|d| self.compensate(d));
+            let figures = displacements(&made).into_iter().map(|d| self.compensate(d));
             let trial = |(index, (before, after, steps))| Trial { index, before, after, steps };
-            batch.clone().zip(judged).map(trial).collect::<Vec<Trial>>()
+            batch.clone().zip(figures).map(trial).collect::<Vec<Trial>>()
         };
         parallel::gather(batches.len(), 1, |part| batches[part].iter().flat_map(batch).collect())
     }

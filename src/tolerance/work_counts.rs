@@ -90,7 +90,7 @@ impl WorkCounter {
         self.add(work);
     }
 
-    /// What was counted since the last call.
+    /// Counts since the last call.
     pub fn take(&self) -> WorkCounts {
         WorkCounts(array::from_fn(|k| array::from_fn(|i| self.0[k][i].swap(0, Ordering::Relaxed))))
     }

@@ -64,12 +64,12 @@ pub enum Texture {
     Stepover,
 }
 
-/// What an error source changes in a made system.
+/// Part of a made system that an error source changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActsOn {
-    /// Where the part is, which no file of a mesh holds.
+    /// The part's pose, which no file of a mesh holds.
     Mounting(MisalignmentField),
-    /// How large the part is.
+    /// The part's size.
     Size,
     /// The camera's ray of an image point.
     Camera(MisalignmentField),
@@ -103,7 +103,7 @@ impl ActsOn {
     }
 }
 
-/// Which systems have an error source.
+/// Systems that have an error source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AppliesTo {
     /// Every system.
@@ -148,7 +148,7 @@ pub enum UsualLimit {
 /// Row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSourceRow {
-    /// Which error source.
+    /// The error source.
     pub perturbation: Perturbation,
     /// Key in a profile, which ends in its unit.
     pub key: &'static str,
@@ -156,13 +156,13 @@ pub struct ErrorSourceRow {
     pub unit: LimitUnit,
     /// Number of its random stream: trials stay the same whatever other sources there are.
     pub stream: u32,
-    /// What it changes.
+    /// Part of the system that it changes.
     pub acts_on: ActsOn,
-    /// Which systems have it.
+    /// Systems that have it.
     pub applies_to: AppliesTo,
     /// Its limit where the profile has none.
     pub usual: UsualLimit,
-    /// What it is, in words: lines that begin with a space.
+    /// Description: lines that begin with a space.
     pub what: &'static [&'static str],
 }
 

@@ -14,7 +14,7 @@ use crate::tolerance_terms::{
     ProcessPreset, Reference, UsualLimit,
 };
 
-/// What of a profile decides which sources there are; none of what is missing or wrong.
+/// Camera and layout, which decide which error sources there are; none where missing or wrong.
 #[derive(Clone, Copy)]
 pub(super) struct Setting {
     pub(super) camera: Option<CameraModel>,

@@ -33,7 +33,7 @@ impl BallCutter {
         if along > 0.0 && across > 0.0 { across } else { 0.0 }
     }
 
-    /// Height over the mirror of tracks on some ground, and the mean of their slope over the footprint
+    /// Height over the mirror of tracks at a site, and the mean of their slope over the footprint
     /// there (of parabolas, which cusps are up to the square of their slope).
     pub fn cusp<S: Scalar>(
         &self,

@@ -68,7 +68,7 @@ impl OpticalSystem {
         })
     }
 
-    /// How content moves, mm, with a height of 1 mm and a slope of 1 along X and along Y added to
+    /// Displacement of content, mm, by a height of 1 mm and a slope of 1 along X and along Y added to
     /// the designed surface where `sample` sees it: x and y of each.
     pub fn by_form(&self, sample: &PixelSample, work: &mut WorkCounts) -> [[f64; 2]; 3] {
         let state = PerturbedState::<Dual<3>>::perfect(self.fields.len());
@@ -82,7 +82,7 @@ impl OpticalSystem {
         [0, 1, 2].map(|k| [x.slope[k], y.slope[k]])
     }
 
-    /// The same content, with form errors that are `form`.
+    /// Image point, mm, of the content, with the form errors `form`: height and slopes over (X, Y).
     fn trace_content<S: Scalar>(
         &self,
         sample: &PixelSample,
@@ -175,7 +175,7 @@ fn coma_shift(q: DVec2, half_width: f64) -> [f64; 2] {
     [p * (3.0 * q.x * q.x + q.y * q.y), p * 2.0 * q.x * q.y]
 }
 
-/// Where a line meets `surface`, and the slope there: Newton's method from the sample's own hit, no
+/// Intersection of a line with `surface`, and the slope there: Newton's method from the sample's own hit, no
 /// farther from that than `farthest`.
 #[inline]
 fn meet<S: Scalar>(

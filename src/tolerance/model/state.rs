@@ -6,7 +6,7 @@ use crate::tolerance_terms::Misalignment;
 /// Errors of a perturbed system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerturbedState<S> {
-    /// How mirror and camera are placed.
+    /// Placement of mirror and camera.
     pub misalignment: Misalignment<S>,
     /// Amplitudes of the form errors, mm.
     pub form: Vec<f64>,

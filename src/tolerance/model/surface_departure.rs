@@ -1,4 +1,4 @@
-//! How far a made surface is from the designed one, and how finely it does so.
+//! Departure of a made surface from the designed one, and its shortest period.
 
 use super::super::footprint::Footprint;
 use super::super::form_field::{FormField, add_scaled, period_mm, ripple};

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct OpticalSystem {
     /// The camera, as designed.
     pub camera: Camera,
-    /// What the picture should show.
+    /// Projection that the picture should show.
     pub view: ImagingTask,
     /// Places of the picture that stand for all of it, each for an area as large as the others'.
     pub samples: Vec<PixelSample>,
@@ -29,7 +29,7 @@ pub struct OpticalSystem {
     pub sag: Chart,
     /// Half the frame's width, mm.
     pub half_width: f64,
-    /// How far from its own hit, mm along X and along Y, a sample's ray is followed.
+    /// Largest distance from a sample's own hit, mm along X and along Y, to which its ray is followed.
     pub farthest: f64,
     /// Form errors of unit size.
     pub fields: Vec<FormField>,
@@ -46,7 +46,7 @@ pub struct OpticalSystem {
 }
 
 impl OpticalSystem {
-    /// The same with other samples, without polynomials of the form errors.
+    /// The system with other samples, without polynomials of the form errors.
     pub fn with(&self, samples: Vec<PixelSample>) -> Self {
         Self {
             view: self.view.clone(),
