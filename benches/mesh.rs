@@ -38,7 +38,7 @@ cargo bench --bench mesh -- [OPTIONS]
 const STEP: f64 = 3.162_277_660_168_379_5;
 const FIRST: f64 = 1e4;
 /// Repeating a mesh ends here.
-const PATIENCE: Duration = Duration::from_secs(8);
+const LONGEST_REPEAT: Duration = Duration::from_secs(8);
 /// Times of smaller meshes are mostly overhead, and no part of the fit.
 const FITTED: f64 = 5e4;
 
@@ -97,7 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     let mut cases: Vec<(usize, Case)> = cases().into_iter().enumerate().collect();
     if let Some((index, limit)) = options.one {
-        println!("{}", one(&cases[index].1, limit, options.runs));
+        println!("{}", measure(&cases[index].1, limit, options.runs));
         return Ok(());
     }
     if let Some(only) = &options.only {
@@ -124,7 +124,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Meshes at one limit; the first of the runs tells the memory.
-fn one(case: &Case, limit: f64, runs: usize) -> Value {
+fn measure(case: &Case, limit: f64, runs: usize) -> Value {
     let began = Instant::now();
     // The threads are there before the memory is counted.
     rayon::broadcast(|_| ());
@@ -145,7 +145,7 @@ fn one(case: &Case, limit: f64, runs: usize) -> Value {
             }),
             Err(error) => return json!({ "error": error.to_string() }),
         };
-        if began.elapsed() > PATIENCE {
+        if began.elapsed() > LONGEST_REPEAT {
             break;
         }
     }
@@ -176,8 +176,8 @@ fn memory(figure: &str) -> Option<f64> {
     Some(1024.0 * kilobytes)
 }
 
-/// [`one`] in a new process.
-fn apart(index: usize, limit: f64, runs: usize) -> Result<Value, Box<dyn Error>> {
+/// [`measure`] in a new process.
+fn measure_in_child(index: usize, limit: f64, runs: usize) -> Result<Value, Box<dyn Error>> {
     let arguments =
         ["--one", &index.to_string(), &format!("{limit:e}"), "--runs", &runs.to_string()];
     let child =
@@ -195,13 +195,13 @@ fn sweep(index: usize, case: &Case, options: &Options) -> Result<(), Box<dyn Err
     println!("|---|---|---|---|---|---|---|");
     let mut limit = case.usual_mm;
     // The first mesh only tells where to start.
-    let probe = apart(index, limit, 1)?;
+    let probe = measure_in_child(index, limit, 1)?;
     let mut found = probe["triangles"].as_f64().unwrap_or(FIRST);
     let mut wanted = FIRST;
     let mut points = Vec::new();
     while wanted <= options.to * 1.01 {
         limit = case.rule.towards(limit, found, wanted);
-        let made = apart(index, limit, options.runs)?;
+        let made = measure_in_child(index, limit, options.runs)?;
         if let Some(error) = made["error"].as_str() {
             println!("| {:.3e} | {error} | | | | | |", 1e3 * limit);
             break;

@@ -87,9 +87,9 @@ impl Case {
         face
     }
 
-    fn vertex(&self, prover: &ErrorBounder, at: DVec3) -> SurfaceVertex {
+    fn vertex(&self, bounder: &ErrorBounder, at: DVec3) -> SurfaceVertex {
         let q = self.mirror.chart.coordinates(at).0;
-        prover.vertex(q, self.mirror.surface.at(q))
+        bounder.vertex_at(q)
     }
 
     /// Chord and facet error where the camera sees the point `p` of the facet with `corners`.
@@ -120,13 +120,13 @@ impl Case {
     /// Holds every facet to its own bound, at `n` steps per edge; the share of the face's bounds
     /// that samples reach.
     fn hold(&self, face: &Face, n: usize) -> [f64; 2] {
-        let prover =
+        let bounder =
             ErrorBounder::new(&self.mirror, &self.camera, Some(&self.view), Precision::Single);
         let mut largest = [0.0f64; 2];
         for t in 0..face.designed {
             let exact = face.mesh.corners(t);
-            let [a, b, c] = exact.map(|at| self.vertex(&prover, at));
-            let bound = prover.bound([&a, &b, &c]);
+            let [a, b, c] = exact.map(|at| self.vertex(&bounder, at));
+            let bound = bounder.bound([&a, &b, &c]);
             for corners in [exact, exact.map(|p| p.as_vec3().as_dvec3())] {
                 // Most facets in a few places, some in many.
                 let n = if t % 8 == 0 { n } else { 2 };
@@ -235,7 +235,8 @@ fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
     let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
     let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
     let case = Case { mirror, camera: PINHOLE, view };
-    let prover = ErrorBounder::new(&case.mirror, &case.camera, Some(&case.view), Precision::Single);
+    let bounder =
+        ErrorBounder::new(&case.mirror, &case.camera, Some(&case.view), Precision::Single);
     let mut draws = Draws::new(5);
     let mut largest = 0.0f64;
     for _ in 0..4000 {
@@ -245,9 +246,9 @@ fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
         let corners = [0.0, 1.9, 4.1].map(|turn| {
             let q = DVec2::new(cos(angle), sin(angle)) * radius;
             let q = q + DVec2::new(cos(start + turn), sin(start + turn)) * size;
-            prover.vertex(q, case.mirror.surface.at(q))
+            bounder.vertex_at(q)
         });
-        let bound = prover.bound_tightly(corners.each_ref()).chord_mm;
+        let bound = bounder.bound_tightly(corners.each_ref()).chord_mm;
         let exact = corners.map(|v| v.at);
         for corners in [exact, exact.map(|p| p.as_vec3().as_dvec3())] {
             for k in 0..21 {
@@ -273,24 +274,25 @@ fn what_rounding_tilts_is_the_worse_the_smaller_it_is() {
     let facet = |size: f64| [DVec2::ZERO, DVec2::X, DVec2::Y].map(|step| corner + step * size);
     for precision in [Precision::Single, Precision::Double] {
         let limits = Limits { chord_mm: None, facet_mm: Some(0.1), precision };
-        let prover = ErrorBounder::new(&mirror, &camera, Some(&view), precision);
-        let doubt = RefinementProbe::new(&prover, limits);
+        let bounder = ErrorBounder::new(&mirror, &camera, Some(&view), precision);
+        let probe = RefinementProbe::new(&bounder, limits);
         // Facet errors are as the size.
-        let [once, twice] = [0.6, 1.2].map(|size| match doubt.shrink(facet(size)) {
+        let [once, twice] = [0.6, 1.2].map(|size| match probe.probe(facet(size)) {
             ProbeOutcome::Converges(parts) => parts,
             other => panic!("{other:?}"),
         });
         assert!((3.5..4.5).contains(&(twice / once)), "{once} {twice}");
-        let wants_digits = |doubt: &RefinementProbe, size: f64| match doubt.floor(facet(size)) {
-            MeshError::NotRefinable { holds_in_double, .. } => holds_in_double,
-            other => panic!("{other}"),
-        };
-        assert!(!wants_digits(&doubt, 0.6));
+        let holds_in_double =
+            |probe: &RefinementProbe, size: f64| match probe.not_refinable(facet(size)) {
+                MeshError::NotRefinable { holds_in_double, .. } => holds_in_double,
+                other => panic!("{other}"),
+            };
+        assert!(!holds_in_double(&probe, 0.6));
         // A thousandth of that limit is beyond corners that nearly hit the mirror, too.
-        let strict = RefinementProbe::new(&prover, Limits { facet_mm: Some(1e-4), ..limits });
-        let (small, is_single) = (strict.shrink(facet(2e-3)), precision == Precision::Single);
+        let strict = RefinementProbe::new(&bounder, Limits { facet_mm: Some(1e-4), ..limits });
+        let (small, is_single) = (strict.probe(facet(2e-3)), precision == Precision::Single);
         assert_eq!(small == ProbeOutcome::Diverges, is_single, "{small:?}");
-        assert_eq!(wants_digits(&strict, 2e-3), is_single);
+        assert_eq!(holds_in_double(&strict, 2e-3), is_single);
     }
 }
 

@@ -6,7 +6,7 @@ use super::formats::{TRACED, drawings, meshes, precision};
 use crate::design::Design;
 use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
-    Budget, ClosureCount, Face, Limits, MeshError, MeshForecast, MeshPlan,
+    Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, MeshPlan,
     forecast as forecast_within, mesh,
 };
 use crate::profile::{Format, Profile};
@@ -47,7 +47,7 @@ pub fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>,
 }
 
 /// What is foreseen of the face that keeps `limits`.
-pub fn forecast(design: &Design, limits: Limits) -> Result<MeshForecast, MeshError> {
+pub fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshError> {
     forecast_within(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
 }
 
@@ -61,7 +61,7 @@ pub fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limit
 }
 
 /// How many facets close the face that is foreseen.
-pub fn added_to(forecast: &MeshForecast, design: &Design) -> usize {
+pub fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
     let hole = match design.mirror.outline {
         // As if neighbours on both rims were equally far apart.
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
@@ -87,7 +87,7 @@ impl<'a> ClosingCount<'a> {
 }
 
 impl ClosureCount for ClosingCount<'_> {
-    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
+    fn foreseen(&self, forecast: &FaceForecast) -> f64 {
         added_to(forecast, self.0) as f64
     }
 

@@ -5,7 +5,7 @@ use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save,
 use crate::support::{share, small_but, times};
 use morion::internals::design::Design;
 use morion::internals::geom::Precision;
-use morion::internals::mesh::{Budget, ClosureCount, Face, Limits, MeshError, MeshForecast, mesh};
+use morion::internals::mesh::{Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, mesh};
 use morion::internals::num::exp;
 use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::shipped;
@@ -17,7 +17,7 @@ use serde_json::Value;
 struct Closed;
 
 impl ClosureCount for Closed {
-    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
+    fn foreseen(&self, forecast: &FaceForecast) -> f64 {
         3.0 * forecast.rim
     }
 
@@ -33,7 +33,7 @@ struct Drilled;
 const AROUND: usize = 3000;
 
 impl ClosureCount for Drilled {
-    fn foreseen(&self, forecast: &MeshForecast) -> f64 {
+    fn foreseen(&self, forecast: &FaceForecast) -> f64 {
         Closed.foreseen(forecast) + AROUND as f64
     }
 

@@ -73,7 +73,7 @@ fn rounded(corner: DVec3) -> DVec3 {
 /// Samples every facet of the designed panel coarsely and an even choice of them densely, as
 /// designed and as single precision leaves it; each must keep its own bound.
 fn largest_errors(design: &Design, face: &Face) -> Sampled {
-    let prover = ErrorBounder::new(
+    let bounder = ErrorBounder::new(
         &design.mirror,
         &design.camera.chart,
         design.view.as_ref(),
@@ -88,10 +88,10 @@ fn largest_errors(design: &Design, face: &Face) -> Sampled {
             // Under parallel rays meshed at single-precision image points.
             let single = design.mirror.chart.vergence == 0.0;
             let q = if single { q.as_vec2().as_dvec2() } else { q };
-            prover.vertex(q, design.mirror.surface.at(q))
+            bounder.vertex_at(q)
         };
         let [a, b, c] = corners.map(vertex);
-        let bound = prover.bound([&a, &b, &c]);
+        let bound = bounder.bound([&a, &b, &c]);
         let places = if t.is_multiple_of(stride) { &dense } else { &coarse };
         let exact = sampled(design, corners, places);
         let single = sampled(design, corners.map(rounded), places);

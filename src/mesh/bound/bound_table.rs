@@ -1,167 +1,164 @@
-//! What the proof knows of the whole mirror beforehand, and looks up for every facet.
+//! A table of region bounds over the whole mirror, made beforehand and looked up for every facet.
 //!
-//! Where turning about the axis changes nothing, what is known on the X axis is known of the whole
-//! mirror, and intervals need only to extend along the radius. Facets are turned to that axis, and
-//! what is known there is turned through the angle that the facet takes.
+//! Where turning about the axis changes nothing, bounds on the X axis hold for the whole mirror, and intervals need to
+//! extend along the radius only. Facets are turned to that axis, and its bounds are turned through the angle that the
+//! facet takes.
 
 use super::deviation::Triangle;
-use super::region::{ImagingProblem, RegionBounds, beyond};
+use super::imaging_problem::{ImagingProblem, is_outside};
+use super::region::RegionBounds;
+use super::tuning::TUNING;
 use crate::geom::{DVec2, Rect};
 use crate::mirror::{BoundGrid, DerivativeBounds, RadialLegendre, Rings, Surface, UnionBound};
 use crate::optics::{ImagingTask, Projection};
 use std::sync::OnceLock;
 
-/// Parts of the radius of a round mirror.
-const COLUMNS: usize = 192;
-/// Sizes of the facets for which each is asked: the least in parts, and how often it is doubled,
-/// which is beyond the mirror's diameter.
-const LEAST: f64 = 0.125;
-const LEVELS: usize = 13;
-/// By how much, in shares of the mirror's size, facets are taken to be larger than they are.
-const MARGIN: f64 = 1e-6;
-
-/// What is known.
+/// Region bounds and mirror bounds of one panel.
 #[derive(Debug, Clone)]
 pub enum BoundTable {
-    /// Of boxes on a grid.
+    /// Over boxes on a grid.
     Grid {
-        /// Of the mirror.
+        /// Bounds of the mirror.
         bounds: BoundGrid<DerivativeBounds>,
-        /// Of facets.
+        /// Bounds for facets.
         regions: BoundGrid<RegionBounds>,
-        /// How far beside facets that is looked up, mm.
+        /// Distance around facets for which these are looked up, mm.
         margin: f64,
     },
-    /// Of parts of the X axis.
+    /// Over parts of the X axis of a round mirror.
     Axis {
-        /// Of the mirror.
+        /// Bounds of the mirror.
         rings: Rings,
         /// Width of a part, mm.
         width: f64,
-        /// Of facets, as far as it has been asked for: by size, then by part; the last part is
+        /// Bounds for facets, filled in as they are asked for: by size of the facet, then by part; the last part is
         /// beyond the rim.
         regions: Vec<OnceLock<RegionBounds>>,
     },
 }
 
-/// A facet, or a part of one, where it is looked at.
+/// A facet, or a part of one, in the coordinates in which it is bounded.
 #[derive(Debug)]
 pub struct FacetFrame {
-    /// The turn that brought it there.
+    /// Rotation about the axis that brought it there, as cosine and sine.
     pub turn: DVec2,
-    /// It.
+    /// The turned triangle.
     pub triangle: Triangle,
-    /// Its farthest corner from the axis, mm.
-    far: f64,
-    /// Cosine and sine of the angle between the X axis and its corners, at most.
+    /// Distance of its farthest corner from the axis, mm.
+    farthest: f64,
+    /// Cosine and sine of the largest angle between the X axis and a corner.
     angle: [f64; 2],
 }
 
 impl FacetFrame {
-    /// Whether what is known of `region` holds for a facet with this gradient of h.
+    /// Whether the content bounds of `region` hold for a facet with this gradient of h.
     #[inline]
-    pub fn is_known(&self, region: &RegionBounds, gradient: DVec2) -> bool {
+    pub fn is_covered(&self, region: &RegionBounds, gradient: DVec2) -> bool {
         let g = self.turn.rotate(gradient);
         let [cos, sin] = self.angle;
-        // All that turning may make of it.
+        // All gradients that turning by up to the angle makes of it.
         let (short, beside) = (g * cos, DVec2::new(g.y, g.x).abs() * sin);
-        let [least, most] = region.gradient;
+        let [least, most] = region.gradient_box;
         (g.min(short) - beside).cmpge(least).all() && (g.max(short) + beside).cmple(most).all()
     }
 }
 
 impl BoundTable {
-    /// What is known of the part `part` of the panel.
-    pub fn new(sight: &ImagingProblem, part: Rect) -> Self {
-        if let Some(round) = round(sight) {
-            let width = round.radius[1] / COLUMNS as f64;
-            let regions = vec![OnceLock::new(); LEVELS * (COLUMNS + 1)];
+    /// The table for the part `part` of the panel.
+    pub fn new(problem: &ImagingProblem, part: Rect) -> Self {
+        if let Some(round) = axisymmetric_surface(problem) {
+            let width = round.radius[1] / TUNING.axis_columns as f64;
+            let regions = vec![OnceLock::new(); TUNING.levels * (TUNING.axis_columns + 1)];
             return Self::Axis { rings: Rings::new(round), width, regions };
         }
-        let bounds = sight.mirror.surface.bound_grid(part);
-        let parts = sight.parts();
+        let bounds = problem.mirror.surface.bound_grid(part);
+        let parts = problem.cells_per_grid_cell();
         let regions = bounds.map(parts, |part, bounds| {
-            if beyond(&sight.mirror.outline, part) {
-                RegionBounds::NOTHING
+            if is_outside(&problem.mirror.outline, part) {
+                RegionBounds::EMPTY
             } else if parts == 1 {
-                sight.region(part, bounds, None)
+                problem.region_bounds(part, bounds, None)
             } else {
-                sight.region(part, &sight.narrow(bounds, part), None)
+                problem.region_bounds(part, &problem.narrowed(bounds, part), None)
             }
         });
-        Self::Grid { bounds, regions, margin: MARGIN * part.size().max_element() }
+        Self::Grid { bounds, regions, margin: TUNING.table_margin * part.size().max_element() }
     }
 
-    /// The triangle with the given corners where it is looked at.
+    /// The triangle with the given corners in the coordinates in which it is bounded.
     #[inline]
-    pub fn local(&self, corners: [DVec2; 3]) -> FacetFrame {
+    pub fn frame(&self, corners: [DVec2; 3]) -> FacetFrame {
         let Self::Axis { .. } = self else {
             let triangle = Triangle::new(corners);
-            return FacetFrame { turn: DVec2::X, triangle, far: 0.0, angle: [1.0, 0.0] };
+            return FacetFrame { turn: DVec2::X, triangle, farthest: 0.0, angle: [1.0, 0.0] };
         };
         let middle = corners[0] + corners[1] + corners[2];
         let turn = middle.try_normalize().map_or(DVec2::X, |p| DVec2::new(p.x, -p.y));
         let corners = corners.map(|q| turn.rotate(q));
         let triangle = Triangle::new(corners);
-        let far = corners.map(DVec2::length_squared).into_iter().fold(0.0, f64::max).sqrt();
+        let farthest = corners.map(DVec2::length_squared).into_iter().fold(0.0, f64::max).sqrt();
         let tangent = corners.map(|q| (q.y / q.x).abs()).into_iter().fold(0.0, f64::max);
-        const STEEP: f64 = 1e8;
-        let angle = if triangle.reach[0].x > 0.0 && tangent < STEEP {
+        // Beyond this tangent the squares below would lose the angle to rounding.
+        const STEEPEST: f64 = 1e8;
+        let angle = if triangle.bounding_box[0].x > 0.0 && tangent < STEEPEST {
             let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
             [cos, tangent * cos]
         } else {
             [-1.0, 1.0]
         };
-        FacetFrame { turn, triangle, far, angle }
+        FacetFrame { turn, triangle, farthest, angle }
     }
 
-    /// How far beside a triangle what is known of it holds, mm.
+    /// Distance around a triangle for which its bounds hold, mm.
     #[inline]
     pub fn margin(&self) -> f64 {
         match self {
             Self::Grid { margin, .. } => *margin,
-            Self::Axis { width, .. } => MARGIN * COLUMNS as f64 * width,
+            Self::Axis { width, .. } => TUNING.table_margin * TUNING.axis_columns as f64 * width,
         }
     }
 
-    /// Whether second derivatives are known better than a look at a facet tells.
-    pub fn is_fine(&self) -> bool {
+    /// Whether the table is along an axis: second derivatives in it are closer than those over the box of one facet.
+    pub fn is_axial(&self) -> bool {
         matches!(self, Self::Axis { .. })
     }
 
-    /// What is known of a triangle that is (a part of) a facet of the given diameter, and of places
-    /// as far beside it as `beside`.
+    /// The bounds for a triangle that is (a part of) a facet of the given diameter (mm), and for places around it up to
+    /// `beside` mm beyond the margin.
     #[inline]
     pub fn region(
         &self,
-        sight: &ImagingProblem,
-        local: &FacetFrame,
+        problem: &ImagingProblem,
+        frame: &FacetFrame,
         diameter: f64,
         beside: f64,
     ) -> RegionBounds {
         let margin = self.margin() + beside;
         let (rings, width, regions) = match self {
             Self::Grid { regions, .. } => {
-                let [lo, hi] = local.triangle.reach;
+                let [lo, hi] = frame.triangle.bounding_box;
                 return regions.over(lo - margin, hi + margin);
             }
             Self::Axis { rings, width, regions } => (rings, *width, regions),
         };
+        let columns = TUNING.axis_columns;
         let margin = margin / width;
         let wanted = diameter / width + margin;
-        let level = (0..LEVELS - 1).find(|&level| wanted <= size(level)).unwrap_or(LEVELS - 1);
+        let last_level = TUNING.levels - 1;
+        let level =
+            (0..last_level).find(|&level| wanted <= level_size(level)).unwrap_or(last_level);
         let [first, last] =
-            [local.triangle.reach[0].x / width - margin, local.far / width + margin]
-                .map(|column| (column.max(0.0) as usize).min(COLUMNS));
+            [frame.triangle.bounding_box[0].x / width - margin, frame.farthest / width + margin]
+                .map(|column| (column.max(0.0) as usize).min(columns));
         let known = |part: usize| {
-            let make = || ring(sight, rings, width, part, size(level) * width);
-            *regions[level * (COLUMNS + 1) + part].get_or_init(make)
+            let make = || axis_region(problem, rings, width, part, level_size(level) * width);
+            *regions[level * (columns + 1) + part].get_or_init(make)
         };
-        (first + 1..=last).fold(known(first), |all, k| all.union(known(k))).turned(local.angle)
+        (first + 1..=last).fold(known(first), |all, k| all.union(known(k))).turned(frame.angle)
     }
 
-    /// What is known of the mirror in a box where triangles are looked at.
-    pub fn bounds(&self, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
+    /// Bounds of the mirror in a box of the coordinates in which triangles are bounded.
+    pub fn mirror_bounds(&self, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
         match self {
             Self::Grid { bounds, .. } => bounds.over(lo, hi),
             Self::Axis { rings, .. } => rings.bounds(lo, hi),
@@ -169,29 +166,35 @@ impl BoundTable {
     }
 }
 
-/// What is known of facets of at most some size that begin on part `part` of the X axis.
-fn ring(sight: &ImagingProblem, rings: &Rings, width: f64, part: usize, size: f64) -> RegionBounds {
+/// Bounds for facets of at most `size` mm that begin on part `part` of the X axis.
+fn axis_region(
+    problem: &ImagingProblem,
+    rings: &Rings,
+    width: f64,
+    part: usize,
+    size: f64,
+) -> RegionBounds {
     let x = part as f64 * width;
     let part = [DVec2::new(x, 0.0), DVec2::new(x + width, 0.0)];
-    if beyond(&sight.mirror.outline, part) {
-        return RegionBounds::NOTHING;
+    if is_outside(&problem.mirror.outline, part) {
+        return RegionBounds::EMPTY;
     }
-    let bounds = sight.narrow(&rings.bounds(part[0], part[1]), part);
+    let bounds = problem.narrowed(&rings.bounds(part[0], part[1]), part);
     let wide = [part[0] - size, part[1] + size];
-    let around = sight.narrow(&rings.bounds(wide[0], wide[1]), wide);
-    sight.region(part, &bounds, Some(&around))
+    let around = problem.narrowed(&rings.bounds(wide[0], wide[1]), wide);
+    problem.region_bounds(part, &bounds, Some(&around))
 }
 
-/// The largest facets of a level, in widths.
-fn size(level: usize) -> f64 {
-    LEAST * (1u32 << level) as f64
+/// The largest facet diameter of a level, in parts.
+fn level_size(level: usize) -> f64 {
+    TUNING.finest_level * (1u32 << level) as f64
 }
 
 /// The surface, if turning about the axis changes neither it nor what the image must show.
-fn round<'a>(sight: &ImagingProblem<'a>) -> Option<&'a RadialLegendre> {
+fn axisymmetric_surface<'a>(problem: &ImagingProblem<'a>) -> Option<&'a RadialLegendre> {
     let radial = |view: &ImagingTask| matches!(view.projection, Projection::Radial { .. });
-    match &sight.mirror.surface {
-        Surface::Radial(round) if sight.view.is_none_or(radial) => Some(round),
+    match &problem.mirror.surface {
+        Surface::Radial(round) if problem.view.is_none_or(radial) => Some(round),
         _ => None,
     }
 }

@@ -1,4 +1,4 @@
-//! How far a smooth function may be from its linear interpolation over a triangle.
+//! Bounds of the deviation of a smooth function from its linear interpolation over a triangle (theory, T45 to T47).
 //!
 //! With l the barycentric coordinates of a place, d_ij the edges, r_i the ways to the corners and
 //! L the linear interpolation of h, Taylor's theorem about the place gives
@@ -23,46 +23,47 @@
 use crate::geom::DVec2;
 use crate::num::Interval;
 
-/// A triangle in the chart.
+/// Edges, bounding box and diameter of a triangle in the chart.
 #[derive(Debug, Clone, Copy)]
 pub struct Triangle {
     /// From corner 0 to 1, 1 to 2 and 2 to 0, mm.
     pub edges: [DVec2; 3],
-    /// Opposite corners of the box around it.
-    pub reach: [DVec2; 2],
+    /// Opposite corners of its bounding box, mm.
+    pub bounding_box: [DVec2; 2],
     /// Longest edge, mm.
     pub diameter: f64,
 }
 
 impl Triangle {
+    /// The triangle with the given corners, mm.
     #[inline]
     pub fn new([a, b, c]: [DVec2; 3]) -> Self {
         let edges = [b - a, c - b, a - c];
         let longest = edges.map(DVec2::length_squared).into_iter().fold(0.0, f64::max);
-        Self { edges, reach: [a.min(b).min(c), a.max(b).max(c)], diameter: longest.sqrt() }
+        Self { edges, bounding_box: [a.min(b).min(c), a.max(b).max(c)], diameter: longest.sqrt() }
     }
 
-    /// d_ij' H d_ij along the edges, from the gradients at the corners.
+    /// Second derivatives d_ij' H d_ij along the edges, from the gradients `g` at the corners.
     #[inline]
-    pub fn curves(&self, g: [DVec2; 3]) -> [f64; 3] {
+    pub fn edge_curvatures(&self, g: [DVec2; 3]) -> [f64; 3] {
         let [ab, bc, ca] = self.edges;
         [(g[1] - g[0]).dot(ab), (g[2] - g[1]).dot(bc), (g[0] - g[2]).dot(ca)]
     }
 
-    /// How far a function with second derivatives (xx, xy, yy) up to `second` in size is from its
-    /// interpolation.
+    /// Bound of the deviation of a function from its interpolation, when its second derivatives (xx, xy, yy) are at
+    /// most these in size (T47).
     #[inline]
-    pub fn bend(&self, [xx, xy, yy]: [f64; 3]) -> f64 {
-        let size = self.reach[1] - self.reach[0];
+    pub fn interpolation_error(&self, [xx, xy, yy]: [f64; 3]) -> f64 {
+        let size = self.bounding_box[1] - self.bounding_box[0];
         let boxed = (xx * size.x + 2.0 * xy * size.y) * size.x + yy * size.y * size.y;
         let all = (xx * xx + 2.0 * xy * xy + yy * yy).sqrt() * self.diameter * self.diameter;
         (boxed / 8.0).min(all / 6.0)
     }
 
-    /// How far a function with third derivatives (xxx, xxy, xyy, yyy) in `third` is from what its
-    /// values and gradients at the corners say of it along the edges.
+    /// Bound of what values and gradients at the corners leave out of a function with third derivatives
+    /// (xxx, xxy, xyy, yyy) in `third`.
     #[inline]
-    pub fn twist(&self, third: [Interval; 4]) -> f64 {
+    pub fn cubic_remainder(&self, third: [Interval; 4]) -> f64 {
         let mean = third.map(|t| 0.5 * (t.lo + t.hi));
         let slack = third.map(|t| 0.5 * (t.hi - t.lo));
         let along = |u: DVec2, v: DVec2| {
@@ -79,7 +80,7 @@ impl Triangle {
         // The sum of l_i l_j |l_i - l_j| stays under 0.118, 6 l_0 l_1 l_2 under 2/9.
         let known = 0.118 / 12.0 * largest + 2.0 / 9.0 * middle.abs() / 72.0;
 
-        let size = self.reach[1] - self.reach[0];
+        let size = self.bounding_box[1] - self.bounding_box[0];
         let (x, y) = (size.x, size.y);
         let [xxx, xxy, xyy, yyy] = slack;
         let boxed = xxx * x * x * x + 3.0 * x * y * (xxy * x + xyy * y) + yyy * y * y * y;
@@ -89,8 +90,8 @@ impl Triangle {
     }
 }
 
-/// Largest |1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle, or a little more where
-/// rounding hides it.
+/// Largest |1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle (T46), or a little more where rounding hides
+/// it.
 #[inline]
 pub fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
     let [a, b, c] = [h01.abs(), h12.abs(), h20.abs()];
@@ -110,8 +111,8 @@ pub fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
     }
 }
 
-/// Largest |sum of l_i e_i - 1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle, exactly,
-/// and where.
+/// Largest |sum of l_i e_i - 1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle, exactly, and the barycentric
+/// coordinates where it is attained.
 pub fn largest_quadratic(e: [f64; 3], h: [f64; 3]) -> (f64, [f64; 3]) {
     let value = |l: [f64; 3]| {
         let bend = l[0] * l[1] * h[0] + l[1] * l[2] * h[1] + l[2] * l[0] * h[2];
@@ -228,7 +229,7 @@ mod tests {
             ];
             let deviation = |f: &dyn Fn(DVec2) -> (f64, DVec2)| {
                 let known = corners.map(f);
-                let h = triangle.curves(known.map(|k| k.1));
+                let h = triangle.edge_curvatures(known.map(|k| k.1));
                 let off = |l: [f64; 3]| {
                     let p = corners[0] * l[0] + corners[1] * l[1] + corners[2] * l[2];
                     let line = known[0].0 * l[0] + known[1].0 * l[1] + known[2].0 * l[2];
@@ -237,11 +238,11 @@ mod tests {
                 };
                 places(24).map(off).fold(0.0, f64::max)
             };
-            let share = deviation(&cubic) / triangle.twist(c.map(Interval::point));
+            let share = deviation(&cubic) / triangle.cubic_remainder(c.map(Interval::point));
             assert!(share <= 1.0 + 1e-9, "{share}");
             cubic_share = cubic_share.max(share);
             let either = size.map(|t| Interval::new(-t.abs(), t.abs()));
-            let share = deviation(&|p| kink(p, at, way)) / triangle.twist(either);
+            let share = deviation(&|p| kink(p, at, way)) / triangle.cubic_remainder(either);
             assert!(share <= 1.0, "{share}");
             kink_share = kink_share.max(share);
         }
@@ -261,7 +262,7 @@ mod tests {
                 (0..3).map(|i| f(corners[i]) * l[i]).sum::<f64>() - f(p)
             };
             let found = places(30).map(off).fold(0.0, |a: f64, b| a.max(b.abs()));
-            let bound = Triangle::new(corners).bend(c.map(f64::abs));
+            let bound = Triangle::new(corners).interpolation_error(c.map(f64::abs));
             assert!(found <= bound * (1.0 + 1e-12), "{found} {bound}");
             most = most.max(found / bound);
         }

@@ -1,47 +1,42 @@
-//! The bound of a whole mesh, near the largest errors that its facets have.
+//! The bound of a whole mesh, near the largest errors that its facets attain.
 
-use super::branch_and_bound::{Enclosure, ErrorKind, LOOSE, NOTHING};
-use super::error_bounder::{ErrorBound, ErrorBounder, SurfaceVertex};
-use crate::mesh::Limits;
+use super::branch_and_bound::{Enclosure, NEGLIGIBLE};
+use super::error_bound::{ErrorBound, ErrorKind, Limits};
+use super::error_bounder::ErrorBounder;
+use super::tuning::TUNING;
+use super::vertex::SurfaceVertex;
 use crate::parallel;
 
-/// Facets a thread looks at at a time, at least.
-const FEW: usize = 32;
-/// Facets that are taken apart before what they reach decides about the others; fixed, so that
-/// results do not depend on the thread count.
-const BATCH: usize = 32;
-/// Batches after which the bound is left as it is where taking facets apart takes long, and splits
-/// after which that of one is.
-const SLOW_BATCHES: usize = 64;
-const SLOW_SPLITS: usize = 48;
+/// Facets that a thread takes at a time, at least: some microseconds of work.
+const CHUNK: usize = 32;
 
-/// A mesh whose facets are proven.
+/// A mesh whose facets are bounded one by one.
 pub struct MeshBound<'a> {
-    /// By whom.
-    pub prover: &'a ErrorBounder<'a>,
-    /// Its corners.
+    /// The bounder of its facets.
+    pub bounder: &'a ErrorBounder<'a>,
+    /// Its vertices.
     pub vertices: &'a [SurfaceVertex],
-    /// Their numbers.
+    /// Its facets, as numbers of vertices.
     pub facets: &'a [[u32; 3]],
 }
 
 impl<'a> MeshBound<'a> {
-    /// Bounds over all facets, of which `bounds` are those of each, within `limits`: within some per
-    /// cent of errors that are reached, as far as facets can be taken apart for it. Some of the
-    /// facets that may have large errors are `largest`.
+    /// Bounds over all facets, within `limits`, from the bounds of each: they exceed attained errors by some per cent,
+    /// as far as division of facets can bring them there. Facets that are likely to have the largest errors are
+    /// `largest`.
     pub fn bound(&self, bounds: &[ErrorBound], largest: &[u32], limits: &Limits) -> ErrorBound {
         let mut bound = bounds.iter().copied().fold(ErrorBound::default(), ErrorBound::max);
-        // Mostly, that is near what one of these reaches.
-        let reached = parallel::map_slice(largest, FEW, |&t| {
-            let (_, reached) = self.prover.estimate(self.corners(t));
-            reached
+        // Mostly the bound is near what one of these attains.
+        let attained = parallel::map_slice(largest, CHUNK, |&t| {
+            let (_, attained) = self.bounder.enclose(self.corners(t));
+            attained
         });
         let more = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-        let reached = reached.into_iter().fold([0.0; 2], more);
-        for kind in [ErrorKind::Chord, ErrorKind::Facet] {
+        let attained = attained.into_iter().fold([0.0; 2], more);
+        for kind in ErrorKind::ALL {
             let known = kind.of(&bound);
             let ceiling = kind.limit(limits).unwrap_or(f64::INFINITY);
-            let found = self.largest(kind, bounds, [known, ceiling], kind.of_both(reached));
+            let found = self.largest(kind, bounds, [known, ceiling], kind.of_both(attained));
             kind.set(&mut bound, found);
         }
         bound
@@ -51,58 +46,67 @@ impl<'a> MeshBound<'a> {
         self.facets[t as usize].map(|v| &self.vertices[v as usize])
     }
 
-    /// A bound of one error, at most the one that is `known`; `reached` is reached. The facets whose
-    /// bounds are well over that are taken apart, the largest first.
+    /// A bound of one error over all facets, mm, at most `known`, where some facet attains `attained`. The facets whose
+    /// bounds are well over what is attained are divided, those of the largest bounds first.
     fn largest(
         &self,
         kind: ErrorKind,
         bounds: &[ErrorBound],
         [known, ceiling]: [f64; 2],
-        mut reached: f64,
+        mut attained: f64,
     ) -> f64 {
-        let is_near = |reached: f64| self.prover.is_near(&Enclosure { bound: known, reached });
-        if is_near(reached) {
+        let is_tight = |attained: f64| self.bounder.is_tight(&Enclosure { bound: known, attained });
+        if is_tight(attained) {
             return known;
         }
-        let least = NOTHING * self.prover.mirror().outline.bounds().size().max_element();
-        let enough = |reached: f64| ((1.0 + LOOSE) * reached).max(least).min(ceiling);
-        let mut rest = 0.0f64;
-        let mut loose: Vec<(f64, u32)> = Vec::new();
-        for (t, bound) in bounds.iter().enumerate() {
-            let bound = kind.of(bound);
-            if bound <= enough(reached) {
-                rest = rest.max(bound);
-            } else {
-                let bound = if bound.is_nan() { f64::INFINITY } else { bound };
-                loose.push((bound, t as u32));
-            }
-        }
-        loose.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let slow = kind == ErrorKind::Facet && !self.prover.plain;
-        let [most, splits] = if slow { [SLOW_BATCHES, SLOW_SPLITS] } else { [usize::MAX; 2] };
-        for (k, batch) in loose.chunks(BATCH).enumerate() {
-            if is_near(reached) {
+        let least = NEGLIGIBLE * self.bounder.mirror().outline.bounds().size().max_element();
+        let enough = |attained: f64| ((1.0 + TUNING.tightness) * attained).max(least).min(ceiling);
+        let (mut rest, loose) = split_by_bound(kind, bounds, enough(attained));
+        let slow = kind == ErrorKind::Facet && !self.bounder.direction_only;
+        let [most, divisions] = if slow {
+            [TUNING.most_slow_batches, TUNING.most_slow_batch_divisions]
+        } else {
+            [usize::MAX; 2]
+        };
+        for (k, batch) in loose.chunks(TUNING.mesh_batch).enumerate() {
+            if is_tight(attained) {
                 return known;
             }
-            let goal = enough(reached).max(rest);
+            let goal = enough(attained).max(rest);
             if batch[0].0 <= goal || k == most {
                 return rest.max(batch[0].0).min(known);
             }
             let look = |&(quick, t): &(f64, u32)| {
-                let mut left = splits;
-                let near = |found: &Enclosure| {
+                let mut left = divisions;
+                self.bounder.branch_and_bound(self.corners(t), kind, quick, |found: &Enclosure| {
                     left -= 1;
                     left == 0
                         || found.bound <= goal
-                        || (self.prover.is_near(found) && found.bound <= ceiling)
-                        || is_near(found.reached)
-                };
-                self.prover.search(self.corners(t), kind, quick, near)
+                        || (self.bounder.is_tight(found) && found.bound <= ceiling)
+                        || is_tight(found.attained)
+                })
             };
             for one in parallel::map_slice(batch, 1, look) {
-                (rest, reached) = (rest.max(one.bound), reached.max(one.reached));
+                (rest, attained) = (rest.max(one.bound), attained.max(one.attained));
             }
         }
         rest.min(known)
     }
+}
+
+/// The largest bound that is at most `enough`, and the facets with larger bounds, the largest first.
+fn split_by_bound(kind: ErrorKind, bounds: &[ErrorBound], enough: f64) -> (f64, Vec<(f64, u32)>) {
+    let mut rest = 0.0f64;
+    let mut loose: Vec<(f64, u32)> = Vec::new();
+    for (t, bound) in bounds.iter().enumerate() {
+        let bound = kind.of(bound);
+        if bound <= enough {
+            rest = rest.max(bound);
+        } else {
+            let bound = if bound.is_nan() { f64::INFINITY } else { bound };
+            loose.push((bound, t as u32));
+        }
+    }
+    loose.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    (rest, loose)
 }

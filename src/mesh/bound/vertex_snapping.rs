@@ -1,57 +1,45 @@
-//! Corners of facets where the file's digits nearly hit the mirror.
+//! Vertex snapping: vertices go where single precision rounds them to points that are nearly on the mirror.
 //!
-//! Rounding to single precision moves a corner off the mirror by up to half a step of its digits, which
-//! tilts small facets, and slivers the most. How far differs from place to place as if at random:
-//! of some tens of places within nanometres one is nearly hit, and there the corner goes.
+//! Rounding to single precision moves a vertex off the mirror by up to half a step of its digits, which tilts small
+//! facets, and slivers the most. The distance differs from place to place as if at random: of some tens of places
+//! within nanometres one is nearly on the mirror, and there the vertex goes (theory, after T48).
 
-use super::error_bounder::{ErrorBounder, SurfaceVertex};
+use super::error_bounder::ErrorBounder;
+use super::tuning::TUNING;
+use super::vertex::SurfaceVertex;
 use crate::geom::{DVec2, DVec3, Outline, Precision, Rect};
 
-/// Places that are tried on each side of a corner.
-const TRIED: i32 = 24;
-/// Most that a corner is moved, in sizes of the mirror: a two-hundredth of the facets when as many as
-/// fit in memory cover it.
-const FARTHEST: f64 = 1e-6;
-/// Share of a step of the digits that a rounded corner may be off for no other place to be tried.
-const NEAR: f64 = 0.02;
-/// Share of a rounding error that is mostly left.
-pub const LEAST_LEFT: f64 = 0.05;
-/// The second way that is tried, seen from the first.
-const ASIDE: DVec2 = DVec2::new(0.8, 0.6);
-/// How near a corner is to an arc that it lies on, in radii: rounded X and Y leave it by less.
+/// The second direction that is tried, in the frame of the first one.
+const OBLIQUE: DVec2 = DVec2::new(0.8, 0.6);
+/// Relative distance up to which a vertex counts as on an arc of the rim: rounded X and Y leave it by less.
 const ON_ARC: f64 = 1e-6;
 
-/// What is left of a rounding error of up to half a `step` of the digits of Z, where corners may be
-/// moved on a mirror of this `size` and of this slope.
+/// Share of a rounding error that snapping leaves, as sizes of facets are foreseen: of up to half a `step` of the
+/// digits of Z (mm), where vertices may be moved on a mirror of this `size` (mm) and slope.
 pub fn rounding_left(step: f64, slope: f64, size: f64) -> f64 {
-    (1.0 - 2.0 * FARTHEST * size * slope / step).max(LEAST_LEFT)
+    (1.0 - 2.0 * TUNING.snap_farthest * size * slope / step).max(TUNING.least_rounding_left)
 }
 
 impl ErrorBounder<'_> {
-    /// A corner at `q` or a few steps of its digits beside it, as the file will have it.
-    pub(crate) fn corner(&self, q: DVec2) -> SurfaceVertex {
-        let vertex = self.exactly(self.rounded(q));
+    /// The vertex at `q`, or nanometres beside it where rounding hardly moves it off the mirror, as the file has it.
+    pub(crate) fn snapped_vertex(&self, q: DVec2) -> SurfaceVertex {
+        let vertex = self.vertex_at(self.rounded(q));
         if self.precision == Precision::Double {
             return vertex;
         }
-        let to = self.nearest(&vertex);
-        if to == vertex.q { vertex } else { self.exactly(to) }
+        let to = self.best_rounded(&vertex);
+        if to == vertex.q { vertex } else { self.vertex_at(to) }
     }
 
-    /// The corner at `q`.
-    fn exactly(&self, q: DVec2) -> SurfaceVertex {
-        self.vertex(q, self.mirror().surface.at(q))
-    }
-
-    /// Under parallel rays X and Y are numbers of the file.
+    /// `q` as the file has it: under parallel rays X and Y are its numbers.
     fn rounded(&self, q: DVec2) -> DVec2 {
-        let is_plain = self.mirror().chart.vergence == 0.0;
-        let single = is_plain && self.precision == Precision::Single;
+        let is_parallel = self.mirror().chart.vergence == 0.0;
+        let single = is_parallel && self.precision == Precision::Single;
         if single { q.as_vec2().as_dvec2() } else { q }
     }
 
-    /// The directions in which a corner may be moved: anywhere, or along the side that it is on.
-    fn ways(&self, v: &SurfaceVertex) -> [Option<DVec2>; 2] {
+    /// The directions in which a vertex may be moved: anywhere, or along the side that it is on.
+    fn directions(&self, v: &SurfaceVertex) -> [Option<DVec2>; 2] {
         let Rect { min, max } = self.part;
         let on = v.q.cmpeq(min) | v.q.cmpeq(max);
         if let Outline::Ring { inner, outer } = self.mirror().outline {
@@ -64,17 +52,17 @@ impl ErrorBounder<'_> {
             let along = if on.x { DVec2::Y } else { DVec2::X };
             return [(!on.all()).then_some(along), None];
         }
-        // Up the mirror, and half aside, where other digits are met.
+        // Up the mirror, and obliquely, where other digits are met.
         let up = v.gradient.try_normalize();
-        [up, up.map(|up| up.rotate(ASIDE))]
+        [up, up.map(|up| up.rotate(OBLIQUE))]
     }
 
-    /// The place beside `v` whose rounded corner is nearest to the mirror, of those tried.
-    fn nearest(&self, v: &SurfaceVertex) -> DVec2 {
+    /// The position beside `v` whose rounded vertex is nearest to the mirror, of those tried.
+    fn best_rounded(&self, v: &SurfaceVertex) -> DVec2 {
         let chart = &self.mirror().chart;
         let k = chart.vergence;
         let grow = 1.0 / (1.0 + k * v.h);
-        // The corner's differential.
+        // The differential of the vertex's position.
         let rise = v.gradient * (grow * grow);
         let moved = |d: DVec2| {
             let up = rise.dot(d);
@@ -83,16 +71,17 @@ impl ErrorBounder<'_> {
         let normal = (-v.slope(chart)).extend(1.0);
         let off = |at: DVec3| (at.as_vec3().as_dvec3() - at).dot(normal).abs();
         let steps = v.at.abs() * f64::from(f32::EPSILON);
-        let farthest = FARTHEST * self.part.size().max_element();
+        let farthest = TUNING.snap_farthest * self.part.size().max_element();
+        let positions = TUNING.snap_positions;
         let mut best = (off(v.at), v.q);
-        for way in self.ways(v).into_iter().flatten() {
-            let climb = (steps.z / rise.dot(way).abs()).min(farthest) / f64::from(TRIED);
+        for direction in self.directions(v).into_iter().flatten() {
+            let climb = (steps.z / rise.dot(direction).abs()).min(farthest) / f64::from(positions);
             let step = steps.x.max(steps.y).max(climb);
-            for k in (1..=TRIED).flat_map(|k| [k, -k]) {
-                if best.0 <= NEAR * steps.z {
+            for k in (1..=positions).flat_map(|k| [k, -k]) {
+                if best.0 <= TUNING.snap_near * steps.z {
                     return best.1;
                 }
-                let q = self.rounded(v.q + way * (f64::from(k) * step));
+                let q = self.rounded(v.q + direction * (f64::from(k) * step));
                 let off = off(moved(q - v.q));
                 if off < best.0 {
                     best = (off, q);
@@ -107,12 +96,12 @@ impl ErrorBounder<'_> {
 mod tests {
     use super::*;
     use crate::geom::Chart;
-    use crate::mesh::bound::region::ImagingProblem;
+    use crate::mesh::bound::imaging_problem::ImagingProblem;
     use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 
-    /// How far off the mirror rounded corners are, in steps of the digits of Z, sorted.
+    /// Distances of rounded vertices from the mirror, in steps of the digits of Z, sorted.
     fn off(vergence: f64, chosen: bool) -> Vec<f64> {
         let series = Series::from_fn(3, 3, |i, j| match (i, j) {
             (1, 0) => 5.0,
@@ -131,13 +120,17 @@ mod tests {
             folded: false,
             mirror_symmetric: [false; 2],
         };
-        let sight = ImagingProblem { mirror: &mirror, camera: mirror.chart, view: None };
-        let prover = ErrorBounder::over(rect, sight, Precision::Single);
+        let problem = ImagingProblem { mirror: &mirror, camera: mirror.chart, view: None };
+        let bounder = ErrorBounder::for_part(rect, problem, Precision::Single);
         let mut r = Draws::new(3);
         let mut off: Vec<f64> = (0..1000)
             .map(|_| {
                 let q = DVec2::new(r.inside([3.0, 20.0]), r.inside([3.0, 20.0]));
-                let v = if chosen { prover.corner(q) } else { prover.exactly(prover.rounded(q)) };
+                let v = if chosen {
+                    bounder.snapped_vertex(q)
+                } else {
+                    bounder.vertex_at(bounder.rounded(q))
+                };
                 assert!((v.q - q).length() < 1e-4, "{q} went to {}", v.q);
                 v.rounding.abs() / (v.at.z * f64::from(f32::EPSILON))
             })
@@ -147,12 +140,17 @@ mod tests {
     }
 
     #[test]
-    fn corners_go_where_rounding_hits_the_mirror() {
+    fn vertices_go_where_rounding_hits_the_mirror() {
         for vergence in [0.0, 0.005] {
             let [usual, chosen] = [false, true].map(|chosen| off(vergence, chosen));
             // Rounding errors are spread evenly up to half a step; a step is less in a binade's top.
             assert!(usual[500] > 0.1, "{}", usual[500]);
-            assert!(chosen[500] <= NEAR && chosen[990] < 0.1, "{} {}", chosen[500], chosen[990]);
+            assert!(
+                chosen[500] <= TUNING.snap_near && chosen[990] < 0.1,
+                "{} {}",
+                chosen[500],
+                chosen[990]
+            );
         }
     }
 }

@@ -1,112 +1,128 @@
-//! The coarse mesh: the packing triangulated, and improved by the errors that the quadratic model
-//! foresees.
+//! Triangulation of the placed points, and its smoothing by the errors that the quadratic model foresees.
 
 use super::boundary_nodes::BoundaryNodes;
-use super::point_placement::{PointPlacement, extent};
+use super::point_placement::PointPlacement;
+use super::tuning::TUNING;
 use crate::geom::DVec2;
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use crate::mesh::refine::independent_sets::{IndependentSets, flip_all};
 use crate::mesh::refine::triangulation::EditableTriangulation;
-use crate::mesh::sizing::frame_field::FrameField;
+use crate::mesh::sizing::frame_field::{FrameField, cell_extent};
 use crate::num::{exp, log};
 use glam::DMat2;
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation};
 use std::collections::HashSet;
 
-/// Rounds of flips and moves.
-const ROUNDS: usize = 8;
-/// Excess, in shares of what is aimed at, from which on corners are moved.
-const UNEASY: f64 = 1.04;
-
-/// Triangulates a packing inside its rim, which the first points are.
+/// Constrained Delaunay triangulation of the placed points inside their boundary, smoothed.
+///
+/// # Errors
+/// [`MeshError::PointRejected`] where spade refuses a point.
 pub fn triangulate<'a>(
-    packing: PointPlacement,
-    rim: &BoundaryNodes,
-    cells: &FrameField<'a>,
+    placed: PointPlacement,
+    boundary: &BoundaryNodes,
+    frames: &FrameField<'a>,
 ) -> Result<EditableTriangulation<'a>, MeshError> {
-    let stretch = stretch(&packing.cells);
-    // Of points in one place spade would keep one, and number all after it anew.
+    let scale = isotropic_scale(&placed.cells);
+    // spade would keep one of several points in one place, and number all after it anew.
     let mut met = HashSet::new();
-    let mut is_new = |q: DVec2| met.insert((q * stretch + 0.0).to_array().map(f64::to_bits));
-    let both = packing.points.into_iter().zip(packing.cells);
-    let (points, frames): (Vec<_>, Vec<_>) = both.filter(|(q, _)| is_new(*q)).unzip();
-    let scaled = points.iter().map(|&q| q * stretch);
+    let mut is_new = |q: DVec2| met.insert((q * scale + 0.0).to_array().map(f64::to_bits));
+    let both = placed.points.into_iter().zip(placed.cells);
+    let (points, cells): (Vec<_>, Vec<_>) = both.filter(|(q, _)| is_new(*q)).unzip();
+    let scaled = points.iter().map(|&q| q * scale);
     let scaled = scaled.map(|q| Point2::new(q.x, q.y)).collect();
     let refuse = |reason: InsertionError| MeshError::PointRejected {
         x: f64::NAN,
         y: f64::NAN,
         reason: reason.to_string(),
     };
-    let plane: ConstrainedDelaunayTriangulation<Point2<f64>> =
-        ConstrainedDelaunayTriangulation::bulk_load_cdt(scaled, rim.edges.clone())
+    let delaunay: ConstrainedDelaunayTriangulation<Point2<f64>> =
+        ConstrainedDelaunayTriangulation::bulk_load_cdt(scaled, boundary.edges.clone())
             .map_err(refuse)?;
-    let triangles: Vec<[u32; 3]> = plane
+    let triangles: Vec<[u32; 3]> = delaunay
         .inner_faces()
         .map(|f| f.vertices().map(|v| v.index()))
-        .filter(|&triangle| rim.keeps(triangle))
+        .filter(|&triangle| boundary.keeps(triangle))
         .map(|triangle| triangle.map(|v| v as u32))
         .collect();
-    let net = EditableTriangulation::new(cells.needs, cells.parts as f64, points, triangles);
-    Ok(improve(net, cells, &frames))
+    let net = EditableTriangulation::new(frames.sizing, frames.parts as f64, points, triangles);
+    let threshold = TUNING.movable_oversize * frames.relative_size() * frames.relative_size();
+    Ok(Smoothing::new(net, &cells, threshold).run())
 }
 
-fn improve<'a>(
-    mut net: EditableTriangulation<'a>,
-    cells: &FrameField,
-    frames: &[DMat2],
-) -> EditableTriangulation<'a> {
-    let easy = UNEASY * cells.aim() * cells.aim();
-    let mut edges: Vec<[u32; 2]> = net
-        .triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .filter(|[a, b]| a < b)
-        .collect();
-    let mut active: Vec<u32> = (0..net.points.len() as u32).collect();
-    let mut crowd = IndependentSets::default();
-    // What has changed since it was last looked at.
-    let mut loose = vec![false; net.points.len()];
-    let mut stale = vec![false; net.triangles.len()];
-    for _ in 0..ROUNDS {
-        let mut touched = Vec::new();
-        flip_all(&mut net, std::mem::take(&mut edges), |t| touched.push(t));
-        for t in touched {
-            for v in net.triangles[t as usize] {
-                if !std::mem::replace(&mut loose[v as usize], true) {
-                    active.push(v);
+/// Rounds of flips and moves, each over what the one before has changed.
+struct Smoothing<'a, 'c> {
+    net: EditableTriangulation<'a>,
+    /// The cell at each vertex, in which moves are measured.
+    cells: &'c [DMat2],
+    /// Oversize over which vertices are moved.
+    threshold: f64,
+    /// Edges that may gain by a flip.
+    edges: Vec<[u32; 2]>,
+    /// Vertices that may gain by a move, and whether each is among them.
+    vertices: Vec<u32>,
+    is_listed: Vec<bool>,
+}
+
+impl<'a, 'c> Smoothing<'a, 'c> {
+    fn new(net: EditableTriangulation<'a>, cells: &'c [DMat2], threshold: f64) -> Self {
+        let edges = net.triangles.iter().flat_map(|&t| edges_once(t)).collect();
+        let vertices = (0..net.vertices.len() as u32).collect();
+        let is_listed = vec![false; net.vertices.len()];
+        Self { net, cells, threshold, edges, vertices, is_listed }
+    }
+
+    /// The smoothed triangulation.
+    fn run(mut self) -> EditableTriangulation<'a> {
+        let mut sets = IndependentSets::default();
+        let mut is_stale = vec![false; self.net.triangles.len()];
+        for _ in 0..TUNING.smoothing_rounds {
+            let mut flipped = Vec::new();
+            flip_all(&mut self.net, std::mem::take(&mut self.edges), |t| flipped.push(t));
+            for t in flipped {
+                self.list_vertices(t);
+            }
+            self.vertices.iter().for_each(|&v| self.is_listed[v as usize] = false);
+            let (cells, threshold) = (self.cells, self.threshold);
+            let better = |net: &EditableTriangulation, v: u32| {
+                net.better_position(v, threshold, |_| cells[v as usize], |q| q)
+            };
+            let vertices = std::mem::take(&mut self.vertices);
+            sets.move_all(&mut self.net, vertices, better, |net, v| {
+                net.around(v).for_each(|t| is_stale[t as usize] = true);
+            });
+            for (t, is_stale) in is_stale.iter_mut().enumerate() {
+                if std::mem::take(is_stale) {
+                    self.edges.extend(edges_once(self.net.triangles[t]));
+                    self.list_vertices(t as u32);
                 }
             }
-        }
-        active.iter().for_each(|&v| loose[v as usize] = false);
-        let better = |net: &EditableTriangulation, v: u32| {
-            net.better_place(v, easy, |_| frames[v as usize], |q| q)
-        };
-        crowd.move_all(&mut net, std::mem::take(&mut active), better, |net, v| {
-            net.around(v).for_each(|t| stale[t as usize] = true);
-        });
-        for (t, stale) in stale.iter_mut().enumerate() {
-            if std::mem::take(stale) {
-                let [a, b, c] = net.triangles[t];
-                edges.extend([[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a < b));
-                for v in [a, b, c] {
-                    if !std::mem::replace(&mut loose[v as usize], true) {
-                        active.push(v);
-                    }
-                }
+            if self.vertices.is_empty() {
+                break;
             }
         }
-        if active.is_empty() {
-            break;
+        flip_all(&mut self.net, self.edges, |_| {});
+        self.net
+    }
+
+    /// Lists the vertices of triangle `t` that are not listed yet.
+    fn list_vertices(&mut self, t: u32) {
+        for v in self.net.triangles[t as usize] {
+            if !std::mem::replace(&mut self.is_listed[v as usize], true) {
+                self.vertices.push(v);
+            }
         }
     }
-    flip_all(&mut net, edges, |_| {});
-    net
+}
+
+/// The edges of a triangle that run from the lesser number: of two triangles beside an edge, one has it.
+fn edges_once([a, b, c]: [u32; 3]) -> impl Iterator<Item = [u32; 2]> {
+    [[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a < b)
 }
 
 /// Scales of the axes that make the cells about as long as wide.
-fn stretch(cells: &[DMat2]) -> DVec2 {
+fn isotropic_scale(cells: &[DMat2]) -> DVec2 {
     let logs = |cell: &DMat2| {
-        let e = extent(cell);
+        let e = cell_extent(cell);
         DVec2::new(log(e.x), log(e.y))
     };
     let mean = cells.iter().map(logs).sum::<DVec2>() / cells.len() as f64;

@@ -1,70 +1,68 @@
-//! Corners moved and edges flipped by all threads together, with the same outcome for any number of
-//! them.
+//! Vertices moved and edges flipped by all threads together, with the same outcome for any number of them.
 
 use super::triangulation::EditableTriangulation;
 use super::vertex_model::VertexModel;
 use crate::parallel;
 
-/// Corners or edges a thread looks at at a time, at least.
+/// Vertices or edges that a thread takes at a time, at least: some microseconds of work.
 const CHUNK: usize = 32;
 
-/// Picks corners that are no neighbours, so that each can be moved without the others.
+/// Picks sets of vertices of which none are neighbours, so that each can be moved without the others.
 #[derive(Default)]
 pub struct IndependentSets {
-    /// The last pass in which a neighbour of the corner was picked.
-    near: Vec<u32>,
+    /// For each vertex the last pass in which it or a neighbour was picked.
+    last_pass: Vec<u32>,
     passes: u32,
 }
 
 impl IndependentSets {
-    /// Moves all `corners` for which `better` knows a place, and reports them.
+    /// Moves all `vertices` for which `better` knows a position, and reports them to `moved`.
     pub fn move_all<C: VertexModel>(
         &mut self,
         net: &mut EditableTriangulation<C>,
-        mut corners: Vec<u32>,
+        mut vertices: Vec<u32>,
         better: impl Fn(&EditableTriangulation<C>, u32) -> Option<C> + Sync,
         mut moved: impl FnMut(&EditableTriangulation<C>, u32),
     ) {
-        while !corners.is_empty() {
-            let apart = self.split(net, &mut corners);
-            let place = |&v: &u32| better(net, v);
-            let places = parallel::map_slice(&apart, CHUNK, place);
-            for (v, place) in apart.into_iter().zip(places) {
-                if let Some(place) = place {
-                    net.points[v as usize] = place;
+        while !vertices.is_empty() {
+            let set = self.take_set(net, &mut vertices);
+            let position = |&v: &u32| better(net, v);
+            let positions = parallel::map_slice(&set, CHUNK, position);
+            for (v, position) in set.into_iter().zip(positions) {
+                if let Some(position) = position {
+                    net.vertices[v as usize] = position;
                     moved(net, v);
                 }
             }
         }
     }
 
-    /// Takes such corners out of `corners`.
-    fn split<C: VertexModel>(
+    /// Takes an independent set out of `vertices`.
+    fn take_set<C: VertexModel>(
         &mut self,
         net: &EditableTriangulation<C>,
-        corners: &mut Vec<u32>,
+        vertices: &mut Vec<u32>,
     ) -> Vec<u32> {
-        self.near.resize(net.points.len(), 0);
+        self.last_pass.resize(net.vertices.len(), 0);
         self.passes += 1;
-        let mut apart = Vec::with_capacity(corners.len() / 2);
-        corners.retain(|&v| {
-            if self.near[v as usize] == self.passes {
+        let mut set = Vec::with_capacity(vertices.len() / 2);
+        vertices.retain(|&v| {
+            if self.last_pass[v as usize] == self.passes {
                 return true;
             }
             for t in net.around(v) {
                 for w in net.triangles[t as usize] {
-                    self.near[w as usize] = self.passes;
+                    self.last_pass[w as usize] = self.passes;
                 }
             }
-            apart.push(v);
+            set.push(v);
             false
         });
-        apart
+        set
     }
 }
 
-/// Flips those of the edges that gain, and what is then to flip around them; the triangles that
-/// changed are reported.
+/// Flips those of the edges that gain by it, and then edges around them that do; reports the triangles that changed.
 pub fn flip_all<C: VertexModel>(
     net: &mut EditableTriangulation<C>,
     edges: Vec<[u32; 2]>,
@@ -74,5 +72,5 @@ pub fn flip_all<C: VertexModel>(
     let edges = parallel::gather(edges.len(), CHUNK, |part| {
         edges[part].iter().copied().filter(gains).collect()
     });
-    net.flip_all(edges, changed);
+    net.flip_from(edges, changed);
 }

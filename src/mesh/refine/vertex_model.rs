@@ -1,30 +1,35 @@
-//! What a net may know of its corners: where they are, or also what the mirror does there.
+//! What a triangulation knows of its vertices: their position, or also the mirror's values there.
 
 use crate::geom::{DVec2, DVec3};
-use crate::mesh::bound::error_bounder::SurfaceVertex;
-use crate::mesh::sizing::field::{LocalModel, SizingField};
+use crate::mesh::bound::vertex::SurfaceVertex;
+use crate::mesh::sizing::field::SizingField;
+use crate::mesh::sizing::local_model::LocalModel;
 use glam::{DMat3, Vec3Swizzles};
 
-/// What a net knows of a corner.
+/// A vertex of an editable triangulation, from which the oversize of its triangles follows.
 pub trait VertexModel: Copy + Send + Sync {
-    /// Whether every triangle is asked at its own place, lest flips go round in circles.
-    const EACH: bool;
+    /// Whether the triangles of a flip are judged by the local model at their own centroids each, and not by one for
+    /// all: otherwise flips by the mirror's values would go round in circles.
+    const MODEL_AT_CENTROID: bool;
 
-    /// Place in the mirror's chart, mm.
+    /// Coordinates in the mirror's chart, mm.
     fn q(&self) -> DVec2;
 
-    /// By how much the errors of a triangle at `place` exceed what they may be, in areas.
-    fn excess(needs: &SizingField, place: &LocalModel, triangle: [&Self; 3]) -> f64;
+    /// Oversize of a triangle where `model` holds: its area over the one that the limits allow.
+    fn oversize(sizing: &SizingField, model: &LocalModel, triangle: [&Self; 3]) -> f64;
 
-    /// About what corners a little beside it would be, of which `neighbours` tell enough.
-    fn beside<'a>(&self, neighbours: impl Iterator<Item = &'a Self>) -> impl Fn(DVec2) -> Self
+    /// An estimate of the vertex at positions near this one, from the values at its `neighbours`.
+    fn extrapolated<'a>(
+        &self,
+        neighbours: impl Iterator<Item = &'a Self>,
+    ) -> impl Fn(DVec2) -> Self
     where
         Self: 'a;
 }
 
-/// Where it is: errors are those of the quadratic model.
+/// The position alone: oversizes are those of the quadratic model.
 impl VertexModel for DVec2 {
-    const EACH: bool = false;
+    const MODEL_AT_CENTROID: bool = false;
 
     #[inline]
     fn q(&self) -> DVec2 {
@@ -32,18 +37,18 @@ impl VertexModel for DVec2 {
     }
 
     #[inline]
-    fn excess(needs: &SizingField, place: &LocalModel, [a, b, c]: [&Self; 3]) -> f64 {
-        needs.excess(place, b - a, c - a)
+    fn oversize(sizing: &SizingField, model: &LocalModel, [a, b, c]: [&Self; 3]) -> f64 {
+        sizing.oversize(model, b - a, c - a)
     }
 
-    fn beside<'a>(&self, _: impl Iterator<Item = &'a Self>) -> impl Fn(DVec2) -> Self {
+    fn extrapolated<'a>(&self, _: impl Iterator<Item = &'a Self>) -> impl Fn(DVec2) -> Self {
         |q| q
     }
 }
 
-/// What the mirror does there: errors follow from it.
+/// Position and the mirror's values: oversizes follow from these.
 impl VertexModel for SurfaceVertex {
-    const EACH: bool = true;
+    const MODEL_AT_CENTROID: bool = true;
 
     #[inline]
     fn q(&self) -> DVec2 {
@@ -51,19 +56,22 @@ impl VertexModel for SurfaceVertex {
     }
 
     #[inline]
-    fn excess(needs: &SizingField, place: &LocalModel, triangle: [&Self; 3]) -> f64 {
-        needs.excess_of(place, triangle)
+    fn oversize(sizing: &SizingField, model: &LocalModel, triangle: [&Self; 3]) -> f64 {
+        sizing.oversize_by_vertices(model, triangle)
     }
 
-    fn beside<'a>(&self, neighbours: impl Iterator<Item = &'a Self>) -> impl Fn(DVec2) -> Self {
-        // Least squares: the Hessian that turns ways to neighbours into changes of the gradient.
-        let (mut ways, mut changes) = (DVec3::ZERO, DVec3::ZERO);
+    fn extrapolated<'a>(
+        &self,
+        neighbours: impl Iterator<Item = &'a Self>,
+    ) -> impl Fn(DVec2) -> Self {
+        // Least squares: the Hessian that turns differences of position into differences of the gradient.
+        let (mut squares, mut changes) = (DVec3::ZERO, DVec3::ZERO);
         for other in neighbours {
             let (d, g) = (other.q - self.q, other.gradient - self.gradient);
-            ways += DVec3::new(d.x * d.x, d.x * d.y, d.y * d.y);
+            squares += DVec3::new(d.x * d.x, d.x * d.y, d.y * d.y);
             changes += DVec3::new(d.x * g.x, d.x * g.y + d.y * g.x, d.y * g.y);
         }
-        let DVec3 { x: xx, y: xy, z: yy } = ways;
+        let DVec3 { x: xx, y: xy, z: yy } = squares;
         let normal = DMat3::from_cols_array(&[xx, xy, 0.0, xy, xx + yy, xy, 0.0, xy, yy]);
         let hessian = normal.inverse() * changes;
         let own = *self;
@@ -80,8 +88,9 @@ impl VertexModel for SurfaceVertex {
 mod tests {
     use super::*;
     use crate::geom::{Chart, Outline, Precision, Rect};
-    use crate::mesh::bound::region::ImagingProblem;
-    use crate::mesh::{ErrorBounder, Limits};
+    use crate::mesh::bound::error_bound::Limits;
+    use crate::mesh::bound::error_bounder::ErrorBounder;
+    use crate::mesh::bound::imaging_problem::ImagingProblem;
     use crate::mirror::{Mirror, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
@@ -117,8 +126,8 @@ mod tests {
         Limits { chord_mm: Some(1e-3), facet_mm: None, precision: Precision::Double };
 
     fn vertices(mirror: &Mirror, at: [DVec2; 3]) -> [SurfaceVertex; 3] {
-        let prover = ErrorBounder::new(mirror, &TOP, None, Precision::Double);
-        at.map(|q| prover.vertex(q, mirror.surface.at(q)))
+        let bounder = ErrorBounder::new(mirror, &TOP, None, Precision::Double);
+        at.map(|q| bounder.vertex_at(q))
     }
 
     /// A triangle of about 1 mm.
@@ -133,16 +142,16 @@ mod tests {
         let mut r = Draws::new(5);
         for (form, exact) in [([0.02, 0.01, 0.03, 0.0], true), ([0.02, 0.01, -0.03, 1e-3], false)] {
             let mirror = mirror(form);
-            let sight = ImagingProblem { mirror: &mirror, camera: TOP, view: None };
-            let needs = SizingField::new(&sight, mirror.outline.bounds(), LIMITS);
+            let problem = ImagingProblem { mirror: &mirror, camera: TOP, view: None };
+            let sizing = SizingField::new(&problem, mirror.outline.bounds(), LIMITS);
             let mut farthest = 0.0f64;
             for _ in 0..100 {
                 let at = triangle(&mut r);
                 let known = vertices(&mirror, at);
                 // The model of the first corner's place.
-                let place = needs.at(at[0]);
-                let by_model = DVec2::excess(&needs, &place, at.each_ref());
-                let by_mirror = SurfaceVertex::excess(&needs, &place, known.each_ref());
+                let model = sizing.at(at[0]);
+                let by_model = DVec2::oversize(&sizing, &model, at.each_ref());
+                let by_mirror = SurfaceVertex::oversize(&sizing, &model, known.each_ref());
                 assert!(by_model > 1.0, "{by_model}");
                 farthest = farthest.max((by_mirror / by_model - 1.0).abs());
             }
@@ -163,7 +172,7 @@ mod tests {
                 let step = DVec2::new(r.inside([-0.1, 0.1]), r.inside([-0.1, 0.1]));
                 let off = |size: f64| {
                     let neighbours = ring.map(|way| at(q + way * size));
-                    let foreseen = at(q).beside(neighbours.iter())(q + step * size);
+                    let foreseen = at(q).extrapolated(neighbours.iter())(q + step * size);
                     let found = at(q + step * size);
                     assert_eq!(foreseen.q, found.q);
                     [(foreseen.h - found.h).abs(), foreseen.gradient.distance(found.gradient)]

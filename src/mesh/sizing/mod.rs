@@ -1,6 +1,13 @@
-//! What the limits ask for at every place of a panel: sizing field, frame field of lattice cells, and the lower bounds
-//! on the number of triangles.
+//! Size, shape and direction of facets at every place of a panel, from a local model of mirror and image.
+//!
+//! `local_model` is the model at one place, `field` the table of such models over the panel, `lattice` the kinds of
+//! cells, `frame_field` the graded cells over the panel, and `precision_limit` refuses limits that rounding alone
+//! exceeds. `optimum` stands beside these: lower bounds on the number of triangles.
 
 pub mod field;
 pub mod frame_field;
+pub mod lattice;
+pub mod local_model;
 pub mod optimum;
+pub mod precision_limit;
+pub mod tuning;

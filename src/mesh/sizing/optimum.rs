@@ -1,4 +1,4 @@
-//! How few triangles can do: the lower bounds that a mesh's size is compared with.
+//! Lower bounds on the number of triangles, with which the size of a mesh is compared (theory, T42 and T43).
 
 use crate::geom::{Chart, DVec2, Outline};
 use crate::mirror::{HeightAndSlope, Hessian, Mirror};
@@ -7,8 +7,8 @@ use crate::num::{Dual, Scalar, cos, exp, sin};
 use crate::optics::ImagingTask;
 use std::f64::consts::PI;
 
-/// Integrals over the mirror from which the least numbers of triangles follow, for vertices on
-/// the surface and tolerances that go to zero.
+/// Integrals over the mirror from which the lower bounds follow, for vertices on the surface and tolerances that go to
+/// zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
     /// Integral of c sqrt |det H| dA, mm: c = 0.3849 on bowls (equilateral triangles), 0.2236 on
@@ -18,27 +18,30 @@ pub struct Optimum {
     /// rays and far targets c_T, what the tangent plane shows, is constant, and where the mirror is
     /// right c is the image point itself: the determinant is 1.
     weighted_area: f64,
-    /// What the two integrals are where the mirror bends alike in both directions.
-    even: [f64; 2],
+    /// The two integrals for a mirror of the same curvatures in both directions, mm and mm^2.
+    isotropic: [f64; 2],
 }
 
-/// Share of those below which a mirror counts as bent in one direction alone. Long facets then do
-/// with numbers that grow more slowly than these bounds say.
-const FLAT: f64 = 1e-3;
+/// Share of the isotropic integrals below which a mirror counts as bent in one direction alone. The number of long
+/// facets that it then needs grows more slowly than these bounds say.
+const DEVELOPABLE: f64 = 1e-3;
+
+/// The constants C of T42 and 1 / A of T43 where det H > 0, and elsewhere.
+const BOWL: [f64; 2] = [0.3849, 1.0 / 1.299];
+const SADDLE: [f64; 2] = [0.2236, 1.0];
+/// Quadrature nodes along each axis: more than the terms of a mirror's series that matter.
+const NODES: usize = 24;
 
 impl Optimum {
-    /// Integrates over all panels of `mirror`, in which the camera of chart `camera` is meant to see
-    /// `view`.
+    /// The integrals over all panels of `mirror`, in which the camera of chart `camera` is meant to see `view`.
     #[must_use]
     pub fn new(mirror: &Mirror, camera: &Chart, view: Option<&ImagingTask>) -> Self {
-        const BOWL: [f64; 2] = [0.3849, 1.0 / 1.299];
-        const SADDLE: [f64; 2] = [0.2236, 1.0];
         let k = mirror.chart.vergence;
-        let (mut total, mut even) = ([0.0; 2], [0.0; 2]);
+        let (mut total, mut isotropic) = ([0.0; 2], [0.0; 2]);
         for (q, area) in nodes(&mirror.outline) {
             let (point, c) = (mirror.surface.at(q), mirror.surface.hessian(q));
             let (s, grow) = (point.slope, exp(k * point.f));
-            // Of h's Hessian, in mm along the ray.
+            // T41 without its factor exp(k f), which one of the two in T39 takes out.
             let hessian = Hessian {
                 xx: c.xx + k * s.x * s.x,
                 xy: c.xy + k * s.x * s.y,
@@ -48,21 +51,21 @@ impl Optimum {
             let det = hessian.det();
             let [chord, facet] = if det > 0.0 { BOWL } else { SADDLE };
             total[0] += area * chord * det.abs().sqrt() * stretch;
-            even[0] += area * chord * hessian.norm() * stretch;
-            let sight = view.map(|view| spread(mirror, camera, view, q, &point, &c));
-            total[1] += area * facet * sight.unwrap_or(1.0);
-            even[1] += area * facet;
+            isotropic[0] += area * chord * hessian.norm() * stretch;
+            let density = view.map(|view| facet_density(mirror, camera, view, q, &point, &c));
+            total[1] += area * facet * density.unwrap_or(1.0);
+            isotropic[1] += area * facet;
         }
         let panels = if mirror.folded { 2.0 } else { 1.0 };
         let [curved, weighted_area] = total.map(|sum| panels * sum);
-        Self { curved, weighted_area, even: even.map(|sum| panels * sum) }
+        Self { curved, weighted_area, isotropic: isotropic.map(|sum| panels * sum) }
     }
 
     /// Least number of triangles for a chord error of `limit` mm; none for a mirror that bends in
     /// one direction alone.
     #[must_use]
     pub fn chord(&self, limit: f64) -> Option<f64> {
-        (self.curved > FLAT * self.even[0]).then(|| self.curved / limit)
+        (self.curved > DEVELOPABLE * self.isotropic[0]).then(|| self.curved / limit)
     }
 
     /// Least number of triangles for a facet error of `limit` mm on the mirror: where what a facet
@@ -70,12 +73,13 @@ impl Optimum {
     /// in one direction alone.
     #[must_use]
     pub fn facet(&self, limit: f64) -> Option<f64> {
-        (self.weighted_area > FLAT * self.even[1]).then(|| self.weighted_area / (limit * limit))
+        (self.weighted_area > DEVELOPABLE * self.isotropic[1])
+            .then(|| self.weighted_area / (limit * limit))
     }
 }
 
-/// |det D(c - c_T)| over chart point `q`: c is what the mirror shows, c_T its tangent plane.
-fn spread(
+/// |det D(c - c_T)| at the chart point `q`: c is the content of the mirror, c_T that of its tangent plane.
+fn facet_density(
     mirror: &Mirror,
     camera: &Chart,
     view: &ImagingTask,
@@ -96,9 +100,8 @@ fn spread(
     (xx * yy - xy * yx).abs()
 }
 
-/// Gauss nodes of an outline and their weights, mm^2.
+/// Quadrature nodes of an outline (Gauss, and equidistant angles of a ring) and their weights, mm^2.
 fn nodes(outline: &Outline) -> Vec<(DVec2, f64)> {
-    const NODES: usize = 24;
     let (nodes, weights) = gauss_legendre(NODES);
     let pairs = (0..NODES * NODES).map(|k| (k % NODES, k / NODES));
     match *outline {

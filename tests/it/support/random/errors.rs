@@ -111,14 +111,15 @@ impl Seen<'_> {
         n: u32,
         climb: bool,
     ) -> Result<[f64; 2], String> {
-        let prover = own.then(|| ErrorBounder::new(self.mirror, self.camera, self.view, precision));
+        let bounder =
+            own.then(|| ErrorBounder::new(self.mirror, self.camera, self.view, precision));
         let chart = &self.mirror.chart;
         let slack = ULP * self.mirror.outline.bounds().size().max_element() + 1e-13;
-        let vertex = |prover: &ErrorBounder, at: DVec3| {
+        let vertex = |bounder: &ErrorBounder, at: DVec3| {
             let q = chart.coordinates(at).0;
             let is_single = precision == Precision::Single && chart.vergence == 0.0;
             let q = if is_single { q.as_vec2().as_dvec2() } else { q };
-            prover.vertex(q, self.mirror.surface.at(q))
+            bounder.vertex_at(q)
         };
         let facet = |t: usize| {
             let exact = face.mesh.corners(t);
@@ -128,13 +129,13 @@ impl Seen<'_> {
                 found = [0, 1].map(|k| found[k].max(rounded[k]));
             }
             let mut bounds = vec![("face", face.bound)];
-            if let Some(prover) = &prover {
-                let corners = exact.map(|at| vertex(prover, at));
+            if let Some(bounder) = &bounder {
+                let corners = exact.map(|at| vertex(bounder, at));
                 let [a, b, c] = corners.each_ref();
                 assert!(turn(a.q, b.q, c.q) > 0.0);
-                bounds.push(("own", prover.bound([a, b, c])));
+                bounds.push(("own", bounder.bound([a, b, c])));
                 if climb {
-                    bounds.push(("tight", prover.bound_tightly([a, b, c])));
+                    bounds.push(("tight", bounder.bound_tightly([a, b, c])));
                 }
             }
             for (whose, ErrorBound { chord_mm, facet_mm, .. }) in bounds {

@@ -1,0 +1,126 @@
+//! The bracket of a limit between one that is too strict and one that fits, and the power law that leads into it.
+
+use super::tuning::TUNING;
+use crate::mesh::error::MeshError;
+use crate::num::{exp, log};
+
+/// The power of the limit with which the number of triangles falls, from the last two tries: where rims need most of
+/// the triangles, or a mirror is flat, the number hardly follows the limit.
+#[derive(Debug)]
+pub struct PowerLaw {
+    /// Theory's power, which is the largest.
+    theory: f64,
+    /// Logarithms of the last limit and its number of triangles.
+    last: Option<[f64; 2]>,
+}
+
+impl PowerLaw {
+    /// The law with theory's power.
+    pub fn new(theory: f64) -> Self {
+        Self { theory, last: None }
+    }
+
+    /// A factor on `limit`, which has `count` triangles, towards `target` triangles.
+    pub fn step(&mut self, limit: f64, count: f64, target: f64) -> f64 {
+        if count.is_infinite() {
+            return f64::INFINITY;
+        }
+        let now = [log(limit), log(count)];
+        let measured = self.last.map(|last| (last[1] - now[1]) / (now[0] - last[0]));
+        let power = measured.filter(|power| power.is_finite()).unwrap_or(self.theory);
+        self.last = Some(now);
+        exp((now[1] - log(target)) / power.clamp(TUNING.least_power * self.theory, self.theory))
+    }
+}
+
+/// Limits (mm) that are too strict and that fit.
+#[derive(Debug)]
+pub struct Bracket {
+    strictest: f64,
+    loosest: f64,
+    /// The loosest limit known to be too strict.
+    fails: f64,
+    /// The strictest limit known to fit.
+    fits: f64,
+}
+
+impl Bracket {
+    /// A bracket of which only the ends are known.
+    pub fn new(strictest: f64, loosest: f64) -> Self {
+        Self { strictest, loosest, fails: 0.0, fits: f64::INFINITY }
+    }
+
+    /// The loosest limit that may be tried, mm.
+    pub fn loosest(&self) -> f64 {
+        self.loosest
+    }
+
+    /// The strictest limit known to fit, mm; infinite while there is none.
+    pub fn fits(&self) -> f64 {
+        self.fits
+    }
+
+    /// The number of triangles of a limit that is refused: infinite, where a looser limit may not be.
+    ///
+    /// # Errors
+    /// The given one, where no looser limit helps.
+    pub fn too_strict(&self, limit: f64, error: MeshError) -> Result<f64, MeshError> {
+        match error {
+            MeshError::TooMany { .. }
+            | MeshError::NotRefinable { .. }
+            | MeshError::PrecisionLimit { .. }
+                if limit < self.loosest =>
+            {
+                Ok(f64::INFINITY)
+            }
+            error => Err(error),
+        }
+    }
+
+    /// Notes that `limit` has `count` triangles, of which `target` are wanted at most.
+    pub fn note(&mut self, limit: f64, count: f64, target: f64) {
+        if count > target {
+            self.fails = self.fails.max(limit);
+        } else {
+            self.fits = self.fits.min(limit);
+        }
+    }
+
+    /// Whether there is no limit left to try.
+    pub fn is_closed(&self) -> bool {
+        self.fits <= self.strictest
+            || self.fits <= self.fails * (TUNING.grid + TUNING.grid_rounding)
+    }
+
+    /// The limit to try after `limit`: `wanted`, where that can be.
+    pub fn next(&self, limit: f64, wanted: f64) -> f64 {
+        let next = if wanted > self.fails && wanted < self.fits {
+            wanted
+        } else if self.fits == f64::INFINITY {
+            2.0 * limit
+        } else if self.fails == 0.0 {
+            0.5 * limit
+        } else {
+            (self.fails * self.fits).sqrt()
+        };
+        let next = self.on_grid(next);
+        if next <= self.fails * (1.0 + TUNING.grid_rounding) {
+            self.clamp(next * TUNING.grid)
+        } else if next >= self.fits * (1.0 - TUNING.grid_rounding) {
+            self.clamp(next / TUNING.grid)
+        } else {
+            self.clamp(next)
+        }
+    }
+
+    /// The limit on the grid that is nearest to `limit`: the loosest, divided by a power of the grid's ratio.
+    pub fn on_grid(&self, limit: f64) -> f64 {
+        let steps = (log(self.loosest / limit) / log(TUNING.grid)).round();
+        self.clamp(self.loosest * exp(-steps * log(TUNING.grid)))
+    }
+
+    /// The limit itself, or the nearest one that may be tried.
+    pub fn clamp(&self, limit: f64) -> f64 {
+        limit.clamp(self.strictest, self.loosest)
+    }
+}

@@ -1,0 +1,110 @@
+//! Candidates of the coarse mesh, and the choice of the size at which the fewest facets do.
+
+use super::coarse_mesh::CoarseMesh;
+use super::tuning::TUNING;
+use crate::geom::{DVec2, Rect};
+use crate::mesh::bound::error_bound::Limits;
+use crate::mesh::bound::error_bounder::ErrorBounder;
+use crate::mesh::error::MeshError;
+use crate::mesh::sizing::field::SizingField;
+use crate::mesh::sizing::frame_field::FrameField;
+use crate::mesh::sizing::lattice::LatticeKind;
+use crate::mirror::Mirror;
+
+/// Factor by which the facets of a lattice mostly come out smaller than the model has them.
+fn usual_size(kind: LatticeKind) -> f64 {
+    match kind {
+        LatticeKind::ImageSquares => TUNING.image_square_size,
+        LatticeKind::Squares => TUNING.square_size,
+        LatticeKind::Triangles | LatticeKind::ImageTriangles => 1.0,
+    }
+}
+
+/// Change of size along the axes below which fitting left the cells as they were.
+const SAME_SIZE: f64 = 1e-9;
+
+/// The mean of the sizes of cells along the axes.
+fn mean(size: DVec2) -> f64 {
+    (size.x * size.y).sqrt()
+}
+
+/// The first candidate of a coarse mesh, of which no facet has been bounded yet.
+pub struct CoarseCandidate<'a> {
+    /// The cells of the mesh that is wanted.
+    frames: FrameField<'a>,
+    domain: Rect,
+    copies: usize,
+    first: CoarseMesh<'a>,
+}
+
+impl<'a> CoarseCandidate<'a> {
+    /// A candidate for the part `domain` of `mirror`, of which the face holds `copies`.
+    ///
+    /// # Errors
+    /// [`MeshError`] where rounding alone exceeds the limits, or there would be too many facets.
+    pub fn new(
+        mirror: &Mirror,
+        sizing: &'a SizingField,
+        domain: Rect,
+        copies: usize,
+    ) -> Result<Self, MeshError> {
+        sizing.check_chord_rounding(mirror)?;
+        let (size, most) = (TUNING.first_size, TUNING.triangles);
+        let frames = FrameField::new(sizing, &mirror.outline, size, most);
+        let count = frames.facet_count(&mirror.outline);
+        MeshError::check_facets(count * copies as f64)?;
+        sizing.check_facet_tilt(&mirror.outline, |model| frames.facet_edges(model))?;
+        let (mut first, usual) = (frames.clone(), usual_size(frames.kind));
+        if count > TUNING.halve_first_from {
+            first.coarsen(2);
+        } else if usual < 1.0 {
+            first.rescale(size * usual);
+        }
+        let first = CoarseMesh::new(mirror, domain, first)?;
+        Ok(Self { frames, domain, copies, first })
+    }
+
+    /// The mesh of the size at which, as far as bounds of some facets tell, the fewest facets do.
+    ///
+    /// # Errors
+    /// [`MeshError`] where refinement of its facets is seen not to meet the limits.
+    pub fn choose_size(
+        self,
+        bounder: &ErrorBounder,
+        limits: Limits,
+    ) -> Result<CoarseMesh<'a>, MeshError> {
+        let Self { mut frames, domain, copies, first } = self;
+        let draw = |frames: &FrameField<'a>| {
+            let mesh = CoarseMesh::new(bounder.mirror(), domain, frames.clone())?;
+            Ok::<_, MeshError>(mesh.estimate_growth(bounder, limits))
+        };
+        let first = first.estimate_growth(bounder, limits);
+        let is_whole = first.frames.parts == frames.parts;
+        if is_whole && first.estimate.is_near_best() {
+            return first.check_refinable(bounder, limits, copies);
+        }
+        let strain = if is_whole { 1.0 } else { TUNING.halved_strain };
+        let size = mean(first.frames.fitted_size()) * first.estimate.best_scale * strain;
+        drop(first);
+        frames.rescale(size);
+        let mut best = draw(&frames)?;
+        let mut estimate = best.estimate;
+        for _ in 0..TUNING.redraws {
+            if estimate.is_near_best() {
+                break;
+            }
+            let before = frames.fitted_size();
+            frames.rescale(mean(before) * estimate.best_scale);
+            // Whole numbers of cells may leave no other size.
+            if frames.fitted_size().abs_diff_eq(before, SAME_SIZE) {
+                break;
+            }
+            let next = draw(&frames)?;
+            estimate = next.estimate;
+            if next.proposed() * estimate.cost < best.proposed() * best.estimate.cost {
+                best = next;
+            }
+        }
+        best.check_refinable(bounder, limits, copies)
+    }
+}
