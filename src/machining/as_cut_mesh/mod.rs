@@ -1,6 +1,6 @@
 //! A lattice over the face along the lines of a raster, as a mesh of the as-cut surface.
 //!
-//! Rows run along the raster's lines, several to a stepover, one of them along the cusps; further rows
+//! LatticeRows run along the raster's lines, several to a stepover, one of them along the cusps; further rows
 //! go through the corners of the outline and wherever its sides bend. Between two rows the face is a
 //! set of strips, whose sides are taken for straight, and each strip is triangulated from side to side.
 //! Then the rows are snapped onto the cusps, but for their ends and those that the outline needs.
@@ -15,9 +15,9 @@ use super::{BallRaster, MachiningError, Passes};
 use crate::geom::{DVec2, TriMesh};
 use crate::parallel;
 use outlines::Polygon;
-use strips::Rows;
+use strips::LatticeRows;
 
-/// Rows to a stepover.
+/// LatticeRows to a stepover.
 pub const ROWS: usize = 8;
 /// How many facets a lattice of this step along the lines would have, about.
 #[must_use]
@@ -46,7 +46,7 @@ pub fn as_cut_face(
         .iter()
         .map(|loops| loops.iter().map(|side| side.iter().map(turned).collect()).collect())
         .collect();
-    let rows = Rows::new(&mut panels, raster.stepover_mm / ROWS as f64);
+    let rows = LatticeRows::new(&mut panels, raster.stepover_mm / ROWS as f64);
     let places: Vec<Vec<f64>> = (0..rows.y.len()).map(|k| rows.places(k, along_mm)).collect();
     let triangles = triangles(&rows, &places);
     let cusps = Cusps::new(passes, bounding_corners(&panels), along_mm);
@@ -67,7 +67,7 @@ pub fn as_cut_face(
 }
 
 /// The facets of all strips, over vertices numbered row by row.
-fn triangles(rows: &Rows, places: &[Vec<f64>]) -> Vec<[u32; 3]> {
+fn triangles(rows: &LatticeRows, places: &[Vec<f64>]) -> Vec<[u32; 3]> {
     let mut first = vec![0u32];
     for line in places {
         first.push(first[first.len() - 1] + line.len() as u32);
@@ -89,7 +89,7 @@ fn triangles(rows: &Rows, places: &[Vec<f64>]) -> Vec<[u32; 3]> {
 }
 
 /// y of the places of row `k`, snapped onto the cusps but where sides of strips meet it.
-fn snapped(rows: &Rows, k: usize, places: &[f64], cusps: &Cusps) -> Vec<f64> {
+fn snapped(rows: &LatticeRows, k: usize, places: &[f64], cusps: &Cusps) -> Vec<f64> {
     let (y, fixed) = (rows.y[k], rows.fixed(k));
     let stays = |x: f64| !rows.free[k] || fixed.binary_search_by(|at| at.total_cmp(&x)).is_ok();
     places.iter().map(|&x| if stays(x) { y } else { cusps.snap(x, y) }).collect()

@@ -1,4 +1,4 @@
-//! Rows across a face, and the strips between them.
+//! LatticeRows across a face, and the strips between them.
 
 use super::outlines::Polygon;
 use crate::geom::{DVec2, turn};
@@ -9,9 +9,9 @@ const STRAIGHT: f64 = 2e-5;
 /// One side of a strip: where it meets the row below and the row above.
 pub type StripSide = [f64; 2];
 
-/// Rows and the strips between them.
+/// LatticeRows and the strips between them.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(super) struct LatticeRows {
     /// y of each row.
     pub y: Vec<f64>,
     /// Whether the outline leaves the row free to follow a cusp.
@@ -20,7 +20,7 @@ pub(super) struct Rows {
     pub strips: Vec<Vec<[StripSide; 2]>>,
 }
 
-impl Rows {
+impl LatticeRows {
     /// Where the rows of `panels` lie, `pitch` apart or closer, and the strips between them. Corners a hair off a
     /// row are put on it.
     pub fn new(panels: &mut [Vec<Polygon>], pitch: f64) -> Self {
