@@ -20,6 +20,7 @@ use crate::pipeline::{
     read_file,
 };
 use crate::profile::shipped;
+use crate::report::Answer;
 use fit::{convergence_order, mark_pareto};
 use std::collections::BTreeMap;
 use std::path::Path;

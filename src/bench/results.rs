@@ -1,6 +1,6 @@
 //! Benchmark results as JSON, CSV and a table.
 
-use crate::report::{digits, pretty, written};
+use crate::report::{Answer, Head, Rows, ToRows, digits};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -122,72 +122,56 @@ impl BenchSweep {
         }
         out
     }
+}
 
-    fn write(&self, out: &mut String) -> std::fmt::Result {
+impl Answer for BenchReport {
+    fn head(&self) -> Head<'_> {
+        Head::default()
+    }
+
+    fn rows(&self) -> Rows {
+        Rows::of(&[&self.sweeps, &self.suggestions])
+    }
+}
+
+impl ToRows for BenchSweep {
+    fn add_to(&self, rows: &mut Rows) {
         let Self { about, setting, error, .. } = self;
-        writeln!(out, "{about}  (* nothing is both faster and nearer)")?;
-        writeln!(out, "  {:22}{:26}{setting:>14}{:>12}  {error}", "profile", "", "time ms")?;
+        rows.line(format!("{about}  (* nothing is both faster and nearer)"));
+        rows.line(format!("  {:22}{:26}{setting:>14}{:>12}  {error}", "profile", "", "time ms"));
         for run in &self.runs {
             let BenchRun { profile, series, setting, time_ms, error, pareto, .. } = run;
             let star = if *pareto { " *" } else { "" };
             let setting =
                 if setting.fract() == 0.0 { setting.to_string() } else { digits(*setting) };
-            writeln!(
-                out,
+            rows.line(format!(
                 "  {profile:22}{series:26}{setting:>14}{time_ms:>12.2}  {error:.3e}{star}"
-            )?;
+            ));
         }
         for ConvergenceOrder { of, order, sigma, theory } in &self.orders {
-            writeln!(out, "  {of} ^ {order:.2} +- {sigma:.2}; theory {theory}")?;
+            rows.line(format!("  {of} ^ {order:.2} +- {sigma:.2}; theory {theory}"));
         }
-        writeln!(out)
+        rows.line("");
     }
 }
 
-impl BenchReport {
-    /// `bench.json`.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
-    }
-
-    /// The tables for the terminal.
-    #[must_use]
-    pub fn text(&self) -> String {
-        written(|out| {
-            self.sweeps.iter().try_for_each(|sweep| sweep.write(out))?;
-            self.suggestions.iter().try_for_each(|suggestion| suggestion.write(out))
-        })
-    }
-}
-
-impl Suggestion {
-    fn write(&self, out: &mut String) -> std::fmt::Result {
+impl ToRows for Suggestion {
+    fn add_to(&self, rows: &mut Rows) {
         let Self { profile, target_px, settings, least_px } = self;
         let Some(found) = settings else {
-            return writeln!(
-                out,
-                "{profile}: no design comes nearer than {} px; {target_px} px cannot be reached",
-                digits(*least_px)
-            );
+            let least = digits(*least_px);
+            rows.line(format!(
+                "{profile}: no design comes nearer than {least} px; {target_px} px cannot be reached"
+            ));
+            return;
         };
-        let SuggestedSettings {
-            method,
-            minimax,
-            degree,
-            facet_px,
-            triangles,
-            pixel_rms_px,
-            time_ms,
-            file,
-        } = found;
-        let goal = if *minimax { ", minimax" } else { "" };
-        writeln!(
-            out,
-            "{profile}: {method}{goal} of degree {degree}, facet_px = {facet_px}: {} px with \
-             {triangles} optical triangles in {time_ms:.0} ms -> {file}",
-            digits(*pixel_rms_px)
-        )
+        let SuggestedSettings { method, minimax, degree, facet_px, triangles, .. } = found;
+        let SuggestedSettings { pixel_rms_px, time_ms, file, .. } = found;
+        let (goal, reached) = (if *minimax { ", minimax" } else { "" }, digits(*pixel_rms_px));
+        rows.line(format!(
+            "{profile}: {method}{goal} of degree {degree}, facet_px = {facet_px}: {reached} px with \
+             {triangles} optical triangles in {time_ms:.0} ms -> {file}"
+        ));
     }
 }
 

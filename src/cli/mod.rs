@@ -14,7 +14,7 @@ use crate::pipeline::{
     tolerance_merged, tolerance_part, unwrap,
 };
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Aperture, BuildForecast, BuildReport, Verdict, visible};
+use crate::report::{Answer, Aperture, Verdict, visible};
 use args::{Arguments, Command, MapFormatArg, PrintFormat, RowsArg};
 use clap::Parser;
 use progress::Progress;
@@ -67,7 +67,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             for source in &sources {
                 let done = if *dry_run {
                     pipeline::dry_run(source, &progress)
-                        .map(|prospect| announce(arguments, &prospect))
+                        .map(|forecast| conclude(arguments, &forecast))
                 } else {
                     build_with(source, out, effort, &progress)
                         .map(|report| conclude(arguments, &report))
@@ -94,9 +94,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                 align: align.then(|| out.clone().unwrap_or_else(|| "out".into())),
             };
             let report = inspect(&load(profile)?, file, &inspection, &progress)?;
-            report.warnings.iter().for_each(|warning| warn(warning));
-            show(arguments, || report.text(), || report.json())?;
-            Ok(code(report.verdict))
+            conclude(arguments, &report)
         }
         Command::Render { profile, scene, smooth, square_mm, unit_mm, allow_outside, out } => {
             let wanted = RenderOptions {
@@ -107,8 +105,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                 allow_outside: *allow_outside,
             };
             let rendering = render(&load(profile)?, &wanted, out, &progress)?;
-            show(arguments, || rendering.text(), || rendering.json())?;
-            Ok(PASSED)
+            conclude(arguments, &rendering)
         }
         Command::Unwrap { photo, profile, out, cuts, map, projection, width } => {
             let remap = Way::Remap {
@@ -118,20 +115,17 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
             };
             let way = if *cuts { Way::Cuts } else { remap };
             let unwrapped = unwrap(&load(profile)?, photo, way, out, &progress)?;
-            show(arguments, || unwrapped.text(), || unwrapped.json())?;
-            Ok(PASSED)
+            conclude(arguments, &unwrapped)
         }
         Command::Frame { profile, min, out } => {
             let report = frame(&load(profile)?, out, *min, &progress)?;
-            show(arguments, || report.text(), || report.json())?;
-            Ok(code(report.verdict))
+            conclude(arguments, &report)
         }
         Command::Blur { profile, pupil_mm, na, focus_mm, out } => {
             let pupil = pupil_mm.map(|pupil_mm| Aperture::Pupil { pupil_mm });
             let aperture = pupil.or(na.map(|na| Aperture::Na { na }));
             let report = blur(&load(profile)?, aperture, *focus_mm, out, &progress)?;
-            show(arguments, || report.text(), || report.json())?;
-            Ok(PASSED)
+            conclude(arguments, &report)
         }
         Command::Tolerance {
             profile: Some(named),
@@ -143,8 +137,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
         } => {
             let wanted = ReplayOptions { trial: *trial, seed: *seed, without };
             let report = replay(named, &wanted, out, &progress)?;
-            show(arguments, || report.text(), || report.json())?;
-            Ok(code(report.verdict))
+            conclude(arguments, &report)
         }
         Command::Tolerance { profile, trials, seed, until, part, merge, out, .. } => {
             let trials = Trials { range: trials.clone(), seed: *seed, until: *until };
@@ -161,8 +154,7 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                 }
                 Some(named) => tolerance(named, &trials, out, &progress)?,
             };
-            show(arguments, || report.text(), || report.json())?;
-            Ok(code(report.verdict))
+            conclude(arguments, &report)
         }
         Command::Machining {
             profile,
@@ -185,15 +177,13 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
                 as_cut: !no_as_cut,
             };
             let found = machining(&load(profile)?, &cutting, out, &progress)?;
-            found.warnings.iter().for_each(|warning| warn(warning));
-            show(arguments, || found.text(), || found.json())?;
-            Ok(code(found.verdict))
+            conclude(arguments, &found)
         }
         Command::Bench { profiles, quick, suggest, out } => {
             let wanted =
                 BenchOptions { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
             let bench = bench(out, &wanted, &progress)?;
-            show(arguments, || bench.text(), || bench.json())?;
+            conclude(arguments, &bench)?;
             let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
             Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
         }
@@ -256,32 +246,18 @@ fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
     if faults.is_empty() { Ok(sources) } else { Err(faults.join("\n").into()) }
 }
 
-/// Prints what a build would make, the warnings to stderr.
-fn announce(arguments: &Arguments, prospect: &BuildForecast) -> Result<u8, Failure> {
-    prospect.warnings.iter().for_each(|warning| warn(warning));
-    show(arguments, || prospect.text(), || prospect.json())?;
-    Ok(PASSED)
-}
-
 /// Says on stderr what is no error; a message that nobody can read is not worth failing for.
 fn warn(warning: &str) {
     let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Yellow.into()));
     let _ = writeln!(anstream::stderr(), "{style}warning{style:#}: {}", visible(warning));
 }
 
-/// Prints a report and turns its verdict into an exit code.
-fn conclude(arguments: &Arguments, report: &BuildReport) -> Result<u8, Failure> {
-    report.warnings.iter().for_each(|warning| warn(warning));
-    show(arguments, || report.text(), || report.json())?;
-    Ok(code(report.verdict))
-}
-
-/// A verdict's exit code.
-fn code(verdict: Verdict) -> u8 {
-    match verdict {
-        Verdict::Pass => PASSED,
-        Verdict::Fail => FAILED,
-    }
+/// Prints an answer, its warnings to stderr, and turns its verdict into an exit code.
+fn conclude(arguments: &Arguments, answer: &impl Answer) -> Result<u8, Failure> {
+    let head = answer.head();
+    head.warnings.iter().for_each(|warning| warn(warning));
+    show(arguments, || answer.text(), || answer.json())?;
+    Ok(if head.verdict == Some(Verdict::Fail) { FAILED } else { PASSED })
 }
 
 /// Prints a result as asked.

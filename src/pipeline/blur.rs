@@ -7,7 +7,9 @@ use crate::design::Design;
 use crate::geom::Chart;
 use crate::pencil::{BlurEllipse, Quantiles, best_focus, map_pencils, quantiles};
 use crate::profile::Profile;
-use crate::report::{Aperture, BlurReport, Focus, Images, ProfileId, Spots};
+use crate::report::{
+    Answer, Aperture, BlurReport, FocusPlane, ProfileId, SpotFacts, VirtualImages,
+};
 use std::path::Path;
 
 /// Works out the spots of the profile of `source` through a lens with `aperture`, or its own, focused
@@ -115,9 +117,9 @@ fn spots(
     let best = best_focus(&spots, sharpness::least_focus(design)).ok_or_else(none)?;
     let phi = focus_mm.map_or(best, |mm| phi(chart, mm));
     let over = |f: &dyn Fn(&BlurEllipse) -> f64| quantiles(spots.iter().map(f).collect());
-    let at = |phi: f64| -> Option<Spots> {
+    let at = |phi: f64| -> Option<SpotFacts> {
         let length_px: Quantiles = over(&|spot| spot.length(phi))?;
-        Some(Spots {
+        Some(SpotFacts {
             focus: focus(chart, phi),
             length_px,
             rms_diameter_px: over(&|spot| spot.rms_diameter(phi))?,
@@ -151,7 +153,7 @@ fn spots(
                 [best, phi],
                 Some(lens.aperture),
             ),
-            images: Images { range: range?, astigmatism_mm: astigmatism_mm? },
+            images: VirtualImages { range: range?, astigmatism_mm: astigmatism_mm? },
         })
     };
     let lengths = map.iter().map(|spot| spot.map(|spot| spot.length(phi))).collect();
@@ -168,11 +170,11 @@ fn phi(chart: &Chart, focus_mm: f64) -> f64 {
 }
 
 /// The plane in focus; beyond infinity is infinity.
-fn focus(chart: &Chart, phi: f64) -> Focus {
+fn focus(chart: &Chart, phi: f64) -> FocusPlane {
     let k = chart.vergence;
     if k == 0.0 {
-        return Focus { z_mm: chart.plane_mm - phi, distance_mm: None };
+        return FocusPlane { z_mm: chart.plane_mm - phi, distance_mm: None };
     }
     let distance = if phi > 0.0 { 1.0 / (k * phi) } else { f64::INFINITY };
-    Focus { z_mm: chart.plane_mm + 1.0 / k - distance, distance_mm: Some(distance) }
+    FocusPlane { z_mm: chart.plane_mm + 1.0 / k - distance, distance_mm: Some(distance) }
 }

@@ -22,8 +22,8 @@ use crate::mirror::{Form, Surface};
 use crate::profile::{Format, Profile};
 use crate::render::{TestWorld, World};
 use crate::report::{
-    BuildReport, Limited, MeshFacts, OverOptimum, ProfileId, Reason, SCHEMA, Sharpness, SolidFacts,
-    StepFacts, html,
+    BuildReport, Limited, MeshFacts, OverOptimum, ProfileId, Reason, SCHEMA, SharpnessFacts,
+    SolidFacts, StepFacts,
 };
 use crate::solid::Solid;
 use std::path::Path;
@@ -151,7 +151,7 @@ pub fn build_with(
     let lengths: Vec<(&str, u64)> = files.iter().map(|f| (&*f.name, f.bytes)).collect();
     let mut warnings = size.on(mesh.map_or(0, |mesh| mesh.triangles), &lengths);
     warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh)));
-    let blurred = findings.sharpness.as_ref().and_then(Sharpness::warning);
+    let blurred = findings.sharpness.as_ref().and_then(SharpnessFacts::warning);
     warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
     let report = BuildReport {
         schema: SCHEMA,
@@ -177,7 +177,7 @@ pub fn build_with(
             |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
         let pages = [
             folder.stage("preview.png", |out| out.write_all(&picture))?,
-            text("report.html", &html(&report, &profile.summary, "preview.png"))?,
+            text("report.html", &report.html(&profile.summary, "preview.png"))?,
         ];
         let last = text("report.json", &report.json())?;
         // A file of a format that is not written now would be another profile's.

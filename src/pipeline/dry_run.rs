@@ -14,7 +14,7 @@ use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::profile::{Format, Profile};
-use crate::report::{BuildForecast, FileForecast, Foreseen, MeshForecast, ProfileId, Reason};
+use crate::report::{BuildForecast, FileForecast, ForecastLimit, MeshForecast, ProfileId, Reason};
 use crate::solid::Solid;
 
 /// Foresees what [`super::build`] would make of the profile of `source`. Touches no file.
@@ -139,11 +139,11 @@ fn meshes(
         optical_triangles: size.optical,
         triangles: size.optical + size.more,
         max_triangles: profile.mesh.max_triangles,
-        chord_um: Foreseen {
+        chord_um: ForecastLimit {
             limit: profile.mesh.chord_um,
             foreseen: tolerances.and_then(|[chord, _]| chord).map(|mm| mm * 1e3),
         },
-        facet_px: Foreseen {
+        facet_px: ForecastLimit {
             limit: profile.mesh.facet_px,
             foreseen: tolerances.and_then(|[_, facet]| facet).map(|mm| mm / pixel),
         },

@@ -11,7 +11,7 @@ use crate::optics::{Camera, CameraModel};
 use crate::parallel;
 use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
-use crate::report::{FrameReport, ProfileId, Resolution, RoundMirror};
+use crate::report::{Answer, FrameReport, PixelSolidAngle, ProfileId, RoundMirror};
 use crate::trace::{Coverage, MinMeanMax};
 use std::path::Path;
 
@@ -109,7 +109,7 @@ fn solid_angles(design: &Design, [columns, rows]: [u32; 2]) -> Vec<Option<f64>> 
 }
 
 /// Figures of pixels, each with the number that it stands for.
-fn resolution(pixels: impl Iterator<Item = (Option<f64>, u64)>) -> Resolution {
+fn resolution(pixels: impl Iterator<Item = (Option<f64>, u64)>) -> PixelSolidAngle {
     let (mut count, mut sum) = (0, 0.0);
     let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
     for (usr, weight) in pixels.filter_map(|(usr, weight)| Some((usr?, weight))) {
@@ -118,7 +118,7 @@ fn resolution(pixels: impl Iterator<Item = (Option<f64>, u64)>) -> Resolution {
         (min, max) = (min.min(usr), max.max(usr));
     }
     let any = count > 0;
-    Resolution {
+    PixelSolidAngle {
         pixels: count,
         pixel_usr: any.then_some(MinMeanMax { min, mean: sum / count as f64, max }),
         ratio: any.then_some(max / min),

@@ -17,8 +17,8 @@ use crate::num::rounding::{ceil_two_digits, floor_four_digits};
 use crate::num::{degrees, radians};
 use crate::profile::{Format, Profile};
 use crate::report::{
-    AsCutFacts, BestFacts, BudgetFacts, FileFacts, GougeFacts, Machining, ProfileId, ReachFacts,
-    SCHEMA, StockFacts, Verdict, gouge_picture,
+    Answer, AsCutFacts, BestFacts, BudgetFacts, FileFacts, GougeFacts, MachiningReport, ProfileId,
+    ReachFacts, SCHEMA, StockFacts, Verdict, gouge_picture,
 };
 use crate::solid::Solid;
 use std::path::Path;
@@ -65,7 +65,7 @@ pub fn machining(
     cutting: &MachiningOptions,
     out: &Path,
     observer: &dyn Observer,
-) -> Result<Machining, Error> {
+) -> Result<MachiningReport, Error> {
     let profile = &source.profile;
     let refused = |source| Error::Machining { profile: profile.name.clone(), source };
     check(cutting, profile.part.width_mm).map_err(refused)?;
@@ -214,13 +214,13 @@ pub(super) fn survey(
     profile: &Profile,
     design: &Design,
     cutting: &MachiningOptions,
-) -> Result<Machining, Error> {
+) -> Result<MachiningReport, Error> {
     let refused = |source| Error::Machining { profile: profile.name.clone(), source };
     Ok(surveyed(profile, design, cutting).map_err(refused)?.1)
 }
 
 /// The stage's result in a few words.
-pub(super) fn scalloped(found: &Machining) -> String {
+pub(super) fn scalloped(found: &MachiningReport) -> String {
     found.scallops.as_ref().map_or("the ball fits nowhere".to_owned(), |found| {
         format!("scallops of {:.3} um at most", found.scallop_um.value)
     })
@@ -239,7 +239,7 @@ fn surveyed<'a>(
     profile: &Profile,
     design: &'a Design,
     cutting: &MachiningOptions,
-) -> Result<(Surveyed<'a>, Machining), MachiningError> {
+) -> Result<(Surveyed<'a>, MachiningReport), MachiningError> {
     let mirror = &design.mirror;
     let survey = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());
     let (best, mut raster) = directed(&survey, cutting);
@@ -305,7 +305,7 @@ fn surveyed<'a>(
     warnings.extend(scallops.as_ref().and_then(unseen));
     let [low, high] = survey.heights_mm();
     let foot = design.border.as_ref().map_or(0.0, |stock| stock.top_mm);
-    let mut found = Machining {
+    let mut found = MachiningReport {
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         ball_mm: cutting.ball_mm,
@@ -363,7 +363,7 @@ fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
 
 /// Why the ball does not reach all of the face but a valley, if so; `tight` where the ground is hollow with a smaller
 /// radius.
-fn unreached(gouge: &Gouge, found: &Machining, tight: bool) -> Option<String> {
+fn unreached(gouge: &Gouge, found: &MachiningReport, tight: bool) -> Option<String> {
     let ball = found.ball_mm;
     let nowhere = found.scallops.is_none();
     let Some((left, at)) = gouge.largest_outside_fillet else {

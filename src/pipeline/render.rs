@@ -11,7 +11,7 @@ use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::optics::Target;
 use crate::render::{Chessboard, Picture, SetupDiagram, TestWorld, World, shaded_views};
-use crate::report::{ProfileId, Rendering, SCHEMA};
+use crate::report::{ProfileId, RenderReport, SCHEMA};
 use crate::trace::Scene;
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub fn render(
     wanted: &RenderOptions,
     out: &Path,
     observer: &dyn Observer,
-) -> Result<Rendering, Error> {
+) -> Result<RenderReport, Error> {
     let profile = &source.profile;
     let clock = StageTimer::new(observer);
     let scenery = Scenery::read(wanted)?;
@@ -48,7 +48,7 @@ pub fn render(
         staged.publish()?;
         Ok::<_, Error>(((), name.clone()))
     })?;
-    Ok(Rendering {
+    Ok(RenderReport {
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         scene: wanted.scene.to_owned(),

@@ -15,7 +15,7 @@ use crate::geom::{DVec3, Precision, TriMesh};
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::profile::{Format, Profile};
-use crate::report::{ErrorDrawn, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
+use crate::report::{Answer, DrawnError, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
 use crate::solid::{Solid, check};
 use crate::tolerance::{Displacement, Engine, PerturbedSystem};
 use crate::tolerance_terms::{ActsOn, Criterion, ErrorSourceRow, Perturbation};
@@ -166,7 +166,7 @@ impl<'a> ImperfectPart<'a> {
     ) -> ReplayReport {
         let Self { profile, engine, seed, trial, .. } = *self;
         let errors = engine.drawn(seed, trial);
-        let drawn = |(kind, value): (Perturbation, f64)| ErrorDrawn {
+        let drawn = |(kind, value): (Perturbation, f64)| DrawnError {
             source: kind.key().to_owned(),
             value,
         };

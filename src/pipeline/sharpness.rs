@@ -4,7 +4,7 @@ use crate::design::Design;
 use crate::num::{asin, atan, sin, tan};
 use crate::pencil::{self, BlurEllipse, best_focus, map_pencils_sparsely};
 use crate::profile::{Aperture, Profile};
-use crate::report::{Opened, Reason, ReasonKind, Sharpness};
+use crate::report::{ApertureFacts, Reason, ReasonKind, SharpnessFacts};
 
 /// Pixels along a side of the sensor that stand for all of them.
 const SOME: u32 = 64;
@@ -32,7 +32,7 @@ pub fn least_focus(design: &Design) -> f64 {
 }
 
 /// How sharp the picture of `design` is; none where no pixel has a spot.
-pub fn sharpness(profile: &Profile, design: &Design) -> Option<Sharpness> {
+pub fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
     let Design { mirror, camera, view, .. } = design;
     let unit = 1.0 / camera.pixel_mm;
     let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
@@ -48,7 +48,7 @@ pub fn of(
     spots: &[BlurEllipse],
     [best, asked]: [f64; 2],
     given: Option<Aperture>,
-) -> Option<Sharpness> {
+) -> Option<SharpnessFacts> {
     let chart = &design.camera.chart;
     let cone = if chart.vergence == 0.0 { 1.0 } else { chart.vergence };
     let wavelength_nm = profile.lens.wavelength_nm;
@@ -61,12 +61,12 @@ pub fn of(
             Aperture::Na { .. } => None,
         };
         let resolved = design.camera.pixels.map(|px| two_digits(f64::from(px) / sharp.spot_px));
-        Opened { aperture, f_number, sharp, resolved }
+        ApertureFacts { aperture, f_number, sharp, resolved }
     };
     let least = at(best)?;
     let radius_best = Some(least.best_radius()).filter(|radius| radius.is_finite())?;
     let asked = at(asked)?;
-    Some(Sharpness {
+    Some(SharpnessFacts {
         wavelength_nm,
         best: opened(&least, radius_best),
         given: given.map(|aperture| opened(&asked, radius(aperture))),
@@ -84,7 +84,7 @@ fn two_digits(x: f64) -> u32 {
 
 /// Why the picture is not sharp enough for the profile, through its own lens or, without one, through the
 /// best.
-pub fn reason(profile: &Profile, sharpness: Option<&Sharpness>) -> Option<Reason> {
+pub fn reason(profile: &Profile, sharpness: Option<&SharpnessFacts>) -> Option<Reason> {
     let limit = profile.accept.blur_p95_px?;
     let sharpness = sharpness?;
     let lens = sharpness.given.as_ref().unwrap_or(&sharpness.best);

@@ -9,9 +9,10 @@ use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::num::random::RandomStream;
 use crate::profile::Profile;
-use crate::report::{Machining, ProfileId, ToleranceReport, read_trial, trial_columns, trial_line};
+use crate::report::{Answer, MachiningReport, ProfileId, ToleranceReport};
 use crate::tolerance::{
-    Engine, Perturbation, PlotData, Study, ToleranceSpec, Trial, worst_offenders,
+    Engine, Perturbation, PlotData, Study, ToleranceSpec, Trial, read_trial, trial_columns,
+    trial_line, worst_offenders,
 };
 use serde_json::Value;
 use std::ops::Range;
@@ -234,7 +235,7 @@ fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
 /// Writes the answers.
 fn concluded(
     clock: &StageTimer,
-    (profile, machining): (&Profile, Option<Machining>),
+    (profile, machining): (&Profile, Option<MachiningReport>),
     PreparedStudy { engine, facets_from, .. }: &PreparedStudy,
     seed: u64,
     trials: &[Trial],
@@ -271,7 +272,7 @@ fn tracks(
     clock: &StageTimer,
     (profile, design): (&Profile, &Design),
     engine: &Engine,
-) -> Result<Option<Machining>, Error> {
+) -> Result<Option<MachiningReport>, Error> {
     let ToleranceSpec { sources, texture, budget_px, .. } = &engine.spec;
     let Some(tracks) = sources.iter().find(|source| source.kind == Perturbation::Stepover) else {
         return Ok(None);

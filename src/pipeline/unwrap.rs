@@ -5,7 +5,9 @@ use super::observer::{Observer, Stage, StageTimer};
 use super::{Error, Source, designed};
 use crate::optics::StripLaw;
 use crate::raster::{Raster, RasterError};
-use crate::report::{FileFacts, MapFacts, PanoramaFacts, PhotoFacts, ProfileId, SCHEMA, Unwrapped};
+use crate::report::{
+    FileFacts, PanoramaFacts, PhotoFacts, ProfileId, SCHEMA, UnwrapMapFacts, UnwrapReport,
+};
 use crate::unwrap::{
     ImagingSystem, MapEncodingError, Panorama, RemapTable, UnwrapError, crop_panels,
 };
@@ -92,7 +94,7 @@ pub fn unwrap(
     way: Way,
     out: &Path,
     observer: &dyn Observer,
-) -> Result<Unwrapped, Error> {
+) -> Result<UnwrapReport, Error> {
     let profile = &source.profile;
     let clock = StageTimer::new(observer);
     let name = photo.display().to_string();
@@ -146,7 +148,7 @@ pub fn unwrap(
         });
     }
     let files = publish(&clock, &out.join(&profile.name), made)?;
-    Ok(Unwrapped {
+    Ok(UnwrapReport {
         schema: SCHEMA,
         profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
         photo: PhotoFacts { name, pixels: size, pixels_per_sensor_pixel: scale[0] },
@@ -157,7 +159,7 @@ pub fn unwrap(
             azimuth_deg: panorama.azimuth_deg(),
             elevation_deg: panorama.elevation_deg(),
         },
-        map: map.map(|map| MapFacts { seen: map.seen(), distortion_px: map.distortion_px }),
+        map: map.map(|map| UnwrapMapFacts { seen: map.seen(), distortion_px: map.distortion_px }),
         files,
     })
 }

@@ -6,7 +6,7 @@ use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Border, Outline};
 use crate::profile::{AcceptanceLimit, AcceptanceLimits, Format, Profile};
-use crate::report::{FileFacts, Reason, ReasonKind, Sharpness, TraceFacts, Verdict};
+use crate::report::{FileFacts, Reason, ReasonKind, SharpnessFacts, TraceFacts, Verdict};
 use crate::trace::FrameFill;
 
 /// Why a file does not pass that is another than was written.
@@ -39,8 +39,8 @@ pub struct Findings {
     pub trace: Vec<TraceFacts>,
     /// The frame as the first of them shows it.
     pub frame: Option<FrameFill>,
-    /// Sharpness of the picture through a lens.
-    pub sharpness: Option<Sharpness>,
+    /// SharpnessFacts of the picture through a lens.
+    pub sharpness: Option<SharpnessFacts>,
     /// The limits; absent without a projection, and of measured parts.
     pub accepted: Option<AcceptanceLimits>,
     /// Why the files do not pass, each with figures.

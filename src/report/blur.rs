@@ -1,11 +1,12 @@
 //! The blur's results as JSON and text.
 
-use super::text::{digits, head_line, pretty, written};
-use super::{ProfileId, Sharpness};
+use super::answer::{Answer, Head, Rows};
+use super::facts::ProfileId;
+use super::sharpness::SharpnessFacts;
+use super::wording::{digits, three_digits};
 use crate::pencil::Quantiles;
 use crate::profile::Aperture;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// `blur.json`, schema 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,19 +24,19 @@ pub struct BlurReport {
     /// Whether the focus is the best one, for want of another.
     pub focus_is_best: bool,
     /// The spots in that focus.
-    pub spots: Spots,
+    pub spots: SpotFacts,
     /// The spots in the focus that makes their 95th percentile smallest.
-    pub best: Spots,
+    pub best: SpotFacts,
     /// Where the mirror's virtual images of the world lie, along the chief rays.
-    pub images: Images,
+    pub images: VirtualImages,
     /// How sharp the picture is with diffraction and pixel; absent where spots are points.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sharpness: Option<Sharpness>,
+    pub sharpness: Option<SharpnessFacts>,
 }
 
 /// The plane in focus, across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Focus {
+pub struct FocusPlane {
     /// Its Z in the part frame; none infinitely far away.
     pub z_mm: f64,
     /// Its distance from the entrance pupil, of a pinhole camera.
@@ -45,9 +46,9 @@ pub struct Focus {
 
 /// Blur with one focus.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spots {
+pub struct SpotFacts {
     /// Which.
-    pub focus: Focus,
+    pub focus: FocusPlane,
     /// Full length of a pixel's blur ellipse.
     pub length_px: Quantiles,
     /// Twice the root mean square distance of its rays from the chief ray.
@@ -58,94 +59,73 @@ pub struct Spots {
 
 /// Where the virtual images lie.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Images {
+pub struct VirtualImages {
     /// The farthest from the camera and the nearest line image of any pixel.
-    pub range: [Focus; 2],
+    pub range: [FocusPlane; 2],
     /// Distance along the axis between a pixel's two line images.
     pub astigmatism_mm: Quantiles,
 }
 
-impl BlurReport {
-    /// `blur.json`.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
+impl Answer for BlurReport {
+    fn head(&self) -> Head<'_> {
+        Head::of(&self.profile)
     }
 
-    /// A readable summary.
-    #[must_use]
-    pub fn text(&self) -> String {
-        written(|out| self.write_text(out))
-    }
-
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let Self { profile, spots, best, images, .. } = self;
-        let digits = |x: f64| match x {
-            f64::INFINITY => "infinitely far".into(),
-            ..5e-7 => "0".into(),
-            _ => digits(x),
-        };
-        let three = |q: &Quantiles, unit: &str| {
-            let [p50, p95, max] = [q.p50, q.p95, q.max].map(digits);
-            format!("{p50} p50, {p95} p95, {max} max {unit}")
-        };
-        head_line(out, profile)?;
+    fn rows(&self) -> Rows {
+        let Self { spots, best, images, .. } = self;
+        let mut rows = Rows::default();
         let which = if self.focus_is_best { ", the best focus" } else { "" };
         let (aperture, focus) = (aperture(&self.aperture), plane(&spots.focus));
-        writeln!(out, "  lens     {aperture}, focused on {focus}{which}")?;
-        writeln!(
-            out,
-            "  spot     full length {}; RMS diameter {}; {} pixels",
-            three(&spots.length_px, "px"),
-            three(&spots.rms_diameter_px, "px"),
-            self.aimed
-        )?;
-        let largest = |spots: &Spots| largest(&spots.largest);
-        writeln!(out, "  largest  {} keeps 95 % of the spots within 1 px", largest(spots))?;
+        rows.terminal("lens", format!("{aperture}, focused on {focus}{which}"));
+        let [length, diameter] = [spots.length_px, spots.rms_diameter_px].map(percentiles);
+        let aimed = self.aimed;
+        rows.terminal(
+            "spot",
+            format!("full length {length} px; RMS diameter {diameter} px; {aimed} pixels"),
+        );
+        let widest = largest(&spots.largest);
+        rows.terminal("largest", format!("{widest} keeps 95 % of the spots within 1 px"));
         if !self.focus_is_best {
-            writeln!(
-                out,
-                "  best     focused on {}: full length {}; {}",
-                plane(&best.focus),
-                three(&best.length_px, "px"),
-                largest(best)
-            )?;
+            let (focus, widest) = (plane(&best.focus), largest(&best.largest));
+            let length = percentiles(best.length_px);
+            rows.terminal("best", format!("focused on {focus}: full length {length} px; {widest}"));
         }
-        let [far, near] = &images.range;
-        writeln!(
-            out,
-            "  images   of the world from {} to {}; the two line images of a pixel are {} apart",
-            plane(near),
-            plane(far),
-            three(&images.astigmatism_mm, "mm")
-        )?;
+        let [far, near] = images.range.map(|focus| plane(&focus));
+        let apart = percentiles(images.astigmatism_mm);
+        rows.terminal(
+            "images",
+            format!(
+                "of the world from {near} to {far}; the two line images of a pixel are {apart} mm apart"
+            ),
+        );
         if let Some(sharpness) = &self.sharpness {
             if let Some(given) = &sharpness.given {
-                writeln!(out, "  sharp    through {}", given.line())?;
+                rows.terminal("sharp", format!("through {}", given.line()));
             }
-            writeln!(out, "           best through {}", sharpness.best.line())?;
+            rows.terminal("", format!("best through {}", sharpness.best.line()));
             if let Some(warning) = sharpness.warning() {
-                writeln!(out, "           {warning}")?;
+                rows.terminal("", warning);
             }
         }
-        Ok(())
+        rows
     }
+}
+
+/// P50, P95 and maximum.
+fn percentiles(of: Quantiles) -> String {
+    let [p50, p95, max] = [of.p50, of.p95, of.max].map(|x: f64| match x {
+        f64::INFINITY => "infinitely far".into(),
+        ..5e-7 => "0".into(),
+        _ => digits(x),
+    });
+    format!("{p50} p50, {p95} p95, {max} max")
 }
 
 fn aperture(aperture: &Aperture) -> String {
     match aperture {
         Aperture::Pupil { pupil_mm } => format!("entrance pupil of {} mm", digits(*pupil_mm)),
-        Aperture::Na { na } => format!("numerical aperture of {}", significant(*na)),
+        Aperture::Na { na } => format!("numerical aperture of {}", three_digits(*na)),
     }
-}
-
-/// Three digits of a number below 1.
-fn significant(x: f64) -> String {
-    let (mut decimals, mut first) = (3, x);
-    while first < 0.1 && decimals < 12 {
-        (decimals, first) = (decimals + 1, first * 10.0);
-    }
-    format!("{x:.decimals$}")
 }
 
 fn largest(largest: &Aperture) -> String {
@@ -157,21 +137,12 @@ fn largest(largest: &Aperture) -> String {
     format!("an {}", aperture(largest)).replace("an num", "a num")
 }
 
-fn plane(focus: &Focus) -> String {
+fn plane(focus: &FocusPlane) -> String {
     match focus {
-        Focus { z_mm, .. } if !z_mm.is_finite() => "infinity".into(),
-        Focus { z_mm, distance_mm: None } => format!("the plane Z {z_mm:.3} mm"),
-        Focus { z_mm, distance_mm: Some(mm) } => {
+        FocusPlane { z_mm, .. } if !z_mm.is_finite() => "infinity".into(),
+        FocusPlane { z_mm, distance_mm: None } => format!("the plane Z {z_mm:.3} mm"),
+        FocusPlane { z_mm, distance_mm: Some(mm) } => {
             format!("the plane {mm:.3} mm from the pupil (Z {z_mm:.3})")
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn small_apertures_keep_three_digits() {
-        let found = [0.5, 0.0129, 1.2851e-3].map(super::significant);
-        assert_eq!(found, ["0.500", "0.0129", "0.00129"]);
     }
 }

@@ -1,7 +1,8 @@
 //! The frame-fill check's results as JSON, CSV and text.
 
-use super::text::{digits, head_line, pretty, verdict_lines, written};
-use super::{ProfileId, Verdict};
+use super::answer::{Answer, Head, Rows};
+use super::facts::{ProfileId, Verdict};
+use super::wording::digits;
 use crate::trace::{Coverage, FrameFill, MinMeanMax};
 use serde::Serialize;
 use std::fmt::Write;
@@ -18,7 +19,7 @@ pub struct FrameReport {
     /// What the filled pixels cover of the world.
     pub coverage: Coverage,
     /// The solid angle of a pixel of the designed mirror.
-    pub resolution: Resolution,
+    pub resolution: PixelSolidAngle,
     /// The shipped round mirrors, inscribed in the same sensor.
     pub round_mirrors: Vec<RoundMirror>,
     /// Least share of the pixels that must be filled.
@@ -31,7 +32,7 @@ pub struct FrameReport {
 
 /// How evenly a mirror spends its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Resolution {
+pub struct PixelSolidAngle {
     /// Pixels whose centres are aimed at the mirror.
     pub pixels: u64,
     /// Solid angle of the world that a pixel shows, microsteradians; none without pixels.
@@ -49,7 +50,7 @@ pub struct RoundMirror {
     pub profile: String,
     /// What it does with the pixels.
     #[serde(flatten)]
-    pub resolution: Resolution,
+    pub resolution: PixelSolidAngle,
 }
 
 /// Names of the causes, in the order of [`crate::trace::PixelClass::LOST`].
@@ -64,12 +65,6 @@ pub(super) const LOST: [&str; 7] = [
 ];
 
 impl FrameReport {
-    /// `frame.json`.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
-    }
-
     /// `frame.csv`: a line a column of the sensor.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -84,77 +79,81 @@ impl FrameReport {
         }
         out
     }
+}
 
-    /// A readable summary.
-    #[must_use]
-    pub fn text(&self) -> String {
-        written(|out| self.write_text(out))
+impl Answer for FrameReport {
+    fn head(&self) -> Head<'_> {
+        Head::judged(&self.profile, self.verdict, &self.reasons)
     }
 
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let Self { profile, frame, coverage, resolution, .. } = self;
-        head_line(out, profile)?;
-        writeln!(
-            out,
-            "  frame      {:.3} % of {} x {} filled within {} px; {:+.1} % against a disc",
-            100.0 * frame.filled,
-            frame.pixels[0],
-            frame.pixels[1],
-            frame.tolerance_px,
-            100.0 * frame.gain_over_disc
-        )?;
-        let lost: Vec<String> = frame
-            .lost
-            .counts()
-            .iter()
-            .zip(LOST)
-            .filter(|(count, _)| **count > 0)
-            .map(|(count, name)| format!("{count} {name}"))
-            .collect();
-        let lost = if lost.is_empty() { "none".into() } else { lost.join(", ") };
-        writeln!(out, "  lost       {lost}")?;
-        writeln!(
-            out,
-            "  azimuth    {:.3} of 360 deg covered{}",
-            coverage.azimuth_deg,
-            coverage
-                .gaps_deg
-                .iter()
-                .map(|[a, b]| format!(", not {a:.3} to {b:.3}"))
-                .collect::<String>()
-        )?;
-        for seam in &coverage.seams {
+    fn rows(&self) -> Rows {
+        let mut rows = Rows::labelled(10);
+        self.add_frame(&mut rows);
+        self.add_coverage(&mut rows);
+        self.add_solid_angles(&mut rows);
+        rows
+    }
+}
+
+impl FrameReport {
+    fn add_frame(&self, rows: &mut Rows) {
+        let FrameFill { pixels: [width, height], tolerance_px, .. } = self.frame;
+        let [filled, gain] = [self.frame.filled, self.frame.gain_over_disc].map(|x| 100.0 * x);
+        rows.terminal(
+            "frame",
+            format!(
+                "{filled:.3} % of {width} x {height} filled within {tolerance_px} px; {gain:+.1} % against \
+                 a disc"
+            ),
+        );
+        let lost = self.frame.lost.counts().into_iter().zip(LOST).filter(|(count, _)| *count > 0);
+        let lost: Vec<String> = lost.map(|(count, name)| format!("{count} {name}")).collect();
+        rows.terminal("lost", if lost.is_empty() { "none".into() } else { lost.join(", ") });
+    }
+
+    fn add_coverage(&self, rows: &mut Rows) {
+        let Coverage { azimuth_deg, gaps_deg, seams, lowest_deg, highest_deg, .. } = &self.coverage;
+        let gaps = gaps_deg.iter().map(|[a, b]| format!(", not {a:.3} to {b:.3}"));
+        let gaps: String = gaps.collect();
+        rows.terminal("azimuth", format!("{azimuth_deg:.3} of 360 deg covered{gaps}"));
+        for seam in seams {
             let (px, deg) = (seam.gap_px, seam.gap_deg);
-            writeln!(
-                out,
-                "  seam       {} edge: gap {:.3} to {:.3} px, {:.3} in the mean ({:.4} to {:.4} deg)",
-                seam.edges, px.min, px.max, px.mean, deg.min, deg.max
-            )?;
+            rows.terminal(
+                "seam",
+                format!(
+                    "{} edge: gap {:.3} to {:.3} px, {:.3} in the mean ({:.4} to {:.4} deg)",
+                    seam.edges, px.min, px.max, px.mean, deg.min, deg.max
+                ),
+            );
         }
-        if let (Some(low), Some(high)) = (coverage.lowest_deg, coverage.highest_deg) {
-            writeln!(
-                out,
-                "  elevation  columns begin at {:.2} to {:.2} ({:.2} in the mean) and end at {:.2} to \
-                 {:.2} ({:.2}) deg",
-                low.min, low.max, low.mean, high.min, high.max, high.mean
-            )?;
+        if let (Some(low), Some(high)) = (lowest_deg, highest_deg) {
+            rows.terminal(
+                "elevation",
+                format!(
+                    "columns begin at {:.2} to {:.2} ({:.2} in the mean) and end at {:.2} to {:.2} ({:.2}) \
+                     deg",
+                    low.min, low.max, low.mean, high.min, high.max, high.mean
+                ),
+            );
         }
-        writeln!(
-            out,
-            "  solid angle of a pixel, usr  {:>9} {:>9} {:>9} {:>8} {:>9}",
-            "least", "mean", "most", "ratio", "pixels"
-        )?;
-        let rounds =
-            self.round_mirrors.iter().map(|round| (round.profile.as_str(), &round.resolution));
-        for (name, resolution) in std::iter::once((&*profile.name, resolution)).chain(rounds) {
-            let figures = match (resolution.pixel_usr, resolution.ratio) {
+    }
+
+    /// The table of the solid angles of pixels, of this mirror and of round ones.
+    fn add_solid_angles(&self, rows: &mut Rows) {
+        let line = |name: &str, [least, mean, most, ratio, pixels]: [&str; 5]| {
+            format!("  {name:28} {least:>9} {mean:>9} {most:>9} {ratio:>8} {pixels:>9}")
+        };
+        let names = ["least", "mean", "most", "ratio", "pixels"];
+        rows.line(line("solid angle of a pixel, usr", names));
+        let rounds = self.round_mirrors.iter().map(|round| (&round.profile, &round.resolution));
+        for (name, resolution) in [(&self.profile.name, &self.resolution)].into_iter().chain(rounds)
+        {
+            let [least, mean, most, ratio] = match (resolution.pixel_usr, resolution.ratio) {
                 (Some(usr), Some(ratio)) => [usr.min, usr.mean, usr.max, ratio].map(digits),
                 _ => ["-"; 4].map(String::from),
             };
-            let [least, mean, most, ratio] = figures;
-            let pixels = resolution.pixels;
-            writeln!(out, "    {name:26} {least:>9} {mean:>9} {most:>9} {ratio:>8} {pixels:>9}")?;
+            let pixels = resolution.pixels.to_string();
+            rows.line(line(&format!("  {name}"), [&least, &mean, &most, &ratio, &pixels]));
         }
-        verdict_lines(out, &self.reasons, self.verdict)
     }
 }

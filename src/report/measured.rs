@@ -1,6 +1,7 @@
 //! What is known of a file of unknown making: its units, where it lay, and its form error.
 
-use super::text::digits;
+use super::answer::{Rows, ToRows};
+use super::wording::{coordinate, digits};
 use crate::align::{Alignment, FormError, FreeMotion, LengthUnit};
 use crate::num::degrees;
 use serde::Serialize;
@@ -23,10 +24,14 @@ impl UnitFacts {
     pub fn new(unit: LengthUnit, chosen: &'static str) -> Self {
         Self { name: unit.name(), mm_per_unit: unit.mm(), chosen }
     }
+}
 
-    pub(super) fn line(&self) -> String {
+impl ToRows for UnitFacts {
+    fn add_to(&self, rows: &mut Rows) {
         let Self { name, mm_per_unit, chosen } = self;
-        format!("{name} ({chosen}): coordinates times {mm_per_unit} are millimetres")
+        let sentence =
+            format!("{name} ({chosen}): coordinates times {mm_per_unit} are millimetres");
+        rows.terminal("units", sentence);
     }
 }
 
@@ -76,20 +81,16 @@ impl AlignmentFacts {
             free: alignment.free.clone(),
         }
     }
+}
 
-    pub(super) fn lines(&self) -> Vec<String> {
-        // Four decimals, and no zero with a sign.
-        let place = |v: [f64; 3]| {
-            let [x, y, z] = v.map(|x| (1e4 * x).round() / 1e4 + 0.0);
-            format!("({x:.4}, {y:.4}, {z:.4})")
-        };
+impl ToRows for AlignmentFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let place = |v: [f64; 3]| format!("({})", v.map(|x| coordinate(x, 4)).join(", "));
+        let [turn, shift] = [self.turn_deg, self.shift_mm].map(place);
         let over = if self.turned_over { ", its facets turned over" } else { "" };
-        let mut lines = vec![
-            format!(
-                "turned by {} deg, then shifted by {} mm{over}",
-                place(self.turn_deg),
-                place(self.shift_mm)
-            ),
+        rows.terminal("pose", format!("turned by {turn} deg, then shifted by {shift} mm{over}"));
+        rows.terminal(
+            "",
             format!(
                 "{} vertices on {:.1} % of the mirror, {} um rms; {:.1} % outliers; condition {:.1}",
                 self.vertices,
@@ -98,27 +99,27 @@ impl AlignmentFacts {
                 100.0 * self.outliers,
                 self.condition
             ),
-        ];
+        );
         for FreeMotion { direction, through_mm } in &self.free {
             let along = place(direction.to_array());
             let motion = match through_mm {
                 Some(at) => format!("a turn about {along} through {} mm", place(at.to_array())),
                 None => format!("a shift along {along}"),
             };
-            lines.push(format!("the mirror does not show {motion}: it is not fitted"));
+            rows.terminal("", format!("the mirror does not show {motion}: it is not fitted"));
         }
-        lines
     }
 }
 
-/// The form error in words.
-pub(super) fn error_line(error: &FormError) -> String {
-    let FormError { all, without_outliers: inner, outliers, .. } = error;
-    let [pv, rms, lowest, highest] = [all.pv, all.rms, all.lowest, all.highest].map(digits);
-    let mut line = format!("{pv} um PV, {rms} um rms ({lowest} to {highest})");
-    if *outliers > 0.0 {
-        let [pv, rms] = [inner.pv, inner.rms].map(digits);
-        line += &format!("; {pv} PV, {rms} rms without {:.1} % outliers", 100.0 * outliers);
+impl ToRows for FormError {
+    fn add_to(&self, rows: &mut Rows) {
+        let Self { all, without_outliers: inner, outliers, .. } = self;
+        let [pv, rms, lowest, highest] = [all.pv, all.rms, all.lowest, all.highest].map(digits);
+        let mut sentence = format!("{pv} um PV, {rms} um rms ({lowest} to {highest})");
+        if *outliers > 0.0 {
+            let [pv, rms] = [inner.pv, inner.rms].map(digits);
+            sentence += &format!("; {pv} PV, {rms} rms without {:.1} % outliers", 100.0 * outliers);
+        }
+        rows.terminal("error", sentence);
     }
-    line
 }

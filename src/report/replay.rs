@@ -1,14 +1,13 @@
 //! A replayed trial as JSON and as text, and its pose as JSON.
 
-use super::text::{digits, head_line, pretty, verdict_lines, written};
-use super::tolerance::px;
-use super::{FileFacts, ProfileId, Verdict};
+use super::answer::{Answer, Head, Rows, json};
+use super::facts::{FileFacts, ProfileId, Verdict};
+use super::wording::{digits, displacement};
 use crate::num::stats::Summary;
 use crate::solid::SolidCheck;
 use crate::tolerance::{Criterion, Displacement, Reference, RigidTransform, Witnessed};
 use serde::Serialize;
 use serde_json::{Map, Value};
-use std::fmt::Write;
 
 /// `replay.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,7 +27,7 @@ pub struct ReplayReport {
     /// What displacements are measured from.
     pub reference: Reference,
     /// All errors of the trial.
-    pub errors: Vec<ErrorDrawn>,
+    pub errors: Vec<DrawnError>,
     /// Those that are not in the files: the stand-in for facets, and what was left out.
     pub without: Vec<String>,
     /// The trial's figures, as in `trials.csv`.
@@ -49,7 +48,7 @@ pub struct ReplayReport {
 
 /// An error of a trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorDrawn {
+pub struct DrawnError {
     /// Its key in the profile, which ends in its unit.
     pub source: String,
     /// Its value; of a texture its strength.
@@ -102,68 +101,62 @@ pub struct PoseFile {
 }
 
 impl PoseFile {
-    /// As JSON.
+    /// `pose.json`.
     #[must_use]
     pub fn json(&self) -> String {
-        pretty(self)
+        json(self)
     }
 }
 
-impl ReplayReport {
-    /// As JSON.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
+impl Answer for ReplayReport {
+    fn head(&self) -> Head<'_> {
+        Head::judged(&self.profile, self.verdict, &self.reasons)
     }
 
-    /// A readable summary.
-    #[must_use]
-    pub fn text(&self) -> String {
-        written(|out| self.write_text(out))
-    }
-
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let Self { profile, .. } = self;
-        head_line(out, profile)?;
-        writeln!(
-            out,
-            "  replay   trial {} of seed {}, {} pixels",
-            self.trial, self.seed, self.samples
-        )?;
+    fn rows(&self) -> Rows {
+        let Self { trial, seed, samples, .. } = self;
+        let mut rows = Rows::default();
+        rows.terminal("replay", format!("trial {trial} of seed {seed}, {samples} pixels"));
         let errors: Vec<String> =
             self.errors.iter().map(|e| format!("{} {}", e.source, digits(e.value))).collect();
         for (k, line) in errors.chunks(4).enumerate() {
-            let head = if k == 0 { "errors" } else { "" };
-            writeln!(out, "  {head:8} {}", line.join(", "))?;
+            rows.terminal(if k == 0 { "errors" } else { "" }, line.join(", "));
         }
-        writeln!(out, "  trial    {}", figures(&self.repeated))?;
+        rows.terminal("trial", figures(&self.repeated));
         let without = match self.without.as_slice() {
             [] => String::new(),
             keys => format!("; without {}", keys.join(", ")),
         };
-        writeln!(out, "  surface  {}{without}", figures(&self.smooth))?;
-        for ReplayFile { file, triangles, off_surface_mm, witnessed, .. } in &self.files {
-            let Witnessed { rays, hit, shadowed, beyond, .. } = witnessed;
-            let facets =
-                witnessed.facet_error_px.map_or("no".into(), |Summary { rms, max, .. }| {
-                    format!("{} rms, {} max", digits(rms), digits(max))
-                });
-            writeln!(
-                out,
-                "  {:8} {}; facet error {facets} px\n           {triangles} triangles, {hit} of \
-                 {rays} rays hit ({shadowed} shadowed), {beyond} led over the rim; \
-                 vertices within {} um of the made surface",
-                file.name,
-                figures(&witnessed.displacement),
-                digits(1e3 * off_surface_mm),
-            )?;
-        }
-        verdict_lines(out, &self.reasons, self.verdict)
+        rows.terminal("surface", format!("{}{without}", figures(&self.smooth)));
+        self.files.iter().for_each(|file| file.add_to(&mut rows));
+        rows
     }
 }
 
-fn figures(judged: &Displacement) -> String {
-    let Displacement { as_made, adjusted } = judged;
-    let [a, b, c, d] = [as_made.rms_px, as_made.p95_px, adjusted.rms_px, adjusted.p95_px].map(px);
+impl ReplayFile {
+    fn add_to(&self, rows: &mut Rows) {
+        let Self { file, triangles, off_surface_mm, witnessed, .. } = self;
+        let Witnessed { rays, hit, shadowed, beyond, displacement, facet_error_px, .. } = witnessed;
+        let facets = facet_error_px.map_or("no".into(), |Summary { rms, max, .. }| {
+            format!("{} rms, {} max", digits(rms), digits(max))
+        });
+        let shown = figures(displacement);
+        rows.line(format!("  {:8} {shown}; facet error {facets} px", file.name));
+        let off = digits(1e3 * off_surface_mm);
+        rows.terminal(
+            "",
+            format!(
+                "{triangles} triangles, {hit} of {rays} rays hit ({shadowed} shadowed), {beyond} led over the \
+                 rim; vertices within {off} um of the made surface"
+            ),
+        );
+    }
+}
+
+/// Displacements as made and after adjustment.
+fn figures(of: &Displacement) -> String {
+    let Displacement { as_made, adjusted } = of;
+    let [a, b, c, d] =
+        [as_made.rms_px, as_made.p95_px, adjusted.rms_px, adjusted.p95_px].map(displacement);
     format!("as made {a} rms, {b} p95; adjusted {c} rms, {d} p95 px")
 }

@@ -1,25 +1,26 @@
 //! How sharp a picture can be, in reports.
 
-use super::text::digits;
+use super::answer::{Rows, ToRows};
+use super::wording::{digits, three_digits};
 use crate::pencil::ApertureSharpness;
 use crate::profile::Aperture;
 use serde::{Deserialize, Serialize};
 
 /// How sharp the picture of a mirror is through the profile's lens and at best.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Sharpness {
+pub struct SharpnessFacts {
     /// Wavelength, nm.
     pub wavelength_nm: f64,
     /// Through the aperture at which 95 % of the spots are least, in the best focus.
-    pub best: Opened,
+    pub best: ApertureFacts,
     /// Through the aperture that was asked for; absent where none was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub given: Option<Opened>,
+    pub given: Option<ApertureFacts>,
 }
 
 /// A lens, open so far.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Opened {
+pub struct ApertureFacts {
     /// How far.
     #[serde(flatten)]
     pub aperture: Aperture,
@@ -33,17 +34,17 @@ pub struct Opened {
     pub resolved: [u32; 2],
 }
 
-impl Opened {
+impl ApertureFacts {
     /// The lens in words, with an article.
     #[must_use]
     pub fn lens(&self) -> String {
         let size = match self.aperture {
             Aperture::Pupil { pupil_mm } => {
-                format!("an entrance pupil of {} mm", significant(pupil_mm))
+                format!("an entrance pupil of {} mm", three_digits(pupil_mm))
             }
-            Aperture::Na { na } => format!("a numerical aperture of {}", significant(na)),
+            Aperture::Na { na } => format!("a numerical aperture of {}", three_digits(na)),
         };
-        let stop = self.f_number.map_or(String::new(), |n| format!(" (f/{})", significant(n)));
+        let stop = self.f_number.map_or(String::new(), |n| format!(" (f/{})", three_digits(n)));
         format!("{size}{stop}")
     }
 
@@ -57,49 +58,39 @@ impl Opened {
             "{}: spots of {} px p95 (mirror {}, diffraction {}), about {across} x {up} of them; MTF at a \
              quarter of the sampling frequency {mtf_p50:.2} p50, {mtf_p05:.2} p05",
             self.lens(),
-            significant(spot_px),
+            three_digits(spot_px),
             digits(geometric_px),
             digits(diffraction_px),
         )
     }
 }
 
-impl Sharpness {
+impl ToRows for SharpnessFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        rows.terminal("sharp", format!("best through {}", self.best.line()));
+        rows.page("sharpest", self.best.line());
+        if let Some(given) = &self.given {
+            rows.terminal("", format!("through {}", given.line()));
+            rows.page("through the lens", given.line());
+        }
+    }
+}
+
+impl SharpnessFacts {
     /// Spots longer than this, px, leave pixels unused.
     const RESOLVED: f64 = 3.0;
 
     /// What to know of a mirror under which no aperture resolves the pixels.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let Opened { sharp, resolved: [across, up], .. } = self.best;
+        let ApertureFacts { sharp, resolved: [across, up], .. } = self.best;
         (sharp.spot_px > Self::RESOLVED).then(|| {
             format!(
                 "no aperture resolves the pixels: through {}, the best one, spots are {} px long (p95), \
                  about {across} x {up} of them; a mirror four times as large has spots half as long",
                 self.best.lens(),
-                significant(sharp.spot_px)
+                three_digits(sharp.spot_px)
             )
         })
-    }
-}
-
-/// Three digits.
-fn significant(x: f64) -> String {
-    let (mut decimals, mut first) = (2_usize, x);
-    while first >= 10.0 && decimals > 0 {
-        (decimals, first) = (decimals - 1, first / 10.0);
-    }
-    while first > 0.0 && first < 1.0 && decimals < 12 {
-        (decimals, first) = (decimals + 1, first * 10.0);
-    }
-    format!("{x:.decimals$}")
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn figures_have_three_digits() {
-        let found = [0.83214, 15.06, 3.3, 120.4, 0.002_987].map(super::significant);
-        assert_eq!(found, ["0.832", "15.1", "3.30", "120", "0.00299"]);
     }
 }

@@ -36,6 +36,7 @@ mod solve_for_target;
 mod spec;
 mod study;
 mod texture;
+mod trial_table;
 mod trials;
 mod work_counts;
 mod yields;
@@ -62,6 +63,7 @@ pub use study::{AdjustmentFacts, LinearityGap, SourceFacts, Study};
 pub use texture::{
     TextureShape, facets_bound, facets_displace, ripple_slope, scallop_height, scattered,
 };
+pub use trial_table::{read_trial, trial_columns, trial_line};
 pub use trials::{Statistics, Trial, quantile};
 pub use work_counts::{WorkCounts, WorkKind};
 pub use yields::Yield;

@@ -6,7 +6,7 @@ use morion::internals::design::{Design, design};
 use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3, TriMesh, angle};
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::report::{BuildReport, Verdict, html};
+use morion::internals::report::{BuildReport, Verdict};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -493,7 +493,7 @@ fn the_summary_names_no_file_that_is_not_there() {
     let shown = report.text();
     assert!(!shown.contains("mirror.obj"), "{shown}");
     assert!(shown.contains("witness  a mesh that was not kept: "), "{shown}");
-    assert!(!html(&report, "", "preview.png").contains("mirror.obj"));
+    assert!(!report.html("", "preview.png").contains("mirror.obj"));
     // Nor does the report itself, nor a reason.
     assert!(!report.json().contains("mirror.obj"), "{}", report.json());
 }

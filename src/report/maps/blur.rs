@@ -5,7 +5,7 @@ use super::palette::viridis;
 use crate::pencil::Quantiles;
 use crate::raster::{EncodingError, Srgb};
 use crate::report::BlurReport;
-use crate::report::text::digits;
+use crate::report::wording::digits;
 
 const NO_MIRROR: Srgb = [200; 3];
 

@@ -5,7 +5,7 @@ use super::palette::diverging;
 use crate::align::{FormError, FormMap};
 use crate::num::rounding::ceil_125;
 use crate::raster::{EncodingError, Srgb};
-use crate::report::text::digits;
+use crate::report::wording::digits;
 
 /// Where nothing is known.
 const NOTHING: Srgb = [110, 110, 114];

@@ -5,7 +5,7 @@ use super::palette::grey;
 use crate::raster::{EncodingError, Srgb};
 use crate::report::FrameReport;
 use crate::report::frame::LOST;
-use crate::report::text::digits;
+use crate::report::wording::digits;
 use crate::trace::{MinMeanMax, PixelClass};
 
 /// Colours of the causes, in the order of [`PixelClass::LOST`].

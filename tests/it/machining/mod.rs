@@ -7,7 +7,7 @@ mod scallops;
 use crate::support::builds;
 use morion::internals::pipeline::{MachiningOptions, Silent, Source, machining};
 use morion::internals::profile::Profile;
-use morion::internals::report::Machining;
+use morion::internals::report::MachiningReport;
 use std::path::Path;
 
 const CUTTING: MachiningOptions = MachiningOptions {
@@ -41,7 +41,7 @@ fn unseen_profile() -> Profile {
 const DISC: &str = "layout.disc = {}\npart = { width_mm = 24, base_mm = 3 }";
 const RECTANGLE: &str = "part = { width_mm = 12, height_mm = 9, base_mm = 3 }";
 
-fn cut(profile: &Profile, cutting: MachiningOptions, out: &Path) -> Machining {
+fn cut(profile: &Profile, cutting: MachiningOptions, out: &Path) -> MachiningReport {
     let found = machining(&Source::from(profile.clone()), &cutting, out, &Silent);
     found.unwrap_or_else(|error| panic!("{error}"))
 }

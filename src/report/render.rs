@@ -1,13 +1,12 @@
 //! A picture that was rendered, in words.
 
-use super::ProfileId;
-use super::text::{head_line, pretty, written};
+use super::answer::{Answer, Head, Rows};
+use super::facts::ProfileId;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// A picture of a scene in a mirror, or of the mirror.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Rendering {
+pub struct RenderReport {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
     /// Which profile.
@@ -24,25 +23,21 @@ pub struct Rendering {
     pub rays: u64,
 }
 
-impl Rendering {
-    /// As JSON.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
+impl Answer for RenderReport {
+    fn head(&self) -> Head<'_> {
+        Head::of(&self.profile)
     }
 
-    /// A readable summary.
-    #[must_use]
-    pub fn text(&self) -> String {
-        let Self { profile, scene, traced, file, pixels: [columns, rows], rays, .. } = self;
+    fn rows(&self) -> Rows {
+        let Self { scene, traced, file, pixels: [columns, rows], rays, .. } = self;
+        let picture = format!("{file}  {columns} x {rows} pixels, {rays} rays");
         let from = match *traced {
             "design" => "the designed mirror".to_owned(),
             format => format!("the mesh written as {format} and read back"),
         };
-        written(|out| {
-            head_line(out, profile)?;
-            writeln!(out, "  scene    {scene}, from {from}")?;
-            writeln!(out, "  picture  {file}  {columns} x {rows} pixels, {rays} rays")
-        })
+        let mut rows = Rows::default();
+        rows.terminal("scene", format!("{scene}, from {from}"));
+        rows.terminal("picture", picture);
+        rows
     }
 }

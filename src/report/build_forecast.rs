@@ -1,9 +1,9 @@
 //! What a build would make, foreseen without making it.
 
-use super::text::{head_line, of_at_most, pretty, written};
-use super::{ProfileId, SCHEMA};
+use super::answer::{Answer, Head, Rows, ToRows};
+use super::facts::{ProfileId, SCHEMA};
+use super::wording::{megabytes, of_at_most};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// What a build of one profile would come to. Numbers are forecasts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,14 +35,14 @@ pub struct MeshForecast {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_triangles: Option<usize>,
     /// Height between facet and mirror, um.
-    pub chord_um: Foreseen,
+    pub chord_um: ForecastLimit,
     /// Image displacement by flat facets, pixels.
-    pub facet_px: Foreseen,
+    pub facet_px: ForecastLimit,
 }
 
 /// A limit asked for, and what is foreseen for a number of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Foreseen {
+pub struct ForecastLimit {
     /// Asked for; none when the profile sets none.
     pub limit: Option<f64>,
     /// What the number of triangles will be good for; none where limits rule.
@@ -67,52 +67,49 @@ impl BuildForecast {
         let (reasons, warnings) = (Vec::new(), Vec::new());
         Self { schema: SCHEMA, dry_run: true, profile, mesh, files, reasons, warnings }
     }
+}
 
-    /// As JSON.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
+impl Answer for BuildForecast {
+    fn head(&self) -> Head<'_> {
+        Head::of(&self.profile).with_warnings(&self.warnings)
     }
 
-    /// A readable summary.
-    #[must_use]
-    pub fn text(&self) -> String {
-        written(|out| self.write_text(out))
-    }
-
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        head_line(out, &self.profile)?;
-        if let Some(mesh) = &self.mesh {
-            write_mesh(out, mesh)?;
-        }
-        for file in &self.files {
-            writeln!(out, "  file     {}  about {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
-        }
-        for reason in &self.reasons {
-            writeln!(out, "  - {reason}")?;
-        }
-        writeln!(out, "  dry run  nothing was written")
+    fn rows(&self) -> Rows {
+        let mut rows = Rows::of(&[&self.mesh, &self.files]);
+        self.reasons.iter().for_each(|reason| rows.line(format!("  - {reason}")));
+        rows.terminal("dry run", "nothing was written");
+        rows
     }
 }
 
-fn write_mesh(out: &mut String, mesh: &MeshForecast) -> std::fmt::Result {
-    let tolerances = [(mesh.chord_um, "chord", "um"), (mesh.facet_px, "facet", "px")];
-    let tolerances: Vec<String> = tolerances
-        .into_iter()
-        .filter_map(|(value, what, unit)| match value {
-            Foreseen { limit: Some(limit), .. } => Some(format!("{what} within {limit} {unit}")),
-            Foreseen { foreseen: Some(x), .. } => Some(format!("{what} about {x:.3} {unit}")),
-            _ => None,
-        })
-        .collect();
-    writeln!(
-        out,
-        "  mesh     about {} optical triangles ({} in all{}); {}",
-        rough(mesh.optical_triangles),
-        rough(mesh.triangles),
-        of_at_most(mesh.max_triangles),
-        tolerances.join(", "),
-    )
+impl ToRows for MeshForecast {
+    fn add_to(&self, rows: &mut Rows) {
+        let tolerances = [(self.chord_um, "chord", "um"), (self.facet_px, "facet", "px")];
+        let tolerances: Vec<String> = tolerances
+            .into_iter()
+            .filter_map(|(value, what, unit)| match value {
+                ForecastLimit { limit: Some(limit), .. } => {
+                    Some(format!("{what} within {limit} {unit}"))
+                }
+                ForecastLimit { foreseen: Some(x), .. } => {
+                    Some(format!("{what} about {x:.3} {unit}"))
+                }
+                _ => None,
+            })
+            .collect();
+        let [optical, all] = [self.optical_triangles, self.triangles].map(rough);
+        let (most, tolerances) = (of_at_most(self.max_triangles), tolerances.join(", "));
+        rows.terminal(
+            "mesh",
+            format!("about {optical} optical triangles ({all} in all{most}); {tolerances}"),
+        );
+    }
+}
+
+impl ToRows for FileForecast {
+    fn add_to(&self, rows: &mut Rows) {
+        rows.terminal("file", format!("{}  about {}", self.name, megabytes(self.bytes)));
+    }
 }
 
 /// A number in three digits.

@@ -1,7 +1,7 @@
 //! The plots of a study of tolerances, as SVG.
 
-use super::plot::{Area, BLUE, Failure, GREEN, RED, svg};
-use super::tolerance::percent;
+use crate::report::plot::{Area, BLUE, Failure, GREEN, RED, svg};
+use crate::report::wording::percent;
 use crate::tolerance::{Criterion, PlotData, Study};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};

@@ -1,14 +1,14 @@
 //! What became of a photo.
 
-use super::text::{figures, head_line, pretty, written};
-use super::{FileFacts, ProfileId};
+use super::answer::{Answer, Head, Rows, ToRows};
+use super::facts::{FileFacts, ProfileId};
+use super::wording::figures;
 use crate::num::stats::{Summary, or_null};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// A photo through a mirror, unwrapped.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Unwrapped {
+pub struct UnwrapReport {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
     /// Which profile.
@@ -19,7 +19,7 @@ pub struct Unwrapped {
     pub panorama: PanoramaFacts,
     /// The table behind it; absent for simple cuts.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub map: Option<MapFacts>,
+    pub map: Option<UnwrapMapFacts>,
     /// The files written.
     pub files: Vec<FileFacts>,
 }
@@ -52,7 +52,7 @@ pub struct PanoramaFacts {
 
 /// A table of places.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MapFacts {
+pub struct UnwrapMapFacts {
     /// Share of the panorama's pixels that the photo shows.
     pub seen: f64,
     /// Distance on the sensor between where things are seen and where the projection has them.
@@ -60,47 +60,47 @@ pub struct MapFacts {
     pub distortion_px: Option<Summary>,
 }
 
-impl Unwrapped {
-    /// As JSON.
-    #[must_use]
-    pub fn json(&self) -> String {
-        pretty(self)
+impl Answer for UnwrapReport {
+    fn head(&self) -> Head<'_> {
+        Head::of(&self.profile)
     }
 
-    /// A readable summary.
-    #[must_use]
-    pub fn text(&self) -> String {
-        written(|out| self.write_text(out))
+    fn rows(&self) -> Rows {
+        Rows::of(&[&self.photo, &self.panorama, &self.map, &self.files])
     }
+}
 
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
-        let Self { profile, photo, panorama, .. } = self;
-        head_line(out, profile)?;
-        let scale = match photo.pixels_per_sensor_pixel {
+impl ToRows for PhotoFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let scale = match self.pixels_per_sensor_pixel {
             1.0 => "as the sensor".to_owned(),
             scale => format!("{scale:.4} to one of the sensor"),
         };
-        let [width, height] = photo.pixels;
-        writeln!(out, "  photo    {}: {width} x {height} pixels, {scale}", photo.name)?;
-        let [width, height] = panorama.pixels;
-        let [[left, right], [low, high]] = [panorama.azimuth_deg, panorama.elevation_deg];
-        writeln!(
-            out,
-            "  panorama {width} x {height} pixels, {}, by {}; azimuth {left:.2} to {right:.2} deg, \
-             elevation {low:.2} to {high:.2} deg",
-            panorama.projection, panorama.way
-        )?;
-        if let Some(map) = &self.map {
-            writeln!(
-                out,
-                "  map      {:.2} % of the panorama is seen; distortion removed {} px",
-                100.0 * map.seen,
-                figures(map.distortion_px)
-            )?;
-        }
-        for file in &self.files {
-            writeln!(out, "  file     {}  {:.1} MB", file.name, file.bytes as f64 / 1e6)?;
-        }
-        Ok(())
+        let (name, [width, height]) = (&self.name, self.pixels);
+        rows.terminal("photo", format!("{name}: {width} x {height} pixels, {scale}"));
+    }
+}
+
+impl ToRows for PanoramaFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let Self { way, projection, pixels: [width, height], azimuth_deg, elevation_deg } = self;
+        let [[left, right], [low, high]] = [azimuth_deg, elevation_deg];
+        rows.terminal(
+            "panorama",
+            format!(
+                "{width} x {height} pixels, {projection}, by {way}; azimuth {left:.2} to {right:.2} deg, \
+                 elevation {low:.2} to {high:.2} deg"
+            ),
+        );
+    }
+}
+
+impl ToRows for UnwrapMapFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let (seen, distortion) = (100.0 * self.seen, figures(self.distortion_px));
+        rows.terminal(
+            "map",
+            format!("{seen:.2} % of the panorama is seen; distortion removed {distortion} px"),
+        );
     }
 }

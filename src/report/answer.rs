@@ -1,0 +1,219 @@
+//! Answers of commands: rows of facts, each worded once, and the renderers of all answers as text and JSON.
+
+use super::facts::{FileFacts, ProfileId, Verdict};
+use super::visible::visible;
+use super::wording::megabytes;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// What an answer is about, and what it comes to.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Head<'a> {
+    /// The profile; none of an answer about several.
+    pub profile: Option<&'a ProfileId>,
+    /// Pass or fail; none where nothing is judged.
+    pub verdict: Option<Verdict>,
+    /// Reasons of a fail, each with figures.
+    pub reasons: Vec<String>,
+    /// Nuisances to come, and what to do about them; no part of the verdict.
+    pub warnings: &'a [String],
+}
+
+impl<'a> Head<'a> {
+    /// The head of an answer that judges nothing.
+    #[must_use]
+    pub fn of(profile: &'a ProfileId) -> Self {
+        Self { profile: Some(profile), ..Self::default() }
+    }
+
+    /// The head of an answer with a verdict.
+    #[must_use]
+    pub fn judged(profile: &'a ProfileId, verdict: Verdict, reasons: &[impl ToString]) -> Self {
+        let reasons = reasons.iter().map(ToString::to_string).collect();
+        Self { verdict: Some(verdict), reasons, ..Self::of(profile) }
+    }
+
+    /// The same with warnings.
+    #[must_use]
+    pub fn with_warnings(self, warnings: &'a [String]) -> Self {
+        Self { warnings, ..self }
+    }
+}
+
+/// The result of a command: figures with keys, which are its JSON, and the same in words.
+pub trait Answer: Serialize {
+    /// What it is about, and what it comes to.
+    fn head(&self) -> Head<'_>;
+
+    /// Its facts, in the order of the terminal.
+    fn rows(&self) -> Rows;
+
+    /// The answer as JSON of several lines.
+    fn json(&self) -> String {
+        json(self)
+    }
+
+    /// A readable summary: a line a fact, the reasons, and the verdict last. Plain text, in which what
+    /// would steer a terminal is written out.
+    fn text(&self) -> String {
+        let Head { profile, verdict, reasons, .. } = self.head();
+        let mut out = String::new();
+        if let Some(ProfileId { name, sha256 }) = profile {
+            out += &format!("{name}  ({})\n", &sha256[..sha256.len().min(8)]);
+        }
+        out += &self.rows().text();
+        for reason in reasons {
+            out += &format!("  - {reason}\n");
+        }
+        if let Some(verdict) = verdict {
+            out += &format!("  verdict  {}\n", verdict.word());
+        }
+        visible(&out)
+    }
+}
+
+/// `result` as JSON of several lines.
+pub fn json(result: &(impl Serialize + ?Sized)) -> String {
+    let mut text = serde_json::to_string_pretty(result).expect("string keys and plain values only");
+    text.push('\n');
+    text
+}
+
+/// What has facts to add to an answer.
+pub trait ToRows {
+    /// Adds them.
+    fn add_to(&self, rows: &mut Rows);
+}
+
+/// A fact in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Row {
+    /// Its name at the left of the terminal's line, empty where it goes on with the fact above; none of a
+    /// fact for the page alone.
+    label: Option<&'static str>,
+    /// Its name in the page's table; none of a fact for the terminal alone.
+    heading: Option<String>,
+    sentence: String,
+}
+
+/// Facts in words, for the terminal, for the page, or for both.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rows {
+    rows: Vec<Row>,
+    /// Letters that a name in the terminal takes.
+    label_width: usize,
+}
+
+impl Default for Rows {
+    fn default() -> Self {
+        Self::labelled(8)
+    }
+}
+
+impl Rows {
+    /// No facts yet; names in the terminal take so many letters.
+    #[must_use]
+    pub fn labelled(label_width: usize) -> Self {
+        Self { rows: Vec::new(), label_width }
+    }
+
+    /// The facts of `parts`, in their order.
+    #[must_use]
+    pub fn of(parts: &[&dyn ToRows]) -> Self {
+        let mut rows = Self::default();
+        parts.iter().for_each(|part| part.add_to(&mut rows));
+        rows
+    }
+
+    fn push(&mut self, label: Option<&'static str>, heading: Option<String>, sentence: String) {
+        self.rows.push(Row { label, heading, sentence });
+    }
+
+    /// Adds a fact that has one name in the terminal and on the page.
+    pub fn add(&mut self, name: &'static str, sentence: impl Into<String>) {
+        self.named(name, name, sentence);
+    }
+
+    /// Adds a fact with one name for the terminal and one for the page.
+    pub fn named(&mut self, label: &'static str, heading: &str, sentence: impl Into<String>) {
+        self.push(Some(label), Some(heading.into()), sentence.into());
+    }
+
+    /// Adds a fact for the terminal alone.
+    pub fn terminal(&mut self, label: &'static str, sentence: impl Into<String>) {
+        self.push(Some(label), None, sentence.into());
+    }
+
+    /// Adds a fact for the page alone.
+    pub fn page(&mut self, heading: impl Into<String>, sentence: impl Into<String>) {
+        self.push(None, Some(heading.into()), sentence.into());
+    }
+
+    /// Adds a line of the terminal that is no fact with a name: a heading, a note, a line of a table.
+    pub fn line(&mut self, text: impl Into<String>) {
+        self.push(None, None, text.into());
+    }
+
+    /// Adds all of `others`.
+    pub fn append(&mut self, others: Self) {
+        self.rows.extend(others.rows);
+    }
+
+    /// The terminal's lines, the names of facts in a column.
+    fn text(&self) -> String {
+        let mut out = String::new();
+        for Row { label, heading, sentence } in &self.rows {
+            // Writing to a string cannot fail.
+            let _ = match (label, heading) {
+                (Some(label), _) => {
+                    writeln!(out, "  {label:width$} {sentence}", width = self.label_width)
+                }
+                (None, None) => writeln!(out, "{sentence}"),
+                (None, Some(_)) => Ok(()),
+            };
+        }
+        out
+    }
+
+    /// Names and sentences of the page's facts.
+    pub fn of_page(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.rows.iter().filter_map(|row| Some((row.heading.as_deref()?, &*row.sentence)))
+    }
+}
+
+impl<T: ToRows> ToRows for Option<T> {
+    fn add_to(&self, rows: &mut Rows) {
+        self.iter().for_each(|part| part.add_to(rows));
+    }
+}
+
+impl<T: ToRows> ToRows for Vec<T> {
+    fn add_to(&self, rows: &mut Rows) {
+        self.iter().for_each(|part| part.add_to(rows));
+    }
+}
+
+impl ToRows for FileFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        rows.add("file", format!("{}  {}", self.name, megabytes(self.bytes)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_reader_gets_its_facts_under_its_names() {
+        let mut rows = Rows::default();
+        rows.add("part", "1 mm");
+        rows.named("form", "best-fit sphere", "2 mm");
+        rows.terminal("", "seen from above");
+        rows.page("area", "3 mm^2");
+        rows.line("a table");
+        let text = "  part     1 mm\n  form     2 mm\n           seen from above\na table\n";
+        assert_eq!(rows.text(), text);
+        let page: Vec<_> = rows.of_page().collect();
+        assert_eq!(page, [("part", "1 mm"), ("best-fit sphere", "2 mm"), ("area", "3 mm^2")]);
+    }
+}

@@ -1,0 +1,233 @@
+//! Facts of the mirror, its mesh and what the witness saw, in words.
+
+use super::answer::{Rows, ToRows};
+use super::facts::{ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts};
+use super::wording::{digits, figures, of_at_most, percent};
+use crate::design::{CurlFacts, DesignFacts, Mounting};
+use crate::mirror::{Departure, Form};
+use crate::profile::{AcceptanceLimit, AcceptanceLimits};
+use crate::solid::OpenBoundary;
+use crate::trace::FrameFill;
+
+impl ToRows for Mounting {
+    fn add_to(&self, rows: &mut Rows) {
+        rows.add("part", format!("{}, its base at Z = 0", self.size()));
+        let above = self.pupil_mm.map_or(String::new(), |[.., z]| {
+            format!(", {:.3} mm above the mirror's mean height", z - self.mean_mm)
+        });
+        let camera = self.camera();
+        rows.add(
+            "camera",
+            format!("{camera}{above}, on the axis, looking along -Z; the picture's top is +Y"),
+        );
+        rows.add("world", self.world());
+    }
+}
+
+impl ToRows for DesignFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let Self { method, degree, unknowns, .. } = self;
+        let goal = if self.minimax { ", minimax" } else { "" };
+        let method = match *unknowns {
+            0 => method.clone(),
+            _ => format!("{method}{goal} of degree {degree}, {unknowns} unknowns"),
+        };
+        let [ray, pixel] = [self.ray_error_mrad, self.pixel_error_px].map(figures);
+        rows.terminal("design", format!("{method}; ray error {ray} mrad, pixel error {pixel} px"));
+        rows.page("method", method);
+        let number = |x: Option<f64>| x.map_or("none".into(), |x| format!("{x:.9e}"));
+        rows.page("condition of the fit", number(self.condition));
+        rows.page("gradient residual", number(self.gradient_residual));
+        let curl = |c: CurlFacts| {
+            let CurlFacts { rms, max, condition, rounding } = c;
+            format!(
+                "{rms:.4e} rms, {max:.4e} max, of which rounding at most {rounding:.1e}; condition \
+                 {condition:.1}"
+            )
+        };
+        rows.page("curl of the field", self.curl.map_or("none".into(), curl));
+        rows.page("design: ray error, mrad", ray);
+        rows.page("design: pixel error, px", pixel);
+    }
+}
+
+impl ToRows for Form {
+    fn add_to(&self, rows: &mut Rows) {
+        let Self { sphere, plane } = self;
+        let of = |departure: &Departure| {
+            let Departure { sag_pv_mm, pv_mm, largest_mm, normal_max_mrad } = *departure;
+            let sag = sag_pv_mm.map_or(String::new(), |mm| format!("sag {} mm PV, ", digits(mm)));
+            let [pv, largest, turned] = [pv_mm, largest_mm, normal_max_mrad].map(digits);
+            format!(
+                "{sag}square to it {pv} mm PV, {largest} mm at most, normals {turned} mrad at most"
+            )
+        };
+        let radius = match sphere.radius_of_curvature_mm {
+            Some(mm) if mm > 0.0 => format!("a hollow sphere of {} mm radius", digits(mm)),
+            Some(mm) => format!("a bulging sphere of {} mm radius", digits(-mm)),
+            None => "no sphere but a plane".into(),
+        };
+        let [sphere, plane] = [of(&sphere.departure), of(&plane.departure)];
+        let sentence = format!("departure from {radius}: {sphere}; from a plane: {plane}");
+        rows.named("form", "best-fit sphere and plane", sentence);
+    }
+}
+
+impl ToRows for MeshFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let limited = |value: &Limited, unit: &str| match value.limit {
+            Some(limit) => format!("{} of {limit} {unit}", digits(value.bound)),
+            None => format!("{} {unit} (no limit)", digits(value.bound)),
+        };
+        let [chord, facet] = [limited(&self.chord_um, "um"), limited(&self.facet_px, "px")];
+        let [optical, all] = [self.optical_triangles, self.triangles];
+        let most = of_at_most(self.max_triangles);
+        rows.terminal(
+            "mesh",
+            format!(
+                "{optical} optical triangles ({all} in all{most}); chord {chord}, facet {facet}"
+            ),
+        );
+        rows.page("triangles", format!("{optical} optical, {all} in all{most}"));
+        rows.page("chord", chord);
+        rows.page("facet", facet);
+        let over = |o: Option<f64>| o.map_or("none".into(), |o| format!("{o:.2}"));
+        let [chord, facet] = [self.over_optimum.chord, self.over_optimum.facet].map(over);
+        rows.page("over the least possible", format!("chord {chord}, facet {facet}"));
+    }
+}
+
+impl ToRows for SolidFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        rows.add("solid", solid_sentence(self));
+    }
+}
+
+impl ToRows for StepFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let ([u, v], error) = (self.control_points, digits(self.fit_error_nm));
+        let sentence = format!("{u} x {v} control points, within {error} nm of the design");
+        rows.named("step", "STEP splines", sentence);
+    }
+}
+
+impl ToRows for SagFacts {
+    fn add_to(&self, rows: &mut Rows) {
+        let sentence = format!(
+            "{} rows; heights within {:.1e} mm of the design, normals within {:.1e} rad",
+            self.rows, self.height_error_mm, self.normal_error_rad
+        );
+        rows.named("table", "sag table", sentence);
+    }
+}
+
+/// Traces of files; their errors are shown in the terminal where a frame could be made of them.
+pub struct TracesWithFrame<'a> {
+    /// Of each file.
+    pub traces: &'a [TraceFacts],
+    /// Whether there is a frame.
+    pub has_frame: bool,
+}
+
+impl ToRows for TracesWithFrame<'_> {
+    fn add_to(&self, rows: &mut Rows) {
+        for trace in self.traces {
+            let TraceFacts { file, errors, interpolated_normals, solid, .. } = trace;
+            rows.terminal("witness", format!("{file}: {}", ray_counts(trace, "rays ")));
+            if self.has_frame {
+                rows.terminal("", errors_sentence(errors));
+            }
+            if let Some(errors) = interpolated_normals {
+                rows.terminal("", format!("with the file's normals: {}", errors_sentence(errors)));
+            }
+            if !solid.reasons.is_empty() {
+                rows.terminal("", solid_sentence(solid));
+            }
+            rows.page(format!("{file}: rays"), ray_counts(trace, ""));
+            let all = [(Some(errors), ""), (interpolated_normals.as_ref(), ", its normals")];
+            for (errors, note) in
+                all.iter().filter_map(|(errors, note)| Some((errors.as_ref()?, note)))
+            {
+                let ErrorFacts { ray_error_mrad, pixel_error_px, facet_error_px } = errors;
+                rows.page(format!("{file}: ray error{note}, mrad"), figures(*ray_error_mrad));
+                rows.page(format!("{file}: pixel error{note}, px"), figures(*pixel_error_px));
+                rows.page(format!("{file}: facet error{note}, px"), figures(*facet_error_px));
+            }
+            rows.page(format!("{file}: solid"), solid_sentence(solid));
+        }
+    }
+}
+
+impl ToRows for FrameFill {
+    fn add_to(&self, rows: &mut Rows) {
+        let range = |range: &Option<[f64; 2]>| {
+            range.map_or("none".into(), |[lo, hi]| format!("{lo:.2} to {hi:.2} deg"))
+        };
+        let ([width, height], filled) = (self.pixels, 100.0 * self.filled);
+        let gain = format!("{:+.1} %", 100.0 * self.gain_over_disc);
+        let [azimuth, elevation] = [range(&self.azimuth_deg), range(&self.elevation_deg)];
+        rows.terminal(
+            "frame",
+            format!(
+                "{filled:.2} % of {width} x {height} filled; azimuth {azimuth}, elevation {elevation}; \
+                 {gain} against a disc"
+            ),
+        );
+        rows.page("frame filled", format!("{filled:.3} % of {width} x {height}"));
+        rows.page("gain over a disc", gain);
+    }
+}
+
+impl ToRows for AcceptanceLimits {
+    fn add_to(&self, rows: &mut Rows) {
+        let mark = |bound: &AcceptanceLimit| if bound.usual { " (usual)" } else { "" };
+        let Self { pixel_error_rms_px: rms, pixel_error_max_px: max, frame_filled: filled } = self;
+        let sentence = format!(
+            "pixel error {} px rms{}, {} px max{}; at least {} % of the frame{}",
+            rms.value,
+            mark(rms),
+            max.value,
+            mark(max),
+            percent(filled.value),
+            mark(filled)
+        );
+        rows.add("allowed", sentence);
+    }
+}
+
+/// What became of the rays that were aimed at the mirror.
+pub fn ray_counts(trace: &TraceFacts, noun: &str) -> String {
+    let TraceFacts { hit, rays, missed, shadowed, back_face, .. } = trace;
+    format!(
+        "{hit} of {rays} {noun}hit, {missed} missed, {shadowed} shadowed, {back_face} met a back face"
+    )
+}
+
+/// Errors of the picture and of the facets.
+pub fn errors_sentence(errors: &ErrorFacts) -> String {
+    let [pixel, facet] = [errors.pixel_error_px, errors.facet_error_px].map(figures);
+    format!("pixel error {pixel} px; facet error {facet} px")
+}
+
+/// The check of a solid.
+pub fn solid_sentence(solid: &SolidFacts) -> String {
+    let check = &solid.check;
+    let yes = |flag: bool, word: &str| {
+        if flag { word.into() } else { format!("NOT {word}") }
+    };
+    let rim = check.open.map_or(String::new(), |OpenBoundary { edges, loops }| {
+        let s = if loops == 1 { "" } else { "s" };
+        format!(" ({edges} rim edges in {loops} loop{s})")
+    });
+    format!(
+        "{}{rim}, {}, {}; {} piece{}, Euler {}, {:.3} mm^3 ({:.3} expected)",
+        yes(check.closed, "closed"),
+        yes(check.oriented, "oriented"),
+        yes(check.manifold, "manifold"),
+        check.components,
+        if check.components == 1 { "" } else { "s" },
+        check.euler,
+        check.volume_mm3,
+        solid.volume_expected_mm3,
+    )
+}

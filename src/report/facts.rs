@@ -1,0 +1,182 @@
+//! Facts that several answers have: the shapes of parts of their JSON.
+
+use crate::num::stats::{Summary, or_null, unless_null};
+use crate::solid::SolidCheck;
+use serde::{Deserialize, Serialize};
+
+/// Version of the report's schema: keys may be added, never changed.
+pub const SCHEMA: u32 = 1;
+
+/// Name and fingerprint of a profile.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProfileId {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its text, hexadecimal.
+    pub sha256: String,
+}
+
+/// Pass or fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The part does what the profile asks.
+    Pass,
+    /// It does not.
+    Fail,
+}
+
+impl Verdict {
+    /// In a word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+        }
+    }
+}
+
+/// A file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileFacts {
+    /// Name in the output folder.
+    pub name: String,
+    /// Its format's name.
+    pub format: String,
+    /// Length.
+    pub bytes: u64,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+}
+
+/// A limit asked for and the bound proven.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Limited {
+    /// Asked for; none when the profile sets none.
+    pub limit: Option<f64>,
+    /// Proven over every facet.
+    pub bound: f64,
+}
+
+/// Numbers of triangles over the least possible, for the limits that are set; none where the mirror
+/// bends in one direction alone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OverOptimum {
+    /// Against the chord limit.
+    pub chord: Option<f64>,
+    /// Against the facet limit.
+    pub facet: Option<f64>,
+}
+
+/// What the mesh reached.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MeshFacts {
+    /// Facets of the optical face.
+    pub optical_triangles: usize,
+    /// Facets of the solid.
+    pub triangles: usize,
+    /// Most of them, where the profile sets that in the place of limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_triangles: Option<usize>,
+    /// Vertices of the solid.
+    pub vertices: usize,
+    /// Height between facet and mirror, um.
+    pub chord_um: Limited,
+    /// Image displacement by flat facets, pixels.
+    pub facet_px: Limited,
+    /// The part of it that rounding to single precision causes, pixels.
+    pub rounding_px: f64,
+    /// Triangles over the theoretical least.
+    pub over_optimum: OverOptimum,
+}
+
+/// The check of a solid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SolidFacts {
+    /// What was found.
+    #[serde(flatten)]
+    pub check: SolidCheck,
+    /// Integral of the design, mm^3.
+    pub volume_expected_mm3: f64,
+    /// What is wrong, facet by facet.
+    pub reasons: Vec<String>,
+}
+
+impl SolidFacts {
+    /// The facts of `check`, beside the volume expected.
+    #[must_use]
+    pub fn new(check: &SolidCheck, volume_expected_mm3: f64) -> Self {
+        Self { check: check.clone(), volume_expected_mm3, reasons: check.reasons() }
+    }
+}
+
+/// What a sag table holds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SagFacts {
+    /// Rows of X, Y, Z and normal.
+    pub rows: usize,
+    /// Largest difference of Z from the design, mm.
+    pub height_error_mm: f64,
+    /// Largest angle to the design's normal, radians.
+    pub normal_error_rad: f64,
+}
+
+/// The splines of a STEP file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StepFacts {
+    /// Largest distance from the design, nm.
+    pub fit_error_nm: f64,
+    /// Control points of a panel along each axis; one along the second for a surface of revolution.
+    pub control_points: [usize; 2],
+}
+
+/// What the witness saw in one file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TraceFacts {
+    /// Name in the output folder.
+    pub file: String,
+    /// Camera rays aimed at the mirror.
+    pub rays: usize,
+    /// Of these, reflected into the world.
+    pub hit: usize,
+    /// Meeting nothing.
+    pub missed: usize,
+    /// Reflected against the part itself.
+    pub shadowed: usize,
+    /// Meeting the back of a facet.
+    pub back_face: usize,
+    /// Against the projection and the designed mirror, by facet normals.
+    #[serde(flatten)]
+    pub errors: ErrorFacts,
+    /// The same by the file's interpolated normals, where it has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolated_normals: Option<ErrorFacts>,
+    /// The vertex farthest from the designed part's surface.
+    pub worst_vertex: Option<VertexFacts>,
+    /// The check of the file's mesh.
+    pub solid: SolidFacts,
+}
+
+/// A vertex and how far it is from where the part has its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct VertexFacts {
+    /// X, Y, Z, mm.
+    pub at_mm: [f64; 3],
+    /// Distance, mm: along Z from the mirror or the base, or across from the outline.
+    pub off_mm: f64,
+}
+
+/// Errors over the rays that hit; absent when none did.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ErrorFacts {
+    /// Angle between the direction seen and the projection's, mrad.
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    pub ray_error_mrad: Option<Summary>,
+    /// The same carried back to the image, pixels.
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    pub pixel_error_px: Option<Summary>,
+    /// Image displacement against the designed mirror, pixels.
+    #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    pub facet_error_px: Option<Summary>,
+}

@@ -1,0 +1,214 @@
+//! A study of tolerances in words.
+
+use super::ToleranceReport;
+use super::words::{
+    FORM_RMS, SYSTEMATIC, SourceCells, criterion, gap_percent, or_dash, reference, statistics,
+    unmet,
+};
+use crate::report::answer::{Answer, Head, Rows};
+use crate::report::wording::{digits, displacement, percent};
+use crate::tolerance::{FormMeasure, Offender, Statistics, Study};
+
+impl Answer for ToleranceReport {
+    fn head(&self) -> Head<'_> {
+        Head::judged(&self.profile, self.verdict, &self.reasons)
+    }
+
+    fn rows(&self) -> Rows {
+        let mut rows = Rows::default();
+        self.add_question(&mut rows);
+        self.add_nominal(&mut rows);
+        self.add_facets(&mut rows);
+        self.add_sources(&mut rows);
+        if let Some(why) = self.study.no_limit_joint {
+            let why = unmet(why);
+            rows.terminal("limits", format!("no limits in concert meet the budget: {why}"));
+        }
+        self.add_offenders(&mut rows);
+        self.add_linear(&mut rows);
+        self.add_trials(&mut rows);
+        self.add_blur(&mut rows);
+        if let Some(machining) = &self.machining {
+            rows.line("  machining, unpolished:");
+            rows.append(machining.rows());
+            machining.reasons.iter().for_each(|reason| rows.line(format!("  - {reason}")));
+        }
+        rows
+    }
+}
+
+impl ToleranceReport {
+    /// Its facts in the order of the page.
+    pub fn page_rows(&self) -> Rows {
+        let mut rows = Rows::default();
+        rows.page("profile sha256", &self.profile.sha256);
+        self.add_question(&mut rows);
+        self.add_nominal(&mut rows);
+        self.add_linear(&mut rows);
+        self.add_offenders(&mut rows);
+        self.add_blur(&mut rows);
+        self.add_facets(&mut rows);
+        rows
+    }
+
+    /// What was asked, and the trials that answer it.
+    fn add_question(&self, rows: &mut Rows) {
+        let Study { budget_px, samples, first, seed, .. } = self.study;
+        let (criterion, reference) =
+            (criterion(self.study.criterion), reference(self.study.reference));
+        let [share, picture] = [self.study.target_yield, self.study.picture_share].map(percent);
+        rows.terminal(
+            "asked",
+            format!(
+                "{criterion} displacement from {reference} within {budget_px} px for {share} % of the parts"
+            ),
+        );
+        let last = first + self.study.trials - 1;
+        let seeded = format!("{first} to {last} of seed {seed}");
+        rows.terminal(
+            "made",
+            format!("{samples} samples of {picture} % of the picture; trials {seeded}"),
+        );
+        rows.page(
+            "trials",
+            format!("{seeded}, traced in full at {samples} samples of {picture} % of the picture"),
+        );
+    }
+
+    fn add_nominal(&self, rows: &mut Rows) {
+        let [rms, p95] = [self.study.nominal.rms_px, self.study.nominal.p95_px].map(digits);
+        rows.terminal("nominal", format!("{rms} rms, {p95} p95 px from the projection"));
+        rows.page("nominal", format!("{rms} rms, {p95} p95 px of the design from the projection"));
+    }
+
+    fn add_facets(&self, rows: &mut Rows) {
+        if let Some(from) = self.facets_from {
+            rows.add("facets", from.words());
+        }
+    }
+
+    /// The terminal's table of error sources, and its notes.
+    fn add_sources(&self, rows: &mut Rows) {
+        let line = |name: &str, limit: &str, kind: &str, rest: [&str; 8]| {
+            let [a, b, c, d, blur, share, alone, joint] = rest;
+            format!(
+                "  {name:19} {limit:>10}  {kind:9} {a:>9} {b:>9}   {c:>9} {d:>9}  {blur:>7}  {share:>7} \
+                 {alone:>11} {joint:>11}"
+            )
+        };
+        let names = [
+            "made - px",
+            "+ px",
+            "adjust. -",
+            "+ px",
+            "blur px",
+            "share %",
+            "limit alone",
+            "in concert",
+        ];
+        rows.line(line("source", "limit", "", names));
+        let sources = &self.study.sources;
+        for source in sources {
+            let cells = SourceCells::new(source);
+            let SourceCells {
+                limit, displacements: [a, b, c, d], blur, share, alone, joint, ..
+            } = &cells;
+            let rest = [a, b, c, d, blur, share, alone, joint].map(String::as_str);
+            rows.line(line(&source.source, limit, cells.distribution, rest));
+        }
+        if self.study.form == FormMeasure::Rms {
+            rows.line(format!("  {FORM_RMS}"));
+        }
+        if sources.iter().any(|source| source.systematic) {
+            rows.line(format!("  {SYSTEMATIC}"));
+        }
+        if sources.iter().any(|source| source.limit_joint_widest) {
+            rows.line("  * four times the limit, and wider than that it is not made");
+        }
+    }
+
+    fn add_offenders(&self, rows: &mut Rows) {
+        const MOST: usize = 5;
+        let one = |o: &Offender| {
+            format!("{} at {}: {} px", o.source, o.value, displacement(o.adjusted_px))
+        };
+        let all: Vec<String> = self.worst_offenders.iter().take(MOST).map(one).collect();
+        rows.named("worst", "worst offenders", all.join(", "));
+    }
+
+    /// First derivatives against the trials.
+    fn add_linear(&self, rows: &mut Rows) {
+        let Study { rss_px, mean_px, rms_px, linear, gap, .. } = &self.study;
+        let [rss, common, rms, off] = [*rss_px, *mean_px, *rms_px, gap.rms_px].map(displacement);
+        let [mean, p95] = [linear.mean_px, linear.p95_px].map(displacement);
+        let (sigma, share) = (or_dash(linear.sigma_px), gap_percent(&self.study));
+        rows.terminal(
+            "linear",
+            format!(
+                "RSS {rss} px ({common} px in every part), the trials' {rms} px; predicted {mean} +- {sigma} \
+                 px, {p95} px at P95; trial by trial {off} px off ({share} %)"
+            ),
+        );
+        rows.page(
+            "root sum of squares",
+            format!(
+                "{rss} px by first derivatives, {common} px of it in every part; {rms} px in the trials (all \
+                 RMS)"
+            ),
+        );
+        let trials = gap.trials;
+        rows.page(
+            "linear model",
+            format!(
+                "trial by trial {off} px off the full trace, {share} % of its mean, over {trials} trials"
+            ),
+        );
+    }
+
+    fn add_trials(&self, rows: &mut Rows) {
+        let Study { as_made, adjusted, adjustments, lost_trials, trials, yields, .. } = &self.study;
+        let figures =
+            |s: &Statistics| statistics(s).map(|(name, x)| format!("{name} {x}")).join(", ");
+        rows.terminal("as made", format!("{} px", figures(as_made)));
+        rows.terminal("adjusted", format!("{} px", figures(adjusted)));
+        for adjustment in adjustments {
+            let (name, unit) = (adjustment.name, adjustment.unit);
+            let sigma = or_dash(adjustment.sigma);
+            let [p95, far] = [adjustment.p95, adjustment.farthest].map(displacement);
+            rows.terminal(
+                "",
+                format!(
+                    "by {name:13} sigma {sigma} {unit}, 95 % within {p95}, farthest {far} {unit}"
+                ),
+            );
+        }
+        if *lost_trials > 0 {
+            rows.terminal(
+                "lost",
+                format!(
+                    "{lost_trials} of {trials} trials lose rays that do not meet the mirror; they do not keep \
+                     the budget"
+                ),
+            );
+        }
+        let [share, low, high] = [yields.share, yields.low, yields.high].map(|x| 100.0 * x);
+        let budget = self.study.budget_px;
+        rows.terminal(
+            "yield",
+            format!("{share:.2} % within {budget} px (95 % interval {low:.2} to {high:.2} %)"),
+        );
+    }
+
+    /// What textures do within a pixel.
+    fn add_blur(&self, rows: &mut Rows) {
+        let Study { blur_px, budget_blur_px, scattered, .. } = &self.study;
+        let [blur, haze] = [*blur_px, 100.0 * scattered].map(digits);
+        rows.add(
+            "blur",
+            format!(
+                "{blur} px rms within each pixel by textures, of {budget_blur_px} px allowed; they turn or \
+                 scatter {haze} % of the light"
+            ),
+        );
+    }
+}
