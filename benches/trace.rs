@@ -137,8 +137,8 @@ fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn E
         return Ok((design, read_stl(&bytes)?.mesh));
     }
     let limits = Limits {
-        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
-        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        chord_mm: profile.mesh.chord_um().map(|um| um * 1e-3),
+        facet_mm: profile.mesh.facet_px().map(|px| px * design.camera.pixel_mm),
         precision: Precision::Single,
     };
     let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)?;

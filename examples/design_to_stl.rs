@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // No facet may displace the image by more than this, as rounded to an STL's single precision.
     let limits = Limits {
         chord_mm: None,
-        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        facet_mm: profile.mesh.facet_px().map(|px| px * design.camera.pixel_mm),
         precision: Precision::Single,
     };
     let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)?;

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example pictures -- panoramic out`
 
-use morion::internals::pipeline::{RenderOptions, Silent, load, render};
+use morion::internals::pipeline::{Command, RenderOptions, Silent, load};
 use std::path::PathBuf;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -11,14 +11,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let out = arguments.next().map_or_else(|| std::env::temp_dir().join("morion"), PathBuf::from);
     for scene in ["grid", "views"] {
         // Rays meet the designed surface itself: no mesh is made.
-        let wanted = RenderOptions {
-            scene,
-            smooth: true,
-            square_mm: None,
-            unit_mm: None,
-            allow_outside: false,
-        };
-        let picture = render(&source, &wanted, &out, &Silent)?;
+        let wanted = RenderOptions { scene, smooth: true, ..RenderOptions::default() };
+        let picture = wanted.publish(&source, &out, &Silent)?;
         let [width, height] = picture.pixels;
         println!("{}: {width} x {height} pixels by {} rays", picture.file, picture.rays);
     }

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example tolerance_study -- conquistador`
 
-use morion::internals::pipeline::{Silent, Trials, tolerance};
+use morion::internals::pipeline::{Command, Silent, ToleranceOptions, load};
 use morion::internals::profile::shipped;
 use morion::internals::tolerance::SourceFacts;
 
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let text = shipped().iter().find(|profile| profile.name == name);
     let text = text.ok_or_else(|| format!("{name} is not shipped"))?.text;
     let folder = tempfile::tempdir()?;
-    let trials = Trials { range: 0..400, seed: 1, until: None };
+    let trials = ToleranceOptions { range: 0..400, ..ToleranceOptions::default() };
     println!(
         "{name}: displacement of the picture and yield at 1 px RMS, of {} parts",
         trials.range.end
@@ -25,8 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &path,
             format!("{text}\n[tolerance]\npreset = \"{process}\"\nbudget_px = 1\n"),
         )?;
-        let path = path.to_string_lossy();
-        let study = tolerance(&path, &trials, folder.path(), &Silent)?.study;
+        let source = load(&path.to_string_lossy())?;
+        let study = trials.publish(&source, folder.path(), &Silent)?.study;
         let share = |source: &&SourceFacts| source.share_of_variance;
         let worst = study.sources.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
         println!(

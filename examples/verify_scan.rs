@@ -5,7 +5,7 @@
 //! Without a file the part is made first, turned and shifted as a scanner might see it.
 
 use morion::internals::export::read_stl;
-use morion::internals::pipeline::{Silent, VerifyOptions, build, inspect, load};
+use morion::internals::pipeline::{Command, Silent, Verify, VerifyOptions, build, load};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -23,9 +23,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     };
 
-    let inspection =
-        VerifyOptions { align: Some(folder.path().to_path_buf()), ..VerifyOptions::default() };
-    let report = inspect(&source, &scan, &inspection, &Silent)?;
+    let options = VerifyOptions { align: true, ..VerifyOptions::default() };
+    let verify = Verify { path: &scan, options };
+    let report = verify.publish(&source, folder.path(), &Silent)?;
     if let Some(alignment) = &report.alignment {
         println!("pose:       distances of {:.3} um RMS are left", alignment.rms_um);
     }

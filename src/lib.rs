@@ -101,6 +101,7 @@ mod parallel;
 mod pencil;
 mod pipeline;
 mod profile;
+mod publish;
 mod raster;
 mod render;
 mod report;

@@ -43,7 +43,7 @@ pub fn holds(bytes: &[u8]) {
 
     // Deep pits take a million facets, and their time.
     let is_shallow = grid.z_mm.iter().all(|z| z.abs() <= 10.0);
-    let source = Source { profile: PROFILE.clone(), sag: Some(grid) };
+    let source = Source { sag: Some(grid), ..PROFILE.clone().into() };
     if design(&source.profile, source.sag.as_ref()).is_ok() && is_shallow {
         // Foreseen or refused.
         let _ = dry_run(&source, &Silent);

@@ -16,10 +16,10 @@ pub use results::{
 
 use crate::design::Design;
 use crate::pipeline::{
-    FileError, Folder, Observer, Source, SourceError, Stage, StageTimer, Staged, designed, load,
-    read_file,
+    FileError, Observer, Source, SourceError, Stage, StageTimer, designed, load,
 };
 use crate::profile::shipped;
+use crate::publish::{self, Transaction};
 use crate::report::Answer;
 use fit::{convergence_order, mark_pareto};
 use std::collections::BTreeMap;
@@ -76,7 +76,7 @@ impl Subject {
         let known = shipped().iter().find(|profile| profile.name == self.named);
         match known {
             Some(known) if !Path::new(&self.named).is_file() => Ok(known.text.as_bytes().to_vec()),
-            _ => Ok(read_file(Path::new(&self.named))?),
+            _ => Ok(publish::read(Path::new(&self.named))?),
         }
     }
 }
@@ -93,14 +93,14 @@ pub fn bench(
     observer: &dyn Observer,
 ) -> Result<BenchReport, BenchError> {
     let clock = StageTimer::new(observer);
-    let folder = Folder::create(&out.join("bench"))?;
+    let mut files = Transaction::open(&out.join("bench"))?;
     let named: Vec<String> = match options.profiles.is_empty() {
         true => shipped().iter().map(|profile| profile.name.to_owned()).collect(),
         false => options.profiles.clone(),
     };
     let subject = |named: String| {
         let source = load(&named)?;
-        let design = designed(&source)?.0;
+        let design = designed(&source)?;
         Ok::<_, BenchError>(Subject { named, source, design })
     };
     let subjects: Vec<Subject> = named.into_iter().map(subject).collect::<Result<_, _>>()?;
@@ -122,12 +122,11 @@ pub fn bench(
     sweeps.iter_mut().for_each(|sweep| mark_pareto(&mut sweep.runs));
 
     let mut suggestions = Vec::new();
-    let mut staged = Vec::new();
     if let Some(target_px) = options.suggest_px {
         for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
             let (suggestion, text) = suggest::suggest(subject, &sweeps, target_px)?;
             if let (Some(found), Some(text)) = (&suggestion.settings, text) {
-                staged.push(folder.stage(&found.file, |out| out.write_all(text.as_bytes()))?);
+                files.add_bytes(&found.file, text.as_bytes())?;
             }
             suggestions.push(suggestion);
         }
@@ -137,16 +136,15 @@ pub fn bench(
         let fail = |error: Box<dyn std::error::Error>| BenchError::Plot(error.to_string());
         for sweep in &bench.sweeps {
             let (svg, png) = (sweep.svg().map_err(fail)?, sweep.png().map_err(fail)?);
-            let files =
-                [("csv", sweep.csv().into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
-            for (ending, bytes) in files {
+            let made = [("csv", sweep.csv().into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
+            for (ending, bytes) in made {
                 let name = format!("{}.{ending}", sweep.name);
-                staged.push(folder.stage(&name, |out| out.write_all(&bytes))?);
+                files.add_bytes(&name, &bytes)?;
             }
         }
-        staged.push(folder.stage("bench.json", |out| out.write_all(bench.json().as_bytes()))?);
-        staged.into_iter().try_for_each(Staged::publish)?;
-        Ok::<_, BenchError>(((), folder.path().display().to_string()))
+        files.add_report("bench.json", &bench.json())?;
+        files.commit()?;
+        Ok::<_, BenchError>(((), files.place()))
     })?;
     Ok(bench)
 }

@@ -3,8 +3,8 @@
 use super::design::METHODS;
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
 use crate::num::rounding::two_digits_below;
-use crate::pipeline::{Silent, StageTimer, build_in_memory, designed, meshed};
-use crate::profile::{Method, Profile, ShapeSpec};
+use crate::pipeline::{Run, Silent, build_in_memory, designed, meshed};
+use crate::profile::{MeshGoal, Method, Profile, ShapeSpec};
 use std::time::Instant;
 use toml_edit::{DocumentMut, Item, Table, value};
 
@@ -68,7 +68,6 @@ fn reached(
         return Ok(None);
     };
     let method = Method { kind, degree: run.setting as usize, minimax };
-    let clock = StageTimer::new(&Silent);
     let design_px = run.figures["pixel_rms_px"];
     let mut best: Option<SuggestedSettings> = None;
     for _ in 0..TRIES {
@@ -78,14 +77,14 @@ fn reached(
         }
         let mut profile =
             Profile { shape: ShapeSpec::Designed(method), ..subject.source.profile.clone() };
-        profile.mesh.facet_px = Some(facet_px);
-        profile.mesh.max_triangles = None;
-        let source = profile.clone().into();
+        profile.mesh = MeshGoal::limits(profile.mesh.chord_um(), Some(facet_px));
+        let source = profile.into();
+        let run = Run::in_memory(&source, &Silent);
         let began = Instant::now();
-        let design = designed(&source)?.0;
-        let triangles = meshed(&clock, &profile, &design)?.0.made.mesh.triangles.len();
+        let design = designed(&source)?;
+        let triangles = meshed(&run, &design)?.0.made.mesh.triangles.len();
         let time_ms = 1e3 * began.elapsed().as_secs_f64();
-        let seen = build_in_memory(&clock, &profile, &design)?.seen.1;
+        let seen = build_in_memory(&run, &design)?.seen.1;
         let found = seen.summary(|seen| seen.errors.map(|errors| errors.image_mm));
         let Some(found) = found else { return Ok(None) };
         // As a report has it.
@@ -158,12 +157,12 @@ mod tests {
                 let after = Profile::parse(shipped.name, shipped.name, text.as_bytes());
                 let after = after.unwrap_or_else(|error| panic!("{error}\n{text}"));
                 assert_eq!(after.shape, ShapeSpec::Designed(method));
-                assert_eq!(after.mesh.facet_px, Some(0.37));
+                assert_eq!(after.mesh.facet_px(), Some(0.37));
                 assert_eq!((after.camera, after.formats), (before.camera, before.formats));
                 let comments = |text: &str| text.matches('#').count();
                 let lost = comments(shipped.text) - comments(&text);
                 // What was said of a number of triangles goes with it.
-                let spent = usize::from(before.mesh.max_triangles.is_some());
+                let spent = usize::from(before.mesh.max_triangles().is_some());
                 let own = if method.kind == MethodKind::VectorField { 0 } else { 4 };
                 assert!(lost <= own + spent, "{}: {lost}", shipped.name);
             }

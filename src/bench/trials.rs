@@ -1,7 +1,7 @@
 //! Monte Carlo trials against the width of the yield's interval.
 
 use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
-use crate::pipeline::{PreparedStudy, Silent, StageTimer, prepared};
+use crate::pipeline::{PreparedStudy, Run, Silent, prepared};
 use crate::tolerance::{Yield, quantile};
 use std::convert::Infallible;
 
@@ -14,8 +14,8 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
     let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
-        let clock = StageTimer::new(&Silent);
-        let PreparedStudy { engine, .. } = prepared(&clock, &subject.named, &subject.source)?;
+        let in_memory = Run::in_memory(&subject.source, &Silent);
+        let PreparedStudy { engine, .. } = prepared(&in_memory)?;
         let sources = &engine.spec.sources;
         let most = numbers.last().copied().unwrap_or_default();
         let all = engine.trials(sources, SEED, 0..most, None);

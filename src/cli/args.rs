@@ -1,7 +1,7 @@
 //! The command line.
 
 use crate::pipeline::LengthUnit;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -31,211 +31,255 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Design, mesh, write, read back, trace: every stage, into DIR/NAME/
-    Build {
-        /// Profile files, or names of shipped profiles
-        #[arg(required = true, value_name = "PROFILE")]
-        profiles: Vec<String>,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-        /// Foresee the numbers of triangles and the sizes of the files, and write nothing
-        #[arg(long)]
-        dry_run: bool,
-        /// Build again even what the last build in the folder has left unchanged
-        #[arg(long, conflicts_with = "dry_run")]
-        force: bool,
-        /// Do all that could be left undone without changing a byte
-        #[arg(long, hide = true, conflicts_with = "dry_run")]
-        no_skip: bool,
-    },
+    Build(BuildArgs),
     /// Validate a profile, and nothing else
-    Check {
-        /// Profile file, or name of a shipped profile
-        profile: String,
-    },
+    Check(CheckArgs),
     /// Check and ray-trace a mesh file of any making against a profile
-    Verify {
-        /// The file: STL, OBJ or 3MF, in the part frame of the profile unless --align is given
-        file: PathBuf,
-        /// Profile file, or name of a shipped profile
-        #[arg(long)]
-        profile: String,
-        /// Find the pose first (within 20 degrees and a fifth of the width), report the form error,
-        /// and judge the file as a measured part: by what it shows, not as a solid
-        #[arg(long)]
-        align: bool,
-        /// Unit of the file's coordinates [default: by its size]
-        #[arg(long, value_enum, value_name = "UNIT")]
-        units: Option<UnitArg>,
-        /// Folder for the form error's map and the report, in DIR/NAME-verify/ [default: out]
-        #[arg(long, value_name = "DIR", requires = "align")]
-        out: Option<PathBuf>,
-    },
+    Verify(VerifyArgs),
     /// A picture of a scene in the mirror, or of the mirror itself, into DIR/NAME/render-SCENE.png
-    Render {
-        /// Profile file, or name of a shipped profile
-        profile: String,
-        /// grid, chessboard, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
-        #[arg(long, value_name = "NAME|FILE")]
-        scene: String,
-        /// By the designed mirror instead of the mesh that is written and read back
-        #[arg(long)]
-        smooth: bool,
-        /// Side of the chessboard's squares [default: the mirror's largest width]
-        #[arg(long, value_name = "MM", value_parser = positive)]
-        square_mm: Option<f64>,
-        /// Millimetres that a unit of the OBJ model measures [default: 1]
-        #[arg(long, value_name = "MM", value_parser = positive)]
-        unit_mm: Option<f64>,
-        /// Let the OBJ model name material libraries and pictures outside its folder
-        #[arg(long)]
-        allow_outside: bool,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-    },
+    Render(RenderArgs),
     /// Check how the mirror fills the camera's frame; pictures and figures into DIR/NAME/
-    Frame {
-        /// Profile file, or name of a shipped profile
-        profile: String,
-        /// Least share of the pixels that must see their part of the world [default: the profile's
-        /// accept.frame_filled, else 0.995 with fill_frame = true and 0.1 without]
-        #[arg(long, value_name = "SHARE", value_parser = share)]
-        min: Option<f64>,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-    },
+    Frame(FrameArgs),
     /// Turn a photo through the mirror into a panorama, DIR/NAME/PHOTO-unwrapped.png
-    Unwrap {
-        /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
-        photo: PathBuf,
-        /// Profile file, or name of a shipped profile
-        #[arg(long)]
-        profile: String,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-        /// Only cut out the panels, turn them upright and lay them side by side
-        #[arg(long, conflicts_with_all = ["map", "projection", "width"])]
-        cuts: bool,
-        /// Write the map too, for OpenCV's remap: column and row of the photo for each pixel
-        #[arg(long, value_enum, value_name = "FORMAT")]
-        map: Option<MapFormatArg>,
-        /// Projection of the panorama [default: the profile's; equirectangular for round mirrors]
-        #[arg(long, value_enum, value_name = "LAW")]
-        projection: Option<RowsArg>,
-        /// Pixels across the panorama [default: the scale of the photo, at the rim of round mirrors]
-        #[arg(long, value_name = "N")]
-        width: Option<NonZeroUsize>,
-    },
+    Unwrap(UnwrapArgs),
     /// Work out the spot that each pixel sees through an open lens; picture and figures into DIR/NAME/
-    Blur {
-        /// Profile file, or name of a shipped profile
-        profile: String,
-        /// Diameter of a pinhole camera's entrance pupil [default: the profile's]
-        #[arg(long, value_name = "MM", value_parser = positive)]
-        #[arg(conflicts_with = "na")]
-        pupil_mm: Option<f64>,
-        /// Numerical aperture of a telecentric lens on the mirror's side [default: the profile's]
-        #[arg(long, value_name = "NA", value_parser = aperture)]
-        na: Option<f64>,
-        /// Plane in focus: its distance from the entrance pupil, of a telecentric lens its height Z
-        /// over the part's base [default: the focus that makes most spots small]
-        #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
-        focus_mm: Option<f64>,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-    },
+    Blur(BlurArgs),
     /// How well it must be made and mounted, and what share of parts will be good, into DIR/NAME/
-    Tolerance {
-        /// Profile file, or name of a shipped profile
-        #[arg(required_unless_present = "merge")]
-        profile: Option<String>,
-        /// Number of trials, or the numbers of the first and of the one after the last: A..B
-        #[arg(long, value_name = "N|A..B", default_value = "2000", value_parser = trials)]
-        trials: Range<u64>,
-        /// What the trials are drawn from
-        #[arg(long, value_name = "S", default_value_t = 1)]
-        seed: u64,
-        /// End early when the 95 % interval of the yield is no wider than this
-        #[arg(long, value_name = "P%", value_parser = percent, conflicts_with = "part")]
-        until: Option<f64>,
-        /// Only make these trials, into DIR/NAME/trials-A-B.csv, for --merge
-        #[arg(long)]
-        part: bool,
-        /// Make trial K's imperfect part, with its pose, into DIR/NAME/replay-K/, and trace it
-        #[arg(long, value_name = "K", conflicts_with_all = ["trials", "until", "part"])]
-        replay: Option<u64>,
-        /// Leave this error out of the replayed part, such as stepover_mm
-        #[arg(long, value_name = "SOURCE", requires = "replay")]
-        without: Vec<String>,
-        /// Answer by the trials of these parts, as if they had been made at once
-        #[arg(
-            long,
-            value_name = "PART",
-            num_args = 1..,
-            conflicts_with_all = ["profile", "trials", "seed", "until", "part", "replay"]
-        )]
-        merge: Vec<PathBuf>,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-    },
+    Tolerance(ToleranceArgs),
     /// What a ball cutter makes of the mirror: fit, scallops, pixels, and the as-cut part, into DIR/NAME/
-    Machining {
-        /// Profile file, or name of a shipped profile
-        profile: String,
-        /// Radius of the ball
-        #[arg(long, value_name = "R", allow_negative_numbers = true)]
-        ball_mm: f64,
-        /// Distance of the raster's lines in the plan (X, Y) [default: the largest that keeps --budget-px
-        /// and --scallop-um]
-        #[arg(long, value_name = "W", allow_negative_numbers = true)]
-        stepover_mm: Option<f64>,
-        /// Direction of the lines from X towards Y [default: the one that is best for the pixels]
-        #[arg(long, value_name = "A", allow_negative_numbers = true)]
-        angle_deg: Option<f64>,
-        /// Find the stepover at which 95 % of the unpolished face is within this pixel error, and hold
-        /// W to it [default: the largest pixel error that a build is held to]
-        #[arg(long, value_name = "PX", allow_negative_numbers = true)]
-        budget_px: Option<f64>,
-        /// Find the stepover at which no scallop is higher, and hold W to it
-        #[arg(long, value_name = "UM", allow_negative_numbers = true)]
-        scallop_um: Option<f64>,
-        /// What the stock stands over the part on its four sides and on top
-        #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
-        allowance_mm: f64,
-        /// Leave out the as-cut part
-        #[arg(long)]
-        no_as_cut: bool,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-    },
+    Machining(MachiningArgs),
     /// Run time against error of design, mesh, witness and trials, into DIR/bench/
-    Bench {
-        /// Profile files, or names of shipped profiles [default: all shipped ones]
-        #[arg(value_name = "PROFILE")]
-        profiles: Vec<String>,
-        /// Few settings, one run of each
-        #[arg(long)]
-        quick: bool,
-        /// Name the cheapest settings with this RMS pixel error, and write profiles that have them into
-        /// DIR/bench/; exit code 1 where a named profile cannot reach it
-        #[arg(long, value_name = "PX", value_parser = pixels)]
-        suggest: Option<f64>,
-        /// Folder for results
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-    },
+    Bench(BenchArgs),
     /// List the shipped profiles
-    Profiles {
-        /// Print this one, to start from
-        #[arg(long, value_name = "NAME")]
-        show: Option<String>,
-    },
+    Profiles(ProfilesArgs),
+}
+
+// Arguments of `morion build`.
+#[derive(Debug, Args)]
+pub struct BuildArgs {
+    /// Profile files, or names of shipped profiles
+    #[arg(required = true, value_name = "PROFILE")]
+    pub profiles: Vec<String>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Foresee the numbers of triangles and the sizes of the files, and write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Build again even what the last build in the folder has left unchanged
+    #[arg(long, conflicts_with = "dry_run")]
+    pub force: bool,
+    /// Do all that could be left undone without changing a byte
+    #[arg(long, hide = true, conflicts_with = "dry_run")]
+    pub no_skip: bool,
+}
+
+// Arguments of `morion check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
+}
+
+// Arguments of `morion verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// The file: STL, OBJ or 3MF, in the part frame of the profile unless --align is given
+    pub file: PathBuf,
+    /// Profile file, or name of a shipped profile
+    #[arg(long)]
+    pub profile: String,
+    /// Find the pose first (within 20 degrees and a fifth of the width), report the form error,
+    /// and judge the file as a measured part: by what it shows, not as a solid
+    #[arg(long)]
+    pub align: bool,
+    /// Unit of the file's coordinates [default: by its size]
+    #[arg(long, value_enum, value_name = "UNIT")]
+    pub units: Option<UnitArg>,
+    /// Folder for the form error's map and the report, in DIR/NAME-verify/ [default: out]
+    #[arg(long, value_name = "DIR", requires = "align")]
+    pub out: Option<PathBuf>,
+}
+
+// Arguments of `morion render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
+    /// grid, chessboard, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
+    #[arg(long, value_name = "NAME|FILE")]
+    pub scene: String,
+    /// By the designed mirror instead of the mesh that is written and read back
+    #[arg(long)]
+    pub smooth: bool,
+    /// Side of the chessboard's squares [default: the mirror's largest width]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub square_mm: Option<f64>,
+    /// Millimetres that a unit of the OBJ model measures [default: 1]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub unit_mm: Option<f64>,
+    /// Let the OBJ model name material libraries and pictures outside its folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion frame`.
+#[derive(Debug, Args)]
+pub struct FrameArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
+    /// Least share of the pixels that must see their part of the world [default: the profile's
+    /// accept.frame_filled, else 0.995 with fill_frame = true and 0.1 without]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub min: Option<f64>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion unwrap`.
+#[derive(Debug, Args)]
+pub struct UnwrapArgs {
+    /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
+    pub photo: PathBuf,
+    /// Profile file, or name of a shipped profile
+    #[arg(long)]
+    pub profile: String,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Only cut out the panels, turn them upright and lay them side by side
+    #[arg(long, conflicts_with_all = ["map", "projection", "width"])]
+    pub cuts: bool,
+    /// Write the map too, for OpenCV's remap: column and row of the photo for each pixel
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub map: Option<MapFormatArg>,
+    /// Projection of the panorama [default: the profile's; equirectangular for round mirrors]
+    #[arg(long, value_enum, value_name = "LAW")]
+    pub projection: Option<RowsArg>,
+    /// Pixels across the panorama [default: the scale of the photo, at the rim of round mirrors]
+    #[arg(long, value_name = "N")]
+    pub width: Option<NonZeroUsize>,
+}
+
+// Arguments of `morion blur`.
+#[derive(Debug, Args)]
+pub struct BlurArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
+    /// Diameter of a pinhole camera's entrance pupil [default: the profile's]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(conflicts_with = "na")]
+    pub pupil_mm: Option<f64>,
+    /// Numerical aperture of a telecentric lens on the mirror's side [default: the profile's]
+    #[arg(long, value_name = "NA", value_parser = aperture)]
+    pub na: Option<f64>,
+    /// Plane in focus: its distance from the entrance pupil, of a telecentric lens its height Z
+    /// over the part's base [default: the focus that makes most spots small]
+    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    pub focus_mm: Option<f64>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion tolerance`.
+#[derive(Debug, Args)]
+pub struct ToleranceArgs {
+    /// Profile file, or name of a shipped profile
+    #[arg(required_unless_present = "merge")]
+    pub profile: Option<String>,
+    /// Number of trials, or the numbers of the first and of the one after the last: A..B
+    #[arg(long, value_name = "N|A..B", default_value = "2000", value_parser = trials)]
+    pub trials: Range<u64>,
+    /// What the trials are drawn from
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// End early when the 95 % interval of the yield is no wider than this
+    #[arg(long, value_name = "P%", value_parser = percent, conflicts_with = "part")]
+    pub until: Option<f64>,
+    /// Only make these trials, into DIR/NAME/trials-A-B.csv, for --merge
+    #[arg(long)]
+    pub part: bool,
+    /// Make trial K's imperfect part, with its pose, into DIR/NAME/replay-K/, and trace it
+    #[arg(long, value_name = "K", conflicts_with_all = ["trials", "until", "part"])]
+    pub replay: Option<u64>,
+    /// Leave this error out of the replayed part, such as stepover_mm
+    #[arg(long, value_name = "SOURCE", requires = "replay")]
+    pub without: Vec<String>,
+    /// Answer by the trials of these parts, as if they had been made at once
+    #[arg(
+        long,
+        value_name = "PART",
+        num_args = 1..,
+        conflicts_with_all = ["profile", "trials", "seed", "until", "part", "replay"]
+    )]
+    pub merge: Vec<PathBuf>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion machining`.
+#[derive(Debug, Args)]
+pub struct MachiningArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
+    /// Radius of the ball
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub ball_mm: f64,
+    /// Distance of the raster's lines in the plan (X, Y) [default: the largest that keeps --budget-px
+    /// and --scallop-um]
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub stepover_mm: Option<f64>,
+    /// Direction of the lines from X towards Y [default: the one that is best for the pixels]
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    pub angle_deg: Option<f64>,
+    /// Find the stepover at which 95 % of the unpolished face is within this pixel error, and hold
+    /// W to it [default: the largest pixel error that a build is held to]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub budget_px: Option<f64>,
+    /// Find the stepover at which no scallop is higher, and hold W to it
+    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
+    pub scallop_um: Option<f64>,
+    /// What the stock stands over the part on its four sides and on top
+    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub allowance_mm: f64,
+    /// Leave out the as-cut part
+    #[arg(long)]
+    pub no_as_cut: bool,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Profile files, or names of shipped profiles [default: all shipped ones]
+    #[arg(value_name = "PROFILE")]
+    pub profiles: Vec<String>,
+    /// Few settings, one run of each
+    #[arg(long)]
+    pub quick: bool,
+    /// Name the cheapest settings with this RMS pixel error, and write profiles that have them into
+    /// DIR/bench/; exit code 1 where a named profile cannot reach it
+    #[arg(long, value_name = "PX", value_parser = pixels)]
+    pub suggest: Option<f64>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion profiles`.
+#[derive(Debug, Args)]
+pub struct ProfilesArgs {
+    /// Print this one, to start from
+    #[arg(long, value_name = "NAME")]
+    pub show: Option<String>,
 }
 
 /// Formats of a map.

@@ -1,6 +1,7 @@
 //! Arguments, terminal manners and exit codes.
 
 mod args;
+mod commands;
 mod progress;
 #[cfg(unix)]
 mod signals;
@@ -9,18 +10,16 @@ mod styles;
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
 use crate::pipeline::{
-    self, Effort, MachiningOptions, RenderOptions, ReplayOptions, Source, Trials, VerifyOptions,
-    Way, blur, build_with, frame, inspect, load, machining, render, replay, tolerance,
-    tolerance_merged, tolerance_part, unwrap,
+    Command as Work, Source, ToleranceOptions, TrialsPart, dry_run, load, merge,
 };
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Answer, Aperture, Verdict, visible};
-use args::{Arguments, Command, MapFormatArg, PrintFormat, RowsArg};
+use crate::report::{Answer, Verdict, visible};
+use args::{Arguments, BenchArgs, BuildArgs, Command, PrintFormat, ProfilesArgs, ToleranceArgs};
 use clap::Parser;
 use progress::Progress;
 use serde_json::json;
 use std::io::{ErrorKind, Write};
-use std::num::NonZeroUsize;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The part passed.
@@ -54,178 +53,147 @@ pub fn run() -> ExitCode {
 type Failure = Box<dyn std::error::Error>;
 
 fn execute(arguments: &Arguments) -> Result<u8, Failure> {
-    let progress = Progress::new(arguments.quiet);
+    let format = arguments.format;
+    let terminal = Terminal { format, progress: Progress::new(arguments.quiet) };
     match &arguments.command {
-        Command::Build { profiles, out, dry_run, force, no_skip } => {
-            let effort = match (no_skip, force) {
-                (true, _) => Effort::Most,
-                (_, true) => Effort::Afresh,
-                _ => Effort::Least,
-            };
-            let sources = load_all(profiles)?;
-            let (mut code, mut failures) = (PASSED, Vec::new());
-            for source in &sources {
-                let done = if *dry_run {
-                    pipeline::dry_run(source, &progress)
-                        .map(|forecast| conclude(arguments, &forecast))
-                } else {
-                    build_with(source, out, effort, &progress)
-                        .map(|report| conclude(arguments, &report))
-                };
-                match done {
-                    Ok(concluded) => code = code.max(concluded?),
-                    Err(error) => failures.push(error.to_string()),
-                }
+        Command::Build(args) => terminal.build(args),
+        Command::Check(args) => terminal.check(&args.profile),
+        Command::Verify(args) => {
+            let out = args.out.as_deref().unwrap_or(Path::new("out"));
+            match args.align {
+                true => terminal.publish(&args.command(), &args.profile, out),
+                false => terminal.in_memory(&args.command(), &args.profile),
             }
-            if failures.is_empty() { Ok(code) } else { Err(failures.join("\n").into()) }
         }
-        Command::Check { profile } => {
-            let profile = load(profile)?.profile;
-            show(
-                arguments,
-                || visible(&format!("{}: valid ({})\n", profile.name, profile.sha256)),
-                || line(&json!({ "name": profile.name, "sha256": profile.sha256 })),
+        Command::Render(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        Command::Frame(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        Command::Unwrap(args) => terminal.publish(&args.command(), &args.profile, &args.out),
+        Command::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        Command::Tolerance(args) => terminal.tolerance(args),
+        Command::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        Command::Bench(args) => terminal.bench(args),
+        Command::Profiles(args) => terminal.profiles(args),
+    }
+}
+
+/// Where results and progress go.
+struct Terminal {
+    format: PrintFormat,
+    progress: Progress,
+}
+
+impl Terminal {
+    /// Runs a command on one profile, with its files below `out`, and prints its report.
+    fn publish<C: Work>(&self, command: &C, named: &str, out: &Path) -> Result<u8, Failure>
+    where
+        C::Report: Answer,
+    {
+        self.conclude(&command.publish(&load(named)?, out, &self.progress)?)
+    }
+
+    /// Runs a command on one profile that writes no files, and prints its report.
+    fn in_memory<C: Work>(&self, command: &C, named: &str) -> Result<u8, Failure>
+    where
+        C::Report: Answer,
+    {
+        self.conclude(&command.in_memory(&load(named)?, &self.progress)?.0)
+    }
+
+    /// Builds every profile; what could not be built is told at the end.
+    fn build(&self, args: &BuildArgs) -> Result<u8, Failure> {
+        let (mut code, mut failures) = (PASSED, Vec::new());
+        for source in &load_all(&args.profiles)? {
+            let done = if args.dry_run {
+                dry_run(source, &self.progress).map(|forecast| self.conclude(&forecast))
+            } else {
+                args.options()
+                    .publish(source, &args.out, &self.progress)
+                    .map(|report| self.conclude(&report))
+            };
+            match done {
+                Ok(concluded) => code = code.max(concluded?),
+                Err(error) => failures.push(error.to_string()),
+            }
+        }
+        if failures.is_empty() { Ok(code) } else { Err(failures.join("\n").into()) }
+    }
+
+    fn check(&self, named: &str) -> Result<u8, Failure> {
+        let Profile { name, sha256, .. } = load(named)?.profile;
+        self.show(
+            || visible(&format!("{name}: valid ({sha256})\n")),
+            || line(&json!({ "name": name, "sha256": sha256 })),
+        )?;
+        Ok(PASSED)
+    }
+
+    fn tolerance(&self, args: &ToleranceArgs) -> Result<u8, Failure> {
+        let Some(named) = &args.profile else {
+            return self.conclude(&merge(&args.merge, &args.out, &self.progress)?);
+        };
+        match args.replay {
+            Some(trial) => self.publish(&args.replay(trial), named, &args.out),
+            None if args.part => self.part(args.options(), named, &args.out),
+            None => self.publish(&args.options(), named, &args.out),
+        }
+    }
+
+    fn bench(&self, args: &BenchArgs) -> Result<u8, Failure> {
+        let BenchArgs { profiles, quick, suggest, out } = args;
+        let options =
+            BenchOptions { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
+        let bench = bench(out, &options, &self.progress)?;
+        self.conclude(&bench)?;
+        let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
+        Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
+    }
+
+    fn profiles(&self, args: &ProfilesArgs) -> Result<u8, Failure> {
+        if let Some(name) = &args.show {
+            let known = shipped().iter().find(|profile| profile.name == name);
+            let missing = || format!("no profile {name} is shipped; `morion profiles` lists them");
+            print(known.ok_or_else(missing)?.text)?;
+            return Ok(PASSED);
+        }
+        for Shipped { name, text } in shipped() {
+            let summary = Profile::parse(name, name, text.as_bytes())?.summary;
+            self.show(
+                || format!("{name:21} {summary}\n"),
+                || line(&json!({ "name": name, "summary": summary })),
             )?;
-            Ok(PASSED)
         }
-        Command::Verify { file, profile, align, units, out } => {
-            let inspection = VerifyOptions {
-                units: units.map(Into::into),
-                align: align.then(|| out.clone().unwrap_or_else(|| "out".into())),
-            };
-            let report = inspect(&load(profile)?, file, &inspection, &progress)?;
-            conclude(arguments, &report)
-        }
-        Command::Render { profile, scene, smooth, square_mm, unit_mm, allow_outside, out } => {
-            let wanted = RenderOptions {
-                scene,
-                smooth: *smooth,
-                square_mm: *square_mm,
-                unit_mm: *unit_mm,
-                allow_outside: *allow_outside,
-            };
-            let rendering = render(&load(profile)?, &wanted, out, &progress)?;
-            conclude(arguments, &rendering)
-        }
-        Command::Unwrap { photo, profile, out, cuts, map, projection, width } => {
-            let remap = Way::Remap {
-                projection: projection.map(RowsArg::chosen),
-                width: width.map(NonZeroUsize::get),
-                map: map.map(MapFormatArg::chosen),
-            };
-            let way = if *cuts { Way::Cuts } else { remap };
-            let unwrapped = unwrap(&load(profile)?, photo, way, out, &progress)?;
-            conclude(arguments, &unwrapped)
-        }
-        Command::Frame { profile, min, out } => {
-            let report = frame(&load(profile)?, out, *min, &progress)?;
-            conclude(arguments, &report)
-        }
-        Command::Blur { profile, pupil_mm, na, focus_mm, out } => {
-            let pupil = pupil_mm.map(|pupil_mm| Aperture::Pupil { pupil_mm });
-            let aperture = pupil.or(na.map(|na| Aperture::Na { na }));
-            let report = blur(&load(profile)?, aperture, *focus_mm, out, &progress)?;
-            conclude(arguments, &report)
-        }
-        Command::Tolerance {
-            profile: Some(named),
-            replay: Some(trial),
-            without,
-            seed,
-            out,
-            ..
-        } => {
-            let wanted = ReplayOptions { trial: *trial, seed: *seed, without };
-            let report = replay(named, &wanted, out, &progress)?;
-            conclude(arguments, &report)
-        }
-        Command::Tolerance { profile, trials, seed, until, part, merge, out, .. } => {
-            let trials = Trials { range: trials.clone(), seed: *seed, until: *until };
-            let report = match profile {
-                None => tolerance_merged(merge, out, &progress)?,
-                Some(named) if *part => {
-                    let part = tolerance_part(named, &trials, out, &progress)?;
-                    let (path, trials) = (part.path.display().to_string(), part.trials);
-                    print(&match arguments.format {
-                        PrintFormat::Text => visible(&format!("{path}: {trials} trials\n")),
-                        PrintFormat::Json => line(&json!({ "part": path, "trials": trials })),
-                    })?;
-                    return Ok(PASSED);
-                }
-                Some(named) => tolerance(named, &trials, out, &progress)?,
-            };
-            conclude(arguments, &report)
-        }
-        Command::Machining {
-            profile,
-            ball_mm,
-            stepover_mm,
-            angle_deg,
-            budget_px,
-            scallop_um,
-            allowance_mm,
-            no_as_cut,
-            out,
-        } => {
-            let cutting = MachiningOptions {
-                ball_mm: *ball_mm,
-                stepover_mm: *stepover_mm,
-                angle_deg: *angle_deg,
-                budget_px: *budget_px,
-                scallop_um: *scallop_um,
-                allowance_mm: *allowance_mm,
-                as_cut: !no_as_cut,
-            };
-            let found = machining(&load(profile)?, &cutting, out, &progress)?;
-            conclude(arguments, &found)
-        }
-        Command::Bench { profiles, quick, suggest, out } => {
-            let wanted =
-                BenchOptions { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
-            let bench = bench(out, &wanted, &progress)?;
-            conclude(arguments, &bench)?;
-            let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
-            Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
-        }
-        Command::Profiles { show: None } => {
-            for Shipped { name, text } in shipped() {
-                let summary = Profile::parse(name, name, text.as_bytes())?.summary;
-                show(
-                    arguments,
-                    || format!("{name:21} {summary}\n"),
-                    || line(&json!({ "name": name, "summary": summary })),
-                )?;
-            }
-            Ok(PASSED)
-        }
-        Command::Profiles { show: Some(name) } => {
-            let Some(profile) = shipped().iter().find(|profile| profile.name == name) else {
-                return Err(
-                    format!("no profile {name} is shipped; `morion profiles` lists them").into()
-                );
-            };
-            print(profile.text)?;
-            Ok(PASSED)
-        }
+        Ok(PASSED)
     }
-}
 
-impl RowsArg {
-    fn chosen(self) -> pipeline::Rows {
-        match self {
-            Self::Cylindrical => pipeline::Rows::Cylindrical,
-            Self::Equirectangular => pipeline::Rows::Equirectangular,
-            Self::Mercator => pipeline::Rows::Mercator,
-        }
+    /// Prints an answer, its warnings to stderr, and turns its verdict into an exit code.
+    fn conclude(&self, answer: &impl Answer) -> Result<u8, Failure> {
+        let head = answer.head();
+        head.warnings.iter().for_each(|warning| warn(warning));
+        self.show(|| answer.text(), || answer.json())?;
+        Ok(if head.verdict == Some(Verdict::Fail) { FAILED } else { PASSED })
     }
-}
 
-impl MapFormatArg {
-    fn chosen(self) -> pipeline::MapFormat {
-        match self {
-            Self::Npy => pipeline::MapFormat::Npy,
-            Self::Exr => pipeline::MapFormat::Exr,
-        }
+    /// Makes the trials of a part of a run.
+    fn part(&self, options: ToleranceOptions, named: &str, out: &Path) -> Result<u8, Failure> {
+        let part = TrialsPart(options).publish(&load(named)?, out, &self.progress)?;
+        let (path, trials) = (part.path.display().to_string(), part.trials);
+        self.show(
+            || visible(&format!("{path}: {trials} trials\n")),
+            || line(&json!({ "part": path, "trials": trials })),
+        )?;
+        Ok(PASSED)
+    }
+
+    /// Prints a result as asked.
+    fn show(
+        &self,
+        text: impl FnOnce() -> String,
+        json: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        print(&match self.format {
+            PrintFormat::Text => styles::styled(&text()),
+            PrintFormat::Json => json(),
+        })
     }
 }
 
@@ -250,26 +218,6 @@ fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
 fn warn(warning: &str) {
     let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Yellow.into()));
     let _ = writeln!(anstream::stderr(), "{style}warning{style:#}: {}", visible(warning));
-}
-
-/// Prints an answer, its warnings to stderr, and turns its verdict into an exit code.
-fn conclude(arguments: &Arguments, answer: &impl Answer) -> Result<u8, Failure> {
-    let head = answer.head();
-    head.warnings.iter().for_each(|warning| warn(warning));
-    show(arguments, || answer.text(), || answer.json())?;
-    Ok(if head.verdict == Some(Verdict::Fail) { FAILED } else { PASSED })
-}
-
-/// Prints a result as asked.
-fn show(
-    arguments: &Arguments,
-    text: impl FnOnce() -> String,
-    json: impl FnOnce() -> String,
-) -> Result<(), Failure> {
-    print(&match arguments.format {
-        PrintFormat::Text => styles::styled(&text()),
-        PrintFormat::Json => json(),
-    })
 }
 
 /// A JSON value on a line of its own.

@@ -22,6 +22,7 @@ mod scalar;
 pub mod special;
 pub mod stats;
 pub mod streaming_qr;
+pub mod units;
 
 pub use dual::Dual;
 pub use elementary::*;

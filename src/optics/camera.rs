@@ -1,6 +1,7 @@
 //! Cameras: which ray each point of the picture sends out.
 
 use crate::geom::{Chart, DVec2, Ray};
+use crate::num::units::{Mm, Px};
 
 /// Camera that looks into the mirror, by its frame and its focal length in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,6 +78,18 @@ impl Camera {
     pub fn image_point(&self, x: f64, y: f64) -> DVec2 {
         let [width, height] = self.pixels.map(f64::from);
         DVec2::new(x - 0.5 * width, 0.5 * height - y) * self.pixel_mm
+    }
+
+    /// A length in the image as one on the reference plane.
+    #[must_use]
+    pub fn to_mm(&self, px: Px) -> Mm {
+        Mm(px.0 * self.pixel_mm)
+    }
+
+    /// A length on the reference plane as one in the image.
+    #[must_use]
+    pub fn to_px(&self, mm: Mm) -> Px {
+        Px(mm.0 / self.pixel_mm)
     }
 
     /// The ray through an image point, from the pinhole or from height `top_mm`.

@@ -1,54 +1,47 @@
-//! The blur: how large a spot each pixel sees through a lens of a given aperture.
+//! `morion blur`: how large a spot each pixel sees through a lens of a given aperture.
 
-use super::files::Folder;
-use super::observer::StageTimer;
-use super::{Error, Observer, Source, Stage, designed, sharpness};
+use super::run::{Command, Run};
+use super::{Error, Stage, sharpness};
 use crate::design::Design;
 use crate::geom::Chart;
 use crate::pencil::{BlurEllipse, Quantiles, best_focus, map_pencils, quantiles};
 use crate::profile::Profile;
-use crate::report::{
-    Answer, Aperture, BlurReport, FocusPlane, ProfileId, SpotFacts, VirtualImages,
-};
-use std::path::Path;
+use crate::report::{Answer, Aperture, BlurReport, FocusPlane, SpotFacts, VirtualImages};
 
-/// Works out the spots of the profile of `source` through a lens with `aperture`, or its own, focused
-/// `focus_mm` from its entrance pupil (pinhole) or on the plane Z = `focus_mm` (telecentric), or
-/// as well as can be; writes `blur.json` and `blur.png` into `out`/NAME.
-///
-/// # Errors
-/// [`enum@Error`] when a stage cannot be done, or the aperture is not one that the camera has.
-pub fn blur(
-    source: &Source,
-    aperture: Option<Aperture>,
-    focus_mm: Option<f64>,
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<BlurReport, Error> {
-    let profile = &source.profile;
-    let lens = Lens::new(profile, aperture, focus_mm)?;
-    let clock = StageTimer::new(observer);
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let (report, lengths) = clock.stage(Stage::Blur, || {
-        let (report, lengths) = spots(profile, &design, &lens, focus_mm)?;
-        let note = format!("{:.3} px p95", report.spots.length_px.p95);
-        Ok::<_, Error>(((report, lengths), note))
-    })?;
-    let png = clock.stage(Stage::Picture, || {
-        let png = report.png(&lengths).map_err(|e| Error::Picture(e.to_string()))?;
-        let note = format!("{} kB", png.len() / 1000);
-        Ok::<_, Error>((png, note))
-    })?;
-    let folder = Folder::create(&out.join(&profile.name))?;
-    clock.stage(Stage::Report, || {
-        let files = vec![
-            folder.stage("blur.png", |out| out.write_all(&png))?,
-            folder.stage("blur.json", |out| out.write_all(report.json().as_bytes()))?,
-        ];
-        folder.replace(files, &[])?;
-        Ok::<_, Error>(((), folder.path().display().to_string()))
-    })?;
-    Ok(report)
+/// How the blur is worked out: writes `blur.json` and `blur.png` into NAME.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BlurOptions {
+    /// How wide the lens is open; none: as the profile says.
+    pub aperture: Option<Aperture>,
+    /// The plane in focus: its distance from the entrance pupil (pinhole) or its height Z (telecentric),
+    /// mm; none: the best.
+    pub focus_mm: Option<f64>,
+}
+
+impl Command for BlurOptions {
+    type Report = BlurReport;
+
+    fn check(&self, profile: &Profile) -> Result<(), Error> {
+        Lens::new(profile, self).map(drop)
+    }
+
+    fn run(&self, run: &mut Run) -> Result<BlurReport, Error> {
+        let profile = run.profile();
+        let lens = Lens::new(profile, self)?;
+        let design = run.design()?;
+        let (report, lengths) = run.stage(Stage::Blur, || {
+            let (report, lengths) = spots(profile, &design, &lens, self.focus_mm)?;
+            let note = format!("{:.3} px p95", report.spots.length_px.p95);
+            Ok(((report, lengths), note))
+        })?;
+        let png = run.picture(|| report.png(&lengths))?;
+        run.publish(Stage::Report, |files, _| {
+            files.add_bytes("blur.png", &png)?;
+            files.add_report("blur.json", &report.json())?;
+            Ok(())
+        })?;
+        Ok(report)
+    }
 }
 
 /// A lens of the kind that the profile's camera has.
@@ -59,11 +52,8 @@ struct Lens {
 }
 
 impl Lens {
-    fn new(
-        profile: &Profile,
-        aperture: Option<Aperture>,
-        focus_mm: Option<f64>,
-    ) -> Result<Self, Error> {
+    fn new(profile: &Profile, options: &BlurOptions) -> Result<Self, Error> {
+        let BlurOptions { aperture, focus_mm } = *options;
         let pinhole = matches!(profile.camera, crate::optics::CameraModel::Pinhole { .. });
         let wrong = |reason| Err(Error::Lens { profile: profile.name.clone(), reason });
         let Some(aperture) = aperture.or(profile.lens.aperture) else {
@@ -93,71 +83,94 @@ impl Lens {
     }
 }
 
+/// SpotFacts of all pixels through a lens.
+struct LensSpots<'a> {
+    design: &'a Design,
+    /// The aperture's radius.
+    radius: f64,
+    /// By pixel; none where it sees no mirror.
+    map: Vec<Option<BlurEllipse>>,
+    /// Those that there are.
+    spots: Vec<BlurEllipse>,
+}
+
+impl<'a> LensSpots<'a> {
+    fn new(design: &'a Design, radius: f64) -> Self {
+        let Design { mirror, camera, view, .. } = design;
+        let [columns, rows] = camera.pixels;
+        let unit = radius / camera.pixel_mm;
+        let map = map_pencils(mirror, camera, view.as_ref(), [0..columns, 0..rows], |pencil| {
+            BlurEllipse::new(pencil).scaled(unit)
+        });
+        let spots = map.iter().copied().flatten().collect();
+        Self { design, radius, map, spots }
+    }
+
+    fn over(&self, figure: impl Fn(&BlurEllipse) -> f64) -> Option<Quantiles> {
+        quantiles(self.spots.iter().map(figure).collect())
+    }
+
+    /// Their figures with a plane in focus.
+    fn focused(&self, phi: f64) -> Option<SpotFacts> {
+        let length_px = self.over(|spot| spot.length(phi))?;
+        Some(SpotFacts {
+            focus: focus(&self.design.camera.chart, phi),
+            length_px,
+            rms_diameter_px: self.over(|spot| spot.rms_diameter(phi))?,
+            largest: sharpness::aperture(self.design, self.radius / length_px.p95),
+        })
+    }
+
+    /// Where the images of the world are.
+    fn images(&self) -> Option<VirtualImages> {
+        let chart = &self.design.camera.chart;
+        let z = |phi: f64| focus(chart, phi).z_mm;
+        let astigmatism_mm = self.over(|spot| {
+            // Both at infinity are at one place.
+            let [a, b] = spot.foci().map(z);
+            if a == b { 0.0 } else { (a - b).abs() }
+        })?;
+        let foci = self.spots.iter().map(BlurEllipse::foci);
+        let [a, b] = foci.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+        // A pinhole's phi falls with distance, a telecentric camera's grows.
+        let range = if z(a) <= z(b) { [a, b] } else { [b, a] };
+        Some(VirtualImages { range: range.map(|phi| focus(chart, phi)), astigmatism_mm })
+    }
+}
+
+/// The report, and the length of each pixel's spot.
 fn spots(
     profile: &Profile,
     design: &Design,
     lens: &Lens,
     focus_mm: Option<f64>,
 ) -> Result<(BlurReport, Vec<Option<f64>>), Error> {
-    let Design { mirror, camera, view, .. } = design;
-    let [columns, rows] = camera.pixels;
-    let unit = lens.radius / camera.pixel_mm;
-    let map = map_pencils(mirror, camera, view.as_ref(), [0..columns, 0..rows], |pencil| {
-        BlurEllipse::new(pencil).scaled(unit)
-    });
-    let spots: Vec<BlurEllipse> = map.iter().copied().flatten().collect();
-    // For an aperture radius of 1.
-    let unit_spots: Vec<BlurEllipse> =
-        spots.iter().map(|spot| spot.scaled(1.0 / lens.radius)).collect();
-    let chart = &camera.chart;
+    let made = LensSpots::new(design, lens.radius);
     let none = || Error::Lens {
         profile: profile.name.clone(),
         reason: "no pixel has a spot: the camera is not aimed at the mirror, or that is flat",
     };
-    let best = best_focus(&spots, sharpness::least_focus(design)).ok_or_else(none)?;
-    let phi = focus_mm.map_or(best, |mm| phi(chart, mm));
-    let over = |f: &dyn Fn(&BlurEllipse) -> f64| quantiles(spots.iter().map(f).collect());
-    let at = |phi: f64| -> Option<SpotFacts> {
-        let length_px: Quantiles = over(&|spot| spot.length(phi))?;
-        Some(SpotFacts {
-            focus: focus(chart, phi),
-            length_px,
-            rms_diameter_px: over(&|spot| spot.rms_diameter(phi))?,
-            largest: sharpness::aperture(design, lens.radius / length_px.p95),
-        })
-    };
-    let z = |phi: f64| focus(chart, phi).z_mm;
-    let astigmatism_mm = over(&|spot| {
-        // Both at infinity are at one place.
-        let [a, b] = spot.foci().map(z);
-        if a == b { 0.0 } else { (a - b).abs() }
-    });
-    let ends = spots.iter().map(BlurEllipse::foci).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    // A pinhole's phi falls with distance, a telecentric camera's grows.
-    let sorted = |[a, b]: [f64; 2]| if z(a) <= z(b) { [a, b] } else { [b, a] };
-    let range = ends.map(|ends| sorted(ends).map(|phi| focus(chart, phi)));
-    let whole = || {
+    let best = best_focus(&made.spots, sharpness::least_focus(design)).ok_or_else(none)?;
+    let phi = focus_mm.map_or(best, |mm| phi(&design.camera.chart, mm));
+    // For an aperture radius of 1.
+    let unit: Vec<BlurEllipse> =
+        made.spots.iter().map(|spot| spot.scaled(1.0 / lens.radius)).collect();
+    let report = || {
         Some(BlurReport {
             schema: 1,
-            profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
-            pixels: camera.pixels,
-            aimed: spots.len(),
+            profile: profile.into(),
+            pixels: design.camera.pixels,
+            aimed: made.spots.len(),
             aperture: lens.aperture,
             focus_is_best: focus_mm.is_none(),
-            spots: at(phi)?,
-            best: at(best)?,
-            sharpness: sharpness::of(
-                profile,
-                design,
-                &unit_spots,
-                [best, phi],
-                Some(lens.aperture),
-            ),
-            images: VirtualImages { range: range?, astigmatism_mm: astigmatism_mm? },
+            spots: made.focused(phi)?,
+            best: made.focused(best)?,
+            sharpness: sharpness::of(profile, design, &unit, [best, phi], Some(lens.aperture)),
+            images: made.images()?,
         })
     };
-    let lengths = map.iter().map(|spot| spot.map(|spot| spot.length(phi))).collect();
-    Ok((whole().ok_or_else(none)?, lengths))
+    let lengths = made.map.iter().map(|spot| spot.map(|spot| spot.length(phi))).collect();
+    Ok((report().ok_or_else(none)?, lengths))
 }
 
 /// What stands for the plane in focus in [`crate::pencil`].

@@ -2,12 +2,12 @@
 
 use super::observer::{StageTimer, Work};
 use super::source::Source;
-use crate::profile::{Format, hex};
+use crate::profile::FileFormat;
+use crate::publish::HashingWriter;
 use crate::report::BuildReport;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
-use std::fmt::{self, Write};
 use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
@@ -60,19 +60,11 @@ impl Output {
 /// SHA-256 of all that the files of a build depend on: the program's sources and `source` as it is
 /// understood.
 pub fn inputs(source: &Source) -> String {
-    struct HashingWriter(Sha256);
-
-    impl Write for HashingWriter {
-        fn write_str(&mut self, text: &str) -> fmt::Result {
-            self.0.update(text);
-            Ok(())
-        }
-    }
-
-    let mut hash = HashingWriter(Sha256::new());
-    // Every field is in it, every number to the last digit. HashingWriter cannot fail.
-    let _ = write!(hash, "{} {source:?}", env!("MORION_SOURCES"));
-    hex(&hash.0.finalize())
+    let mut out = HashingWriter::new(io::sink());
+    let Source { profile, sag, .. } = source;
+    // Every field is in it, every number to the last digit. Hashing cannot fail.
+    let _ = write!(out, "{} {profile:?} {sag:?}", env!("MORION_SOURCES"));
+    out.sha256()
 }
 
 /// The report of the last build in `folder` if it was made of `inputs`, its files are as it left
@@ -84,13 +76,13 @@ pub fn unchanged(folder: &Path, inputs: &str) -> Option<(BuildReport, BuildRecor
     let is_same = |output: &Output| {
         Output::of(&folder.join(&output.name), &output.name).as_ref() == Some(output)
     };
-    let is_foreign = |format: &Format| {
+    let is_foreign = |format: FileFormat| {
         let name = format.file_name();
         !record.outputs.iter().any(|output| output.name == name) && folder.join(name).exists()
     };
     let same = record.inputs == inputs
         && record.outputs.iter().all(is_same)
-        && !Format::ALL.iter().any(is_foreign);
+        && !FileFormat::all().any(is_foreign);
     let report = serde_json::from_slice(&read("report.json")?).ok().filter(|_| same)?;
     for work in &mut record.work {
         work.avoided += std::mem::take(&mut work.done);

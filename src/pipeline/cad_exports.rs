@@ -1,57 +1,71 @@
 //! Files of the mirror as designed, not of a mesh: how each is written, foreseen, and checked after
 //! it was written.
 
-use super::Error;
-use super::files::sha256;
+use super::formats::cad;
+use super::run::Run;
+use super::{Error, Stage, verdict};
 use crate::design::Design;
 use crate::export::step::{FittedMirror, fit_splines, write_step};
 use crate::export::{ByteCounter, Label, compare_sag, read_sag, sag_bytes, sag_points, write_sag};
+use crate::geom::ScanPath;
 use crate::mirror::{Departure, Form};
-use crate::profile::{self, Format, Profile};
-use crate::report::{FileFacts, Reason, ReasonKind, SagFacts};
+use crate::profile::{self, CadFormat, Profile};
+use crate::publish::sha256;
+use crate::report::{FileFacts, Reason, ReasonKind, SagFacts, StepFacts};
 use std::io::{self, Write};
 
-/// What such files are drawn from.
-pub struct CadExports<'a> {
-    /// What was asked for.
-    pub profile: &'a Profile,
-    /// The mirror.
-    pub design: &'a Design,
-    /// Its best sphere and plane.
-    pub form: &'a Form,
-    /// Its splines, if STEP is asked for.
-    pub fit: Option<&'a FittedMirror>,
-    /// What every file says about itself.
-    pub label: &'a Label,
+/// A file of the mirror as designed.
+pub trait CadExport {
+    /// Its format.
+    fn format(&self) -> CadFormat;
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// That of `out`.
+    fn write(&self, out: &mut dyn Write, label: &Label) -> io::Result<()>;
+
+    /// Foresees its length.
+    fn bytes(&self, label: &Label) -> u64;
+
+    /// What the design has against its bytes, and a sag table's figures.
+    fn faults(&self, bytes: &[u8], label: &Label) -> (Vec<Reason>, Option<SagFacts>);
+
+    /// Figures of the splines.
+    fn step_facts(&self) -> Option<StepFacts> {
+        None
+    }
 }
 
-/// Whether the sag table, if it is asked for, has no more places than any may have: how many there
-/// are can depend on the design.
+/// The files of the mirror of `design` that the profile asks for, each ready to be written.
 ///
 /// # Errors
-/// [`Error::Table`] when it has.
-pub fn check_table(profile: &Profile, design: &Design) -> Result<(), Error> {
-    let points = sag_points(&profile.sag.scan(profile.part.width_mm), &design.mirror);
-    let most = profile::SagTable::MOST_POINTS;
-    if profile.formats.contains(&Format::Csv) && !(points <= most) {
+/// [`Error::Table`] when a sag table would have too many places, which can depend on the design;
+/// [`Error::Step`] when no splines suit the mirror.
+pub fn cad_exports<'a>(
+    profile: &Profile,
+    design: &'a Design,
+    form: &'a Form,
+) -> Result<Vec<Box<dyn CadExport + 'a>>, Error> {
+    let path = profile.sag.scan(profile.part.width_mm);
+    let (points, most) = (sag_points(&path, &design.mirror), profile::SagTable::MOST_POINTS);
+    if cad(profile).any(|format| format == CadFormat::Csv) && !(points <= most) {
         return Err(Error::Table { profile: profile.name.clone(), points, most });
     }
-    Ok(())
-}
-
-/// The mirror's splines, if STEP is asked for.
-///
-/// # Errors
-/// [`Error::Step`] when there are none.
-pub fn fitted(profile: &Profile, design: &Design) -> Result<Option<FittedMirror>, Error> {
-    if !profile.formats.contains(&Format::Step) {
-        return Ok(None);
-    }
-    let made = fit_splines(&design.mirror).and_then(|fit| {
-        fit.check_land(design.border.as_ref())?;
-        Ok(fit)
-    });
-    made.map(Some).map_err(|source| Error::Step { profile: profile.name.clone(), source })
+    let export = |format| -> Result<Box<dyn CadExport + 'a>, Error> {
+        Ok(match format {
+            CadFormat::Csv => Box::new(SagExport { design, form, path }),
+            CadFormat::Step => {
+                let fit = fit_splines(&design.mirror).and_then(|fit| {
+                    fit.check_land(design.border.as_ref())?;
+                    Ok(fit)
+                });
+                let fail = |source| Error::Step { profile: profile.name.clone(), source };
+                Box::new(StepExport { design, fit: fit.map_err(fail)? })
+            }
+        })
+    };
+    cad(profile).map(export).collect()
 }
 
 /// What the bytes of one such file showed.
@@ -64,88 +78,90 @@ pub struct CadCheck {
     pub sag: Option<SagFacts>,
 }
 
-/// What nine decimals may be off, mm and radians: rounding each of a normal's three turns it by
-/// 0.87e-9 at most.
-const LAST_DIGIT: f64 = 1e-9;
-
-impl CadExports<'_> {
-    /// Writes the file.
-    pub fn write(&self, format: Format, mut out: impl Write) -> io::Result<()> {
-        match format {
-            Format::Csv => {
-                let path = self.profile.sag.scan(self.profile.part.width_mm);
-                write_sag(&mut out, &self.design.mirror, &path, self.label, &self.notes())
-            }
-            Format::Step => {
-                let fit = self.fit.expect("splines for STEP");
-                write_step(&mut out, fit, self.design.border.as_ref(), self.label)
-            }
-            Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
-        }
-    }
-
-    /// Foresees its length.
-    pub fn bytes(&self, format: Format) -> u64 {
-        match format {
-            Format::Csv => {
-                let path = self.profile.sag.scan(self.profile.part.width_mm);
-                sag_bytes(&self.design.mirror, &path, self.label, &self.notes())
-            }
-            Format::Step => {
-                let mut bytes = ByteCounter::default();
-                self.write(format, &mut bytes).map_or(0, |()| bytes.count())
-            }
-            Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
-        }
-    }
-
-    /// Reads its bytes and holds them against the design.
-    pub fn check(&self, format: Format, bytes: &[u8]) -> CadCheck {
-        let (reasons, sag) = match format {
-            Format::Csv => self.check_sag(bytes),
-            Format::Step => (self.check_step(bytes), None),
-            Format::Stl | Format::Obj | Format::ThreeMf => unreachable!("a mesh"),
-        };
+/// Reads the bytes of a file that were written with `sha256`, and holds them against the design.
+pub fn check_export(
+    run: &Run,
+    export: &dyn CadExport,
+    label: &Label,
+    bytes: &[u8],
+    written_sha256: &str,
+) -> CadCheck {
+    run.timer.always(Stage::Read, || {
+        let format = export.format();
         let file = FileFacts {
             name: format.file_name().to_owned(),
             format: format.name().into(),
             bytes: bytes.len() as u64,
             sha256: sha256(bytes),
         };
-        CadCheck { file, reasons, sag }
+        let (mut reasons, sag) = export.faults(bytes, label);
+        if file.sha256 != written_sha256 {
+            reasons.insert(0, verdict::altered());
+        }
+        let note = format!("{}: as designed", file.name);
+        let note = reasons.first().map_or(note, ToString::to_string);
+        (CadCheck { file, reasons, sag }, note)
+    })
+}
+
+struct StepExport<'a> {
+    design: &'a Design,
+    fit: FittedMirror,
+}
+
+impl CadExport for StepExport<'_> {
+    fn format(&self) -> CadFormat {
+        CadFormat::Step
+    }
+
+    fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
+        write_step(&mut out, &self.fit, self.design.border.as_ref(), label)
+    }
+
+    fn bytes(&self, label: &Label) -> u64 {
+        let mut bytes = ByteCounter::default();
+        self.write(&mut bytes, label).map_or(0, |()| bytes.count())
     }
 
     /// Nobody here reads STEP: the bytes must be those that the splines give.
-    fn check_step(&self, bytes: &[u8]) -> Vec<Reason> {
+    fn faults(&self, bytes: &[u8], label: &Label) -> (Vec<Reason>, Option<SagFacts>) {
         let mut again = Vec::with_capacity(bytes.len());
-        let written = self.write(Format::Step, &mut again);
+        let written = self.write(&mut again, label);
         let same = written.is_ok() && again == bytes;
         let off = || Reason::new(ReasonKind::OffDesign, "it is not what the design gives");
-        if same { Vec::new() } else { vec![off()] }
+        (if same { Vec::new() } else { vec![off()] }, None)
     }
 
-    fn notes(&self) -> Vec<String> {
-        let facts = &self.design.facts;
-        let errors = facts.ray_error_mrad.map_or("no projection".into(), |error| {
-            format!("ray error {:.3} mrad rms, {:.3} mrad max", error.rms, error.max)
-        });
-        let Form { sphere, plane } = self.form;
-        let pv = |departure: &Departure| {
-            let sag = departure.sag_pv_mm.map_or("-".into(), |mm| format!("{mm:.6}"));
-            format!("sag departure {sag} PV, square to it {:.6} PV", departure.pv_mm)
-        };
-        let radius = sphere.radius_of_curvature_mm.map_or("none".into(), |mm| format!("{mm:.6}"));
-        vec![
-            format!("design: {} of degree {}, {errors}", facts.method, facts.degree),
-            format!(
-                "best-fit sphere: radius of curvature {radius} (negative: a dome), {}",
-                pv(&sphere.departure)
-            ),
-            format!("best-fit plane: {}", pv(&plane.departure)),
-        ]
+    fn step_facts(&self) -> Option<StepFacts> {
+        let fit = &self.fit;
+        Some(StepFacts { fit_error_nm: fit.error_mm * 1e6, control_points: fit.size() })
+    }
+}
+
+struct SagExport<'a> {
+    design: &'a Design,
+    form: &'a Form,
+    path: ScanPath,
+}
+
+/// What nine decimals may be off, mm and radians: rounding each of a normal's three turns it by
+/// 0.87e-9 at most.
+const LAST_DIGIT: f64 = 1e-9;
+
+impl CadExport for SagExport<'_> {
+    fn format(&self) -> CadFormat {
+        CadFormat::Csv
     }
 
-    fn check_sag(&self, bytes: &[u8]) -> (Vec<Reason>, Option<SagFacts>) {
+    fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
+        write_sag(&mut out, &self.design.mirror, &self.path, label, &self.notes())
+    }
+
+    fn bytes(&self, label: &Label) -> u64 {
+        sag_bytes(&self.design.mirror, &self.path, label, &self.notes())
+    }
+
+    fn faults(&self, bytes: &[u8], _label: &Label) -> (Vec<Reason>, Option<SagFacts>) {
         let rows = match read_sag(bytes) {
             Ok(rows) => rows,
             Err(error) => {
@@ -179,5 +195,28 @@ impl CadExports<'_> {
             normal_error_rad: off.normal_rad,
         };
         (reasons, Some(facts))
+    }
+}
+
+impl SagExport<'_> {
+    fn notes(&self) -> Vec<String> {
+        let facts = &self.design.facts;
+        let errors = facts.ray_error_mrad.map_or("no projection".into(), |error| {
+            format!("ray error {:.3} mrad rms, {:.3} mrad max", error.rms, error.max)
+        });
+        let Form { sphere, plane } = self.form;
+        let pv = |departure: &Departure| {
+            let sag = departure.sag_pv_mm.map_or("-".into(), |mm| format!("{mm:.6}"));
+            format!("sag departure {sag} PV, square to it {:.6} PV", departure.pv_mm)
+        };
+        let radius = sphere.radius_of_curvature_mm.map_or("none".into(), |mm| format!("{mm:.6}"));
+        vec![
+            format!("design: {} of degree {}, {errors}", facts.method, facts.degree),
+            format!(
+                "best-fit sphere: radius of curvature {radius} (negative: a dome), {}",
+                pv(&sphere.departure)
+            ),
+            format!("best-fit plane: {}", pv(&plane.departure)),
+        ]
     }
 }

@@ -34,70 +34,88 @@ pub enum Distance {
     Around,
 }
 
-/// The picture of `world` that `eye` gives the camera of `design`, with `samples_per_side` squared
+/// The picture of `world` that `view` gives the camera of `design`, with `samples_per_side` squared
 /// samples at edges.
 pub fn picture(
     design: &Design,
-    eye: CameraView,
+    view: CameraView,
     (world, distance): (&dyn World, Distance),
     samples_per_side: u32,
 ) -> Picture {
-    let Design { camera, view, .. } = design;
+    let camera = &design.camera;
     let [width, height] = camera.pixels;
     // Without a projection: as if the width showed half a turn.
     let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
-    let scale = view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
+    let scale = design.view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
     let pixel_rad = camera.pixel_mm * scale;
     let grid = SampleGrid { width, height, samples_per_side, pixel_rad };
-    let leaving = |at: DVec3, direction: DVec3| {
-        let shown = match (distance, view) {
+    let scene = Photographed { design, distance };
+    match view {
+        CameraView::Shut => {
+            let nothing = vec![MISSED; width as usize * height as usize];
+            Picture::paint(&grid, world, &nothing, |_, _| MISSED)
+        }
+        CameraView::Mesh(mesh) => {
+            let centre =
+                |pixel: &PixelTrace| scene.on_mesh(pixel.outcome, pixel.hit_point, pixel.direction);
+            let centres: Vec<PictureRay> = mesh.1.pixels.iter().map(centre).collect();
+            let top = above(&mesh.0);
+            Picture::paint(&grid, world, &centres, |x, y| scene.by_mesh(mesh, top, [x, y]))
+        }
+        CameraView::Smooth => {
+            let columns: Vec<f64> = (0..width).map(|x| f64::from(x) + 0.5).collect();
+            let centres = parallel::gather(height as usize, 1, |rows| {
+                rows.flat_map(|y| scene.by_mirror(&columns, y as f64 + 0.5)).collect()
+            });
+            Picture::paint(&grid, world, &centres, |x, y| scene.by_mirror(&[x], y)[0])
+        }
+    }
+}
+
+const MISSED: PictureRay = PictureRay::lost(Outcome::Missed);
+
+/// A mirror, and how far away the world in it is.
+struct Photographed<'a> {
+    design: &'a Design,
+    distance: Distance,
+}
+
+impl Photographed<'_> {
+    fn leaving(&self, at: DVec3, direction: DVec3) -> PictureRay {
+        let shown = match (self.distance, &self.design.view) {
             (Distance::Target, Some(view)) => view.direction_from_origin(at, direction),
             _ => direction,
         };
         PictureRay::reflected(Ray { origin: at, direction: shown })
-    };
-    let missed = PictureRay::lost(Outcome::Missed);
-    match eye {
-        CameraView::Shut => {
-            let nothing = vec![missed; width as usize * height as usize];
-            Picture::paint(&grid, world, &nothing, |_, _| missed)
+    }
+
+    fn on_mesh(&self, outcome: Outcome, at: DVec3, direction: DVec3) -> PictureRay {
+        match outcome {
+            Outcome::Hit if is_dull(self.design, at) => MISSED,
+            Outcome::Hit => self.leaving(at, direction),
+            lost => PictureRay::lost(lost),
         }
-        CameraView::Mesh((scene, witness)) => {
-            let painted = |outcome: Outcome, at: DVec3, direction: DVec3| match outcome {
-                Outcome::Hit if is_dull(design, at) => missed,
-                Outcome::Hit => leaving(at, direction),
-                lost => PictureRay::lost(lost),
-            };
-            let centre =
-                |pixel: &PixelTrace| painted(pixel.outcome, pixel.hit_point, pixel.direction);
-            let centres: Vec<PictureRay> = witness.pixels.iter().map(centre).collect();
-            let top = above(scene);
-            let see = |x: f64, y: f64| {
-                let centre = &witness.pixels[y as usize * width as usize + x as usize];
-                if let Outcome::Shadowed(_) = centre.outcome {
-                    return PictureRay::lost(centre.outcome);
-                }
-                let ray = camera.ray(camera.image_point(x, y), top);
-                let end = scene.trace_primary(&ray);
-                painted(end.outcome, end.hit_point(&ray), end.direction)
-            };
-            Picture::paint(&grid, world, &centres, see)
+    }
+
+    /// The ray of a place of the picture, by the mesh whose camera rays start at `top` mm.
+    fn by_mesh(&self, (scene, traced): &TracedMesh, top: f64, [x, y]: [f64; 2]) -> PictureRay {
+        let camera = &self.design.camera;
+        let centre = &traced.pixels[y as usize * camera.pixels[0] as usize + x as usize];
+        if let Outcome::Shadowed(_) = centre.outcome {
+            return PictureRay::lost(centre.outcome);
         }
-        CameraView::Smooth => {
-            let row = |y: f64, columns: &[f64]| -> Vec<PictureRay> {
-                let points = columns.iter().map(|&x| camera.image_point(x, y));
-                let ends = reflected(design, &points.collect::<Vec<_>>());
-                let painted =
-                    |end: Option<Ray>| end.map_or(missed, |ray| leaving(ray.origin, ray.direction));
-                ends.into_iter().map(painted).collect()
-            };
-            let columns: Vec<f64> = (0..width).map(|x| f64::from(x) + 0.5).collect();
-            let centres = parallel::gather(height as usize, 1, |rows| {
-                rows.flat_map(|y| row(y as f64 + 0.5, &columns)).collect()
-            });
-            let see = |x: f64, y: f64| row(y, &[x])[0];
-            Picture::paint(&grid, world, &centres, see)
-        }
+        let ray = camera.ray(camera.image_point(x, y), top);
+        let end = scene.trace_primary(&ray);
+        self.on_mesh(end.outcome, end.hit_point(&ray), end.direction)
+    }
+
+    /// The rays of a row of the picture, by the designed mirror.
+    fn by_mirror(&self, columns: &[f64], y: f64) -> Vec<PictureRay> {
+        let point = |&x: &f64| self.design.camera.image_point(x, y);
+        let points: Vec<DVec2> = columns.iter().map(point).collect();
+        let painted =
+            |end: Option<Ray>| end.map_or(MISSED, |ray| self.leaving(ray.origin, ray.direction));
+        reflected(self.design, &points).into_iter().map(painted).collect()
     }
 }
 

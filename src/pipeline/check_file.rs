@@ -1,9 +1,10 @@
 //! The second half of a build, which starts from bytes: read, check, trace, look.
 
 use super::camera_view::{TracedMesh, above};
-use super::files::sha256;
-use super::formats::read_mesh;
-use super::observer::{Stage, StageTimer};
+use super::face::Promise;
+use super::formats::codec;
+use super::observer::Stage;
+use super::run::Run;
 use super::vertex_check::worst_vertex;
 use crate::design::Design;
 use crate::export::{ImportedMesh, ReadError};
@@ -11,7 +12,8 @@ use crate::geom::{DVec2, DVec3};
 use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
 use crate::parallel;
-use crate::profile::{Format, Profile};
+use crate::profile::{MeshFormat, Profile};
+use crate::publish::sha256;
 use crate::report::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
 use crate::trace::{
@@ -23,10 +25,14 @@ use crate::trace::{
 pub struct FileCheck {
     /// The file.
     pub file: FileFacts,
+    /// Its format.
+    pub format: MeshFormat,
     /// Whether the bytes are others than were written.
     pub altered: bool,
     /// Whether it is a measured part, which is judged by what it does and not by its facets.
     pub measured: bool,
+    /// The errors that it may have.
+    pub promise: Promise,
     /// Why it could not be read, if so; then there is no more.
     pub unreadable: Option<ReadError>,
     /// The witness's figures.
@@ -41,11 +47,18 @@ pub struct FileCheck {
 
 impl FileCheck {
     /// Of a file that could not be read.
-    pub fn unreadable(file: FileFacts, error: ReadError) -> Self {
+    pub fn unreadable(
+        file: FileFacts,
+        format: MeshFormat,
+        promise: Promise,
+        error: ReadError,
+    ) -> Self {
         Self {
             file,
+            format,
             altered: false,
             measured: false,
+            promise,
             unreadable: Some(error),
             trace: None,
             by_rim: 0,
@@ -63,41 +76,40 @@ impl FileCheck {
     }
 }
 
-/// Reads, checks and traces the bytes of a mesh file against `design`, from which its facets may be
-/// `chord_mm` off.
+/// Reads, checks and traces the bytes of a mesh file against `design`, to which its facets keep as
+/// promised.
 pub fn check_file(
-    clock: &StageTimer,
-    profile: &Profile,
+    run: &Run,
     design: &Design,
-    format: Format,
+    format: MeshFormat,
     bytes: Vec<u8>,
-    chord_mm: f64,
+    promise: Promise,
 ) -> FileCheck {
-    let (file, read) = open(clock, format, bytes, |reread| checked(design, reread));
+    let (file, read) = open(run, format, bytes, |reread| checked(design, reread));
     match read {
-        Ok(checked) => witness(clock, profile, design, file, checked, chord_mm),
-        Err(error) => FileCheck::unreadable(file, error),
+        Ok(checked) => witness(run, design, (file, format), checked, promise),
+        Err(error) => FileCheck::unreadable(file, format, promise, error),
     }
 }
 
 /// Reads the bytes of a mesh file, and does something with what is in it.
 pub fn open<T: Send>(
-    clock: &StageTimer,
-    format: Format,
+    run: &Run,
+    format: MeshFormat,
     bytes: Vec<u8>,
     then: impl FnOnce(ImportedMesh) -> T + Send,
 ) -> (FileFacts, Result<T, ReadError>) {
     let name = format.file_name().to_owned();
     let length = bytes.len() as u64;
     let read = || {
-        let reread = read_mesh(format, &bytes);
+        let reread = codec(format).read(&bytes);
         let note = match &reread {
             Ok(reread) => format!("{name}: {} triangles", reread.mesh.triangles.len()),
             Err(error) => format!("{name}: {error}"),
         };
         (reread.map(then), note)
     };
-    let (reread, sha256) = clock.always(Stage::Read, || {
+    let (reread, sha256) = run.timer.always(Stage::Read, || {
         let ((reread, note), sha256) = parallel::join(read, || sha256(&bytes));
         ((reread, sha256), note)
     });
@@ -125,26 +137,26 @@ pub fn checked(design: &Design, reread: ImportedMesh) -> CheckedMesh {
     CheckedMesh { reread, solid, vertex }
 }
 
-/// Traces a mesh whose facets may be `chord_mm` off the design.
+/// Traces a mesh whose facets keep to the design as promised.
 pub fn witness(
-    clock: &StageTimer,
-    profile: &Profile,
+    run: &Run,
     design: &Design,
-    file: FileFacts,
+    (file, format): (FileFacts, MeshFormat),
     checked: CheckedMesh,
-    chord_mm: f64,
+    promise: Promise,
 ) -> FileCheck {
+    let (timer, profile) = (&run.timer, run.profile());
     let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
     let name = file.name.clone();
     let camera = &design.camera;
-    clock.always(Stage::Trace, || {
+    timer.always(Stage::Trace, || {
         let scene = Scene::new(mesh);
-        let table = expected_rays(design, chord_mm);
+        let table = expected_rays(design, promise.chord_mm);
         let trace = CameraTrace::new(&scene, camera, above(&scene));
-        let trace = if clock.shortcuts() { trace } else { trace.without_shortcuts() };
+        let trace = if timer.shortcuts() { trace } else { trace.without_shortcuts() };
         let (witness, counts) =
             TraceResult::new(&trace, normals.as_deref(), design.view.as_ref(), table);
-        clock.traced(counts);
+        timer.traced(counts);
         let frame = design.view.is_some().then(|| {
             let classes = pixel_classes(profile, design, &witness);
             FrameFill::new(&witness, &classes, camera.pixels, tolerance_px(profile))
@@ -153,17 +165,19 @@ pub fn witness(
         let mut trace = trace_facts(name.clone(), &witness, camera.pixel_mm, has_normals, solid);
         trace.worst_vertex = vertex;
         let note = format!("{name}: {} rays aimed at the mirror", trace.rays);
-        let evidence = FileCheck {
+        let check = FileCheck {
             file,
+            format,
             altered: false,
             measured: false,
+            promise,
             unreadable: None,
             trace: Some(trace),
             by_rim: by_rim(design, &scene, &witness),
             frame,
             seen: Some((scene, witness)),
         };
-        (evidence, note)
+        (check, note)
     })
 }
 

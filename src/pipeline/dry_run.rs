@@ -1,20 +1,20 @@
 //! A build without its files: how large everything would be.
 
-use super::cad_exports::{CadExports, check_table, fitted};
-use super::face::{self, AtPrecision, added_to, left_out};
-use super::files::Folder;
-use super::formats::{TRACED, drawings, mesh_bytes, precision};
-use super::observer::StageTimer;
+use super::cad_exports::{CadExport, cad_exports};
+use super::face::{self, AtPrecision, Refusal, added_to, left_out};
+use super::formats::{self, MeshCodec, codec};
+use super::mesh_files::label;
+use super::run::Run;
 use super::size_warnings::SizeWarnings;
-use super::{Error, Observer, Source, Stage, designed, label};
+use super::{Error, Observer, Source, Stage};
 use crate::design::Design;
-use crate::export::step::FittedMirror;
-use crate::export::{ByteCounter, Label, MeshCounts, threemf_bytes, write_3mf};
+use crate::export::{ByteCounter, Label, MeshCounts};
 use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
-use crate::profile::{Format, Profile};
-use crate::report::{BuildForecast, FileForecast, ForecastLimit, MeshForecast, ProfileId, Reason};
+use crate::num::units::{Mm, Um};
+use crate::profile::{MeshFormat, Profile};
+use crate::report::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
 use crate::solid::Solid;
 
 /// Foresees what [`super::build`] would make of the profile of `source`. Touches no file.
@@ -22,18 +22,17 @@ use crate::solid::Solid;
 /// # Errors
 /// [`enum@Error`] when it can be foreseen that a stage cannot be done.
 pub fn dry_run(source: &Source, observer: &dyn Observer) -> Result<BuildForecast, Error> {
-    let profile = &source.profile;
-    let clock = StageTimer::new(observer);
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    clock.stage(Stage::Forecast, || {
-        let facets = planned(profile, &design)?;
-        check_table(profile, &design)?;
-        let fit = fitted(profile, &design)?;
-        let prospect = prospect(profile, &design, fit.as_ref(), &facets);
-        let note = prospect
+    let run = Run::in_memory(source, observer);
+    let design = run.design()?;
+    run.stage(Stage::Forecast, || {
+        let planned = planned(run.profile(), &design)?;
+        let form = Form::of(&design.mirror);
+        let exports = cad_exports(run.profile(), &design, &form)?;
+        let forecast = forecast(&run, &design, &exports, &planned);
+        let note = forecast
             .mesh
             .map_or("no mesh".to_owned(), |mesh| format!("about {} triangles", mesh.triangles));
-        Ok((prospect, note))
+        Ok((forecast, note))
     })
 }
 
@@ -48,128 +47,131 @@ const SURE: f64 = 0.8;
 /// mirror.
 pub fn least_bytes(profile: &Profile) -> u64 {
     const PER_TRIANGLE: u64 = 9;
-    let meshes = profile.formats.iter().filter(|format| format.is_mesh()).count() as u64;
+    let meshes = formats::meshes(profile).count() as u64;
     // Of the number of triangles most is spent, and no format has fewer bytes for each.
-    let triangles = profile.mesh.max_triangles.map_or(0.0, |most| SURE * most as f64) as u64;
+    let triangles = profile.mesh.max_triangles().map_or(0.0, |most| SURE * most as f64) as u64;
     PAGES + meshes * triangles * PER_TRIANGLE
 }
 
-/// Whether `folder` has room for the files that are foreseen. Where there is room for any, nothing
-/// is foreseen.
+/// Whether there is room for the files that are foreseen. Where there is room for any, nothing is
+/// foreseen.
 ///
 /// # Errors
 /// [`enum@Error`] when there is none, or a stage cannot be done.
 pub fn check_room(
-    folder: &Folder,
-    profile: &Profile,
+    run: &Run,
     design: &Design,
-    fit: Option<&FittedMirror>,
+    exports: &[Box<dyn CadExport + '_>],
 ) -> Result<(), Error> {
-    if folder.free().is_none_or(|free| free >= ROOMY) {
+    if run.files.free().is_none_or(|free| free >= ROOMY) {
         return Ok(());
     }
-    // Where no mesh is asked for, one is written all the same until it is traced.
-    let mut written = profile.clone();
-    if !written.formats.iter().any(|format| format.is_mesh()) {
-        written.formats.push(TRACED);
-    }
-    let prospect = prospect(&written, design, fit, &planned(&written, design)?);
-    let bytes: u64 = prospect.files.iter().map(|file| file.bytes).sum();
-    Ok(folder.ensure_space((SURE * bytes as f64) as u64)?)
+    let planned = planned(run.profile(), design)?;
+    // (Where no mesh is asked for, one is written all the same until it is traced.)
+    let meshes = planned.as_ref().map_or(Vec::new(), |plan| meshes(run, design, plan).1);
+    let label = forecast_label(run, design);
+    let drawn: u64 = exports.iter().map(|export| export.bytes(&label)).sum();
+    let bytes = drawn + meshes.iter().map(|file| file.bytes).sum::<u64>();
+    Ok(run.files.ensure_space((SURE * bytes as f64) as u64)?)
 }
 
 /// The mesh that is foreseen, or why there will be none although the build goes on.
 fn planned(
     profile: &Profile,
     design: &Design,
-) -> Result<Result<AtPrecision<MeshPlan>, Reason>, Error> {
+) -> Result<Result<AtPrecision<MeshPlan>, Refusal>, Error> {
     match face::plan(profile, design) {
-        Ok(facets) => Ok(Ok(facets)),
+        Ok(plan) => Ok(Ok(plan)),
         Err(error) => left_out(profile, error).map(Err),
     }
 }
 
-fn prospect(
-    profile: &Profile,
+/// As long as the label of the build, whose bounds are not known yet.
+fn forecast_label(run: &Run, design: &Design) -> Label {
+    label(run, design, Some(&ErrorBound::default()))
+}
+
+fn forecast(
+    run: &Run,
     design: &Design,
-    fit: Option<&FittedMirror>,
-    facets: &Result<AtPrecision<MeshPlan>, Reason>,
+    exports: &[Box<dyn CadExport + '_>],
+    planned: &Result<AtPrecision<MeshPlan>, Refusal>,
 ) -> BuildForecast {
-    // As long as that of the build, whose bounds are not known yet.
-    let label = label(profile, design, Some(&ErrorBound::default()));
-    let form = Form::of(&design.mirror);
-    let drawing = CadExports { profile, design, form: &form, fit, label: &label };
-    let drawn = drawings(profile).map(|format| foreseen(format, drawing.bytes(format)));
-    let (mesh, mut files, refused, precision) = match facets {
-        Ok(facets) => {
-            let (mesh, files) = meshes(profile, design, facets, &label);
-            (Some(mesh), files, facets.refused.as_ref(), facets.precision)
+    let profile = run.profile();
+    let (mesh, mut files, refused, precision) = match planned {
+        Ok(plan) => {
+            let (mesh, files) = meshes(run, design, plan);
+            (Some(mesh), files, plan.refused.as_ref(), plan.precision)
         }
         Err(refused) => (None, Vec::new(), Some(refused), Precision::Double),
     };
-    files.extend(drawn);
-    let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
-    let mut prospect = BuildForecast::new(id, mesh, files);
-    prospect.reasons = refused
-        .into_iter()
-        .map(|reason| reason.replace("was not", "would not be").replace("were not", "would not be"))
-        .collect();
-    let advice = SizeWarnings { profile, design, precision };
-    let files: Vec<(&str, u64)> = prospect.files.iter().map(|f| (&*f.name, f.bytes)).collect();
-    prospect.warnings = advice.on(mesh.map_or(0, |mesh| mesh.triangles), &files);
-    prospect
+    files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
+    let label = forecast_label(run, design);
+    files.extend(exports.iter().map(|export| {
+        let format = export.format();
+        let (name, bytes) = (format.file_name().to_owned(), export.bytes(&label));
+        FileForecast { name, format: format.name(), bytes }
+    }));
+    let mut forecast = BuildForecast::new(profile.into(), mesh, files);
+    forecast.reasons = refused.map(Refusal::foreseen).into_iter().collect();
+    let size = SizeWarnings { profile, design, precision };
+    let files: Vec<(&str, u64)> = forecast.files.iter().map(|f| (&*f.name, f.bytes)).collect();
+    forecast.warnings = size.on(mesh.map_or(0, |mesh| mesh.triangles), &files);
+    forecast
 }
 
-fn foreseen(format: Format, bytes: u64) -> FileForecast {
-    FileForecast { name: format.file_name().to_owned(), format: format.name(), bytes }
-}
-
-/// The mesh that is foreseen, and its files.
+/// The mesh that is foreseen, and its files: one that is made for the rays alone too.
 fn meshes(
-    profile: &Profile,
+    run: &Run,
     design: &Design,
-    facets: &AtPrecision<MeshPlan>,
-    label: &Label,
+    plan: &AtPrecision<MeshPlan>,
 ) -> (MeshForecast, Vec<FileForecast>) {
-    let MeshPlan { limits, forecast } = facets.made;
-    let size = size(design, forecast.facets.round() as usize, &facets.made);
-    let tolerances = profile.mesh.max_triangles.map(|_| reached(design, &facets.made));
-    let pixel = design.camera.pixel_mm;
+    let MeshPlan { limits, forecast } = plan.made;
+    let goal = run.profile().mesh;
+    let size = size(design, forecast.facets.round() as usize, &plan.made);
+    let tolerances = goal.max_triangles().map(|_| reached(design, &plan.made));
     let mesh = MeshForecast {
         optical_triangles: size.optical,
         triangles: size.optical + size.more,
-        max_triangles: profile.mesh.max_triangles,
+        max_triangles: goal.max_triangles(),
         chord_um: ForecastLimit {
-            limit: profile.mesh.chord_um,
-            foreseen: tolerances.and_then(|[chord, _]| chord).map(|mm| mm * 1e3),
+            limit: goal.chord_um(),
+            foreseen: tolerances.and_then(|[chord, _]| chord).map(|mm| Um::from(Mm(mm)).0),
         },
         facet_px: ForecastLimit {
-            limit: profile.mesh.facet_px,
-            foreseen: tolerances.and_then(|[_, facet]| facet).map(|mm| mm / pixel),
+            limit: goal.facet_px(),
+            foreseen: tolerances
+                .and_then(|[_, facet]| facet)
+                .map(|mm| design.camera.to_px(Mm(mm)).0),
         },
     };
-    let bytes = |format: Format| {
-        if format == Format::ThreeMf && size.optical < SMALL {
-            packed(design, limits, label).unwrap_or_else(|| threemf_bytes(&size))
-        } else {
-            mesh_bytes(format, &size, design, limits.precision, label)
-        }
+    let label = forecast_label(run, design);
+    let file = |&format: &MeshFormat| {
+        let codec = codec(format);
+        let made = (!codec.is_proportional() && size.optical < SMALL)
+            .then(|| made_length(codec, design, limits, &label))
+            .flatten();
+        let bytes = made.unwrap_or_else(|| codec.bytes(&size, design, limits.precision, &label));
+        FileForecast { name: format.file_name().to_owned(), format: format.name(), bytes }
     };
-    let asked = facets.formats.iter().copied().filter(|format| profile.formats.contains(format));
-    (mesh, asked.map(|format| foreseen(format, bytes(format))).collect())
+    (mesh, plan.formats.iter().map(file).collect())
 }
 
-/// AtPrecision of a face that is soon made.
+/// Facets of a face that is soon made.
 const SMALL: usize = 30_000;
 
-/// The length of a 3MF, by making it: how well few facets can be packed depends on their order.
-fn packed(design: &Design, limits: Limits, label: &Label) -> Option<u64> {
+/// The length of a file, by making it: how well few facets can be packed depends on their order.
+fn made_length(
+    codec: &dyn MeshCodec,
+    design: &Design,
+    limits: Limits,
+    label: &Label,
+) -> Option<u64> {
     let (camera, view) = (&design.camera.chart, design.view.as_ref());
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
-    let solid =
-        Solid::from_face(&face.mesh, design.border.as_ref(), precision(Format::ThreeMf)).ok()?;
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), codec.precision()).ok()?;
     let mut bytes = ByteCounter::default();
-    write_3mf(&mut bytes, &solid, label).ok()?;
+    codec.write(&mut bytes, &solid, Some((&face, design)), label).ok()?;
     Some(bytes.count())
 }
 

@@ -1,6 +1,5 @@
 //! Why the stages could not be gone through.
 
-use super::files::FileError;
 use super::scenery::SceneError;
 use super::source::SourceError;
 use super::unwrap::PhotoError;
@@ -9,7 +8,8 @@ use crate::design::DesignError;
 use crate::export::step::FitError;
 use crate::machining::MachiningError;
 use crate::mesh::MeshError;
-use crate::profile::Format;
+use crate::profile::MeshFormat;
+use crate::publish::FileError;
 use crate::solid::SolidError;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -85,7 +85,7 @@ pub enum Error {
         /// Profile name.
         profile: String,
         /// For which format.
-        format: Format,
+        format: MeshFormat,
         /// Why.
         source: SolidError,
     },
@@ -195,7 +195,7 @@ pub enum Error {
         path: String,
     },
     /// A file to be verified is of no known format.
-    #[error("{path}: the name must end in .stl, .obj or .3mf")]
+    #[error("{path}: the name must end in {}", MeshFormat::endings())]
     Format {
         /// The file.
         path: String,

@@ -1,15 +1,17 @@
 //! From what a profile asks of its facets to a face, or to the forecast of one: limits or a number
 //! of triangles, and the digits of the files that are asked for.
 
-use super::Error;
-use super::formats::{TRACED, drawings, meshes, precision};
+use super::formats::{TRACED, cad, codec, meshes};
+use super::run::Run;
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
     Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, MeshPlan,
     forecast as forecast_within, mesh,
 };
-use crate::profile::{Format, Profile};
+use crate::num::units::{Mm, Px, Um};
+use crate::profile::{MeshFormat, MeshGoal, Profile};
 use crate::report::{Reason, ReasonKind};
 use crate::solid::{added, rim};
 
@@ -21,25 +23,99 @@ pub struct AtPrecision<T> {
     /// Its digits.
     pub precision: Precision,
     /// The mesh formats of which files are written.
-    pub formats: Vec<Format>,
+    pub formats: Vec<MeshFormat>,
     /// Why there are no files in single precision although they are asked for.
-    pub refused: Option<Reason>,
+    pub refused: Option<Refusal>,
+}
+
+/// Errors that a mesh file may have against its design: what its verdict holds it to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Promise {
+    /// Height of a facet off the mirror, mm.
+    pub chord_mm: f64,
+    /// Facet error, and what sets it; none where nothing does.
+    pub facet: Option<(Px, &'static str)>,
+}
+
+impl Promise {
+    /// Chord of a file of unknown making where the profile has no limit of its own.
+    const USUAL_CHORD: Um = Um(10.0);
+
+    /// What was asked and proven of a face.
+    pub fn of_face(profile: &Profile, design: &Design, face: &Face) -> Self {
+        let facet = match profile.mesh {
+            MeshGoal::Limits { facet, .. } => facet.map(|px| (px, "mesh.facet_px")),
+            // A number of triangles sets no limit; what was proven of them is to be seen.
+            MeshGoal::Budget(_) => {
+                Some((design.camera.to_px(Mm(face.bound.facet_mm)), "the mesh's bound"))
+            }
+        };
+        Self { chord_mm: face.bound.chord_mm, facet }
+    }
+
+    /// What the profile asks of any file: of one of unknown making nothing is proven.
+    pub fn of_profile(profile: &Profile) -> Self {
+        let (chord, facet) = match profile.mesh {
+            MeshGoal::Limits { chord, facet } => (chord, facet.map(|px| (px, "mesh.facet_px"))),
+            MeshGoal::Budget(_) => (None, None),
+        };
+        Self { chord_mm: Mm::from(chord.unwrap_or(Self::USUAL_CHORD)).0, facet }
+    }
+
+    /// The design itself, without a limit for facets.
+    pub fn exact() -> Self {
+        Self { chord_mm: 0.0, facet: None }
+    }
+}
+
+/// The face that the profile asks for, with a note for the observer. Unless shortcuts are allowed, every
+/// copy of a symmetric mirror is meshed by itself and compared.
+///
+/// # Errors
+/// [`Error::Mesh`], [`Error::Single`], and [`Error::Uneven`] when a copy differs.
+pub fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
+    let profile = run.profile();
+    let found = face(profile, design)?;
+    let mirror = &design.mirror;
+    let all = found.made.mesh.triangles.len();
+    let reflections = mirror.reflections();
+    let part = all / (reflections.len() + 1) / if mirror.folded { 2 } else { 1 };
+    let mut done = part;
+    if !run.timer.shortcuts() {
+        for reflected in reflections {
+            let reflected = Design { mirror: reflected, ..design.clone() };
+            let again = face(profile, &reflected)?.made;
+            if again.mesh != found.made.mesh || again.bound != found.made.bound {
+                return Err(Error::Uneven { profile: profile.name.clone() });
+            }
+            done += part;
+        }
+    }
+    run.timer.worked(Stage::Mesh, "facets meshed and proven", [done, all - done], "symmetry");
+    let note = format!("{all} optical triangles");
+    Ok((found, note))
 }
 
 /// The face that the profile asks for.
 pub fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, Error> {
     let Design { mirror, camera, view, .. } = design;
-    at_precision(profile, design, |precision| match profile.mesh.max_triangles {
-        Some(triangles) => ClosingCount::new(design).budget(triangles, precision).mesh(),
-        None => mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision)),
+    at_precision(profile, design, |precision| match profile.mesh {
+        MeshGoal::Budget(triangles) => {
+            ClosingCount::new(design).budget(triangles, precision).mesh()
+        }
+        MeshGoal::Limits { .. } => {
+            mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision))
+        }
     })
 }
 
 /// What is foreseen of that face.
 pub fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>, Error> {
-    at_precision(profile, design, |precision| match profile.mesh.max_triangles {
-        Some(triangles) => ClosingCount::new(design).budget(triangles, precision).foresee(),
-        None => {
+    at_precision(profile, design, |precision| match profile.mesh {
+        MeshGoal::Budget(triangles) => {
+            ClosingCount::new(design).budget(triangles, precision).foresee()
+        }
+        MeshGoal::Limits { .. } => {
             let limits = limits(profile, design, precision);
             Ok(MeshPlan { limits, forecast: forecast(design, limits)? })
         }
@@ -54,8 +130,8 @@ pub fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshErr
 /// The profile's limits on the mirror of `design`.
 pub fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
     Limits {
-        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
-        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        chord_mm: profile.mesh.chord_um().map(|um| Mm::from(Um(um)).0),
+        facet_mm: profile.mesh.facet_px().map(|px| design.camera.to_mm(Px(px)).0),
         precision,
     }
 }
@@ -98,21 +174,47 @@ impl ClosureCount for ClosingCount<'_> {
     }
 }
 
-/// What becomes of a refused mesh: where a drawing or a table is asked for the build goes on without one,
+/// Why files of a mesh are not written although they are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    kind: ReasonKind,
+    /// The files; none where it is a mesh for the rays alone.
+    files: Vec<&'static str>,
+    why: String,
+}
+
+impl Refusal {
+    /// As a build says it.
+    pub fn made(&self) -> Reason {
+        let was = if self.files.len() == 1 { "was" } else { "were" };
+        Reason::new(self.kind, self.said(was, "not"))
+    }
+
+    /// As a forecast says it.
+    pub fn foreseen(&self) -> String {
+        self.said("would", "not be")
+    }
+
+    fn said(&self, verb: &str, not: &str) -> String {
+        match &self.files[..] {
+            [] => format!("no mesh could be made to trace: {}", self.why),
+            files => format!("{} {verb} {not} written: {}", files.join(" and "), self.why),
+        }
+    }
+}
+
+/// What becomes of a refused mesh: where the designed mirror is asked for the build goes on without one,
 /// for this reason; or else it ends with the error.
-pub fn left_out(profile: &Profile, error: Error) -> Result<Reason, Error> {
+///
+/// # Errors
+/// `error`, where it ends the build.
+pub fn left_out(profile: &Profile, error: Error) -> Result<Refusal, Error> {
     let Error::Mesh { source, .. } = &error else { return Err(error) };
-    if drawings(profile).next().is_none() {
+    if cad(profile).next().is_none() {
         return Err(error);
     }
-    let meshes = profile.formats.iter().filter(|format| format.is_mesh());
-    let names: Vec<&str> = meshes.map(|format| format.file_name()).collect();
-    let sentence = match names[..] {
-        [] => format!("no mesh could be made to trace: {source}"),
-        [name] => format!("{name} was not written: {source}"),
-        _ => format!("{} were not written: {source}", names.join(" and ")),
-    };
-    Ok(Reason::new(ReasonKind::NoMesh, sentence))
+    let files = meshes(profile).map(MeshFormat::file_name).collect();
+    Ok(Refusal { kind: ReasonKind::NoMesh, files, why: source.to_string() })
 }
 
 /// Makes what single precision needs if there is to be a file in it; where that is what fails, what
@@ -123,41 +225,40 @@ fn at_precision<T>(
     make: impl Fn(Precision) -> Result<T, MeshError>,
 ) -> Result<AtPrecision<T>, Error> {
     let fail = |source| Error::Mesh { profile: profile.name.clone(), source };
-    let formats = meshes(profile);
-    let single: Vec<Format> =
-        formats.iter().copied().filter(|&f| precision(f) == Precision::Single).collect();
-    if single.is_empty() {
+    let in_double = |formats, refused| {
         let precision = Precision::Double;
-        let made = make(precision).map_err(fail)?;
-        return Ok(AtPrecision { made, precision, formats, refused: None });
+        Ok(AtPrecision { made: make(precision).map_err(fail)?, precision, formats, refused })
+    };
+    let mut formats: Vec<MeshFormat> = meshes(profile).collect();
+    if formats.is_empty() {
+        // There is to be something to trace; it is not published.
+        formats.push(TRACED);
     }
-    let error = match make(Precision::Single) {
-        Ok(made) => {
-            return Ok(AtPrecision { made, precision: Precision::Single, formats, refused: None });
-        }
+    let is_single = |format: &MeshFormat| codec(*format).precision() == Precision::Single;
+    let (single, mut others): (Vec<_>, Vec<_>) = formats.iter().copied().partition(is_single);
+    if single.is_empty() {
+        return in_double(formats, None);
+    }
+    let precision = Precision::Single;
+    let error = match make(precision) {
+        Ok(made) => return Ok(AtPrecision { made, precision, formats, refused: None }),
         Err(error) => error,
     };
-    let Some(reason) = refusal(profile, design, &single, &error) else { return Err(fail(error)) };
-    let mut others: Vec<Format> = formats.into_iter().filter(|f| !single.contains(f)).collect();
-    if others.is_empty() && drawings(profile).next().is_some() {
+    let Some(why) = beyond_single(profile, design, &error) else { return Err(fail(error)) };
+    let files = single.into_iter().map(MeshFormat::file_name).collect();
+    let refused = Refusal { kind: ReasonKind::SinglePrecision, files, why };
+    if others.is_empty() && cad(profile).next().is_some() {
         others.push(TRACED);
     }
     if others.is_empty() {
+        let reason = refused.made().into();
         return Err(Error::Single { profile: profile.name.clone(), reason });
     }
-    let precision = Precision::Double;
-    let made = make(precision).map_err(fail)?;
-    let refused = Some(Reason::new(ReasonKind::SinglePrecision, reason));
-    Ok(AtPrecision { made, precision, formats: others, refused })
+    in_double(others, Some(refused))
 }
 
-/// Why there are no files of the formats in `single`, if `error` is due to that precision.
-fn refusal(
-    profile: &Profile,
-    design: &Design,
-    single: &[Format],
-    error: &MeshError,
-) -> Option<String> {
+/// What single precision reaches, if `error` is due to it.
+fn beyond_single(profile: &Profile, design: &Design, error: &MeshError) -> Option<String> {
     let (at, chord_mm, facet_mm) = match *error {
         MeshError::PrecisionLimit { at, chord_mm, facet_mm } => (at, chord_mm, facet_mm),
         MeshError::NotRefinable { at, bound, holds_in_double: true, .. } => {
@@ -171,15 +272,15 @@ fn refusal(
         }
         _ => return None,
     };
-    let chord = chord_mm.map(|mm| ("chord_um", mm * 1e3));
-    let facet = facet_mm.map(|mm| ("facet_px", mm / design.camera.pixel_mm));
+    let chord = chord_mm.map(|mm| ("chord_um", Um::from(Mm(mm)).0));
+    let facet = facet_mm.map(|mm| ("facet_px", design.camera.to_px(Mm(mm)).0));
     let reached: Vec<_> = chord.into_iter().chain(facet).collect();
-    Some(unwritten(single, &reached, at))
+    Some(reaches(&reached, at))
 }
 
-/// That there are no files of the formats in `single`, because at `at` facets `reached` no more: what
-/// limits they bring their bounds down to, and what can be done.
-fn unwritten(single: &[Format], reached: &[(&str, f64)], at: DVec2) -> String {
+/// That facets at `at` reach no more than this in single precision: what limits they bring their bounds
+/// down to, and what can be done.
+fn reaches(reached: &[(&str, f64)], at: DVec2) -> String {
     let figure = |&(key, value): &(&str, f64)| {
         if value.is_finite() {
             format!("{key} {}", digits(value))
@@ -192,12 +293,8 @@ fn unwritten(single: &[Format], reached: &[(&str, f64)], at: DVec2) -> String {
     let keys: Vec<&str> = finite.map(|(key, _)| *key).collect();
     let loosen =
         if keys.is_empty() { String::new() } else { format!("loosen {} or ", keys.join(" and ")) };
-    let names: Vec<&str> = single.iter().map(|format| format.file_name()).collect();
-    let was = if single.len() == 1 { "was" } else { "were" };
     format!(
-        "{} {was} not written: single precision reaches {} at X {:.4} mm, Y {:.4} mm; \
-         {loosen}export obj alone",
-        names.join(" and "),
+        "single precision reaches {} at X {:.4} mm, Y {:.4} mm; {loosen}export obj alone",
         figures.join(", "),
         at.x,
         at.y,
@@ -216,7 +313,9 @@ mod tests {
     #[test]
     fn what_has_no_bound_is_not_to_be_loosened() {
         let said = |reached: &[(&str, f64)]| {
-            unwritten(&[Format::Stl, Format::ThreeMf], reached, DVec2::new(58.34694, -0.4649))
+            let why = reaches(reached, DVec2::new(58.34694, -0.4649));
+            let files = vec!["mirror.stl", "mirror.3mf"];
+            Refusal { kind: ReasonKind::SinglePrecision, files, why }.made().to_string()
         };
         assert_eq!(
             said(&[("facet_px", f64::INFINITY)]),

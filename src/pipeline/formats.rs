@@ -1,4 +1,4 @@
-//! Formats: with how many digits each carries a mesh, how it is written, and how it is read.
+//! Mesh formats: the digits that each carries, how it is written and read, and how long it will be.
 
 use crate::design::Design;
 use crate::export::{
@@ -7,86 +7,163 @@ use crate::export::{
 };
 use crate::geom::Precision;
 use crate::mesh::Face;
-use crate::profile::{Format, Profile};
+use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
 use crate::solid::Solid;
 use std::io::{self, Write};
 
-/// Digits of a format's coordinates.
-pub fn precision(format: Format) -> Precision {
+/// The format of a mesh that is written to be traced alone: the one that any mesh suits.
+pub const TRACED: MeshFormat = MeshFormat::Obj;
+
+/// The mesh formats that a profile asks for.
+pub fn meshes(profile: &Profile) -> impl Iterator<Item = MeshFormat> {
+    profile.formats.iter().filter_map(|format| match format {
+        FileFormat::Mesh(format) => Some(*format),
+        FileFormat::Cad(_) => None,
+    })
+}
+
+/// The other formats that it asks for.
+pub fn cad(profile: &Profile) -> impl Iterator<Item = CadFormat> {
+    profile.formats.iter().filter_map(|format| match format {
+        FileFormat::Mesh(_) => None,
+        FileFormat::Cad(format) => Some(*format),
+    })
+}
+
+/// Writer and reader of a mesh format.
+pub trait MeshCodec: Sync {
+    /// Digits of its coordinates.
+    fn precision(&self) -> Precision;
+
+    /// Whether the file says what its unit is.
+    fn declares_unit(&self) -> bool {
+        false
+    }
+
+    /// Whether its length is in proportion to the number of triangles, few or many.
+    fn is_proportional(&self) -> bool {
+        true
+    }
+
+    /// Writes a solid; `face` is its optical face, and the mirror that this has the normals of, where it is
+    /// the designed one.
+    ///
+    /// # Errors
+    /// That of `out`.
+    fn write(
+        &self,
+        out: &mut dyn Write,
+        solid: &Solid,
+        face: Option<(&Face, &Design)>,
+        label: &Label,
+    ) -> io::Result<()>;
+
+    /// Reads a file's bytes.
+    ///
+    /// # Errors
+    /// [`ReadError`] when they are no such file.
+    fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError>;
+
+    /// Foresees the length of a file of a solid of this size, with a face made to these digits.
+    fn bytes(&self, size: &MeshCounts, design: &Design, made: Precision, label: &Label) -> u64;
+}
+
+/// The codec of a format.
+pub fn codec(format: MeshFormat) -> &'static dyn MeshCodec {
     match format {
-        Format::Stl | Format::ThreeMf => Precision::Single,
-        Format::Obj | Format::Step | Format::Csv => Precision::Double,
+        MeshFormat::Stl => &Stl,
+        MeshFormat::Obj => &Obj,
+        MeshFormat::ThreeMf => &ThreeMf,
     }
 }
 
-/// The format of a mesh that is written to be traced alone.
-pub const TRACED: Format = Format::Obj;
+struct Stl;
 
-/// The mesh formats of which files are made: those asked for. Where none is, the one that any mesh
-/// suits, so that there is something to trace; it is not published.
-pub fn meshes(profile: &Profile) -> Vec<Format> {
-    let asked: Vec<Format> = profile.formats.iter().copied().filter(|f| f.is_mesh()).collect();
-    if asked.is_empty() { vec![TRACED] } else { asked }
-}
+impl MeshCodec for Stl {
+    fn precision(&self) -> Precision {
+        Precision::Single
+    }
 
-/// The other formats asked for.
-pub fn drawings(profile: &Profile) -> impl Iterator<Item = Format> {
-    profile.formats.iter().copied().filter(|format| !format.is_mesh())
-}
+    fn write(
+        &self,
+        mut out: &mut dyn Write,
+        solid: &Solid,
+        _face: Option<(&Face, &Design)>,
+        label: &Label,
+    ) -> io::Result<()> {
+        write_stl(&mut out, solid, label)
+    }
 
-/// Writes a solid whose optical face is `face`.
-pub fn write_mesh(
-    mut out: impl Write,
-    format: Format,
-    solid: &Solid,
-    (face, design): (&Face, &Design),
-    label: &Label,
-) -> io::Result<()> {
-    match format {
-        Format::Stl => write_stl(&mut out, solid, label),
-        Format::Obj => write_obj(&mut out, solid, &design.mirror, face.designed, label),
-        Format::ThreeMf => write_3mf(&mut out, solid, label),
-        Format::Step | Format::Csv => unreachable!("no mesh"),
+    fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
+        read_stl(bytes)
+    }
+
+    fn bytes(&self, size: &MeshCounts, _design: &Design, _made: Precision, _label: &Label) -> u64 {
+        stl_bytes(size.optical + size.more)
     }
 }
 
-/// Writes a solid whose optical face is not the designed mirror.
-pub fn write_solid(
-    mut out: impl Write,
-    format: Format,
-    solid: &Solid,
-    label: &Label,
-) -> io::Result<()> {
-    match format {
-        Format::Stl => write_stl(&mut out, solid, label),
-        Format::Obj => write_obj_bare(&mut out, solid, label),
-        Format::ThreeMf => write_3mf(&mut out, solid, label),
-        Format::Step | Format::Csv => unreachable!("no mesh"),
+struct Obj;
+
+impl MeshCodec for Obj {
+    fn precision(&self) -> Precision {
+        Precision::Double
+    }
+
+    fn write(
+        &self,
+        mut out: &mut dyn Write,
+        solid: &Solid,
+        face: Option<(&Face, &Design)>,
+        label: &Label,
+    ) -> io::Result<()> {
+        match face {
+            Some((face, design)) => {
+                write_obj(&mut out, solid, &design.mirror, face.designed, label)
+            }
+            None => write_obj_bare(&mut out, solid, label),
+        }
+    }
+
+    fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
+        read_obj(bytes)
+    }
+
+    fn bytes(&self, size: &MeshCounts, design: &Design, made: Precision, label: &Label) -> u64 {
+        obj_bytes(size, &design.mirror, made, label)
     }
 }
 
-/// Reads a mesh file.
-pub fn read_mesh(format: Format, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
-    match format {
-        Format::Stl => read_stl(bytes),
-        Format::Obj => read_obj(bytes),
-        Format::ThreeMf => read_3mf(bytes),
-        Format::Step | Format::Csv => unreachable!("no mesh"),
-    }
-}
+struct ThreeMf;
 
-/// Foresees the length of a mesh file.
-pub fn mesh_bytes(
-    format: Format,
-    size: &MeshCounts,
-    design: &Design,
-    made: Precision,
-    label: &Label,
-) -> u64 {
-    match format {
-        Format::Stl => stl_bytes(size.optical + size.more),
-        Format::Obj => obj_bytes(size, &design.mirror, made, label),
-        Format::ThreeMf => threemf_bytes(size),
-        Format::Step | Format::Csv => unreachable!("no mesh"),
+impl MeshCodec for ThreeMf {
+    fn precision(&self) -> Precision {
+        Precision::Single
+    }
+
+    fn declares_unit(&self) -> bool {
+        true
+    }
+
+    fn is_proportional(&self) -> bool {
+        false
+    }
+
+    fn write(
+        &self,
+        mut out: &mut dyn Write,
+        solid: &Solid,
+        _face: Option<(&Face, &Design)>,
+        label: &Label,
+    ) -> io::Result<()> {
+        write_3mf(&mut out, solid, label)
+    }
+
+    fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
+        read_3mf(bytes)
+    }
+
+    fn bytes(&self, size: &MeshCounts, _design: &Design, _made: Precision, _label: &Label) -> u64 {
+        threemf_bytes(size)
     }
 }

@@ -1,103 +1,92 @@
-//! The frame-fill check: a build up to the witness, in memory, and what the sensor's pixels are
+//! `morion frame`: a build up to the witness, in memory, and what the sensor's pixels are
 //! good for.
 
 use super::check_file::{pixel_classes, tolerance_px};
-use super::files::Folder;
 use super::in_memory_build::{InMemoryBuild, build_in_memory};
-use super::observer::StageTimer;
-use super::{Error, Observer, Source, Stage, designed, remedy, verdict};
+use super::run::{Command, Run};
+use super::{Error, Stage, remedy, verdict};
 use crate::design::{Design, design};
 use crate::optics::{Camera, CameraModel};
 use crate::parallel;
 use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
-use crate::report::{Answer, FrameReport, PixelSolidAngle, ProfileId, RoundMirror};
-use crate::trace::{Coverage, MinMeanMax};
-use std::path::Path;
+use crate::report::{Answer, FrameReport, PixelSolidAngle, RoundMirror};
+use crate::trace::{Coverage, FrameFill, MinMeanMax};
 
-/// Checks how the profile of `source` fills its frame: designs, meshes, closes, writes in memory, reads
-/// back and traces it, and writes `frame.json`, `frame.csv` and `frame.png` into `out`/NAME. The
-/// verdict is negative below a share of `min` filled pixels; without it, below the one that a build is held
-/// to.
-///
-/// # Errors
-/// [`enum@Error`] when a stage cannot be done, or the profile has no projection to fill a frame with.
-pub fn frame(
-    source: &Source,
-    out: &Path,
-    min: Option<f64>,
-    observer: &dyn Observer,
-) -> Result<FrameReport, Error> {
-    let profile = &source.profile;
-    if profile.projection.is_none() {
-        return Err(Error::NoProjection {
-            work: "check the frame of",
-            profile: profile.name.clone(),
+/// How the frame's filling is checked: designs, meshes, closes, writes in memory, reads back and traces the
+/// mirror, and writes `frame.json`, `frame.csv` and `frame.png` into NAME.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FrameOptions {
+    /// The least share of filled pixels; none: the one that a build is held to.
+    pub min: Option<f64>,
+}
+
+impl Command for FrameOptions {
+    type Report = FrameReport;
+
+    fn check(&self, profile: &Profile) -> Result<(), Error> {
+        match profile.projection {
+            Some(_) => Ok(()),
+            None => Err(no_projection(profile)),
+        }
+    }
+
+    fn run(&self, run: &mut Run) -> Result<FrameReport, Error> {
+        let profile = run.profile();
+        let min = self.min.unwrap_or(profile.acceptance_limits().frame_filled.value);
+        let design = run.design()?;
+        let InMemoryBuild { frame, seen: (_, traced), .. } = build_in_memory(run, &design)?;
+        let (Some(frame), Some(view)) = (frame, &design.view) else {
+            return Err(no_projection(profile));
+        };
+        let camera = &design.camera;
+        let classes = pixel_classes(profile, &design, &traced);
+        let coverage = run.timer.always(Stage::Coverage, || {
+            let width_mm = design.mirror.outline.bounds().size().x;
+            let coverage = Coverage::new(&traced, &classes, camera, view, width_mm);
+            let note = format!("{:.3} deg around", coverage.azimuth_deg);
+            (coverage, note)
         });
+        let usr = solid_angles(&design, camera.pixels);
+        let reasons: Vec<String> = unfilled(profile, &frame, min).into_iter().collect();
+        let report = FrameReport {
+            schema: 1,
+            profile: profile.into(),
+            frame,
+            coverage,
+            resolution: resolution(usr.iter().map(|usr| (*usr, 1))),
+            round_mirrors: round_mirrors(camera)?,
+            min,
+            verdict: verdict::of(&reasons),
+            reasons,
+        };
+        let png = run.picture(|| report.png(&classes, &usr))?;
+        run.publish(Stage::Report, |files, _| {
+            files.add_bytes("frame.png", &png)?;
+            files.add_bytes("frame.csv", report.csv().as_bytes())?;
+            files.add_report("frame.json", &report.json())?;
+            Ok(())
+        })?;
+        Ok(report)
     }
-    let min = min.unwrap_or(profile.acceptance_limits().frame_filled.value);
-    let clock = StageTimer::new(observer);
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let InMemoryBuild { frame: found, seen: (_, witness), .. } =
-        build_in_memory(&clock, profile, &design)?;
-    let (Some(found), Some(view)) = (found, &design.view) else {
-        unreachable!("a projection was asked for");
-    };
+}
 
-    let camera = &design.camera;
-    let classes = pixel_classes(profile, &design, &witness);
-    let tolerance = tolerance_px(profile);
-    let coverage = clock.always(Stage::Coverage, || {
-        let coverage = Coverage::new(
-            &witness,
-            &classes,
-            camera,
-            view,
-            design.mirror.outline.bounds().size().x,
-        );
-        let note = format!("{:.3} deg around", coverage.azimuth_deg);
-        (coverage, note)
-    });
-    let usr = solid_angles(&design, camera.pixels);
-    let mut reasons = Vec::new();
-    if !(found.filled >= min) {
-        reasons.push(format!(
-            "{:.3} % of the frame see their part of the world within {tolerance} px, under the \
-             {:.3} % asked for{}",
-            100.0 * found.filled,
+fn no_projection(profile: &Profile) -> Error {
+    Error::NoProjection { work: "check the frame of", profile: profile.name.clone() }
+}
+
+/// That fewer pixels than `min` are filled.
+fn unfilled(profile: &Profile, frame: &FrameFill, min: f64) -> Option<String> {
+    let way = || remedy::filling(profile).map_or(String::new(), |way| format!("; {way}"));
+    (!(frame.filled >= min)).then(|| {
+        format!(
+            "{:.3} % of the frame see their part of the world within {} px, under the {:.3} % asked for{}",
+            100.0 * frame.filled,
+            tolerance_px(profile),
             100.0 * min,
-            remedy::filling(profile).map_or(String::new(), |way| format!("; {way}"))
-        ));
-    }
-    let report = FrameReport {
-        schema: 1,
-        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
-        frame: found,
-        coverage,
-        resolution: resolution(usr.iter().map(|usr| (*usr, 1))),
-        round_mirrors: round_mirrors(camera)?,
-        min,
-        verdict: verdict::of(&reasons),
-        reasons,
-    };
-    let png = clock.stage(Stage::Picture, || {
-        let png = report.png(&classes, &usr).map_err(|e| Error::Picture(e.to_string()))?;
-        let note = format!("{} kB", png.len() / 1000);
-        Ok::<_, Error>((png, note))
-    })?;
-    let folder = Folder::create(&out.join(&profile.name))?;
-    clock.stage(Stage::Report, || {
-        let text =
-            |name: &str, text: &str| folder.stage(name, |out| out.write_all(text.as_bytes()));
-        let files = vec![
-            folder.stage("frame.png", |out| out.write_all(&png))?,
-            text("frame.csv", &report.csv())?,
-            text("frame.json", &report.json())?,
-        ];
-        folder.replace(files, &[])?;
-        Ok::<_, Error>(((), folder.path().display().to_string()))
-    })?;
-    Ok(report)
+            way()
+        )
+    })
 }
 
 /// Solid angle of every pixel in the first of `columns` and `rows` of the sensor, usr.

@@ -2,17 +2,19 @@
 
 use super::camera_view::TracedMesh;
 use super::check_file::check_file;
-use super::formats::write_mesh;
-use super::observer::{Stage, StageTimer};
-use super::{Error, close, label, meshed};
+use super::face::{Promise, meshed};
+use super::formats::codec;
+use super::mesh_files::{close, label};
+use super::run::Run;
+use super::{Error, Stage};
 use crate::design::Design;
-use crate::profile::{Format, Profile};
+use crate::profile::MeshFormat;
 use crate::trace::FrameFill;
 
 /// The mesh that a build would write first, as it is read back.
 pub struct InMemoryBuild {
     /// The format that it was written in.
-    pub format: Format,
+    pub format: MeshFormat,
     /// What the frame as a whole sees, if the profile has a projection.
     pub frame: Option<FrameFill>,
     /// The mesh and the witness's rays.
@@ -23,31 +25,27 @@ pub struct InMemoryBuild {
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done.
-pub fn build_in_memory(
-    clock: &StageTimer,
-    profile: &Profile,
-    design: &Design,
-) -> Result<InMemoryBuild, Error> {
-    let facets = clock.stage(Stage::Mesh, || meshed(clock, profile, design))?;
-    let format = facets.formats[0];
-    let solid = clock.stage(Stage::Solid, || close(profile, design, &facets.made, format))?;
-    let failed = |reason: String| Error::Reread { profile: profile.name.clone(), reason };
-    let label = label(profile, design, Some(&facets.made.bound));
-    let bytes = clock.stage(Stage::Write, || {
+pub fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Error> {
+    let failed = |reason: String| Error::Reread { profile: run.profile().name.clone(), reason };
+    let face = run.stage(Stage::Mesh, || meshed(run, design))?;
+    let format = face.formats[0];
+    let solid = run.stage(Stage::Solid, || close(run, design, &face.made, format))?;
+    let label = label(run, design, Some(&face.made.bound));
+    let bytes = run.stage(Stage::Write, || {
         let mut bytes = Vec::new();
-        write_mesh(&mut bytes, format, &solid, (&facets.made, design), &label)
+        codec(format)
+            .write(&mut bytes, &solid, Some((&face.made, design)), &label)
             .map_err(|error| failed(error.to_string()))?;
         let note = format!("{}, {:.1} MB in memory", format.file_name(), bytes.len() as f64 / 1e6);
-        Ok::<_, Error>((bytes, note))
+        Ok((bytes, note))
     })?;
-    let chord_mm = facets.made.bound.chord_mm;
-    drop((facets, solid));
-    let evidence = check_file(clock, profile, design, format, bytes, chord_mm);
-    match (evidence.seen, evidence.unreadable) {
-        (Some(seen), _) => Ok(InMemoryBuild { format, frame: evidence.frame, seen }),
+    let promise = Promise::of_face(run.profile(), design, &face.made);
+    drop((face, solid));
+    let found = check_file(run, design, format, bytes, promise);
+    match (found.seen, found.unreadable) {
+        (Some(seen), _) => Ok(InMemoryBuild { format, frame: found.frame, seen }),
         (None, reason) => {
-            let reason = reason.map_or("nothing in it".into(), |reason| reason.to_string());
-            Err(failed(reason))
+            Err(failed(reason.map_or("nothing in it".into(), |reason| reason.to_string())))
         }
     }
 }

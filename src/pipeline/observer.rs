@@ -124,9 +124,14 @@ impl<'a> StageTimer<'a> {
         }
     }
 
-    /// The same for stages that do even what they could leave undone.
-    pub fn without_shortcuts(self) -> Self {
-        Self { shortcuts: false, ..self }
+    /// Makes later stages do even what they could leave undone.
+    pub fn forbid_shortcuts(&mut self) {
+        self.shortcuts = false;
+    }
+
+    /// Tells the observer that the files in this folder are what a build would write again.
+    pub fn unchanged(&self, folder: &Path) {
+        self.observer.unchanged(folder);
     }
 
     /// Whether stages may leave undone what changes no result.
@@ -153,6 +158,9 @@ impl<'a> StageTimer<'a> {
     }
 
     /// Runs one stage; its value comes with the note for the observer.
+    ///
+    /// # Errors
+    /// That of the stage.
     pub fn stage<T, E>(
         &self,
         stage: Stage,
@@ -161,12 +169,25 @@ impl<'a> StageTimer<'a> {
         self.observer.begin(stage);
         let start = Instant::now();
         let (value, note) = run()?;
+        self.ended(stage, start, &note);
+        Ok(value)
+    }
+
+    /// Runs a stage that cannot fail.
+    pub fn always<T>(&self, stage: Stage, run: impl FnOnce() -> (T, String)) -> T {
+        self.observer.begin(stage);
+        let start = Instant::now();
+        let (value, note) = run();
+        self.ended(stage, start, &note);
+        value
+    }
+
+    fn ended(&self, stage: Stage, start: Instant, note: &str) {
         let took = start.elapsed();
-        self.observer.end(stage, took, &note);
+        self.observer.end(stage, took, note);
         if let Ok(mut stages) = self.stages.lock() {
             stages.push((stage.name(), took.as_secs_f64()));
         }
-        Ok(value)
     }
 
     /// Tells the observer of a file that was written under a temporary name.
@@ -188,12 +209,6 @@ impl<'a> StageTimer<'a> {
         for (kind, counts) in tally.kinds() {
             self.worked(stage, kind.what(), counts.map(|n| n as usize), kind.why());
         }
-    }
-
-    /// Runs a stage that cannot fail.
-    pub fn always<T>(&self, stage: Stage, run: impl FnOnce() -> (T, String)) -> T {
-        let Ok(value) = self.stage(stage, || Ok::<_, std::convert::Infallible>(run()));
-        value
     }
 
     /// Seconds per stage, in order, and in all so far, and `work`.

@@ -1,84 +1,89 @@
 //! `morion render`: a picture of a scene in the mirror.
 
-use super::camera_view::{CameraView, Distance, TracedMesh, above, picture, reflected};
-use super::files::Folder;
-use super::in_memory_build::build_in_memory;
-use super::observer::StageTimer;
-use super::scenery::{RenderOptions, Scenery, stem};
-use super::{Error, Observer, Source, Stage, designed};
+use super::camera_view::{CameraView, Distance, above, picture, reflected};
+use super::in_memory_build::{InMemoryBuild, build_in_memory};
+use super::run::{Command, Run};
+use super::scenery::{PartScene, RenderOptions, SceneName, Scenery, WorldScene, stem};
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::optics::Target;
+use crate::profile::Profile;
+use crate::publish::FileError;
 use crate::render::{Chessboard, Picture, SetupDiagram, TestWorld, World, shaded_views};
-use crate::report::{ProfileId, RenderReport, SCHEMA};
+use crate::report::{RenderReport, SCHEMA};
 use crate::trace::Scene;
-use std::path::Path;
 
 /// Samples along each side of a pixel at edges.
 const SAMPLES: u32 = 4;
 
-/// Renders what is `wanted` with the mirror of `source` into `out`/NAME/render-SCENE.png.
-///
-/// # Errors
-/// [`enum@Error`] when there is no such scene, or a stage cannot be done; then there is no new file.
-pub fn render(
-    source: &Source,
-    wanted: &RenderOptions,
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<RenderReport, Error> {
-    let profile = &source.profile;
-    let clock = StageTimer::new(observer);
-    let scenery = Scenery::read(wanted)?;
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let by_mesh = !wanted.smooth || scenery.shows_part();
-    let mesh = if by_mesh { Some(build_in_memory(&clock, profile, &design)?) } else { None };
-    let seen = mesh.as_ref().map(|reread| &reread.seen);
-    let (png, picture) = clock.stage(Stage::Picture, || {
-        let picture = taken(&design, seen, scenery, wanted);
-        let png = picture.to_png().map_err(|e| Error::Picture(e.to_string()))?;
-        let note = format!("{} kB", png.len() / 1000);
-        Ok::<_, Error>(((png, picture), note))
-    })?;
-    let name = format!("render-{}.png", stem(wanted.scene));
-    let folder = Folder::create(&out.join(&profile.name))?;
-    clock.stage(Stage::Write, || {
-        let staged = folder.stage(&name, |out| out.write_all(&png))?;
-        staged.publish()?;
-        Ok::<_, Error>(((), name.clone()))
-    })?;
-    Ok(RenderReport {
-        schema: SCHEMA,
-        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
-        scene: wanted.scene.to_owned(),
-        traced: mesh.as_ref().map_or("design", |reread| reread.format.name()),
-        file: folder.path().join(name).display().to_string(),
-        pixels: [picture.width, picture.height],
-        rays: picture.samples,
-    })
+impl Command for RenderOptions<'_> {
+    type Report = RenderReport;
+
+    fn check(&self, _profile: &Profile) -> Result<(), Error> {
+        SceneName::of(self)?;
+        Ok(())
+    }
+
+    fn run(&self, run: &mut Run) -> Result<RenderReport, Error> {
+        let scenery = Scenery::read(self)?;
+        let design = run.design()?;
+        let (traced, (picture, png)) = match &scenery {
+            Scenery::Part(scene) => {
+                let InMemoryBuild { format, seen, .. } = build_in_memory(run, &design)?;
+                (format.name(), run.painted(|| self.part(&design, &seen.0, *scene))?)
+            }
+            Scenery::World(world) if self.smooth => {
+                let view = CameraView::Smooth;
+                ("design", run.painted(|| self.world(&design, view, world))?)
+            }
+            Scenery::World(world) => {
+                let InMemoryBuild { format, seen, .. } = build_in_memory(run, &design)?;
+                let view = CameraView::Mesh(&seen);
+                (format.name(), run.painted(|| self.world(&design, view, world))?)
+            }
+        };
+        let name = format!("render-{}.png", stem(self.scene));
+        run.timer.stage(Stage::Write, || {
+            run.files.add_bytes(&name, &png)?;
+            run.files.commit()?;
+            Ok::<_, FileError>(((), name.clone()))
+        })?;
+        Ok(RenderReport {
+            schema: SCHEMA,
+            profile: run.profile().into(),
+            scene: self.scene.to_owned(),
+            traced,
+            file: run.files.path_of(&name).display().to_string(),
+            pixels: [picture.width, picture.height],
+            rays: picture.samples,
+        })
+    }
 }
 
-fn taken(
-    design: &Design,
-    seen: Option<&TracedMesh>,
-    scenery: Scenery,
-    wanted: &RenderOptions,
-) -> Picture {
-    let eye = seen.map_or(CameraView::Smooth, CameraView::Mesh);
-    let far = |world: &dyn World| picture(design, eye, (world, Distance::Target), SAMPLES);
-    let around = |world: &dyn World| picture(design, eye, (world, Distance::Around), SAMPLES);
-    match (scenery, seen) {
-        (Scenery::Grid, _) => far(&TestWorld::new()),
-        // The camera is held so that the board, towards it, is at the picture's foot.
-        (Scenery::Chessboard, _) => around(&chessboard(design, wanted.square_mm)).turned(),
-        (Scenery::Views, Some((scene, _))) => {
-            shaded_views(scene, |at| if wanted.smooth { optical(design, at) } else { None })
+impl RenderOptions<'_> {
+    /// What the camera sees of a world.
+    fn world(&self, design: &Design, view: CameraView, scene: &WorldScene) -> Picture {
+        let far = |world: &dyn World| picture(design, view, (world, Distance::Target), SAMPLES);
+        let around = |world: &dyn World| picture(design, view, (world, Distance::Around), SAMPLES);
+        match scene {
+            WorldScene::Grid => far(&TestWorld::new()),
+            // The camera is held so that the board, towards it, is at the picture's foot.
+            WorldScene::Chessboard => around(&chessboard(design, self.square_mm)).turned(),
+            WorldScene::Panorama(world) => far(&**world),
+            WorldScene::Model(world) => around(&**world),
         }
-        (Scenery::Panorama(world), _) => far(&*world),
-        (Scenery::Model(world), _) => around(&*world),
-        (Scenery::Cylinder, Some((scene, _))) => cylinder(design, scene),
-        (Scenery::Views | Scenery::Cylinder, None) => unreachable!("the part is a mesh"),
+    }
+
+    /// The part itself.
+    fn part(&self, design: &Design, mesh: &Scene, scene: PartScene) -> Picture {
+        match scene {
+            PartScene::Views => {
+                shaded_views(mesh, |at| if self.smooth { optical(design, at) } else { None })
+            }
+            PartScene::Cylinder => cylinder(design, mesh),
+        }
     }
 }
 

@@ -3,27 +3,27 @@
 
 use super::check_file::open;
 use super::face::{self, AtPrecision};
-use super::files::{FileError, Folder, Staged};
-use super::formats::{precision, write_solid};
-use super::observer::StageTimer;
-use super::source::load;
+use super::formats::codec;
+use super::run::{Command, Run};
 use super::tolerance_spec::{PreparedStudy, prepared};
-use super::{Error, Observer, Stage, labelled, verdict};
+use super::{Error, Stage, verdict};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::{DVec3, Precision, TriMesh};
 use crate::num::stats::Summary;
 use crate::parallel;
-use crate::profile::{Format, Profile};
+use crate::profile::{MeshFormat, Profile};
 use crate::report::{Answer, DrawnError, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
 use crate::solid::{Solid, check};
 use crate::tolerance::{Displacement, Engine, PerturbedSystem};
 use crate::tolerance_terms::{ActsOn, Criterion, ErrorSourceRow, Perturbation};
 use crate::trace::Scene;
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
-/// Trial that is made a part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Trial that is made a part: the mesh files that the profile asks for, `pose.json` and `replay.json` in
+/// NAME/replay-K.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ReplayOptions<'a> {
     /// Its number.
     pub trial: u64,
@@ -43,60 +43,48 @@ const PER_AREA: f64 = 5.0;
 /// that of X and Y shows too.
 const ROUNDING: f64 = 16.0;
 
-/// Makes the part of a trial of the profile that `named` means, into `out`/NAME/replay-K: the mesh
-/// files that the profile asks for, `pose.json` and `replay.json`.
-///
-/// # Errors
-/// [`enum@Error`] when there is no such profile, it cannot be designed, meshed or toleranced, an
-/// error to be left out is none of it, the surface swings too finely for a mesh, or the disk refuses.
-pub fn replay(
-    named: &str,
-    wanted: &ReplayOptions,
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<ReplayReport, Error> {
-    let clock = StageTimer::new(observer);
-    let source = load(named)?;
-    let profile = &source.profile;
-    let ReplayOptions { trial, seed, .. } = *wanted;
-    let home = out.join(&profile.name);
-    let folder = Folder::create(&home.join(format!("replay-{trial}")))?;
-    let PreparedStudy { design, engine, .. } = prepared(&clock, named, &source)?;
-    let part = ImperfectPart::new(profile, &design, &engine, wanted)?;
-    let AtPrecision { made: face, formats, refused, .. } =
-        clock.stage(Stage::Mesh, || part.face())?;
+impl Command for ReplayOptions<'_> {
+    type Report = ReplayReport;
 
-    let label = labelled(profile, &design, format!("imperfect: trial {trial} of seed {seed}"));
-    let (mut staged, mut files) = (Vec::new(), Vec::new());
-    let mut reasons: Vec<String> = refused.into_iter().map(String::from).collect();
-    // Single rays see points of textures.
-    let rays = engine.pointwise();
-    let smooth = rays.displacement_of(&part.made);
-    for &format in &formats {
-        let solid = clock.stage(Stage::Solid, || part.solid(&face, format))?;
-        let optical = solid.optical();
-        let file =
-            super::write(&clock, &folder, format, |out| write_solid(out, format, &solid, &label))?;
-        drop(solid);
-        let subject = (&rays, &part.made, &design);
-        let (found, faults) = witnessed(&clock, subject, format, optical, &file, &smooth)?;
-        reasons.extend(faults);
-        files.extend(found);
-        staged.push(file);
+    fn folder(&self, profile: &Profile) -> PathBuf {
+        Path::new(&profile.name).join(format!("replay-{}", self.trial))
     }
-    let report = part.report(smooth, files, reasons);
-    let pose = part.pose(report.profile.clone());
-    clock.stage(Stage::Report, || {
-        let text =
-            |name: &str, text: String| folder.stage(name, |out| out.write_all(text.as_bytes()));
-        staged.push(text("pose.json", pose.json())?);
-        staged.push(text("replay.json", report.json())?);
-        let old = Format::ALL.iter().filter(|f| f.is_mesh() && !formats.contains(f));
-        let stale: Vec<&str> = old.map(|format| format.file_name()).collect();
-        folder.replace(staged, &stale)?;
-        Ok::<_, FileError>(((), folder.path().display().to_string()))
-    })?;
-    Ok(report)
+
+    fn run(&self, run: &mut Run) -> Result<ReplayReport, Error> {
+        let PreparedStudy { design, engine, .. } = prepared(run)?;
+        let part = ImperfectPart::new(run.profile(), &design, &engine, self)?;
+        let AtPrecision { made: face, formats, refused, .. } =
+            run.stage(Stage::Mesh, || part.face())?;
+        let ReplayOptions { trial, seed, .. } = *self;
+        let label = run.label(&design, format!("imperfect: trial {trial} of seed {seed}"));
+        let refused = refused.map(|refused| String::from(refused.made()));
+        let (mut files, mut reasons) = (Vec::new(), Vec::from_iter(refused));
+        // Single rays see points of textures.
+        let rays = engine.pointwise();
+        let smooth = rays.displacement_of(&part.made);
+        for &format in &formats {
+            let solid = run.stage(Stage::Solid, || part.solid(&face, format))?;
+            let optical = solid.optical();
+            let write = |out: &mut dyn Write| codec(format).write(out, &solid, None, &label);
+            run.write(format.file_name(), write)?;
+            drop(solid);
+            let subject = (&rays, &part.made, &design);
+            let (found, faults) = witnessed(run, subject, format, optical, &smooth)?;
+            reasons.extend(faults);
+            files.extend(found);
+        }
+        let report = part.report(smooth, files, reasons);
+        let pose = part.pose(report.profile.clone());
+        run.publish(Stage::Report, |files, _| {
+            files.add_bytes("pose.json", pose.json().as_bytes())?;
+            files.add_report("replay.json", &report.json())?;
+            for format in MeshFormat::ALL.iter().filter(|format| !formats.contains(format)) {
+                files.remove(format.file_name());
+            }
+            Ok(())
+        })?;
+        Ok(report)
+    }
 }
 
 /// The part of a trial, without the errors that its files do not have.
@@ -149,10 +137,12 @@ impl<'a> ImperfectPart<'a> {
     }
 
     /// The closed part in the digits of a format, and how many triangles it has.
-    fn solid(&self, face: &TriMesh, format: Format) -> Result<(Solid, String), Error> {
+    fn solid(&self, face: &TriMesh, format: MeshFormat) -> Result<(Solid, String), Error> {
         let name = || self.profile.name.clone();
         let solid = Solid::from_face(face, self.design.border.as_ref(), Precision::Double)
-            .and_then(|solid| solid.grown(self.engine.growth(&self.made), precision(format)))
+            .and_then(|solid| {
+                solid.grown(self.engine.growth(&self.made), codec(format).precision())
+            })
             .map_err(|source| Error::Solid { profile: name(), format, source })?;
         let note = format!("{} triangles, closed", solid.mesh().triangles.len());
         Ok((solid, note))
@@ -172,7 +162,7 @@ impl<'a> ImperfectPart<'a> {
         };
         ReplayReport {
             schema: SCHEMA,
-            profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
+            profile: profile.into(),
             seed,
             trial,
             samples: engine.samples(),
@@ -291,18 +281,18 @@ fn displaced(engine: &Engine, made: &PerturbedSystem, mut face: TriMesh) -> TriM
 
 /// Reads a file of the made part and traces it, with reasons why it will not do.
 fn witnessed(
-    clock: &StageTimer,
+    run: &Run,
     (engine, made, design): (&Engine, &PerturbedSystem, &Design),
-    format: Format,
+    format: MeshFormat,
     optical: usize,
-    staged: &Staged,
     smooth: &Displacement,
 ) -> Result<(Option<ReplayFile>, Vec<String>), Error> {
     let read = |reread: ImportedMesh| {
         let solid = check(&reread.mesh).through(design.holes());
         (reread.mesh, solid)
     };
-    let (file, read) = open(clock, format, staged.read()?, read);
+    let staged = run.files.staged(format.file_name())?;
+    let (file, read) = open(run, format, staged.read()?, read);
     let name = file.name.clone();
     let mut faults: Vec<String> = Vec::new();
     if file.sha256 != staged.sha256() {
@@ -313,7 +303,7 @@ fn witnessed(
             faults.push(error.to_string());
             None
         }
-        Ok((mesh, solid)) => Some(clock.always(Stage::Trace, || {
+        Ok((mesh, solid)) => Some(run.timer.always(Stage::Trace, || {
             faults.extend(solid.reasons());
             let rounding_mm = rounding(&mesh, format);
             let mut vertices: Vec<u32> =
@@ -343,9 +333,9 @@ fn witnessed(
 }
 
 /// Displacement of a vertex along Z by rounding to a format's digits, mm.
-fn rounding(mesh: &TriMesh, format: Format) -> f64 {
+fn rounding(mesh: &TriMesh, format: MeshFormat) -> f64 {
     let largest = mesh.bounds().map_or(0.0, |(lo, hi)| lo.abs().max(hi.abs()).max_element());
-    let digit = match precision(format) {
+    let digit = match codec(format).precision() {
         Precision::Single => 0.5 * f64::from(f32::EPSILON),
         // The mirror itself is evaluated to some thousand times the last digit.
         Precision::Double => 1e3 * f64::EPSILON,

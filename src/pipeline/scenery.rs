@@ -1,12 +1,12 @@
 //! Scenes by name or file.
 
-use super::files::{self, FileError};
+use crate::publish::{self, FileError};
 use crate::raster::{Raster, RasterError};
 use crate::render::{Model, ModelError, PanoramaWorld};
 use std::path::Path;
 use thiserror::Error;
 
-/// What is to be rendered, and how.
+/// How a scene is rendered: writes `render-SCENE.png` into NAME.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions<'a> {
     /// The name of a scene, or a file.
@@ -19,6 +19,14 @@ pub struct RenderOptions<'a> {
     pub unit_mm: Option<f64>,
     /// Whether a model may name files outside its folder.
     pub allow_outside: bool,
+}
+
+impl Default for RenderOptions<'_> {
+    /// The test world.
+    fn default() -> Self {
+        let (square_mm, unit_mm) = (None, None);
+        Self { scene: "grid", smooth: false, square_mm, unit_mm, allow_outside: false }
+    }
 }
 
 /// Why there is no scene.
@@ -79,88 +87,135 @@ pub enum SceneError {
     },
 }
 
-/// A scene, ready to be seen.
-pub enum Scenery {
+/// A scene by its name, not read yet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneName {
     /// The test world far away.
     Grid,
     /// The chessboard around the mirror.
     Chessboard,
     /// The part itself.
+    Part(PartScene),
+    /// A file with triangles around the mirror.
+    Model,
+    /// A file with a picture far away.
+    Panorama,
+}
+
+/// A picture of the part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PartScene {
+    /// From several sides.
     Views,
     /// The image, the part and the cylinder around it.
     Cylinder,
+}
+
+/// A scene, ready to be seen.
+pub enum Scenery {
+    /// In the mirror.
+    World(WorldScene),
+    /// The part itself.
+    Part(PartScene),
+}
+
+/// A world that is seen in the mirror.
+pub enum WorldScene {
+    /// The test world far away.
+    Grid,
+    /// The chessboard around the mirror.
+    Chessboard,
     /// A picture far away.
     Panorama(Box<PanoramaWorld>),
     /// Triangles around the mirror.
     Model(Box<Model>),
 }
 
-const NAMES: [&str; 4] = ["grid", "chessboard", "views", "cylinder"];
+const NAMES: [(&str, SceneName); 4] = [
+    ("grid", SceneName::Grid),
+    ("chessboard", SceneName::Chessboard),
+    ("views", SceneName::Part(PartScene::Views)),
+    ("cylinder", SceneName::Part(PartScene::Cylinder)),
+];
 
-impl Scenery {
-    /// Whether it shows the part itself.
-    pub fn shows_part(&self) -> bool {
-        matches!(self, Self::Views | Self::Cylinder)
-    }
-
-    /// Finds and reads the scene that is wanted.
-    pub fn read(wanted: &RenderOptions) -> Result<Self, SceneError> {
-        let scenery = Self::find(wanted)?;
+impl SceneName {
+    /// The scene that is asked for, if there is one to which the options belong.
+    ///
+    /// # Errors
+    /// [`SceneError::Unknown`] and [`SceneError::Misplaced`].
+    pub fn of(options: &RenderOptions) -> Result<Self, SceneError> {
+        let scene = Self::find(options.scene)?;
         let misplaced =
-            |option, of| Err(SceneError::Misplaced { option, of, named: wanted.scene.to_owned() });
-        if wanted.square_mm.is_some() && !matches!(scenery, Self::Chessboard) {
+            |option, of| Err(SceneError::Misplaced { option, of, named: options.scene.to_owned() });
+        if options.square_mm.is_some() && scene != Self::Chessboard {
             return misplaced("--square-mm", "the chessboard");
         }
-        if wanted.smooth && matches!(scenery, Self::Cylinder) {
+        if options.smooth && scene == Self::Part(PartScene::Cylinder) {
             return misplaced("--smooth", "what the camera sees, and views");
         }
-        if wanted.unit_mm.is_some() && !matches!(scenery, Self::Model(_)) {
+        if options.unit_mm.is_some() && scene != Self::Model {
             return misplaced("--unit-mm", "OBJ models");
         }
-        Ok(scenery)
+        Ok(scene)
     }
 
-    fn find(wanted: &RenderOptions) -> Result<Self, SceneError> {
-        let named = wanted.scene;
-        match named {
-            "grid" => return Ok(Self::Grid),
-            "chessboard" => return Ok(Self::Chessboard),
-            "views" => return Ok(Self::Views),
-            "cylinder" => return Ok(Self::Cylinder),
-            _ => {}
+    fn find(named: &str) -> Result<Self, SceneError> {
+        if let Some((_, scene)) = NAMES.iter().find(|(name, _)| *name == named) {
+            return Ok(*scene);
         }
         let path = Path::new(named);
         if !path.exists() {
-            let likeness = |name: &&&str| strsim::jaro_winkler(named, name);
-            let closest = NAMES.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+            let likeness = |name: &str| strsim::jaro_winkler(named, name);
+            let closest = NAMES
+                .iter()
+                .map(|(name, _)| *name)
+                .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
             let hint = closest
                 .filter(|name| likeness(name) > 0.8)
                 .map_or(String::new(), |name| format!("; did you mean {name}?"));
             return Err(SceneError::Unknown { named: named.into(), hint });
         }
-        let bytes = files::read(path)?;
-        let file = || path.display().to_string();
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if ending.as_deref() == Some("obj") {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            let beside = |name: &Path| {
-                let bytes = files::read_below(folder, name, wanted.allow_outside);
-                bytes.map_err(|error| error.to_string())
-            };
-            let model = Model::read(&bytes, wanted.unit_mm.unwrap_or(1.0), beside);
-            let fault = |source| SceneError::Model { file: file(), source };
-            return Ok(Self::Model(Box::new(model.map_err(fault)?)));
-        }
-        let picture = Raster::decode(&bytes)
-            .map_err(|source| SceneError::Picture { file: file(), source })?;
-        let (width, height) = (picture.width, picture.height);
-        let panorama = PanoramaWorld::new(picture).ok_or_else(|| SceneError::Shape {
-            file: file(),
-            width,
-            height,
-        })?;
-        Ok(Self::Panorama(Box::new(panorama)))
+        Ok(if ending.as_deref() == Some("obj") { Self::Model } else { Self::Panorama })
     }
+}
+
+impl Scenery {
+    /// Finds and reads the scene that is asked for.
+    ///
+    /// # Errors
+    /// [`SceneError`] when there is none, or its file cannot be read.
+    pub fn read(options: &RenderOptions) -> Result<Self, SceneError> {
+        let world = match SceneName::of(options)? {
+            SceneName::Part(scene) => return Ok(Self::Part(scene)),
+            SceneName::Grid => WorldScene::Grid,
+            SceneName::Chessboard => WorldScene::Chessboard,
+            SceneName::Model => WorldScene::Model(Box::new(model(options)?)),
+            SceneName::Panorama => WorldScene::Panorama(Box::new(panorama(options.scene)?)),
+        };
+        Ok(Self::World(world))
+    }
+}
+
+fn model(options: &RenderOptions) -> Result<Model, SceneError> {
+    let path = Path::new(options.scene);
+    let bytes = publish::read(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let beside = |name: &Path| {
+        let bytes = publish::read_below(folder, name, options.allow_outside);
+        bytes.map_err(|error| error.to_string())
+    };
+    Model::read(&bytes, options.unit_mm.unwrap_or(1.0), beside)
+        .map_err(|source| SceneError::Model { file: path.display().to_string(), source })
+}
+
+fn panorama(named: &str) -> Result<PanoramaWorld, SceneError> {
+    let path = Path::new(named);
+    let file = || path.display().to_string();
+    let picture = Raster::decode(&publish::read(path)?)
+        .map_err(|source| SceneError::Picture { file: file(), source })?;
+    let (width, height) = (picture.width, picture.height);
+    PanoramaWorld::new(picture).ok_or_else(|| SceneError::Shape { file: file(), width, height })
 }
 
 /// What the picture's file is called after: a scene's name, or the file's with a hyphen before its

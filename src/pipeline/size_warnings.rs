@@ -6,7 +6,8 @@ use crate::design::Design;
 use crate::geom::{Outline, Precision};
 use crate::mesh::{Limits, mesh};
 use crate::num::rounding::{two_digits_above, two_digits_below};
-use crate::profile::{Format, Profile};
+use crate::num::units::{Mm, Px};
+use crate::profile::{CadFormat, FileFormat, Profile};
 use crate::report::MeshFacts;
 use std::f64::consts::PI;
 
@@ -42,7 +43,7 @@ impl SizeWarnings<'_> {
         let mut warnings: Vec<String> = self.cut_off().into_iter().collect();
         if triangles >= MANY {
             let instead = self.instead(triangles, MANY as f64);
-            let step = if self.profile.formats.contains(&Format::Step) {
+            let step = if self.profile.formats.contains(&FileFormat::Cad(CadFormat::Step)) {
                 "mirror.step is there for them"
             } else {
                 "add \"step\" to export.formats"
@@ -53,7 +54,7 @@ impl SizeWarnings<'_> {
             ));
         }
         for &(file, bytes) in files.iter().filter(|(_, bytes)| *bytes >= LARGE) {
-            if file == Format::Csv.file_name() {
+            if file == CadFormat::Csv.file_name() {
                 warnings.push(self.on_table(file, bytes));
                 continue;
             }
@@ -88,7 +89,7 @@ impl SizeWarnings<'_> {
         while counts.len() < FINER_MESHES && counts.last().is_none_or(|&count| count <= most) {
             by *= FINER;
             let [chord_mm, facet_mm] = match view {
-                Some(_) => [None, Some(by * made.facet_px.bound * camera.pixel_mm)],
+                Some(_) => [None, Some(camera.to_mm(Px(by * made.facet_px.bound)).0)],
                 None => [Some(by * made.chord_um.bound * 1e-3), None],
             };
             let limits = Limits { chord_mm, facet_mm, precision: self.precision };
@@ -129,7 +130,7 @@ impl SizeWarnings<'_> {
                  is {:.0} pixels across; to see all of it, {instead}",
                 self.profile.name,
                 100.0 * lost,
-                2.0 * outer / camera.pixel_mm,
+                camera.to_px(Mm(2.0 * outer)).0,
             )
         })
     }
@@ -150,7 +151,7 @@ impl SizeWarnings<'_> {
     /// What to write into the profile for fewer triangles than `most`.
     fn instead(&self, triangles: usize, most: f64) -> String {
         let budget = format!("max_triangles = {}", two_digits_below(BELOW * most));
-        if self.profile.mesh.max_triangles.is_some() {
+        if self.profile.mesh.max_triangles().is_some() {
             return budget;
         }
         match self.looser(triangles, BELOW * most) {
@@ -183,8 +184,8 @@ impl SizeWarnings<'_> {
             }
             // Triangles are as one over the chord, and as one over the square of the facet error.
             let [by_chord, by_facet] = [ratio, ratio.sqrt()];
-            let chord_um = self.profile.mesh.chord_um.map(|um| two_digits_above(um * by_chord));
-            let facet_px = self.profile.mesh.facet_px.map(|px| two_digits_above(px * by_facet));
+            let chord_um = self.profile.mesh.chord_um().map(|um| two_digits_above(um * by_chord));
+            let facet_px = self.profile.mesh.facet_px().map(|px| two_digits_above(px * by_facet));
             let mut limits = own;
             let mut words = Vec::new();
             if let (Some(um), true) = (chord_um, rules[0]) {

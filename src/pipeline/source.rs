@@ -1,8 +1,9 @@
 //! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights
 //! that a profile names.
 
-use super::files::{self, FileError};
 use crate::profile::{Complaints, GridError, Profile, SagGrid, ShapeSpec, shipped};
+use crate::publish::{self, FileError};
+use std::borrow::Cow;
 use std::path::Path;
 use thiserror::Error;
 
@@ -11,19 +12,50 @@ const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
 
-/// A profile, and what is in the file that it names.
+/// A profile, and what is in the files that it names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     /// The profile.
     pub profile: Profile,
+    /// The name by which it was loaded: the files that it names are beside that.
+    pub named: String,
     /// The heights of a mirror that is given as a grid.
     pub sag: Option<SagGrid>,
+    /// The measured form error for tolerancing; none: read from its file when it is asked for.
+    pub form_map: Option<SagGrid>,
 }
 
 impl From<Profile> for Source {
     /// Of a profile that names no file.
     fn from(profile: Profile) -> Self {
-        Self { profile, sag: None }
+        Self { named: profile.name.clone(), profile, sag: None, form_map: None }
+    }
+}
+
+impl Source {
+    /// The measured form error that the profile names, if it names one.
+    ///
+    /// # Errors
+    /// [`SourceError`] when its file cannot be read or has a fault.
+    pub fn form_map(&self) -> Result<Option<Cow<'_, SagGrid>>, SourceError> {
+        let Some(file) = &self.profile.tolerance.map_file else { return Ok(None) };
+        Ok(Some(match &self.form_map {
+            Some(map) => Cow::Borrowed(map),
+            None => Cow::Owned(grid(self.folder(), file)?),
+        }))
+    }
+
+    /// The folder of the files that the profile names.
+    fn folder(&self) -> &Path {
+        Path::new(&self.named).parent().unwrap_or(Path::new(""))
+    }
+
+    /// With the heights that the profile names.
+    fn with_heights(mut self) -> Result<Self, SourceError> {
+        if let ShapeSpec::Grid { file } = &self.profile.shape {
+            self.sag = Some(grid(self.folder(), file)?);
+        }
+        Ok(self)
     }
 }
 
@@ -71,7 +103,7 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
     // A folder called like a shipped profile (an output of it, say) does not hide it.
     if let (Some(profile), false) = (known, path.is_file()) {
         let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes())?;
-        return with_heights(profile, Path::new(""));
+        return Source::from(profile).with_heights();
     }
     if !path.exists() {
         let closest = shipped()
@@ -84,32 +116,20 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
         };
         return Err(SourceError::Unknown { named: named.into(), hint });
     }
-    let bytes = files::read_at_most(path, MOST_TEXT)?;
+    let bytes = publish::read_at_most(path, MOST_TEXT)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     if matches!(&*stem, "" | "." | "..") {
         return Err(SourceError::Nameless { named: named.into() });
     }
     let profile = Profile::parse(&stem, named, &bytes)?;
-    with_heights(profile, path.parent().unwrap_or(Path::new("")))
+    Source { named: named.into(), ..profile.into() }.with_heights()
 }
 
-/// The heights in `file`, relative to the folder of the profile that `named` means.
-///
-/// # Errors
-/// [`SourceError`] when it cannot be read or has a fault.
-pub fn heights_beside(named: &str, file: &str) -> Result<SagGrid, SourceError> {
-    let path = Path::new(named).parent().unwrap_or(Path::new("")).join(file);
-    SagGrid::parse(&files::read_named(&path, MOST_HEIGHTS)?)
-        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })
-}
-
-/// `profile` with the heights that it names, relative to its folder.
-fn with_heights(profile: Profile, folder: &Path) -> Result<Source, SourceError> {
-    let ShapeSpec::Grid { file } = &profile.shape else { return Ok(Source { profile, sag: None }) };
+/// The heights in `file`, relative to `folder`.
+fn grid(folder: &Path, file: &str) -> Result<SagGrid, SourceError> {
     let path = folder.join(file);
-    let sag = SagGrid::parse(&files::read_named(&path, MOST_HEIGHTS)?)
-        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })?;
-    Ok(Source { profile, sag: Some(sag) })
+    SagGrid::parse(&publish::read_named(&path, MOST_HEIGHTS)?)
+        .map_err(|source| SourceError::Grid { path: path.display().to_string(), source })
 }
 
 #[cfg(test)]

@@ -1,15 +1,15 @@
 //! Tolerancing: trials to files, at once or in parts.
 
-use super::files::{self, Folder};
-use super::machining::{MachiningOptions, scalloped, survey};
-use super::observer::StageTimer;
+use super::cutter_survey::CutterSurvey;
+use super::machining::MachiningOptions;
+use super::run::{Command, Run};
 use super::source::load;
 use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Observer, Stage};
-use crate::design::Design;
 use crate::num::random::RandomStream;
 use crate::profile::Profile;
-use crate::report::{Answer, MachiningReport, ProfileId, ToleranceReport};
+use crate::publish::{self, sha256};
+use crate::report::{Answer, MachiningReport, ToleranceReport};
 use crate::tolerance::{
     Engine, Perturbation, PlotData, Study, ToleranceSpec, Trial, read_trial, trial_columns,
     trial_line, worst_offenders,
@@ -18,160 +18,163 @@ use serde_json::Value;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Trials of a run.
+/// How a profile is toleranced: writes `tolerance.json`, `tolerance.html`, `trials.csv` and
+/// `tolerance-timings.json` into NAME.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trials {
-    /// Their numbers: at least one.
+pub struct ToleranceOptions {
+    /// Numbers of the trials: at least one.
     pub range: Range<u64>,
-    /// Seed that they are drawn from.
+    /// What they are drawn from.
     pub seed: u64,
     /// End early when the yield's 95 % interval is no wider than this.
     pub until: Option<f64>,
 }
 
-/// Answers the profile that `named` means by `trials`, into `out`/NAME: `tolerance.json`,
-/// `tolerance.html`, `trials.csv` and `tolerance-timings.json`.
-///
-/// # Errors
-/// [`enum@Error`] when there is no such profile, it cannot be designed or has no projection, or the disk refuses.
-pub fn tolerance(
-    named: &str,
-    trials: &Trials,
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<ToleranceReport, Error> {
-    let clock = StageTimer::new(observer);
-    let source = load(named)?;
-    let folder = Folder::create(&out.join(&source.profile.name))?;
-    let asked = prepared(&clock, named, &source)?;
-    let machining = tracks(&clock, (&source.profile, &asked.design), &asked.engine)?;
-    let made = traced(&clock, &asked.engine, trials);
-    concluded(&clock, (&source.profile, machining), &asked, trials.seed, &made, &folder)
+impl Default for ToleranceOptions {
+    fn default() -> Self {
+        Self { range: 0..2000, seed: 1, until: None }
+    }
 }
 
-/// A part of a run that goes on elsewhere.
+impl Command for ToleranceOptions {
+    type Report = ToleranceReport;
+
+    fn run(&self, run: &mut Run) -> Result<ToleranceReport, Error> {
+        let study = prepared(run)?;
+        let machining = tracks(run, &study)?;
+        let trials = traced(run, &study.engine, self);
+        concluded(run, &study, machining, self.seed, &trials)
+    }
+}
+
+/// A part of a run that goes on elsewhere: its trials alone, written into NAME/trials-A-B.csv.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialsPart(pub ToleranceOptions);
+
+/// The file of a part of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialsFile {
-    /// The file, for [`tolerance_merged`].
+    /// The file, for [`merge`].
     pub path: PathBuf,
     /// How many trials it holds.
     pub trials: u64,
 }
 
-/// Makes `trials` alone, into `out`/NAME/trials-A-B.csv.
-///
-/// # Errors
-/// As [`tolerance`].
-pub fn tolerance_part(
-    named: &str,
-    trials: &Trials,
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<TrialsFile, Error> {
-    let clock = StageTimer::new(observer);
-    let source = load(named)?;
-    let folder = Folder::create(&out.join(&source.profile.name))?;
-    let PreparedStudy { engine, .. } = prepared(&clock, named, &source)?;
-    let made = traced(&clock, &engine, trials);
-    let Range { start, end } = trials.range;
-    let name = format!("trials-{start}-{end}.csv");
-    let (profile, seed) = (&source.profile, trials.seed);
-    let text =
-        format!("{PART}{start}..{end} {}\n{}", quoted(named), table(profile, &engine, seed, &made));
-    folder.stage(&name, |out| out.write_all(text.as_bytes()))?.publish()?;
-    Ok(TrialsFile { path: folder.path().join(name), trials: made.len() as u64 })
+impl Command for TrialsPart {
+    type Report = TrialsFile;
+
+    fn run(&self, run: &mut Run) -> Result<TrialsFile, Error> {
+        let PreparedStudy { engine, .. } = prepared(run)?;
+        let trials = traced(run, &engine, &self.0);
+        let Range { start, end } = self.0.range;
+        let name = format!("trials-{start}-{end}.csv");
+        let table = table(run.profile(), &engine, self.0.seed, &trials);
+        let text = format!("{PART}{start}..{end} {}\n{table}", quoted(&run.source.named));
+        run.files.add_bytes(&name, text.as_bytes())?;
+        run.files.commit()?;
+        Ok(TrialsFile { path: run.files.path_of(&name), trials: trials.len() as u64 })
+    }
 }
 
-/// Answers by the trials of parts, in any order, as [`tolerance`] does by the same trials at once.
+/// Answers by the trials of parts, in any order, as [`ToleranceOptions`] do by the same trials at once.
 ///
 /// # Errors
-/// As [`tolerance`], and [`Error::Part`] when a file is no part, or the parts do not follow each
-/// other or are of different runs.
-pub fn tolerance_merged(
+/// [`Error::Part`] when a file is no part, or the parts do not follow each other or are of different runs;
+/// or when a stage cannot be done.
+pub fn merge(
     parts: &[PathBuf],
     out: &Path,
     observer: &dyn Observer,
 ) -> Result<ToleranceReport, Error> {
-    let clock = StageTimer::new(observer);
-    let Some(first) = parts.first() else {
-        return Err(part_fault(Path::new("--merge"), "no part is named"));
+    let read = |path: &PathBuf| {
+        let text = String::from_utf8(publish::read(path)?)
+            .map_err(|_| fault(path, "it is no part of a run: not text"))?;
+        Ok((path.clone(), text))
     };
-    let mut read: Vec<(&Path, String)> = Vec::new();
-    for path in parts {
-        let text = String::from_utf8(files::read(path)?)
-            .map_err(|_| part_fault(path, "it is no part of a run: not text"))?;
-        read.push((path, text));
+    let parts: Vec<(PathBuf, String)> = parts.iter().map(read).collect::<Result<_, Error>>()?;
+    let Some((first, text)) = parts.first() else {
+        return Err(fault(Path::new("--merge"), "no part is named"));
+    };
+    let (_, named) = beginning(text).ok_or_else(|| fault(first, NO_PART))?;
+    Merge { parts }.publish(&load(&named)?, out, observer)
+}
+
+/// Parts of one run: path and text of each.
+struct Merge {
+    parts: Vec<(PathBuf, String)>,
+}
+
+impl Command for Merge {
+    type Report = ToleranceReport;
+
+    fn run(&self, run: &mut Run) -> Result<ToleranceReport, Error> {
+        let study = prepared(run)?;
+        let (first, text) = &self.parts[0];
+        let seed = seed_of(text).ok_or_else(|| fault(first, NO_PART))?;
+        let trials = self.trials(&heading(run.profile(), &study.engine, seed), &study.engine)?;
+        run.timer.worked(Stage::Trials, TRIALS, [0, trials.len()], "the parts hold them");
+        let machining = tracks(run, &study)?;
+        concluded(run, &study, machining, seed, &trials)
     }
-    let (_, named) = heading_of_part(&read[0].1).ok_or_else(|| part_fault(first, NO_PART))?;
-    let source = load(&named)?;
-    let folder = Folder::create(&out.join(&source.profile.name))?;
-    let asked = prepared(&clock, &named, &source)?;
-    let engine = &asked.engine;
-    let seed = seed_of(&read[0].1).ok_or_else(|| part_fault(first, NO_PART))?;
-    let head = heading(&source.profile, engine, seed);
-    let mut runs: Vec<(&Path, Vec<Trial>)> = Vec::new();
-    for (path, text) in &read {
-        let (range, _) = heading_of_part(text).ok_or_else(|| part_fault(path, NO_PART))?;
-        let body = text.split_once('\n').map_or("", |(_, body)| body);
-        let lines = body.strip_prefix(&head).ok_or_else(|| {
-            let reason = format!(
-                "its profile, seed or version is not that of {}, or the profile, a file that it names or \
-                 the build whose facets it takes has changed since",
-                first.display()
-            );
-            part_fault(path, &reason)
-        })?;
-        let trials = whole_trials(lines, range, engine.adjustments().len());
-        runs.push((path, trials.ok_or_else(|| part_fault(path, "its trials are not whole"))?));
+}
+
+impl Merge {
+    /// All trials in their order, of files that have this head.
+    fn trials(&self, head: &str, engine: &Engine) -> Result<Vec<Trial>, Error> {
+        let adjustments = engine.adjustments().len();
+        let mut runs: Vec<(&PathBuf, Vec<Trial>)> = Vec::new();
+        for (path, text) in &self.parts {
+            let (range, _) = beginning(text).ok_or_else(|| fault(path, NO_PART))?;
+            let body = text.split_once('\n').map_or("", |(_, body)| body);
+            let Some(lines) = body.strip_prefix(head) else {
+                let first = self.parts[0].0.display();
+                let reason = format!(
+                    "its profile, seed or version is not that of {first}, or the profile, a file that it \
+                     names or the build whose facets it takes has changed since"
+                );
+                return Err(fault(path, &reason));
+            };
+            let trials: Option<Vec<Trial>> =
+                lines.lines().map(|line| read_trial(line, adjustments)).collect();
+            // The last line is whole when it ends.
+            let whole = trials.filter(|trials| {
+                !range.is_empty()
+                    && text.ends_with('\n')
+                    && trials.iter().map(|t| t.index).eq(range)
+            });
+            runs.push((path, whole.ok_or_else(|| fault(path, "its trials are not whole"))?));
+        }
+        runs.sort_by_key(|(_, trials)| trials[0].index);
+        let mut all: Vec<Trial> = Vec::new();
+        for (path, trials) in runs {
+            if let Some(last) = all.last()
+                && last.index + 1 != trials[0].index
+            {
+                let (first, next) = (trials[0].index, last.index + 1);
+                let reason = format!("it begins with trial {first}, where {next} is to follow");
+                return Err(fault(path, &reason));
+            }
+            all.extend(trials);
+        }
+        Ok(all)
     }
-    let all = joined(runs)?;
-    clock.worked(Stage::Trials, TRIALS, [0, all.len()], "the parts hold them");
-    let machining = tracks(&clock, (&source.profile, &asked.design), engine)?;
-    concluded(&clock, (&source.profile, machining), &asked, seed, &all, &folder)
 }
 
 const NO_PART: &str =
     "it is no part of a run; `morion tolerance PROFILE --trials A..B --part` makes them";
 
-fn part_fault(path: &Path, reason: &str) -> Error {
+fn fault(path: &Path, reason: &str) -> Error {
     Error::Part { path: path.to_owned(), reason: reason.to_owned() }
 }
 
-/// The numbers of the trials of a part, and the profile as it was named.
-fn heading_of_part(text: &str) -> Option<(Range<u64>, String)> {
+/// The range of a part, and the name of its profile.
+fn beginning(text: &str) -> Option<(Range<u64>, String)> {
     let (range, named) = text.lines().next()?.strip_prefix(PART)?.split_once(' ')?;
     let (start, end) = range.split_once("..")?;
     Some((start.parse().ok()?..end.parse().ok()?, serde_json::from_str(named).ok()?))
 }
 
-/// The trials of a part's lines, if they are all that it has in its name.
-fn whole_trials(lines: &str, range: Range<u64>, adjustments: usize) -> Option<Vec<Trial>> {
-    let trials: Option<Vec<Trial>> =
-        lines.lines().map(|line| read_trial(line, adjustments)).collect();
-    // The last line is whole when it ends.
-    trials.filter(|trials| {
-        !range.is_empty() && lines.ends_with('\n') && trials.iter().map(|t| t.index).eq(range)
-    })
-}
-
-/// The trials of parts in any order, which have to follow each other.
-fn joined(mut runs: Vec<(&Path, Vec<Trial>)>) -> Result<Vec<Trial>, Error> {
-    runs.sort_by_key(|(_, trials)| trials[0].index);
-    let mut all: Vec<Trial> = Vec::new();
-    for (path, trials) in runs {
-        if let Some(last) = all.last()
-            && last.index + 1 != trials[0].index
-        {
-            let (first, next) = (trials[0].index, last.index + 1);
-            let reason = format!("it begins with trial {first}, where {next} is to follow");
-            return Err(part_fault(path, &reason));
-        }
-        all.extend(trials);
-    }
-    Ok(all)
-}
-
-/// First words of a part's file; the profile as it was named follows, as a string of JSON.
+/// What a part begins with; the profile as it was named follows, as a string of JSON.
 const PART: &str = "# part of a run of morion tolerance ";
 
 /// On one line, whatever is in it.
@@ -187,8 +190,8 @@ fn seed_of(text: &str) -> Option<u64> {
 fn heading(profile: &Profile, engine: &Engine, seed: u64) -> String {
     let adjustments: Vec<String> =
         engine.adjustments().iter().map(|a| format!("{} {}", a.name, a.unit)).collect();
-    let keys = engine.spec.sources.iter().map(|source| source.kind.key().to_owned());
-    let sources: Vec<String> = keys.collect();
+    let sources: Vec<String> =
+        engine.spec.sources.iter().map(|source| source.kind.key().to_owned()).collect();
     // The files that a profile names are none of its bytes, and a build may say what facets do.
     let limits = engine.spec.sources.iter().map(|source| source.limit);
     let marks: Vec<u8> =
@@ -200,7 +203,7 @@ fn heading(profile: &Profile, engine: &Engine, seed: u64) -> String {
         "# Morion {} trials of {name}\n# sha256 {}\n# system {}\n# seed {seed}\n{}\n",
         env!("CARGO_PKG_VERSION"),
         profile.sha256,
-        files::sha256(&marks),
+        sha256(&marks),
         trial_columns(&adjustments, &sources)
     )
 }
@@ -216,17 +219,18 @@ fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> Str
     text
 }
 
-/// Name of the work that the stage of trials counts.
+/// What the stage of trials counts.
 const TRIALS: &str = "trials";
 
-fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
-    let Trials { range, seed, until } = trials.clone();
-    clock.always(Stage::Trials, || {
+fn traced(run: &Run, engine: &Engine, options: &ToleranceOptions) -> Vec<Trial> {
+    let ToleranceOptions { range, seed, until } = options.clone();
+    let timer = &run.timer;
+    timer.always(Stage::Trials, || {
         let asked = (range.end - range.start) as usize;
         let made = engine.trials(&engine.spec.sources, seed, range, until);
-        clock.toleranced(Stage::Trials, engine.worked());
+        timer.toleranced(Stage::Trials, engine.worked());
         let enough = "the yield is known well enough";
-        clock.worked(Stage::Trials, TRIALS, [made.len(), asked - made.len()], enough);
+        timer.worked(Stage::Trials, TRIALS, [made.len(), asked - made.len()], enough);
         let note = format!("{} trials", made.len());
         (made, note)
     })
@@ -234,62 +238,58 @@ fn traced(clock: &StageTimer, engine: &Engine, trials: &Trials) -> Vec<Trial> {
 
 /// Writes the answers.
 fn concluded(
-    clock: &StageTimer,
-    (profile, machining): (&Profile, Option<MachiningReport>),
+    run: &mut Run,
     PreparedStudy { engine, facets_from, .. }: &PreparedStudy,
+    machining: Option<MachiningReport>,
     seed: u64,
     trials: &[Trial],
-    folder: &Folder,
 ) -> Result<ToleranceReport, Error> {
-    let study = clock.always(Stage::Budget, || {
+    let timer = &run.timer;
+    let study = timer.always(Stage::Budget, || {
         let study = Study::new(engine, seed, trials);
-        clock.toleranced(Stage::Budget, engine.worked());
+        timer.toleranced(Stage::Budget, engine.worked());
         let note = format!("yield {:.2} %", 100.0 * study.yields.share);
         (study, note)
     });
-    let id = ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() };
     let offenders = worst_offenders(&study);
-    let report = ToleranceReport::new(id, study, *facets_from, offenders, machining);
-    clock.stage(Stage::Report, || {
+    let profile = run.profile();
+    let report = ToleranceReport::new(profile.into(), study, *facets_from, offenders, machining);
+    run.publish(Stage::Report, |files, timer| {
         let page = report.html(&PlotData::new(engine, seed, trials));
         let page = page.map_err(|error| Error::Plot(error.to_string()))?;
-        let table = table(profile, engine, seed, trials);
-        let trials = folder.stage("trials.csv", |out| out.write_all(table.as_bytes()))?;
-        let json = report.json();
-        let answers = folder.stage("tolerance.json", |out| out.write_all(json.as_bytes()))?;
-        let page = folder.stage("tolerance.html", |out| out.write_all(page.as_bytes()))?;
-        let timings = format!("{:#}\n", clock.timings(&clock.work()));
-        let timings =
-            folder.stage("tolerance-timings.json", |out| out.write_all(timings.as_bytes()))?;
-        folder.replace(vec![trials, page, timings, answers], &[])?;
-        Ok::<_, Error>(((), folder.path().display().to_string()))
+        files.add_bytes("trials.csv", table(profile, engine, seed, trials).as_bytes())?;
+        files.add_report("tolerance.json", &report.json())?;
+        files.add_bytes("tolerance.html", page.as_bytes())?;
+        let timings = format!("{:#}\n", timer.timings(&timer.work()));
+        files.add_bytes("tolerance-timings.json", timings.as_bytes())?;
+        Ok(())
     })?;
     Ok(report)
 }
 
-/// Survey of the mirror as the ball cutter leaves it, where tool tracks are an error source.
+/// What the ball cutter makes of the mirror as designed, where tool tracks are an error source.
 fn tracks(
-    clock: &StageTimer,
-    (profile, design): (&Profile, &Design),
-    engine: &Engine,
+    run: &Run,
+    PreparedStudy { design, engine, .. }: &PreparedStudy,
 ) -> Result<Option<MachiningReport>, Error> {
     let ToleranceSpec { sources, texture, budget_px, .. } = &engine.spec;
     let Some(tracks) = sources.iter().find(|source| source.kind == Perturbation::Stepover) else {
         return Ok(None);
     };
-    let cutting = MachiningOptions {
+    let options = MachiningOptions {
         ball_mm: texture.ball_radius_mm,
         stepover_mm: Some(tracks.limit),
         // Lines run across the direction in which they follow each other.
         angle_deg: Some(texture.stepover_direction_deg - 90.0),
         budget_px: Some(*budget_px),
-        scallop_um: None,
-        allowance_mm: 0.0,
         as_cut: false,
+        ..MachiningOptions::default()
     };
-    clock.stage(Stage::Cut, || {
-        let found = survey(profile, design, &cutting)?;
-        let note = scalloped(&found);
-        Ok((Some(found), note))
+    run.stage(Stage::Cut, || {
+        let profile = run.profile();
+        let fail = |source| Error::Machining { profile: profile.name.clone(), source };
+        let survey = CutterSurvey::new(profile, design, &options).map_err(fail)?;
+        let note = survey.note();
+        Ok((Some(survey.found), note))
     })
 }

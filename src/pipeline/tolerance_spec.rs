@@ -2,13 +2,13 @@
 //! mesh that the part is made from.
 
 use super::face::plan;
-use super::observer::StageTimer;
-use super::source::heights_beside;
-use super::{Error, Source, Stage, designed};
+use super::run::Run;
+use super::{Error, Source, Stage};
 use crate::design::Design;
 use crate::geom::Outline;
 use crate::mirror::{BicubicSpline, Mirror};
-use crate::profile::{Format, Profile, Tolerance};
+use crate::num::units::Mm;
+use crate::profile::{CadFormat, FileFormat, Profile, Tolerance};
 use crate::report::FacetsFrom;
 use crate::tolerance::{
     Engine, ErrorSource, Process, TextureShape, ToleranceSpec, extent, facets_bound, form_of_pv,
@@ -29,38 +29,39 @@ pub struct PreparedStudy {
     pub facets_from: Option<FacetsFrom>,
 }
 
-/// The design of the profile that `named` means, and what is asked of it.
-pub fn prepared(clock: &StageTimer, named: &str, source: &Source) -> Result<PreparedStudy, Error> {
-    let profile = &source.profile;
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let map = match &profile.tolerance.map_file {
-        Some(file) => Some(map(named, file, &design.mirror)?),
-        None => None,
-    };
+/// The design of the profile, and what is asked of it.
+///
+/// # Errors
+/// [`enum@Error`] when it has no answer, no projection, or a form error that is none of its mirror.
+pub fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
+    let profile = run.profile();
+    let design = run.design()?;
+    let map = map(run.source, &design.mirror)?;
     let name = || profile.name.clone();
     let view = design
         .view
         .as_ref()
         .ok_or_else(|| Error::NoProjection { work: "tolerance", profile: name() })?;
     let (asked, facets_from) = spec(profile, &design, map, meshed(profile, &design)?)?;
-    let engine = clock.stage(Stage::Sensitivities, || {
+    let engine = run.stage(Stage::Sensitivities, || {
         let engine = Engine::new(&design.mirror, &design.camera, view, asked)
             .ok_or_else(|| Error::Unseen { profile: name() })?;
-        clock.toleranced(Stage::Sensitivities, engine.worked());
+        run.timer.toleranced(Stage::Sensitivities, engine.worked());
         let sources = engine.spec.sources.len();
         let [pixels, expanded] = [engine.samples(), engine.expanded()];
         let note = format!("{sources} sources, {pixels} pixels, {expanded} by polynomials");
-        Ok::<_, Error>((engine, note))
+        Ok((engine, note))
     })?;
     Ok(PreparedStudy { design, engine, facets_from })
 }
 
-/// The measured form error in `file`, which must cover the mirror.
-fn map(named: &str, file: &str, mirror: &Mirror) -> Result<BicubicSpline, Error> {
+/// The measured form error that the profile names, which must cover the mirror.
+fn map(source: &Source, mirror: &Mirror) -> Result<Option<BicubicSpline>, Error> {
     /// A grid may end so little before the mirror, as a share of its size: rounding.
     const SLACK: f64 = 1e-6;
-    let grid = heights_beside(named, file)?;
-    let fault = |reason: String| Error::Map { file: file.to_owned(), reason };
+    let Some(grid) = source.form_map()? else { return Ok(None) };
+    let file = source.profile.tolerance.map_file.clone().unwrap_or_default();
+    let fault = |reason: String| Error::Map { file: file.clone(), reason };
     let map = BicubicSpline::new(grid.x, grid.y, &grid.z_mm)
         .ok_or_else(|| fault("no spline goes through its heights".into()))?;
     let (centre, half) = extent(mirror);
@@ -76,16 +77,17 @@ fn map(named: &str, file: &str, mirror: &Mirror) -> Result<BicubicSpline, Error>
             )));
         }
     }
-    Ok(map)
+    Ok(Some(map))
 }
 
 /// The facets' bound, px, of the mesh that a part of this profile is made from, and what says it; none
 /// where it is made from the STEP.
 fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)>, Error> {
-    let first = profile.formats.iter().find(|format| !matches!(format, Format::Csv));
+    let csv = FileFormat::Cad(CadFormat::Csv);
+    let first = profile.formats.iter().find(|format| **format != csv);
     let from_step = match profile.tolerance.made_from {
         Some(file) => file == MadeFrom::Step,
-        None => first.is_none_or(|format| *format == Format::Step),
+        None => first.is_none_or(|format| *format == FileFormat::Cad(CadFormat::Step)),
     };
     if let Some(px) = said_of(&profile.tolerance.limits, Perturbation::Facets) {
         return Ok(Some((px, FacetsFrom::Limits)));
@@ -93,12 +95,12 @@ fn meshed(profile: &Profile, design: &Design) -> Result<Option<(f64, FacetsFrom)
     if from_step {
         return Ok(None);
     }
-    if let Some(px) = profile.mesh.facet_px {
+    if let Some(px) = profile.mesh.facet_px() {
         return Ok(Some((px, FacetsFrom::Mesh)));
     }
     let plan = plan(profile, design)?.made;
     let px = match plan.limits.facet_mm {
-        Some(mm) => mm / design.camera.pixel_mm,
+        Some(mm) => design.camera.to_px(Mm(mm)).0,
         None => {
             let pixel = design.camera.pixel_mm;
             let pixels = design.mirror.full_outline().area() / (pixel * pixel);
@@ -190,6 +192,7 @@ fn texture(asked: &Tolerance, usual: &TextureShape, wavelength_nm: f64) -> Textu
 
 #[cfg(test)]
 mod tests {
+    use super::super::run::designed;
     use super::*;
     use crate::profile::shipped;
     use crate::tolerance_terms::{Compensator, Criterion, Distribution, ProcessPreset};
@@ -225,7 +228,7 @@ mod tests {
         for shipped in shipped() {
             let source: Source =
                 Profile::parse(shipped.name, shipped.name, shipped.text.as_bytes()).unwrap().into();
-            let (design, _) = designed(&source).unwrap();
+            let design = designed(&source).unwrap();
             let (asked, _) = spec(&source.profile, &design, None, None).unwrap();
             // (This asks for no facets, as where the part is made from the STEP.)
             assert!(asked.sources.len() >= 23, "{}: {}", shipped.name, asked.sources.len());
@@ -236,7 +239,7 @@ mod tests {
              [tolerance.distributions]\ntilt_x_mrad = \"normal\"\n",
         )
         .into();
-        let (design, _) = designed(&source).unwrap();
+        let design = designed(&source).unwrap();
         let (asked, _) = spec(&source.profile, &design, None, None).unwrap();
         let tilt = asked.sources.iter().find(|s| s.kind == Perturbation::TiltX).unwrap();
         assert_eq!((tilt.limit, tilt.distribution), (3.0, Distribution::Normal));

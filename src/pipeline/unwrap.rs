@@ -1,13 +1,13 @@
 //! A photo and a profile -> a panorama and its map.
 
-use super::files::{self, Folder, Staged};
-use super::observer::{Observer, Stage, StageTimer};
-use super::{Error, Source, designed};
+use super::run::{Command, Run};
+use super::{Error, Stage};
+use crate::design::Design;
 use crate::optics::StripLaw;
+use crate::profile::Profile;
+use crate::publish;
 use crate::raster::{Raster, RasterError};
-use crate::report::{
-    FileFacts, PanoramaFacts, PhotoFacts, ProfileId, SCHEMA, UnwrapMapFacts, UnwrapReport,
-};
+use crate::report::{FileFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport};
 use crate::unwrap::{
     ImagingSystem, MapEncodingError, Panorama, RemapTable, UnwrapError, crop_panels,
 };
@@ -16,7 +16,7 @@ use thiserror::Error;
 
 /// How a photo becomes a panorama.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum UnwrapOptions {
     /// The panels cut out and laid side by side.
     Cuts,
     /// Every direction fetched from where the designed mirror shows it.
@@ -28,6 +28,13 @@ pub enum Way {
         /// Whether the map is written too, and how.
         map: Option<MapFormat>,
     },
+}
+
+impl Default for UnwrapOptions {
+    /// A panorama by the profile's law at the photo's scale, without its map.
+    fn default() -> Self {
+        Self::Remap { projection: None, width: None, map: None }
+    }
 }
 
 /// Laws of a panorama's rows.
@@ -83,106 +90,138 @@ pub enum PhotoError {
     Table(#[from] MapEncodingError),
 }
 
-/// Turns `photo`, taken through the mirror of `source`, into `out`/NAME/PHOTO-unwrapped.png and, where
-/// asked for, PHOTO-map.npy or PHOTO-map.exr.
-///
-/// # Errors
-/// [`enum@Error`] when it cannot be done; then no file has changed.
-pub fn unwrap(
-    source: &Source,
-    photo: &Path,
-    way: Way,
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<UnwrapReport, Error> {
-    let profile = &source.profile;
-    let clock = StageTimer::new(observer);
-    let name = photo.display().to_string();
-    if profile.projection.is_none() {
-        return Err(PhotoError::NoProjection { profile: profile.name.clone() }.into());
-    }
-    let light = clock.stage(Stage::Read, || {
-        let bytes = files::read(photo)?;
-        let light = Raster::decode(&bytes)
-            .map_err(|source| PhotoError::Picture { photo: name.clone(), source })?;
-        let note = format!("{name}: {} x {} pixels", light.width, light.height);
-        Ok::<_, Error>((light, note))
-    })?;
-    let size = [light.width, light.height];
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let view = design.view.as_ref().expect("a profile with a projection has a view");
-    let optics = ImagingSystem { mirror: &design.mirror, camera: &design.camera, view };
-    let unfit = |source| Error::from(PhotoError::Unfit { photo: name.clone(), source });
-    let scale = optics.scale(size).map_err(unfit)?;
-
-    let (panorama, picture, map) = clock.stage(Stage::Picture, || {
-        let made = match way {
-            Way::Cuts => {
-                let (picture, panorama) = crop_panels(&optics, &light).map_err(unfit)?;
-                (panorama, picture, None)
-            }
-            Way::Remap { projection, width, .. } => {
-                let law = projection.map(Rows::law);
-                let panorama = Panorama::new(&optics, size, law, width).map_err(unfit)?;
-                let map = RemapTable::new(&optics, &panorama, size).map_err(unfit)?;
-                let picture = map.paint(&light);
-                (panorama, picture, Some(map))
-            }
-        };
-        let note = format!("{} x {} pixels", made.1.width, made.1.height);
-        Ok::<_, Error>((made, note))
-    })?;
-
-    let stem = photo.file_stem().unwrap_or_default().to_string_lossy();
-    let mut made = vec![{
-        let png = picture.to_png().map_err(|error| Error::Picture(error.to_string()))?;
-        (format!("{stem}-unwrapped.png"), "png", png)
-    }];
-    if let (Way::Remap { map: Some(format), .. }, Some(map)) = (way, &map) {
-        made.push(match format {
-            MapFormat::Npy => (format!("{stem}-map.npy"), "npy", map.npy()),
-            MapFormat::Exr => {
-                let bytes = map.exr().map_err(PhotoError::from)?;
-                (format!("{stem}-map.exr"), "exr", bytes)
-            }
-        });
-    }
-    let files = publish(&clock, &out.join(&profile.name), made)?;
-    Ok(UnwrapReport {
-        schema: SCHEMA,
-        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
-        photo: PhotoFacts { name, pixels: size, pixels_per_sensor_pixel: scale[0] },
-        panorama: PanoramaFacts {
-            way: if way == Way::Cuts { "cuts" } else { "remap" },
-            projection: law_name(&panorama.law),
-            pixels: panorama.size,
-            azimuth_deg: panorama.azimuth_deg(),
-            elevation_deg: panorama.elevation_deg(),
-        },
-        map: map.map(|map| UnwrapMapFacts { seen: map.seen(), distortion_px: map.distortion_px }),
-        files,
-    })
+/// A photo to be unwrapped, and how: writes `PHOTO-unwrapped.png` and, where asked for, `PHOTO-map.npy` or
+/// `PHOTO-map.exr` into NAME.
+#[derive(Debug, Clone, Copy)]
+pub struct Unwrap<'a> {
+    /// The photo: a PNG, JPEG or EXR, taken through the mirror.
+    pub photo: &'a Path,
+    /// How it becomes a panorama.
+    pub options: UnwrapOptions,
 }
 
-/// Writes all files, then gives them their names.
-fn publish(
-    clock: &StageTimer,
-    folder: &Path,
-    made: Vec<(String, &'static str, Vec<u8>)>,
-) -> Result<Vec<FileFacts>, Error> {
-    clock.stage(Stage::Write, || {
-        let folder = Folder::create(folder)?;
-        let (mut staged, mut files) = (Vec::<Staged>::new(), Vec::new());
-        for (name, format, bytes) in made {
-            let file = folder.stage(&name, |out| out.write_all(&bytes))?;
-            let sha256 = file.sha256().to_owned();
-            staged.push(file);
-            let format = format.into();
-            files.push(FileFacts { name, format, bytes: bytes.len() as u64, sha256 });
+impl Command for Unwrap<'_> {
+    type Report = UnwrapReport;
+
+    fn check(&self, profile: &Profile) -> Result<(), Error> {
+        match profile.projection {
+            Some(_) => Ok(()),
+            None => Err(no_projection(profile)),
         }
-        folder.replace(staged, &[])?;
-        Ok::<_, Error>((files, folder.path().display().to_string()))
-    })
+    }
+
+    fn run(&self, run: &mut Run) -> Result<UnwrapReport, Error> {
+        let photo = run.stage(Stage::Read, || {
+            let photo = self.decoded()?;
+            let note = format!("{}: {} x {} pixels", self.name(), photo.width, photo.height);
+            Ok((photo, note))
+        })?;
+        let design = run.design()?;
+        let Design { mirror, camera, view: Some(view), .. } = &design else {
+            return Err(no_projection(run.profile()));
+        };
+        let optics = ImagingSystem { mirror, camera, view };
+        let size = [photo.width, photo.height];
+        let scale = optics.scale(size).map_err(|source| self.unfit(source))?;
+        let (panorama, picture, map) = run.stage(Stage::Picture, || {
+            let made = self.picture(&optics, &photo)?;
+            let note = format!("{} x {} pixels", made.1.width, made.1.height);
+            Ok((made, note))
+        })?;
+        let png = picture.to_png().map_err(|error| Error::Picture(error.to_string()))?;
+        let table = map.as_ref().and_then(|map| self.table(map)).transpose()?;
+        let mut files = Vec::new();
+        run.publish(Stage::Write, |transaction, _| {
+            for (suffix, format, bytes) in [("unwrapped.png", "png", png)].into_iter().chain(table)
+            {
+                let stem = self.photo.file_stem().unwrap_or_default().to_string_lossy();
+                let staged = transaction.add_bytes(&format!("{stem}-{suffix}"), &bytes)?;
+                files.push(FileFacts {
+                    name: staged.name().to_owned(),
+                    format: format.into(),
+                    bytes: bytes.len() as u64,
+                    sha256: staged.sha256().to_owned(),
+                });
+            }
+            Ok(())
+        })?;
+        Ok(UnwrapReport {
+            schema: SCHEMA,
+            profile: run.profile().into(),
+            photo: PhotoFacts {
+                name: self.name(),
+                pixels: size,
+                pixels_per_sensor_pixel: scale[0],
+            },
+            panorama: PanoramaFacts {
+                way: if self.options == UnwrapOptions::Cuts { "cuts" } else { "remap" },
+                projection: law_name(&panorama.law),
+                pixels: panorama.size,
+                azimuth_deg: panorama.azimuth_deg(),
+                elevation_deg: panorama.elevation_deg(),
+            },
+            map: map
+                .map(|map| UnwrapMapFacts { seen: map.seen(), distortion_px: map.distortion_px }),
+            files,
+        })
+    }
+}
+
+/// A file of a map: the end of its name, its format and its bytes.
+type Table = (&'static str, &'static str, Vec<u8>);
+
+impl Unwrap<'_> {
+    fn name(&self) -> String {
+        self.photo.display().to_string()
+    }
+
+    fn unfit(&self, source: UnwrapError) -> Error {
+        PhotoError::Unfit { photo: self.name(), source }.into()
+    }
+
+    /// The photo in linear light.
+    fn decoded(&self) -> Result<Raster, Error> {
+        Raster::decode(&publish::read(self.photo)?)
+            .map_err(|source| PhotoError::Picture { photo: self.name(), source }.into())
+    }
+
+    fn picture(
+        &self,
+        optics: &ImagingSystem,
+        photo: &Raster,
+    ) -> Result<(Panorama, Raster, Option<RemapTable>), Error> {
+        let unfit = |source| self.unfit(source);
+        match self.options {
+            UnwrapOptions::Cuts => {
+                let (picture, panorama) = crop_panels(optics, photo).map_err(unfit)?;
+                Ok((panorama, picture, None))
+            }
+            UnwrapOptions::Remap { projection, width, .. } => {
+                let size = [photo.width, photo.height];
+                let law = projection.map(Rows::law);
+                let panorama = Panorama::new(optics, size, law, width).map_err(unfit)?;
+                let map = RemapTable::new(optics, &panorama, size).map_err(unfit)?;
+                let picture = map.paint(photo);
+                Ok((panorama, picture, Some(map)))
+            }
+        }
+    }
+
+    /// The map's file, if there is to be one.
+    fn table(&self, map: &RemapTable) -> Option<Result<Table, Error>> {
+        let UnwrapOptions::Remap { map: Some(format), .. } = self.options else { return None };
+        Some(match format {
+            MapFormat::Npy => Ok(("map.npy", "npy", map.npy())),
+            MapFormat::Exr => {
+                let exr = map.exr().map_err(|error| PhotoError::from(error).into());
+                exr.map(|bytes| ("map.exr", "exr", bytes))
+            }
+        })
+    }
+}
+
+fn no_projection(profile: &Profile) -> Error {
+    PhotoError::NoProjection { profile: profile.name.clone() }.into()
 }
 
 impl Rows {

@@ -1,11 +1,12 @@
 //! The verdict: every reason why a part would not do, with figures.
 
 use super::check_file::FileCheck;
+use super::formats::codec;
 use super::{remedy, sharpness};
 use crate::align::FormError;
 use crate::design::Design;
-use crate::geom::{Border, Outline};
-use crate::profile::{AcceptanceLimit, AcceptanceLimits, Format, Profile};
+use crate::geom::{Border, Outline, Precision};
+use crate::profile::{AcceptanceLimit, AcceptanceLimits, Profile};
 use crate::report::{FileFacts, Reason, ReasonKind, SharpnessFacts, TraceFacts, Verdict};
 use crate::trace::FrameFill;
 
@@ -39,7 +40,7 @@ pub struct Findings {
     pub trace: Vec<TraceFacts>,
     /// The frame as the first of them shows it.
     pub frame: Option<FrameFill>,
-    /// SharpnessFacts of the picture through a lens.
+    /// Sharpness of the picture through a lens.
     pub sharpness: Option<SharpnessFacts>,
     /// The limits; absent without a projection, and of measured parts.
     pub accepted: Option<AcceptanceLimits>,
@@ -48,16 +49,11 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// The findings of `checks`, held to a height of the surface of `chord_mm` and, where the profile has
-    /// no limit of its own, to a facet error of `proven_px`.
-    pub fn new(
-        profile: &Profile,
-        design: &Design,
-        checks: Vec<FileCheck>,
-        chord_mm: f64,
-        proven_px: Option<f64>,
-    ) -> Self {
-        let mut reasons = reasons(profile, design, &checks, chord_mm, proven_px);
+    /// The findings of `checks`, each held to what was promised of it and to what the profile accepts.
+    pub fn new(profile: &Profile, design: &Design, checks: Vec<FileCheck>) -> Self {
+        let mut reasons: Vec<Reason> =
+            checks.iter().flat_map(|check| of_file(profile, design, check)).collect();
+        remedy::add(profile, design, &mut reasons);
         let sharpness = sharpness::sharpness(profile, design);
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
         let frame = checks.iter().find_map(|check| check.frame.clone());
@@ -70,53 +66,31 @@ impl Findings {
     }
 }
 
-/// Why the files do not pass. `chord_mm` is what the height of the surface may be off, `proven_px` the
-/// facet error to be kept where the profile has no limit of its own.
-fn reasons(
-    profile: &Profile,
-    design: &Design,
-    evidence: &[FileCheck],
-    chord_mm: f64,
-    proven_px: Option<f64>,
-) -> Vec<Reason> {
-    let volume_tolerance = volume_tolerance(design, chord_mm);
-    let accepted = profile.acceptance_limits();
+/// Why a file does not pass.
+fn of_file(profile: &Profile, design: &Design, check: &FileCheck) -> Vec<Reason> {
     let mut reasons = Vec::new();
-    for evidence in evidence {
-        let name = &evidence.file.name;
-        let mut blame = |reason: Reason| reasons.push(reason.of_file(name));
-        if evidence.altered {
-            blame(altered());
-        }
-        if let Some(error) = &evidence.unreadable {
-            blame(Reason::new(ReasonKind::Unreadable, error.to_string()));
-        }
-        if let Some(trace) = &evidence.trace {
-            if !evidence.measured {
-                let is_double = evidence.file.format == Format::Obj.name();
-                let [rounding, moved] = match is_double {
-                    true => [ROUNDING; 2],
-                    false => [ROUNDING_SINGLE, ROUNDING_VERTEX],
-                };
-                let volume_tolerance = volume_tolerance + rounding * design.volume();
-                shape(trace, volume_tolerance, chord_mm, moved).into_iter().for_each(&mut blame);
-            }
-            rays(trace, evidence.by_rim).into_iter().for_each(&mut blame);
-            // A measured part's slopes are judged by the picture, not by the limit for facets.
-            let facets = !evidence.measured;
-            limits(profile, trace, proven_px, facets).into_iter().for_each(&mut blame);
-        }
-        // A scan may be of a piece; what it is not held to by name, its form answers for.
-        let held = |bound: &AcceptanceLimit| !(bound.usual && evidence.measured);
-        let least = Some(accepted.frame_filled).filter(held);
-        if let (Some(frame), Some(least)) = (&evidence.frame, least)
-            && !(frame.filled >= least.value)
-        {
-            blame(unfilled(frame, least));
-        }
+    if check.altered {
+        reasons.push(altered());
     }
-    remedy::add(profile, design, &mut reasons);
-    reasons
+    if let Some(error) = &check.unreadable {
+        reasons.push(Reason::new(ReasonKind::Unreadable, error.to_string()));
+    }
+    if let Some(trace) = &check.trace {
+        if !check.measured {
+            reasons.extend(shape(design, check, trace));
+        }
+        reasons.extend(rays(trace, check.by_rim));
+        reasons.extend(limits(profile, check, trace));
+    }
+    // A scan may be of a piece; what it is not held to by name, its form answers for.
+    let held = |bound: &AcceptanceLimit| !(bound.usual && check.measured);
+    let least = Some(profile.acceptance_limits().frame_filled).filter(held);
+    if let (Some(frame), Some(least)) = (&check.frame, least)
+        && !(frame.filled >= least.value)
+    {
+        reasons.push(unfilled(frame, least));
+    }
+    reasons.into_iter().map(|reason| reason.of_file(&check.file.name)).collect()
 }
 
 /// That too little of the frame is filled.
@@ -176,7 +150,14 @@ pub fn form(
     })
 }
 
-fn shape(trace: &TraceFacts, volume_tolerance: f64, chord_mm: f64, moved: f64) -> Vec<Reason> {
+/// Why a file's mesh is not the designed part.
+fn shape(design: &Design, check: &FileCheck, trace: &TraceFacts) -> Vec<Reason> {
+    let chord_mm = check.promise.chord_mm;
+    let [rounding, moved] = match codec(check.format).precision() {
+        Precision::Double => [ROUNDING; 2],
+        Precision::Single => [ROUNDING_SINGLE, ROUNDING_VERTEX],
+    };
+    let volume_tolerance = volume_tolerance(design, chord_mm) + rounding * design.volume();
     let solid = &trace.solid;
     let not_solid = |sentence: &String| Reason::new(ReasonKind::NotSolid, sentence);
     let mut reasons: Vec<Reason> = solid.reasons.iter().map(not_solid).collect();
@@ -232,20 +213,14 @@ fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<Reason> {
 /// What the witness's own arithmetic may add to a facet error: a plane's is nothing else.
 const ROUNDING_PX: f64 = 1e-9;
 
-fn limits(
-    profile: &Profile,
-    trace: &TraceFacts,
-    proven_px: Option<f64>,
-    is_made: bool,
-) -> Vec<Reason> {
+fn limits(profile: &Profile, check: &FileCheck, trace: &TraceFacts) -> Vec<Reason> {
     let errors = &trace.errors;
     let accepted = profile.acceptance_limits();
     let pixel = errors.pixel_error_px;
+    let is_made = !check.measured;
+    // A measured part's slopes are judged by the picture, not by the limit for facets.
     let facet = errors.facet_error_px.filter(|_| is_made).map(|e| e.max);
-    let (limit, key) = match profile.mesh.facet_px {
-        Some(px) => (Some(px), "mesh.facet_px"),
-        None => (proven_px, "the mesh's bound"),
-    };
+    let (limit, key) = check.promise.facet.map_or((None, ""), |(px, key)| (Some(px.0), key));
     // A measured part is held to what the profile names.
     let held = |bound: AcceptanceLimit| Some(bound).filter(|bound| is_made || !bound.usual);
     let of = |bound: Option<AcceptanceLimit>, key: &str, share: f64| match bound {

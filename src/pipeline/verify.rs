@@ -1,168 +1,224 @@
-//! Files of unknown making: CAM exports, and scans of parts that were made.
+//! `morion verify`: files of unknown making: CAM exports, and scans of parts that were made.
 
 use super::check_file::{FileCheck, checked, open, witness};
-use super::files::{self, Folder};
-use super::observer::{Observer, Stage, StageTimer};
-use super::verdict::Findings;
-use super::{Error, Source, designed, verdict};
+use super::face::Promise;
+use super::formats::codec;
+use super::run::{Command, Run};
+use super::verdict::{self, Findings};
+use super::{Error, Observer, Source, Stage};
 use crate::align::{Alignment, FormMap, LengthUnit, SizeRange, align};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::Welder;
 use crate::mirror::Form;
-use crate::profile::Format;
+use crate::profile::{MeshFormat, Profile};
+use crate::publish;
 use crate::report::{
-    AlignmentFacts, ProfileId, Reason, ReasonKind, SCHEMA, UnitFacts, VerifyReport, form_picture,
+    AlignmentFacts, Reason, ReasonKind, SCHEMA, UnitFacts, VerifyReport, form_picture,
 };
 use crate::trace::Outcome;
 use std::path::{Path, PathBuf};
 
+/// A file of unknown making, and how it is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Verify<'a> {
+    /// The file: an STL, OBJ or 3MF.
+    pub path: &'a Path,
+    /// How it is looked at.
+    pub options: VerifyOptions,
+}
+
 /// How a file of unknown making is looked at.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct VerifyOptions {
     /// The unit of its coordinates; none: by its size.
     pub units: Option<LengthUnit>,
-    /// Fit its pose first, judge it as a measured part, and write the form error's map and the report
-    /// into NAME-verify below this folder.
-    pub align: Option<PathBuf>,
+    /// FittedMirror its pose first, judge it as a measured part, and write the form error's map and the report
+    /// into NAME-verify. Otherwise nothing is written.
+    pub align: bool,
 }
 
 /// The form error's map.
 const MAP: &str = "form_error.png";
-/// Shape is held to this where the profile has no limit of its own.
-const USUAL_CHORD_UM: f64 = 10.0;
 
-/// [`inspect`] in the part frame, with units by size.
+/// Verifies the file at `path` in the part frame, with units by size.
 ///
 /// # Errors
-/// [`inspect`]'s.
+/// [`enum@Error`] when the file cannot be opened or named, or the profile cannot be designed. (A file that
+/// opens but holds no sound mesh is a negative verdict.)
 pub fn verify(
     source: &Source,
     path: &Path,
     observer: &dyn Observer,
 ) -> Result<VerifyReport, Error> {
-    inspect(source, path, &VerifyOptions::default(), observer)
+    let options = VerifyOptions::default();
+    Ok(Verify { path, options }.in_memory(source, observer)?.0)
 }
 
-/// Reads an STL, OBJ or 3MF of any making, checks it and traces it against what the profile of `source`
-/// asks for.
-///
-/// # Errors
-/// [`enum@Error`] when the file cannot be opened, named or aligned, or the profile cannot be
-/// designed. (A file that opens but holds no sound mesh is a negative verdict.)
-pub fn inspect(
-    source: &Source,
-    path: &Path,
-    inspection: &VerifyOptions,
-    observer: &dyn Observer,
-) -> Result<VerifyReport, Error> {
-    let profile = &source.profile;
-    let clock = StageTimer::new(observer);
-    let name = path.display().to_string();
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let known = Format::ALL.into_iter().filter(|format| format.is_mesh());
-    let Some(format) = known.into_iter().find(|f| Some(f.name()) == extension.as_deref()) else {
-        return Err(Error::Format { path: name });
-    };
-    if format == Format::ThreeMf && inspection.units.is_some() {
-        return Err(Error::Declared { path: name });
-    }
-    let bytes = files::read(path)?;
-    let folder = match &inspection.align {
-        Some(out) => Some(Folder::create(&out.join(format!("{}-verify", profile.name)))?),
-        None => None,
-    };
-    let design = clock.stage(Stage::Design, || designed(source))?;
-    let form = Form::of(&design.mirror);
-    // A file of unknown making has no proven bound; its shape is held to the profile's limit.
-    let chord_mm = 1e-3 * profile.mesh.chord_um.unwrap_or(USUAL_CHORD_UM);
+impl Command for Verify<'_> {
+    type Report = VerifyReport;
 
-    let size = SizeRange::of(&design.mirror, design.border.as_ref());
-    let (mut units, mut alignment, mut far, mut oversize) = (None, None, 0, None);
-    let (file, read) = open(&clock, format, bytes, |mut reread| {
-        // A 3MF says what its units are, and is read in millimetres.
-        let found = match format {
-            Format::ThreeMf => UnitFacts::new(LengthUnit::Mm, DECLARED),
-            _ => in_millimetres(&mut reread, &size, inspection.units),
+    fn check(&self, _profile: &Profile) -> Result<(), Error> {
+        let format = self.format()?;
+        if codec(format).declares_unit() && self.options.units.is_some() {
+            return Err(Error::Declared { path: self.name() });
+        }
+        Ok(())
+    }
+
+    fn folder(&self, profile: &Profile) -> PathBuf {
+        PathBuf::from(format!("{}-verify", profile.name))
+    }
+
+    /// Reads an STL, OBJ or 3MF of any making, checks it and traces it against what the profile asks for.
+    fn run(&self, run: &mut Run) -> Result<VerifyReport, Error> {
+        let bytes = publish::read(self.path)?;
+        let design = run.design()?;
+        let form = Form::of(&design.mirror);
+        let part = Part {
+            run,
+            design: &design,
+            size: SizeRange::of(&design.mirror, design.border.as_ref()),
         };
-        (reread, found)
-    });
-    let mut evidence = match read {
-        Err(error) => FileCheck::unreadable(file, error),
-        Ok((mut reread, found)) => {
-            units = Some(found);
-            oversize = size.size_factor(&reread.mesh);
-            if folder.is_some() {
-                let found = clock.stage(Stage::Align, || {
-                    let found = align(&design.mirror, &reread.mesh);
-                    let found = found.map_err(|source| Error::Align { path: name.clone(), source });
-                    found.map(|found| {
-                        let note =
-                            format!("{:.3} um rms after {} steps", 1e3 * found.rms_mm, found.steps);
-                        (found, note)
-                    })
-                })?;
-                place(&mut reread, &found);
-                alignment = Some(AlignmentFacts::new(&found));
+        let found = self.look(&part, bytes)?;
+        let map = found.map.as_ref();
+        let form_error_um = map.and_then(FormMap::error);
+        let measured = self.options.align;
+        let limit_um = 1e3 * found.check.promise.chord_mm;
+        let (name, units, alignment) = (self.name(), found.units, found.alignment);
+        let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
+            Findings::new(run.profile(), &design, vec![found.check]);
+        let mut warnings = Vec::new();
+        if found.far > 0 {
+            let all = format!("{} facets lie far from the part and were left out", found.far);
+            // Of a measured part that is noise; of a part it is a fault.
+            if measured {
+                warnings.push(format!("{name}: {all}"));
+            } else {
+                reasons.push(Reason::new(ReasonKind::FarFacets, all).of_file(&name));
             }
-            far = leave_far(&mut reread, &design);
-            witness(&clock, profile, &design, file, checked(&design, reread), chord_mm)
         }
-    };
-    evidence.measured = folder.is_some();
-    evidence.rename(name.clone());
-    let seen = evidence.seen.take();
-    let map = seen.filter(|_| folder.is_some()).map(|(_, witness)| {
-        FormMap::new(&design.mirror, &design.camera, |pixel| {
-            let traced = &witness.pixels[pixel];
-            (traced.outcome != Outcome::Missed).then_some(traced.hit_point)
-        })
-    });
-    let measured = folder.is_some();
-    let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
-        Findings::new(profile, &design, vec![evidence], chord_mm, None);
-    let mut warnings = Vec::new();
-    if far > 0 {
-        let all = format!("{far} facets lie far from the part and were left out");
-        // Of a measured part that is noise; of a part it is a fault.
+        // Scans may be of a piece of the part.
+        if let Some((factor, unit)) = found.oversize.filter(|_| !measured) {
+            reasons.insert(0, off_size(factor, unit).of_file(&name));
+        }
+        warnings.extend(units.and_then(|units| unit_warning(&name, units, measured)));
         if measured {
-            warnings.push(format!("{name}: {all}"));
-        } else {
-            reasons.push(Reason::new(ReasonKind::FarFacets, all).of_file(&name));
+            let reason = verdict::form(run.profile(), &design, form_error_um.as_ref(), limit_um);
+            reasons.extend(reason.map(|reason| reason.of_file(&name)));
         }
+        let report = VerifyReport {
+            schema: SCHEMA,
+            profile: run.profile().into(),
+            layout: design.mounting,
+            design: design.facts.clone(),
+            form,
+            files,
+            trace,
+            units,
+            alignment,
+            form_error_um,
+            frame,
+            sharpness,
+            accepted,
+            verdict: verdict::of(&reasons),
+            reasons,
+            warnings,
+        };
+        if measured {
+            publish_map(run, map, &report)?;
+        }
+        Ok(report)
     }
-    // Scans may be of a piece of the part.
-    if let Some((factor, unit)) = oversize.filter(|_| !measured) {
-        reasons.insert(0, off_size(factor, unit).of_file(&name));
+}
+
+/// The part that a file should be of.
+struct Part<'r, 'a> {
+    run: &'r Run<'a>,
+    design: &'r Design,
+    size: SizeRange,
+}
+
+/// What a file showed.
+struct Found {
+    check: FileCheck,
+    units: Option<UnitFacts>,
+    alignment: Option<AlignmentFacts>,
+    /// Facets far from the part, which are left out.
+    far: usize,
+    /// How many times too large it is, and the unit that would explain it.
+    oversize: Option<(f64, Option<LengthUnit>)>,
+    /// Form error of a measured part over the frame.
+    map: Option<FormMap>,
+}
+
+impl Verify<'_> {
+    fn name(&self) -> String {
+        self.path.display().to_string()
     }
-    warnings.extend(units.and_then(|units| unit_warning(&name, units, measured)));
-    let form_error_um = map.as_ref().and_then(FormMap::error);
-    if measured {
-        let reason = verdict::form(profile, &design, form_error_um.as_ref(), 1e3 * chord_mm);
-        reasons.extend(reason.map(|reason| reason.of_file(&name)));
+
+    /// The format that the file's name ends in.
+    fn format(&self) -> Result<MeshFormat, Error> {
+        let ending = self.path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        MeshFormat::ALL
+            .into_iter()
+            .find(|format| Some(format.name()) == ending.as_deref())
+            .ok_or_else(|| Error::Format { path: self.name() })
     }
-    let report = VerifyReport {
-        schema: SCHEMA,
-        profile: ProfileId { name: profile.name.clone(), sha256: profile.sha256.clone() },
-        layout: design.mounting,
-        design: design.facts.clone(),
-        form,
-        files,
-        trace,
-        units,
-        alignment,
-        form_error_um,
-        frame,
-        sharpness,
-        accepted,
-        verdict: verdict::of(&reasons),
-        reasons,
-        warnings,
-    };
-    if let Some(folder) = folder {
-        publish(&clock, &folder, map.as_ref(), &report)?;
+
+    /// Reads the file, brings it to millimetres and, if it is measured, into the part frame, and traces it.
+    fn look(&self, part: &Part, bytes: Vec<u8>) -> Result<Found, Error> {
+        let Part { run, design, size } = part;
+        let format = self.format()?;
+        let promise = Promise::of_profile(run.profile());
+        let (file, read) = open(run, format, bytes, |mut reread| {
+            let found = match codec(format).declares_unit() {
+                // It is read in millimetres.
+                true => UnitFacts::new(LengthUnit::Mm, DECLARED),
+                false => in_millimetres(&mut reread, size, self.options.units),
+            };
+            (reread, found)
+        });
+        let (mut reread, units) = match read {
+            Ok(read) => read,
+            Err(error) => {
+                let mut check = FileCheck::unreadable(file, format, promise, error);
+                check.measured = self.options.align;
+                check.rename(self.name());
+                let (units, alignment, oversize, map) = (None, None, None, None);
+                return Ok(Found { check, units, alignment, far: 0, oversize, map });
+            }
+        };
+        let oversize = size.size_factor(&reread.mesh);
+        let alignment = match self.options.align {
+            true => Some(self.aligned(part, &mut reread)?),
+            false => None,
+        };
+        let far = leave_far(&mut reread, design);
+        let mut check = witness(run, design, (file, format), checked(design, reread), promise);
+        check.measured = self.options.align;
+        check.rename(self.name());
+        let seen = check.seen.take().filter(|_| self.options.align);
+        let map = seen.map(|(_, traced)| {
+            FormMap::new(&design.mirror, &design.camera, |pixel| {
+                let end = &traced.pixels[pixel];
+                (end.outcome != Outcome::Missed).then_some(end.hit_point)
+            })
+        });
+        Ok(Found { check, units: Some(units), alignment, far, oversize, map })
     }
-    Ok(report)
+
+    /// Brings a measured part into the part frame.
+    fn aligned(&self, part: &Part, reread: &mut ImportedMesh) -> Result<AlignmentFacts, Error> {
+        let found = part.run.stage(Stage::Align, || {
+            let found = align(&part.design.mirror, &reread.mesh)
+                .map_err(|source| Error::Align { path: self.name(), source })?;
+            let note = format!("{:.3} um rms after {} steps", 1e3 * found.rms_mm, found.steps);
+            Ok((found, note))
+        })?;
+        place(reread, &found);
+        Ok(AlignmentFacts::new(&found))
+    }
 }
 
 /// The warning of a unit that nothing speaks for, or none but the file's size.
@@ -257,25 +313,17 @@ fn place(reread: &mut ImportedMesh, alignment: &Alignment) {
 }
 
 /// Writes the form error's map and the report.
-fn publish(
-    clock: &StageTimer,
-    folder: &Folder,
-    map: Option<&FormMap>,
-    report: &VerifyReport,
-) -> Result<(), Error> {
-    clock.stage(Stage::Report, || {
-        let picture = map.map(|map| {
-            form_picture(map, report.form_error_um.as_ref())
-                .map_err(|error| Error::Picture(error.to_string()))
-        });
-        let (mut files, mut stale) = (Vec::new(), Vec::new());
-        match picture.transpose()? {
-            Some(png) => files.push(folder.stage(MAP, |out| out.write_all(&png))?),
-            None => stale.push(MAP),
+fn publish_map(run: &mut Run, map: Option<&FormMap>, report: &VerifyReport) -> Result<(), Error> {
+    run.publish(Stage::Report, |files, _| {
+        match map {
+            Some(map) => {
+                let png = form_picture(map, report.form_error_um.as_ref())
+                    .map_err(|error| Error::Picture(error.to_string()))?;
+                files.add_bytes(MAP, &png)?;
+            }
+            None => files.remove(MAP),
         }
-        let text = report.json();
-        files.push(folder.stage("report.json", |out| out.write_all(text.as_bytes()))?);
-        folder.replace(files, &stale)?;
-        Ok(((), folder.path().display().to_string()))
+        files.add_report("report.json", &report.json())?;
+        Ok(())
     })
 }

@@ -8,7 +8,9 @@ mod accept;
 mod border;
 mod check;
 mod complaint;
+mod format;
 mod lines;
+mod mesh_goal;
 mod projection;
 mod reader;
 mod sag;
@@ -23,12 +25,13 @@ mod words;
 use crate::geom::ScanPattern;
 use crate::optics::CameraModel;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
 pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
+pub use format::{CadFormat, FileFormat, MeshFormat};
+pub use mesh_goal::MeshGoal;
 pub use projection::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 pub use sag::{GridError, SagGrid};
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
@@ -60,9 +63,9 @@ pub struct Profile {
     /// The size of the solid.
     pub part: PartSpec,
     /// How closely facets must follow the mirror.
-    pub mesh: MeshLimits,
+    pub mesh: MeshGoal,
     /// The files to write, without repetition, in the profile's order; at least one.
-    pub formats: Vec<Format>,
+    pub formats: Vec<FileFormat>,
     /// Where the sag table samples the mirror.
     pub sag: SagTable,
     /// The limits a finished mirror must keep to pass.
@@ -161,75 +164,6 @@ pub struct PartSpec {
     pub base_mm: f64,
     /// A flat rim around the mirror.
     pub border: Option<BorderSpec>,
-}
-
-/// How closely facets must follow the mirror: by one limit or two, of which the stricter rules at
-/// each place, or as closely as a number of triangles allows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MeshLimits {
-    /// Largest height between a facet and the mirror, in micrometres.
-    pub chord_um: Option<f64>,
-    /// Largest pixel error that the flatness of a facet may cause, in pixels.
-    pub facet_px: Option<f64>,
-    /// Most triangles of the whole part; instead of both limits.
-    pub max_triangles: Option<usize>,
-}
-
-/// A kind of file to write.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Format {
-    /// Binary STL, single precision.
-    Stl,
-    /// Wavefront OBJ, decimal text.
-    Obj,
-    /// 3MF, compressed, single precision.
-    ThreeMf,
-    /// STEP, curved faces.
-    Step,
-    /// Table of places and normals of the mirror, decimal text.
-    Csv,
-}
-
-impl Format {
-    /// All formats that can be written.
-    pub const ALL: [Self; 5] = [Self::Stl, Self::Obj, Self::ThreeMf, Self::Step, Self::Csv];
-
-    /// The format's name in a profile, which is also the file's extension.
-    pub fn name(self) -> &'static str {
-        match self {
-            Format::Stl => "stl",
-            Format::Obj => "obj",
-            Format::ThreeMf => "3mf",
-            Format::Step => "step",
-            Format::Csv => "csv",
-        }
-    }
-
-    /// What its file is called.
-    pub fn file_name(self) -> &'static str {
-        match self {
-            Format::Stl => "mirror.stl",
-            Format::Obj => "mirror.obj",
-            Format::ThreeMf => "mirror.3mf",
-            Format::Step => "mirror.step",
-            Format::Csv => "sag.csv",
-        }
-    }
-
-    /// Whether it holds the part as a mesh, which is read back and traced. The others hold the
-    /// mirror as designed.
-    pub fn is_mesh(self) -> bool {
-        match self {
-            Format::Stl | Format::Obj | Format::ThreeMf => true,
-            Format::Step | Format::Csv => false,
-        }
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
 }
 
 /// Where the sag table samples the mirror; without a pitch or a step that one is 1/200 of the part's

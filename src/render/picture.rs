@@ -39,7 +39,7 @@ impl PictureRay {
 
     /// A camera ray from which nothing leaves.
     #[must_use]
-    pub fn lost(outcome: Outcome) -> Self {
+    pub const fn lost(outcome: Outcome) -> Self {
         Self { outcome, leaving: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO } }
     }
 }

@@ -1,6 +1,7 @@
 //! Facts that several answers have: the shapes of parts of their JSON.
 
 use crate::num::stats::{Summary, or_null, unless_null};
+use crate::profile::Profile;
 use crate::solid::SolidCheck;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,12 @@ pub struct ProfileId {
     pub name: String,
     /// SHA-256 of its text, hexadecimal.
     pub sha256: String,
+}
+
+impl From<&Profile> for ProfileId {
+    fn from(profile: &Profile) -> Self {
+        Self { name: profile.name.clone(), sha256: profile.sha256.clone() }
+    }
 }
 
 /// Pass or fail.

@@ -8,7 +8,7 @@ use morion::internals::geom::Precision;
 use morion::internals::mesh::{Budget, ClosureCount, Face, FaceForecast, Limits, MeshError, mesh};
 use morion::internals::num::exp;
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::profile::shipped;
+use morion::internals::profile::{MeshGoal, shipped};
 use morion::internals::solid::{Solid, added, rim};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -178,7 +178,8 @@ fn a_budget_beyond_what_single_precision_carries_is_used_as_far_as_it_goes() {
     let face = within(&design, 100_000, Precision::Single).unwrap();
     assert!(closed(&face) <= 100_000);
     // Much finer is refused.
-    profile.mesh.facet_px = Some(face.bound.facet_mm / design.camera.pixel_mm / 4.0);
+    let facet_px = face.bound.facet_mm / design.camera.pixel_mm / 4.0;
+    profile.mesh = MeshGoal::limits(profile.mesh.chord_um(), Some(facet_px));
     assert!(support::meshed(&profile, &design).is_err());
 }
 

@@ -351,7 +351,7 @@ fn a_moved_vertex_fails_where_no_ray_goes_and_no_facet_limit_is_set() {
     let (_, inner) = inner(&read);
     let by_chord = small_but("formats = [\"stl\", \"obj\"]", STL);
     let by_chord = parsed(&by_chord.replace("facet_px = 3", ""));
-    assert_eq!(by_chord.mesh.facet_px, None);
+    assert_eq!(by_chord.mesh.facet_px(), None);
     let folder = folder();
     let path = folder.path().join("moved.stl");
     for (from, to) in [

@@ -3,7 +3,7 @@
 use crate::support::builds::{self, SMALL, edited, folder, morion, save, told};
 use crate::support::{self, share, small_but, times};
 use morion::internals::pipeline::{Silent, build, dry_run};
-use morion::internals::profile::{Format, MeshLimits, Profile, shipped};
+use morion::internals::profile::{FileFormat, MeshFormat, MeshGoal, Profile, shipped};
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -33,7 +33,7 @@ fn compare(profile: &Profile) {
         assert_eq!((&*foreseen.name, foreseen.format), (&*found.name, &*found.format));
         foresaw(&what(&found.name), foreseen.bytes as f64, found.bytes as f64);
     }
-    if profile.mesh.max_triangles.is_some() {
+    if profile.mesh.max_triangles().is_some() {
         let Some(facet) = expected.facet_px.foreseen else { panic!("no facet error") };
         let found = mesh.facet_px.bound;
         println!("{}: foreseen {facet}, found {found}", what("facet"));
@@ -43,11 +43,12 @@ fn compare(profile: &Profile) {
 
 #[test]
 fn forecasts_of_the_shipped_mirrors_are_near() {
-    let usual = MeshLimits::default();
+    let all: Vec<FileFormat> = FileFormat::all().collect();
+    let stl = [FileFormat::Mesh(MeshFormat::Stl)];
     let asked = [
-        (MeshLimits { facet_px: Some(3.0), ..usual }, &Format::ALL[..]),
-        (MeshLimits { chord_um: Some(8.0), ..usual }, &[Format::Stl]),
-        (MeshLimits { max_triangles: Some(20_000), ..usual }, &[Format::Stl]),
+        (MeshGoal::limits(None, Some(3.0)), &all[..]),
+        (MeshGoal::limits(Some(8.0), None), &stl[..]),
+        (MeshGoal::Budget(20_000), &stl[..]),
     ];
     // Each by one of them, in turns, but for a long run.
     let profiles: Vec<_> = share(3, 0, shipped()).collect();

@@ -2,7 +2,15 @@
 
 use crate::support::builds::{SMALL, command, files, folder, morion, save, told};
 use crate::support::{refused, small_but};
+use morion::internals::pipeline::{
+    BlurOptions, BuildOptions, Command, FrameOptions, MachiningOptions, Observer, OutputFile,
+    RenderOptions, ReplayOptions, Silent, Source, Stage, ToleranceOptions, TrialsPart, Unwrap,
+    UnwrapOptions, Verify, VerifyOptions, load,
+};
+use morion::internals::report::Aperture;
+use std::path::Path;
 use std::process::Stdio;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const ESCAPE: char = '\x1b';
 #[rustfmt::skip]
@@ -143,6 +151,100 @@ fn a_place_that_cannot_be_written_to_is_named_and_nothing_is_written() {
     assert_eq!(std::fs::read(home.join("file")).unwrap(), b"mine");
     assert_eq!(std::fs::read(home.join("out/small")).unwrap(), b"mine too");
     assert_eq!(std::fs::read_dir(home).unwrap().count(), 3);
+}
+
+/// An observer that counts the stages that begin.
+#[derive(Default)]
+struct Begun(AtomicUsize);
+
+impl Observer for Begun {
+    fn begin(&self, _stage: Stage) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// A command in a folder that is a file: refused before any stage, with nothing left.
+#[track_caller]
+fn refused_at_once<C: Command>(what: &str, command: &C, source: &Source, home: &Path) {
+    let begun = Begun::default();
+    let before = std::fs::read_dir(home).unwrap().count();
+    let error = command.publish(source, &home.join("file"), &begun).err();
+    let error = error.unwrap_or_else(|| panic!("{what}: done")).to_string();
+    assert!(error.starts_with("cannot create the folder "), "{what}: {error}");
+    assert_eq!(begun.0.into_inner(), 0, "{what}: a stage began");
+    assert_eq!(std::fs::read(home.join("file")).unwrap(), b"mine", "{what}");
+    assert_eq!(std::fs::read_dir(home).unwrap().count(), before, "{what}");
+}
+
+#[test]
+fn every_command_finds_out_before_any_work_that_it_cannot_write() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    std::fs::write(home.join("file"), "mine").unwrap();
+    // No photo and no mesh, but neither is looked at.
+    let [photo, mesh] = ["photo.png", "mesh.stl"].map(|name| home.join(name));
+    let source = &load(home.join("small.toml").to_str().unwrap()).unwrap();
+    let trials = ToleranceOptions { range: 0..3, ..ToleranceOptions::default() };
+    let blur = BlurOptions { aperture: Some(Aperture::Na { na: 0.01 }), focus_mm: None };
+    let verify = VerifyOptions { align: true, ..VerifyOptions::default() };
+    refused_at_once("build", &BuildOptions::default(), source, home);
+    refused_at_once("frame", &FrameOptions::default(), source, home);
+    refused_at_once("blur", &blur, source, home);
+    refused_at_once("render", &RenderOptions::default(), source, home);
+    let unwrap = Unwrap { photo: &photo, options: UnwrapOptions::default() };
+    refused_at_once("unwrap", &unwrap, source, home);
+    refused_at_once("machining", &MachiningOptions::default(), source, home);
+    refused_at_once("tolerance", &trials, source, home);
+    refused_at_once("tolerance --part", &TrialsPart(trials), source, home);
+    refused_at_once("tolerance --replay", &ReplayOptions::default(), source, home);
+    refused_at_once("verify --align", &Verify { path: &mesh, options: verify }, source, home);
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_exits_with_2_for_every_command() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    std::fs::write(home.join("file"), "mine").unwrap();
+    let part = ["tolerance", "small.toml", "--trials", "0..3", "--part"];
+    assert_eq!(told(&morion(home, &part)).0, 0);
+    for arguments in [
+        &["build", "small.toml"][..],
+        &["frame", "small.toml"],
+        &["blur", "small.toml", "--na", "0.01"],
+        &["render", "small.toml", "--scene", "grid"],
+        &["unwrap", "photo.png", "--profile", "small.toml"],
+        &["machining", "small.toml", "--ball-mm", "3"],
+        &["tolerance", "small.toml"],
+        &part,
+        &["tolerance", "small.toml", "--replay", "1"],
+        &["tolerance", "--merge", "out/small/trials-0-3.csv"],
+        &["verify", "mesh.stl", "--profile", "small.toml", "--align"],
+        &["bench", "small.toml", "--quick"],
+    ] {
+        let all = [arguments, &["--out", "file"]].concat();
+        refused(home, &all, &["cannot create the folder file/"]);
+        let (_, _, err) = told(&morion(home, &all));
+        assert_eq!(err.lines().count(), 1, "{all:?}: a stage began: {err}");
+    }
+    assert_eq!(std::fs::read(home.join("file")).unwrap(), b"mine");
+}
+
+#[test]
+fn files_in_memory_are_those_of_a_folder() {
+    let folder = folder();
+    let home = folder.path();
+    save(home, SMALL);
+    let source = load(home.join("small.toml").to_str().unwrap()).unwrap();
+    let options = BuildOptions::default();
+    let (report, made) = options.in_memory(&source, &Silent).unwrap();
+    assert_eq!(options.publish(&source, home, &Silent).unwrap(), report);
+    let published = files(&home.join("small"));
+    assert_eq!(made.len(), published.len());
+    for OutputFile { name, bytes } in made.iter().filter(|file| file.name != "timings.json") {
+        assert!(published[name] == *bytes, "{name}");
+    }
 }
 
 #[test]

@@ -5,9 +5,9 @@ use crate::support::shipped_text;
 use morion::internals::geom::{ScanPath, ScanPattern};
 use morion::internals::optics::{CameraModel, StripLaw, Target};
 use morion::internals::profile::{
-    AcceptanceSpec, Format, Layout, LensSpec, MeshLimits, Method, MethodKind, PanelSource,
-    PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StripLawSpec, StripSpec,
-    Tolerance, shipped,
+    AcceptanceSpec, FileFormat, Layout, LensSpec, MeshFormat, MeshGoal, Method, MethodKind,
+    PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StripLawSpec,
+    StripSpec, Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -40,8 +40,8 @@ fn the_shipped_conquistador_is_the_papers() {
                 minimax: false,
             }),
             part: PartSpec { width_mm: 60.0, base_mm: 5.0, border: None },
-            mesh: MeshLimits { chord_um: Some(2.0), facet_px: Some(1.0), max_triangles: None },
-            formats: vec![Format::Stl, Format::Obj],
+            mesh: MeshGoal::limits(Some(2.0), Some(1.0)),
+            formats: [MeshFormat::Stl, MeshFormat::Obj].map(FileFormat::Mesh).to_vec(),
             sag: SagTable::default(),
             accept: AcceptanceSpec {
                 blur_p95_px: None,
@@ -95,7 +95,7 @@ fn defaults_and_other_ways_to_write_toml() {
     let profile = with(&[]).expect("valid");
     assert_eq!(profile.summary, "");
     assert_eq!(profile.accept, AcceptanceSpec::default());
-    assert_eq!(profile.mesh.facet_px, None);
+    assert_eq!(profile.mesh.facet_px(), None);
     assert_eq!(
         profile.layout,
         Layout::Conquistador { panel: PanelSource::Refit, ridge: Ridge::Crest, fill_frame: false }

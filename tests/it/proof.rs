@@ -6,7 +6,7 @@ use crate::support::random::{Case, Kind, QUICK, SLOW, case, each};
 use crate::support::{designed, limits, meshed, share, shipped, times};
 use morion::internals::geom::Precision;
 use morion::internals::mesh::{Face, Limits, mesh};
-use morion::internals::profile::{MeshLimits, Shipped};
+use morion::internals::profile::{MeshGoal, Shipped};
 
 /// A face's bound over the largest error of it that is found, at most.
 const LOOSE: f64 = 1.10;
@@ -37,15 +37,12 @@ fn bounds_of_shipped_profiles_are_true_and_tight() {
         let coarser = [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)];
         for (times_chord, times_facet) in share(3, k, coarser) {
             let mut profile = shipped(name);
-            let MeshLimits { chord_um, mut facet_px, max_triangles } = profile.mesh;
-            if max_triangles.is_some() {
-                facet_px = Some(1.0);
-            }
-            profile.mesh = MeshLimits {
-                chord_um: chord_um.map(|um| um * times_chord),
-                facet_px: facet_px.map(|px| px * times_facet),
-                ..MeshLimits::default()
-            };
+            let goal = profile.mesh;
+            let facet_px = goal.max_triangles().map_or(goal.facet_px(), |_| Some(1.0));
+            profile.mesh = MeshGoal::limits(
+                goal.chord_um().map(|um| um * times_chord),
+                facet_px.map(|px| px * times_facet),
+            );
             let design = designed(&profile);
             for precision in [Precision::Single, Precision::Double] {
                 if precision == Precision::Double && times_facet < 100.0 {

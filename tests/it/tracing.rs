@@ -7,7 +7,7 @@ use crate::support::parts::case;
 use crate::support::{designed, meshed, profile, shipped};
 use morion::internals::geom::{Chart, DVec3, Precision, Ray, TriMesh};
 use morion::internals::optics::Camera;
-use morion::internals::profile::{MeshLimits, Profile};
+use morion::internals::profile::{MeshGoal, Profile};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{CameraTrace, Outcome, RayEnd, Scene, TraceCounts};
 use rayon::prelude::*;
@@ -57,7 +57,7 @@ fn shortcuts_change_nothing_for_shipped_mirrors() {
     let names: Vec<&str> = morion::internals::profile::shipped().iter().map(|p| p.name).collect();
     names.par_iter().for_each(|name| {
         let mut profile = shipped(name);
-        profile.mesh = MeshLimits { facet_px: Some(8.0), ..MeshLimits::default() };
+        profile.mesh = MeshGoal::limits(None, Some(8.0));
         let (_, counts) = swept(name, &profile, Precision::Single);
         println!("{name}: {counts:?}");
         assert_eq!(counts.searched, 0, "{name}");

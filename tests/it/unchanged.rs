@@ -105,7 +105,8 @@ fn a_profile_changed_in_memory_is_another_one() {
     let folder = folder();
     let build = |chord_um| {
         let mut profile = builds::parsed(SMALL);
-        profile.mesh.chord_um = Some(chord_um);
+        profile.mesh =
+            morion::internals::profile::MeshGoal::limits(Some(chord_um), profile.mesh.facet_px());
         let source = morion::internals::pipeline::Source::from(profile);
         let report = morion::internals::pipeline::build(
             &source,

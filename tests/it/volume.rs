@@ -3,7 +3,7 @@
 use crate::support::{designed, meshed, panel, profile, sag, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, DVec3, Precision, TriMesh, turn};
-use morion::internals::profile::{MeshLimits, Profile};
+use morion::internals::profile::{MeshGoal, Profile};
 use morion::internals::solid::Solid;
 
 /// The integral of the sag over all panels by Boole's rule, which the design does not know.
@@ -55,7 +55,7 @@ fn the_designs_volume_is_the_integral_of_its_sag() {
 #[test]
 fn the_solids_volume_is_the_designs_within_the_chord_bound() {
     for (what, mut profile) in profiles() {
-        profile.mesh.facet_px = Some(4.0);
+        profile.mesh = MeshGoal::limits(profile.mesh.chord_um(), Some(4.0));
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
         let slack = design.mirror.full_outline().area() * face.bound.chord_mm;
@@ -93,7 +93,7 @@ fn the_volume_error_falls_with_the_square_of_the_facets_size() {
     for law in ["cylindrical", "mercator"] {
         let profile = profile(&[("cylindrical", law)]);
         let [coarse, fine] = [4.0, 1.0].map(|chord_um| {
-            let mesh = MeshLimits { chord_um: Some(chord_um), ..MeshLimits::default() };
+            let mesh = MeshGoal::limits(Some(chord_um), None);
             let profile = Profile { mesh, ..profile.clone() };
             let design = designed(&profile);
             let face = meshed(&profile, &design).unwrap().mesh;

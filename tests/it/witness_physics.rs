@@ -9,7 +9,7 @@ use morion::internals::geom::{DVec2, DVec3, Precision, Ray, TriMesh};
 use morion::internals::num::stats::Summary;
 use morion::internals::optics::reflect;
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::profile::{Format, MeshLimits, Profile};
+use morion::internals::profile::{FileFormat, MeshFormat, MeshGoal, Profile};
 use morion::internals::report::{BuildReport, Verdict};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
@@ -252,7 +252,7 @@ fn a_valley_shadows_rays_that_cross_it_below_the_horizon() {
 }
 
 fn with_facets(profile: &Profile, facet_px: f64) -> Profile {
-    let mesh = MeshLimits { facet_px: Some(facet_px), ..MeshLimits::default() };
+    let mesh = MeshGoal::limits(None, Some(facet_px));
     Profile { mesh, ..profile.clone() }
 }
 
@@ -298,7 +298,7 @@ fn the_conformal_mirrors_ray_error_vanishes_with_the_facets() {
 fn a_files_normals_show_the_design() {
     for name in ["panoramic", "conquistador"] {
         let mut profile = with_facets(&shipped(name), 1.4);
-        profile.formats = vec![Format::Obj];
+        profile.formats = vec![FileFormat::Mesh(MeshFormat::Obj)];
         let report = built(&profile);
         let smooth = report.trace[0].interpolated_normals.unwrap().pixel_error_px.unwrap();
         let ratio = smooth.rms / report.design.pixel_error_px.unwrap().rms;

@@ -6,7 +6,7 @@ use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, number};
 use super::super::words::list;
-use super::super::{AcceptanceSpec, Format, MeshLimits, schema};
+use super::super::{AcceptanceSpec, FileFormat, MeshGoal, schema};
 use super::{SIZE, border, is_size};
 
 /// The part's figures, each with its place.
@@ -36,7 +36,7 @@ pub(super) fn part(reader: &mut ProfileReader, root: &Section) -> PartEntry {
 }
 
 /// The mesh's limits; without a projection there is nothing to measure pixels by.
-pub(super) fn mesh(reader: &mut ProfileReader, root: &Section, bare: bool) -> Option<MeshLimits> {
+pub(super) fn mesh(reader: &mut ProfileReader, root: &Section, bare: bool) -> Option<MeshGoal> {
     let section = reader.section(root, "mesh", Required)?;
     let has = |key: &str| section.has(key);
     let lacks = !has("max_triangles") && !has("chord_um");
@@ -77,19 +77,15 @@ pub(super) fn mesh(reader: &mut ProfileReader, root: &Section, bare: bool) -> Op
         );
         reader.complain(most.at, message, &hint);
     }
-    Some(MeshLimits {
-        chord_um: chord.map(|f| f.value),
-        facet_px: facet.map(|f| f.value),
-        max_triangles: most.map(|f| f.value as usize),
-    })
+    let limits = || MeshGoal::limits(chord.map(|f| f.value), facet.map(|f| f.value));
+    Some(most.map_or_else(limits, |most| MeshGoal::Budget(most.value as usize)))
 }
 
-pub(super) fn formats(reader: &mut ProfileReader, section: &Section) -> Option<Vec<Format>> {
+pub(super) fn formats(reader: &mut ProfileReader, section: &Section) -> Option<Vec<FileFormat>> {
     let path = section.path_of("formats");
-    let known = Format::ALL;
-    let names = known.map(Format::name);
-    let quoted = names.map(|name| format!("\"{name}\""));
-    let quoted = list(&quoted.each_ref().map(String::as_str), "or");
+    let names: Vec<&str> = FileFormat::all().map(FileFormat::name).collect();
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    let quoted = list(&quoted.iter().map(String::as_str).collect::<Vec<_>>(), "or");
     let must = format!("a list of one or more of {quoted}");
     let hint = "as in formats = [\"stl\", \"obj\"]";
     let value = reader.value(section, "formats", Required, &must, hint)?;
@@ -110,13 +106,13 @@ pub(super) fn formats(reader: &mut ProfileReader, section: &Section) -> Option<V
     for item in items {
         let at = item.span().start;
         let name = item.get_ref().as_str();
-        match known.iter().find(|format| Some(format.name()) == name) {
-            Some(format) if formats.contains(format) => {
+        match FileFormat::all().find(|format| Some(format.name()) == name) {
+            Some(format) if formats.contains(&format) => {
                 let message =
-                    format!("{path} must name each format once, found \"{format}\" again");
+                    format!("{path} must name each format once, found \"{}\" again", format.name());
                 reader.complain(at, message, "remove the second one");
             }
-            Some(format) => formats.push(*format),
+            Some(format) => formats.push(format),
             None => {
                 let message = match name {
                     Some(_) => format!("{path} must name {quoted}, found {}", reader.quote(item)),

@@ -6,7 +6,7 @@ use crate::support::draws::Draws;
 use crate::support::refused;
 use morion::internals::geom::TriMesh;
 use morion::internals::num::cos;
-use morion::internals::pipeline::{LengthUnit, Silent, VerifyOptions, inspect, load};
+use morion::internals::pipeline::{Command, LengthUnit, Silent, Verify, VerifyOptions, load};
 use morion::internals::report::{Verdict, VerifyReport};
 use std::path::{Path, PathBuf};
 
@@ -59,8 +59,12 @@ fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
 fn look(file: &Path, limits: [f64; 2], units: Option<LengthUnit>, aligned: bool) -> VerifyReport {
     let folder = file.parent().unwrap();
     let source = load(profile(folder, limits).to_str().unwrap()).unwrap();
-    let inspection = VerifyOptions { units, align: aligned.then(|| folder.join("made")) };
-    inspect(&source, file, &inspection, &Silent).unwrap_or_else(|error| panic!("{error}"))
+    let verify = Verify { path: file, options: VerifyOptions { units, align: aligned } };
+    let report = match aligned {
+        true => verify.publish(&source, &folder.join("made"), &Silent),
+        false => verify.in_memory(&source, &Silent).map(|(report, _)| report),
+    };
+    report.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The scan of a conquistador whose surface is off along its normal by `mm(x)`.
@@ -190,13 +194,15 @@ fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
     std::fs::write(&profile, text).unwrap();
     let source = load(profile.to_str().unwrap()).unwrap();
     assert!(source.profile.accept.pixel_error_max_px.is_none());
-    let inspection = VerifyOptions { units: None, align: Some(folder.path().join("made")) };
+    let options = VerifyOptions { units: None, align: true };
     for (stretch, verdict) in [(1.0, Verdict::Pass), (1.02, Verdict::Fail)] {
         let mut mesh = part.solid.clone();
         mesh.vertices.iter_mut().for_each(|v| v.z *= stretch);
         let file = folder.path().join("stretched.stl");
         std::fs::write(&file, stl(&mesh, 1.0)).unwrap();
-        let report = inspect(&source, &file, &inspection, &Silent).unwrap();
+        let report = Verify { path: &file, options }
+            .publish(&source, &folder.path().join("made"), &Silent)
+            .unwrap();
         assert_eq!(report.verdict, verdict, "{stretch}: {:#?}", report.reasons);
         let form = report.reasons.iter().any(|reason| reason.contains("form error"));
         assert_eq!(form, verdict == Verdict::Fail, "{:#?}", report.reasons);

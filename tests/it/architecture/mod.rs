@@ -19,6 +19,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("raster", &["num"]),
     ("optics", &["geom", "num"]),
     ("profile", &["tolerance_terms", "optics", "geom", "num"]),
+    ("publish", &["profile"]),
     ("mirror", &["geom", "num", "parallel"]),
     ("design", &["profile", "optics", "mirror", "num", "geom", "parallel"]),
     ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),
@@ -44,7 +45,7 @@ const TRACE_NEVER: &[&str] = &["mirror", "design", "mesh", "solid", "export"];
 
 /// The threads' library, beside `parallel`: the size of the pool.
 const MAY_NAME_RAYON: &[&str] = &["parallel", "bench"];
-const MAY_TOUCH_THE_SYSTEM: &[&str] = &["pipeline", "bench", "cli", "main"];
+const MAY_TOUCH_THE_SYSTEM: &[&str] = &["publish", "pipeline", "bench", "cli", "main"];
 const MAX_LINES: usize = 500;
 
 /// The sources speak of the project alone.

@@ -9,7 +9,7 @@ use morion::internals::machining::{
     BallRaster, Passes, SurfaceAnalysis, bounding_corners, plan_outlines,
 };
 use morion::internals::num::{cos, hypot, radians};
-use morion::internals::pipeline::{MachiningOptions, Silent, Source, load, machining};
+use morion::internals::pipeline::{Command, MachiningOptions, Silent, Source, load};
 use morion::internals::report::{Answer, Verdict};
 
 /// A ball that touches a sphere of radius rho at height u has its centre at u (1 + R / rho), on the ray from the
@@ -243,13 +243,13 @@ fn the_stepover_that_is_offered_instead_is_taken() {
     for ball_mm in [0.4, 6.0] {
         let cutting =
             |mm: f64| MachiningOptions { ball_mm, stepover_mm: Some(mm), as_cut: true, ..CUTTING };
-        let found = machining(&source, &cutting(1e-4), folder.path(), &Silent).unwrap();
+        let found = cutting(1e-4).publish(&source, folder.path(), &Silent).unwrap();
         assert!(found.as_cut.is_none());
         let text = found.warnings.concat();
         let offered = text.split("at least ").nth(1).and_then(|rest| rest.split(" mm").next());
         let offered: f64 =
             offered.and_then(|mm| mm.parse().ok()).unwrap_or_else(|| panic!("{text}"));
-        let found = machining(&source, &cutting(offered), folder.path(), &Silent);
+        let found = cutting(offered).publish(&source, folder.path(), &Silent);
         let found = found.unwrap_or_else(|error| panic!("{text} {error}"));
         assert!(found.as_cut.is_some(), "{:?}", found.warnings);
     }
@@ -261,8 +261,7 @@ fn the_stepover_that_is_offered_instead_is_taken() {
 fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
     let folder = folder();
     let source: Source = builds::parsed(SMALL).into();
-    let run =
-        |cutting: MachiningOptions| machining(&source, &cutting, folder.path(), &Silent).unwrap();
+    let run = |cutting: MachiningOptions| cutting.publish(&source, folder.path(), &Silent).unwrap();
     let free = MachiningOptions { ball_mm: 2.0, stepover_mm: None, as_cut: false, ..CUTTING };
     for (budget_px, scallop_um) in [(Some(0.3), None), (Some(0.3), Some(0.05)), (None, None)] {
         let asked = MachiningOptions { budget_px, scallop_um, ..free };

@@ -6,7 +6,9 @@ pub mod wanted;
 use crate::support::builds::folder;
 use crate::support::random::each;
 use crate::support::{times, unlimited};
-use morion::internals::pipeline::{Error, Silent, Source, Trials, build, dry_run, tolerance};
+use morion::internals::pipeline::{
+    Command, Error, Silent, Source, ToleranceOptions, build, dry_run, load,
+};
 use morion::internals::profile::{Profile, SagGrid};
 use morion::internals::report::{BuildReport, ReasonKind, Verdict};
 use proptest::prelude::*;
@@ -61,7 +63,7 @@ fn ended(wanted: &Wanted, folder: &Path) -> Result<Ending, String> {
     let sag = wanted.heights.as_ref().map(|text| SagGrid::parse(text.as_bytes()));
     let sag = sag.transpose().map_err(|error| error.to_string())?;
     // What is usual is no business of random mirrors.
-    let source = Source { profile: unlimited(profile), sag };
+    let source = Source { sag, ..unlimited(profile).into() };
     let ending = match build(&source, folder, &Silent) {
         Ok(report) => judged(&source.profile, &report, &folder.join("random"))?,
         Err(error) => (refusal(&error)?, BTreeSet::new()),
@@ -71,8 +73,9 @@ fn ended(wanted: &Wanted, folder: &Path) -> Result<Ending, String> {
         let heights = wanted.heights.as_deref().unwrap_or("");
         std::fs::write(folder.join("sag.csv"), heights).map_err(|error| error.to_string())?;
         std::fs::write(&path, &wanted.text).map_err(|error| error.to_string())?;
-        let trials = Trials { range: 0..3, seed: 1, until: None };
-        if let Err(error) = tolerance(&path.display().to_string(), &trials, folder, &Silent) {
+        let trials = ToleranceOptions { range: 0..3, ..ToleranceOptions::default() };
+        let source = load(&path.display().to_string()).map_err(|error| error.to_string())?;
+        if let Err(error) = trials.publish(&source, folder, &Silent) {
             refusal(&error)?;
         }
     }

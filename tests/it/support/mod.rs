@@ -18,7 +18,7 @@ use morion::internals::design::{Design, design};
 use morion::internals::geom::{DVec2, Outline, Precision, Rect};
 use morion::internals::mesh::{Face, Limits, MeshError, mesh};
 use morion::internals::pipeline::load;
-use morion::internals::profile::{MeshLimits, Profile};
+use morion::internals::profile::{MeshGoal, Profile};
 use std::path::Path;
 
 /// Every `n`-th of `cases`, begun with another one for each `turn`; all of them in a long run.
@@ -122,15 +122,15 @@ pub fn designed(profile: &Profile) -> Design {
 /// The profile's limits on the mirror of `design`.
 pub fn limits(profile: &Profile, design: &Design) -> Limits {
     Limits {
-        chord_mm: profile.mesh.chord_um.map(|um| um * 1e-3),
-        facet_mm: profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        chord_mm: profile.mesh.chord_um().map(|um| um * 1e-3),
+        facet_mm: profile.mesh.facet_px().map(|px| px * design.camera.pixel_mm),
         precision: Precision::Single,
     }
 }
 
 /// The profile with these limits alone.
 pub fn with_limits(mut profile: Profile, chord_um: Option<f64>, facet_px: Option<f64>) -> Profile {
-    profile.mesh = MeshLimits { chord_um, facet_px, ..MeshLimits::default() };
+    profile.mesh = MeshGoal::limits(chord_um, facet_px);
     profile
 }
 

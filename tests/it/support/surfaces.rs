@@ -176,8 +176,8 @@ fn shipped(name: &'static str, rule: Rule, most: Option<f64>) -> Case {
     let profile = load(name).unwrap_or_else(|error| panic!("{error}")).profile;
     let design = design(&profile, None).unwrap_or_else(|error| panic!("{error}"));
     let limit = match rule {
-        Rule::Chord => profile.mesh.chord_um.map(|um| um * 1e-3),
-        Rule::Facet => profile.mesh.facet_px.map(|px| px * design.camera.pixel_mm),
+        Rule::Chord => profile.mesh.chord_um().map(|um| um * 1e-3),
+        Rule::Facet => profile.mesh.facet_px().map(|px| px * design.camera.pixel_mm),
     };
     let usual_mm = limit.unwrap_or_else(|| panic!("{name} has no limit for its {}", rule.name()));
     let camera = design.camera.chart;

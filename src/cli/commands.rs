@@ -1,0 +1,111 @@
+//! Commands: from arguments to options.
+
+use super::args::{
+    BlurArgs, BuildArgs, FrameArgs, MachiningArgs, MapFormatArg, RenderArgs, RowsArg,
+    ToleranceArgs, UnwrapArgs, VerifyArgs,
+};
+use crate::pipeline::{
+    BlurOptions, BuildOptions, Effort, FrameOptions, MachiningOptions, MapFormat, RenderOptions,
+    ReplayOptions, Rows, ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions,
+};
+use crate::report::Aperture;
+use std::num::NonZeroUsize;
+
+impl BuildArgs {
+    pub fn options(&self) -> BuildOptions {
+        let effort = match (self.no_skip, self.force) {
+            (true, _) => Effort::Most,
+            (_, true) => Effort::Afresh,
+            _ => Effort::Least,
+        };
+        BuildOptions { effort }
+    }
+}
+
+impl VerifyArgs {
+    pub fn command(&self) -> Verify<'_> {
+        let options = VerifyOptions { units: self.units.map(Into::into), align: self.align };
+        Verify { path: &self.file, options }
+    }
+}
+
+impl RenderArgs {
+    pub fn options(&self) -> RenderOptions<'_> {
+        RenderOptions {
+            scene: &self.scene,
+            smooth: self.smooth,
+            square_mm: self.square_mm,
+            unit_mm: self.unit_mm,
+            allow_outside: self.allow_outside,
+        }
+    }
+}
+
+impl FrameArgs {
+    pub fn options(&self) -> FrameOptions {
+        FrameOptions { min: self.min }
+    }
+}
+
+impl UnwrapArgs {
+    pub fn command(&self) -> Unwrap<'_> {
+        let remap = UnwrapOptions::Remap {
+            projection: self.projection.map(Into::into),
+            width: self.width.map(NonZeroUsize::get),
+            map: self.map.map(Into::into),
+        };
+        let options = if self.cuts { UnwrapOptions::Cuts } else { remap };
+        Unwrap { photo: &self.photo, options }
+    }
+}
+
+impl BlurArgs {
+    pub fn options(&self) -> BlurOptions {
+        let pupil = self.pupil_mm.map(|pupil_mm| Aperture::Pupil { pupil_mm });
+        let aperture = pupil.or(self.na.map(|na| Aperture::Na { na }));
+        BlurOptions { aperture, focus_mm: self.focus_mm }
+    }
+}
+
+impl ToleranceArgs {
+    pub fn options(&self) -> ToleranceOptions {
+        ToleranceOptions { range: self.trials.clone(), seed: self.seed, until: self.until }
+    }
+
+    pub fn replay(&self, trial: u64) -> ReplayOptions<'_> {
+        ReplayOptions { trial, seed: self.seed, without: &self.without }
+    }
+}
+
+impl MachiningArgs {
+    pub fn options(&self) -> MachiningOptions {
+        MachiningOptions {
+            ball_mm: self.ball_mm,
+            stepover_mm: self.stepover_mm,
+            angle_deg: self.angle_deg,
+            budget_px: self.budget_px,
+            scallop_um: self.scallop_um,
+            allowance_mm: self.allowance_mm,
+            as_cut: !self.no_as_cut,
+        }
+    }
+}
+
+impl From<RowsArg> for Rows {
+    fn from(rows: RowsArg) -> Self {
+        match rows {
+            RowsArg::Cylindrical => Self::Cylindrical,
+            RowsArg::Equirectangular => Self::Equirectangular,
+            RowsArg::Mercator => Self::Mercator,
+        }
+    }
+}
+
+impl From<MapFormatArg> for MapFormat {
+    fn from(format: MapFormatArg) -> Self {
+        match format {
+            MapFormatArg::Npy => Self::Npy,
+            MapFormatArg::Exr => Self::Exr,
+        }
+    }
+}

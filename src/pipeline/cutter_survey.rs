@@ -1,0 +1,252 @@
+//! The survey of a mirror for a ball cutter: fit, scallops, directions, stock, and what they do to the pixels.
+
+use super::machining::MachiningOptions;
+use super::verdict;
+use crate::design::Design;
+use crate::geom::{Contour, DVec2, DVec3};
+use crate::machining::{
+    BallRaster, Extreme, FLOOR_MM, Fillet, Gouge, MachiningError, ScallopFigures, SurfaceAnalysis,
+    bounding_corners, plan_outlines,
+};
+use crate::num::rounding::floor_four_digits;
+use crate::num::{degrees, radians};
+use crate::profile::Profile;
+use crate::report::{
+    BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, SCHEMA, StockFacts,
+};
+
+/// The stepover over the ball's radius at which directions are found where none is asked for.
+const FIRST_STEPOVER: f64 = 0.05;
+
+/// The survey's results, and what the as-cut part is made by.
+pub struct CutterSurvey<'a> {
+    /// Curvature and slope of the mirror.
+    pub analysis: SurfaceAnalysis<'a>,
+    /// The lines of the cutter.
+    pub raster: BallRaster,
+    /// Where the ball does not fit.
+    pub gouge: Gouge,
+    /// Why the ball does not reach all of the face but a valley, if so.
+    pub hollow: Option<String>,
+    /// Everything but the as-cut part.
+    pub found: MachiningReport,
+}
+
+impl<'a> CutterSurvey<'a> {
+    /// The survey of the mirror of `design`.
+    ///
+    /// # Errors
+    /// [`MachiningError`] when the raster cannot be worked out.
+    pub fn new(
+        profile: &Profile,
+        design: &'a Design,
+        options: &MachiningOptions,
+    ) -> Result<Self, MachiningError> {
+        let mirror = &design.mirror;
+        let analysis = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());
+        let (best, mut raster) = directed(&analysis, options);
+        let least_hollow_mm = analysis.least_hollow_mm();
+        // But for rounding.
+        let tight = least_hollow_mm.filter(|least| options.ball_mm > least.value * (1.0 + 1e-9));
+        let hollow = tight.map(|least| DVec3::from_array(least.at_mm).truncate());
+        let gouge =
+            Gouge::new(mirror, bounding_corners(&plan_outlines(mirror)), options.ball_mm, hollow);
+        let budget = budget(profile, design, options, &analysis, &raster);
+        if options.stepover_mm.is_none() {
+            let ends = [budget.stepover_for_px_mm, budget.stepover_for_scallop_mm];
+            let most = ends.into_iter().flatten().reduce(f64::min);
+            // (Written down it still keeps them.)
+            raster.stepover_mm = most.map_or(raster.stepover_mm, floor_four_digits);
+        }
+        let scallops = analysis.figures(&raster)?;
+        let fillet = Fillet::new(mirror, &design.camera, options.ball_mm);
+        let [low, high] = analysis.heights_mm();
+        let foot = design.border.as_ref().map_or(0.0, |border| border.top_mm);
+        let mut reasons = over_budget(scallops.as_ref(), &budget);
+        reasons.extend(fillet.as_ref().map(filled));
+        let warnings = unmeasured(design, options, scallops.as_ref());
+        let hollow = unreached(&gouge, options.ball_mm, scallops.is_none(), tight);
+        reasons.extend(hollow.clone());
+        let found = MachiningReport {
+            schema: SCHEMA,
+            profile: profile.into(),
+            ball_mm: options.ball_mm,
+            stepover_mm: raster.stepover_mm,
+            angle_deg: degrees(raster.angle),
+            steepest_deg: analysis.steepest_deg(),
+            least_hollow_mm,
+            gouge: gouge_facts(&gouge, fillet.is_none() && scallops.is_some()),
+            fillet,
+            scallops,
+            design_pixel_error_px: design.facts.pixel_error_px,
+            best,
+            budget,
+            reach: ReachFacts { face_mm: high - low, wall_mm: high - foot },
+            stock: stock(design, high, options.allowance_mm),
+            as_cut: None,
+            files: Vec::new(),
+            verdict: verdict::of(&reasons),
+            reasons,
+            warnings,
+        };
+        Ok(Self { analysis, raster, gouge, hollow, found })
+    }
+
+    /// The result in a few words.
+    pub fn note(&self) -> String {
+        self.found.scallops.as_ref().map_or("the ball fits nowhere".to_owned(), |found| {
+            format!("scallops of {:.3} um at most", found.scallop_um.value)
+        })
+    }
+}
+
+/// The best directions, and the raster in the one asked for or the best to a hundredth of a degree.
+fn directed(analysis: &SurfaceAnalysis, options: &MachiningOptions) -> (BestFacts, BallRaster) {
+    let ball_mm = options.ball_mm;
+    // Directions hardly depend on it.
+    let stepover_mm = options.stepover_mm.unwrap_or(FIRST_STEPOVER * ball_mm);
+    let raster = BallRaster { ball_mm, stepover_mm, angle: 0.0 };
+    let (pixels, height) = (analysis.best_for_pixels(&raster), analysis.best_for_height(&raster));
+    let best = (100.0 * pixels.unwrap_or(height).angle_deg).round() / 100.0;
+    let angle = radians(options.angle_deg.unwrap_or(best));
+    (BestFacts { pixels, height }, BallRaster { angle, ..raster })
+}
+
+/// The limits on the unpolished face, and the stepovers that keep them.
+fn budget(
+    profile: &Profile,
+    design: &Design,
+    options: &MachiningOptions,
+    analysis: &SurfaceAnalysis,
+    raster: &BallRaster,
+) -> BudgetFacts {
+    let view = design.view.as_ref();
+    let usual_px = view.map(|_| profile.acceptance_limits().pixel_error_max_px.value);
+    let (p95_px, scallop_um) = (options.budget_px.or(usual_px), options.scallop_um);
+    BudgetFacts {
+        p95_px,
+        stepover_for_px_mm: p95_px.and_then(|px| analysis.stepover_for_pixels(raster, px)),
+        scallop_um,
+        stepover_for_scallop_mm: scallop_um
+            .and_then(|um| analysis.stepover_for_height(raster, 1e-3 * um)),
+    }
+}
+
+fn gouge_facts(gouge: &Gouge, fits: bool) -> GougeFacts {
+    GougeFacts {
+        fits: gouge.largest.is_none() && fits,
+        left_max_um: gouge.largest.map_or(0.0, |most| 1e3 * most.0),
+        at_mm: gouge.largest.map(|most| most.1.to_array()),
+        share: gouge.share(),
+        step_mm: gouge.step,
+    }
+}
+
+/// Limits that the unpolished face does not keep.
+fn over_budget(scallops: Option<&ScallopFigures>, budget: &BudgetFacts) -> Vec<String> {
+    let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
+    let digits = |mm: Option<f64>| {
+        mm.map_or("none".to_owned(), |mm| format!("{} mm", floor_four_digits(mm)))
+    };
+    let error_px = scallops.and_then(|found| found.pixel_error_px).map(|error| error.p95);
+    let error = error_px.and_then(|px| Some((px, over(px, budget.p95_px)?)));
+    let error = error.map(|(px, limit)| {
+        format!(
+            "the unpolished face has a pixel error of {px:.3} px (95 % of it), over {limit} px; \
+             a stepover of {} keeps it",
+            digits(budget.stepover_for_px_mm)
+        )
+    });
+    let height_um = scallops.map(|found| found.scallop_um.value);
+    let height = height_um.and_then(|um| Some((um, over(um, budget.scallop_um)?)));
+    let height = height.map(|(um, limit)| {
+        format!(
+            "scallops are up to {um:.3} um high, over {limit} um; a stepover of {} keeps it",
+            digits(budget.stepover_for_scallop_mm)
+        )
+    });
+    error.into_iter().chain(height).collect()
+}
+
+fn filled(fillet: &Fillet) -> String {
+    format!(
+        "the ball leaves a fillet of {:.3} mm width in the valley, which takes {:.0} pixels",
+        fillet.width_max_mm, fillet.pixels
+    )
+}
+
+/// Warnings of pixel errors that are not known.
+fn unmeasured(
+    design: &Design,
+    options: &MachiningOptions,
+    scallops: Option<&ScallopFigures>,
+) -> Vec<String> {
+    let without = (options.budget_px.is_some() && design.view.is_none())
+        .then(|| "without a projection there is no pixel error to hold a budget to".to_owned());
+    without.into_iter().chain(scallops.and_then(unseen)).collect()
+}
+
+/// The box around the part, whose highest place is at `high`.
+fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
+    let size = match design.border.as_ref().map(|stock| stock.contour) {
+        Some(Contour::Rect { half, .. }) => 2.0 * half,
+        Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
+        None => {
+            let [lo, hi] = bounding_corners(&plan_outlines(&design.mirror));
+            hi - lo
+        }
+    };
+    let [x, y] = [size.x, size.y].map(|side| side + 2.0 * allowance_mm);
+    let z = high + allowance_mm;
+    let (volume_mm3, part_mm3) = (x * y * z, design.volume());
+    StockFacts {
+        size_mm: [x, y, z],
+        allowance_mm,
+        volume_mm3,
+        part_mm3,
+        removed_mm3: volume_mm3 - part_mm3,
+    }
+}
+
+/// Why the ball, mm, does not reach all of the face but a valley, if so; it fits `nowhere`, or the ground is
+/// hollow with a smaller radius where it is `tight`.
+fn unreached(gouge: &Gouge, ball: f64, nowhere: bool, tight: Option<Extreme>) -> Option<String> {
+    let Some((left, at)) = gouge.largest_outside_fillet else {
+        return nowhere.then(|| format!("the ball of {ball} mm fits nowhere on the mirror"));
+    };
+    let fits = if nowhere { "fits nowhere on the mirror" } else { "does not fit" };
+    let left = if left > FLOOR_MM {
+        format!("up to {:.3} um", 1e3 * left)
+    } else {
+        format!("less than {} um", 1e3 * FLOOR_MM)
+    };
+    let share = 100.0 * gouge.share();
+    let left = format!("leaves {left}, and something on {share:.2} % of the face");
+    Some(match tight {
+        Some(least) => format!(
+            "the ball of {ball} mm {fits}: at X {:.3} mm, Y {:.3} mm the mirror is hollow with a radius of {:.4} mm; \
+             it {left}",
+            least.at_mm[0], least.at_mm[1], least.value
+        ),
+        None => format!(
+            "the ball of {ball} mm {fits}: at X {:.3} mm, Y {:.3} mm other ground is in its way, and it {left}",
+            at.x, at.y
+        ),
+    })
+}
+
+/// What the pixels' figures leave out.
+fn unseen(figures: &ScallopFigures) -> Option<String> {
+    let ScallopFigures { pixels, pixels_unbounded, .. } = *figures;
+    if pixels == 0 {
+        return Some(
+            "no pixel sees the mirror where the ball fits: nothing is known of pixels".to_owned(),
+        );
+    }
+    (pixels_unbounded > 0).then(|| {
+        format!(
+            "{pixels_unbounded} of the {pixels} pixels looked at are moved by no finite number of pixels, and left \
+             out of the pixel error"
+        )
+    })
+}

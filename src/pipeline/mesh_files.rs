@@ -1,0 +1,123 @@
+//! Mesh files of a build: the face closed with the digits that each format carries, and written.
+
+use super::face::{AtPrecision, Promise, Refusal, limits};
+use super::formats::codec;
+use super::run::Run;
+use super::{Error, Stage};
+use crate::design::Design;
+use crate::export::Label;
+use crate::geom::Precision;
+use crate::mesh::{ErrorBound, Face, Limits};
+use crate::num::units::{Mm, Um};
+use crate::profile::{MeshFormat, Profile};
+use crate::report::{Limited, MeshFacts, OverOptimum, SolidFacts};
+use crate::solid::Solid;
+
+/// What the stage that closes bodies counts, and why not every file needs one of its own.
+const CLOSED: &str = "bodies closed and checked";
+const SHARED: &str = "files with as many digits share one";
+
+/// Mesh files, written but not published.
+pub struct MeshFiles {
+    /// Figures of the mesh and the first solid.
+    pub facts: Option<(MeshFacts, SolidFacts)>,
+    /// The errors that they may have.
+    pub promise: Promise,
+    /// Their digits.
+    pub precision: Precision,
+    /// Their formats.
+    pub formats: Vec<MeshFormat>,
+    /// Why others are not written.
+    pub refused: Option<Refusal>,
+}
+
+/// Closes the face and writes a file in each of its formats: with one solid in memory at a time.
+///
+/// # Errors
+/// [`Error::Solid`] when the face cannot be closed, [`Error::File`] when the disk refuses.
+pub fn write_meshes(
+    run: &mut Run,
+    design: &Design,
+    face: AtPrecision<Face>,
+    label: &Label,
+) -> Result<MeshFiles, Error> {
+    let mut closed: Option<(Precision, Solid)> = None;
+    let mut facts = None;
+    for &format in &face.formats {
+        let solid = match closed.take() {
+            Some((shared, solid)) if shared == codec(format).precision() => {
+                run.timer.worked(Stage::Solid, CLOSED, [0, 1], SHARED);
+                solid
+            }
+            before => {
+                drop(before);
+                run.timer.worked(Stage::Solid, CLOSED, [1, 0], SHARED);
+                run.stage(Stage::Solid, || close(run, design, &face.made, format))?
+            }
+        };
+        facts.get_or_insert_with(|| {
+            let mesh = mesh_facts(run.profile(), design, &face.made, &solid);
+            (mesh, SolidFacts::new(solid.check(), design.volume()))
+        });
+        let made = Some((&face.made, design));
+        run.write(format.file_name(), |out| codec(format).write(out, &solid, made, label))?;
+        closed = Some((codec(format).precision(), solid));
+    }
+    let promise = Promise::of_face(run.profile(), design, &face.made);
+    let AtPrecision { precision, formats, refused, .. } = face;
+    Ok(MeshFiles { facts, promise, precision, formats, refused })
+}
+
+/// Closes a face with the digits of a format; with a note for the observer.
+///
+/// # Errors
+/// [`Error::Solid`] when it cannot be closed.
+pub fn close(
+    run: &Run,
+    design: &Design,
+    face: &Face,
+    format: MeshFormat,
+) -> Result<(Solid, String), Error> {
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), codec(format).precision())
+        .map_err(|source| Error::Solid { profile: run.profile().name.clone(), format, source })?;
+    let note = format!("{} triangles, closed", solid.mesh().triangles.len());
+    Ok((solid, note))
+}
+
+/// The words of every file of a build on its mirror: tolerances asked and reached, too.
+pub fn label(run: &Run, design: &Design, bound: Option<&ErrorBound>) -> Label {
+    let mesh = run.profile().mesh;
+    let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
+    let reached =
+        |of: &dyn Fn(&ErrorBound) -> f64| bound.map_or("-".into(), |b| format!("{:.3}", of(b)));
+    let tolerances = format!(
+        "chord um {}:{} facet px {}:{}",
+        limit(mesh.chord_um()),
+        reached(&|bound| Um::from(Mm(bound.chord_mm)).0),
+        limit(mesh.facet_px()),
+        reached(&|bound| design.camera.to_px(Mm(bound.facet_mm)).0),
+    );
+    run.label(design, tolerances)
+}
+
+fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {
+    let camera = &design.camera;
+    let px = |mm: f64| camera.to_px(Mm(mm)).0;
+    let goal = profile.mesh;
+    let optical_triangles = face.mesh.triangles.len();
+    let over = |least: Option<f64>| least.map(|least| optical_triangles as f64 / least);
+    let Limits { chord_mm, facet_mm, .. } = limits(profile, design, Precision::Double);
+    MeshFacts {
+        optical_triangles,
+        triangles: solid.mesh().triangles.len(),
+        max_triangles: goal.max_triangles(),
+        vertices: solid.mesh().vertices.len(),
+        chord_um: Limited { limit: goal.chord_um(), bound: Um::from(Mm(face.bound.chord_mm)).0 },
+        facet_px: Limited { limit: goal.facet_px(), bound: px(face.bound.facet_mm) },
+        rounding_px: px(face.bound.rounding_mm),
+        over_optimum: OverOptimum {
+            chord: chord_mm.and_then(|mm| over(face.optimum.chord(mm))),
+            facet: facet_mm.and_then(|mm| over(face.optimum.facet(mm))),
+        },
+    }
+}

@@ -1,0 +1,193 @@
+//! One run of a command: its source, its stages, and the files that it publishes at its end.
+
+use super::observer::{Observer, Stage, StageTimer};
+use super::{Error, Source};
+use crate::design::{Design, design};
+use crate::export::Label;
+use crate::profile::Profile;
+use crate::publish::{OutputFile, StagedFile, Transaction};
+use crate::render::Picture;
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A command on one profile, with its options.
+pub trait Command {
+    /// What it finds out.
+    type Report;
+
+    /// Refuses options that cannot mean anything, before there is a folder.
+    ///
+    /// # Errors
+    /// [`enum@Error`] for the first of them.
+    fn check(&self, _profile: &Profile) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// The folder of its files below that for results.
+    fn folder(&self, profile: &Profile) -> PathBuf {
+        PathBuf::from(&profile.name)
+    }
+
+    /// Goes through the stages, and publishes the files of `run` at the end.
+    ///
+    /// # Errors
+    /// [`enum@Error`] when a stage cannot be done; then nothing is published.
+    fn run(&self, run: &mut Run) -> Result<Self::Report, Error>;
+
+    /// Runs it on `source`, with its files in a folder below `out`.
+    ///
+    /// # Errors
+    /// [`enum@Error`] when the folder cannot be written to, before any work, or a stage cannot be done;
+    /// then nothing under `out` has changed but for new, empty folders.
+    fn publish(
+        &self,
+        source: &Source,
+        out: &Path,
+        observer: &dyn Observer,
+    ) -> Result<Self::Report, Error> {
+        self.check(&source.profile)?;
+        let files = Transaction::open(&out.join(self.folder(&source.profile)))?;
+        self.run(&mut Run { source, timer: StageTimer::new(observer), files })
+    }
+
+    /// Runs it on `source`, with its files in memory.
+    ///
+    /// # Errors
+    /// [`enum@Error`] when a stage cannot be done.
+    fn in_memory(
+        &self,
+        source: &Source,
+        observer: &dyn Observer,
+    ) -> Result<(Self::Report, Vec<OutputFile>), Error> {
+        self.check(&source.profile)?;
+        let mut run = Run::in_memory(source, observer);
+        let report = self.run(&mut run)?;
+        Ok((report, run.files.into_files()))
+    }
+}
+
+/// A command under way.
+pub struct Run<'a> {
+    /// The profile, and what it names.
+    pub source: &'a Source,
+    /// Times of the stages, and who watches them.
+    pub timer: StageTimer<'a>,
+    /// Files, until they are published.
+    pub files: Transaction,
+}
+
+impl<'a> Run<'a> {
+    /// A run that leaves its files in memory.
+    pub fn in_memory(source: &'a Source, observer: &'a dyn Observer) -> Self {
+        Self { source, timer: StageTimer::new(observer), files: Transaction::in_memory() }
+    }
+
+    /// The profile.
+    pub fn profile(&self) -> &'a Profile {
+        &self.source.profile
+    }
+
+    /// Runs a stage; its value comes with the note for the observer.
+    ///
+    /// # Errors
+    /// That of the stage.
+    pub fn stage<T>(
+        &self,
+        stage: Stage,
+        run: impl FnOnce() -> Result<(T, String), Error>,
+    ) -> Result<T, Error> {
+        self.timer.stage(stage, run)
+    }
+
+    /// Designs the mirror.
+    ///
+    /// # Errors
+    /// [`Error::Design`] when it has no answer.
+    pub fn design(&self) -> Result<Design, Error> {
+        self.stage(Stage::Design, || {
+            let design = designed(self.source)?;
+            let note = design.facts.method.to_owned();
+            Ok((design, note))
+        })
+    }
+
+    /// Encodes a picture.
+    ///
+    /// # Errors
+    /// [`Error::Picture`] when it cannot be.
+    pub fn picture<E: Display>(
+        &self,
+        encode: impl FnOnce() -> Result<Vec<u8>, E>,
+    ) -> Result<Vec<u8>, Error> {
+        self.stage(Stage::Picture, || {
+            let png = encode().map_err(|error| Error::Picture(error.to_string()))?;
+            let note = format!("{} kB", png.len() / 1000);
+            Ok((png, note))
+        })
+    }
+
+    /// Paints a picture and encodes it.
+    ///
+    /// # Errors
+    /// [`Error::Picture`] when it cannot be encoded.
+    pub fn painted(&self, paint: impl FnOnce() -> Picture) -> Result<(Picture, Vec<u8>), Error> {
+        self.stage(Stage::Picture, || {
+            let picture = paint();
+            let png = picture.to_png().map_err(|error| Error::Picture(error.to_string()))?;
+            let note = format!("{} kB", png.len() / 1000);
+            Ok(((picture, png), note))
+        })
+    }
+
+    /// Writes a file of the part, and tells the observer of it.
+    ///
+    /// # Errors
+    /// [`Error::File`] when the disk refuses.
+    pub fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<&StagedFile, Error> {
+        self.timer.stage(Stage::Write, || {
+            let staged = self.files.add(name, write)?;
+            if let Some(path) = staged.path() {
+                self.timer.written(path);
+            }
+            Ok::<_, Error>((staged, name.to_owned()))
+        })
+    }
+
+    /// Adds the last files and publishes all, as one stage.
+    ///
+    /// # Errors
+    /// [`enum@Error`] when one cannot be made, or the disk refuses.
+    pub fn publish(
+        &mut self,
+        stage: Stage,
+        add: impl FnOnce(&mut Transaction, &StageTimer) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.timer.stage(stage, || {
+            add(&mut self.files, &self.timer)?;
+            self.files.commit()?;
+            Ok(((), self.files.place()))
+        })
+    }
+
+    /// The words of a file on its mirror, with what its mesh keeps to.
+    pub fn label(&self, design: &Design, tolerances: String) -> Label {
+        let Profile { name, sha256, .. } = self.profile();
+        let mounting = design.mounting.statements();
+        Label { profile: name.clone(), sha256: sha256.clone(), tolerances, mounting }
+    }
+}
+
+/// The mirror of `source`.
+///
+/// # Errors
+/// [`Error::Design`] when it has no answer.
+pub fn designed(source: &Source) -> Result<Design, Error> {
+    let Source { profile, sag, .. } = source;
+    design(profile, sag.as_ref())
+        .map_err(|source| Error::Design { profile: profile.name.clone(), source })
+}

@@ -1,0 +1,14 @@
+//! Files: read whole, hashed, and published together. Nothing appears under its own name before all files
+//! of a command are whole.
+
+mod error;
+mod folder;
+mod hash;
+mod read;
+mod transaction;
+
+pub use error::FileError;
+pub use folder::abandon;
+pub use hash::{HashingWriter, sha256};
+pub use read::{read, read_at_most, read_below, read_named};
+pub use transaction::{OutputFile, StagedFile, Transaction};
