@@ -9,26 +9,27 @@
 
 use super::barrier_hessian::{Cholesky, CholeskyRoot, ColumnBlocks, root};
 use super::basis::{Basis, LocalValues};
-use super::solve::{PointwiseResidual, ResidualSample, SolveError, linearised, scale};
+use super::residual_sample::{PointwiseResidual, ResidualSample, linearised, magnitude_of_terms};
+use super::solve::SolveError;
 use crate::num::log;
 use crate::num::streaming_qr::{StreamingQr, dot};
 
 /// Relative distance from the optimum to stop at.
 const GAP: f64 = 3e-3;
-/// Relative distance of the proof from the answer that is put up with.
-const PROOF: f64 = 0.01;
+/// Largest relative distance of the proven bound from the answer.
+const BOUND_GAP: f64 = 0.01;
 /// Growth of k from stage to stage.
 const GROWTH: f64 = 10.0;
-/// A place joins when its residual is within this part of the limit.
+/// A place becomes active when its residual is within this part of the limit.
 const NEAR: f64 = 0.01;
 /// Newton's decrement (of the barrier, whose scale is 1 per place) that ends a stage.
-const CENTRED: f64 = 0.5;
-/// Stages that change nothing before the search is given up.
-const STILL: usize = 3;
-/// Newton steps of a stage before it is left.
-const MOST: usize = 40;
-/// Stages before giving up.
-const STAGES: usize = 20;
+const LAST_DECREMENT: f64 = 0.5;
+/// Stages without any change after which the search is given up.
+const MOST_IDLE: usize = 3;
+/// Most Newton steps of a stage.
+const MOST_NEWTON_STEPS: usize = 40;
+/// Most stages.
+const MOST_STAGES: usize = 20;
 
 /// A mirror with the smallest worst residual.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,59 +61,32 @@ pub fn minimax<const N: usize>(
     if !worst.is_finite() {
         return Err(SolveError::Undefined { steps: 0, coefficients: start.to_vec() });
     }
-    let rounding = 1e-12 * scale(&samples, &locals);
+    let rounding = 1e-12 * magnitude_of_terms(&samples, &locals);
     if worst <= rounding {
         return Ok(MinimaxFit { coefficients: start.to_vec(), worst, bound: 0.0, steps: 0 });
     }
-    let active: Vec<usize> = (0..basis.len()).filter(|&k| basis.coarse(k)).collect();
-    let even: Vec<_> = active.iter().map(|&k| (k, 1.0, samples[k])).collect();
-    let metric = linearised(basis, &even);
-    metric.solve()?;
-    let mut search = BarrierSearch {
-        basis,
-        residual,
-        metric,
-        coefficients: start.to_vec(),
-        blocks: ColumnBlocks::new(basis.unknowns()),
-        active: Vec::new(),
-        locals: Vec::new(),
-        samples: Vec::new(),
-        limit: 1.1 * worst,
-        steps: 0,
-        last_step_mm: f64::NAN,
-    };
-    search.join(&active, &locals, &samples);
+    let mut search = BarrierSearch::new(basis, residual, start, &samples)?;
+    search.limit = 1.1 * worst;
+    let coarse: Vec<usize> = (0..basis.len()).filter(|&k| basis.coarse(k)).collect();
+    search.activate(&coarse, &locals, &samples);
     let mut pressure =
         search.samples.iter().map(|s| 2.0 * search.limit / search.slack(s)).sum::<f64>();
-    let mut still = 0;
-    for _ in 0..STAGES {
+    let mut idle = 0;
+    for _ in 0..MOST_STAGES {
         search.centre(pressure);
-        still = if search.last_step_mm > 0.0 { 0 } else { still + 1 };
-        if still == STILL {
+        idle = if search.last_step_mm > 0.0 { 0 } else { idle + 1 };
+        if idle == MOST_IDLE {
             break;
         }
-        let count = search.active.len() as f64;
-        let gap = count / (pressure * search.limit);
+        let gap = search.active.len() as f64 / (pressure * search.limit);
         let locals = basis.locals(&search.coefficients);
         let samples = ResidualSample::all(basis, residual, &locals);
         let worst = largest(&samples);
-        let seen = largest(&search.samples);
-        let met = gap <= GAP && worst <= seen * (1.0 + 0.5 * GAP);
-        if met || worst <= rounding {
-            let bound = search.bound();
-            // Short of the barrier's least, where its weights prove nothing, it is searched on.
-            if bound >= (1.0 - PROOF) * worst || worst <= rounding {
-                let (coefficients, steps) = (search.coefficients, search.steps);
-                return Ok(MinimaxFit { coefficients, worst, bound, steps });
-            }
+        if let Some(bound) = search.proven_bound(gap, worst, rounding) {
+            let (coefficients, steps) = (search.coefficients, search.steps);
+            return Ok(MinimaxFit { coefficients, worst, bound, steps });
         }
-        let mut inside = vec![false; basis.len()];
-        search.active.iter().for_each(|&k| inside[k] = true);
-        let near = (1.0 - NEAR) * search.limit;
-        let joining: Vec<usize> = (0..basis.len())
-            .filter(|&k| !inside[k] && !(samples[k].square() <= near * near))
-            .collect();
-        search.join(&joining, &locals, &samples);
+        search.activate(&search.near_the_limit(&samples), &locals, &samples);
         let needed = largest(&search.samples) * (1.0 + 0.3 * gap);
         search.limit = search.limit.max(needed);
         if gap > GAP {
@@ -123,6 +97,7 @@ pub fn minimax<const N: usize>(
     Err(SolveError::NotConverged { steps: search.steps, last_step_mm: search.last_step_mm })
 }
 
+/// The largest |r|, not a number if one is not.
 fn largest<const N: usize>(samples: &[ResidualSample<N>]) -> f64 {
     // A NaN must not lose against a number.
     let square = samples
@@ -132,6 +107,7 @@ fn largest<const N: usize>(samples: &[ResidualSample<N>]) -> f64 {
     f64::sqrt(square)
 }
 
+/// State of the search: a mirror, and the places that are active.
 struct BarrierSearch<'a, R, const N: usize> {
     basis: &'a Basis,
     residual: &'a R,
@@ -157,13 +133,68 @@ struct NewtonStep {
     slacks: Vec<[f64; 3]>,
 }
 
-impl<R: PointwiseResidual<N>, const N: usize> BarrierSearch<'_, R, N> {
+impl<'a, R: PointwiseResidual<N>, const N: usize> BarrierSearch<'a, R, N> {
+    /// The search from the coefficients `start`, where the residuals are `samples`; no place is active yet.
+    fn new(
+        basis: &'a Basis,
+        residual: &'a R,
+        start: &[f64],
+        samples: &[ResidualSample<N>],
+    ) -> Result<Self, SolveError> {
+        let coarse = (0..basis.len()).filter(|&k| basis.coarse(k));
+        let metric = linearised(basis, &coarse.map(|k| (k, 1.0, samples[k])).collect::<Vec<_>>());
+        metric.solve()?;
+        Ok(Self {
+            basis,
+            residual,
+            metric,
+            coefficients: start.to_vec(),
+            blocks: ColumnBlocks::new(basis.unknowns()),
+            active: Vec::new(),
+            locals: Vec::new(),
+            samples: Vec::new(),
+            limit: f64::NAN,
+            steps: 0,
+            last_step_mm: f64::NAN,
+        })
+    }
+
+    /// t^2 - |r|^2.
     fn slack(&self, s: &ResidualSample<N>) -> f64 {
         self.limit * self.limit - s.square()
     }
 
-    /// Takes places in.
-    fn join(&mut self, places: &[usize], locals: &[LocalValues], samples: &[ResidualSample<N>]) {
+    /// The bound of the worst residual, where it is near enough to the `worst` over all places; `gap` is the
+    /// relative distance of the barrier's least from the optimum.
+    fn proven_bound(&self, gap: f64, worst: f64, rounding: f64) -> Option<f64> {
+        let is_exact = worst <= rounding;
+        let seen = largest(&self.samples);
+        let met = gap <= GAP && worst <= seen * (1.0 + 0.5 * GAP);
+        if !(met || is_exact) {
+            return None;
+        }
+        let bound = self.bound();
+        // Short of the barrier's least, where its weights prove nothing, it is searched on.
+        (bound >= (1.0 - BOUND_GAP) * worst || is_exact).then_some(bound)
+    }
+
+    /// The places that are not active yet and whose residuals are near the limit.
+    fn near_the_limit(&self, samples: &[ResidualSample<N>]) -> Vec<usize> {
+        let mut is_active = vec![false; self.basis.len()];
+        self.active.iter().for_each(|&k| is_active[k] = true);
+        let near = (1.0 - NEAR) * self.limit;
+        (0..self.basis.len())
+            .filter(|&k| !is_active[k] && !(samples[k].square() <= near * near))
+            .collect()
+    }
+
+    /// Makes more places active.
+    fn activate(
+        &mut self,
+        places: &[usize],
+        locals: &[LocalValues],
+        samples: &[ResidualSample<N>],
+    ) {
         // All local values from the same sum, also those of the places already in.
         self.active.extend(places);
         self.locals = self.active.iter().map(|&k| locals[k]).collect();
@@ -180,11 +211,11 @@ impl<R: PointwiseResidual<N>, const N: usize> BarrierSearch<'_, R, N> {
 
     /// Newton's method to the least of the barrier at this pressure k.
     fn centre(&mut self, pressure: f64) {
-        for _ in 0..MOST {
+        for _ in 0..MOST_NEWTON_STEPS {
             let step = self.newton(pressure);
             let moved = self.advance(&step, pressure);
             self.steps += 1;
-            if !moved || !(step.decrement >= CENTRED) {
+            if !moved || !(step.decrement >= LAST_DECREMENT) {
                 return;
             }
         }
@@ -239,7 +270,8 @@ impl<R: PointwiseResidual<N>, const N: usize> BarrierSearch<'_, R, N> {
         NewtonStep { change, locals, limit, decrement, slacks }
     }
 
-    /// Goes along the step as far as the barrier falls, first by the model, then in truth.
+    /// Line search along the step as far as the barrier falls, first by its model, then by its values; whether
+    /// any share of the step was taken.
     fn advance(&mut self, step: &NewtonStep, pressure: f64) -> bool {
         let mut share = step.share(pressure);
         for _ in 0..30 {

@@ -18,6 +18,7 @@ mod mounting;
 mod paper_mirrors;
 mod remedy;
 mod residual;
+mod residual_sample;
 mod solve;
 mod strip;
 mod surface;

@@ -2,7 +2,8 @@
 
 use super::basis::{Basis, LocalValues, NodeSet};
 use super::minimax::{MinimaxFit, minimax};
-use super::solve::{LeastSquaresFit, PointwiseResidual, ResidualSample, SolverOptions, solve};
+use super::residual_sample::{PointwiseResidual, ResidualSample};
+use super::solve::{LeastSquaresFit, SolverOptions, solve};
 use crate::geom::{DVec2, Rect};
 use crate::num::legendre::Series;
 use crate::num::quadrature::gauss_legendre;

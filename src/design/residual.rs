@@ -1,6 +1,6 @@
 //! What the three methods make small, point by point (paper, sections 3.1 to 3.3).
 
-use super::solve::PointwiseResidual;
+use super::residual_sample::PointwiseResidual;
 use crate::geom::{Chart, DVec2};
 use crate::num::Scalar;
 use crate::optics::{ImagingTask, stereographic};

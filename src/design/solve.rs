@@ -1,38 +1,33 @@
-//! Least squares for any design method: Gauss-Newton on a pointwise residual, each step a QR.
+//! Least squares of any pointwise residual by Gauss-Newton: each step is a QR factorisation, sped up by
+//! Anderson's acceleration.
 //!
-//! Paper, section 3: the vector-field method, the fixed-surface method and the method of
-//! distributions differ in nothing but the residual.
+//! The vector-field method, the fixed-surface method and the method of distributions (paper, section 3)
+//! differ in nothing but the residual.
 
 use super::anderson::AndersonAcceleration;
-use super::basis::{Basis, LocalValues, variables};
-use crate::geom::DVec2;
-use crate::num::Scalar;
+use super::basis::Basis;
+use super::residual_sample::{
+    PointwiseResidual, ResidualSample, is_linear, linearised, magnitude_of_terms,
+};
 use crate::num::condition::{column_norms, condition_number};
 use crate::num::least_squares::RankDeficient;
-use crate::num::streaming_qr::{RowBlock, StreamingQr};
-use crate::parallel;
+use crate::num::streaming_qr::StreamingQr;
 use thiserror::Error;
 
-/// Places whose rows enter the QR together.
-const BLOCK: usize = 96;
-/// What an integral may grow by in a step that is not shortened.
+/// Largest factor by which the integral may grow in an accepted step: near the minimum rounding makes it
+/// grow.
 const LARGEST_GROWTH: f64 = 1.0 + 1e-9;
+/// Share of a step below which the line search gives up.
+const LEAST_SHARE: f64 = 1e-9;
 
-/// How far a mirror F(q) is from what is wanted, at one image point.
-pub trait PointwiseResidual<const N: usize>: Sync {
-    /// The residual at `q` (mm) of a mirror that has there the value `f` (mm) and the slopes dF/dx
-    /// and dF/dy.
-    fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; N];
-}
-
-/// How to search.
+/// Settings of the search.
 #[derive(Debug, Clone, Copy)]
 pub struct SolverOptions<'a> {
-    /// Coefficients to start from; zero without.
+    /// Coefficients to start from, mm; zero without.
     pub start: Option<&'a [f64]>,
     /// Largest change of F in the last step, in sizes of the domain.
     pub tolerance: f64,
-    /// Steps before giving up.
+    /// Largest number of steps.
     pub max_steps: usize,
 }
 
@@ -42,7 +37,7 @@ impl Default for SolverOptions<'_> {
     }
 }
 
-/// A fitted mirror.
+/// Mirror fitted by least squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquaresFit {
     /// Coefficients of the basis' functions, mm.
@@ -51,13 +46,13 @@ pub struct LeastSquaresFit {
     pub integral: f64,
     /// Condition number (2-norm) of the first step's matrix, its columns scaled to unit length.
     pub condition: f64,
-    /// Steps taken.
+    /// Number of steps.
     pub steps: usize,
     /// Largest change of F in the last step, mm.
     pub last_step_mm: f64,
 }
 
-/// Why there is no fit.
+/// Reason why there is no fit.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolveError {
     /// The unknowns are not determined.
@@ -97,234 +92,181 @@ pub fn solve<const N: usize>(
     options: &SolverOptions,
 ) -> Result<LeastSquaresFit, SolveError> {
     let start = options.start.map_or_else(|| vec![0.0; basis.unknowns()], <[f64]>::to_vec);
-    let mut now = Iterate::new(basis, residual, start);
-    let mut anderson = AndersonAcceleration::new(Vec::new());
-    let (mut condition, mut last_step_mm) = (0.0, f64::NAN);
-    let goal = options.tolerance * basis.size_mm();
+    let mut search = GaussNewton {
+        basis,
+        residual,
+        tolerance_mm: options.tolerance * basis.size_mm(),
+        now: Iterate::new(basis, residual, start),
+        acceleration: AndersonAcceleration::new(Vec::new()),
+        condition: 0.0,
+        last_step_mm: f64::NAN,
+    };
     for steps in 1..=options.max_steps {
-        if !now.integral.is_finite() {
-            return Err(SolveError::Undefined { steps: steps - 1, coefficients: now.x });
+        if let Some(fit) = search.advance(steps)? {
+            return Ok(fit);
         }
-        let weighted: Vec<_> =
-            now.samples.iter().enumerate().map(|(k, s)| (k, basis.weight(k), *s)).collect();
-        let qr = linearised(basis, &weighted);
-        let step = match qr.solve() {
-            // The residual has no derivative somewhere: more or fewer unknowns would not help.
-            Err(RankDeficient { pivot, .. }) if pivot.is_nan() => {
-                return Err(SolveError::Undefined { steps: steps - 1, coefficients: now.x });
-            }
-            step => step?,
-        };
-        if steps == 1 {
-            condition = condition_number(&qr);
-            anderson = AndersonAcceleration::new(column_norms(&qr));
-        }
-        let change = basis.locals(&step);
-        let reach = change.iter().fold(0.0, |most: f64, d| most.max(d[0].abs()));
-        last_step_mm = reach;
-        let along = |share: f64| {
-            let x = now.x.iter().zip(&step).map(|(x, d)| x + share * d).collect();
-            Iterate::new(basis, residual, x)
-        };
-        let proposal = anderson.propose(&now.x, &step);
-        if let (Some(to), true) = (proposal, reach > goal) {
-            let then = Iterate::new(basis, residual, to);
-            if then.integral <= now.integral {
-                now = then;
-                continue;
-            }
-        }
-        let whole = along(1.0);
-        if whole.integral.is_finite()
-            && (reach <= goal || is_linear(&now.samples, &change, &whole.samples))
-        {
-            let Iterate { x, integral, .. } = whole;
-            return Ok(LeastSquaresFit {
-                coefficients: x,
-                integral,
-                condition,
-                steps,
-                last_step_mm,
-            });
-        }
-        // Near targets magnify rounding errors: at the answer, steps wander instead of becoming
-        // small, and what they would gain is less than the integral's own noise.
-        let gain = now.integral - qr.residual_squared();
-        if !(whole.integral <= now.integral * LARGEST_GROWTH) && gain <= now.noise(basis) {
-            let Iterate { x, integral, .. } = now;
-            return Ok(LeastSquaresFit {
-                coefficients: x,
-                integral,
-                condition,
-                steps,
-                last_step_mm,
-            });
-        }
-        let (mut share, mut then) = (1.0, whole);
-        while !(then.integral <= now.integral * LARGEST_GROWTH) {
-            share *= 0.5;
-            last_step_mm = share * reach;
-            if share < 1e-9 && !then.integral.is_finite() {
-                return Err(SolveError::Undefined { steps, coefficients: then.x });
-            }
-            if share < 1e-9 {
-                return Err(SolveError::NotConverged { steps, last_step_mm });
-            }
-            then = along(share);
-            anderson.reset();
-        }
-        now = then;
     }
+    let last_step_mm = search.last_step_mm;
     Err(SolveError::NotConverged { steps: options.max_steps, last_step_mm })
 }
 
-/// The magnitude of the terms that cancel in the residual.
-pub fn scale<const N: usize>(samples: &[ResidualSample<N>], locals: &[LocalValues]) -> f64 {
-    let term = |(s, l): (&ResidualSample<N>, &LocalValues)| {
-        s.by.iter().flat_map(|by| by.iter().zip(l)).map(|(b, l)| (b * l).abs()).sum::<f64>()
-    };
-    samples.iter().zip(locals).map(term).fold(0.0, f64::max)
+/// State of the search.
+struct GaussNewton<'a, R, const N: usize> {
+    basis: &'a Basis,
+    residual: &'a R,
+    /// Change of F in a step that ends the search, mm.
+    tolerance_mm: f64,
+    now: Iterate<N>,
+    acceleration: AndersonAcceleration,
+    /// Condition number of the first step.
+    condition: f64,
+    /// Largest change of F in the last step, mm.
+    last_step_mm: f64,
 }
 
-/// A mirror under trial.
+impl<R: PointwiseResidual<N>, const N: usize> GaussNewton<'_, R, N> {
+    /// Step number `steps`, counted from 1; the fit where the search ends.
+    fn advance(&mut self, steps: usize) -> Result<Option<LeastSquaresFit>, SolveError> {
+        let (qr, step) = self.gauss_newton_step(steps)?;
+        let change = self.basis.locals(&step);
+        let size_mm = change.iter().fold(0.0, |most: f64, d| most.max(d[0].abs()));
+        self.last_step_mm = size_mm;
+        if self.accelerate(&step) {
+            return Ok(None);
+        }
+        let whole = self.along(&step, 1.0);
+        let ends =
+            size_mm <= self.tolerance_mm || is_linear(&self.now.samples, &change, &whole.samples);
+        if whole.integral.is_finite() && ends {
+            return Ok(Some(self.fit(&whole, steps)));
+        }
+        // Near targets magnify rounding errors: at the answer, steps wander instead of becoming
+        // small, and what they would gain is less than the integral's own noise.
+        let gain = self.now.integral - qr.residual_squared();
+        if !self.accepts(&whole) && gain <= self.now.noise(self.basis) {
+            return Ok(Some(self.fit(&self.now, steps)));
+        }
+        self.line_search(&step, whole, steps)?;
+        Ok(None)
+    }
+
+    /// The triangle of the linearised problem, and its solution.
+    fn gauss_newton_step(&mut self, steps: usize) -> Result<(StreamingQr, Vec<f64>), SolveError> {
+        let undefined = || SolveError::Undefined {
+            steps: steps - 1,
+            coefficients: self.now.coefficients.clone(),
+        };
+        if !self.now.integral.is_finite() {
+            return Err(undefined());
+        }
+        let samples = self.now.samples.iter().enumerate();
+        let weighted: Vec<_> = samples.map(|(k, s)| (k, self.basis.weight(k), *s)).collect();
+        let qr = linearised(self.basis, &weighted);
+        let step = match qr.solve() {
+            // The residual has no derivative somewhere: more or fewer unknowns would not help.
+            Err(RankDeficient { pivot, .. }) if pivot.is_nan() => return Err(undefined()),
+            step => step?,
+        };
+        if steps == 1 {
+            self.condition = condition_number(&qr);
+            self.acceleration = AndersonAcceleration::new(column_norms(&qr));
+        }
+        Ok((qr, step))
+    }
+
+    /// Goes where the acceleration proposes, if the integral is no larger there; whether it went.
+    fn accelerate(&mut self, step: &[f64]) -> bool {
+        let proposal = self.acceleration.propose(&self.now.coefficients, step);
+        let Some(coefficients) = proposal.filter(|_| self.last_step_mm > self.tolerance_mm) else {
+            return false;
+        };
+        let then = Iterate::new(self.basis, self.residual, coefficients);
+        let is_better = then.integral <= self.now.integral;
+        if is_better {
+            self.now = then;
+        }
+        is_better
+    }
+
+    /// Halves the step until the integral does not grow; `then` is the end of the whole step.
+    fn line_search(
+        &mut self,
+        step: &[f64],
+        mut then: Iterate<N>,
+        steps: usize,
+    ) -> Result<(), SolveError> {
+        let (mut share, size_mm) = (1.0, self.last_step_mm);
+        while !self.accepts(&then) {
+            share *= 0.5;
+            self.last_step_mm = share * size_mm;
+            if share < LEAST_SHARE && !then.integral.is_finite() {
+                return Err(SolveError::Undefined { steps, coefficients: then.coefficients });
+            }
+            if share < LEAST_SHARE {
+                let last_step_mm = self.last_step_mm;
+                return Err(SolveError::NotConverged { steps, last_step_mm });
+            }
+            then = self.along(step, share);
+            self.acceleration.reset();
+        }
+        self.now = then;
+        Ok(())
+    }
+
+    fn accepts(&self, then: &Iterate<N>) -> bool {
+        then.integral <= self.now.integral * LARGEST_GROWTH
+    }
+
+    /// The mirror after a share of a step.
+    fn along(&self, step: &[f64], share: f64) -> Iterate<N> {
+        let now = self.now.coefficients.iter().zip(step);
+        let coefficients = now.map(|(x, d)| x + share * d).collect();
+        Iterate::new(self.basis, self.residual, coefficients)
+    }
+
+    fn fit(&self, at: &Iterate<N>, steps: usize) -> LeastSquaresFit {
+        LeastSquaresFit {
+            coefficients: at.coefficients.clone(),
+            integral: at.integral,
+            condition: self.condition,
+            steps,
+            last_step_mm: self.last_step_mm,
+        }
+    }
+}
+
+/// Mirror at one step of the search, with its residuals.
 struct Iterate<const N: usize> {
-    x: Vec<f64>,
+    /// Coefficients of the basis' functions, mm.
+    coefficients: Vec<f64>,
     samples: Vec<ResidualSample<N>>,
+    /// Integral of |r|^2 over the domain.
     integral: f64,
 }
 
 impl<const N: usize> Iterate<N> {
-    fn new(basis: &Basis, residual: &impl PointwiseResidual<N>, x: Vec<f64>) -> Self {
-        let samples = ResidualSample::all(basis, residual, &basis.locals(&x));
+    fn new(basis: &Basis, residual: &impl PointwiseResidual<N>, coefficients: Vec<f64>) -> Self {
+        let samples = ResidualSample::all(basis, residual, &basis.locals(&coefficients));
         let weighted = |(k, s): (usize, &ResidualSample<N>)| basis.weight(k) * s.square();
         let integral = samples.iter().enumerate().map(weighted).sum();
-        Self { x, samples, integral }
+        Self { coefficients, samples, integral }
     }
 
-    /// How uncertain the integral is by rounding.
+    /// Uncertainty of the integral by rounding.
     fn noise(&self, basis: &Basis) -> f64 {
         let area: f64 = (0..basis.len()).map(|k| basis.weight(k)).sum();
-        let rounding = 1e-15 * scale(&self.samples, &basis.locals(&self.x));
+        let terms = magnitude_of_terms(&self.samples, &basis.locals(&self.coefficients));
+        let rounding = 1e-15 * terms;
         area * rounding * rounding + 2.0 * rounding * f64::sqrt(self.integral * area)
     }
-}
-
-/// A residual with its derivatives by F, dF/dx and dF/dy.
-#[derive(Debug, Clone, Copy)]
-pub struct ResidualSample<const N: usize> {
-    /// r.
-    pub r: [f64; N],
-    /// Derivatives of each component.
-    pub by: [LocalValues; N],
-}
-
-impl<const N: usize> ResidualSample<N> {
-    /// The residual of a mirror with the given local values at `q`.
-    pub fn new(residual: &impl PointwiseResidual<N>, q: DVec2, local: LocalValues) -> Self {
-        let (f, slope) = variables(local);
-        let r = residual.at(q, f, slope);
-        Self { r: r.map(|r| r.value), by: r.map(|r| r.slope) }
-    }
-
-    /// The residual at every place.
-    pub fn all(
-        basis: &Basis,
-        residual: &impl PointwiseResidual<N>,
-        locals: &[LocalValues],
-    ) -> Vec<Self> {
-        let at = |k: usize| Self::new(residual, basis.at(k), locals[k]);
-        parallel::map(locals.len(), BLOCK, at)
-    }
-
-    /// |r|^2.
-    pub fn square(&self) -> f64 {
-        self.r.iter().map(|r| r * r).sum()
-    }
-
-    /// The residual after a change of the local values, were it linear in them.
-    pub fn after(&self, change: &LocalValues) -> [f64; N] {
-        std::array::from_fn(|k| {
-            let [f, x, y] = self.by[k];
-            self.r[k] + f * change[0] + x * change[1] + y * change[2]
-        })
-    }
-
-    /// At most three rows (derivatives; right side) with the same least squares.
-    fn rows(&self) -> ([[f64; 4]; N], usize) {
-        let mut rows: [[f64; 4]; N] = std::array::from_fn(|k| {
-            let [f, x, y] = self.by[k];
-            [f, x, y, -self.r[k]]
-        });
-        if N <= 2 {
-            return (rows, N);
-        }
-        let mut used = 0;
-        for column in 0..3 {
-            for k in used + 1..N {
-                let (a, b) = (rows[used][column], rows[k][column]);
-                if b != 0.0 {
-                    let length = f64::sqrt(a * a + b * b);
-                    let (cos, sin) = (a / length, b / length);
-                    let (upper, lower) = rows.split_at_mut(k);
-                    for (a, b) in upper[used].iter_mut().zip(&mut lower[0]) {
-                        (*a, *b) = (cos * *a + sin * *b, cos * *b - sin * *a);
-                    }
-                    rows[k][column] = 0.0;
-                }
-            }
-            if used < N && rows[used][column] != 0.0 {
-                used += 1;
-            }
-        }
-        (rows, used)
-    }
-}
-
-/// Whether the residual went where its derivatives said, to rounding: the problem is linear.
-fn is_linear<const N: usize>(
-    before: &[ResidualSample<N>],
-    change: &[LocalValues],
-    after: &[ResidualSample<N>],
-) -> bool {
-    let (mut gap, mut went) = (0.0f64, 0.0f64);
-    for ((s, d), then) in before.iter().zip(change).zip(after) {
-        for ((foreseen, was), is) in s.after(d).iter().zip(s.r).zip(then.r) {
-            gap = gap.max((foreseen - is).abs());
-            went = went.max((foreseen - was).abs());
-        }
-    }
-    gap <= 1e-13 * went
-}
-
-/// The triangle of the linearised problem of the samples, each of (place, weight, residual).
-pub fn linearised<const N: usize>(
-    basis: &Basis,
-    samples: &[(usize, f64, ResidualSample<N>)],
-) -> StreamingQr {
-    let mut qr = StreamingQr::new(basis.unknowns());
-    for part in samples.chunks(BLOCK) {
-        let condensed: Vec<_> = part.iter().map(|s| s.2.rows()).collect();
-        let mut rows = RowBlock::zeros(condensed.iter().map(|c| c.1).sum(), basis.unknowns());
-        let mut row = 0;
-        for (&(place, weight, _), (local, used)) in part.iter().zip(&condensed) {
-            let root = f64::sqrt(weight);
-            for &[f, x, y, b] in &local[..*used] {
-                let [f, x, y] = [root * f, root * x, root * y];
-                let a = basis.row(place).map(|[b, b_x, b_y]| f * b + x * b_x + y * b_y);
-                rows.set(row, a, root * b);
-                row += 1;
-            }
-        }
-        qr.absorb(rows);
-    }
-    qr
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::basis::NodeSet;
     use super::*;
-    use crate::geom::Rect;
+    use crate::geom::{DVec2, Rect};
+    use crate::num::Scalar;
     use crate::num::streaming_qr::dot;
 
     /// grad F - s for a given field.
@@ -336,7 +278,7 @@ mod tests {
         }
     }
 
-    /// F' + F^2 = 1 + (r - 2)^2, which F = r - 2 satisfies: a problem that depends on F.
+    /// Riccati's equation F' + F^2 = 1 + (r - 2)^2, which F = r - 2 satisfies.
     struct Riccati;
     impl PointwiseResidual<1> for Riccati {
         fn at<S: Scalar>(&self, q: DVec2, f: S, [x, _]: [S; 2]) -> [S; 1] {
@@ -400,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_problem_converges() {
+    fn a_problem_that_depends_on_f_converges() {
         let basis = Basis::radial([1.0, 2.0], 4, NodeSet::Quadrature);
         let fit = solve(&basis, &Riccati, &SolverOptions::default()).unwrap();
         assert!(fit.steps > 1 && fit.steps < 12 && fit.integral < 1e-28, "{fit:?}");
