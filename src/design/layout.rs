@@ -114,26 +114,16 @@ impl DesignProblem {
         }
     }
 
+    /// The problem of a strip or a conquistador.
     fn strip(profile: &Profile, wanted: &StripSpec, camera: Camera) -> Result<Self, FailureCause> {
         let width = profile.part.width_mm;
         let frame_height = camera.pixel_mm * f64::from(camera.pixels[1]);
         let [first, last] = wanted.azimuth_deg;
         let (span, middle_deg) = (radians(last - first), 0.5 * (first + last));
 
-        // Azimuth across the part's width, and how many panels share the frame's height.
-        let (across, panels, fill_frame) = match profile.layout {
-            Layout::Conquistador { fill_frame, .. } => (0.5 * span, 2.0, fill_frame),
-            Layout::Strip { fill_frame } => (span, 1.0, fill_frame),
-            _ => (span, 1.0, false),
-        };
-        let scale_mm = width / across;
-        let target = wanted.target;
-        // The line Y = 0 is the ridge, or the middle of the rows.
-        let (fold, below) = match profile.layout {
-            Layout::Conquistador { ridge: Ridge::Crest, .. } => (Some(Fold::Above), 0.0),
-            Layout::Conquistador { ridge: Ridge::Valley, .. } => (Some(Fold::Below), 1.0),
-            _ => (None, 0.5),
-        };
+        let StripTiling { across, panels, fill_frame, fold, below, widening } =
+            StripTiling::new(profile.layout, span);
+        let (scale_mm, target) = (width / across, wanted.target);
         let azimuth = radians(middle_deg);
         let panel = StripPanel { camera: &camera, target, scale_mm, azimuth, across, below };
         let filling = fill_frame.then_some(frame_height / panels);
@@ -148,12 +138,6 @@ impl DesignProblem {
         let exact = Rect {
             min: DVec2::new(-0.5 * width, -below),
             max: DVec2::new(0.5 * width, height - below),
-        };
-        let widening = match profile.layout {
-            Layout::Conquistador { panel: PanelSource::Section, .. } => {
-                DVec2::new(span / across, 1.0)
-            }
-            _ => DVec2::ONE,
         };
         let domain = Rect {
             min: exact.centre() - 0.5 * widening * exact.size(),
@@ -180,6 +164,7 @@ impl DesignProblem {
         })
     }
 
+    /// The problem of a disc or an annulus.
     fn round(
         profile: &Profile,
         wanted: &RadialSpec,
@@ -205,6 +190,41 @@ impl DesignProblem {
             section: None,
             mirror_symmetric: [true; 2],
         }
+    }
+}
+
+/// Tiling of the frame by the panels of a strip or conquistador.
+struct StripTiling {
+    /// Azimuth across the part's width, radians.
+    across: f64,
+    /// Number of panels that share the frame's height.
+    panels: f64,
+    fill_frame: bool,
+    fold: Option<Fold>,
+    /// Share of the panel's height below the line Y = 0: that is the ridge, or the middle of the rows.
+    below: f64,
+    /// Size of the domain of the fit in sizes of the panel.
+    widening: DVec2,
+}
+
+impl StripTiling {
+    /// The tiling of a layout that shows `span` radians of azimuth.
+    fn new(layout: Layout, span: f64) -> Self {
+        let Layout::Conquistador { panel, ridge, fill_frame } = layout else {
+            let fill_frame = matches!(layout, Layout::Strip { fill_frame: true });
+            let (fold, widening) = (None, DVec2::ONE);
+            return Self { across: span, panels: 1.0, fill_frame, fold, below: 0.5, widening };
+        };
+        let across = 0.5 * span;
+        let (fold, below) = match ridge {
+            Ridge::Crest => (Some(Fold::Above), 0.0),
+            Ridge::Valley => (Some(Fold::Below), 1.0),
+        };
+        let widening = match panel {
+            PanelSource::Section => DVec2::new(span / across, 1.0),
+            PanelSource::Refit => DVec2::ONE,
+        };
+        Self { across, panels: 2.0, fill_frame, fold, below, widening }
     }
 }
 

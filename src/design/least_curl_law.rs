@@ -13,8 +13,8 @@
 //! At fixed m the curl depends on the law only through z and its stretch dm/dz = exp(-g). The
 //! mirror is not known yet: the curl is that on the camera's reference plane (f = 0).
 
+use super::rising_law::{LatitudeNode, LatitudeNodes, ROWS};
 use crate::num::least_squares::{self, RankDeficient};
-use crate::num::legendre;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, Jet2, Scalar, asinh, atan, degrees, exp, radians, tan};
 use crate::optics::{SlopeField, TabulatedLaw, Target};
@@ -23,10 +23,8 @@ use thiserror::Error;
 
 /// Degree of g.
 const DEGREE: usize = 10;
-/// Places along each row, and rows, where the curl is sampled.
-const PLACES: [usize; 2] = [20, 24];
-/// Rungs of the law that is found.
-const RUNGS: usize = 129;
+/// Places along each row where the curl is sampled.
+const PLACES: usize = 20;
 /// Largest change of g in the last step (here and below by the sum of its coefficients' changes).
 const TOLERANCE: f64 = 1e-8;
 /// Largest change of g in one step.
@@ -72,80 +70,6 @@ pub struct LeastCurlProblem<'a> {
     pub elevation_deg: [f64; 2],
     /// Share of the panel's height below Y = 0.
     pub below: f64,
-}
-
-/// One row of the samples.
-struct LatitudeNode {
-    /// Isometric latitude m.
-    m: f64,
-    /// Weight of the row in an integral over m.
-    weight: f64,
-    /// P_0, P_1, ... here.
-    basis: Vec<f64>,
-    /// Weights of the rows in the integral over m from the lowest latitude to here.
-    sums: Vec<f64>,
-}
-
-/// The rows of all samples: Gauss' nodes over the latitudes.
-struct LatitudeNodes {
-    ends: [f64; 2],
-    rows: Vec<LatitudeNode>,
-}
-
-/// A law at the rows.
-struct LawSamples {
-    /// dz/dm.
-    stretch: Vec<f64>,
-    /// z, from 0.
-    z: Vec<f64>,
-    /// z at the highest latitude.
-    height: f64,
-}
-
-impl LatitudeNodes {
-    fn new(ends: [f64; 2]) -> Self {
-        let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-        let (nodes, weights) = gauss_legendre(PLACES[1]);
-        let row = |(&t, w): (&f64, f64)| LatitudeNode {
-            m: middle + half * t,
-            weight: half * w,
-            basis: legendre::values(PLACES[1], t),
-            sums: Vec::new(),
-        };
-        let mut rows = Self { ends, rows: nodes.iter().zip(weights).map(row).collect() };
-        for (k, &t) in nodes.iter().enumerate() {
-            rows.rows[k].sums = rows.sums(t);
-        }
-        rows
-    }
-
-    /// Weights of the rows in the integral of a polynomial over m from the lowest latitude to `t`
-    /// of [-1, 1]: the polynomial's Legendre coefficients by quadrature, and the integral of P_k,
-    /// (P_{k+1} - P_{k-1}) / (2k+1).
-    fn sums(&self, t: f64) -> Vec<f64> {
-        let p = legendre::values(PLACES[1], t);
-        let part = |k: usize| p[k + 1] - if k == 0 { -1.0 } else { p[k - 1] };
-        let sum = |row: &LatitudeNode| (0..PLACES[1]).map(|k| row.basis[k] * part(k)).sum::<f64>();
-        self.rows.iter().map(|row| 0.5 * row.weight * sum(row)).collect()
-    }
-
-    fn shape(&self, g: &[f64]) -> LawSamples {
-        let stretch: Vec<f64> = self.rows.iter().map(|row| exp(dot(g, &row.basis))).collect();
-        let z = self.rows.iter().map(|row| dot(&row.sums, &stretch)).collect();
-        let height = self.rows.iter().zip(&stretch).map(|(row, e)| row.weight * e).sum();
-        LawSamples { stretch, z, height }
-    }
-
-    /// The law of `g` as a table, from z = 0, and its height.
-    fn table(&self, g: &[f64]) -> Option<(TabulatedLaw, f64)> {
-        let stretch = self.shape(g).stretch;
-        let share = |k: usize| k as f64 / (RUNGS - 1) as f64;
-        let z: Vec<f64> =
-            (0..RUNGS).map(|k| dot(&self.sums(2.0 * share(k) - 1.0), &stretch)).collect();
-        let [low, high] = self.ends;
-        let m: Vec<f64> = (0..RUNGS).map(|k| low * (1.0 - share(k)) + high * share(k)).collect();
-        Some((TabulatedLaw::from_latitudes(&z, &m)?, z[RUNGS - 1] - z[0]))
-    }
 }
 
 /// The curl of a law at a point, paper's units (1/rad), and its derivatives by the height y in the
@@ -234,9 +158,9 @@ impl LeastCurlProblem<'_> {
     /// their derivatives by the coefficients `g`.
     fn linear(&self, rows: &LatitudeNodes, g: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         let shape = rows.shape(g);
-        let (nodes, weights) = gauss_legendre(PLACES[0]);
-        let mut a = DMatrix::zeros(PLACES[0] * PLACES[1], g.len());
-        let mut b = DVector::zeros(PLACES[0] * PLACES[1]);
+        let (nodes, weights) = gauss_legendre(PLACES);
+        let mut a = DMatrix::zeros(PLACES * ROWS, g.len());
+        let mut b = DVector::zeros(PLACES * ROWS);
         // What each coefficient of g adds to z and to the height.
         let adds = |weights: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let add = |k: usize| {
@@ -255,7 +179,7 @@ impl LeastCurlProblem<'_> {
                 let x = 0.5 * self.across * u;
                 let curl = self.curl([x, y], row.m, rise);
                 let share = 0.5 * w * row.weight * shape.stretch[i] / shape.height;
-                let (k, root) = (i * PLACES[0] + j, f64::sqrt(share));
+                let (k, root) = (i * PLACES + j, f64::sqrt(share));
                 b[k] = root * curl.value;
                 for n in 0..g.len() {
                     let grow = 0.5 * (row.basis[n] - height[n] / shape.height);
@@ -307,11 +231,6 @@ impl LeastCurlProblem<'_> {
             by_rise: curl.slope[1] / unit,
         }
     }
-}
-
-/// The sum of the products of as many terms as both have.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

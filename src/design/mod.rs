@@ -19,6 +19,7 @@ mod paper_mirrors;
 mod remedy;
 mod residual;
 mod residual_sample;
+mod rising_law;
 mod solve;
 mod strip;
 mod surface;

@@ -1,84 +1,14 @@
-//! Views: what every point of the image must see, and where in the image what is seen belongs.
+//! Imaging tasks: the direction that each image point must see from the mirror, and the image point where that
+//! belongs which a mirror shows.
 //!
 //! Image points are (X, Y) mm on the camera's reference plane; directions are stereographic
 //! coordinates ([`stereographic`]) of the part frame (X to the right of the picture, Y up in it, Z along
 //! the axis towards the camera).
 
 use super::slope_field::SlopeField;
-use super::{RadialLaw, Strip, Target, stereographic};
+use super::{Projection, Target, stereographic};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{Dual, Interval, Jet2, Scalar};
-use std::f64::consts::TAU;
-
-/// G: which direction of the world, from the target's origin, an image point of the designed panel
-/// must see.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Projection {
-    /// A straight panorama.
-    Strip(Strip),
-    /// An axisymmetric law over image radii.
-    Radial {
-        /// The law.
-        law: RadialLaw,
-        /// Inner and outer image radius, mm.
-        radius: [f64; 2],
-    },
-}
-
-impl Projection {
-    /// What image point `q` must see.
-    #[inline]
-    pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
-        match self {
-            Self::Strip(strip) => strip.direction_of(q),
-            Self::Radial { law, .. } => law.direction_of(q),
-        }
-    }
-
-    /// The image point, nearest to `near` where there are several, that must see `sigma`.
-    #[inline]
-    pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
-        match self {
-            Self::Strip(strip) => strip.image_of(sigma, near),
-            Self::Radial { law, .. } => law.image_of(sigma),
-        }
-    }
-
-    /// The length in mm that is 1 in the paper's units: one radian of azimuth of a strip, the rim's
-    /// radius of a round image.
-    #[must_use]
-    pub fn scale_mm(&self) -> f64 {
-        match self {
-            Self::Strip(strip) => strip.scale_mm,
-            Self::Radial { radius: [_, outer], .. } => *outer,
-        }
-    }
-
-    /// About how many radians of the world a millimetre of the image shows.
-    #[must_use]
-    pub fn radians_per_mm(&self) -> f64 {
-        match self {
-            Self::Strip(strip) => 1.0 / strip.scale_mm,
-            Self::Radial { law, radius: [inner, outer] } => {
-                (law.polar(*outer) - law.polar(*inner)) / (outer - inner)
-            }
-        }
-    }
-
-    /// How far apart two image points are by what they must see: azimuth repeats every turn.
-    #[inline]
-    #[must_use]
-    pub fn image_distance(&self, a: DVec2, b: DVec2) -> f64 {
-        let mut way = a - b;
-        if let Self::Strip(strip) = self {
-            let turn = TAU * strip.scale_mm;
-            if way.x.abs() > 0.5 * turn {
-                way.x -= turn * (way.x / turn).round();
-            }
-        }
-        way.length()
-    }
-}
 
 /// On which side of the line Y = 0 the designed panel of a folded mirror lies; the other panel is
 /// its reflection.
@@ -271,7 +201,7 @@ impl ImagingTask {
 mod tests {
     use super::*;
     use crate::num::{atan2, cos, radians, sin, wrap_turn};
-    use crate::optics::{RadialLawKind, RimConditions, StripLaw, reflect};
+    use crate::optics::{RadialLawKind, RimConditions, Strip, StripLaw, reflect};
 
     fn strip(law: StripLaw) -> Projection {
         Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.589 })
@@ -454,28 +384,5 @@ mod tests {
         let [up, down] = [above, below].map(|q| view.direction_of(q, DVec3::ZERO));
         assert!((wrap_turn(angle(up) + angle(down) - radians(180.0))).abs() < 1e-12);
         assert_eq!(up.z, down.z);
-    }
-
-    #[test]
-    fn image_points_a_turn_apart_see_the_same() {
-        let (turn, way) = (19.0 * TAU, DVec2::new(0.3, -0.4));
-        for x in [-2.0, -1.0, 0.0, 1.0] {
-            let far = DVec2::new(x * turn, 2.0) + way;
-            assert!(
-                (strip(StripLaw::Mercator).image_distance(far, DVec2::new(0.0, 2.0)) - 0.5).abs()
-                    < 1e-13
-            );
-        }
-        assert_eq!(ring().image_distance(DVec2::new(turn, 0.0), DVec2::ZERO), turn);
-        assert!(strip(StripLaw::Mercator).image_distance(DVec2::NAN, DVec2::ZERO).is_nan());
-    }
-
-    #[test]
-    fn azimuth_wraps_to_the_nearer_turn() {
-        let strip = Strip { law: StripLaw::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
-        let edge = DVec2::new(10.0 * std::f64::consts::PI - 0.01, 1.0);
-        let beyond = edge + DVec2::new(0.02, 0.0);
-        let back = DVec2::from_array(strip.image_of(strip.direction_of(beyond.to_array()), edge));
-        assert!((back - beyond).length() < 1e-12);
     }
 }

@@ -3,6 +3,7 @@
 mod camera;
 mod imaging_task;
 mod law;
+mod projection;
 mod radial;
 mod radial_kind;
 mod slope_field;
@@ -12,8 +13,9 @@ mod tabulated_law;
 mod target;
 
 pub use camera::{Camera, CameraModel};
-pub use imaging_task::{CurlBounds, Fold, ImagingTask, Projection};
+pub use imaging_task::{CurlBounds, Fold, ImagingTask};
 pub use law::StripLaw;
+pub use projection::Projection;
 pub use radial::RadialLaw;
 pub use radial_kind::{RadialLawKind, RimConditions};
 pub use slope_field::SlopeField;

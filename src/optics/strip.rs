@@ -39,3 +39,17 @@ impl Strip {
         [turn * self.scale_mm + near.x, (z - self.z) * self.scale_mm]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn azimuth_wraps_to_the_nearer_turn() {
+        let strip = Strip { law: StripLaw::Cylindrical, scale_mm: 10.0, azimuth: 0.0, z: 0.0 };
+        let edge = DVec2::new(10.0 * std::f64::consts::PI - 0.01, 1.0);
+        let beyond = edge + DVec2::new(0.02, 0.0);
+        let back = DVec2::from_array(strip.image_of(strip.direction_of(beyond.to_array()), edge));
+        assert!((back - beyond).length() < 1e-12);
+    }
+}

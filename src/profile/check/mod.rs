@@ -35,8 +35,8 @@ fn is_signed(f: f64) -> bool {
     is_large(f.abs())
 }
 
-/// What was read of the parts that must fit each other. An absent one is missing or wrong, and
-/// has its complaint.
+/// Entries of a profile that must fit each other. An absent one is missing or wrong, and has its
+/// complaint.
 struct Entries<'t> {
     camera: Option<camera::CameraEntry>,
     projection: Option<projection::ProjectionEntry<'t>>,
@@ -47,6 +47,23 @@ struct Entries<'t> {
     bare: bool,
     /// Neither is there a layout.
     rectangle: bool,
+}
+
+impl<'t> Entries<'t> {
+    fn read(reader: &mut ProfileReader, root: &Section<'t>) -> Self {
+        let given = root.has("mirror") && !root.has("method") && !reader.is_torn();
+        let bare = given && !root.has("projection");
+        let rectangle = bare && !root.has("layout");
+        Self {
+            camera: camera::read(reader, root),
+            projection: if bare { None } else { projection::read(reader, root) },
+            layout: if rectangle { None } else { layout::read(reader, root) },
+            shape: mirror::read(reader, root),
+            part: limits::part(reader, root),
+            bare,
+            rectangle,
+        }
+    }
 }
 
 /// Reads the whole tree; `None` if there is anything to complain of.
@@ -63,24 +80,13 @@ pub(super) fn profile(
         return None;
     }
     let root = reader.root(tree);
-    let given = root.has("mirror") && !root.has("method") && !reader.is_torn();
-    let bare = given && !root.has("projection");
-    let rectangle = bare && !root.has("layout");
     let summary = summary(reader, &root);
-    let parts = Entries {
-        camera: camera::read(reader, &root),
-        projection: if bare { None } else { projection::read(reader, &root) },
-        layout: if rectangle { None } else { layout::read(reader, &root) },
-        shape: mirror::read(reader, &root),
-        part: limits::part(reader, &root),
-        bare,
-        rectangle,
-    };
-    let mesh = limits::mesh(reader, &root, bare);
+    let parts = Entries::read(reader, &root);
+    let mesh = limits::mesh(reader, &root, parts.bare);
     let export = reader.section(&root, "export", Required);
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
-    let accept = limits::accept(reader, &root, bare);
+    let accept = limits::accept(reader, &root, parts.bare);
     let setting = tolerance::Setting {
         camera: parts.camera.as_ref().and_then(|found| found.camera),
         layout: parts.layout.as_ref().and_then(|found| found.layout),
@@ -93,7 +99,7 @@ pub(super) fn profile(
     if !reader.is_clean() {
         return None;
     }
-    let Entries { camera, projection, layout, shape, part, .. } = parts;
+    let Entries { camera, projection, layout, shape, part, rectangle, .. } = parts;
     let layout = match part.height {
         Some(height) if rectangle => Layout::Rectangle { height_mm: height.value },
         _ => layout?.layout?,
