@@ -16,7 +16,7 @@ pub struct AndersonAcceleration {
 }
 
 impl AndersonAcceleration {
-    /// Nothing remembered.
+    /// An empty history.
     pub fn new(scale: Vec<f64>) -> Self {
         Self { scale, past: Vec::new() }
     }

@@ -9,7 +9,7 @@ use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, cos};
 use std::f64::consts::PI;
 
-/// Which places a basis is tabulated at.
+/// Places at which a basis is tabulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeSet {
     /// Gauss nodes with their weights, for integrals over the domain.
@@ -26,7 +26,7 @@ pub struct Basis {
     along: AxisTable,
     across: AxisTable,
     terms: Vec<(usize, usize)>,
-    /// What is taken off each unknown's function.
+    /// Constant that is subtracted from each unknown's function.
     levels: Vec<f64>,
     size_mm: f64,
 }
@@ -181,7 +181,7 @@ impl Basis {
         &self.terms
     }
 
-    /// What is taken off each unknown's function, in the order of the coefficients.
+    /// Constant that is subtracted from each unknown's function, in the order of the coefficients.
     #[must_use]
     pub fn levels(&self) -> &[f64] {
         &self.levels
@@ -205,7 +205,7 @@ impl Basis {
         self.size_mm
     }
 
-    /// Where place `k` is, mm.
+    /// Image point of place `k`, mm.
     #[must_use]
     pub fn at(&self, k: usize) -> DVec2 {
         let (a, b) = self.pair(k);

@@ -12,7 +12,7 @@ const STEPS: usize = 1024;
 /// A land whose rim rises and falls by less is flat, mm.
 const FLAT_MM: f64 = 1e-6;
 
-/// What the profile puts around `mirror`.
+/// Border that the profile puts around `mirror`.
 ///
 /// # Errors
 /// [`DesignError::Border`] when a hole, a mark or rounded corners do not fit.
@@ -38,7 +38,7 @@ pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, Desi
     }))
 }
 
-/// What to do about a conflict, in numbers of which it is certain that they fit.
+/// Remedy of a conflict, in numbers that have been tried.
 fn fitting(border: &BorderSpec, mirror: &Outline, conflict: &BorderConflict) -> Option<String> {
     let fits = |tried: &BorderSpec| {
         let conflicts = tried.conflicts(mirror);

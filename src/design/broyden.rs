@@ -23,13 +23,13 @@ fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 impl Broyden {
-    /// Nothing is known: f is taken to be constant. No step is longer than `most`.
+    /// The method before any step: f is taken to be constant. No step is longer than `most`.
     #[must_use]
     pub fn new(most: f64) -> Self {
         Self { inverse: [[-1.0, 0.0], [0.0, -1.0]], last: None, most }
     }
 
-    /// Where to look next after `x`, of which f is `f`.
+    /// The next x to try after `x`, where the value of f is `f`.
     pub fn next(&mut self, x: [f64; 2], f: [f64; 2]) -> [f64; 2] {
         let gap = minus(f, x);
         if let Some((old_x, old_gap)) = self.last {

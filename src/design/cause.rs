@@ -1,4 +1,4 @@
-//! Why the design stops: which quantity has no value, and where on the mirror.
+//! Failure causes of a design: the quantity that has no value, and the place on the mirror.
 
 use super::least_curl_law::LeastCurlError;
 use super::solve::SolveError;
@@ -7,7 +7,7 @@ use crate::num::{asin, degrees};
 use crate::optics::{ImagingTask, Target, stereographic};
 use thiserror::Error;
 
-/// What keeps a mirror from showing, at one place, what it should.
+/// Failure at one place of a mirror: a quantity has no value there.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LocalFailure {
     /// The law ends before this row or radius.
@@ -59,7 +59,7 @@ pub enum LocalFailure {
 }
 
 impl LocalFailure {
-    /// What is wrong at image point `q`, where the mirror has the point `at` and the slope `slope`
+    /// Failure at image point `q`, where the mirror has the point `at` and the slope `slope`
     /// (Z_X, Z_Y); none where nothing is.
     pub fn at(
         chart: &Chart,
@@ -110,7 +110,7 @@ impl LocalFailure {
         (!finite(content)).then_some(Self::NotInImage { elevation_deg: elevation(shown.z) })
     }
 
-    /// The same where the errors that are made small have no derivative.
+    /// Failure where the residual has no derivative.
     pub fn of_slopes(chart: &Chart, at: DVec3, slope: [f64; 2]) -> Option<Self> {
         let seen =
             stereographic::reflect(stereographic::towards_camera(chart.view(at.to_array())), slope);
@@ -118,7 +118,7 @@ impl LocalFailure {
     }
 }
 
-/// What a fit was made for when it stopped.
+/// Stage of the design at which a fit stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitStage {
     /// The vector field, from which all methods start.
@@ -139,17 +139,17 @@ impl FitStage {
     }
 }
 
-/// Why there is no mirror.
+/// Reason why there is no mirror.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FailureCause {
-    /// What the picture should show, or what the mirror does, has no value at a place.
+    /// A quantity that has no value at a place.
     #[error("at X {:.4} mm, Y {:.4} mm {}{failure}", at.x, at.y, tried(*stage))]
     At {
-        /// Where, mm.
+        /// X and Y of the place, mm.
         at: DVec2,
-        /// What is wrong there.
+        /// The failure there.
         failure: LocalFailure,
-        /// Which fit does not get on for it; none for the mirror that is the answer.
+        /// The fit that fails for it; none for the mirror that is the answer.
         stage: Option<FitStage>,
     },
     /// The fit has no unique answer, or was not found.
@@ -157,7 +157,7 @@ pub enum FailureCause {
     Fit {
         /// Degree asked for.
         degree: usize,
-        /// What was to be fitted.
+        /// The fit that failed.
         stage: FitStage,
         /// The solver's account.
         source: SolveError,
@@ -188,13 +188,13 @@ pub enum FailureCause {
     OccludedRim {
         /// Image radius of the inner rim, mm on the reference plane.
         inner_mm: f64,
-        /// That of the outer rim, mm.
+        /// Image radius of the outer rim, mm.
         outer_mm: f64,
     },
     /// The mirror would have to turn its back to the camera.
     #[error("the mirror turns its back to the camera {from_axis_mm:.3} mm from the axis")]
     BackFacing {
-        /// Where, mm.
+        /// X and Y of the place, mm.
         from_axis_mm: f64,
     },
     /// Filling the frame asks for elevations that there are not.
@@ -205,7 +205,7 @@ pub enum FailureCause {
     BeyondPole {
         /// Image coordinate at the rim, paper's units.
         beyond: f64,
-        /// That of the pole.
+        /// Image coordinate of the pole.
         most: f64,
     },
     /// Filling the frame takes the law to directions that never meet the target plane.
@@ -220,12 +220,12 @@ pub enum FailureCause {
     /// The numbers leave the range of double precision.
     #[error("the mirror's {what} is not finite")]
     NotFinite {
-        /// Which quantity.
+        /// The quantity.
         what: &'static str,
     },
 }
 
-/// Which mirror a failure is that of.
+/// Words that name the fit of a failure.
 fn tried(stage: Option<FitStage>) -> String {
     stage.map_or(String::new(), |stage| format!("{} does not get on: ", stage.name()))
 }

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 /// Degrees that are tried.
 const DEGREES: [usize; 9] = [4, 8, 12, 16, 24, 40, 64, 88, 120];
-/// How far a series may be from its conic, as a share of the conic's height.
+/// Largest error of a series, as a share of the conic's height.
 const CLOSE: f64 = 1e-12;
 
 /// Height of a conic at the square of a distance from the axis; not a number where it has ended.

@@ -1,4 +1,4 @@
-//! What a design reached, before any mesh.
+//! Figures of merit of a design, before any mesh.
 
 use super::cause::{FailureCause, LocalFailure};
 use super::layout::DesignProblem;
@@ -20,10 +20,10 @@ pub struct CurlFacts {
     pub rms: f64,
     /// Largest magnitude.
     pub max: f64,
-    /// What relative errors of the field's derivatives are multiplied with to be errors of the curl,
-    /// at most: the sum of their magnitudes, of which it is the rest.
+    /// Largest condition: factor from relative errors of the field's derivatives to errors of the curl, the
+    /// sum of the derivatives' magnitudes.
     pub condition: f64,
-    /// The most that rounding can have made of it, proven by intervals.
+    /// Proven bound of the curl's rounding error, by intervals.
     pub rounding: f64,
 }
 
@@ -54,7 +54,7 @@ pub struct DesignFacts {
     /// Angle between the direction seen and the direction wanted, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub ray_error_mrad: Option<Summary>,
-    /// The same carried back to the image, pixels.
+    /// Ray error carried back to the image, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     pub pixel_error_px: Option<Summary>,
 }
@@ -102,7 +102,7 @@ impl DesignFacts {
         }
     }
 
-    /// The same with the errors of `mirror` against `view`.
+    /// These figures with the errors of `mirror` against `view`.
     ///
     /// # Errors
     /// [`FailureCause`] when one is not finite.

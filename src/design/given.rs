@@ -12,7 +12,7 @@ use crate::num::legendre::Series;
 use crate::optics::{Camera, ImagingTask};
 use crate::profile::{Layout, Monomial, Polynomial, Profile, SagGrid};
 
-/// How far an outline may reach beyond a grid, as a share of its size: its corners are rounded.
+/// Largest excess of an outline over a grid, as a share of its size: its corners are rounded.
 const ROUNDED: f64 = 1e-6;
 /// Degree of a spline's patches.
 const CUBIC: usize = 3;

@@ -14,12 +14,12 @@ use crate::profile::{Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, R
 pub struct DesignProblem {
     /// The camera.
     pub camera: Camera,
-    /// What the designed panel must show.
+    /// Imaging task of the designed panel.
     pub view: ImagingTask,
     /// The panel to be made, mm; for parallel rays a rectangle's corners are single-precision
     /// numbers, so that the rim of every file is exactly straight.
     pub outline: Outline,
-    /// Where the surface is fitted, mm: the panel, or for `section` the panorama it is cut from.
+    /// Domain of the fit, mm: the panel, or for `section` the panorama it is cut from.
     pub domain: Outline,
     /// The panel of a `section`, mm, over which the mean of the logarithmic height is zero; of other
     /// strips that is the domain.
@@ -28,7 +28,7 @@ pub struct DesignProblem {
     pub mirror_symmetric: [bool; 2],
 }
 
-/// What the geometry of a round mirror takes from the answer: found by repetition.
+/// Geometry of a round mirror that depends on its solution: found by iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SelfConsistentGeometry {
     /// Image radius of the inner rim, mm.
@@ -48,7 +48,7 @@ impl SelfConsistentGeometry {
         Self { inner_mm, origin_mm: 0.0 }
     }
 
-    /// What they are for the mirror that was found: the inner rim has its radius in space, and the
+    /// The geometry of the mirror that was found: the inner rim has its radius in space, and the
     /// area-mean of the height sits at the target's origin (docs/theory.md, T14).
     #[must_use]
     pub fn updated(&self, profile: &Profile, problem: &DesignProblem, mirror: &Mirror) -> Self {

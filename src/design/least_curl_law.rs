@@ -36,7 +36,7 @@ const MOST_STEPS: usize = 100;
 const MOST_HEIGHTS: usize = 30;
 const SAME_HEIGHT: f64 = 1e-7;
 
-/// Why no law was found.
+/// Reason why no law was found.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LeastCurlError {
     /// The curl does not tell laws apart.

@@ -45,13 +45,13 @@ use thiserror::Error;
 pub struct Design {
     /// The surface.
     pub mirror: Mirror,
-    /// What the picture should show; a given mirror may be meant for nothing in particular.
+    /// The imaging task; a given mirror may have none.
     pub view: Option<ImagingTask>,
     /// The camera.
     pub camera: Camera,
-    /// What the part has around the mirror.
+    /// The border around the mirror.
     pub border: Option<Border>,
-    /// Where camera and target are, and how large the part is.
+    /// Places of camera and target, and the size of the part.
     pub mounting: Mounting,
     /// Figures of merit.
     pub facts: DesignFacts,
@@ -65,22 +65,22 @@ impl Design {
         self.mirror.volume() + around.unwrap_or(0.0)
     }
 
-    /// How many holes go through the part.
+    /// Number of holes through the part.
     #[must_use]
     pub fn holes(&self) -> usize {
         self.border.as_ref().map_or(0, |border| border.through().count())
     }
 }
 
-/// Why no mirror could be designed.
+/// Reason why no mirror could be designed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DesignError {
-    /// What is asked of the mirror, or of the picture in a given one, has no answer.
+    /// The design problem, or the picture in a given mirror, has no solution.
     #[error("{cause}; {remedy}")]
     Unsolved {
-        /// Why.
+        /// The cause.
         cause: FailureCause,
-        /// What helps.
+        /// The remedy.
         remedy: Remedy,
     },
     /// A given conic is not the polynomial of any degree that is tried.
@@ -94,7 +94,7 @@ pub enum DesignError {
         reach_mm: f64,
         /// The highest degree that is tried.
         degree: usize,
-        /// What it misses, as a share of the conic's height.
+        /// Its error, as a share of the conic's height.
         error: f64,
     },
     /// A grid of heights does not cover the mirror.
@@ -113,9 +113,9 @@ pub enum DesignError {
     /// A hole, a mark or rounded corners do not fit around the mirror.
     #[error("{message}; {hint}")]
     Border {
-        /// What must hold and what was found.
+        /// The rule, and the value found.
         message: String,
-        /// What to do about it.
+        /// The remedy.
         hint: String,
     },
     /// The grid of heights that the profile names was not handed over.
@@ -132,7 +132,7 @@ impl From<FailureCause> for DesignError {
     }
 }
 
-/// By how much a last step changed something, in words where that is no number.
+/// Size of a last step in words.
 fn by(step: f64, unit: &str) -> String {
     match step.is_finite() {
         true => format!("{step:e}{unit}"),

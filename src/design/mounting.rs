@@ -1,4 +1,4 @@
-//! How the part is mounted: where camera and target are in the part's frame, and how large it is.
+//! Mounting of the part: places of camera and target in the part's frame, and the size of the part.
 //!
 //! The part's frame has its origin on the base, on the camera's axis: X to the right in the picture,
 //! Y towards the picture's upper edge, Z towards the camera. Elevations count towards the camera, and
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct Mounting {
     /// Entrance pupil of the lens, which looks along -Z; none for a telecentric camera.
     pub pupil_mm: Option<[f64; 3]>,
-    /// Where the target's azimuth and elevation are measured from; none for a world far away, and
+    /// Origin of the target's azimuth and elevation; none for a world far away, and
     /// without a projection.
     pub target_origin_mm: Option<[f64; 3]>,
     /// Length of the part along each axis, its border included.
@@ -59,7 +59,7 @@ impl Mounting {
         vec![self.camera(), format!("part {}", self.size()), self.world()]
     }
 
-    /// Where the camera goes, in a few words.
+    /// Place of the camera in words.
     #[must_use]
     pub fn camera(&self) -> String {
         match self.pupil_mm {
@@ -75,7 +75,7 @@ impl Mounting {
         format!("{x:.2} x {y:.2} x {z:.2} mm")
     }
 
-    /// What directions are counted from, in words.
+    /// Origin of directions in words.
     #[must_use]
     pub fn world(&self) -> String {
         let target = match self.target_origin_mm {

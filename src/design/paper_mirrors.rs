@@ -39,7 +39,7 @@ impl PointwiseResidual<3> for StripNormal {
     }
 }
 
-/// How far away on the strip the content belongs that the slope shows.
+/// Displacement on the strip of the content that the slope shows.
 pub struct StripImage;
 
 impl PointwiseResidual<2> for StripImage {

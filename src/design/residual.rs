@@ -1,4 +1,4 @@
-//! What the three methods make small, point by point (paper, sections 3.1 to 3.3).
+//! Residuals of the three methods, point by point (paper, sections 3.1 to 3.3).
 
 use super::residual_sample::PointwiseResidual;
 use crate::geom::{Chart, DVec2};
@@ -9,7 +9,7 @@ use crate::optics::{ImagingTask, stereographic};
 pub struct GradientResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
-    /// What is wanted.
+    /// The imaging task.
     pub view: &'a ImagingTask,
 }
 
@@ -28,7 +28,7 @@ impl PointwiseResidual<2> for GradientResidual<'_> {
 pub struct RayResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
-    /// What is wanted.
+    /// The imaging task.
     pub view: &'a ImagingTask,
 }
 
@@ -49,7 +49,7 @@ impl PointwiseResidual<2> for RayResidual<'_> {
 pub struct ImageResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
-    /// What is wanted.
+    /// The imaging task.
     pub view: &'a ImagingTask,
 }
 
@@ -67,7 +67,7 @@ impl PointwiseResidual<2> for ImageResidual<'_> {
 pub struct NormalResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
-    /// What is wanted.
+    /// The imaging task.
     pub view: &'a ImagingTask,
 }
 

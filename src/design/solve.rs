@@ -63,7 +63,7 @@ pub enum SolveError {
     Undefined {
         /// Steps taken.
         steps: usize,
-        /// That mirror's coefficients, mm.
+        /// Coefficients of that mirror, mm.
         coefficients: Vec<f64>,
     },
     /// The steps did not become small.

@@ -7,12 +7,12 @@ use crate::optics::{Camera, SlopeField, StripLaw, TabulatedLaw, Target};
 use crate::profile::{StripLawSpec, StripSpec};
 use std::sync::Arc;
 
-/// Where a strip's panel lies in the image.
+/// Place of a strip's panel in the image.
 #[derive(Debug, Clone, Copy)]
 pub struct StripPanel<'a> {
     /// The camera.
     pub camera: &'a Camera,
-    /// Where the world is, its origin on the camera's reference plane.
+    /// Surface that the picture shows, its origin on the camera's reference plane.
     pub target: Target,
     /// mm per radian of azimuth.
     pub scale_mm: f64,

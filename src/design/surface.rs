@@ -57,7 +57,7 @@ fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
     }
 }
 
-/// Where and why the residual has no value at the mirror of `coefficients`.
+/// Place and reason of a residual without a value at the mirror of `coefficients`.
 fn undefined(
     problem: &DesignProblem,
     degree: usize,

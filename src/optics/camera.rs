@@ -59,7 +59,7 @@ pub struct Camera {
     pub pixels: [u32; 2],
     /// Side of a (square) pixel on the reference plane, mm.
     pub pixel_mm: f64,
-    /// Where its rays go.
+    /// Coordinates along its rays.
     pub chart: Chart,
 }
 

@@ -32,7 +32,7 @@ impl Fold {
     }
 }
 
-/// What is known of [`ImagingTask::curl`] at a place, 1/mm.
+/// Bounds of [`ImagingTask::curl`] at a place, 1/mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurlBounds {
     /// Surely holds the exact one: bounds of every rounding.
@@ -49,11 +49,11 @@ pub struct CurlBounds {
 pub struct ImagingTask {
     /// The designed panel's projection.
     pub projection: Projection,
-    /// Where the world is.
+    /// Surface that the picture shows.
     pub target: Target,
     /// Z of the target's origin, mm.
     pub origin_mm: f64,
-    /// Where the image is folded, if it is.
+    /// Fold of the image, if there is one.
     pub fold: Option<Fold>,
 }
 
@@ -85,8 +85,8 @@ impl ImagingTask {
         self.image_of_seen_along(chart.view(at), || at, p, near)
     }
 
-    /// The same for a ray whose angle to the axis has the tangent `view`. Targets at infinity do not
-    /// ask where it is met, `at`.
+    /// [`ImagingTask::image_of_seen`] for a ray whose angle to the axis has the tangent `view`. Targets at
+    /// infinity do not ask for `at`, where the ray meets the mirror.
     #[inline]
     pub fn image_of_seen_along<S: Scalar>(
         &self,
@@ -114,7 +114,7 @@ impl ImagingTask {
         self.slope_field(chart).curl(q.to_array(), f, s.map(|s| s.value), along)
     }
 
-    /// What is known of the curl at a place.
+    /// Bounds of the curl at a place, and its condition.
     #[must_use]
     pub fn curl_bounds(&self, chart: &Chart, q: DVec2, f: f64) -> CurlBounds {
         let [x, y, h] = [q.x, q.y, f].map(Interval::point);
@@ -191,7 +191,7 @@ impl ImagingTask {
         DVec2::from_array(place) * flip.truncate()
     }
 
-    /// What carries the panel of `q` to the designed one.
+    /// Signs of the reflection that carries the panel of `q` to the designed one.
     fn flip(&self, q: DVec2) -> DVec3 {
         if self.reflects(q) { DVec3::new(1.0, -1.0, 1.0) } else { DVec3::ONE }
     }

@@ -21,7 +21,7 @@ pub enum Projection {
 }
 
 impl Projection {
-    /// What image point `q` must see.
+    /// Direction that image point `q` must see, as a stereographic coordinate.
     #[inline]
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         match self {
@@ -60,7 +60,7 @@ impl Projection {
         }
     }
 
-    /// How far apart two image points are by what they must see: azimuth repeats every turn.
+    /// Distance of two image points by the directions that they must see, mm: azimuth repeats every turn.
     #[inline]
     #[must_use]
     pub fn image_distance(&self, a: DVec2, b: DVec2) -> f64 {

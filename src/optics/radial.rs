@@ -162,7 +162,7 @@ impl RadialLaw {
         }
     }
 
-    /// What image point `q` must see, as a stereographic coordinate.
+    /// Direction that image point `q` must see, as a stereographic coordinate.
     #[inline]
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let scale = self.stereographic_scale(q[0].square() + q[1].square());

@@ -4,12 +4,12 @@ use super::{Target, stereographic};
 use crate::geom::Chart;
 use crate::num::Scalar;
 
-/// What turns a wanted direction into the chart slope of a mirror that shows it.
+/// Slope field: turns a wanted direction into the slope, in camera coordinates, of a mirror that shows it.
 #[derive(Debug, Clone, Copy)]
 pub struct SlopeField<'a> {
     /// The camera.
     pub chart: &'a Chart,
-    /// Where the world is.
+    /// Surface that the picture shows.
     pub target: Target,
     /// Z of the target's origin, mm.
     pub origin_mm: f64,
@@ -44,7 +44,7 @@ impl SlopeField<'_> {
         twist / self.curl_denominator(q, f, s)
     }
 
-    /// What a twist of the field is divided by to be its curl.
+    /// Denominator of the curl, by which a twist of the field is divided.
     #[inline]
     pub fn curl_denominator<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2]) -> S {
         let k = self.chart.vergence;

@@ -7,7 +7,7 @@ use crate::num::{Scalar, cos, sin};
 /// A strip of the world unrolled in the image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strip {
-    /// How rows map to elevation.
+    /// Relation of image row and elevation.
     pub law: StripLaw,
     /// Scale s, mm per radian of azimuth.
     pub scale_mm: f64,
@@ -18,7 +18,7 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// What image point `q` must see, as a stereographic coordinate.
+    /// Direction that image point `q` must see, as a stereographic coordinate.
     #[inline]
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let azimuth = q[0] / self.scale_mm + self.azimuth;

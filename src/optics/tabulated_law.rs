@@ -3,7 +3,7 @@
 use crate::num::{MonotoneCubic, Scalar};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// What a table's quantity measure.
+/// Quantity that a table interpolates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum TabulatedQuantity {
     Elevation,

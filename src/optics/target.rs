@@ -8,7 +8,7 @@ use crate::num::Scalar;
 /// from the origin does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
-    /// So far away that only directions count.
+    /// Infinity: the world is so far away that only directions count.
     Infinity,
     /// The cylinder of this radius about the axis, mm.
     Cylinder {

@@ -1,4 +1,4 @@
-//! What a finished mirror must keep to pass: the profile's limits, and usual ones in their place.
+//! Acceptance limits of a finished mirror: those of the profile, and usual ones in their place.
 
 use super::{Layout, Profile};
 use serde::{Deserialize, Serialize};
@@ -44,8 +44,8 @@ impl AcceptanceLimits {
     pub const MAX: f64 = 0.015;
     /// Usual share of filled pixels of a mirror that is to fill the frame.
     pub const FULL: f64 = 0.995;
-    /// That of others: strips and discs leave most of a frame dark, and a mirror that covers less than
-    /// this was made for another camera.
+    /// Usual share of filled pixels of other mirrors: strips and discs leave most of a frame dark, and a
+    /// mirror that covers less than this was made for another camera.
     pub const PART: f64 = 0.1;
 }
 

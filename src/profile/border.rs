@@ -31,18 +31,18 @@ pub enum BorderFeature {
 /// A feature of a border that does not fit around a mirror, and what to do about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BorderConflict {
-    /// What is to blame.
+    /// The feature to blame.
     pub feature: BorderFeature,
-    /// What must hold and what was found.
+    /// The rule, and the value found.
     pub message: String,
-    /// What to do about it.
+    /// The remedy.
     pub hint: String,
 }
 
 impl BorderSpec {
     /// The least material between a hole or a mark and anything else, in millimetres.
     pub const CLEAR_MM: f64 = 0.1;
-    /// What differs by less is the same but for rounding, mm.
+    /// Largest difference that is called rounding, mm.
     pub const ROUNDING_MM: f64 = 1e-6;
     /// The least width of a border and the least diameter or radius of anything in it, in
     /// millimetres.
@@ -161,7 +161,7 @@ impl BorderSpec {
 }
 
 impl BorderFeature {
-    /// What it is called in a complaint.
+    /// Its name in a complaint.
     fn name(self) -> &'static str {
         match self {
             Self::Corners => "corners",

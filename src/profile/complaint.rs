@@ -13,7 +13,7 @@ pub struct Complaint {
     pub column: usize,
     /// The key, what it must be and what was found.
     pub message: String,
-    /// What to write instead.
+    /// Hint at a text that would be right.
     pub hint: Option<String>,
 }
 

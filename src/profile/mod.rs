@@ -1,4 +1,4 @@
-//! What is wanted of a mirror: the TOML profile, read and checked.
+//! Profiles: TOML texts that say what is wanted of a mirror, read and checked.
 //!
 //! A [`Profile`] that exists is a valid one: every number is finite and within its limits, and
 //! camera, projection, layout and part fit each other. [`Profile::parse`] either returns one or returns all the
@@ -45,20 +45,20 @@ pub struct Profile {
     pub name: String,
     /// SHA-256 of the profile's bytes, in lower-case hexadecimal.
     pub sha256: String,
-    /// What the mirror is for, in the author's words; empty if not given.
+    /// Purpose of the mirror in the author's words; empty if not given.
     pub summary: String,
     /// The camera that looks into the mirror: each side of its frame has 1 to 16384 pixels; a pinhole's
     /// distance is that to the mirror's mean height, for a disc or an annulus to its outer rim.
     pub camera: CameraModel,
-    /// What its lens lets through.
+    /// Its lens.
     pub lens: LensSpec,
-    /// Which part of the world the picture must show, and how it is laid out. A designed mirror
+    /// Part of the world that the picture must show, and its layout in the picture. A designed mirror
     /// always has one; without one a given mirror has no pixel error to limit.
     pub projection: Option<ProjectionSpec>,
     /// The mirror's outline. It fits the projection: a strip or a conquistador with a strip's law,
     /// a disc or an annulus with a radial law; without a projection any but those two.
     pub layout: Layout,
-    /// Where the mirror's shape comes from.
+    /// Source of the mirror's shape.
     pub shape: ShapeSpec,
     /// The size of the solid.
     pub part: PartSpec,
@@ -66,7 +66,7 @@ pub struct Profile {
     pub mesh: MeshGoal,
     /// The files to write, without repetition, in the profile's order; at least one.
     pub formats: Vec<FileFormat>,
-    /// Where the sag table samples the mirror.
+    /// Sampling of the sag table.
     pub sag: SagTable,
     /// The limits a finished mirror must keep to pass.
     pub accept: AcceptanceSpec,
@@ -74,10 +74,10 @@ pub struct Profile {
     pub tolerance: Tolerance,
 }
 
-/// What a lens lets through.
+/// Lens of the camera: its aperture, focal length and light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LensSpec {
-    /// How wide it is open, if that is known.
+    /// Its aperture, if that is known.
     pub aperture: Option<Aperture>,
     /// Focal length, mm, where the profile has it: an f-number is that over the entrance pupil.
     pub focal_mm: Option<f64>,
@@ -90,7 +90,7 @@ impl LensSpec {
     pub const USUAL_NM: f64 = 550.0;
 }
 
-/// How wide a lens is open.
+/// Aperture of a lens.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Aperture {
@@ -116,9 +116,9 @@ pub enum Layout {
     },
     /// Two panels that share a ridge, each with half of a full turn. Never of a given mirror.
     Conquistador {
-        /// Where the panel's shape comes from.
+        /// Source of the panel's shape.
         panel: PanelSource,
-        /// Which way the ridge between the panels faces.
+        /// Side to which the ridge between the panels faces.
         ridge: Ridge,
         /// Change the elevation range so that the mirror fills the camera's frame exactly.
         fill_frame: bool,
@@ -137,7 +137,7 @@ pub enum Layout {
     },
 }
 
-/// Where the shape of a conquistador's panel comes from.
+/// Source of the shape of a conquistador's panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelSource {
     /// Cut out of the mirror for the full turn.
@@ -146,7 +146,7 @@ pub enum PanelSource {
     Refit,
 }
 
-/// Which way the ridge between a conquistador's panels faces.
+/// Side to which the ridge between a conquistador's panels faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ridge {
     /// Standing out of the part, where a cutter reaches and no panel shadows the other.
@@ -166,7 +166,7 @@ pub struct PartSpec {
     pub border: Option<BorderSpec>,
 }
 
-/// Where the sag table samples the mirror; without a pitch or a step that one is 1/200 of the part's
+/// Sampling of the mirror by the sag table; without a pitch or a step that one is 1/200 of the part's
 /// width.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SagTable {

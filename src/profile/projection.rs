@@ -12,7 +12,7 @@ pub enum ProjectionSpec {
 }
 
 impl ProjectionSpec {
-    /// Where the points lie that the picture shows.
+    /// Surface that the picture shows.
     pub fn target(&self) -> Target {
         match self {
             ProjectionSpec::Strip(strip) => strip.target,
@@ -24,13 +24,13 @@ impl ProjectionSpec {
 /// A projection onto a strip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StripSpec {
-    /// How an image row maps to elevation.
+    /// Relation of image row and elevation.
     pub law: StripLawSpec,
     /// First and last azimuth in degrees: increasing, within ±360, at most 360 apart.
     pub azimuth_deg: [f64; 2],
     /// Lowest and highest elevation in degrees, of a table too: increasing, strictly inside ±90.
     pub elevation_deg: [f64; 2],
-    /// Where the points lie that the picture shows. A plane has the sign of every elevation given;
+    /// Surface that the picture shows. A plane has the sign of every elevation given;
     /// where the frame is filled, the elevations that come of it are not checked here.
     pub target: Target,
 }
@@ -52,7 +52,7 @@ pub enum StripLawSpec {
 /// towards the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadialSpec {
-    /// How the image's radius maps to the polar angle.
+    /// Relation of image radius and polar angle.
     pub law: RadialLawKind,
     /// Polar angle in degrees at the inner rim of an annulus, 0 or more and less than the outer
     /// one. Given exactly for an annulus and a law of two parameters; a disc starts at 0.
@@ -60,7 +60,7 @@ pub struct RadialSpec {
     /// Polar angle in degrees at the mirror's outer rim: strictly between 0 and 180, for
     /// [`RadialLawKind::Plane`] 90.
     pub outer_polar_deg: f64,
-    /// Where the points lie that the picture shows. A cylinder is there for an annulus only; a
+    /// Surface that the picture shows. A cylinder is there for an annulus only; a
     /// plane is on the side that the given polar angles look to. The polar angle at the inner rim
     /// of a hyperbolic or conical annulus is an outcome and is not checked here.
     pub target: Target,

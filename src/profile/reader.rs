@@ -56,7 +56,7 @@ pub(super) struct ProfileReader<'a> {
     torn: bool,
     /// The last error of syntax was of a list or inline table.
     swallowing: bool,
-    /// Where lines stand that are neither a setting nor a table.
+    /// Offsets of lines that are neither a setting nor a table.
     stray: Vec<usize>,
 }
 

@@ -19,10 +19,10 @@ pub struct SagGrid {
 const MOST_NODES: usize = 4_000_000;
 /// Fewest along an axis: a cubic takes four.
 const LEAST: usize = 4;
-/// How far off its node a place may be, in steps.
+/// Largest distance of a place from its node, in steps.
 const OFF: f64 = 1e-6;
 
-/// Why a file holds no grid of heights.
+/// Reason why a file holds no grid of heights.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GridError {
     /// Not text.
@@ -73,7 +73,7 @@ pub enum GridError {
         line: usize,
         /// X or Y.
         axis: char,
-        /// What stands there.
+        /// The place, mm.
         found_mm: f64,
         /// The nearest place on the grid.
         nearest_mm: f64,
@@ -104,7 +104,7 @@ pub enum GridError {
         columns: usize,
         /// Different values of Y.
         rows: usize,
-        /// How many nodes are missing.
+        /// Number of missing nodes.
         missing: usize,
         /// X of the first one.
         x_mm: f64,

@@ -1,4 +1,4 @@
-//! Which tables a profile may have, and which keys each of them.
+//! Tables that a profile may have, and the keys of each.
 
 use crate::tolerance_terms::Perturbation;
 
@@ -170,7 +170,7 @@ pub(super) fn usual_keys(path: &str) -> Vec<&'static str> {
     keys(path).iter().copied().filter(|key| !RARE.contains(key)).collect()
 }
 
-/// What to know of a table when a key is unknown in it; empty if nothing.
+/// Hint for an unknown key in a table; empty if there is none.
 pub(super) fn note(path: &str) -> &'static str {
     if path == "layout.disc" { "the disc's diameter is part.width_mm" } else { "" }
 }

@@ -1,6 +1,6 @@
-//! Where the mirror's shape comes from.
+//! The mirror's shape: designed by a method, or given.
 
-/// Where the mirror's shape comes from.
+/// Source of the mirror's shape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShapeSpec {
     /// Computed from the projection.
@@ -15,10 +15,10 @@ pub enum ShapeSpec {
     },
 }
 
-/// How a mirror's shape is computed.
+/// Method by which a mirror's shape is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
-    /// What is made small.
+    /// The residual that is made small.
     pub kind: MethodKind,
     /// Degree of the polynomial in each image coordinate, 1 to 40.
     pub degree: usize,
@@ -26,7 +26,7 @@ pub struct Method {
     pub minimax: bool,
 }
 
-/// What a method makes small.
+/// Residual that a method makes small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MethodKind {
     /// The difference between the mirror's gradient and the wanted slope field.

@@ -65,7 +65,7 @@ enum NestingError {
     Key(usize),
 }
 
-/// Where the text first nests too deep. Cuts strings and comments out just as the parser does.
+/// The first place where the text nests too deep. Cuts strings and comments out just as the parser does.
 fn too_deep(text: &str) -> Option<NestingError> {
     let bytes = text.as_bytes();
     let (mut at, mut brackets, mut dots) = (0, 0_usize, 0);

@@ -32,7 +32,7 @@ pub(super) fn number(
     Some(Located { value: figure, at: value.span().start })
 }
 
-/// What a list of two numbers is for.
+/// Form of a list of two numbers.
 pub(super) struct PairFormat<'h> {
     pub(super) key: &'h str,
     pub(super) parts: &'h str,
@@ -71,11 +71,11 @@ pub(super) fn pair(
     Some(Located { value: [figures[0]?, figures[1]?], at })
 }
 
-/// What a list of lists is for.
+/// Form of a list of lists.
 pub(super) struct RowsFormat<'h> {
     pub(super) key: &'h str,
     pub(super) need: Need,
-    /// What one entry looks like, as in `[row, degrees]`.
+    /// Form of one entry, as in `[row, degrees]`.
     pub(super) entry: &'h str,
     /// Fewest and most entries.
     pub(super) count: [usize; 2],
@@ -172,7 +172,7 @@ pub(super) fn flag(
     None
 }
 
-/// What one of a few words stands for.
+/// Meaning of one of a few words.
 pub(super) fn word<T: Copy>(
     reader: &mut ProfileReader,
     section: &Section,

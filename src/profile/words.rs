@@ -31,7 +31,7 @@ pub(super) fn list(words: &[&str], and: &str) -> String {
     }
 }
 
-/// What to do about an error of syntax, or nothing.
+/// Hint at the remedy of an error of syntax; empty if there is none.
 pub(super) fn syntax_hint(message: &str) -> &'static str {
     const HINTS: [(&str, &str); 7] = [
         ("must be quoted", "words need quotes, as in ridge = \"crest\""),

@@ -1,4 +1,4 @@
-//! What a refused profile can ask for instead: changes of single keys, each of which is followed
+//! Remedies of a refused profile: changes of single keys, each of which is followed
 //! here by designing the changed profile before it is advised.
 
 mod keys;
@@ -62,13 +62,13 @@ impl fmt::Display for KeyChange {
     }
 }
 
-/// What to do about a refusal: alternatives, each of changes that are made together, after any of
+/// Remedy of a refusal: alternatives, each of changes that are made together, after any of
 /// which the mirror can be designed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Remedy {
     /// The alternatives.
     pub alternatives: Vec<Vec<KeyChange>>,
-    /// How many changed profiles were designed to find them.
+    /// Number of changed profiles that were designed to find them.
     pub trials: usize,
 }
 
@@ -88,7 +88,7 @@ impl fmt::Display for Remedy {
     }
 }
 
-/// What helps against `cause`, for which `profile` is refused.
+/// Remedy of `cause`, for which `profile` is refused.
 pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &FailureCause) -> Remedy {
     let mut search = TrialDesigns { sag, trials: 0, most: MOST_SINGLE };
     let mut found: Vec<Vec<KeyChange>> = Vec::new();
@@ -164,7 +164,7 @@ impl TrialDesigns<'_> {
     }
 }
 
-/// What may help against `cause`, the likeliest first.
+/// Edits that may remedy `cause`, the likeliest first.
 fn keys(profile: &Profile, cause: &FailureCause) -> Vec<Edit> {
     let given = !matches!(profile.shape, ShapeSpec::Designed(_));
     match cause {

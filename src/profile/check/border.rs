@@ -14,7 +14,7 @@ const RIM: [f64; 2] = [0.01, 0.99];
 /// A mark is less deep than this share of the rim's height.
 const DEEPEST: f64 = 0.99;
 
-/// What `[part]` says of the rim, each figure with its place.
+/// Entries of `[part]` about the border, each figure with its place.
 #[derive(Default)]
 pub(super) struct BorderEntry {
     width: Option<Located<f64>>,

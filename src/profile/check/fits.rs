@@ -1,4 +1,4 @@
-//! What goes with what: camera, projection, layout and part.
+//! Rules that camera, projection, layout and part keep among each other.
 
 use super::super::reader::ProfileReader;
 use super::super::words::list;

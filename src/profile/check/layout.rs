@@ -11,7 +11,7 @@ pub(super) struct LayoutEntry {
     pub(super) name: &'static str,
     pub(super) at: usize,
     pub(super) layout: Option<Layout>,
-    /// Where `fill_frame = true` stands.
+    /// Offset of `fill_frame = true`.
     pub(super) fills: Option<usize>,
     /// Diameter of an annulus' land.
     pub(super) inner: Option<Located<f64>>,

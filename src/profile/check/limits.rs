@@ -15,7 +15,7 @@ pub(super) struct PartEntry {
     pub(super) width: Option<Located<f64>>,
     pub(super) base: Option<Located<f64>>,
     pub(super) height: Option<Located<f64>>,
-    /// Where the part stands that has no height.
+    /// Offset of a part without a height.
     pub(super) lacks_height: Option<usize>,
     pub(super) border: border::BorderEntry,
 }

@@ -1,4 +1,4 @@
-//! Where the mirror's shape comes from: a method, or the mirror itself.
+//! Entries of the mirror's shape: a method, or the mirror itself.
 
 use toml::de::DeValue;
 
@@ -9,7 +9,7 @@ use super::super::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 use super::{SIGNED, is_signed, only};
 
 const MAX_DEGREE: usize = 40;
-/// How many terms there are up to the highest degree.
+/// Number of terms up to the highest degree.
 const MOST_TERMS: usize = (MAX_DEGREE + 1) * (MAX_DEGREE + 2) / 2;
 
 /// A shape, and where its conic stands.

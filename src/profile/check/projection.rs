@@ -214,7 +214,7 @@ fn inner_polar(
     number(reader, section, "inner_polar_deg", need, must, hint, |f| (0.0..180.0).contains(&f))
 }
 
-/// What the polar angle at the inner rim is.
+/// Hint at the meaning of the polar angle at the inner rim.
 pub(super) const INNER_POLAR: &str =
     "the angle between the axis towards the camera and what the inner rim shows";
 

@@ -1,4 +1,4 @@
-//! How far the mirror's outline reaches, and whether a given conic reaches it.
+//! The mirror's outline as far as a profile tells it, and whether a given conic reaches it.
 
 use super::super::StripLawSpec;
 use super::super::reader::ProfileReader;
@@ -40,7 +40,7 @@ pub(super) fn known_outline(parts: &Entries) -> Option<Outline> {
     if given || parallel || round { outline(parts) } else { None }
 }
 
-/// The same but for the curved sides that designed strips have under a pinhole.
+/// The outline of a mirror with straight or round sides; designed strips under a pinhole have curved ones.
 fn outline(parts: &Entries) -> Option<Outline> {
     let width = parts.part.width?.value;
     let height = if parts.rectangle {

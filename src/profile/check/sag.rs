@@ -1,4 +1,4 @@
-//! Where the sag table samples the mirror.
+//! Entries of the sag table.
 
 use super::super::SagTable;
 use super::super::reader::Need::Optional;
@@ -43,7 +43,7 @@ pub(super) fn read(reader: &mut ProfileReader, export: &Section, part: &PartEntr
     table
 }
 
-/// Where the smaller of both stands.
+/// Offset of the smaller of both.
 fn finest(pitch: Option<Located<f64>>, step: Option<Located<f64>>) -> Option<usize> {
     let all = [pitch, step].into_iter().flatten();
     all.min_by(|a, b| a.value.total_cmp(&b.value)).map(|least| least.at)
