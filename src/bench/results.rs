@@ -1,6 +1,6 @@
 //! Benchmark results as JSON, CSV and a table.
 
-use crate::report::{Answer, Head, Rows, ToRows, digits};
+use crate::report::{Answer, AnswerRows, Head, ToRows, digits};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -129,13 +129,13 @@ impl Answer for BenchReport {
         Head::default()
     }
 
-    fn rows(&self) -> Rows {
-        Rows::of(&[&self.sweeps, &self.suggestions])
+    fn rows(&self) -> AnswerRows {
+        AnswerRows::of(&[&self.sweeps, &self.suggestions])
     }
 }
 
 impl ToRows for BenchSweep {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { about, setting, error, .. } = self;
         rows.line(format!("{about}  (* nothing is both faster and nearer)"));
         rows.line(format!("  {:22}{:26}{setting:>14}{:>12}  {error}", "profile", "", "time ms"));
@@ -156,7 +156,7 @@ impl ToRows for BenchSweep {
 }
 
 impl ToRows for Suggestion {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { profile, target_px, settings, least_px } = self;
         let Some(found) = settings else {
             let least = digits(*least_px);

@@ -46,7 +46,7 @@ pub trait Answer: Serialize {
     fn head(&self) -> Head<'_>;
 
     /// Its facts, in the order of the terminal.
-    fn rows(&self) -> Rows;
+    fn rows(&self) -> AnswerRows;
 
     /// The answer as JSON of several lines.
     fn json(&self) -> String {
@@ -82,7 +82,7 @@ pub fn json(result: &(impl Serialize + ?Sized)) -> String {
 /// What has facts to add to an answer.
 pub trait ToRows {
     /// Adds them.
-    fn add_to(&self, rows: &mut Rows);
+    fn add_to(&self, rows: &mut AnswerRows);
 }
 
 /// A fact in words.
@@ -98,19 +98,19 @@ struct Row {
 
 /// Facts in words, for the terminal, for the page, or for both.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rows {
+pub struct AnswerRows {
     rows: Vec<Row>,
     /// Letters that a name in the terminal takes.
     label_width: usize,
 }
 
-impl Default for Rows {
+impl Default for AnswerRows {
     fn default() -> Self {
         Self::labelled(8)
     }
 }
 
-impl Rows {
+impl AnswerRows {
     /// No facts yet; names in the terminal take so many letters.
     #[must_use]
     pub fn labelled(label_width: usize) -> Self {
@@ -182,19 +182,19 @@ impl Rows {
 }
 
 impl<T: ToRows> ToRows for Option<T> {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         self.iter().for_each(|part| part.add_to(rows));
     }
 }
 
 impl<T: ToRows> ToRows for Vec<T> {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         self.iter().for_each(|part| part.add_to(rows));
     }
 }
 
 impl ToRows for FileFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         rows.add("file", format!("{}  {}", self.name, megabytes(self.bytes)));
     }
 }
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn each_reader_gets_its_facts_under_its_names() {
-        let mut rows = Rows::default();
+        let mut rows = AnswerRows::default();
         rows.add("part", "1 mm");
         rows.named("form", "best-fit sphere", "2 mm");
         rows.terminal("", "seen from above");

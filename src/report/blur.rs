@@ -1,6 +1,6 @@
 //! The blur's results as JSON and text.
 
-use super::answer::{Answer, Head, Rows};
+use super::answer::{Answer, AnswerRows, Head};
 use super::facts::ProfileId;
 use super::sharpness::SharpnessFacts;
 use super::wording::{digits, three_digits};
@@ -71,9 +71,9 @@ impl Answer for BlurReport {
         Head::of(&self.profile)
     }
 
-    fn rows(&self) -> Rows {
+    fn rows(&self) -> AnswerRows {
         let Self { spots, best, images, .. } = self;
-        let mut rows = Rows::default();
+        let mut rows = AnswerRows::default();
         let which = if self.focus_is_best { ", the best focus" } else { "" };
         let (aperture, focus) = (aperture(&self.aperture), plane(&spots.focus));
         rows.terminal("lens", format!("{aperture}, focused on {focus}{which}"));

@@ -1,6 +1,6 @@
 //! Answers of a build and of a verification.
 
-use super::answer::{Answer, Head, Rows};
+use super::answer::{Answer, AnswerRows, Head};
 use super::fact_rows::TracesWithFrame;
 use super::facts::{
     FileFacts, MeshFacts, ProfileId, SagFacts, SolidFacts, StepFacts, TraceFacts, Verdict,
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 /// Results of a build, in the shape of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BuildReport {
-    /// [`SCHEMA`].
+    /// Version of these keys.
     pub schema: u32,
     /// Profile that was built.
     pub profile: ProfileId,
@@ -66,7 +66,7 @@ pub struct BuildReport {
 /// Results of the verification of a file of unknown making, in the shape of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifyReport {
-    /// [`SCHEMA`].
+    /// Version of these keys.
     pub schema: u32,
     /// Profile that the file is held against.
     pub profile: ProfileId,
@@ -111,11 +111,11 @@ impl Answer for BuildReport {
         Head::judged(&self.profile, self.verdict, &self.reasons).with_warnings(&self.warnings)
     }
 
-    fn rows(&self) -> Rows {
+    fn rows(&self) -> AnswerRows {
         let Self { layout, design, form, mesh, solid, files, step, sag, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
-        Rows::of(&[
+        AnswerRows::of(&[
             layout, design, form, mesh, solid, files, step, sag, trace, frame, sharpness, accepted,
         ])
     }
@@ -150,13 +150,13 @@ impl BuildReport {
     }
 
     /// Its facts in the order of the page.
-    fn page_rows(&self) -> Rows {
+    fn page_rows(&self) -> AnswerRows {
         let Self { layout, design, form, mesh, solid, step, sag, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
-        let mut rows = Rows::default();
+        let mut rows = AnswerRows::default();
         rows.page("profile sha256", &self.profile.sha256);
-        rows.append(Rows::of(&[
+        rows.append(AnswerRows::of(&[
             layout, design, form, step, sag, mesh, solid, trace, sharpness, accepted, frame,
         ]));
         rows
@@ -174,11 +174,11 @@ impl Answer for VerifyReport {
         Head::judged(&self.profile, self.verdict, &self.reasons).with_warnings(&self.warnings)
     }
 
-    fn rows(&self) -> Rows {
+    fn rows(&self) -> AnswerRows {
         let Self { layout, design, form, files, units, alignment, form_error_um, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
-        Rows::of(&[
+        AnswerRows::of(&[
             layout,
             design,
             form,

@@ -1,6 +1,6 @@
 //! What a build would make, foreseen without making it.
 
-use super::answer::{Answer, Head, Rows, ToRows};
+use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::facts::{ProfileId, SCHEMA};
 use super::wording::{megabytes, of_at_most};
 use serde::Serialize;
@@ -74,8 +74,8 @@ impl Answer for BuildForecast {
         Head::of(&self.profile).with_warnings(&self.warnings)
     }
 
-    fn rows(&self) -> Rows {
-        let mut rows = Rows::of(&[&self.mesh, &self.files]);
+    fn rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::of(&[&self.mesh, &self.files]);
         self.reasons.iter().for_each(|reason| rows.line(format!("  - {reason}")));
         rows.terminal("dry run", "nothing was written");
         rows
@@ -83,7 +83,7 @@ impl Answer for BuildForecast {
 }
 
 impl ToRows for MeshForecast {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let tolerances = [(self.chord_um, "chord", "um"), (self.facet_px, "facet", "px")];
         let tolerances: Vec<String> = tolerances
             .into_iter()
@@ -107,7 +107,7 @@ impl ToRows for MeshForecast {
 }
 
 impl ToRows for FileForecast {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         rows.terminal("file", format!("{}  about {}", self.name, megabytes(self.bytes)));
     }
 }

@@ -1,6 +1,6 @@
 //! Facts of the mirror, its mesh and what the witness saw, in words.
 
-use super::answer::{Rows, ToRows};
+use super::answer::{AnswerRows, ToRows};
 use super::facts::{ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts};
 use super::wording::{digits, figures, of_at_most, percent};
 use crate::design::{CurlFacts, DesignFacts, Mounting};
@@ -10,7 +10,7 @@ use crate::solid::OpenBoundary;
 use crate::trace::FrameFill;
 
 impl ToRows for Mounting {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         rows.add("part", format!("{}, its base at Z = 0", self.size()));
         let above = self.pupil_mm.map_or(String::new(), |[.., z]| {
             format!(", {:.3} mm above the mirror's mean height", z - self.mean_mm)
@@ -25,7 +25,7 @@ impl ToRows for Mounting {
 }
 
 impl ToRows for DesignFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { method, degree, unknowns, .. } = self;
         let goal = if self.minimax { ", minimax" } else { "" };
         let method = match *unknowns {
@@ -52,7 +52,7 @@ impl ToRows for DesignFacts {
 }
 
 impl ToRows for Form {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { sphere, plane } = self;
         let of = |departure: &Departure| {
             let Departure { sag_pv_mm, pv_mm, largest_mm, normal_max_mrad } = *departure;
@@ -74,7 +74,7 @@ impl ToRows for Form {
 }
 
 impl ToRows for MeshFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let limited = |value: &Limited, unit: &str| match value.limit {
             Some(limit) => format!("{} of {limit} {unit}", digits(value.bound)),
             None => format!("{} {unit} (no limit)", digits(value.bound)),
@@ -98,13 +98,13 @@ impl ToRows for MeshFacts {
 }
 
 impl ToRows for SolidFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         rows.add("solid", solid_sentence(self));
     }
 }
 
 impl ToRows for StepFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let ([u, v], error) = (self.control_points, digits(self.fit_error_nm));
         let sentence = format!("{u} x {v} control points, within {error} nm of the design");
         rows.named("step", "STEP splines", sentence);
@@ -112,7 +112,7 @@ impl ToRows for StepFacts {
 }
 
 impl ToRows for SagFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let sentence = format!(
             "{} rows; heights within {:.1e} mm of the design, normals within {:.1e} rad",
             self.rows, self.height_error_mm, self.normal_error_rad
@@ -130,7 +130,7 @@ pub struct TracesWithFrame<'a> {
 }
 
 impl ToRows for TracesWithFrame<'_> {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         for trace in self.traces {
             let TraceFacts { file, errors, interpolated_normals, solid, .. } = trace;
             rows.terminal("witness", format!("{file}: {}", ray_counts(trace, "rays ")));
@@ -159,7 +159,7 @@ impl ToRows for TracesWithFrame<'_> {
 }
 
 impl ToRows for FrameFill {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let range = |range: &Option<[f64; 2]>| {
             range.map_or("none".into(), |[lo, hi]| format!("{lo:.2} to {hi:.2} deg"))
         };
@@ -179,7 +179,7 @@ impl ToRows for FrameFill {
 }
 
 impl ToRows for AcceptanceLimits {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let mark = |bound: &AcceptanceLimit| if bound.usual { " (usual)" } else { "" };
         let Self { pixel_error_rms_px: rms, pixel_error_max_px: max, frame_filled: filled } = self;
         let sentence = format!(

@@ -1,6 +1,6 @@
 //! The frame-fill check's results as JSON, CSV and text.
 
-use super::answer::{Answer, Head, Rows};
+use super::answer::{Answer, AnswerRows, Head};
 use super::facts::{ProfileId, Verdict};
 use super::wording::digits;
 use crate::trace::{Coverage, FrameFill, MinMeanMax};
@@ -86,8 +86,8 @@ impl Answer for FrameReport {
         Head::judged(&self.profile, self.verdict, &self.reasons)
     }
 
-    fn rows(&self) -> Rows {
-        let mut rows = Rows::labelled(10);
+    fn rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::labelled(10);
         self.add_frame(&mut rows);
         self.add_coverage(&mut rows);
         self.add_solid_angles(&mut rows);
@@ -96,7 +96,7 @@ impl Answer for FrameReport {
 }
 
 impl FrameReport {
-    fn add_frame(&self, rows: &mut Rows) {
+    fn add_frame(&self, rows: &mut AnswerRows) {
         let FrameFill { pixels: [width, height], tolerance_px, .. } = self.frame;
         let [filled, gain] = [self.frame.filled, self.frame.gain_over_disc].map(|x| 100.0 * x);
         rows.terminal(
@@ -111,7 +111,7 @@ impl FrameReport {
         rows.terminal("lost", if lost.is_empty() { "none".into() } else { lost.join(", ") });
     }
 
-    fn add_coverage(&self, rows: &mut Rows) {
+    fn add_coverage(&self, rows: &mut AnswerRows) {
         let Coverage { azimuth_deg, gaps_deg, seams, lowest_deg, highest_deg, .. } = &self.coverage;
         let gaps = gaps_deg.iter().map(|[a, b]| format!(", not {a:.3} to {b:.3}"));
         let gaps: String = gaps.collect();
@@ -139,7 +139,7 @@ impl FrameReport {
     }
 
     /// The table of the solid angles of pixels, of this mirror and of round ones.
-    fn add_solid_angles(&self, rows: &mut Rows) {
+    fn add_solid_angles(&self, rows: &mut AnswerRows) {
         let line = |name: &str, [least, mean, most, ratio, pixels]: [&str; 5]| {
             format!("  {name:28} {least:>9} {mean:>9} {most:>9} {ratio:>8} {pixels:>9}")
         };

@@ -1,6 +1,6 @@
 //! What a ball cutter makes of a mirror, in words.
 
-use super::answer::{Answer, Head, Rows, ToRows};
+use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::fact_rows::{errors_sentence, ray_counts, solid_sentence};
 use super::machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
@@ -14,12 +14,12 @@ impl Answer for MachiningReport {
         Head::judged(&self.profile, self.verdict, &self.reasons).with_warnings(&self.warnings)
     }
 
-    fn rows(&self) -> Rows {
-        let mut rows = Rows::default();
+    fn rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::default();
         self.add_tool(&mut rows);
-        rows.append(Rows::of(&[&self.reach, &self.gouge, &self.fillet]));
+        rows.append(AnswerRows::of(&[&self.reach, &self.gouge, &self.fillet]));
         self.add_scallops(&mut rows);
-        rows.append(Rows::of(&[&self.best, &self.budget, &self.stock]));
+        rows.append(AnswerRows::of(&[&self.best, &self.budget, &self.stock]));
         self.add_as_cut(&mut rows);
         self.files.add_to(&mut rows);
         rows
@@ -27,7 +27,7 @@ impl Answer for MachiningReport {
 }
 
 impl MachiningReport {
-    fn add_tool(&self, rows: &mut Rows) {
+    fn add_tool(&self, rows: &mut AnswerRows) {
         let Self { ball_mm, stepover_mm, angle_deg, steepest_deg, least_hollow_mm, .. } = self;
         rows.add(
             "tool",
@@ -44,7 +44,7 @@ impl MachiningReport {
     }
 
     /// Scallops, and what they do to the picture.
-    fn add_scallops(&self, rows: &mut Rows) {
+    fn add_scallops(&self, rows: &mut AnswerRows) {
         let Some(ScallopFigures {
             scallop_um, slope_rms, slope_max, pixels, pixel_error_px, ..
         }) = self.scallops
@@ -67,7 +67,7 @@ impl MachiningReport {
         rows.add("pixels", pixels);
     }
 
-    fn add_as_cut(&self, rows: &mut Rows) {
+    fn add_as_cut(&self, rows: &mut AnswerRows) {
         let Some(AsCutFacts { optical_triangles, trace }) = &self.as_cut else { return };
         let counts = ray_counts(trace, "rays ");
         rows.add("as cut", format!("{optical_triangles} optical triangles; {counts}"));
@@ -81,7 +81,7 @@ impl MachiningReport {
 }
 
 impl ToRows for ReachFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { face_mm, wall_mm } = self;
         rows.add(
             "reach",
@@ -94,7 +94,7 @@ impl ToRows for ReachFacts {
 }
 
 impl ToRows for GougeFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let sentence = match self.at_mm {
             _ if self.fits => "the ball fits everywhere".to_owned(),
             Some([x, y]) => format!(
@@ -110,7 +110,7 @@ impl ToRows for GougeFacts {
 }
 
 impl ToRows for Fillet {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { width_max_mm, width_mean_mm, left_max_mm, pixels, .. } = self;
         rows.add(
             "valley",
@@ -123,7 +123,7 @@ impl ToRows for Fillet {
 }
 
 impl ToRows for BestFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let of = |direction: RasterDirection, what: &str| match direction {
             RasterDirection { any: true, .. } => {
                 format!("no direction is better than another for {what}")
@@ -143,7 +143,7 @@ impl ToRows for BestFacts {
 }
 
 impl ToRows for BudgetFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { p95_px, stepover_for_px_mm, scallop_um, stepover_for_scallop_mm } = *self;
         let budgets = [
             (p95_px, stepover_for_px_mm, "px (95 % of the face)"),
@@ -159,7 +159,7 @@ impl ToRows for BudgetFacts {
 }
 
 impl ToRows for StockFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { size_mm: [x, y, z], volume_mm3, part_mm3, removed_mm3, .. } = self;
         rows.add(
             "stock",

@@ -1,6 +1,6 @@
 //! What is known of a file of unknown making: its units, where it lay, and its form error.
 
-use super::answer::{Rows, ToRows};
+use super::answer::{AnswerRows, ToRows};
 use super::wording::{coordinate, digits};
 use crate::align::{Alignment, FormError, FreeMotion, LengthUnit};
 use crate::num::degrees;
@@ -27,7 +27,7 @@ impl UnitFacts {
 }
 
 impl ToRows for UnitFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { name, mm_per_unit, chosen } = self;
         let sentence =
             format!("{name} ({chosen}): coordinates times {mm_per_unit} are millimetres");
@@ -84,7 +84,7 @@ impl AlignmentFacts {
 }
 
 impl ToRows for AlignmentFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let place = |v: [f64; 3]| format!("({})", v.map(|x| coordinate(x, 4)).join(", "));
         let [turn, shift] = [self.turn_deg, self.shift_mm].map(place);
         let over = if self.turned_over { ", its facets turned over" } else { "" };
@@ -112,7 +112,7 @@ impl ToRows for AlignmentFacts {
 }
 
 impl ToRows for FormError {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { all, without_outliers: inner, outliers, .. } = self;
         let [pv, rms, lowest, highest] = [all.pv, all.rms, all.lowest, all.highest].map(digits);
         let mut sentence = format!("{pv} um PV, {rms} um rms ({lowest} to {highest})");

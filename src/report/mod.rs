@@ -26,7 +26,7 @@ mod visible;
 mod wording;
 
 pub use crate::profile::Aperture;
-pub use answer::{Answer, Head, Rows, ToRows};
+pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
 pub use build::{BuildReport, VerifyReport};
 pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};

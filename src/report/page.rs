@@ -1,6 +1,6 @@
 //! Pages: HTML that needs nothing beside it but pictures.
 
-use super::answer::{Answer, Rows};
+use super::answer::{Answer, AnswerRows};
 use super::facts::Verdict;
 use super::visible::visible;
 
@@ -51,7 +51,7 @@ impl Page {
     }
 
     /// Adds a table of facts, and under them `more` rows of HTML.
-    pub fn facts(&mut self, rows: &Rows, more: &str) {
+    pub fn facts(&mut self, rows: &AnswerRows, more: &str) {
         self.raw("<table>");
         for (heading, sentence) in rows.of_page() {
             let [heading, sentence] = [heading, sentence].map(escaped);

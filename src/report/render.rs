@@ -1,6 +1,6 @@
 //! A picture that was rendered, in words.
 
-use super::answer::{Answer, Head, Rows};
+use super::answer::{Answer, AnswerRows, Head};
 use super::facts::ProfileId;
 use serde::Serialize;
 
@@ -28,14 +28,14 @@ impl Answer for RenderReport {
         Head::of(&self.profile)
     }
 
-    fn rows(&self) -> Rows {
+    fn rows(&self) -> AnswerRows {
         let Self { scene, traced, file, pixels: [columns, rows], rays, .. } = self;
         let picture = format!("{file}  {columns} x {rows} pixels, {rays} rays");
         let from = match *traced {
             "design" => "the designed mirror".to_owned(),
             format => format!("the mesh written as {format} and read back"),
         };
-        let mut rows = Rows::default();
+        let mut rows = AnswerRows::default();
         rows.terminal("scene", format!("{scene}, from {from}"));
         rows.terminal("picture", picture);
         rows

@@ -1,6 +1,6 @@
 //! A replayed trial as JSON and as text, and its pose as JSON.
 
-use super::answer::{Answer, Head, Rows, json};
+use super::answer::{Answer, AnswerRows, Head, json};
 use super::facts::{FileFacts, ProfileId, Verdict};
 use super::wording::{digits, displacement};
 use crate::num::stats::Summary;
@@ -113,9 +113,9 @@ impl Answer for ReplayReport {
         Head::judged(&self.profile, self.verdict, &self.reasons)
     }
 
-    fn rows(&self) -> Rows {
+    fn rows(&self) -> AnswerRows {
         let Self { trial, seed, samples, .. } = self;
-        let mut rows = Rows::default();
+        let mut rows = AnswerRows::default();
         rows.terminal("replay", format!("trial {trial} of seed {seed}, {samples} pixels"));
         let errors: Vec<String> =
             self.errors.iter().map(|e| format!("{} {}", e.source, digits(e.value))).collect();
@@ -134,7 +134,7 @@ impl Answer for ReplayReport {
 }
 
 impl ReplayFile {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { file, triangles, off_surface_mm, witnessed, .. } = self;
         let Witnessed { rays, hit, shadowed, beyond, displacement, facet_error_px, .. } = witnessed;
         let facets = facet_error_px.map_or("no".into(), |Summary { rms, max, .. }| {

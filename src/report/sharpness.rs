@@ -1,6 +1,6 @@
 //! How sharp a picture can be, in reports.
 
-use super::answer::{Rows, ToRows};
+use super::answer::{AnswerRows, ToRows};
 use super::wording::{digits, three_digits};
 use crate::pencil::ApertureSharpness;
 use crate::profile::Aperture;
@@ -66,7 +66,7 @@ impl ApertureFacts {
 }
 
 impl ToRows for SharpnessFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         rows.terminal("sharp", format!("best through {}", self.best.line()));
         rows.page("sharpest", self.best.line());
         if let Some(given) = &self.given {

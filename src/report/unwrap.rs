@@ -1,6 +1,6 @@
 //! What became of a photo.
 
-use super::answer::{Answer, Head, Rows, ToRows};
+use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::facts::{FileFacts, ProfileId};
 use super::wording::figures;
 use crate::num::stats::{Summary, or_null};
@@ -65,13 +65,13 @@ impl Answer for UnwrapReport {
         Head::of(&self.profile)
     }
 
-    fn rows(&self) -> Rows {
-        Rows::of(&[&self.photo, &self.panorama, &self.map, &self.files])
+    fn rows(&self) -> AnswerRows {
+        AnswerRows::of(&[&self.photo, &self.panorama, &self.map, &self.files])
     }
 }
 
 impl ToRows for PhotoFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let scale = match self.pixels_per_sensor_pixel {
             1.0 => "as the sensor".to_owned(),
             scale => format!("{scale:.4} to one of the sensor"),
@@ -82,7 +82,7 @@ impl ToRows for PhotoFacts {
 }
 
 impl ToRows for PanoramaFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let Self { way, projection, pixels: [width, height], azimuth_deg, elevation_deg } = self;
         let [[left, right], [low, high]] = [azimuth_deg, elevation_deg];
         rows.terminal(
@@ -96,7 +96,7 @@ impl ToRows for PanoramaFacts {
 }
 
 impl ToRows for UnwrapMapFacts {
-    fn add_to(&self, rows: &mut Rows) {
+    fn add_to(&self, rows: &mut AnswerRows) {
         let (seen, distortion) = (100.0 * self.seen, figures(self.distortion_px));
         rows.terminal(
             "map",

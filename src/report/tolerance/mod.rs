@@ -14,7 +14,7 @@ use serde::Serialize;
 /// `tolerance.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ToleranceReport {
-    /// [`SCHEMA`].
+    /// Version of these keys.
     pub schema: u32,
     /// Which profile.
     pub profile: ProfileId,

@@ -5,7 +5,7 @@ use super::plots::plots;
 use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, or_dash, reference, statistics, unmet,
 };
-use crate::report::answer::{Answer, Rows};
+use crate::report::answer::{Answer, AnswerRows};
 use crate::report::page::{Page, escaped};
 use crate::report::plot::Failure;
 use crate::report::wording::{displacement, percent};
@@ -146,7 +146,7 @@ impl ToleranceReport {
     fn add_machining(&self, page: &mut Page) {
         let Some(machining) = &self.machining else { return };
         page.raw("<h2>Machining, unpolished</h2>");
-        let mut rows: Rows = machining.rows();
+        let mut rows: AnswerRows = machining.rows();
         machining.reasons.iter().for_each(|reason| rows.page("", reason));
         page.facts(&rows, "");
     }

@@ -107,8 +107,8 @@ fn builder<'a, 'b>(area: &'a Area<'b>, title: &str) -> ChartBuilder<'a, 'b, SVGB
     builder
 }
 
-/// Bars of the sources' shares, and their sum.
-fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
+/// The sources' shares of the variance, the largest first; beyond [`BARS`] of them the others' sum.
+fn largest_shares(study: &Study) -> Vec<(String, f64)> {
     let mut shares: Vec<(String, f64)> =
         study.sources.iter().map(|s| (s.source.clone(), s.share_of_variance)).collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -117,6 +117,23 @@ fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
         let share = rest.iter().map(|s| s.1).sum();
         shares.push((format!("{} others", rest.len()), share));
     }
+    shares
+}
+
+/// The text of the `k`-th share, beside its bar: inside where there is no room.
+fn share_text(k: usize, share: f64, row: i32) -> Text<'static, (f64, SegmentValue<i32>), String> {
+    let (at, side, colour) = match k {
+        0 if share > 0.8 => (share - 0.02, HPos::Right, &WHITE),
+        0 => (share + 0.02, HPos::Left, &BLACK),
+        _ => (share + 0.01, HPos::Left, &BLACK),
+    };
+    let style = font(TICK).color(colour).pos(Pos::new(side, VPos::Center));
+    Text::new(format!("{:.1} %", 100.0 * share), (at, SegmentValue::CenterOf(row)), style)
+}
+
+/// Bars of the sources' shares, and their sum.
+fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
+    let shares = largest_shares(study);
     // The axis goes from segment to segment, so there are two at least.
     let count = shares.len().max(2) as i32;
     // From above.
@@ -149,18 +166,11 @@ fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
         bar.set_margin(6, 6, 0, 0);
         chart.draw_series([bar])?;
         sum += share;
-        sums.push((sum, SegmentValue::CenterOf(row)));
-        // Beside its bar, and out of the way of the sums' line; inside where there is no room.
+        // Out of the way of the sums' line.
         if sum - share > 0.12 || k == 0 {
-            let (at, side, colour) = match (k, *share) {
-                (0, share) if share > 0.8 => (share - 0.02, HPos::Right, WHITE),
-                (0, share) => (share + 0.02, HPos::Left, BLACK),
-                (_, share) => (share + 0.01, HPos::Left, BLACK),
-            };
-            let style = font(TICK).color(&colour).pos(Pos::new(side, VPos::Center));
-            let at = (at, SegmentValue::CenterOf(row));
-            chart.draw_series([Text::new(format!("{:.1} %", 100.0 * share), at, style)])?;
+            chart.draw_series([share_text(k, *share, row)])?;
         }
+        sums.push((sum, SegmentValue::CenterOf(row)));
     }
     let line = LineSeries::new(sums.clone(), RED.stroke_width(3));
     chart

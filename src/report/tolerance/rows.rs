@@ -5,7 +5,7 @@ use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, gap_percent, or_dash, reference, statistics,
     unmet,
 };
-use crate::report::answer::{Answer, Head, Rows};
+use crate::report::answer::{Answer, AnswerRows, Head};
 use crate::report::wording::{digits, displacement, percent};
 use crate::tolerance::{FormMeasure, Offender, Statistics, Study};
 
@@ -14,8 +14,8 @@ impl Answer for ToleranceReport {
         Head::judged(&self.profile, self.verdict, &self.reasons)
     }
 
-    fn rows(&self) -> Rows {
-        let mut rows = Rows::default();
+    fn rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::default();
         self.add_question(&mut rows);
         self.add_nominal(&mut rows);
         self.add_facets(&mut rows);
@@ -39,8 +39,8 @@ impl Answer for ToleranceReport {
 
 impl ToleranceReport {
     /// Its facts in the order of the page.
-    pub fn page_rows(&self) -> Rows {
-        let mut rows = Rows::default();
+    pub fn page_rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::default();
         rows.page("profile sha256", &self.profile.sha256);
         self.add_question(&mut rows);
         self.add_nominal(&mut rows);
@@ -52,7 +52,7 @@ impl ToleranceReport {
     }
 
     /// What was asked, and the trials that answer it.
-    fn add_question(&self, rows: &mut Rows) {
+    fn add_question(&self, rows: &mut AnswerRows) {
         let Study { budget_px, samples, first, seed, .. } = self.study;
         let (criterion, reference) =
             (criterion(self.study.criterion), reference(self.study.reference));
@@ -75,20 +75,20 @@ impl ToleranceReport {
         );
     }
 
-    fn add_nominal(&self, rows: &mut Rows) {
+    fn add_nominal(&self, rows: &mut AnswerRows) {
         let [rms, p95] = [self.study.nominal.rms_px, self.study.nominal.p95_px].map(digits);
         rows.terminal("nominal", format!("{rms} rms, {p95} p95 px from the projection"));
         rows.page("nominal", format!("{rms} rms, {p95} p95 px of the design from the projection"));
     }
 
-    fn add_facets(&self, rows: &mut Rows) {
+    fn add_facets(&self, rows: &mut AnswerRows) {
         if let Some(from) = self.facets_from {
             rows.add("facets", from.words());
         }
     }
 
     /// The terminal's table of error sources, and its notes.
-    fn add_sources(&self, rows: &mut Rows) {
+    fn add_sources(&self, rows: &mut AnswerRows) {
         let line = |name: &str, limit: &str, kind: &str, rest: [&str; 8]| {
             let [a, b, c, d, blur, share, alone, joint] = rest;
             format!(
@@ -127,7 +127,7 @@ impl ToleranceReport {
         }
     }
 
-    fn add_offenders(&self, rows: &mut Rows) {
+    fn add_offenders(&self, rows: &mut AnswerRows) {
         const MOST: usize = 5;
         let one = |o: &Offender| {
             format!("{} at {}: {} px", o.source, o.value, displacement(o.adjusted_px))
@@ -137,7 +137,7 @@ impl ToleranceReport {
     }
 
     /// First derivatives against the trials.
-    fn add_linear(&self, rows: &mut Rows) {
+    fn add_linear(&self, rows: &mut AnswerRows) {
         let Study { rss_px, mean_px, rms_px, linear, gap, .. } = &self.study;
         let [rss, common, rms, off] = [*rss_px, *mean_px, *rms_px, gap.rms_px].map(displacement);
         let [mean, p95] = [linear.mean_px, linear.p95_px].map(displacement);
@@ -165,7 +165,7 @@ impl ToleranceReport {
         );
     }
 
-    fn add_trials(&self, rows: &mut Rows) {
+    fn add_trials(&self, rows: &mut AnswerRows) {
         let Study { as_made, adjusted, adjustments, lost_trials, trials, yields, .. } = &self.study;
         let figures =
             |s: &Statistics| statistics(s).map(|(name, x)| format!("{name} {x}")).join(", ");
@@ -200,7 +200,7 @@ impl ToleranceReport {
     }
 
     /// What textures do within a pixel.
-    fn add_blur(&self, rows: &mut Rows) {
+    fn add_blur(&self, rows: &mut AnswerRows) {
         let Study { blur_px, budget_blur_px, scattered, .. } = &self.study;
         let [blur, haze] = [*blur_px, 100.0 * scattered].map(digits);
         rows.add(
