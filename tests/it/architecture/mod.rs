@@ -1,7 +1,9 @@
 //! Reads the sources and holds them to the direction of dependencies: who may use whom, who may
 //! touch files, how long a file may grow.
 
+mod circles;
 mod reading;
+mod words;
 
 use reading::{blank, names_under, test_files, tokens};
 use std::fs;
@@ -154,36 +156,52 @@ fn module_path(relative: &Path) -> Vec<String> {
     parts
 }
 
-#[test]
-fn sources_keep_the_direction_of_dependencies() {
+/// A file of the library and the program.
+struct SourceFile {
+    /// Its path in the repository.
+    file: String,
+    /// Its module path.
+    path: Vec<String>,
+    text: String,
+    /// Whether all of it is test code.
+    all_test: bool,
+}
+
+/// All files below `src`.
+fn sources() -> Vec<SourceFile> {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut paths = Vec::new();
     rust_files(&src, &mut paths);
-    let files: Vec<(String, Vec<String>, String)> = paths
-        .iter()
-        .map(|path| {
-            let relative = path.strip_prefix(&src).expect("below src");
-            let text = fs::read_to_string(path).expect("readable source");
-            (format!("src/{}", relative.display()), module_path(relative), text)
-        })
-        .collect();
-    assert!(files.iter().any(|(_, m, _)| m == &["lib"]), "no src/lib.rs");
-
+    let read = |path: &PathBuf| {
+        let relative = path.strip_prefix(&src).expect("below src");
+        let text = fs::read_to_string(path).expect("readable source");
+        let file = format!("src/{}", relative.display());
+        SourceFile { file, path: module_path(relative), text, all_test: false }
+    };
+    let mut files: Vec<SourceFile> = paths.iter().map(read).collect();
     let mut test_modules: Vec<Vec<String>> = Vec::new();
-    for (_, path, text) in &files {
+    for SourceFile { path, text, .. } in &files {
         for name in test_files(&tokens(&blank(text))) {
             let root = if path == &["lib"] { &[][..] } else { path };
             test_modules.push([root, &[name.to_owned()]].concat());
         }
     }
+    for source in &mut files {
+        source.all_test = test_modules.iter().any(|m| source.path.starts_with(m));
+    }
+    files
+}
 
+#[test]
+fn sources_keep_the_direction_of_dependencies() {
+    let files = sources();
+    assert!(files.iter().any(|source| source.path == ["lib"]), "no src/lib.rs");
     let mut failures = Vec::new();
-    for (file, path, text) in &files {
+    for SourceFile { file, path, text, all_test } in &files {
         failures.extend(text_complaints(file, text));
-        let all_test = test_modules.iter().any(|m| path.starts_with(m));
-        let root = path == &["lib"] || (all_test && path.len() == 1);
+        let root = path == &["lib"] || (*all_test && path.len() == 1);
         if !root {
-            failures.extend(path_complaints(file, &path[0], path.len(), text, all_test));
+            failures.extend(path_complaints(file, &path[0], path.len(), text, *all_test));
         }
     }
     assert!(failures.is_empty(), "\n{}\n", failures.join("\n"));

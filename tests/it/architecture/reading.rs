@@ -243,6 +243,124 @@ pub fn names_under(source: &str, roots: &[&str], depth: usize) -> Vec<Named> {
     out
 }
 
+/// An item that a file defines.
+#[derive(Debug, PartialEq, Clone)]
+pub struct Definition<'a> {
+    pub name: &'a str,
+    /// `pub`, with or without a restriction.
+    pub is_public: bool,
+    /// A struct, enum, trait, union or type alias.
+    pub is_type: bool,
+    pub in_test: bool,
+}
+
+/// All types, functions, constants and modules that a file defines, wherever they stand in it.
+pub fn definitions<'a>(t: &[Token<'a>]) -> Vec<Definition<'a>> {
+    let tests = test_items(t);
+    let mut out = Vec::new();
+    for i in 0..t.len() {
+        let is_type = ["struct", "enum", "trait", "union", "type"].contains(&t[i].text);
+        let is_other = ["fn", "const", "static", "mod"].contains(&t[i].text);
+        let name = t.get(i + 1).map_or("", |t| t.text);
+        let named = name.starts_with(|c: char| c.is_alphabetic());
+        if !(is_type || is_other) || !named || matches!(name, "fn" | "unsafe" | "mut") {
+            continue;
+        }
+        let before = &t[..i];
+        let is_public = match before.last().map(|t| t.text) {
+            Some("pub") => true,
+            Some(")") => before.iter().rev().take(8).any(|t| t.text == "pub"),
+            _ => false,
+        };
+        let in_test = tests.iter().any(|r| r.contains(&i));
+        out.push(Definition { name, is_public, is_type, in_test });
+    }
+    out
+}
+
+/// The paths, in full, that a file's code outside tests names from `crate`, `super` or `self` on:
+/// each member of a group is one.
+pub fn imports(t: &[Token]) -> Vec<Vec<String>> {
+    let tests = test_items(t);
+    let mut out = Vec::new();
+    let mut inline_modules: Vec<usize> = Vec::new();
+    for i in 0..t.len() {
+        inline_modules.retain(|end| i < *end);
+        if t[i].text == "mod" && t.get(i + 2).is_some_and(|t| t.text == "{") {
+            inline_modules.push(after_group(t, i + 2));
+        }
+        let begins = i == 0 || t[i - 1].text != "::";
+        let used = i > 0 && t[i - 1].text == "use";
+        let rooted = ["crate", "super", "self"].contains(&t[i].text)
+            && t.get(i + 1).is_some_and(|t| t.text == "::");
+        let in_test = tests.iter().any(|r| r.contains(&i));
+        if begins && (rooted || used) && !in_test && inline_modules.is_empty() {
+            let prefix = if rooted { Vec::new() } else { vec!["self".to_owned()] };
+            full_paths(t, i, &prefix, &mut out);
+        }
+    }
+    out
+}
+
+/// The paths that go on from `prefix` at token `i`.
+fn full_paths(t: &[Token], mut i: usize, prefix: &[String], out: &mut Vec<Vec<String>>) {
+    let mut path = prefix.to_vec();
+    loop {
+        if t.get(i).is_some_and(|t| t.text == "{") {
+            let end = after_group(t, i) - 1;
+            let mut at = i + 1;
+            while at < end {
+                full_paths(t, at, &path, out);
+                while at < end && t[at].text != "," {
+                    at = if t[at].text == "{" { after_group(t, at) } else { at + 1 };
+                }
+                at += 1;
+            }
+            return;
+        }
+        let Some(name) = t.get(i).filter(|t| is_word(t.text.as_bytes()[0])) else { break };
+        if !(name.text == "self" && path.len() > prefix.len().min(1)) || path.is_empty() {
+            path.push(name.text.to_owned());
+        }
+        if t.get(i + 1).is_none_or(|t| t.text != "::") {
+            break;
+        }
+        i += 2;
+    }
+    out.push(path);
+}
+
+#[test]
+fn definitions_and_imports_are_read_in_full() {
+    let source = "use super::a::{self, B, c::{D, E as F}}; mod m; use m::G;
+pub(super) enum H<T> { I } fn j(k: crate::l::M) { let x = self::n::O; }
+#[cfg(test)] mod tests { use super::P; pub struct Q; }";
+    let code = blank(source);
+    let t = tokens(&code);
+    let paths: Vec<String> = imports(&t).iter().map(|path| path.join("::")).collect();
+    let expected = [
+        "super::a",
+        "super::a::B",
+        "super::a::c::D",
+        "super::a::c::E",
+        "self::m::G",
+        "crate::l::M",
+    ];
+    assert_eq!(paths[..6], expected);
+    assert_eq!(paths[6..], ["self::n::O"]);
+    let found: Vec<_> = definitions(&t).iter().map(|d| (d.name, d.is_public, d.is_type)).collect();
+    assert_eq!(
+        found,
+        [
+            ("m", false, false),
+            ("H", true, true),
+            ("j", false, false),
+            ("tests", false, false),
+            ("Q", true, true)
+        ]
+    );
+}
+
 #[test]
 fn comments_and_literals_are_blanked() {
     let source = r###"a /* b /* c */ d */ e // f

@@ -1,5 +1,6 @@
 //! The pages of docs/ against the program: links, profiles, and the tables of keys.
 
+mod code_names;
 mod report_keys;
 
 use morion::internals::profile::Profile;
