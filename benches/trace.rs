@@ -129,9 +129,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The mesh of the STL file that the profile makes, or of one that was written, as it is read back.
 fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn Error>> {
-    let source = load(profile)?;
-    let profile = &source.profile;
-    let design = design(profile, source.sag.as_ref())?;
+    let profile = &load(profile)?;
+    let design = design(profile)?;
     if let Some(stl) = stl {
         let bytes = fs::read(stl).map_err(|error| format!("{stl}: {error}"))?;
         return Ok((design, read_stl(&bytes)?.mesh));

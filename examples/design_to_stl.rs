@@ -36,7 +36,7 @@ formats = ["stl"]
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let profile = Profile::parse("panorama", "panorama.toml", PROFILE.as_bytes())?;
-    let design = design(&profile, None)?;
+    let design = design(&profile)?;
     if let Some(error) = design.facts.ray_error_mrad {
         println!("design: ray error {:.1e} mrad RMS", error.rms);
     }

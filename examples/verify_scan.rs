@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some(scan) => scan,
         None => {
             build(&source, folder.path(), &Silent)?;
-            let part = folder.path().join(&source.profile.name).join("mirror.stl");
+            let part = folder.path().join(&source.name).join("mirror.stl");
             moved(&part, &folder.path().join("scan.obj"))?
         }
     };

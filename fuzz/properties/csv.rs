@@ -2,7 +2,7 @@
 
 use morion::internals::design::design;
 use morion::internals::export::read_sag;
-use morion::internals::pipeline::{Silent, Source, dry_run};
+use morion::internals::pipeline::{Silent, dry_run};
 use morion::internals::profile::{Profile, SagGrid};
 use std::sync::LazyLock;
 
@@ -43,8 +43,8 @@ pub fn holds(bytes: &[u8]) {
 
     // Deep pits take a million facets, and their time.
     let is_shallow = grid.z_mm.iter().all(|z| z.abs() <= 10.0);
-    let source = Source { sag: Some(grid), ..PROFILE.clone().into() };
-    if design(&source.profile, source.sag.as_ref()).is_ok() && is_shallow {
+    let source = Profile { heights: Some(grid), ..PROFILE.clone() };
+    if design(&source).is_ok() && is_shallow {
         // Foreseen or refused.
         let _ = dry_run(&source, &Silent);
     }

@@ -4,7 +4,7 @@ use morion::internals::align::align;
 use morion::internals::design::{Design, design};
 use morion::internals::export::ImportedMesh;
 use morion::internals::geom::{DVec2, DVec3, Welder};
-use morion::internals::pipeline::{Silent, Source, verify};
+use morion::internals::pipeline::{Silent, verify};
 use morion::internals::profile::Profile;
 use morion::internals::solid::check;
 use morion::internals::trace::{CameraTrace, ExpectedRay, Outcome, Scene, TraceResult};
@@ -22,11 +22,11 @@ mesh.chord_um = 100
 export.formats = [\"stl\"]
 ";
 
-static SOURCE: LazyLock<Source> = LazyLock::new(|| {
-    Profile::parse("part", "part.toml", PART.as_bytes()).expect("the part is a valid one").into()
+static SOURCE: LazyLock<Profile> = LazyLock::new(|| {
+    Profile::parse("part", "part.toml", PART.as_bytes()).expect("the part is a valid one")
 });
 static DESIGN: LazyLock<Design> =
-    LazyLock::new(|| design(&SOURCE.profile, None).expect("the part can be designed"));
+    LazyLock::new(|| design(&SOURCE).expect("the part can be designed"));
 
 /// A mesh that was read: facets of finite corners that are there, each vertex once, all in use.
 pub fn is_sound(read: &ImportedMesh) {

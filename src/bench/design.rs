@@ -27,7 +27,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
         .map_err(|error| BenchError::Plot(error.to_string()))?;
     let mut runs = Vec::new();
     for subject in subjects {
-        let ShapeSpec::Designed(own) = subject.source.profile.shape else { continue };
+        let ShapeSpec::Designed(own) = subject.profile.shape else { continue };
         let is_round = subject.design.mirror.surface.is_axisymmetric();
         let methods = if is_round { &[own.kind][..] } else { &METHODS };
         for minimax in [false, true].into_iter().filter(|minimax| !(is_round && *minimax)) {
@@ -40,7 +40,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
             for &kind in methods {
                 let of = |degree| {
                     let shape = ShapeSpec::Designed(Method { kind, degree, minimax });
-                    Profile { shape, ..subject.source.profile.clone() }
+                    Profile { shape, ..subject.profile.clone() }
                 };
                 optimum = optimum.min(goal(&designed(&of(utmost))?));
                 for &degree in degrees {
@@ -72,7 +72,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
 
 fn designed(profile: &Profile) -> Result<DesignFacts, Error> {
     let fail = |source| Error::Design { profile: profile.name.clone(), source };
-    Ok(design(profile, None).map_err(fail)?.facts)
+    Ok(design(profile).map_err(fail)?.facts)
 }
 
 /// What the method makes small, mrad.

@@ -15,9 +15,8 @@ pub use results::{
 };
 
 use crate::design::Design;
-use crate::pipeline::{
-    FileError, Observer, Source, SourceError, Stage, StageTimer, designed, load,
-};
+use crate::pipeline::{FileError, Observer, SourceError, Stage, StageTimer, designed, load};
+use crate::profile::Profile;
 use crate::profile::shipped;
 use crate::publish::{self, Transaction};
 use crate::report::Answer;
@@ -62,13 +61,13 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 /// A mirror to be swept.
 struct Subject {
     named: String,
-    source: Source,
+    profile: Profile,
     design: Design,
 }
 
 impl Subject {
     fn name(&self) -> &str {
-        &self.source.profile.name
+        &self.profile.name
     }
 
     /// The bytes of its profile.
@@ -99,9 +98,9 @@ pub fn bench(
         false => options.profiles.clone(),
     };
     let subject = |named: String| {
-        let source = load(&named)?;
-        let design = designed(&source)?;
-        Ok::<_, BenchError>(Subject { named, source, design })
+        let profile = load(&named)?;
+        let design = designed(&profile)?;
+        Ok::<_, BenchError>(Subject { named, profile, design })
     };
     let subjects: Vec<Subject> = named.into_iter().map(subject).collect::<Result<_, _>>()?;
     let quick = options.quick;

@@ -75,8 +75,7 @@ fn reached(
         if best.as_ref().is_some_and(|best| facet_px <= best.facet_px) {
             break;
         }
-        let mut profile =
-            Profile { shape: ShapeSpec::Designed(method), ..subject.source.profile.clone() };
+        let mut profile = Profile { shape: ShapeSpec::Designed(method), ..subject.profile.clone() };
         profile.mesh = MeshGoal::limits(profile.mesh.chord_um(), Some(facet_px));
         let source = profile.into();
         let run = Run::in_memory(&source, &Silent);

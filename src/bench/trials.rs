@@ -14,7 +14,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
     let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
-        let in_memory = Run::in_memory(&subject.source, &Silent);
+        let in_memory = Run::in_memory(&subject.profile, &Silent);
         let PreparedStudy { engine, .. } = prepared(&in_memory)?;
         let sources = &engine.spec.sources;
         let most = numbers.last().copied().unwrap_or_default();

@@ -19,7 +19,7 @@ pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
         let design = &subject.design;
-        let made = build_in_memory(&Run::in_memory(&subject.source, &Silent), design)?;
+        let made = build_in_memory(&Run::in_memory(&subject.profile, &Silent), design)?;
         let scene = &made.seen.0;
         let look = |scale: f64| Ok::<_, Infallible>(estimate(design, scene, scale));
         let Ok((true_px, _)) = look(truth);

@@ -9,9 +9,7 @@ mod styles;
 
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
-use crate::pipeline::{
-    Command as Work, Source, ToleranceOptions, TrialsPart, dry_run, load, merge,
-};
+use crate::pipeline::{Command as Work, ToleranceOptions, TrialsPart, dry_run, load, merge};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, Verdict, visible};
 use args::{Arguments, BenchArgs, BuildArgs, Command, PrintFormat, ProfilesArgs, ToleranceArgs};
@@ -119,7 +117,7 @@ impl Terminal {
     }
 
     fn check(&self, named: &str) -> Result<u8, Failure> {
-        let Profile { name, sha256, .. } = load(named)?.profile;
+        let Profile { name, sha256, .. } = load(named)?;
         self.show(
             || visible(&format!("{name}: valid ({sha256})\n")),
             || line(&json!({ "name": name, "sha256": sha256 })),
@@ -198,20 +196,18 @@ impl Terminal {
 }
 
 /// All profiles, or all their faults; two of one name would overwrite each other.
-fn load_all(named: &[String]) -> Result<Vec<Source>, Failure> {
-    let (mut sources, mut faults) = (Vec::<Source>::new(), Vec::new());
+fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
+    let (mut profiles, mut faults) = (Vec::<Profile>::new(), Vec::new());
     for named in named {
         match load(named) {
-            Ok(Source { profile, .. })
-                if sources.iter().any(|s| s.profile.name == profile.name) =>
-            {
+            Ok(profile) if profiles.iter().any(|other| other.name == profile.name) => {
                 faults.push(format!("{named}: another profile is called {} too", profile.name));
             }
-            Ok(source) => sources.push(source),
+            Ok(profile) => profiles.push(profile),
             Err(fault) => faults.push(fault.to_string()),
         }
     }
-    if faults.is_empty() { Ok(sources) } else { Err(faults.join("\n").into()) }
+    if faults.is_empty() { Ok(profiles) } else { Err(faults.join("\n").into()) }
 }
 
 /// Says on stderr what is no error; a message that nobody can read is not worth failing for.

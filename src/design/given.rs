@@ -281,7 +281,7 @@ layout.annulus.inner_width_mm = 12
                     let both = if terms.is_empty() { "" } else { ", " };
                     let given =
                         profile(&format!("{layout}mirror.polynomial = {{ {shape}{both}{terms} }}"));
-                    let design = design(&given, None).unwrap();
+                    let design = design(&given).unwrap();
                     let crate::profile::ShapeSpec::Polynomial(polynomial) = &given.shape else {
                         panic!()
                     };
@@ -306,7 +306,7 @@ layout.annulus.inner_width_mm = 12
         for (layout, reach) in [(RECT, 50.0), (DISC, 30.0)] {
             let radius = -1.00001 * reach;
             let given = profile(&format!("{layout}mirror.polynomial.radius_mm = {radius}"));
-            let error = design(&given, None).unwrap_err();
+            let error = design(&given).unwrap_err();
             assert!(
                 matches!(error, DesignError::Steep { reach_mm, .. } if (reach_mm - reach).abs() < 1e-5)
             );
@@ -335,8 +335,9 @@ layout.annulus.inner_width_mm = 12
             format!("mirror.polynomial.terms = [[2, 0, {0}], [0, 2, {0}]]", -0.5 * rate),
             "mirror.grid.file = \"sag.csv\"".to_owned(),
         ] {
-            let given = profile(&format!("{DISC}{projection}{mirror}"));
-            let design = design(&given, Some(&heights)).unwrap();
+            let mut given = profile(&format!("{DISC}{projection}{mirror}"));
+            given.heights = Some(heights.clone());
+            let design = design(&given).unwrap();
             let error = design.facts.pixel_error_px.unwrap().max;
             assert!(error < 1e-6, "{mirror}: {error:e}");
             assert_eq!(design.mirror.chart, design.camera.chart);
@@ -347,11 +348,11 @@ layout.annulus.inner_width_mm = 12
 
     #[test]
     fn a_grid_must_be_there_and_cover_the_mirror() {
-        let given = profile(&format!("{DISC}mirror.grid.file = \"sag.csv\""));
-        let missing = design(&given, None).unwrap_err();
+        let mut given = profile(&format!("{DISC}mirror.grid.file = \"sag.csv\""));
+        let missing = design(&given).unwrap_err();
         assert!(missing.to_string().contains("sag.csv"));
-        let small = sampled(29.9, 9, |_| 1.0);
-        let error = design(&given, Some(&small)).unwrap_err();
+        given.heights = Some(sampled(29.9, 9, |_| 1.0));
+        let error = design(&given).unwrap_err();
         assert!(error.to_string().contains("X from -30 to 30"), "{error}");
         assert!(error.to_string().contains("X from -29.9 to 29.9"), "{error}");
     }
@@ -369,7 +370,9 @@ layout.annulus.inner_width_mm = 12
             (ANNULUS, "mirror.polynomial = { radius_mm = -60, conic = -1 }"),
             (ANNULUS, "mirror.grid.file = \"sag.csv\""),
         ] {
-            let design = design(&profile(&format!("{layout}{mirror}")), Some(&heights)).unwrap();
+            let given = profile(&format!("{layout}{mirror}"));
+            let given = Profile { heights: Some(heights.clone()), ..given };
+            let design = design(&given).unwrap();
             let (mirror, camera) = (&design.mirror, &design.camera.chart);
             let height = match mirror.outline {
                 Outline::Rect(_) => mirror.mean_mm(camera),
@@ -398,7 +401,7 @@ mirror.polynomial.terms = [[2, 0, -0.01], [0, 1, -0.7]]",
         );
         let found = outline(&given).unwrap().bounds();
         assert!((found.size() - DVec2::new(60.0, 20.0)).length() < 1e-5);
-        let design = design(&given, None).unwrap();
+        let design = design(&given).unwrap();
         assert!(design.view.is_some() && design.facts.pixel_error_px.is_some());
     }
 }

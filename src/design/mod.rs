@@ -35,7 +35,7 @@ pub use solve::SolveError;
 use crate::geom::{Border, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
-use crate::profile::{Method, Profile, SagGrid, ShapeSpec};
+use crate::profile::{Method, Profile, ShapeSpec};
 use broyden::Broyden;
 use layout::{DesignProblem, SelfConsistentGeometry};
 use thiserror::Error;
@@ -143,16 +143,15 @@ fn by(step: f64, unit: &str) -> String {
 /// Rounds of solving and placing before giving up.
 const MOST_ROUNDS: usize = 100;
 
-/// Designs the mirror that `profile` asks for, or makes the one that it gives; `sag` is the content
-/// of the file that a [`ShapeSpec::Grid`] names.
+/// Designs the mirror that `profile` asks for, or makes the one that it gives.
 ///
 /// # Errors
 /// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
 /// represented or does not cover its outline.
-pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
-    try_design(profile, sag).map_err(|error| match error {
+pub fn design(profile: &Profile) -> Result<Design, DesignError> {
+    try_design(profile).map_err(|error| match error {
         DesignError::Unsolved { cause, .. } => {
-            let remedy = remedy::remedy(profile, sag, &cause);
+            let remedy = remedy::remedy(profile, &cause);
             DesignError::Unsolved { cause, remedy }
         }
         other => other,
@@ -160,7 +159,7 @@ pub fn design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, Design
 }
 
 /// [`design`] without a search for what helps.
-fn try_design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, DesignError> {
+fn try_design(profile: &Profile) -> Result<Design, DesignError> {
     match &profile.shape {
         ShapeSpec::Designed(method) => {
             let (problem, mirror, facts) = solve_self_consistently(profile, method)?;
@@ -168,8 +167,9 @@ fn try_design(profile: &Profile, sag: Option<&SagGrid>) -> Result<Design, Design
         }
         ShapeSpec::Polynomial(polynomial) => given::polynomial(profile, polynomial),
         ShapeSpec::Grid { file } => {
-            let sag = sag.ok_or_else(|| DesignError::NoGrid { file: file.clone() })?;
-            given::grid(profile, sag)
+            let heights = profile.heights.as_ref();
+            let heights = heights.ok_or_else(|| DesignError::NoGrid { file: file.clone() })?;
+            given::grid(profile, heights)
         }
     }
 }

@@ -107,7 +107,7 @@ mod tests {
     }
 
     fn designed(camera: &str, law: &str, elevation: &str, layout: &str) -> Design {
-        design(&profile(camera, law, elevation, layout), None).unwrap()
+        design(&profile(camera, law, elevation, layout)).unwrap()
     }
 
     /// Largest difference between the mirrors' heights over the first one's panel, mm.

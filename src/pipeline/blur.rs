@@ -26,7 +26,7 @@ impl Command for BlurOptions {
     }
 
     fn run(&self, run: &mut Run) -> Result<BlurReport, Error> {
-        let profile = run.profile();
+        let profile = run.profile;
         let lens = Lens::new(profile, self)?;
         let design = run.design()?;
         let (report, lengths) = run.stage(Stage::Blur, || {

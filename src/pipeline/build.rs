@@ -10,7 +10,7 @@ use super::mesh_files::{MeshFiles, label, write_meshes};
 use super::run::{Command, Run};
 use super::size_warnings::SizeWarnings;
 use super::verdict::{self, Findings};
-use super::{Error, Observer, Source, Stage};
+use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::export::Label;
 use crate::geom::Precision;
@@ -47,7 +47,7 @@ pub enum Effort {
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
 /// folders.
-pub fn build(source: &Source, out: &Path, observer: &dyn Observer) -> Result<BuildReport, Error> {
+pub fn build(source: &Profile, out: &Path, observer: &dyn Observer) -> Result<BuildReport, Error> {
     BuildOptions::default().publish(source, out, observer)
 }
 
@@ -55,7 +55,7 @@ impl Command for BuildOptions {
     type Report = BuildReport;
 
     fn run(&self, run: &mut Run) -> Result<BuildReport, Error> {
-        let inputs = build_cache::inputs(run.source);
+        let inputs = build_cache::inputs(run.profile);
         if self.effort == Effort::Least
             && let Some(report) = repeated(run, &inputs)?
         {
@@ -64,11 +64,11 @@ impl Command for BuildOptions {
         if self.effort == Effort::Most {
             run.timer.forbid_shortcuts();
         }
-        run.files.ensure_space(least_bytes(run.profile()))?;
+        run.files.ensure_space(least_bytes(run.profile))?;
         let design = run.design()?;
         count_unknowns(run, &design);
         let form = Form::of(&design.mirror);
-        let exports = cad_exports(run.profile(), &design, &form)?;
+        let exports = cad_exports(run.profile, &design, &form)?;
         check_room(run, &design, &exports)?;
         let made = Made::written(run, &design, &exports)?;
         let checked = made.checked(run, &design, &exports)?;
@@ -78,7 +78,7 @@ impl Command for BuildOptions {
         let picture = checked.picture.clone();
         let step = exports.iter().find_map(|export| export.step_facts());
         drop(exports);
-        let report = report(run.profile(), &design, form, step, &made, checked);
+        let report = report(run.profile, &design, form, step, &made, checked);
         publish(run, &made, &report, &picture, inputs)?;
         Ok(report)
     }
@@ -111,7 +111,7 @@ impl Made {
     ) -> Result<Self, Error> {
         let face = match run.stage(Stage::Mesh, || meshed(run, design)) {
             Ok(face) => Ok(face),
-            Err(error) => Err(left_out(run.profile(), error)?),
+            Err(error) => Err(left_out(run.profile, error)?),
         };
         let label = label(run, design, face.as_ref().ok().map(|face| &face.made.bound));
         let meshes = match face {
@@ -139,7 +139,7 @@ impl Made {
                 let mut check = check_file(run, design, format, staged.read()?, made.promise);
                 check.altered = check.file.sha256 != staged.sha256();
                 // A mesh that is made for the rays alone is no file.
-                if !is_asked(run.profile(), FileFormat::Mesh(format)) {
+                if !is_asked(run.profile, FileFormat::Mesh(format)) {
                     check.rename(UNKEPT.to_owned());
                 }
                 if let (None, Some(seen)) = (&picture, check.seen.take()) {
@@ -269,7 +269,7 @@ fn publish(
     picture: &[u8],
     inputs: String,
 ) -> Result<(), Error> {
-    let profile = run.profile();
+    let profile = run.profile;
     run.publish(Stage::Report, |files, timer| {
         files.add_bytes("preview.png", picture)?;
         let page = report.html(&profile.summary, "preview.png");

@@ -1,8 +1,8 @@
 //! The last build in a folder: whether the next one would only repeat it.
 
 use super::observer::{StageTimer, Work};
-use super::source::Source;
 use crate::profile::FileFormat;
+use crate::profile::Profile;
 use crate::publish::HashingWriter;
 use crate::report::BuildReport;
 use serde::{Deserialize, Serialize};
@@ -57,13 +57,12 @@ impl Output {
     }
 }
 
-/// SHA-256 of all that the files of a build depend on: the program's sources and `source` as it is
+/// SHA-256 of all that the files of a build depend on: the program's sources and `profile` as it is
 /// understood.
-pub fn inputs(source: &Source) -> String {
+pub fn inputs(profile: &Profile) -> String {
     let mut out = HashingWriter::new(io::sink());
-    let Source { profile, sag, .. } = source;
     // Every field is in it, every number to the last digit. Hashing cannot fail.
-    let _ = write!(out, "{} {profile:?} {sag:?}", env!("MORION_SOURCES"));
+    let _ = write!(out, "{} {profile:?}", env!("MORION_SOURCES"));
     out.sha256()
 }
 

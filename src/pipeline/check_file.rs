@@ -145,7 +145,7 @@ pub fn witness(
     checked: CheckedMesh,
     promise: Promise,
 ) -> FileCheck {
-    let (timer, profile) = (&run.timer, run.profile());
+    let (timer, profile) = (&run.timer, run.profile);
     let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
     let name = file.name.clone();
     let camera = &design.camera;

@@ -6,7 +6,7 @@ use super::formats::{self, MeshCodec, codec};
 use super::mesh_files::label;
 use super::run::Run;
 use super::size_warnings::SizeWarnings;
-use super::{Error, Observer, Source, Stage};
+use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::export::{ByteCounter, Label, MeshCounts};
 use crate::geom::{Outline, Precision};
@@ -21,13 +21,13 @@ use crate::solid::Solid;
 ///
 /// # Errors
 /// [`enum@Error`] when it can be foreseen that a stage cannot be done.
-pub fn dry_run(source: &Source, observer: &dyn Observer) -> Result<BuildForecast, Error> {
+pub fn dry_run(source: &Profile, observer: &dyn Observer) -> Result<BuildForecast, Error> {
     let run = Run::in_memory(source, observer);
     let design = run.design()?;
     run.stage(Stage::Forecast, || {
-        let planned = planned(run.profile(), &design)?;
+        let planned = planned(run.profile, &design)?;
         let form = Form::of(&design.mirror);
-        let exports = cad_exports(run.profile(), &design, &form)?;
+        let exports = cad_exports(run.profile, &design, &form)?;
         let forecast = forecast(&run, &design, &exports, &planned);
         let note = forecast
             .mesh
@@ -66,7 +66,7 @@ pub fn check_room(
     if run.files.free().is_none_or(|free| free >= ROOMY) {
         return Ok(());
     }
-    let planned = planned(run.profile(), design)?;
+    let planned = planned(run.profile, design)?;
     // (Where no mesh is asked for, one is written all the same until it is traced.)
     let meshes = planned.as_ref().map_or(Vec::new(), |plan| meshes(run, design, plan).1);
     let label = forecast_label(run, design);
@@ -97,7 +97,7 @@ fn forecast(
     exports: &[Box<dyn CadExport + '_>],
     planned: &Result<AtPrecision<MeshPlan>, Refusal>,
 ) -> BuildForecast {
-    let profile = run.profile();
+    let profile = run.profile;
     let (mesh, mut files, refused, precision) = match planned {
         Ok(plan) => {
             let (mesh, files) = meshes(run, design, plan);
@@ -127,7 +127,7 @@ fn meshes(
     plan: &AtPrecision<MeshPlan>,
 ) -> (MeshForecast, Vec<FileForecast>) {
     let MeshPlan { limits, forecast } = plan.made;
-    let goal = run.profile().mesh;
+    let goal = run.profile.mesh;
     let size = size(design, forecast.facets.round() as usize, &plan.made);
     let tolerances = goal.max_triangles().map(|_| reached(design, &plan.made));
     let mesh = MeshForecast {

@@ -74,7 +74,7 @@ impl Promise {
 /// # Errors
 /// [`Error::Mesh`], [`Error::Single`], and [`Error::Uneven`] when a copy differs.
 pub fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
-    let profile = run.profile();
+    let profile = run.profile;
     let found = face(profile, design)?;
     let mirror = &design.mirror;
     let all = found.made.mesh.triangles.len();

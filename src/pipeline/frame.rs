@@ -32,7 +32,7 @@ impl Command for FrameOptions {
     }
 
     fn run(&self, run: &mut Run) -> Result<FrameReport, Error> {
-        let profile = run.profile();
+        let profile = run.profile;
         let min = self.min.unwrap_or(profile.acceptance_limits().frame_filled.value);
         let design = run.design()?;
         let InMemoryBuild { frame, seen: (_, traced), .. } = build_in_memory(run, &design)?;
@@ -130,7 +130,7 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
         .map(|profile| Profile { camera: inscribed(&profile.camera, side), ..profile })
         .collect();
     let row = |profile: &Profile| {
-        let design = design(profile, None)
+        let design = design(profile)
             .map_err(|source| Error::Design { profile: profile.name.clone(), source })?;
         // A quarter stands for all of it.
         let half = side.div_ceil(2);

@@ -26,7 +26,7 @@ pub struct InMemoryBuild {
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done.
 pub fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Error> {
-    let failed = |reason: String| Error::Reread { profile: run.profile().name.clone(), reason };
+    let failed = |reason: String| Error::Reread { profile: run.profile.name.clone(), reason };
     let face = run.stage(Stage::Mesh, || meshed(run, design))?;
     let format = face.formats[0];
     let solid = run.stage(Stage::Solid, || close(run, design, &face.made, format))?;
@@ -39,7 +39,7 @@ pub fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Erro
         let note = format!("{}, {:.1} MB in memory", format.file_name(), bytes.len() as f64 / 1e6);
         Ok((bytes, note))
     })?;
-    let promise = Promise::of_face(run.profile(), design, &face.made);
+    let promise = Promise::of_face(run.profile, design, &face.made);
     drop((face, solid));
     let found = check_file(run, design, format, bytes, promise);
     match (found.seen, found.unreadable) {

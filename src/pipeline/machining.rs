@@ -81,8 +81,8 @@ impl Command for MachiningOptions {
     fn run(&self, run: &mut Run) -> Result<MachiningReport, Error> {
         let design = run.design()?;
         let mut survey = run.stage(Stage::Cut, || {
-            let survey = CutterSurvey::new(run.profile(), &design, self)
-                .map_err(|source| refused(run.profile(), source))?;
+            let survey = CutterSurvey::new(run.profile, &design, self)
+                .map_err(|source| refused(run.profile, source))?;
             let note = survey.note();
             Ok((survey, note))
         })?;
@@ -175,7 +175,7 @@ fn cut_face(
         Err(error @ MachiningError::TooFine { .. }) => {
             Ok((Err(error.to_string()), "too fine to be made".to_owned()))
         }
-        Err(error) => Err(refused(run.profile(), error)),
+        Err(error) => Err(refused(run.profile, error)),
     })
 }
 
@@ -187,7 +187,7 @@ fn check_as_cut(
     survey: &mut CutterSurvey,
 ) -> Result<(), Error> {
     let optical_triangles = mesh.triangles.len();
-    let solid = run.stage(Stage::Solid, || close(run.profile(), design, mesh))?;
+    let solid = run.stage(Stage::Solid, || close(run.profile, design, mesh))?;
     run.files.ensure_space(stl_bytes(solid.mesh().triangles.len()))?;
     let raster = &survey.raster;
     let as_cut = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);

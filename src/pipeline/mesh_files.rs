@@ -56,14 +56,14 @@ pub fn write_meshes(
             }
         };
         facts.get_or_insert_with(|| {
-            let mesh = mesh_facts(run.profile(), design, &face.made, &solid);
+            let mesh = mesh_facts(run.profile, design, &face.made, &solid);
             (mesh, SolidFacts::new(solid.check(), design.volume()))
         });
         let made = Some((&face.made, design));
         run.write(format.file_name(), |out| codec(format).write(out, &solid, made, label))?;
         closed = Some((codec(format).precision(), solid));
     }
-    let promise = Promise::of_face(run.profile(), design, &face.made);
+    let promise = Promise::of_face(run.profile, design, &face.made);
     let AtPrecision { precision, formats, refused, .. } = face;
     Ok(MeshFiles { facts, promise, precision, formats, refused })
 }
@@ -79,14 +79,14 @@ pub fn close(
     format: MeshFormat,
 ) -> Result<(Solid, String), Error> {
     let solid = Solid::from_face(&face.mesh, design.border.as_ref(), codec(format).precision())
-        .map_err(|source| Error::Solid { profile: run.profile().name.clone(), format, source })?;
+        .map_err(|source| Error::Solid { profile: run.profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))
 }
 
 /// The words of every file of a build on its mirror: tolerances asked and reached, too.
 pub fn label(run: &Run, design: &Design, bound: Option<&ErrorBound>) -> Label {
-    let mesh = run.profile().mesh;
+    let mesh = run.profile.mesh;
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
     let reached =
         |of: &dyn Fn(&ErrorBound) -> f64| bound.map_or("-".into(), |b| format!("{:.3}", of(b)));

@@ -47,7 +47,7 @@ pub use observer::{Observer, Silent, Stage, Work};
 pub use replay::ReplayOptions;
 pub use run::Command;
 pub use scenery::{RenderOptions, SceneError};
-pub use source::{Source, SourceError, load};
+pub use source::{SourceError, load};
 pub use tolerance::{ToleranceOptions, TrialsFile, TrialsPart, merge};
 pub use unwrap::{MapFormat, PhotoError, Rows, Unwrap, UnwrapOptions};
 pub use verify::{Verify, VerifyOptions, verify};

@@ -35,7 +35,7 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     other.projection =
         Some(ProjectionSpec::Strip(crate::profile::StripSpec { law, ..strip.clone() }));
     let now = designed.facts.pixel_error_px?.rms;
-    let found = design(&other, None).ok()?.facts.pixel_error_px?;
+    let found = design(&other).ok()?.facts.pixel_error_px?;
     (found.rms < WORTH * now).then(|| {
         format!(
             "[projection.best] in the place of this law is off by {:.3} px rms, {:.3} px at most",

@@ -52,7 +52,7 @@ impl Command for RenderOptions<'_> {
         })?;
         Ok(RenderReport {
             schema: SCHEMA,
-            profile: run.profile().into(),
+            profile: run.profile.into(),
             scene: self.scene.to_owned(),
             traced,
             file: run.files.path_of(&name).display().to_string(),

@@ -52,7 +52,7 @@ impl Command for ReplayOptions<'_> {
 
     fn run(&self, run: &mut Run) -> Result<ReplayReport, Error> {
         let PreparedStudy { design, engine, .. } = prepared(run)?;
-        let part = ImperfectPart::new(run.profile(), &design, &engine, self)?;
+        let part = ImperfectPart::new(run.profile, &design, &engine, self)?;
         let AtPrecision { made: face, formats, refused, .. } =
             run.stage(Stage::Mesh, || part.face())?;
         let ReplayOptions { trial, seed, .. } = *self;

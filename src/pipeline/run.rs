@@ -1,7 +1,7 @@
 //! One run of a command: its source, its stages, and the files that it publishes at its end.
 
+use super::Error;
 use super::observer::{Observer, Stage, StageTimer};
-use super::{Error, Source};
 use crate::design::{Design, design};
 use crate::export::Label;
 use crate::profile::Profile;
@@ -35,33 +35,33 @@ pub trait Command {
     /// [`enum@Error`] when a stage cannot be done; then nothing is published.
     fn run(&self, run: &mut Run) -> Result<Self::Report, Error>;
 
-    /// Runs it on `source`, with its files in a folder below `out`.
+    /// Runs it on `profile`, with its files in a folder below `out`.
     ///
     /// # Errors
     /// [`enum@Error`] when the folder cannot be written to, before any work, or a stage cannot be done;
     /// then nothing under `out` has changed but for new, empty folders.
     fn publish(
         &self,
-        source: &Source,
+        profile: &Profile,
         out: &Path,
         observer: &dyn Observer,
     ) -> Result<Self::Report, Error> {
-        self.check(&source.profile)?;
-        let files = Transaction::open(&out.join(self.folder(&source.profile)))?;
-        self.run(&mut Run { source, timer: StageTimer::new(observer), files })
+        self.check(profile)?;
+        let files = Transaction::open(&out.join(self.folder(profile)))?;
+        self.run(&mut Run { profile, timer: StageTimer::new(observer), files })
     }
 
-    /// Runs it on `source`, with its files in memory.
+    /// Runs it on `profile`, with its files in memory.
     ///
     /// # Errors
     /// [`enum@Error`] when a stage cannot be done.
     fn in_memory(
         &self,
-        source: &Source,
+        profile: &Profile,
         observer: &dyn Observer,
     ) -> Result<(Self::Report, Vec<OutputFile>), Error> {
-        self.check(&source.profile)?;
-        let mut run = Run::in_memory(source, observer);
+        self.check(profile)?;
+        let mut run = Run::in_memory(profile, observer);
         let report = self.run(&mut run)?;
         Ok((report, run.files.into_files()))
     }
@@ -69,8 +69,8 @@ pub trait Command {
 
 /// A command under way.
 pub struct Run<'a> {
-    /// The profile, and what it names.
-    pub source: &'a Source,
+    /// The profile.
+    pub profile: &'a Profile,
     /// Times of the stages, and who watches them.
     pub timer: StageTimer<'a>,
     /// Files, until they are published.
@@ -79,13 +79,8 @@ pub struct Run<'a> {
 
 impl<'a> Run<'a> {
     /// A run that leaves its files in memory.
-    pub fn in_memory(source: &'a Source, observer: &'a dyn Observer) -> Self {
-        Self { source, timer: StageTimer::new(observer), files: Transaction::in_memory() }
-    }
-
-    /// The profile.
-    pub fn profile(&self) -> &'a Profile {
-        &self.source.profile
+    pub fn in_memory(profile: &'a Profile, observer: &'a dyn Observer) -> Self {
+        Self { profile, timer: StageTimer::new(observer), files: Transaction::in_memory() }
     }
 
     /// Runs a stage; its value comes with the note for the observer.
@@ -106,7 +101,7 @@ impl<'a> Run<'a> {
     /// [`Error::Design`] when it has no answer.
     pub fn design(&self) -> Result<Design, Error> {
         self.stage(Stage::Design, || {
-            let design = designed(self.source)?;
+            let design = designed(self.profile)?;
             let note = design.facts.method.to_owned();
             Ok((design, note))
         })
@@ -176,18 +171,16 @@ impl<'a> Run<'a> {
 
     /// The words of a file on its mirror, with what its mesh keeps to.
     pub fn label(&self, design: &Design, tolerances: String) -> Label {
-        let Profile { name, sha256, .. } = self.profile();
+        let Profile { name, sha256, .. } = self.profile;
         let mounting = design.mounting.statements();
         Label { profile: name.clone(), sha256: sha256.clone(), tolerances, mounting }
     }
 }
 
-/// The mirror of `source`.
+/// The mirror of `profile`.
 ///
 /// # Errors
 /// [`Error::Design`] when it has no answer.
-pub fn designed(source: &Source) -> Result<Design, Error> {
-    let Source { profile, sag, .. } = source;
-    design(profile, sag.as_ref())
-        .map_err(|source| Error::Design { profile: profile.name.clone(), source })
+pub fn designed(profile: &Profile) -> Result<Design, Error> {
+    design(profile).map_err(|source| Error::Design { profile: profile.name.clone(), source })
 }

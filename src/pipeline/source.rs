@@ -12,33 +12,13 @@ const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
 
-/// A profile, and what is in the files that it names.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Source {
-    /// The profile.
-    pub profile: Profile,
-    /// The name by which it was loaded: the files that it names are beside that.
-    pub named: String,
-    /// The heights of a mirror that is given as a grid.
-    pub sag: Option<SagGrid>,
-    /// The measured form error for tolerancing; none: read from its file when it is asked for.
-    pub form_map: Option<SagGrid>,
-}
-
-impl From<Profile> for Source {
-    /// Of a profile that names no file.
-    fn from(profile: Profile) -> Self {
-        Self { named: profile.name.clone(), profile, sag: None, form_map: None }
-    }
-}
-
-impl Source {
+impl Profile {
     /// The measured form error that the profile names, if it names one.
     ///
     /// # Errors
     /// [`SourceError`] when its file cannot be read or has a fault.
     pub fn form_map(&self) -> Result<Option<Cow<'_, SagGrid>>, SourceError> {
-        let Some(file) = &self.profile.tolerance.map_file else { return Ok(None) };
+        let Some(file) = &self.tolerance.map_file else { return Ok(None) };
         Ok(Some(match &self.form_map {
             Some(map) => Cow::Borrowed(map),
             None => Cow::Owned(grid(self.folder(), file)?),
@@ -52,8 +32,8 @@ impl Source {
 
     /// With the heights that the profile names.
     fn with_heights(mut self) -> Result<Self, SourceError> {
-        if let ShapeSpec::Grid { file } = &self.profile.shape {
-            self.sag = Some(grid(self.folder(), file)?);
+        if let ShapeSpec::Grid { file } = &self.shape {
+            self.heights = Some(grid(self.folder(), file)?);
         }
         Ok(self)
     }
@@ -97,13 +77,13 @@ pub enum SourceError {
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.
-pub fn load(named: &str) -> Result<Source, SourceError> {
+pub fn load(named: &str) -> Result<Profile, SourceError> {
     let path = Path::new(named);
     let known = shipped().iter().find(|profile| profile.name == named);
     // A folder called like a shipped profile (an output of it, say) does not hide it.
     if let (Some(profile), false) = (known, path.is_file()) {
         let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes())?;
-        return Source::from(profile).with_heights();
+        return profile.with_heights();
     }
     if !path.exists() {
         let closest = shipped()
@@ -122,7 +102,7 @@ pub fn load(named: &str) -> Result<Source, SourceError> {
         return Err(SourceError::Nameless { named: named.into() });
     }
     let profile = Profile::parse(&stem, named, &bytes)?;
-    Source { named: named.into(), ..profile.into() }.with_heights()
+    Profile { named: named.into(), ..profile }.with_heights()
 }
 
 /// The heights in `file`, relative to `folder`.
@@ -161,7 +141,7 @@ export.formats = [\"stl\"]
         };
         write(&lines);
         let source = load(named).unwrap();
-        assert_eq!(source.sag.unwrap().z_mm, [0.5; 16]);
+        assert_eq!(source.heights.unwrap().z_mm, [0.5; 16]);
 
         lines[6] = "0,-1,low".into();
         write(&lines);

@@ -68,8 +68,8 @@ impl Command for TrialsPart {
         let trials = traced(run, &engine, &self.0);
         let Range { start, end } = self.0.range;
         let name = format!("trials-{start}-{end}.csv");
-        let table = table(run.profile(), &engine, self.0.seed, &trials);
-        let text = format!("{PART}{start}..{end} {}\n{table}", quoted(&run.source.named));
+        let table = table(run.profile, &engine, self.0.seed, &trials);
+        let text = format!("{PART}{start}..{end} {}\n{table}", quoted(&run.profile.named));
         run.files.add_bytes(&name, text.as_bytes())?;
         run.files.commit()?;
         Ok(TrialsFile { path: run.files.path_of(&name), trials: trials.len() as u64 })
@@ -111,7 +111,7 @@ impl Command for Merge {
         let study = prepared(run)?;
         let (first, text) = &self.parts[0];
         let seed = seed_of(text).ok_or_else(|| fault(first, NO_PART))?;
-        let trials = self.trials(&heading(run.profile(), &study.engine, seed), &study.engine)?;
+        let trials = self.trials(&heading(run.profile, &study.engine, seed), &study.engine)?;
         run.timer.worked(Stage::Trials, TRIALS, [0, trials.len()], "the parts hold them");
         let machining = tracks(run, &study)?;
         concluded(run, &study, machining, seed, &trials)
@@ -252,7 +252,7 @@ fn concluded(
         (study, note)
     });
     let offenders = worst_offenders(&study);
-    let profile = run.profile();
+    let profile = run.profile;
     let report = ToleranceReport::new(profile.into(), study, *facets_from, offenders, machining);
     run.publish(Stage::Report, |files, timer| {
         let page = report.html(&PlotData::new(engine, seed, trials));
@@ -286,7 +286,7 @@ fn tracks(
         ..MachiningOptions::default()
     };
     run.stage(Stage::Cut, || {
-        let profile = run.profile();
+        let profile = run.profile;
         let fail = |source| Error::Machining { profile: profile.name.clone(), source };
         let survey = CutterSurvey::new(profile, design, &options).map_err(fail)?;
         let note = survey.note();

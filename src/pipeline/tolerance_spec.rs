@@ -3,7 +3,7 @@
 
 use super::face::plan;
 use super::run::Run;
-use super::{Error, Source, Stage};
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::Outline;
 use crate::mirror::{BicubicSpline, Mirror};
@@ -34,9 +34,9 @@ pub struct PreparedStudy {
 /// # Errors
 /// [`enum@Error`] when it has no answer, no projection, or a form error that is none of its mirror.
 pub fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
-    let profile = run.profile();
+    let profile = run.profile;
     let design = run.design()?;
-    let map = map(run.source, &design.mirror)?;
+    let map = map(run.profile, &design.mirror)?;
     let name = || profile.name.clone();
     let view = design
         .view
@@ -56,11 +56,11 @@ pub fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
 }
 
 /// The measured form error that the profile names, which must cover the mirror.
-fn map(source: &Source, mirror: &Mirror) -> Result<Option<BicubicSpline>, Error> {
+fn map(source: &Profile, mirror: &Mirror) -> Result<Option<BicubicSpline>, Error> {
     /// A grid may end so little before the mirror, as a share of its size: rounding.
     const SLACK: f64 = 1e-6;
     let Some(grid) = source.form_map()? else { return Ok(None) };
-    let file = source.profile.tolerance.map_file.clone().unwrap_or_default();
+    let file = source.tolerance.map_file.clone().unwrap_or_default();
     let fault = |reason: String| Error::Map { file: file.clone(), reason };
     let map = BicubicSpline::new(grid.x, grid.y, &grid.z_mm)
         .ok_or_else(|| fault("no spline goes through its heights".into()))?;
@@ -226,29 +226,29 @@ mod tests {
     #[test]
     fn every_shipped_profile_has_24_sources_and_its_own_words_count() {
         for shipped in shipped() {
-            let source: Source =
+            let source: Profile =
                 Profile::parse(shipped.name, shipped.name, shipped.text.as_bytes()).unwrap().into();
             let design = designed(&source).unwrap();
-            let (asked, _) = spec(&source.profile, &design, None, None).unwrap();
+            let (asked, _) = spec(&source, &design, None, None).unwrap();
             // (This asks for no facets, as where the part is made from the STEP.)
             assert!(asked.sources.len() >= 23, "{}: {}", shipped.name, asked.sources.len());
         }
-        let source: Source = profile(
+        let source: Profile = profile(
             "[tolerance]\npreset = \"spdt\"\nball_radius_mm = 0.7\ncriterion = \"p95\"\n\
              compensators = [\"tilt\"]\n[tolerance.limits]\ntilt_x_mrad = 3\ntilt_y_mrad = 0\n\
              [tolerance.distributions]\ntilt_x_mrad = \"normal\"\n",
         )
         .into();
         let design = designed(&source).unwrap();
-        let (asked, _) = spec(&source.profile, &design, None, None).unwrap();
+        let (asked, _) = spec(&source, &design, None, None).unwrap();
         let tilt = asked.sources.iter().find(|s| s.kind == Perturbation::TiltX).unwrap();
         assert_eq!((tilt.limit, tilt.distribution), (3.0, Distribution::Normal));
         assert!(asked.sources.iter().all(|s| s.kind != Perturbation::TiltY));
         assert_eq!((asked.texture.ball_radius_mm, asked.criterion), (0.7, Criterion::P95));
         assert_eq!(asked.compensators, [Compensator::Tilt]);
-        let wide: Source =
+        let wide: Profile =
             profile("[tolerance]\nball_radius_mm = 0.01\n[tolerance.limits]\nstepover_mm = 0.02\n")
                 .into();
-        assert!(matches!(spec(&wide.profile, &design, None, None), Err(Error::Tracks { .. })));
+        assert!(matches!(spec(&wide, &design, None, None), Err(Error::Tracks { .. })));
     }
 }

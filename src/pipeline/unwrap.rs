@@ -118,7 +118,7 @@ impl Command for Unwrap<'_> {
         })?;
         let design = run.design()?;
         let Design { mirror, camera, view: Some(view), .. } = &design else {
-            return Err(no_projection(run.profile()));
+            return Err(no_projection(run.profile));
         };
         let optics = ImagingSystem { mirror, camera, view };
         let size = [photo.width, photo.height];
@@ -147,7 +147,7 @@ impl Command for Unwrap<'_> {
         })?;
         Ok(UnwrapReport {
             schema: SCHEMA,
-            profile: run.profile().into(),
+            profile: run.profile.into(),
             photo: PhotoFacts {
                 name: self.name(),
                 pixels: size,

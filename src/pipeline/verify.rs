@@ -5,7 +5,7 @@ use super::face::Promise;
 use super::formats::codec;
 use super::run::{Command, Run};
 use super::verdict::{self, Findings};
-use super::{Error, Observer, Source, Stage};
+use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, LengthUnit, SizeRange, align};
 use crate::design::Design;
 use crate::export::ImportedMesh;
@@ -47,7 +47,7 @@ const MAP: &str = "form_error.png";
 /// [`enum@Error`] when the file cannot be opened or named, or the profile cannot be designed. (A file that
 /// opens but holds no sound mesh is a negative verdict.)
 pub fn verify(
-    source: &Source,
+    source: &Profile,
     path: &Path,
     observer: &dyn Observer,
 ) -> Result<VerifyReport, Error> {
@@ -87,7 +87,7 @@ impl Command for Verify<'_> {
         let limit_um = 1e3 * found.check.promise.chord_mm;
         let (name, units, alignment) = (self.name(), found.units, found.alignment);
         let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
-            Findings::new(run.profile(), &design, vec![found.check]);
+            Findings::new(run.profile, &design, vec![found.check]);
         let mut warnings = Vec::new();
         if found.far > 0 {
             let all = format!("{} facets lie far from the part and were left out", found.far);
@@ -104,12 +104,12 @@ impl Command for Verify<'_> {
         }
         warnings.extend(units.and_then(|units| unit_warning(&name, units, measured)));
         if measured {
-            let reason = verdict::form(run.profile(), &design, form_error_um.as_ref(), limit_um);
+            let reason = verdict::form(run.profile, &design, form_error_um.as_ref(), limit_um);
             reasons.extend(reason.map(|reason| reason.of_file(&name)));
         }
         let report = VerifyReport {
             schema: SCHEMA,
-            profile: run.profile().into(),
+            profile: run.profile.into(),
             layout: design.mounting,
             design: design.facts.clone(),
             form,
@@ -170,7 +170,7 @@ impl Verify<'_> {
     fn look(&self, part: &Part, bytes: Vec<u8>) -> Result<Found, Error> {
         let Part { run, design, size } = part;
         let format = self.format()?;
-        let promise = Promise::of_profile(run.profile());
+        let promise = Promise::of_profile(run.profile);
         let (file, read) = open(run, format, bytes, |mut reread| {
             let found = match codec(format).declares_unit() {
                 // It is read in millimetres.

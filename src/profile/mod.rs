@@ -45,6 +45,8 @@ pub struct Profile {
     pub name: String,
     /// SHA-256 of the profile's bytes, in lower-case hexadecimal.
     pub sha256: String,
+    /// The name by which it was loaded: the files that it names lie beside that.
+    pub named: String,
     /// Purpose of the mirror in the author's words; empty if not given.
     pub summary: String,
     /// The camera that looks into the mirror: each side of its frame has 1 to 16384 pixels; a pinhole's
@@ -60,6 +62,8 @@ pub struct Profile {
     pub layout: Layout,
     /// Source of the mirror's shape.
     pub shape: ShapeSpec,
+    /// Heights of a mirror that is given as a grid, once its file is read.
+    pub heights: Option<SagGrid>,
     /// The size of the solid.
     pub part: PartSpec,
     /// How closely facets must follow the mirror.
@@ -72,6 +76,9 @@ pub struct Profile {
     pub accept: AcceptanceSpec,
     /// The errors of making and mounting that are expected.
     pub tolerance: Tolerance,
+    /// The measured form error that `tolerance` names, where it is in memory; otherwise its file is read when
+    /// it is asked for.
+    pub form_map: Option<SagGrid>,
 }
 
 /// Lens of the camera: its aperture, focal length and light.

@@ -156,7 +156,7 @@ mod tests {
     /// polynomials for the mirror and the form errors from those of the mirror's own derivatives.
     /// Columns shorter than the share `floor` of the longest are rounding.
     fn polynomials_against_the_mirror(name: &str, floor: f64) -> [f64; 2] {
-        let design = design(&load(name).unwrap().profile, None).unwrap();
+        let design = design(&load(name).unwrap()).unwrap();
         let view = design.view.as_ref().unwrap();
         let process = Process::of(ProcessPreset::PrecisionCnc);
         let source = |kind: Perturbation| {

@@ -74,7 +74,7 @@ mesh.chord_um = 20
 export.formats = [\"stl\"]
 ";
         let profile = Profile::parse("p", "p.toml", text.as_bytes()).unwrap();
-        let design = design(&profile, None).unwrap();
+        let design = design(&profile).unwrap();
         let (mirror, camera) = (&design.mirror, &design.camera);
         let optics = ImagingSystem { mirror, camera, view: design.view.as_ref().unwrap() };
         let panorama = Panorama::new(&optics, [160, 120], None, Some(2000)).unwrap();

@@ -25,7 +25,7 @@ impl Asked {
     /// The design's refusal; none where there is a design. Where the text is no profile any more,
     /// for what lies around the mirror, that is another matter.
     fn refused(&self) -> Result<Option<DesignError>, String> {
-        let profile = match Profile::parse("p", "p.toml", self.text.as_bytes()) {
+        let mut profile = match Profile::parse("p", "p.toml", self.text.as_bytes()) {
             Ok(profile) => profile,
             Err(complaints) => {
                 let said = complaints.to_string();
@@ -33,8 +33,9 @@ impl Asked {
                 return if around { Ok(None) } else { Err(said) };
             }
         };
-        let sag = self.heights.as_ref().map(|text| SagGrid::parse(text.as_bytes()).unwrap());
-        Ok(design(&profile, sag.as_ref()).err())
+        let parsed = |text: &String| SagGrid::parse(text.as_bytes()).unwrap();
+        profile.heights = self.heights.as_ref().map(parsed);
+        Ok(design(&profile).err())
     }
 }
 

@@ -127,7 +127,7 @@ fn what_stands_against_a_finer_mesh_is_said_where_a_budget_is_not_used() {
         let mut profile = small_but("chord_um = 20\n", "");
         profile = edited(&profile, &[("facet_px = 3", &format!("max_triangles = {triangles}"))]);
         let folder = folder();
-        let report = build(&parsed(&profile).into(), folder.path(), &Silent).unwrap();
+        let report = build(&parsed(&profile), folder.path(), &Silent).unwrap();
         let used = report.mesh.unwrap().triangles;
         let said =
             format!("small: {used} of max_triangles = {triangles} are used; finer limits come to ");

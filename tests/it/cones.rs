@@ -35,7 +35,7 @@ fn both(profile: &Profile, facet_px: f64) -> [Result<f64, MeshError>; 2] {
 /// The same, if there is such a mirror.
 fn outcome(profile: &Profile, facet_px: f64) -> Option<[Result<f64, MeshError>; 2]> {
     let profile = with_limits(profile.clone(), None, Some(facet_px));
-    let design = design(&profile, None).ok()?;
+    let design = design(&profile).ok()?;
     let (camera, view) = (&design.camera.chart, design.view.as_ref());
     let foreseen = forecast(&design.mirror, camera, view, limits(&profile, &design));
     let made = meshed(&profile, &design).map(|face| face.mesh.triangles.len() as f64);

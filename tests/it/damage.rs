@@ -34,7 +34,7 @@ fn small(formats: &str) -> Profile {
 /// report speaks of.
 fn damaged(formats: &str, damage: impl Fn(Vec<u8>) -> Vec<u8> + Sync) -> BuildReport {
     let folder = folder();
-    let report = build(&small(formats).into(), folder.path(), &Vandal(damage)).unwrap();
+    let report = build(&small(formats), folder.path(), &Vandal(damage)).unwrap();
     let made = files(&folder.path().join("small"));
     assert_eq!(made["report.json"], report.json().into_bytes());
     let [file] = &report.files[..] else { panic!("{} files", report.files.len()) };
@@ -181,7 +181,7 @@ fn a_facet_missing_from_the_stl_leaves_it_open() {
 /// The bytes of the undamaged file.
 fn whole(formats: &str) -> Vec<u8> {
     let folder = folder();
-    let report = build(&small(formats).into(), folder.path(), &Silent).unwrap();
+    let report = build(&small(formats), folder.path(), &Silent).unwrap();
     std::fs::read(folder.path().join("small").join(&report.files[0].name)).unwrap()
 }
 
@@ -189,7 +189,7 @@ fn whole(formats: &str) -> Vec<u8> {
 fn with_a_number_of_triangles_the_witness_is_held_to_what_was_proven() {
     let text = small_but("chord_um = 20\nfacet_px = 3", "max_triangles = 5000");
     let text = text.replace("formats = [\"stl\", \"obj\"]", STL);
-    let (source, out) = (parsed(&text).into(), folder());
+    let (source, out) = (parsed(&text), folder());
     let lift = Vandal(|bytes| lifted(bytes, usize::MAX));
     let report = build(&source, out.path(), &lift).unwrap();
     reason(&report, &["mirror.stl: facet error ", " px of the mesh's bound"]);
@@ -309,7 +309,7 @@ fn only_one_damaged_file_of_two_is_blamed() {
         }
     }
     let folder = folder();
-    let report = build(&parsed(SMALL).into(), folder.path(), &SpoilObj).unwrap();
+    let report = build(&parsed(SMALL), folder.path(), &SpoilObj).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     assert!(report.reasons.iter().all(|reason| reason.starts_with("mirror.obj: ")));
     let traced: Vec<&str> = report.trace.iter().map(|trace| &*trace.file).collect();
@@ -327,7 +327,7 @@ fn an_obj_cut_off_anywhere_never_passes() {
     let spread = (0..12).map(|k| k * length / 12);
     for keep in spread.chain(ends) {
         std::fs::write(&path, &whole[..keep]).unwrap();
-        let report = verify(&small(OBJ).into(), &path, &Silent).unwrap();
+        let report = verify(&small(OBJ), &path, &Silent).unwrap();
         assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");
         reason_of(&report.reasons, &["cut.obj: ", ": "]);
     }
@@ -360,14 +360,14 @@ fn a_moved_vertex_fails_where_no_ray_goes_and_no_facet_limit_is_set() {
         (inner, inner + 0.05 * DVec3::Z),
     ] {
         std::fs::write(&path, moved(bytes.clone(), from, to)).unwrap();
-        let report = verify(&by_chord.clone().into(), &path, &Silent).unwrap();
+        let report = verify(&by_chord, &path, &Silent).unwrap();
         assert!(report.trace[0].solid.check.is_solid());
         let single = to.as_vec3().as_dvec3();
         assert_eq!(report.verdict, Verdict::Fail);
         reason_of(&report.reasons, &["the vertex ", &place(single), " mm off the designed part"]);
     }
     std::fs::write(&path, &bytes).unwrap();
-    assert_eq!(verify(&by_chord.clone().into(), &path, &Silent).unwrap().verdict, Verdict::Pass);
+    assert_eq!(verify(&by_chord, &path, &Silent).unwrap().verdict, Verdict::Pass);
 }
 
 #[test]
@@ -433,6 +433,6 @@ fn errors_that_are_not_finite_fail_without_any_limit_on_them() {
         .replace("degree = 8", "degree = 1")
         .replace("facet_px = 3", "")
         .replace("formats = [\"stl\", \"obj\"]", STL);
-    let report = build(&parsed(&text).into(), folder().path(), &Silent).unwrap();
+    let report = build(&parsed(&text), folder().path(), &Silent).unwrap();
     reason(&report, &["largest pixel error is not finite"]);
 }

@@ -203,7 +203,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
     let text =
         Wish { width_mm: 1e6, ..Wish::strip("cylindrical", [-90.0, 200.0], [-30.0, 30.0], 12) };
     let text = text.text().replace("base_mm = 62500.0", "base_mm = 0.001");
-    let mirror = morion::internals::design::design(&parsed(&text), None).unwrap().mirror;
+    let mirror = morion::internals::design::design(&parsed(&text)).unwrap().mirror;
     let row = mirror.row(mirror.outline.bounds().min.y);
     let near_180 = |x: f64| mirror.position(DVec2::ZERO, &row.at(x)).z;
     // Least near azimuth 180, which no even division of the range meets.
@@ -214,7 +214,7 @@ fn the_base_is_as_thick_as_asked_also_where_the_lowest_point_lies_between_sample
 #[test]
 fn the_base_is_as_thick_as_asked_under_every_kind_of_mirror() {
     for name in ["panoramic", "conquistador", "conformal", "hyperbolic", "cylinder", "conical"] {
-        let design = morion::internals::design::design(&parsed(shipped_text(name)), None).unwrap();
+        let design = morion::internals::design::design(&parsed(shipped_text(name))).unwrap();
         let area = design.mirror.outline.bounds();
         let mut least = f64::INFINITY;
         for k in 0..401 * 401 {

@@ -18,7 +18,7 @@ fn foresaw(what: &str, foreseen: f64, found: f64) {
 
 /// Holds the forecast for `profile` against its build.
 fn compare(profile: &Profile) {
-    let source = profile.clone().into();
+    let source = profile.clone();
     let foreseen = dry_run(&source, &Silent).unwrap();
     let folder = folder();
     let report = build(&source, folder.path(), &Silent).unwrap();
@@ -62,7 +62,7 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
 
 #[test]
 fn the_length_of_an_stl_is_foreseen_to_the_byte() {
-    let foreseen = dry_run(&builds::parsed(SMALL).into(), &Silent).unwrap();
+    let foreseen = dry_run(&builds::parsed(SMALL), &Silent).unwrap();
     assert_eq!(foreseen.files[0].bytes, 84 + 50 * foreseen.mesh.unwrap().triangles as u64);
 }
 
@@ -149,7 +149,7 @@ fn suggested(warning: &str, key: &str) -> String {
 #[test]
 fn a_disc_beyond_a_wide_frame_draws_a_warning_that_helps() {
     let warnings = |name: &str, edits: &[(&str, &str)]| {
-        let foreseen = dry_run(&support::shipped_but(name, edits).into(), &Silent).unwrap();
+        let foreseen = dry_run(&support::shipped_but(name, edits), &Silent).unwrap();
         foreseen.warnings.into_iter().filter(|w| w.contains("cuts off")).collect::<Vec<_>>()
     };
     let frame = |pixels| ("pixels = [480, 480]", pixels);

@@ -8,7 +8,8 @@ use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::stats::Summary;
 use morion::internals::num::{hypot, radians, sin, tan};
-use morion::internals::pipeline::{Silent, Source, build, load, verify};
+use morion::internals::pipeline::{Silent, build, load, verify};
+use morion::internals::profile::Profile;
 use morion::internals::report::{BuildReport, Verdict};
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -29,7 +30,7 @@ const HYPERBOLIC: &str = "projection.hyperbolic.outer_polar_deg = 110\n";
 struct Built {
     folder: TempDir,
     path: PathBuf,
-    source: Source,
+    source: Profile,
     design: Design,
     report: BuildReport,
 }
@@ -70,7 +71,7 @@ fn saved(text: &str, heights: Option<&str>) -> (TempDir, PathBuf) {
 fn built(text: &str, heights: Option<&str>) -> Built {
     let (folder, path) = saved(text, heights);
     let mut source = load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}\n{text}"));
-    source.profile = unlimited(source.profile);
+    source = unlimited(source);
     let report = build(&source, &folder.path().join("made"), &Silent)
         .unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(report.verdict, Verdict::Pass, "{:?}\n{text}", report.reasons);
@@ -85,7 +86,7 @@ fn built(text: &str, heights: Option<&str>) -> Built {
             assert!(facet.max <= mesh.facet_px.bound, "{facet:?} {:?}\n{text}", mesh.facet_px);
         }
     }
-    let design = design(&source.profile, source.sag.as_ref()).unwrap();
+    let design = design(&source).unwrap();
     Built { folder, path, source, design, report }
 }
 
@@ -175,7 +176,7 @@ fn the_paraboloid_of_the_law_is_the_designed_one() {
     let (folder, path) = saved(&format!("{rest}method.vector-field.degree = 12\n"), None);
     let source = load(path.to_str().unwrap()).unwrap();
     let designed = build(&source, &folder.path().join("made"), &Silent).unwrap();
-    let smooth = design(&source.profile, None).unwrap().mirror;
+    let smooth = design(&source).unwrap().mirror;
     for mirror in [
         format!("mirror.polynomial = {{ radius_mm = {}, conic = -1 }}\n", 0.5 / c),
         format!("mirror.polynomial.terms = [[2, 0, {c}], [0, 2, {c}]]\n"),
@@ -222,7 +223,7 @@ fn a_grid_of_heights_shows_its_mirror_to_the_third_order() {
     let rms = [11, 21, 41].map(|count| {
         let (_folder, path) = saved(&text, Some(&csv(count, 30.0, &height)));
         let source = load(path.to_str().unwrap()).unwrap();
-        let design = design(&source.profile, source.sag.as_ref()).unwrap();
+        let design = design(&source).unwrap();
         design.facts.pixel_error_px.unwrap().rms
     });
     assert!(rms.windows(2).all(|pair| pair[0] / pair[1] > 7.0), "{rms:?}");

@@ -4,9 +4,10 @@ use crate::support::builds::{SMALL, command, files, folder, morion, save, told};
 use crate::support::{refused, small_but};
 use morion::internals::pipeline::{
     BlurOptions, BuildOptions, Command, FrameOptions, MachiningOptions, Observer, OutputFile,
-    RenderOptions, ReplayOptions, Silent, Source, Stage, ToleranceOptions, TrialsPart, Unwrap,
+    RenderOptions, ReplayOptions, Silent, Stage, ToleranceOptions, TrialsPart, Unwrap,
     UnwrapOptions, Verify, VerifyOptions, load,
 };
+use morion::internals::profile::Profile;
 use morion::internals::report::Aperture;
 use std::path::Path;
 use std::process::Stdio;
@@ -165,7 +166,7 @@ impl Observer for Begun {
 
 /// A command in a folder that is a file: refused before any stage, with nothing left.
 #[track_caller]
-fn refused_at_once<C: Command>(what: &str, command: &C, source: &Source, home: &Path) {
+fn refused_at_once<C: Command>(what: &str, command: &C, source: &Profile, home: &Path) {
     let begun = Begun::default();
     let before = std::fs::read_dir(home).unwrap().count();
     let error = command.publish(source, &home.join("file"), &begun).err();

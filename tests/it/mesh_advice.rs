@@ -4,7 +4,7 @@ use crate::random_profiles::wanted::{self, Wanted};
 use crate::support::builds::folder;
 use crate::support::random::each;
 use crate::support::times;
-use morion::internals::pipeline::{Silent, Source, build, dry_run};
+use morion::internals::pipeline::{Silent, build, dry_run};
 use morion::internals::profile::Profile;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -69,7 +69,7 @@ fn no_advice_of_a_mesh_is_without_a_number() {
             let texts = LIMITS.iter().map(|limits| with_limits(&text, limits));
             for text in texts.filter(|_| heights.is_none()) {
                 let Ok(profile) = Profile::parse("p", "p.toml", text.as_bytes()) else { continue };
-                let source = Source::from(profile);
+                let source = profile;
                 let triangles = match dry_run(&source, &Silent) {
                     Err(error) => {
                         said.push((error.to_string(), text.clone()));

@@ -109,11 +109,8 @@ fn every_method_makes_the_same_mirror_where_an_exact_one_exists() {
         let text = text.replace("# target_radius_mm = 500", "target_radius_mm = 120");
         assert!(name != "cylinder" || !text.contains(target));
         let [first, others @ ..] = METHODS.map(|method| {
-            design(
-                &parsed(&text.replace("[method.vector-field]", &format!("[method.{method}]"))),
-                None,
-            )
-            .unwrap()
+            design(&parsed(&text.replace("[method.vector-field]", &format!("[method.{method}]"))))
+                .unwrap()
         });
         let [inner, outer] = rims(&first);
         for other in others {
@@ -170,7 +167,7 @@ fn minimax_brings_the_papers_mirrors_below_their_limits() {
             if minimax {
                 text = text.replace("# minimax = true", "minimax = true");
             }
-            design(&parsed(&text), None).unwrap().facts
+            design(&parsed(&text)).unwrap().facts
         };
         let ray = |method, minimax| made(method, minimax).ray_error_mrad.unwrap().max;
         let pixel = |method, minimax| made(method, minimax).pixel_error_px.unwrap().max;

@@ -303,7 +303,7 @@ fn more_degrees_never_leave_more_of_round_mirrors() {
         let mut last = f64::INFINITY;
         for degree in [1, 2, 3, 5, 8, 12, 20, 30, 40] {
             let text = format!("{}degree = {degree} #{}", &text[..at], &text[at + 9..]);
-            let facts = match morion::internals::design::design(&parsed(&text), None) {
+            let facts = match morion::internals::design::design(&parsed(&text)) {
                 Ok(design) => design.facts,
                 Err(error) => {
                     // Coarse mirrors see what this law shows nowhere: inside of the centre.

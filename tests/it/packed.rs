@@ -78,7 +78,7 @@ fn volume(mesh: &TriMesh) -> f64 {
 #[test]
 fn a_3mf_is_the_stl_in_a_third_of_its_bytes() {
     let folder = folder();
-    let report = build(&parsed(&three_formats()).into(), folder.path(), &Silent).unwrap();
+    let report = build(&parsed(&three_formats()), folder.path(), &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
     let names: Vec<&str> = report.trace.iter().map(|trace| &*trace.file).collect();
     assert_eq!(names, ["mirror.stl", "mirror.3mf", "mirror.obj"]);
@@ -103,7 +103,7 @@ fn a_3mf_is_the_stl_in_a_third_of_its_bytes() {
 #[test]
 fn a_3mf_says_who_made_it_for_what() {
     let folder = folder();
-    let report = build(&parsed(&three_formats()).into(), folder.path(), &Silent).unwrap();
+    let report = build(&parsed(&three_formats()), folder.path(), &Silent).unwrap();
     let packed = std::fs::read(folder.path().join("small/mirror.3mf")).unwrap();
     let model = part(&packed, MODEL);
     assert!(model.contains("<model unit=\"millimeter\""));
@@ -123,7 +123,7 @@ fn names_cannot_become_markup() {
     let folder = folder();
     let mut profile = parsed(&three_formats());
     profile.name = "a&b <c> \"d\" \u{e9}".into();
-    build(&profile.clone().into(), folder.path(), &Silent).unwrap();
+    build(&profile, folder.path(), &Silent).unwrap();
     let packed = std::fs::read(folder.path().join(&profile.name).join("mirror.3mf")).unwrap();
     let model = part(&packed, MODEL);
     assert!(model.contains("<metadata name=\"Title\">a&amp;b &lt;c&gt; \"d\" ?</metadata>"));
@@ -152,7 +152,7 @@ fn a_3mf_of_another_making_is_read_and_verified() {
     );
     let path = home.join("theirs.3MF");
     std::fs::write(&path, of_model(&model)).unwrap();
-    let report = verify(&parsed(SMALL).into(), &path, &Silent).unwrap();
+    let report = verify(&parsed(SMALL), &path, &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
     assert_eq!(report.files[0].format, "3mf");
 }
@@ -250,7 +250,7 @@ fn a_damaged_3mf_fails_and_is_named() {
     let only = parsed(&small_but("[\"stl\", \"obj\"]", "[\"3mf\"]"));
     for percent in [5, 40, 90] {
         let folder = folder();
-        let report = build(&only.clone().into(), folder.path(), &Vandal(percent)).unwrap();
+        let report = build(&only, folder.path(), &Vandal(percent)).unwrap();
         assert_eq!(report.verdict, Verdict::Fail);
         assert!(report.reasons.iter().all(|reason| reason.starts_with("mirror.3mf: ")));
         // Every part of a package has a check sum.
@@ -263,11 +263,11 @@ fn a_damaged_3mf_fails_and_is_named() {
 fn nothing_is_removed_where_not_all_can_be() {
     let folder = folder();
     let with = |formats: &str| parsed(&small_but("[\"stl\", \"obj\"]", formats));
-    build(&with("[\"obj\"]").into(), folder.path(), &Silent).unwrap();
+    build(&with("[\"obj\"]"), folder.path(), &Silent).unwrap();
     let home = folder.path().join("small");
     std::fs::create_dir(home.join("mirror.step")).unwrap();
     let before = std::fs::read(home.join("report.json")).unwrap();
-    let error = build(&with("[\"stl\"]").into(), folder.path(), &Silent).unwrap_err().to_string();
+    let error = build(&with("[\"stl\"]"), folder.path(), &Silent).unwrap_err().to_string();
     assert!(error.contains("mirror.step"), "{error}");
     assert!(home.join("mirror.obj").exists() && !home.join("mirror.stl").exists());
     assert_eq!(std::fs::read(home.join("report.json")).unwrap(), before);

@@ -7,7 +7,7 @@ use crate::support::{designed, meshed, share, unlimited};
 use morion::internals::design::Design;
 use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
-use morion::internals::pipeline::{Silent, Source, build, dry_run};
+use morion::internals::pipeline::{Silent, build, dry_run};
 use morion::internals::profile::{FileFormat, MeshFormat};
 use morion::internals::report::{BuildReport, Reason, Verdict};
 use morion::internals::solid::{Solid, added, rim};
@@ -129,7 +129,7 @@ fn curved(design: &Design) -> f64 {
 }
 
 fn built(text: &str) -> (BuildReport, tempfile::TempDir) {
-    let source = Source::from(unlimited(parsed(text)));
+    let source = unlimited(parsed(text));
     let folder = folder();
     let report = build(&source, folder.path(), &Silent).unwrap_or_else(|e| panic!("{e}"));
     (report, folder)
@@ -194,7 +194,7 @@ fn parts_pass_and_holes_and_marks_are_where_they_were_asked_for() {
 #[test]
 fn a_vertex_off_the_stock_fails() {
     let text = case("pinhole, holes");
-    let source = Source::from(parsed(&text));
+    let source = parsed(&text);
     let (_, folder) = built(&text);
     let bytes = std::fs::read(folder.path().join("small/mirror.obj")).unwrap();
     let plain = String::from_utf8(bytes).unwrap();
@@ -231,7 +231,7 @@ fn the_fixture_passes() {
 fn a_part_without_its_holes_is_not_the_part() {
     let text = case("strip, holes");
     let (_, folder) = built(&case("strip, plain"));
-    let source = Source::from(parsed(&text));
+    let source = parsed(&text);
     let path = folder.path().join("small/mirror.stl");
     let report = morion::internals::pipeline::verify(&source, &path, &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
@@ -251,7 +251,7 @@ fn a_rim_in_the_way_is_named() {
 
 /// What is foreseen of the whole part is right within a fifth.
 fn foreseen(what: &str, text: &str, report: &BuildReport) {
-    let prospect = dry_run(&Source::from(parsed(text)), &Silent).unwrap();
+    let prospect = dry_run(&parsed(text), &Silent).unwrap();
     let off = prospect.mesh.unwrap().triangles as f64 / report.mesh.unwrap().triangles as f64 - 1.0;
     println!("{what}: triangles off by {off:.3}");
     assert!(off.abs() < 0.2, "{what}: {off}");

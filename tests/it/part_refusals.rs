@@ -109,12 +109,12 @@ fn what_does_not_fit_is_refused_with_its_place() {
         let base = GIVEN.replace("[[3, 0, 1e-5], [0, 1, 0.01]]", terms);
         format!("{layout}{base}part = {{ {part} }}\n")
     };
-    let even = design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]")), None).unwrap();
+    let even = design(&parsed(&text("[[2, 0, 1e-3], [0, 2, 1e-3]]"))).unwrap();
     assert_eq!(even.holes(), 1);
     // Only a surface of revolution has a plane land in STEP.
     let carried = fit_splines(&even.mirror).unwrap().check_land(even.border.as_ref());
     assert_eq!(carried, Err(FitError::Land));
-    let error = design(&parsed(&text("[[2, 0, 1e-3]]")), None).unwrap_err().to_string();
+    let error = design(&parsed(&text("[[2, 0, 1e-3]]"))).unwrap_err().to_string();
     assert!(error.contains("found [1, 0, 4]; the land's rim is not flat"), "{error}");
     assert!(error.contains("by 0.0320 mm"), "{error}");
 
@@ -122,7 +122,7 @@ fn what_does_not_fit_is_refused_with_its_place() {
     let profile = parsed(&format!(
         "{PINHOLE}part = {{ width_mm = 60, base_mm = 8, border_mm = 8, holes_mm = [[27, 3, 4]] }}\n"
     ));
-    let error = design(&profile, None).unwrap_err();
+    let error = design(&profile).unwrap_err();
     assert!(matches!(error, DesignError::Border { .. }));
     let error = error.to_string();
     assert!(
@@ -140,7 +140,7 @@ fn corners_that_take_up_a_side_but_for_rounding_take_it_up() {
              corner_radius_mm = {corner} }}\n"
         );
         let profile = parsed(&format!("{GIVEN}{part}"));
-        let contour = design(&profile, None).unwrap().border.unwrap().contour;
+        let contour = design(&profile).unwrap().border.unwrap().contour;
         let corners = contour.polygon();
         let next = corners.iter().cycle().skip(1);
         let least = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).fold(1.0, f64::min);
@@ -200,7 +200,7 @@ fn random_parts_close_or_are_refused() {
             refused += 1;
             continue;
         };
-        let design = match design(&profile, None) {
+        let design = match design(&profile) {
             Ok(design) => design,
             Err(DesignError::Border { .. }) => {
                 refused += 1;

@@ -19,6 +19,9 @@ fn the_shipped_conquistador_is_the_papers() {
         profile,
         Profile {
             name: "c".into(),
+            named: "c".into(),
+            heights: None,
+            form_map: None,
             sha256: profile.sha256.clone(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: CameraModel::Orthographic { pixels: [640, 480] },

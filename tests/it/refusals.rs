@@ -123,7 +123,7 @@ fn elevations_up_to_the_poles_give_a_right_answer_or_a_refusal() {
                     [("cylindrical", law), ("degree = 12", degree), ("[-30, 30]", elevation)];
                 let what = format!("{law}, {degree}, {elevation}");
                 let profile = with_limits(profile(&edits), None, Some(60.0));
-                let Ok(design) = design(&profile, None) else {
+                let Ok(design) = design(&profile) else {
                     refused += 1;
                     continue;
                 };
@@ -193,7 +193,7 @@ fn frames_of_any_shape_are_sound() {
             for (chord_um, facet_px) in [(None, Some(40.0)), (Some(20.0), None)] {
                 let profile = with_limits(profile(&edits), chord_um, facet_px);
                 let what = format!("{pixels}, {layout}");
-                let Ok(design) = design(&profile, None) else { continue };
+                let Ok(design) = design(&profile) else { continue };
                 let face = meshed(&profile, &design);
                 sound(&what, &profile, &face);
             }
@@ -212,13 +212,13 @@ fn a_frame_too_high_for_the_law_is_refused() {
         ("cylindrical", false),
     ] {
         let profile = profile(&[("cylindrical", law), fill, high]);
-        let error = design(&profile, None).err().map(|error| error.to_string());
+        let error = design(&profile).err().map(|error| error.to_string());
         assert_eq!(
             error.as_ref().is_some_and(|error| error.contains("leave fill_frame out")),
             refused,
             "{law}: {error:?}"
         );
         // What it asks for helps.
-        assert!(design(&support::profile(&[("cylindrical", law), high]), None).is_ok(), "{law}");
+        assert!(design(&support::profile(&[("cylindrical", law), high])).is_ok(), "{law}");
     }
 }

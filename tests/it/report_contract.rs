@@ -19,9 +19,9 @@ struct Built {
 
 fn built(text: &str) -> Built {
     let (profile, folder) = (parsed(text), folder());
-    let report = build(&profile.clone().into(), folder.path(), &Silent).unwrap();
+    let report = build(&profile, folder.path(), &Silent).unwrap();
     let files = files(&folder.path().join("small"));
-    Built { design: design(&profile, None).unwrap(), report, files }
+    Built { design: design(&profile).unwrap(), report, files }
 }
 
 impl Built {
@@ -488,7 +488,7 @@ fn the_profile_allows_what_the_report_passes() {
 fn the_summary_names_no_file_that_is_not_there() {
     let folder = folder();
     let drawn = parsed(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]"));
-    let report = build(&drawn.into(), folder.path(), &Silent).unwrap();
+    let report = build(&drawn, folder.path(), &Silent).unwrap();
     assert!(!folder.path().join("small/mirror.obj").exists());
     let shown = report.text();
     assert!(!shown.contains("mirror.obj"), "{shown}");

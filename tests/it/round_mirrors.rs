@@ -32,7 +32,7 @@ const SHIPPED: [Round; 9] = [
 
 impl Round {
     fn design(&self) -> Design {
-        design(&parsed(shipped_text(self.name)), None).unwrap()
+        design(&parsed(shipped_text(self.name))).unwrap()
     }
 
     /// theta of image radius `r`.

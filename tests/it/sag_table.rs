@@ -28,7 +28,7 @@ struct Made {
 
 fn made(profile: &Profile) -> Made {
     let folder = folder();
-    let report = build(&profile.clone().into(), folder.path(), &Silent).unwrap();
+    let report = build(&profile, folder.path(), &Silent).unwrap();
     let text = std::fs::read_to_string(folder.path().join(&profile.name).join("sag.csv")).unwrap();
     assert!(text.ends_with('\n') && !text.contains('\r') && !text.contains("-0.000000000"));
     let (header, rest): (Vec<&str>, Vec<&str>) =
@@ -151,7 +151,7 @@ fn tables_of_both_panels_and_of_pinhole_mirrors_lie_on_their_designs() {
         };
         let profile = parsed(&text);
         let made = made(&profile);
-        let mirror = morion::internals::design::design(&profile, None).unwrap().mirror;
+        let mirror = morion::internals::design::design(&profile).unwrap().mirror;
         let outline = mirror.full_outline();
         for &[x, y, z, a, b, c] in &made.rows {
             // Back along the camera's ray, which the writer goes the other way.
@@ -206,7 +206,7 @@ fn a_table_of_too_many_places_is_refused() {
     };
     let folder = folder();
     let long = parsed(&plate(1, 4000, ""));
-    let error = build(&long.into(), folder.path(), &Silent).unwrap_err().to_string();
+    let error = build(&long, folder.path(), &Silent).unwrap_err().to_string();
     assert!(error.contains("1.6e8 places, over 2e7; raise export.sag.pitch_mm"), "{error}");
     let spiral = "export.sag = { path = \"spiral\", pitch_mm = 0.1, step_mm = 0.1 }\n";
     let text = plate(1000, 1, spiral);
@@ -267,7 +267,7 @@ impl Observer for Vandal {
 #[test]
 fn a_table_that_is_not_the_design_any_more_fails() {
     let folder = folder();
-    let report = build(&sphere("").into(), folder.path(), &Vandal).unwrap();
+    let report = build(&sphere(""), folder.path(), &Vandal).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     let [altered, normal] = &report.reasons[..] else { panic!("{:?}", report.reasons) };
     assert_eq!(&**altered, "sag.csv: the bytes on the disk are not those that were written");
@@ -278,7 +278,7 @@ fn a_table_that_is_not_the_design_any_more_fails() {
 fn a_given_sphere_departs_from_no_sphere_of_its_own_sign_and_a_paraboloid_does() {
     let of = |mirror: &str| {
         let text = format!("{}export.formats = [\"stl\"]\n", SPHERE.replace("conic = 0", mirror));
-        build(&parsed(&text).into(), folder().path(), &Silent).unwrap().form
+        build(&parsed(&text), folder().path(), &Silent).unwrap().form
     };
     let round = of("conic = 0").sphere;
     // The profile's sign.

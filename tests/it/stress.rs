@@ -2,7 +2,7 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, parsed};
 use crate::support::share;
-use morion::internals::pipeline::{Silent, Source, build};
+use morion::internals::pipeline::{Silent, build};
 use morion::internals::report::{BuildReport, Reason};
 use serde_json::Value;
 
@@ -47,7 +47,7 @@ fn missing(value: &Value, path: &str, found: &mut Vec<String>) {
 /// proven of it, and seen so by the witness; or why there is none, and then there is nothing.
 fn right_or_refused(what: &str, text: &str) -> Result<BuildReport, String> {
     let folder = folder();
-    let source = Source::from(parsed(text));
+    let source = parsed(text);
     let made = build(&source, folder.path(), &Silent);
     let left = folder.path().join("small");
     let report = match made {

@@ -107,7 +107,7 @@ fn a_profile_changed_in_memory_is_another_one() {
         let mut profile = builds::parsed(SMALL);
         profile.mesh =
             morion::internals::profile::MeshGoal::limits(Some(chord_um), profile.mesh.facet_px());
-        let source = morion::internals::pipeline::Source::from(profile);
+        let source = profile;
         let report = morion::internals::pipeline::build(
             &source,
             folder.path(),

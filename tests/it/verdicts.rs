@@ -1,7 +1,7 @@
 //! Verdicts on mirrors that are sound parts and poor pictures, and the ways out that they name.
 
 use crate::support::builds::{folder, parsed};
-use morion::internals::pipeline::{Silent, Source, build};
+use morion::internals::pipeline::{Silent, build};
 use morion::internals::report::{BuildReport, Reason, ReasonKind, Verdict};
 
 /// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
@@ -18,7 +18,7 @@ fn profile(camera: &str, projection: &str, layout: &str, width_mm: &str) -> Stri
 }
 
 fn built(text: &str) -> BuildReport {
-    let source: Source = parsed(text).into();
+    let source = parsed(text);
     build(&source, folder().path(), &Silent).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 

@@ -190,7 +190,7 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
 
 fn built(profile: &Profile) -> BuildReport {
     let folder = folder();
-    build(&unlimited(profile.clone()).into(), folder.path(), &Silent)
+    build(&unlimited(profile.clone()), folder.path(), &Silent)
         .unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -108,7 +108,7 @@ fn a_folder_that_is_removed_meanwhile_is_named_and_not_made_again() {
     for files in [1, 2] {
         let folder = folder();
         let remover = Remover(AtomicUsize::new(files));
-        let error = build(&parsed(SMALL).into(), folder.path(), &remover).unwrap_err().to_string();
+        let error = build(&parsed(SMALL), folder.path(), &remover).unwrap_err().to_string();
         let path = folder.path().join("small");
         for word in ["cannot ", &path.display().to_string(), "removed meanwhile: run the command"] {
             assert!(error.contains(word), "no {word:?} in {error}");

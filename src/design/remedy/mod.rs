@@ -6,7 +6,7 @@ mod keys;
 use super::cause::{FailureCause, FitStage, LocalFailure};
 use super::solve::SolveError;
 use super::{Design, DesignError, try_design};
-use crate::profile::{Profile, SagGrid, ShapeSpec};
+use crate::profile::{Profile, ShapeSpec};
 use keys::{
     Edit, degree, degree_down, distance, elevation, law, least_squares, targets, unfilled,
     untargeted, vector_field,
@@ -89,8 +89,8 @@ impl fmt::Display for Remedy {
 }
 
 /// Remedy of `cause`, for which `profile` is refused.
-pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &FailureCause) -> Remedy {
-    let mut search = TrialDesigns { sag, trials: 0, most: MOST_SINGLE };
+pub fn remedy(profile: &Profile, cause: &FailureCause) -> Remedy {
+    let mut search = TrialDesigns { trials: 0, most: MOST_SINGLE };
     let mut found: Vec<Vec<KeyChange>> = Vec::new();
     for key in keys(profile, cause) {
         if found.len() == ALTERNATIVES {
@@ -106,14 +106,13 @@ pub fn remedy(profile: &Profile, sag: Option<&SagGrid>, cause: &FailureCause) ->
 }
 
 /// Trial designs.
-struct TrialDesigns<'a> {
-    sag: Option<&'a SagGrid>,
+struct TrialDesigns {
     trials: usize,
     /// No more are made.
     most: usize,
 }
 
-impl TrialDesigns<'_> {
+impl TrialDesigns {
     /// Whether the mirror of `profile` can be designed; no more are tried when that has been asked
     /// too often.
     fn helps(&mut self, profile: &Profile) -> bool {
@@ -121,7 +120,7 @@ impl TrialDesigns<'_> {
             return false;
         }
         self.trials += 1;
-        let design: Result<Design, DesignError> = try_design(profile, self.sag);
+        let design: Result<Design, DesignError> = try_design(profile);
         // What does not fit around the mirror is another matter.
         matches!(design, Ok(_) | Err(DesignError::Border { .. }))
     }

@@ -106,6 +106,7 @@ pub(super) fn profile(
     };
     Some(Profile {
         name: name.to_owned(),
+        named: name.to_owned(),
         sha256: hex(&Sha256::digest(bytes)),
         summary: summary.unwrap_or_default(),
         lens: camera.as_ref()?.lens,
@@ -116,6 +117,7 @@ pub(super) fn profile(
         },
         layout,
         shape: shape?.shape?,
+        heights: None,
         part: {
             let (width_mm, base_mm) = (part.width?.value, part.base?.value);
             PartSpec { width_mm, base_mm, border: part.border.border(base_mm) }
@@ -125,6 +127,7 @@ pub(super) fn profile(
         sag: sag?,
         accept: accept?,
         tolerance,
+        form_map: None,
     })
 }
 

@@ -193,7 +193,7 @@ fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
     let text = format!("mesh.chord_um = 25\n{}", profile_text("conquistador"));
     std::fs::write(&profile, text).unwrap();
     let source = load(profile.to_str().unwrap()).unwrap();
-    assert!(source.profile.accept.pixel_error_max_px.is_none());
+    assert!(source.accept.pixel_error_max_px.is_none());
     let options = VerifyOptions { units: None, align: true };
     for (stretch, verdict) in [(1.0, Verdict::Pass), (1.02, Verdict::Fail)] {
         let mut mesh = part.solid.clone();

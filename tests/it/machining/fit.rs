@@ -26,7 +26,7 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     assert!(found.reasons.iter().any(|r| r.contains("fillet of")), "{:?}", found.reasons);
     let fillet = found.fillet.unwrap();
     // The root along each line against the closing of the mirror by the ball.
-    let design = design(&profile, None).unwrap();
+    let design = design(&profile).unwrap();
     let gouge = Gouge::new(
         &design.mirror,
         bounding_corners(&plan_outlines(&design.mirror)),
@@ -43,8 +43,8 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     assert!((left / fillet.left_max_mm - 1.0).abs() < 1e-3 && at.y == 0.0, "{left} {fillet:?}");
     assert_eq!(gouge.largest_outside_fillet, None);
     // Ridges that stand out, and those that flatten towards their ends, are none.
-    for crest in [builds::parsed(SMALL), load("conformal").unwrap().profile] {
-        let design = morion::internals::design::design(&crest, None).unwrap();
+    for crest in [builds::parsed(SMALL), load("conformal").unwrap()] {
+        let design = morion::internals::design::design(&crest).unwrap();
         assert_eq!(Fillet::new(&design.mirror, &design.camera, 0.1 * crest.part.width_mm), None);
     }
     // The part is cut all the same, and is a solid.
@@ -132,7 +132,7 @@ fn a_ball_that_fits_nowhere_is_a_negative_verdict_with_its_map() {
 /// A map against no search but brute force: all centres of a grid against all nodes of a fine one.
 #[test]
 fn the_map_of_the_panoramic_mirror_is_that_of_brute_force() {
-    let mirror = design(&load("panoramic").unwrap().profile, None).unwrap().mirror;
+    let mirror = design(&load("panoramic").unwrap()).unwrap().mirror;
     let rim = bounding_corners(&plan_outlines(&mirror));
     let (ball, fine) = (15.0f64, 0.1);
     let gouge = Gouge::new(&mirror, rim, ball, None);

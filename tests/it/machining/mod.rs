@@ -5,7 +5,7 @@ mod program;
 mod scallops;
 
 use crate::support::builds;
-use morion::internals::pipeline::{Command, MachiningOptions, Silent, Source};
+use morion::internals::pipeline::{Command, MachiningOptions, Silent};
 use morion::internals::profile::Profile;
 use morion::internals::report::MachiningReport;
 use std::path::Path;
@@ -42,6 +42,6 @@ const DISC: &str = "layout.disc = {}\npart = { width_mm = 24, base_mm = 3 }";
 const RECTANGLE: &str = "part = { width_mm = 12, height_mm = 9, base_mm = 3 }";
 
 fn cut(profile: &Profile, cutting: MachiningOptions, out: &Path) -> MachiningReport {
-    let found = cutting.publish(&Source::from(profile.clone()), out, &Silent);
+    let found = cutting.publish(profile, out, &Silent);
     found.unwrap_or_else(|error| panic!("{error}"))
 }

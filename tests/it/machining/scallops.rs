@@ -9,7 +9,7 @@ use morion::internals::machining::{
     BallRaster, Passes, SurfaceAnalysis, bounding_corners, plan_outlines,
 };
 use morion::internals::num::{cos, hypot, radians};
-use morion::internals::pipeline::{Command, MachiningOptions, Silent, Source, load};
+use morion::internals::pipeline::{Command, MachiningOptions, Silent, load};
 use morion::internals::report::{Answer, Verdict};
 
 /// A ball that touches a sphere of radius rho at height u has its centre at u (1 + R / rho), on the ray from the
@@ -20,7 +20,7 @@ fn the_cut_of_a_sphere_meets_its_closed_form_along_a_meridian() {
     for rho in [25.0f64, -25.0] {
         // A positive radius opens upwards in a profile.
         let profile = given(DISC, &format!("radius_mm = {}, conic = 0", -rho));
-        let mirror = design(&profile, None).unwrap().mirror;
+        let mirror = design(&profile).unwrap().mirror;
         for angle in [0.0, 90.0] {
             let raster = BallRaster { ball_mm: ball, stepover_mm: w, angle: radians(angle) };
             let passes =
@@ -144,7 +144,7 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
     assert_eq!((first.verdict, first.reasons.len()), (Verdict::Fail, 2), "{:?}", first.reasons);
     let px = first.budget.stepover_for_px_mm.unwrap();
     let um = first.budget.stepover_for_scallop_mm.unwrap();
-    let design = design(&profile, None).unwrap();
+    let design = design(&profile).unwrap();
     let survey = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
     let angle = radians(first.angle_deg);
     let figures = |stepover_mm| {
@@ -169,7 +169,7 @@ fn budgets_are_kept_by_the_stepovers_that_are_found_for_them() {
 #[test]
 fn the_best_direction_is_the_least_of_all_and_round_mirrors_have_none() {
     let profile = builds::parsed(SMALL);
-    let design = design(&profile, None).unwrap();
+    let design = design(&profile).unwrap();
     let survey = SurfaceAnalysis::new(&design.mirror, &design.camera, design.view.as_ref());
     let raster =
         |angle_deg| BallRaster { ball_mm: 1.0, stepover_mm: 0.137, angle: radians(angle_deg) };
@@ -182,7 +182,7 @@ fn the_best_direction_is_the_least_of_all_and_round_mirrors_have_none() {
     let worst = others.iter().copied().fold(0.0, f64::max);
     assert!(!best.any && best.of_worst < 0.999 && best.of_worst < 1.001 * least / worst);
     assert!(best.of_worst > 0.98 * least / worst);
-    let round = load("parabolic").unwrap().profile;
+    let round = load("parabolic").unwrap();
     let found = cut(&round, CUTTING, folder().path());
     assert!(found.best.pixels.unwrap().any && found.best.height.any, "{:?}", found.best);
     assert!(found.text().contains("a spiral about the axis does as well"));
@@ -238,8 +238,7 @@ fn a_mirror_that_no_pixel_sees_is_cut_all_the_same() {
 #[ignore = "makes the largest surface that there may be, which takes long: .ci/nightly has it"]
 fn the_stepover_that_is_offered_instead_is_taken() {
     let folder = folder();
-    let source =
-        Source::from(given(RECTANGLE, "terms = [[0, 0, 1], [2, 0, -0.02], [0, 2, -0.01]]"));
+    let source = given(RECTANGLE, "terms = [[0, 0, 1], [2, 0, -0.02], [0, 2, -0.01]]");
     for ball_mm in [0.4, 6.0] {
         let cutting =
             |mm: f64| MachiningOptions { ball_mm, stepover_mm: Some(mm), as_cut: true, ..CUTTING };
@@ -260,7 +259,7 @@ fn the_stepover_that_is_offered_instead_is_taken() {
 #[test]
 fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
     let folder = folder();
-    let source: Source = builds::parsed(SMALL).into();
+    let source = builds::parsed(SMALL);
     let run = |cutting: MachiningOptions| cutting.publish(&source, folder.path(), &Silent).unwrap();
     let free = MachiningOptions { ball_mm: 2.0, stepover_mm: None, as_cut: false, ..CUTTING };
     for (budget_px, scallop_um) in [(Some(0.3), None), (Some(0.3), Some(0.05)), (None, None)] {
@@ -268,10 +267,7 @@ fn a_stepover_that_is_not_given_is_the_largest_that_keeps_the_budget() {
         let found = run(asked);
         assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
         let px = found.budget.p95_px.unwrap();
-        assert_eq!(
-            px,
-            budget_px.unwrap_or(source.profile.acceptance_limits().pixel_error_max_px.value)
-        );
+        assert_eq!(px, budget_px.unwrap_or(source.acceptance_limits().pixel_error_max_px.value));
         let scallops = found.scallops.unwrap();
         let used = [
             scallops.pixel_error_px.unwrap().p95 / px,

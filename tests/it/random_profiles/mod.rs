@@ -6,9 +6,7 @@ pub mod wanted;
 use crate::support::builds::folder;
 use crate::support::random::each;
 use crate::support::{times, unlimited};
-use morion::internals::pipeline::{
-    Command, Error, Silent, Source, ToleranceOptions, build, dry_run, load,
-};
+use morion::internals::pipeline::{Command, Error, Silent, ToleranceOptions, build, dry_run, load};
 use morion::internals::profile::{Profile, SagGrid};
 use morion::internals::report::{BuildReport, ReasonKind, Verdict};
 use proptest::prelude::*;
@@ -60,12 +58,12 @@ fn ended(wanted: &Wanted, folder: &Path) -> Result<Ending, String> {
     let Ok(profile) = Profile::parse("random", "random.toml", wanted.text.as_bytes()) else {
         return Ok((INVALID, BTreeSet::new()));
     };
-    let sag = wanted.heights.as_ref().map(|text| SagGrid::parse(text.as_bytes()));
-    let sag = sag.transpose().map_err(|error| error.to_string())?;
+    let heights = wanted.heights.as_ref().map(|text| SagGrid::parse(text.as_bytes()));
+    let heights = heights.transpose().map_err(|error| error.to_string())?;
     // What is usual is no business of random mirrors.
-    let source = Source { sag, ..unlimited(profile).into() };
+    let source = Profile { heights, ..unlimited(profile) };
     let ending = match build(&source, folder, &Silent) {
-        Ok(report) => judged(&source.profile, &report, &folder.join("random"))?,
+        Ok(report) => judged(&source, &report, &folder.join("random"))?,
         Err(error) => (refusal(&error)?, BTreeSet::new()),
     };
     if wanted.toleranced {
@@ -313,7 +311,7 @@ sag = { path = \"raster\", pitch_mm = 0.06348, step_mm = 0.0397 }
 ";
         let folder = folder();
         let profile = Profile::parse("random", "random.toml", text.as_bytes()).unwrap();
-        let report = build(&Source::from(profile), folder.path(), &Silent).unwrap();
+        let report = build(&profile, folder.path(), &Silent).unwrap();
         assert!(report.sag.as_ref().is_some_and(|sag| sag.rows > 9), "{:?}", report.sag);
     }
 
@@ -382,7 +380,7 @@ export.formats = [\"stl\"]
                  export.formats = [{formats}]\n"
             );
             let profile = Profile::parse("random", "random.toml", text.as_bytes()).unwrap();
-            let error = dry_run(&profile.into(), &Silent).unwrap_err();
+            let error = dry_run(&profile, &Silent).unwrap_err();
             assert!(error.to_string().contains(said), "{error}");
         }
     }

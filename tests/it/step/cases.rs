@@ -80,7 +80,7 @@ pub fn cases() -> Vec<Case> {
     }
     for (name, text) in GIVEN {
         let profile = unmeshed(&format!("camera.orthographic.pixels = [96, 96]\n{text}"));
-        cases.push(bare(name, design(&profile, None).unwrap().mirror));
+        cases.push(bare(name, design(&profile).unwrap().mirror));
     }
     for (name, text) in [
         ("grid-rectangle", "part = { width_mm = 60, height_mm = 45, base_mm = 5 }\n"),
@@ -89,7 +89,7 @@ pub fn cases() -> Vec<Case> {
         let text = format!(
             "camera.orthographic.pixels = [96, 96]\nmirror.grid.file = \"sag.csv\"\n{text}"
         );
-        let mirror = design(&unmeshed(&text), Some(&wavy())).unwrap().mirror;
+        let mirror = design(&Profile { heights: Some(wavy()), ..unmeshed(&text) }).unwrap().mirror;
         cases.push(bare(name, mirror));
     }
     let stocked = [
@@ -101,7 +101,7 @@ pub fn cases() -> Vec<Case> {
         ("conical", Contour::Rect { half: DVec2::splat(42.0), corner_mm: 5.0 }),
     ];
     for (name, contour) in stocked {
-        let mirror = design(&shipped(name), None).unwrap().mirror;
+        let mirror = design(&shipped(name)).unwrap().mirror;
         cases.push(Case { name: format!("{name}-stock"), mirror, stock: Some(stock(contour)) });
     }
     let pinhole = designed(&profile(&[CAMERA, FOLDED])).mirror;

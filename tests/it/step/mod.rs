@@ -15,7 +15,7 @@ use morion::internals::export::Label;
 use morion::internals::export::step::{FitError, FittedMirror, fit_splines, write_step};
 use morion::internals::geom::{Chart, Contour, DVec2, DVec3, Outline};
 use morion::internals::mirror::Mirror;
-use morion::internals::profile::SagGrid;
+use morion::internals::profile::{Profile, SagGrid};
 use reading::{Curve, File, Surface, Value, height};
 use shape::{Travelled, distance, normal};
 use std::collections::BTreeMap;
@@ -59,7 +59,7 @@ fn written(case: &Case, fit: &FittedMirror) -> Vec<u8> {
 
 fn all() -> Vec<Case> {
     let shipped = SHIPPED.map(|name| {
-        let mirror = design(&shipped(name), None).unwrap().mirror;
+        let mirror = design(&shipped(name)).unwrap().mirror;
         Case { name: name.into(), mirror, stock: None }
     });
     shipped.into_iter().chain(cases()).collect()
@@ -366,7 +366,7 @@ fn shipped_mirrors_take_few_bytes() {
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     for name in ["conquistador", "plane", "conical"] {
-        let mirror = design(&shipped(name), None).unwrap().mirror;
+        let mirror = design(&shipped(name)).unwrap().mirror;
         let case = Case { name: name.into(), mirror, stock: None };
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -379,7 +379,7 @@ fn the_same_bytes_on_any_number_of_threads() {
 
 #[test]
 fn the_header_survives_any_name() {
-    let mirror = design(&shipped("parabolic"), None).unwrap().mirror;
+    let mirror = design(&shipped("parabolic")).unwrap().mirror;
     let fit = fit_splines(&mirror).unwrap();
     let name = format!("it's a\\b\n*/ENDSEC; \u{e9} {}", "long ".repeat(99));
     let mut bytes = Vec::new();
@@ -410,16 +410,21 @@ fn heights(count: usize, reach: f64, mut f: impl FnMut(DVec2) -> f64) -> SagGrid
 const GRID: &str = "camera.orthographic.pixels = [96, 96]\nmirror.grid.file = \"sag.csv\"\n\
                     part = { width_mm = 60, height_mm = 45, base_mm = 5 }\n";
 
+/// The profile of a mirror through `heights`.
+fn given(heights: &SagGrid) -> Profile {
+    Profile { heights: Some(heights.clone()), ..unmeshed(GRID) }
+}
+
 #[test]
 fn a_rough_grid_is_met_on_its_own_knots_and_a_smooth_one_on_fewer() {
     let mut draws = Draws::new(3);
     let rough = heights(41, 30.0, |_| draws.unit());
-    let found = fit_splines(&design(&unmeshed(GRID), Some(&rough)).unwrap().mirror).unwrap();
+    let found = fit_splines(&design(&given(&rough)).unwrap().mirror).unwrap();
     // Forty steps across 60 mm, of which 45 mm are thirty; and three more coefficients.
     assert_eq!(found.size(), [43, 33]);
     assert!(found.error_mm < 1e-9);
     let smooth = heights(241, 30.0, |q| -0.01 * q.length_squared());
-    let found = fit_splines(&design(&unmeshed(GRID), Some(&smooth)).unwrap().mirror).unwrap();
+    let found = fit_splines(&design(&given(&smooth)).unwrap().mirror).unwrap();
     assert!(found.size().iter().all(|&n| n < 20) && found.error_mm < 2e-6, "{:?}", found.size());
 }
 
@@ -427,7 +432,7 @@ fn a_rough_grid_is_met_on_its_own_knots_and_a_smooth_one_on_fewer() {
 fn what_no_reasonable_spline_meets_is_refused_with_what_was_reached() {
     let mut draws = Draws::new(5);
     let rough = heights(601, 30.0, |_| 0.01 * draws.unit());
-    let mirror = design(&unmeshed(GRID), Some(&rough)).unwrap().mirror;
+    let mirror = design(&given(&rough)).unwrap().mirror;
     match fit_splines(&mirror) {
         Err(FitError::Rough { reached_mm, spans: [400, 400] }) => {
             assert!((1e-4..1e-2).contains(&reached_mm), "{reached_mm}");
@@ -439,7 +444,7 @@ fn what_no_reasonable_spline_meets_is_refused_with_what_was_reached() {
 #[test]
 fn a_round_mirror_that_hangs_over_is_refused() {
     // Seen from near by, the rim of a steep bowl lies under what is further in.
-    let mirror = design(&shipped("hyperbolic"), None).unwrap().mirror;
+    let mirror = design(&shipped("hyperbolic")).unwrap().mirror;
     let near = Mirror { chart: Chart { vergence: 0.06, ..mirror.chart }, ..mirror };
     assert_eq!(fit_splines(&near).err(), Some(FitError::Overhang));
 }

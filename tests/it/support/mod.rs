@@ -70,7 +70,7 @@ export.formats = [\"stl\"]
 
 /// A shipped profile.
 pub fn shipped(name: &str) -> Profile {
-    load(name).unwrap_or_else(|error| panic!("{error}")).profile
+    load(name).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A shipped profile's text.
@@ -116,7 +116,7 @@ pub fn unlimited(mut profile: Profile) -> Profile {
 
 /// The profile's design, which must succeed.
 pub fn designed(profile: &Profile) -> Design {
-    design(profile, None).unwrap_or_else(|error| panic!("{error}"))
+    design(profile).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The profile's limits on the mirror of `design`.

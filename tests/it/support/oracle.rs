@@ -88,7 +88,7 @@ impl Wish {
     }
 
     pub fn design(&self) -> Result<Design, DesignError> {
-        design(&parsed(&self.text()), None)
+        design(&parsed(&self.text()))
     }
 
     pub fn made(&self) -> Design {

@@ -173,8 +173,8 @@ fn series(degree: [usize; 2], even: [bool; 2], f: impl Fn(f64, f64) -> f64) -> S
 
 /// A shipped profile's mirror, with its own limit of the governing error alone.
 fn shipped(name: &'static str, rule: Rule, most: Option<f64>) -> Case {
-    let profile = load(name).unwrap_or_else(|error| panic!("{error}")).profile;
-    let design = design(&profile, None).unwrap_or_else(|error| panic!("{error}"));
+    let profile = load(name).unwrap_or_else(|error| panic!("{error}"));
+    let design = design(&profile).unwrap_or_else(|error| panic!("{error}"));
     let limit = match rule {
         Rule::Chord => profile.mesh.chord_um().map(|um| um * 1e-3),
         Rule::Facet => profile.mesh.facet_px().map(|px| px * design.camera.pixel_mm),

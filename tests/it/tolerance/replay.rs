@@ -151,7 +151,7 @@ fn the_files_have_the_form_and_the_size_that_formulas_say() {
     let mesh = read_stl(&bytes).unwrap().mesh;
     let profile =
         morion::internals::pipeline::load(home.join("small.toml").to_str().unwrap()).unwrap();
-    let design = crate::support::designed(&profile.profile);
+    let design = crate::support::designed(&profile);
     let optical = report["files"][0]["optical_triangles"].as_u64().unwrap() as usize;
     let half = 7.5;
     // A wave of period 4 mm along Y and an unknown phase: its quadrature sums at equal weights.
