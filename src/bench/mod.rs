@@ -34,13 +34,19 @@ pub enum BenchError {
     Profile(#[from] SourceError),
     /// A stage cannot be done.
     #[error(transparent)]
-    Stage(#[from] crate::pipeline::Error),
+    Stage(Box<crate::pipeline::Error>),
     /// The disk refuses.
     #[error(transparent)]
     File(#[from] FileError),
     /// The pool of one thread cannot be started, or a plot not be drawn.
     #[error("cannot benchmark: {0}")]
     Plot(String),
+}
+
+impl From<crate::pipeline::Error> for BenchError {
+    fn from(error: crate::pipeline::Error) -> Self {
+        Self::Stage(Box::new(error))
+    }
 }
 
 /// What to sweep.

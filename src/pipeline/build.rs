@@ -148,12 +148,12 @@ impl Made {
                 meshes.push(check);
             }
         }
-        let check = |export: &Box<dyn CadExport + '_>| {
+        let check = |export: &dyn CadExport| {
             let staged = run.files.staged(export.format().file_name())?;
             let bytes = staged.read()?;
-            Ok(check_export(run, &**export, &self.label, &bytes, staged.sha256()))
+            Ok(check_export(run, export, &self.label, &bytes, staged.sha256()))
         };
-        let cad = exports.iter().map(check).collect::<Result<_, Error>>()?;
+        let cad = exports.iter().map(|export| check(&**export)).collect::<Result<_, Error>>()?;
         // Without a mesh file the designed mirror is what there is to see.
         let view = if meshes.is_empty() { CameraView::Smooth } else { CameraView::Shut };
         let picture = match picture {
