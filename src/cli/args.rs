@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[command(after_help = "Exit code: 0 passed, 1 a negative verdict, 2 could not do it.")]
 pub struct Arguments {
     #[command(subcommand)]
-    pub command: Command,
+    pub command: CommandArg,
     /// How results are printed
     #[arg(long, global = true, value_enum, default_value_t = PrintFormat::Text)]
     pub format: PrintFormat,
@@ -29,7 +29,7 @@ pub struct Arguments {
 }
 
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CommandArg {
     /// Design, mesh, write, read back, trace: every stage, into DIR/NAME/
     Build(BuildArgs),
     /// Validate a profile, and nothing else

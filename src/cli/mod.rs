@@ -9,10 +9,10 @@ mod styles;
 
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
-use crate::pipeline::{Command as Work, ToleranceOptions, TrialsPart, dry_run, load, merge};
+use crate::pipeline::{Command, ToleranceOptions, TrialsPart, dry_run, load, merge};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, Verdict, visible};
-use args::{Arguments, BenchArgs, BuildArgs, Command, PrintFormat, ProfilesArgs, ToleranceArgs};
+use args::{Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, ToleranceArgs};
 use clap::Parser;
 use progress::Progress;
 use serde_json::json;
@@ -54,23 +54,23 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     let format = arguments.format;
     let terminal = Terminal { format, progress: Progress::new(arguments.quiet) };
     match &arguments.command {
-        Command::Build(args) => terminal.build(args),
-        Command::Check(args) => terminal.check(&args.profile),
-        Command::Verify(args) => {
+        CommandArg::Build(args) => terminal.build(args),
+        CommandArg::Check(args) => terminal.check(&args.profile),
+        CommandArg::Verify(args) => {
             let out = args.out.as_deref().unwrap_or(Path::new("out"));
             match args.align {
                 true => terminal.publish(&args.command(), &args.profile, out),
                 false => terminal.in_memory(&args.command(), &args.profile),
             }
         }
-        Command::Render(args) => terminal.publish(&args.options(), &args.profile, &args.out),
-        Command::Frame(args) => terminal.publish(&args.options(), &args.profile, &args.out),
-        Command::Unwrap(args) => terminal.publish(&args.command(), &args.profile, &args.out),
-        Command::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
-        Command::Tolerance(args) => terminal.tolerance(args),
-        Command::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
-        Command::Bench(args) => terminal.bench(args),
-        Command::Profiles(args) => terminal.profiles(args),
+        CommandArg::Render(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Frame(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Unwrap(args) => terminal.publish(&args.command(), &args.profile, &args.out),
+        CommandArg::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Tolerance(args) => terminal.tolerance(args),
+        CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Bench(args) => terminal.bench(args),
+        CommandArg::Profiles(args) => terminal.profiles(args),
     }
 }
 
@@ -82,7 +82,7 @@ struct Terminal {
 
 impl Terminal {
     /// Runs a command on one profile, with its files below `out`, and prints its report.
-    fn publish<C: Work>(&self, command: &C, named: &str, out: &Path) -> Result<u8, Failure>
+    fn publish<C: Command>(&self, command: &C, named: &str, out: &Path) -> Result<u8, Failure>
     where
         C::Report: Answer,
     {
@@ -90,7 +90,7 @@ impl Terminal {
     }
 
     /// Runs a command on one profile that writes no files, and prints its report.
-    fn in_memory<C: Work>(&self, command: &C, named: &str) -> Result<u8, Failure>
+    fn in_memory<C: Command>(&self, command: &C, named: &str) -> Result<u8, Failure>
     where
         C::Report: Answer,
     {

@@ -1,6 +1,5 @@
 //! The survey of a mirror for a ball cutter: fit, scallops, directions, stock, and what they do to the pixels.
 
-use super::machining::MachiningOptions;
 use super::verdict;
 use crate::design::Design;
 use crate::geom::{Contour, DVec2, DVec3};
@@ -14,6 +13,43 @@ use crate::profile::Profile;
 use crate::report::{
     BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, SCHEMA, StockFacts,
 };
+
+/// How a mirror is cut: writes `gouge.png`, `machining.json` and, where the ball fits, `as-cut.stl` into NAME.
+/// (A ball that does not fit and a budget that is not kept are negative verdicts.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MachiningOptions {
+    /// Radius of the ball, mm.
+    pub ball_mm: f64,
+    /// Distance of the raster's lines in the plan, mm; none for the largest that keeps both budgets.
+    pub stepover_mm: Option<f64>,
+    /// Their direction from X towards Y, degrees; none for the one that is best for the pixels, or for the
+    /// scallops' height where there is no projection.
+    pub angle_deg: Option<f64>,
+    /// Pixel error that 95 % of the unpolished face may not exceed; none for the largest that a build is
+    /// held to.
+    pub budget_px: Option<f64>,
+    /// Height that no scallop may exceed, um.
+    pub scallop_um: Option<f64>,
+    /// What the stock stands over the part on its sides and on top, mm.
+    pub allowance_mm: f64,
+    /// Whether the as-cut part is made.
+    pub as_cut: bool,
+}
+
+impl Default for MachiningOptions {
+    /// A ball of 3 mm, the best direction and stepover, and the as-cut part.
+    fn default() -> Self {
+        Self {
+            ball_mm: 3.0,
+            stepover_mm: None,
+            angle_deg: None,
+            budget_px: None,
+            scallop_um: None,
+            allowance_mm: 0.0,
+            as_cut: true,
+        }
+    }
+}
 
 /// The stepover over the ball's radius at which directions are found where none is asked for.
 const FIRST_STEPOVER: f64 = 0.05;

@@ -1,7 +1,6 @@
 //! Tolerancing: trials to files, at once or in parts.
 
-use super::cutter_survey::CutterSurvey;
-use super::machining::MachiningOptions;
+use super::cutter_survey::{CutterSurvey, MachiningOptions};
 use super::run::{Command, Run};
 use super::source::load;
 use super::tolerance_spec::{PreparedStudy, prepared};
