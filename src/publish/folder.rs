@@ -32,6 +32,8 @@ pub fn abandon() {
 #[derive(Debug)]
 pub(super) struct Folder {
     path: PathBuf,
+    /// The folders that were made for it, itself first.
+    made: Vec<PathBuf>,
 }
 
 /// Keeps other commands from giving files in a folder their names, until it is dropped.
@@ -44,8 +46,10 @@ pub(super) struct PublishLock {
 impl Folder {
     /// Makes the folder and finds out, before any work is done, whether it can be written to.
     pub fn create(path: &Path) -> Result<Self, FileError> {
+        let is_new = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let made = path.ancestors().take_while(is_new).map(Path::to_owned).collect();
         std::fs::create_dir_all(path).map_err(FileError::new("create the folder", path))?;
-        let folder = Self { path: path.to_owned() };
+        let folder = Self { path: path.to_owned(), made };
         folder.temporary().map_err(FileError::new("write into the folder", path))?;
         folder.sweep();
         Ok(folder)
@@ -116,6 +120,13 @@ impl Folder {
         }
     }
 
+    /// Removes the folders that were made for it, as far as they are empty.
+    pub(super) fn remove_unused(&self) {
+        for folder in &self.made {
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
@@ -130,6 +141,8 @@ impl Folder {
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
+        // Another command that found it empty may have removed it.
+        std::fs::create_dir_all(&self.path)?;
         // No sweep comes between the two.
         let _lock = self.locked(File::lock_shared);
         let mut known = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);

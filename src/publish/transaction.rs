@@ -53,7 +53,9 @@ impl Transaction {
     /// # Errors
     /// [`FileError`] when the folder cannot be made or written to.
     pub fn open(path: &Path) -> Result<Self, FileError> {
-        Ok(Self { folder: Some(Folder::create(path)?), ..Self::in_memory() })
+        let mut files = Self::in_memory();
+        files.folder = Some(Folder::create(path)?);
+        Ok(files)
     }
 
     /// A transaction whose files stay in memory.
@@ -173,8 +175,19 @@ impl Transaction {
     }
 
     /// The files that were committed to memory.
-    pub fn into_files(self) -> Vec<OutputFile> {
-        self.committed
+    pub fn into_files(mut self) -> Vec<OutputFile> {
+        std::mem::take(&mut self.committed)
+    }
+}
+
+impl Drop for Transaction {
+    /// Leaves no new folder without a file.
+    fn drop(&mut self) {
+        self.staged.clear();
+        self.report = None;
+        if let Some(folder) = &self.folder {
+            folder.remove_unused();
+        }
     }
 }
 
