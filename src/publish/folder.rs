@@ -141,8 +141,6 @@ impl Folder {
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        // Another command that found it empty may have removed it.
-        std::fs::create_dir_all(&self.path)?;
         // No sweep comes between the two.
         let _lock = self.locked(File::lock_shared);
         let mut known = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
