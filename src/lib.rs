@@ -1,87 +1,66 @@
-//! Morion designs freeform catadioptric mirrors, meshes them, writes solids that a machine shop
-//! can cut, reads the written file back and proves by ray tracing that it still does its job.
+//! Morion designs freeform catadioptric mirrors, meshes them, writes solids that a machine shop can cut, reads
+//! the written file back and proves by ray tracing that it still does its job.
 //!
-//! # Words
+//! A camera looks at a curved mirror, and the mirror's shape decides what the picture shows. A [`Profile`], a
+//! text file, names camera, picture and size; everything else follows from it.
 //!
-//! - **profile**: the TOML file that says what is wanted (`profile`).
-//! - **camera**: which ray each image point sends out; orthographic or pinhole (`optics::Camera`).
-//! - **projection**: which world direction, or point of a target surface, an image point must see
-//!   (`optics::Projection`; with the target, `optics::ImagingTask`).
-//! - **law**: how an image row or radius maps to elevation (`optics::StripLaw`, `optics::RadialLaw`).
-//! - **chart**: image coordinates and a height along the camera's rays (`geom::Chart`).
-//! - **panel**: one smooth mirror sheet over one image region; a conquistador has two, the second
-//!   being the reflection of the first.
-//! - **mirror**: the designed panels (`mirror::Mirror`).
-//! - **optical face**: the facets that reflect (`mesh::Face`).
-//! - **solid**: optical face, skirt and base, closed (`solid::Solid`).
-//! - **border**: a flat rim around the mirror, with holes and marks (`geom::Border`).
-//! - **scallop**: what a cutter leaves between two lines of its raster (`machining`).
-//! - **as cut**: as the cutter leaves it, before polishing.
-//! - **ray error**: angle between the direction seen and the direction wanted.
-//! - **pixel error**: the same carried back to the image: how many pixels away the content belongs.
-//! - **facet error**: the part of it that flat facets cause.
-//! - **error source**: what can be off in a made system (`tolerance::Perturbation`); **limit**: by how
-//!   much; **compensator**: what is adjusted in return.
-//! - **witness**: the ray trace of the file that was written (`trace::TraceResult`).
-//! - **panorama**: azimuth across, elevation up; what a photo through the mirror is unwrapped to
-//!   (`unwrap::Panorama`, `unwrap::Map`).
-//! - **pencil**: the bundle of camera rays that makes one pixel, after the mirror (`pencil`).
-//! - **crest / valley**: a ridge where two panels meet, standing out of / sunk into the part.
+//! # A part by one call
+//!
+//! [`build`] does it all, into a folder, and says *pass* or *fail* with reasons; its siblings are [`verify`] (a
+//! mesh file of any making), [`frame`] (how well the sensor is filled), [`blur`], [`render`] (what the camera
+//! sees), [`unwrap`] (a photo to a panorama), [`tolerance`] and [`replay`] (errors of making and mounting),
+//! [`machining`] (a ball cutter) and [`forecast`].
+//!
+//! ```
+//! # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+//! # let out = tempfile::tempdir()?;
+//! // let profile = morion::Profile::load("conquistador")?;
+//! let report = morion::build(&profile, &out)?;
+//! for reason in &report.reasons {
+//!     println!("{reason}");
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Stage by stage, in memory
+//!
+//! **Design** is the smooth mirror, **face** the triangles that reflect, with bounds proven over each of them,
+//! **solid** the closed part: there is no way to make one that is open.
+//!
+//! ```
+//! use morion::{MeshFormat, Profile};
+//! # let profile = Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+//! let design = profile.design()?;
+//! let face = design.mesh()?;
+//! let solid = face.close(&design)?;
+//! let mut stl = Vec::new();
+//! solid.write(MeshFormat::Stl, &design.label(&face), &mut stl)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Options, progress, and files in memory
+//!
+//! Every command is a struct of options with usual values, and a [`Command`]. It runs with an [`Observer`] of its
+//! stages, into a folder that changes only when all of its files are made and checked, or into memory.
+//!
+//! ```
+//! use morion::{Command, FrameOptions, Silent};
+//! # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+//! let (report, files) = FrameOptions { min: Some(0.2) }.in_memory(&profile, &Silent)?;
+//! assert!(files.iter().any(|file| file.name == "frame.json"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Frames and units
 //!
 //! The part frame has X to the right in the picture, Y up in it and Z towards the camera; lengths
-//! are millimetres and angles radians unless a name says otherwise. The paper (R. A. Hicks,
-//! *Differential Methods in Catadioptric Sensor Design with Applications to Panoramic Imaging*)
-//! calls these y, z and x. "The paper's units" have one unit per radian of azimuth.
-//!
-//! # Stages
-//!
-//! Data flows one way; each stage is a function from one value to the next.
-//!
-//! ```text
-//! profile -> design -> mesh -> solid -> export -> [file] -> trace -> report
-//!               \                                    \        \
-//!                machining, pencil          [measured file]   render
-//!                tolerance                         align -> trace
-//!                unwrap <- [photo]
-//! ```
-//!
-//! Which module may use which; every module after `num` may use `num` and `parallel`, the one
-//! door to threads, and from `optics` on `geom` too:
-//!
-//! ```text
-//! parallel
-//! num                raster
-//! geom
-//! tolerance_terms
-//! profile            tolerance_terms
-//! optics
-//! profile            optics
-//! mirror
-//! design             profile, optics, mirror
-//! mesh               optics, mirror
-//! solid
-//! export             mirror, solid
-//! trace              optics
-//! align              optics, mirror
-//! machining          optics, mirror
-//! pencil             optics, mirror
-//! unwrap             optics, mirror, raster
-//! render             optics, trace, raster
-//! tolerance          optics, mirror, trace, tolerance_terms
-//! report             results of all of these
-//! pipeline           all of these, and the file system
-//! bench              all of these, and the file system
-//! cli                bench, pipeline, profile, report
-//! ```
-//!
-//! `trace`, the witness, uses nothing of the design: it gets a table of intended rays.
+//! are millimetres and angles radians unless a name says otherwise.
 //!
 //! # What is not promised
 //!
-//! Bounds and checks are about the file's triangles and the designed surface. Nothing is said
-//! about what a machine makes of the file, but for the geometry of an ideal ball (`machining`).
+//! Bounds and checks are about the file's triangles and the designed surface. Nothing is said about what a
+//! machine makes of the file, but for the geometry of an ideal ball ([`machining()`]). The words are explained in
+//! `docs/glossary.md`, the modules in `docs/architecture.md`, the mathematics in `docs/theory.md`.
 
 mod align;
 mod bench;
@@ -89,6 +68,7 @@ mod bench;
 mod cli;
 mod design;
 mod export;
+mod front;
 mod geom;
 #[doc(hidden)]
 pub mod internals;
@@ -111,7 +91,23 @@ mod tolerance_terms;
 mod trace;
 mod unwrap;
 
-pub use pipeline::{Silent, build, load};
+pub use design::{Design, DesignError};
+pub use export::Label;
+pub use front::{
+    blur, build, forecast, frame, machining, render, replay, tolerance, unwrap, verify,
+};
+pub use mesh::{Face, MeshError};
+pub use pipeline::{
+    BlurOptions, BuildOptions, Command, Effort, Error, FrameOptions, MachiningOptions, MapFormat,
+    Observer, OutputFile, RenderOptions, ReplayOptions, Silent, SourceError, Stage,
+    ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions,
+};
+pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
+pub use report::{
+    Answer, BlurReport, BuildForecast, BuildReport, FrameReport, MachiningReport, Reason,
+    ReasonKind, RenderReport, ReplayReport, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
+};
+pub use solid::{Solid, SolidError};
 
 /// The README's examples, compiled.
 #[cfg(doctest)]

@@ -38,11 +38,14 @@ use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, Profile, ShapeSpec};
 use broyden::Broyden;
 use layout::{DesignProblem, SelfConsistentGeometry};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// A mirror, designed or given, with the picture it is meant to give and the camera that takes it.
 #[derive(Debug, Clone)]
 pub struct Design {
+    /// What is asked.
+    pub profile: Arc<Profile>,
     /// The surface.
     pub mirror: Mirror,
     /// The imaging task; a given mirror may have none.
@@ -247,7 +250,8 @@ fn place_on_base(
     let border = border::around(profile, &mirror)?;
     let mounting =
         Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), max_height + lift);
-    Ok(Design { mirror, view, camera, border, mounting, facts })
+    let profile = Arc::new(profile.clone());
+    Ok(Design { profile, mirror, view, camera, border, mounting, facts })
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::refine::repair::refine;
 use super::refine::subdivide::subdivide;
 use super::sizing::field::SizingField;
 use super::sizing::optimum::Optimum;
-use crate::geom::{Chart, DVec2, Rect, TriMesh};
+use crate::geom::{Chart, DVec2, Precision, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::ImagingTask;
 use crate::parallel;
@@ -28,6 +28,8 @@ pub struct Face {
     pub bound: ErrorBound,
     /// Lower bounds on the number of triangles.
     pub optimum: Optimum,
+    /// Digits for which the limits were kept.
+    pub precision: Precision,
 }
 
 /// Forecast of the size of a mesh.
@@ -73,7 +75,7 @@ impl<'a> Mesher<'a> {
         if mirror.folded {
             mesh = mesh.with_reflection(1);
         }
-        Ok(Face { mesh, designed, bound, optimum })
+        Ok(Face { mesh, designed, bound, optimum, precision: limits.precision })
     }
 
     /// See [`forecast`](super::forecast).

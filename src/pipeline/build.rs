@@ -113,7 +113,7 @@ impl Made {
             Ok(face) => Ok(face),
             Err(error) => Err(left_out(run.profile, error)?),
         };
-        let label = label(run, design, face.as_ref().ok().map(|face| &face.made.bound));
+        let label = label(design, face.as_ref().ok().map(|face| &face.made.bound));
         let meshes = match face {
             Ok(face) => Ok(write_meshes(run, design, face, &label)?),
             Err(refused) => Err(refused),

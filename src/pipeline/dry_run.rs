@@ -69,7 +69,7 @@ pub fn check_room(
     let planned = planned(run.profile, design)?;
     // (Where no mesh is asked for, one is written all the same until it is traced.)
     let meshes = planned.as_ref().map_or(Vec::new(), |plan| meshes(run, design, plan).1);
-    let label = forecast_label(run, design);
+    let label = forecast_label(design);
     let drawn: u64 = exports.iter().map(|export| export.bytes(&label)).sum();
     let bytes = drawn + meshes.iter().map(|file| file.bytes).sum::<u64>();
     Ok(run.files.ensure_space((SURE * bytes as f64) as u64)?)
@@ -87,8 +87,8 @@ fn planned(
 }
 
 /// As long as the label of the build, whose bounds are not known yet.
-fn forecast_label(run: &Run, design: &Design) -> Label {
-    label(run, design, Some(&ErrorBound::default()))
+fn forecast_label(design: &Design) -> Label {
+    label(design, Some(&ErrorBound::default()))
 }
 
 fn forecast(
@@ -106,7 +106,7 @@ fn forecast(
         Err(refused) => (None, Vec::new(), Some(refused), Precision::Double),
     };
     files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
-    let label = forecast_label(run, design);
+    let label = forecast_label(design);
     files.extend(exports.iter().map(|export| {
         let format = export.format();
         let (name, bytes) = (format.file_name().to_owned(), export.bytes(&label));
@@ -145,7 +145,7 @@ fn meshes(
                 .map(|mm| design.camera.to_px(Mm(mm)).0),
         },
     };
-    let label = forecast_label(run, design);
+    let label = forecast_label(design);
     let file = |&format: &MeshFormat| {
         let codec = codec(format);
         let made = (!codec.is_proportional() && size.optical < SMALL)

@@ -30,7 +30,7 @@ pub fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Erro
     let face = run.stage(Stage::Mesh, || meshed(run, design))?;
     let format = face.formats[0];
     let solid = run.stage(Stage::Solid, || close(run, design, &face.made, format))?;
-    let label = label(run, design, Some(&face.made.bound));
+    let label = label(design, Some(&face.made.bound));
     let bytes = run.stage(Stage::Write, || {
         let mut bytes = Vec::new();
         codec(format)

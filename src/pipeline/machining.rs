@@ -5,6 +5,7 @@ use super::check_file::{FileCheck, check_file};
 use super::cutter_survey::{CutterSurvey, MachiningOptions};
 use super::face::Promise;
 use super::formats::codec;
+use super::mesh_files::labelled;
 use super::run::{Command, Run};
 use super::{Error, Stage, verdict};
 use crate::design::Design;
@@ -154,7 +155,7 @@ fn check_as_cut(
     run.files.ensure_space(stl_bytes(solid.mesh().triangles.len()))?;
     let raster = &survey.raster;
     let as_cut = format!("as cut, ball {} step {}", raster.ball_mm, raster.stepover_mm);
-    let label = run.label(design, as_cut);
+    let label = labelled(design, as_cut);
     run.write(FILE, |out| codec(FORMAT).write(out, &solid, None, &label))?;
     drop(solid);
     let staged = run.files.staged(FILE)?;

@@ -85,8 +85,8 @@ pub fn close(
 }
 
 /// The words of every file of a build on its mirror: tolerances asked and reached, too.
-pub fn label(run: &Run, design: &Design, bound: Option<&ErrorBound>) -> Label {
-    let mesh = run.profile.mesh;
+pub fn label(design: &Design, bound: Option<&ErrorBound>) -> Label {
+    let mesh = design.profile.mesh;
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
     let reached =
         |of: &dyn Fn(&ErrorBound) -> f64| bound.map_or("-".into(), |b| format!("{:.3}", of(b)));
@@ -97,7 +97,14 @@ pub fn label(run: &Run, design: &Design, bound: Option<&ErrorBound>) -> Label {
         limit(mesh.facet_px()),
         reached(&|bound| design.camera.to_px(Mm(bound.facet_mm)).0),
     );
-    run.label(design, tolerances)
+    labelled(design, tolerances)
+}
+
+/// The words of a file on the mirror of `design`, with what it keeps to.
+pub fn labelled(design: &Design, tolerances: String) -> Label {
+    let Profile { name, sha256, .. } = &*design.profile;
+    let mounting = design.mounting.statements();
+    Label { profile: name.clone(), sha256: sha256.clone(), tolerances, mounting }
 }
 
 fn mesh_facts(profile: &Profile, design: &Design, face: &Face, solid: &Solid) -> MeshFacts {

@@ -28,6 +28,7 @@ mod scenery;
 mod sharpness;
 mod size_warnings;
 mod source;
+mod stages;
 mod tolerance;
 mod tolerance_spec;
 mod unwrap;

@@ -4,6 +4,7 @@
 use super::check_file::open;
 use super::face::{self, AtPrecision};
 use super::formats::codec;
+use super::mesh_files::labelled;
 use super::run::{Command, Run};
 use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Stage, verdict};
@@ -56,7 +57,7 @@ impl Command for ReplayOptions<'_> {
         let AtPrecision { made: face, formats, refused, .. } =
             run.stage(Stage::Mesh, || part.face())?;
         let ReplayOptions { trial, seed, .. } = *self;
-        let label = run.label(&design, format!("imperfect: trial {trial} of seed {seed}"));
+        let label = labelled(&design, format!("imperfect: trial {trial} of seed {seed}"));
         let refused = refused.map(|refused| String::from(refused.made()));
         let (mut files, mut reasons) = (Vec::new(), Vec::from_iter(refused));
         // Single rays see points of textures.

@@ -3,7 +3,6 @@
 use super::Error;
 use super::observer::{Observer, Stage, StageTimer};
 use crate::design::{Design, design};
-use crate::export::Label;
 use crate::profile::Profile;
 use crate::publish::{OutputFile, StagedFile, Transaction};
 use crate::render::Picture;
@@ -167,13 +166,6 @@ impl<'a> Run<'a> {
             self.files.commit()?;
             Ok(((), self.files.place()))
         })
-    }
-
-    /// The words of a file on its mirror, with what its mesh keeps to.
-    pub fn label(&self, design: &Design, tolerances: String) -> Label {
-        let Profile { name, sha256, .. } = self.profile;
-        let mounting = design.mounting.statements();
-        Label { profile: name.clone(), sha256: sha256.clone(), tolerances, mounting }
     }
 }
 

@@ -38,6 +38,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("pipeline", ALL_ABOVE),
     ("bench", ALL_ABOVE),
     ("cli", &["bench", "parallel", "pipeline", "profile", "report"]),
+    ("front", &["pipeline", "profile", "report"]),
     ("internals", ALL_ABOVE),
     ("main", &["internals"]),
 ];
