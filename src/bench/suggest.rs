@@ -77,7 +77,7 @@ fn reached(
         }
         let mut profile = Profile { shape: ShapeSpec::Designed(method), ..subject.profile.clone() };
         profile.mesh = MeshGoal::limits(profile.mesh.chord_um(), Some(facet_px));
-        let source = profile.into();
+        let source = profile;
         let run = Run::in_memory(&source, &Silent);
         let began = Instant::now();
         let design = designed(&source)?;

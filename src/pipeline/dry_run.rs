@@ -17,7 +17,7 @@ use crate::profile::{MeshFormat, Profile};
 use crate::report::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
 use crate::solid::Solid;
 
-/// Foresees what [`super::build`] would make of the profile of `source`. Touches no file.
+/// Foresees what `build` would make of the profile of `source`. Touches no file.
 ///
 /// # Errors
 /// [`enum@Error`] when it can be foreseen that a stage cannot be done.

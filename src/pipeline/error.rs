@@ -2,7 +2,6 @@
 
 use super::scenery::SceneError;
 use super::source::SourceError;
-use super::unwrap::PhotoError;
 use crate::align::AlignError;
 use crate::design::DesignError;
 use crate::export::step::FitError;
@@ -10,7 +9,9 @@ use crate::machining::MachiningError;
 use crate::mesh::MeshError;
 use crate::profile::MeshFormat;
 use crate::publish::FileError;
+use crate::raster::RasterError;
 use crate::solid::SolidError;
+use crate::unwrap::{MapEncodingError, UnwrapError};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -200,4 +201,37 @@ pub enum Error {
         /// The file.
         path: String,
     },
+}
+
+/// Why a photo cannot be unwrapped.
+#[derive(Debug, Error)]
+pub enum PhotoError {
+    /// It is no picture.
+    #[error("{photo}: {source}")]
+    Picture {
+        /// The file.
+        photo: String,
+        /// Why not.
+        source: RasterError,
+    },
+    /// The profile says nothing about directions.
+    #[error(
+        "{profile} has no [projection], and without one there is no telling what its picture should \
+         show; add the projection that the mirror was made for"
+    )]
+    NoProjection {
+        /// Profile name.
+        profile: String,
+    },
+    /// Photo and profile do not go together.
+    #[error("cannot unwrap {photo}: {source}")]
+    Unfit {
+        /// The file.
+        photo: String,
+        /// Why.
+        source: UnwrapError,
+    },
+    /// The map cannot be encoded.
+    #[error(transparent)]
+    Table(#[from] MapEncodingError),
 }

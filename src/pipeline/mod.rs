@@ -42,7 +42,7 @@ pub use blur::BlurOptions;
 pub use build::{BuildOptions, Effort, build};
 pub use cutter_survey::MachiningOptions;
 pub use dry_run::dry_run;
-pub use error::Error;
+pub use error::{Error, PhotoError};
 pub use frame::FrameOptions;
 pub use observer::{Observer, Silent, Stage, Work};
 pub use replay::ReplayOptions;
@@ -50,7 +50,7 @@ pub use run::Command;
 pub use scenery::{RenderOptions, SceneError};
 pub use source::{SourceError, load};
 pub use tolerance::{ToleranceOptions, TrialsFile, TrialsPart, merge};
-pub use unwrap::{MapFormat, PhotoError, Rows, Unwrap, UnwrapOptions};
+pub use unwrap::{MapFormat, Rows, Unwrap, UnwrapOptions};
 pub use verify::{Verify, VerifyOptions, verify};
 
 /// What the benchmark times and writes, stage by stage.

@@ -227,7 +227,7 @@ mod tests {
     fn every_shipped_profile_has_24_sources_and_its_own_words_count() {
         for shipped in shipped() {
             let source: Profile =
-                Profile::parse(shipped.name, shipped.name, shipped.text.as_bytes()).unwrap().into();
+                Profile::parse(shipped.name, shipped.name, shipped.text.as_bytes()).unwrap();
             let design = designed(&source).unwrap();
             let (asked, _) = spec(&source, &design, None, None).unwrap();
             // (This asks for no facets, as where the part is made from the STEP.)
@@ -237,8 +237,7 @@ mod tests {
             "[tolerance]\npreset = \"spdt\"\nball_radius_mm = 0.7\ncriterion = \"p95\"\n\
              compensators = [\"tilt\"]\n[tolerance.limits]\ntilt_x_mrad = 3\ntilt_y_mrad = 0\n\
              [tolerance.distributions]\ntilt_x_mrad = \"normal\"\n",
-        )
-        .into();
+        );
         let design = designed(&source).unwrap();
         let (asked, _) = spec(&source, &design, None, None).unwrap();
         let tilt = asked.sources.iter().find(|s| s.kind == Perturbation::TiltX).unwrap();
@@ -247,8 +246,7 @@ mod tests {
         assert_eq!((asked.texture.ball_radius_mm, asked.criterion), (0.7, Criterion::P95));
         assert_eq!(asked.compensators, [Compensator::Tilt]);
         let wide: Profile =
-            profile("[tolerance]\nball_radius_mm = 0.01\n[tolerance.limits]\nstepover_mm = 0.02\n")
-                .into();
+            profile("[tolerance]\nball_radius_mm = 0.01\n[tolerance.limits]\nstepover_mm = 0.02\n");
         assert!(matches!(spec(&wide, &design, None, None), Err(Error::Tracks { .. })));
     }
 }

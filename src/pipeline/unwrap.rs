@@ -1,18 +1,15 @@
 //! A photo and a profile -> a panorama and its map.
 
 use super::run::{Command, Run};
-use super::{Error, Stage};
+use super::{Error, PhotoError, Stage};
 use crate::design::Design;
 use crate::optics::StripLaw;
 use crate::profile::Profile;
 use crate::publish;
-use crate::raster::{Raster, RasterError};
+use crate::raster::Raster;
 use crate::report::{FileFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport};
-use crate::unwrap::{
-    ImagingSystem, MapEncodingError, Panorama, RemapTable, UnwrapError, crop_panels,
-};
+use crate::unwrap::{ImagingSystem, Panorama, RemapTable, UnwrapError, crop_panels};
 use std::path::Path;
-use thiserror::Error;
 
 /// How a photo becomes a panorama.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,39 +52,6 @@ pub enum MapFormat {
     Npy,
     /// An OpenEXR picture.
     Exr,
-}
-
-/// Why a photo cannot be unwrapped.
-#[derive(Debug, Error)]
-pub enum PhotoError {
-    /// It is no picture.
-    #[error("{photo}: {source}")]
-    Picture {
-        /// The file.
-        photo: String,
-        /// Why not.
-        source: RasterError,
-    },
-    /// The profile says nothing about directions.
-    #[error(
-        "{profile} has no [projection], and without one there is no telling what its picture should \
-         show; add the projection that the mirror was made for"
-    )]
-    NoProjection {
-        /// Profile name.
-        profile: String,
-    },
-    /// Photo and profile do not go together.
-    #[error("cannot unwrap {photo}: {source}")]
-    Unfit {
-        /// The file.
-        photo: String,
-        /// Why.
-        source: UnwrapError,
-    },
-    /// The map cannot be encoded.
-    #[error(transparent)]
-    Table(#[from] MapEncodingError),
 }
 
 /// A photo to be unwrapped, and how: writes `PHOTO-unwrapped.png` and, where asked for, `PHOTO-map.npy` or

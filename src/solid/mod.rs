@@ -77,7 +77,7 @@ impl Solid {
     ///
     /// # Errors
     /// [`SolidError`] when the rim is not of one loop or two, the face touches the base or the
-    /// flat top, what is in the flat top touches each other or the result fails [`check`].
+    /// flat top, what is in the flat top touches each other or the result fails `check`.
     pub fn from_face(
         face: &TriMesh,
         stock: Option<&Border>,

@@ -28,7 +28,7 @@ struct Made {
 
 fn made(profile: &Profile) -> Made {
     let folder = folder();
-    let report = build(&profile, folder.path(), &Silent).unwrap();
+    let report = build(profile, folder.path(), &Silent).unwrap();
     let text = std::fs::read_to_string(folder.path().join(&profile.name).join("sag.csv")).unwrap();
     assert!(text.ends_with('\n') && !text.contains('\r') && !text.contains("-0.000000000"));
     let (header, rest): (Vec<&str>, Vec<&str>) =
