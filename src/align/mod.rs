@@ -69,9 +69,9 @@ pub struct FreeMotion {
 pub enum AlignError {
     /// There is hardly anything to go by.
     #[error(
-        "only {found} vertices lie on the mirror after the best normal_equations, {FEWEST} are needed: check \
+        "only {found} vertices lie on the mirror after the best fit, {FEWEST} are needed: check \
          that the file is of this part, that its pose is within 20 degrees and a fifth of the \
-         width of the part frame's, and its unit (--unit)"
+         width of the part frame's, and its units (--units)"
     )]
     Few {
         /// Vertices.
@@ -79,9 +79,9 @@ pub enum AlignError {
     },
     /// The mesh covers too little of the mirror.
     #[error(
-        "the file covers {:.1} % of the mirror after the best normal_equations, {:.0} % are needed: scan more \
+        "the file covers {:.1} % of the mirror after the best fit, {:.0} % are needed: scan more \
          of the face, or check that its pose is within 20 degrees and a fifth of the width of the \
-         part frame's, and its unit (--unit)", 100.0 * .covered, 100.0 * LEAST_COVERED
+         part frame's, and its units (--units)", 100.0 * .covered, 100.0 * LEAST_COVERED
     )]
     Uncovered {
         /// Share of the mirror's area.
@@ -89,9 +89,9 @@ pub enum AlignError {
     },
     /// The mesh is of something else.
     #[error(
-        "the file does not look like this mirror: after the best normal_equations half of it is {:.3} mm off \
+        "the file does not look like this mirror: after the best fit half of it is {:.3} mm off \
          and more; check the profile, that the pose is within 20 degrees and a fifth of the width \
-         of the part frame's, and the unit (--unit)", .off_mm
+         of the part frame's, and the units (--units)", .off_mm
     )]
     Unlike {
         /// Median distance, mm.

@@ -22,10 +22,8 @@ pub struct Solid {
 /// Why a solid could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolidError {
-    /// The rim of the face is not one closed loop, or one border_facets another.
-    #[error(
-        "the rim of the optical face is not one closed loop, or one border_facets another: {reason}"
-    )]
+    /// The rim of the face is not one closed loop, or one around another.
+    #[error("the rim of the optical face is not one closed loop, or one around another: {reason}")]
     BoundaryLoops {
         /// What was found instead.
         reason: String,
@@ -38,7 +36,7 @@ pub enum SolidError {
         /// Least Z of the face, mm.
         lowest_mm: f64,
     },
-    /// The face reaches the flat rim border_facets it or lies below it.
+    /// The face reaches the flat rim around it or lies below it.
     #[error(
         "the optical face reaches down to Z = {lowest_mm} mm, to or below the flat rim at Z = \
          {top_mm} mm"
@@ -68,7 +66,7 @@ pub enum SolidError {
 
 impl Solid {
     /// Closes `face` (facets counter-clockwise from above, over an outline that is star-shaped
-    /// about the axis and may have one hole border_facets it) by a vertical skirt down to the base plane
+    /// about the axis and may have one hole around it) by a vertical skirt down to the base plane
     /// Z = 0 and the base; a hole by a land, a fan of facets to a vertex on the axis at the mean
     /// height of its rim. Every rim vertex has its own base vertex, so nothing meets in the middle
     /// of an edge. With `stock` the skirt ends on its flat top, which has the stock's holes and
@@ -157,7 +155,7 @@ impl Solid {
     }
 }
 
-/// How many facets [`Solid::from_face`] adds to a face with so many edges border_facets it and border_facets its
+/// How many facets [`Solid::from_face`] adds to a face with so many edges around it and around its
 /// hole (0: it has none).
 #[must_use]
 pub fn added(outer: usize, hole: usize, stock: Option<&Border>) -> usize {
@@ -188,7 +186,7 @@ fn wall(mesh: &mut TriMesh, upper: &[u32], lower: &[u32]) {
     }
 }
 
-/// How many edges there are border_facets `face`, and border_facets its hole.
+/// How many edges there are around `face`, and around its hole.
 ///
 /// # Errors
 /// [`SolidError::BoundaryLoops`] when its rim is not of one loop or two.
@@ -223,7 +221,7 @@ fn boundary_loops(face: &TriMesh) -> Result<BoundaryLoops, SolidError> {
         None => broken("it has no rim".into()),
         Some(_) if more > 0 => broken(format!("it has {} loops", more + 2)),
         Some(outer) if !(area(&outer) > 0.0) || hole.as_ref().is_some_and(|h| area(h) >= 0.0) => {
-            broken("its loops do not run border_facets the face".into())
+            broken("its loops do not run around the face".into())
         }
         Some(outer) => Ok(BoundaryLoops { outer, hole }),
     }

@@ -196,7 +196,7 @@ fn a_world_seen_through_the_mirror_and_unwrapped_is_its_direct_projection() {
             .map(|(a, b)| apart(&panorama, *a, *b))
             .collect();
         let mean = off.iter().sum::<f64>() / off.len() as f64;
-        println!("  crop_panels: mean {mean:.4} px; removed {:?}", map.distortion_px.unwrap());
+        println!("  cuts: mean {mean:.4} px; removed {:?}", map.distortion_px.unwrap());
         let rms = (off.iter().map(|x| x * x).sum::<f64>() / off.len() as f64).sqrt();
         let design_rms = design.facts.pixel_error_px.unwrap().rms;
         assert!((rms - design_rms).abs() <= 0.1 * design_rms + 0.1, "{}: {rms}", profile.name);
