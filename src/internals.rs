@@ -65,3 +65,9 @@ pub mod trace {
 pub mod unwrap {
     pub use crate::unwrap::*;
 }
+pub mod publish {
+    pub use crate::publish::*;
+}
+pub mod tolerance_terms {
+    pub use crate::tolerance_terms::*;
+}

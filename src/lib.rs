@@ -62,6 +62,8 @@
 //! machine makes of the file, but for the geometry of an ideal ball ([`machining()`]). The words are explained in
 //! `docs/glossary.md`, the modules in `docs/architecture.md`, the mathematics in `docs/theory.md`.
 
+#![cfg_attr(not(test), deny(unreachable_pub))]
+
 mod align;
 mod bench;
 #[cfg(feature = "cli")]

@@ -17,7 +17,7 @@ const PIECES: usize = 16;
 /// Calls `work` in a pool of `threads` threads, or one a core. Where one is enough, or so many cannot be
 /// started, `work` and all that it shares out is done on this thread alone.
 #[cfg(feature = "cli")]
-pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
     if threads != Some(1)
         && let Ok(pool) = pool(threads.unwrap_or(0)).build()
@@ -30,7 +30,7 @@ pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) 
 }
 
 /// Calls both functions, on two threads if one is idle; `a` on this one, if it is of the pool.
-pub fn join<A: Send, B: Send>(
+pub(crate) fn join<A: Send, B: Send>(
     a: impl FnOnce() -> A + Send,
     b: impl FnOnce() -> B + Send,
 ) -> (A, B) {
@@ -53,7 +53,7 @@ fn grain(count: usize, min: usize) -> usize {
 }
 
 /// Calls `f` for every item with its index; on one thread for fewer than `min` of them.
-pub fn for_each_mut<T: Send>(items: &mut [T], min: usize, f: impl Fn(usize, &mut T) + Sync) {
+pub(crate) fn for_each_mut<T: Send>(items: &mut [T], min: usize, f: impl Fn(usize, &mut T) + Sync) {
     let grain = grain(items.len(), min);
     halve(items, 0, grain, &|first, piece| {
         for (k, item) in piece.iter_mut().enumerate() {
@@ -78,7 +78,7 @@ fn halve<T: Send>(
 }
 
 /// What `f` makes of each chunk of `size` items and its number.
-pub fn map_chunks_mut<A: Send, T: Send>(
+pub(crate) fn map_chunks_mut<A: Send, T: Send>(
     items: &mut [A],
     size: usize,
     f: impl Fn(usize, &mut [A]) -> T + Sync,
@@ -90,7 +90,7 @@ pub fn map_chunks_mut<A: Send, T: Send>(
 
 /// What `f` makes of the pieces of `0..count`, as one list. The sizes of the pieces, `min` or more
 /// but for the last, depend on the number of threads: the list must not depend on them.
-pub fn gather<T: Send>(
+pub(crate) fn gather<T: Send>(
     count: usize,
     min: usize,
     f: impl Fn(Range<usize>) -> Vec<T> + Sync,
@@ -119,17 +119,21 @@ fn gathered<T: Send>(
 }
 
 /// The values of `f` for `0..count`; on one thread for fewer than `min` of them.
-pub fn map<T: Send>(count: usize, min: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(crate) fn map<T: Send>(count: usize, min: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     gather(count, min, |piece| piece.map(&f).collect())
 }
 
 /// The same for every item.
-pub fn map_slice<A: Sync, T: Send>(items: &[A], min: usize, f: impl Fn(&A) -> T + Sync) -> Vec<T> {
+pub(crate) fn map_slice<A: Sync, T: Send>(
+    items: &[A],
+    min: usize,
+    f: impl Fn(&A) -> T + Sync,
+) -> Vec<T> {
     gather(items.len(), min, |piece| items[piece].iter().map(&f).collect())
 }
 
 /// The same for every chunk of `size` items.
-pub fn map_chunks<A: Sync, T: Send>(
+pub(crate) fn map_chunks<A: Sync, T: Send>(
     items: &[A],
     size: usize,
     f: impl Fn(&[A]) -> T + Sync,
@@ -138,7 +142,7 @@ pub fn map_chunks<A: Sync, T: Send>(
 }
 
 /// The values of `f` for `0..count` if all are some; few more are asked for once one is none.
-pub fn try_map<T: Send>(
+pub(crate) fn try_map<T: Send>(
     count: usize,
     min: usize,
     f: impl Fn(usize) -> Option<T> + Sync,
@@ -161,7 +165,7 @@ pub fn try_map<T: Send>(
 }
 
 /// Sorts; the order of what `compare` calls equal is not kept.
-pub fn sort_unstable_by<T: Send>(
+pub(crate) fn sort_unstable_by<T: Send>(
     items: &mut [T],
     compare: impl Fn(&T, &T) -> std::cmp::Ordering + Sync,
 ) {
@@ -170,11 +174,11 @@ pub fn sort_unstable_by<T: Send>(
 
 /// Pool of working memory that tasks reuse.
 #[derive(Default)]
-pub struct ScratchPool<S>(Mutex<Vec<S>>);
+pub(crate) struct ScratchPool<S>(Mutex<Vec<S>>);
 
 impl<S: Default> ScratchPool<S> {
     /// What `f` makes with some of it, in which an earlier call may have left anything.
-    pub fn with<T>(&self, f: impl FnOnce(&mut S) -> T) -> T {
+    pub(crate) fn with<T>(&self, f: impl FnOnce(&mut S) -> T) -> T {
         // Never held while `f` runs, so a panic there does not poison it.
         let idle = || self.0.lock().expect("not poisoned");
         let taken = idle().pop();

@@ -31,7 +31,7 @@ const BETTER: f64 = 1.02;
 const AT_MOST: f64 = 1.5;
 
 /// The best pose found, among starts ordered from small motions to large ones.
-pub fn coarse_search(patches: &[VertexPatch], reference: &ReferenceSurface) -> Pose {
+pub(super) fn coarse_search(patches: &[VertexPatch], reference: &ReferenceSurface) -> Pose {
     let points = thinned(patches, POINTS);
     let weight: f64 = points.iter().map(|point| point.area.length()).sum();
     let middle = points.iter().map(|point| point.at * point.area.length()).sum::<DVec3>() / weight;

@@ -12,7 +12,7 @@ const CHUNK: usize = 4096;
 
 /// Residual of a vertex: its distance from the mirror along the normal.
 #[derive(Debug, Clone, Copy)]
-pub struct AlignmentResidual {
+pub(super) struct AlignmentResidual {
     /// Position of the vertex, mm.
     pub at: DVec3,
     /// The mirror's normal there.
@@ -38,7 +38,7 @@ impl AlignmentResidual {
 }
 
 /// The residuals of `patches` after `pose`, in their order.
-pub fn residuals(
+pub(super) fn residuals(
     patches: &[VertexPatch],
     pose: &Pose,
     foot: impl Fn(DVec3) -> Option<ProjectedPoint> + Sync,
@@ -51,7 +51,7 @@ pub fn residuals(
 }
 
 /// Tukey's biweight: 1 for no distance, 0 from `reach` on.
-pub fn biweight(distance: f64, reach: f64) -> f64 {
+pub(super) fn biweight(distance: f64, reach: f64) -> f64 {
     let share = distance / reach;
     let rest = 1.0 - share * share;
     if rest > 0.0 { rest * rest } else { 0.0 }
@@ -59,7 +59,7 @@ pub fn biweight(distance: f64, reach: f64) -> f64 {
 
 /// Normal equations of a small motion about the reference's centre: a shift in mm, and a turn as mm at
 /// the reference's radius of gyration.
-pub struct NormalEquations {
+pub(super) struct NormalEquations {
     matrix: Matrix6<f64>,
     side: Vector6<f64>,
     /// Sum of the weights.
@@ -70,7 +70,7 @@ pub struct NormalEquations {
 
 impl NormalEquations {
     /// Sums up, in fixed order, the residuals with the weights `weight`.
-    pub fn of(
+    pub(super) fn of(
         residuals: &[Option<AlignmentResidual>],
         reference: &ReferenceSurface,
         weight: impl Fn(&AlignmentResidual) -> f64 + Sync,
@@ -118,7 +118,7 @@ impl NormalEquations {
 
     /// The motion that minimises the weighted squares. Directions in which the surface moves along
     /// itself, up to the share `floor` of the motion, are left out.
-    pub fn solve(&self, floor: f64) -> GaussNewtonStep {
+    pub(super) fn solve(&self, floor: f64) -> GaussNewtonStep {
         let mut matrix = self.matrix / self.weight;
         matrix.fill_lower_triangle_with_upper_triangle();
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(matrix);
@@ -140,7 +140,7 @@ impl NormalEquations {
 }
 
 /// Solution of the normal equations.
-pub struct GaussNewtonStep {
+pub(super) struct GaussNewtonStep {
     motion: Vector6<f64>,
     /// Square root of the ratio of the largest eigenvalue to the least that was used.
     pub condition: f64,
@@ -149,19 +149,19 @@ pub struct GaussNewtonStep {
 
 impl GaussNewtonStep {
     /// Length of the motion, mm.
-    pub fn length(&self) -> f64 {
+    pub(super) fn length(&self) -> f64 {
         self.motion.norm()
     }
 
     /// The motion, cut down to a length of at most `most` mm.
-    pub fn pose(&self, reference: &ReferenceSurface, most: f64) -> Pose {
+    pub(super) fn pose(&self, reference: &ReferenceSurface, most: f64) -> Pose {
         let cut = (most / self.length().max(most)).min(1.0);
         let [shift, turn] = split(&(self.motion * cut));
         Pose::about(reference.centre, reference.centre + shift, turn / reference.gyration)
     }
 
     /// The directions that were left out.
-    pub fn free(&self, reference: &ReferenceSurface) -> Vec<FreeMotion> {
+    pub(super) fn free(&self, reference: &ReferenceSurface) -> Vec<FreeMotion> {
         let free = |direction: &Vector6<f64>| {
             let [shift, turn] = split(direction);
             if turn.length() < 1e-3 {
@@ -189,7 +189,7 @@ fn split(vector: &Vector6<f64>) -> [DVec3; 2] {
 
 /// 1.4826 times the distance that the vertices of half the area do not exceed: the standard
 /// deviation of normal noise, whatever the other half does.
-pub fn robust_scale(residuals: &[Option<AlignmentResidual>]) -> f64 {
+pub(super) fn robust_scale(residuals: &[Option<AlignmentResidual>]) -> f64 {
     const MOST: usize = 20_000;
     let known = residuals.iter().flatten();
     let every = known.clone().count() / MOST + 1;

@@ -6,7 +6,7 @@ use crate::num::exp;
 
 /// Projection of a point on the mirror along the camera's ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProjectedPoint {
+pub(super) struct ProjectedPoint {
     /// Position on the mirror, mm.
     pub at: DVec3,
     /// The mirror's unit normal there, towards the camera.
@@ -25,7 +25,7 @@ impl ProjectedPoint {
     /// Signed distance of `p` above the tangent plane, mm.
     #[inline]
     #[must_use]
-    pub fn distance(&self, p: DVec3) -> f64 {
+    pub(super) fn distance(&self, p: DVec3) -> f64 {
         self.normal.dot(p - self.at)
     }
 }
@@ -37,7 +37,7 @@ const STEPS: usize = 48;
 
 /// A mirror with its size, and a table of it for searches where speed matters more than digits.
 #[derive(Debug, Clone)]
-pub struct ReferenceSurface<'a> {
+pub(super) struct ReferenceSurface<'a> {
     mirror: &'a Mirror,
     outline: Outline,
     table: Vec<ProjectedPoint>,
@@ -56,7 +56,7 @@ pub struct ReferenceSurface<'a> {
 impl<'a> ReferenceSurface<'a> {
     /// Measures `mirror` and tabulates it.
     #[must_use]
-    pub fn new(mirror: &'a Mirror) -> Self {
+    pub(super) fn new(mirror: &'a Mirror) -> Self {
         let outline = mirror.full_outline();
         let k = mirror.chart.vergence;
         // An area dq of the reference plane is seen on exp(-2 k f) dq of the plane through the
@@ -84,14 +84,14 @@ impl<'a> ReferenceSurface<'a> {
     /// Projection of `p`, to all digits; `None` outside the outline or closer than `margin` mm to its
     /// rim or to a fold.
     #[must_use]
-    pub fn project(&self, p: DVec3, margin: f64) -> Option<ProjectedPoint> {
+    pub(super) fn project(&self, p: DVec3, margin: f64) -> Option<ProjectedPoint> {
         let q = self.inside(p, margin)?;
         Some(ProjectedPoint::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
     }
 
     /// [`ReferenceSurface::project`] by the table, to some thousandth of the width.
     #[must_use]
-    pub fn project_approximately(&self, p: DVec3) -> Option<ProjectedPoint> {
+    pub(super) fn project_approximately(&self, p: DVec3) -> Option<ProjectedPoint> {
         let q = self.inside(p, 0.0)?;
         let bounds = self.outline.bounds();
         let u = (q - bounds.min) / bounds.size() * (NODES - 1) as f64;
@@ -125,7 +125,7 @@ impl<'a> ReferenceSurface<'a> {
 }
 
 /// The distance that 95 % of the weight do not exceed.
-pub fn percentile_95(mut distances: Vec<(f64, f64)>) -> f64 {
+pub(super) fn percentile_95(mut distances: Vec<(f64, f64)>) -> f64 {
     distances.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = distances.iter().map(|d| d.1).sum();
     let mut sum = 0.0;

@@ -21,7 +21,7 @@ impl VertexPatch {
 }
 
 /// The vertices of `mesh`.
-pub fn patches(mesh: &TriMesh) -> Vec<VertexPatch> {
+pub(super) fn patches(mesh: &TriMesh) -> Vec<VertexPatch> {
     let mut patches: Vec<VertexPatch> =
         mesh.vertices.iter().map(|&at| VertexPatch { at, area: DVec3::ZERO }).collect();
     for (t, triangle) in mesh.triangles.iter().enumerate() {
@@ -37,7 +37,7 @@ const CELLS: usize = 48;
 /// Whether what one sees of `mesh` from above is the back of most facets.
 ///
 /// Only the highest facet over each cell of a grid counts, so that the base of a solid does not.
-pub fn is_upside_down(mesh: &TriMesh) -> bool {
+pub(super) fn is_upside_down(mesh: &TriMesh) -> bool {
     let Some((lo, hi)) = mesh.bounds() else { return false };
     let step = (hi - lo).truncate() / CELLS as f64;
     let mut top = vec![(f64::NEG_INFINITY, 0.0); CELLS * CELLS];
@@ -56,7 +56,7 @@ pub fn is_upside_down(mesh: &TriMesh) -> bool {
 }
 
 /// About `count` of `patches` that look up, chosen evenly by area.
-pub fn thinned(patches: &[VertexPatch], count: usize) -> Vec<VertexPatch> {
+pub(super) fn thinned(patches: &[VertexPatch], count: usize) -> Vec<VertexPatch> {
     let up = |patch: &&VertexPatch| patch.area.z > 0.1 * patch.area.length();
     let total: f64 = patches.iter().filter(up).map(|patch| patch.area.length()).sum();
     let step = total / count as f64;

@@ -7,7 +7,7 @@ use crate::pipeline::Error;
 use crate::profile::{Method, MethodKind, Profile, ShapeSpec};
 
 /// Every method.
-pub const METHODS: [MethodKind; 3] =
+pub(super) const METHODS: [MethodKind; 3] =
     [MethodKind::VectorField, MethodKind::FixedSurface, MethodKind::Distribution];
 /// Degrees swept, and the one that stands for the optimum: least squares, minimax designs (which take
 /// many times as long), and in haste.
@@ -20,7 +20,7 @@ const QUICK: (&[usize], usize) = (&[4, 6, 8, 10], 12);
 /// the least that any of the designs and some of still higher degree come to: over the optimum, as far
 /// as it is known. Shapes are analytic, so it falls exponentially, to where the method's own optimum
 /// lies.
-pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
+pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
     let one_core = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .build()

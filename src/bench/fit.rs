@@ -4,7 +4,7 @@ use super::{BenchRun, ConvergenceOrder};
 use crate::num::log;
 
 /// Marks the runs that no other of the same profile beats in time and error both.
-pub fn mark_pareto(runs: &mut [BenchRun]) {
+pub(super) fn mark_pareto(runs: &mut [BenchRun]) {
     let beats = |a: &BenchRun, b: &BenchRun| {
         a.profile == b.profile
             && a.time_ms <= b.time_ms
@@ -18,7 +18,7 @@ pub fn mark_pareto(runs: &mut [BenchRun]) {
 
 /// The order p of y ~ x^p within each profile's curve, fitted by least squares to all of `runs` at once,
 /// each curve with a constant of its own; none without two points on one curve.
-pub fn convergence_order(
+pub(super) fn convergence_order(
     runs: &[BenchRun],
     of: &'static str,
     theory: f64,

@@ -9,7 +9,7 @@ use std::fs;
 
 /// Which limit governs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GoverningLimit {
+pub(super) enum GoverningLimit {
     /// The image's displacement: falls as the root of the number of triangles.
     Facet,
     /// The height between facet and mirror: falls as their number.
@@ -22,7 +22,7 @@ const SIZES: [f64; 5] = [1e4, 3e4, 1e5, 3e5, 1e6];
 const FITTED: f64 = 5e4;
 
 /// Meshes of 1e4 to 1e6 triangles, each within one limit alone.
-pub fn sweep(
+pub(super) fn sweep(
     subjects: &[Subject],
     rule: GoverningLimit,
     quick: bool,

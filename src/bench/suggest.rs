@@ -15,7 +15,7 @@ const AIM: f64 = 0.98;
 
 /// The cheapest settings for `target_px`, by the runs of `sweeps`, proven by the witness; and the
 /// profile's text with them.
-pub fn suggest(
+pub(super) fn suggest(
     subject: &Subject,
     sweeps: &[BenchSweep],
     target_px: f64,

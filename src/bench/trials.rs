@@ -10,7 +10,7 @@ const SEED: u64 = 1;
 
 /// More and more trials, traced in full. The error is the width of the 95 % interval of the yield, at the
 /// budget that half of the parts keep: it falls as the root of their number.
-pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
+pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
     let numbers = if quick { &TRIALS[..3] } else { &TRIALS };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {

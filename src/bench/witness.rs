@@ -14,7 +14,7 @@ const TRUTH: f64 = 4.0;
 /// Cameras of more and fewer pixels look into the mesh that the profile asks for. The error is that of
 /// the RMS pixel error (in the camera's own pixels) against the one by most rays. A facet's error is
 /// independent of its neighbours', so it falls as the root of the number of rays.
-pub fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
+pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, BenchError> {
     let (scales, truth) = if quick { (&SCALES[..4], 0.25 * TRUTH) } else { (&SCALES[..], TRUTH) };
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "morion", version, max_term_width = 100)]
 #[command(after_help = "Exit code: 0 passed, 1 a negative verdict, 2 could not do it.")]
-pub struct Arguments {
+pub(super) struct Arguments {
     #[command(subcommand)]
     pub command: CommandArg,
     /// How results are printed
@@ -29,7 +29,7 @@ pub struct Arguments {
 }
 
 #[derive(Debug, Subcommand)]
-pub enum CommandArg {
+pub(super) enum CommandArg {
     /// Design, mesh, write, read back, trace: every stage, into DIR/NAME/
     Build(BuildArgs),
     /// Validate a profile, and nothing else
@@ -56,7 +56,7 @@ pub enum CommandArg {
 
 // Arguments of `morion build`.
 #[derive(Debug, Args)]
-pub struct BuildArgs {
+pub(super) struct BuildArgs {
     /// Profile files, or names of shipped profiles
     #[arg(required = true, value_name = "PROFILE")]
     pub profiles: Vec<String>,
@@ -76,14 +76,14 @@ pub struct BuildArgs {
 
 // Arguments of `morion check`.
 #[derive(Debug, Args)]
-pub struct CheckArgs {
+pub(super) struct CheckArgs {
     /// Profile file, or name of a shipped profile
     pub profile: String,
 }
 
 // Arguments of `morion verify`.
 #[derive(Debug, Args)]
-pub struct VerifyArgs {
+pub(super) struct VerifyArgs {
     /// The file: STL, OBJ or 3MF, in the part frame of the profile unless --align is given
     pub file: PathBuf,
     /// Profile file, or name of a shipped profile
@@ -103,7 +103,7 @@ pub struct VerifyArgs {
 
 // Arguments of `morion render`.
 #[derive(Debug, Args)]
-pub struct RenderArgs {
+pub(super) struct RenderArgs {
     /// Profile file, or name of a shipped profile
     pub profile: String,
     /// grid, chessboard, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
@@ -128,7 +128,7 @@ pub struct RenderArgs {
 
 // Arguments of `morion frame`.
 #[derive(Debug, Args)]
-pub struct FrameArgs {
+pub(super) struct FrameArgs {
     /// Profile file, or name of a shipped profile
     pub profile: String,
     /// Least share of the pixels that must see their part of the world [default: the profile's
@@ -142,7 +142,7 @@ pub struct FrameArgs {
 
 // Arguments of `morion unwrap`.
 #[derive(Debug, Args)]
-pub struct UnwrapArgs {
+pub(super) struct UnwrapArgs {
     /// The photo, PNG, JPEG or EXR: all that the sensor saw, at any resolution
     pub photo: PathBuf,
     /// Profile file, or name of a shipped profile
@@ -167,7 +167,7 @@ pub struct UnwrapArgs {
 
 // Arguments of `morion blur`.
 #[derive(Debug, Args)]
-pub struct BlurArgs {
+pub(super) struct BlurArgs {
     /// Profile file, or name of a shipped profile
     pub profile: String,
     /// Diameter of a pinhole camera's entrance pupil [default: the profile's]
@@ -188,7 +188,7 @@ pub struct BlurArgs {
 
 // Arguments of `morion tolerance`.
 #[derive(Debug, Args)]
-pub struct ToleranceArgs {
+pub(super) struct ToleranceArgs {
     /// Profile file, or name of a shipped profile
     #[arg(required_unless_present = "merge")]
     pub profile: Option<String>,
@@ -225,7 +225,7 @@ pub struct ToleranceArgs {
 
 // Arguments of `morion machining`.
 #[derive(Debug, Args)]
-pub struct MachiningArgs {
+pub(super) struct MachiningArgs {
     /// Profile file, or name of a shipped profile
     pub profile: String,
     /// Radius of the ball
@@ -258,7 +258,7 @@ pub struct MachiningArgs {
 
 // Arguments of `morion bench`.
 #[derive(Debug, Args)]
-pub struct BenchArgs {
+pub(super) struct BenchArgs {
     /// Profile files, or names of shipped profiles [default: all shipped ones]
     #[arg(value_name = "PROFILE")]
     pub profiles: Vec<String>,
@@ -276,7 +276,7 @@ pub struct BenchArgs {
 
 // Arguments of `morion profiles`.
 #[derive(Debug, Args)]
-pub struct ProfilesArgs {
+pub(super) struct ProfilesArgs {
     /// Print this one, to start from
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
@@ -371,7 +371,7 @@ fn percent(text: &str) -> Result<f64, String> {
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PrintFormat {
+pub(super) enum PrintFormat {
     /// A readable summary
     Text,
     /// The report as JSON
@@ -407,7 +407,7 @@ impl From<UnitArg> for LengthUnit {
 
 /// When output is coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Colour {
+pub(super) enum Colour {
     /// On terminals, unless NO_COLOR is set
     Auto,
     /// Always
@@ -418,7 +418,7 @@ pub enum Colour {
 
 impl Colour {
     /// Makes it hold for all later output.
-    pub fn write_global(self) {
+    pub(super) fn write_global(self) {
         let choice = match self {
             Self::Auto => anstream::ColorChoice::Auto,
             Self::Always => anstream::ColorChoice::Always,

@@ -12,7 +12,7 @@ use crate::report::Aperture;
 use std::num::NonZeroUsize;
 
 impl BuildArgs {
-    pub fn options(&self) -> BuildOptions {
+    pub(super) fn options(&self) -> BuildOptions {
         let effort = match (self.no_skip, self.force) {
             (true, _) => Effort::Most,
             (_, true) => Effort::Afresh,
@@ -23,14 +23,14 @@ impl BuildArgs {
 }
 
 impl VerifyArgs {
-    pub fn command(&self) -> Verify<'_> {
+    pub(super) fn command(&self) -> Verify<'_> {
         let options = VerifyOptions { units: self.units.map(Into::into), align: self.align };
         Verify { path: &self.file, options }
     }
 }
 
 impl RenderArgs {
-    pub fn options(&self) -> RenderOptions<'_> {
+    pub(super) fn options(&self) -> RenderOptions<'_> {
         RenderOptions {
             scene: &self.scene,
             smooth: self.smooth,
@@ -42,13 +42,13 @@ impl RenderArgs {
 }
 
 impl FrameArgs {
-    pub fn options(&self) -> FrameOptions {
+    pub(super) fn options(&self) -> FrameOptions {
         FrameOptions { min: self.min }
     }
 }
 
 impl UnwrapArgs {
-    pub fn command(&self) -> Unwrap<'_> {
+    pub(super) fn command(&self) -> Unwrap<'_> {
         let remap = UnwrapOptions::Remap {
             projection: self.projection.map(Into::into),
             width: self.width.map(NonZeroUsize::get),
@@ -60,7 +60,7 @@ impl UnwrapArgs {
 }
 
 impl BlurArgs {
-    pub fn options(&self) -> BlurOptions {
+    pub(super) fn options(&self) -> BlurOptions {
         let pupil = self.pupil_mm.map(|pupil_mm| Aperture::Pupil { pupil_mm });
         let aperture = pupil.or(self.na.map(|na| Aperture::Na { na }));
         BlurOptions { aperture, focus_mm: self.focus_mm }
@@ -68,17 +68,17 @@ impl BlurArgs {
 }
 
 impl ToleranceArgs {
-    pub fn options(&self) -> ToleranceOptions {
+    pub(super) fn options(&self) -> ToleranceOptions {
         ToleranceOptions { range: self.trials.clone(), seed: self.seed, until: self.until }
     }
 
-    pub fn replay(&self, trial: u64) -> ReplayOptions<'_> {
+    pub(super) fn replay(&self, trial: u64) -> ReplayOptions<'_> {
         ReplayOptions { trial, seed: self.seed, without: &self.without }
     }
 }
 
 impl MachiningArgs {
-    pub fn options(&self) -> MachiningOptions {
+    pub(super) fn options(&self) -> MachiningOptions {
         MachiningOptions {
             ball_mm: self.ball_mm,
             stepover_mm: self.stepover_mm,

@@ -8,14 +8,14 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Reports stages to stderr, or nothing at all.
-pub struct Progress {
+pub(super) struct Progress {
     quiet: bool,
     bar: Option<ProgressBar>,
 }
 
 impl Progress {
     /// Looks at stderr to choose the form.
-    pub fn new(quiet: bool) -> Self {
+    pub(super) fn new(quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             bar.set_style(ProgressStyle::default_spinner());

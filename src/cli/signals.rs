@@ -13,7 +13,7 @@ const STATUS: &str = "/proc/self/status";
 /// Ends the program with 128 and the signal's number on SIGINT, SIGTERM and SIGHUP, unless it was
 /// started to ignore them (nohup, jobs in the background). Where no thread can be started, or that is
 /// not known, signals do what they do by default.
-pub fn watch() {
+pub(super) fn watch() {
     let Some(ignored) = ignored() else { return };
     let ends: Vec<i32> =
         [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !is_in(ignored, *signal)).collect();

@@ -3,7 +3,7 @@
 use anstyle::{AnsiColor, Style};
 
 /// A summary with styles; a writer that knows its terminal strips them elsewhere.
-pub fn styled(text: &str) -> String {
+pub(super) fn styled(text: &str) -> String {
     let bold = Style::new().bold();
     let coloured = |colour: AnsiColor| bold.fg_color(Some(colour.into()));
     let mut out = String::with_capacity(text.len() + 32);

@@ -9,7 +9,7 @@ const DEPTH: usize = 8;
 
 /// The steps of an iteration so far: from which point each, and where to.
 #[derive(Debug, Clone)]
-pub struct AndersonAcceleration {
+pub(super) struct AndersonAcceleration {
     /// Length that one of each unknown amounts to.
     scale: Vec<f64>,
     past: Vec<(Vec<f64>, Vec<f64>)>,
@@ -17,18 +17,18 @@ pub struct AndersonAcceleration {
 
 impl AndersonAcceleration {
     /// An empty history.
-    pub fn new(scale: Vec<f64>) -> Self {
+    pub(super) fn new(scale: Vec<f64>) -> Self {
         Self { scale, past: Vec::new() }
     }
 
     /// Forgets everything.
-    pub fn reset(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.past.clear();
     }
 
     /// Remembers that the iteration would go from `x` by `step`, and proposes where to go instead:
     /// to where the step would vanish were it linear along the directions gone so far.
-    pub fn propose(&mut self, x: &[f64], step: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn propose(&mut self, x: &[f64], step: &[f64]) -> Option<Vec<f64>> {
         let differences = |k: usize| -> (Vec<f64>, Vec<f64>) {
             let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
             (minus(x, &self.past[k].0), minus(step, &self.past[k].1))

@@ -10,22 +10,22 @@ const LANES: usize = 4;
 /// Derivatives of F, dF/dx and dF/dy at some places by the unknowns, four unknowns to a block:
 /// block -> place -> (f, x, y) -> unknown.
 #[derive(Debug, Clone)]
-pub struct ColumnBlocks {
+pub(super) struct ColumnBlocks {
     unknowns: usize,
     blocks: Vec<Vec<[[f64; LANES]; 3]>>,
 }
 
 /// A symmetric 3 x 3 curvature in (f, x, y) at one place, as the lower triangle L of L L^T.
-pub type CholeskyRoot = [[f64; 3]; 3];
+pub(super) type CholeskyRoot = [[f64; 3]; 3];
 
 impl ColumnBlocks {
     /// No places yet.
-    pub fn new(unknowns: usize) -> Self {
+    pub(super) fn new(unknowns: usize) -> Self {
         Self { unknowns, blocks: vec![Vec::new(); unknowns.div_ceil(LANES)] }
     }
 
     /// Adds a place by its three rows.
-    pub fn push(&mut self, rows: [&[f64]; 3]) {
+    pub(super) fn push(&mut self, rows: [&[f64]; 3]) {
         for (p, block) in self.blocks.iter_mut().enumerate() {
             let entry = |row: &[f64], k: usize| row.get(p * LANES + k).copied().unwrap_or(0.0);
             block.push(rows.map(|row| std::array::from_fn(|k| entry(row, k))));
@@ -33,7 +33,7 @@ impl ColumnBlocks {
     }
 
     /// Change of the local values at every place for a change of the unknowns.
-    pub fn apply(&self, x: &[f64]) -> Vec<LocalValues> {
+    pub(super) fn apply(&self, x: &[f64]) -> Vec<LocalValues> {
         let mut locals = vec![[0.0; 3]; self.blocks[0].len()];
         for (block, x) in self.blocks.iter().zip(x.chunks(LANES)) {
             let mut by = [0.0; LANES];
@@ -48,7 +48,7 @@ impl ColumnBlocks {
     }
 
     /// Sum over the places of a slope in (f, x, y), carried back to the unknowns.
-    pub fn gather(&self, slopes: &[LocalValues]) -> Vec<f64> {
+    pub(super) fn gather(&self, slopes: &[LocalValues]) -> Vec<f64> {
         let mut sum: Vec<f64> = Vec::with_capacity(self.blocks.len() * LANES);
         for block in &self.blocks {
             let mut lanes = [0.0; LANES];
@@ -65,7 +65,7 @@ impl ColumnBlocks {
 
     /// Sum over the places of the curvatures, carried back to the unknowns: a matrix, of which
     /// the lower triangle is set.
-    pub fn curvature(&self, roots: &[CholeskyRoot]) -> Vec<Vec<f64>> {
+    pub(super) fn curvature(&self, roots: &[CholeskyRoot]) -> Vec<Vec<f64>> {
         // Where nothing depends on F itself two rows a place suffice.
         let first = usize::from(roots.iter().all(|l| l.iter().all(|row| row[0] == 0.0)));
         let weighted = parallel::map_slice(&self.blocks, 1, |block| {
@@ -110,11 +110,11 @@ fn product(a: &[[f64; LANES]], b: &[[f64; LANES]]) -> [[f64; LANES]; LANES] {
 /// The Cholesky factor of a matrix given by its lower triangle; directions without curvature (to
 /// rounding) are held still.
 #[derive(Debug, Clone)]
-pub struct Cholesky(Vec<Vec<f64>>);
+pub(super) struct Cholesky(Vec<Vec<f64>>);
 
 impl Cholesky {
     /// Factors the matrix.
-    pub fn new(mut l: Vec<Vec<f64>>) -> Self {
+    pub(super) fn new(mut l: Vec<Vec<f64>>) -> Self {
         for i in 0..l.len() {
             let (above, rest) = l.split_at_mut(i);
             let row = &mut rest[0];
@@ -129,7 +129,7 @@ impl Cholesky {
     }
 
     /// x <- A^-1 x.
-    pub fn solve(&self, x: &mut [f64]) {
+    pub(super) fn solve(&self, x: &mut [f64]) {
         let l = &self.0;
         for i in 0..x.len() {
             x[i] = (x[i] - dot(&l[i][..i], &x[..i])) / l[i][i];
@@ -143,7 +143,7 @@ impl Cholesky {
 }
 
 /// L of a 3 x 3 semidefinite matrix; rows without curvature are zero.
-pub fn root(m: [[f64; 3]; 3]) -> CholeskyRoot {
+pub(super) fn root(m: [[f64; 3]; 3]) -> CholeskyRoot {
     let mut l = [[0.0; 3]; 3];
     for j in 0..3 {
         let pivot = m[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// Places at which a basis is tabulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NodeSet {
+pub(super) enum NodeSet {
     /// Gauss nodes with their weights, for integrals over the domain.
     Quadrature,
     /// More of them, which resolve the field of a wide pinhole to rounding, for figures.
@@ -22,7 +22,7 @@ pub enum NodeSet {
 
 /// Basis functions B_j with their derivatives at chosen places.
 #[derive(Debug, Clone)]
-pub struct Basis {
+pub(super) struct Basis {
     along: AxisTable,
     across: AxisTable,
     terms: Vec<(usize, usize)>,
@@ -32,7 +32,7 @@ pub struct Basis {
 }
 
 /// F with its slopes dF/dx and dF/dy.
-pub type LocalValues = [f64; 3];
+pub(super) type LocalValues = [f64; 3];
 
 /// Functions of one coordinate at its places.
 #[derive(Debug, Clone)]
@@ -84,7 +84,7 @@ impl Basis {
     /// (mm), but for the constant: the mean over the area is zero. With `even_x` only those even
     /// about the middle in x, looked at in its right half alone.
     #[must_use]
-    pub fn rectangle(area: Rect, even_x: bool, degree: usize, places: NodeSet) -> Self {
+    pub(super) fn rectangle(area: Rect, even_x: bool, degree: usize, places: NodeSet) -> Self {
         let line = match places {
             // Degree + 1 nodes are exact for the polynomials; the rest resolve the field.
             NodeSet::Quadrature => gauss(degree + 16 + degree % 2),
@@ -122,7 +122,7 @@ impl Basis {
 
     /// The same functions over the same `area` (mm) but for constants: the mean over `part` of it is zero.
     #[must_use]
-    pub fn with_mean_zero_over(mut self, part: Rect, area: Rect) -> Self {
+    pub(super) fn with_mean_zero_over(mut self, part: Rect, area: Rect) -> Self {
         let degree = self.along.places[0].p.len() - 1;
         let (half, centre) = (0.5 * area.size(), area.centre());
         let [lo, hi] = [part.min, part.max].map(|corner| (corner - centre) / half);
@@ -136,7 +136,7 @@ impl Basis {
     /// (inner radius zero) t = 2 (r / rim)^2 - 1, which is smooth on the axis; on an annulus t is
     /// linear in r. The weights are those of the area.
     #[must_use]
-    pub fn radial(radii: [f64; 2], degree: usize, places: NodeSet) -> Self {
+    pub(super) fn radial(radii: [f64; 2], degree: usize, places: NodeSet) -> Self {
         let [inner, rim] = radii;
         let disc = inner == 0.0;
         let mut line = match places {
@@ -177,57 +177,57 @@ impl Basis {
 
     /// The degrees (i, j) of each unknown's function, in the order of the coefficients.
     #[must_use]
-    pub fn terms(&self) -> &[(usize, usize)] {
+    pub(super) fn terms(&self) -> &[(usize, usize)] {
         &self.terms
     }
 
     /// Constant that is subtracted from each unknown's function, in the order of the coefficients.
     #[must_use]
-    pub fn levels(&self) -> &[f64] {
+    pub(super) fn levels(&self) -> &[f64] {
         &self.levels
     }
 
     /// Number of unknowns.
     #[must_use]
-    pub fn unknowns(&self) -> usize {
+    pub(super) fn unknowns(&self) -> usize {
         self.terms.len()
     }
 
     /// Number of places.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.along.places.len() * self.across.places.len()
     }
 
     /// The longest side of the domain, or the radius of its rim, mm.
     #[must_use]
-    pub fn size_mm(&self) -> f64 {
+    pub(super) fn size_mm(&self) -> f64 {
         self.size_mm
     }
 
     /// Image point of place `k`, mm.
     #[must_use]
-    pub fn at(&self, k: usize) -> DVec2 {
+    pub(super) fn at(&self, k: usize) -> DVec2 {
         let (a, b) = self.pair(k);
         DVec2::new(a.at, b.at)
     }
 
     /// Weight of place `k`, mm^2 for quadrature.
     #[must_use]
-    pub fn weight(&self, k: usize) -> f64 {
+    pub(super) fn weight(&self, k: usize) -> f64 {
         let (a, b) = self.pair(k);
         a.weight * b.weight
     }
 
     /// Whether place `k` belongs to the coarse ones: enough to determine the unknowns.
     #[must_use]
-    pub fn coarse(&self, k: usize) -> bool {
+    pub(super) fn coarse(&self, k: usize) -> bool {
         let (a, b) = self.pair(k);
         a.coarse && b.coarse
     }
 
     /// Value and derivatives of every unknown's function at place `k`.
-    pub fn row(&self, k: usize) -> impl Iterator<Item = LocalValues> {
+    pub(super) fn row(&self, k: usize) -> impl Iterator<Item = LocalValues> {
         let (a, b) = self.pair(k);
         let terms = self.terms.iter().zip(&self.levels);
         terms.map(|(&(i, j), l)| [a.p[i] * b.p[j] - l, a.d[i] * b.p[j], a.p[i] * b.d[j]])
@@ -235,7 +235,7 @@ impl Basis {
 
     /// F and its slopes at every place, from the coefficients.
     #[must_use]
-    pub fn locals(&self, coefficients: &[f64]) -> Vec<LocalValues> {
+    pub(super) fn locals(&self, coefficients: &[f64]) -> Vec<LocalValues> {
         let level: f64 = self.levels.iter().zip(coefficients).map(|(l, c)| l * c).sum();
         let mut locals = vec![[0.0; 3]; self.len()];
         let count = self.across.places.len();
@@ -268,7 +268,7 @@ impl Basis {
 
 /// F and its slopes as variables of exact differentiation.
 #[must_use]
-pub fn variables([f, x, y]: LocalValues) -> (Dual<3>, [Dual<3>; 2]) {
+pub(super) fn variables([f, x, y]: LocalValues) -> (Dual<3>, [Dual<3>; 2]) {
     (Dual::variable(f, 0), [Dual::variable(x, 1), Dual::variable(y, 2)])
 }
 

@@ -16,7 +16,7 @@ const FLAT_MM: f64 = 1e-6;
 ///
 /// # Errors
 /// [`DesignError::Border`] when a hole, a mark or rounded corners do not fit.
-pub fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
+pub(super) fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
     let Some(border) = &profile.part.border else { return Ok(None) };
     let outline = outline_about_axis(mirror);
     if let Some(conflict) = border.conflicts(&outline).into_iter().next() {
@@ -126,7 +126,7 @@ fn plan(mirror: &Mirror, q: DVec2) -> DVec2 {
 }
 
 /// The rectangle along X and Y around the mirror.
-pub fn extent(mirror: &Mirror) -> Rect {
+pub(super) fn extent(mirror: &Mirror) -> Rect {
     let rect = match mirror.full_outline() {
         Outline::Ring { outer, .. } => {
             // A mirror under a pinhole has a round outline only if it is round itself.

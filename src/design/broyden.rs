@@ -5,7 +5,7 @@ use crate::num::hypot;
 /// Broyden's method for x = f(x): the first step repeats, the others use what the steps before
 /// them showed of f.
 #[derive(Debug, Clone)]
-pub struct Broyden {
+pub(super) struct Broyden {
     /// The inverse of the derivative of f(x) - x, as far as it is known.
     inverse: [[f64; 2]; 2],
     /// x and f(x) - x of the last step.
@@ -25,12 +25,12 @@ fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 impl Broyden {
     /// The method before any step: f is taken to be constant. No step is longer than `most`.
     #[must_use]
-    pub fn new(most: f64) -> Self {
+    pub(super) fn new(most: f64) -> Self {
         Self { inverse: [[-1.0, 0.0], [0.0, -1.0]], last: None, most }
     }
 
     /// The next x to try after `x`, where the value of f is `f`.
-    pub fn next(&mut self, x: [f64; 2], f: [f64; 2]) -> [f64; 2] {
+    pub(super) fn next(&mut self, x: [f64; 2], f: [f64; 2]) -> [f64; 2] {
         let gap = minus(f, x);
         if let Some((old_x, old_gap)) = self.last {
             let step = minus(x, old_x);

@@ -14,14 +14,14 @@ const DEGREES: [usize; 9] = [4, 8, 12, 16, 24, 40, 64, 88, 120];
 const CLOSE: f64 = 1e-12;
 
 /// Height of a conic at the square of a distance from the axis; not a number where it has ended.
-pub fn sag(conic: &Conic, r2: f64) -> f64 {
+pub(super) fn sag(conic: &Conic, r2: f64) -> f64 {
     let curvature = 1.0 / conic.radius_mm;
     let root = f64::sqrt(1.0 - (1.0 + conic.conic) * r2 * curvature * curvature);
     r2 * curvature / (1.0 + root)
 }
 
 /// The conic as a series of u = 2 r^2 / outer^2 - 1.
-pub fn along_radius(conic: &Conic, outer: f64) -> Result<Series, DesignError> {
+pub(super) fn along_radius(conic: &Conic, outer: f64) -> Result<Series, DesignError> {
     close(
         outer,
         sag(conic, outer * outer),
@@ -34,7 +34,7 @@ pub fn along_radius(conic: &Conic, outer: f64) -> Result<Series, DesignError> {
 }
 
 /// The conic as a series over a rectangle about the axis.
-pub fn over_area(conic: &Conic, area: Rect) -> Result<Series, DesignError> {
+pub(super) fn over_area(conic: &Conic, area: Rect) -> Result<Series, DesignError> {
     let (centre, half) = (area.centre(), 0.5 * area.size());
     let reach = area.max.abs().max(area.min.abs()).length();
     close(
@@ -140,7 +140,7 @@ fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The sum of two series.
-pub fn plus(a: &Series, b: &Series) -> Series {
+pub(super) fn plus(a: &Series, b: &Series) -> Series {
     let ((m, n), (p, q)) = (a.shape(), b.shape());
     let of = |s: &Series, i: usize, j: usize| {
         if i < s.shape().0 && j < s.shape().1 { s.coefficient(i, j) } else { 0.0 }

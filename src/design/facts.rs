@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
 /// worst error usually is.
-pub const SAMPLES: usize = 200;
+pub(super) const SAMPLES: usize = 200;
 
 /// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -198,7 +198,7 @@ fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> CurlFacts {
 
 /// The integral of |grad F - s|^2 that a fit leaves, in the paper's units.
 #[must_use]
-pub fn in_paper_units(integral: f64, problem: &DesignProblem) -> f64 {
+pub(super) fn in_paper_units(integral: f64, problem: &DesignProblem) -> f64 {
     let unit = problem.view.projection.scale_mm();
     integral / (unit * unit)
 }

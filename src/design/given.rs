@@ -18,7 +18,7 @@ const ROUNDED: f64 = 1e-6;
 const CUBIC: usize = 3;
 
 /// The mirror of a formula.
-pub fn polynomial(profile: &Profile, given: &Polynomial) -> Result<Design, DesignError> {
+pub(super) fn polynomial(profile: &Profile, given: &Polynomial) -> Result<Design, DesignError> {
     let outline = outline(profile)?;
     let (surface, degree) = formula(given, outline)?;
     let odd = |by: fn(&Monomial) -> usize| given.terms.iter().any(|t| t.c != 0.0 && by(t) % 2 == 1);
@@ -32,7 +32,7 @@ pub fn polynomial(profile: &Profile, given: &Polynomial) -> Result<Design, Desig
 }
 
 /// The mirror through heights on a grid.
-pub fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
+pub(super) fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignError> {
     let outline = outline(profile)?;
     let bounds = outline.bounds();
     let slack = ROUNDED * bounds.size();

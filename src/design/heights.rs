@@ -6,7 +6,7 @@ use crate::mirror::Mirror;
 
 /// The least and the largest Z over the panel, mm, to rounding (of a surface that sampling does not
 /// miss a dip or a peak of).
-pub fn height_range(mirror: &Mirror) -> [f64; 2] {
+pub(super) fn height_range(mirror: &Mirror) -> [f64; 2] {
     let lines = mirror.outline.samples(SAMPLES).into_iter();
     let all: Vec<DVec2> = lines.flatten().map(|(q, _)| q).collect();
     let found = along(mirror, &all);

@@ -11,7 +11,7 @@ use crate::profile::{Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, R
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
 #[derive(Debug, Clone)]
-pub struct DesignProblem {
+pub(super) struct DesignProblem {
     /// The camera.
     pub camera: Camera,
     /// Imaging task of the designed panel.
@@ -30,7 +30,7 @@ pub struct DesignProblem {
 
 /// Geometry of a round mirror that depends on its solution: found by iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SelfConsistentGeometry {
+pub(super) struct SelfConsistentGeometry {
     /// Image radius of the inner rim, mm.
     pub inner_mm: f64,
     /// Z of the target's origin, mm.
@@ -40,7 +40,7 @@ pub struct SelfConsistentGeometry {
 impl SelfConsistentGeometry {
     /// The first guess.
     #[must_use]
-    pub fn initial(profile: &Profile) -> Self {
+    pub(super) fn initial(profile: &Profile) -> Self {
         let inner_mm = match profile.layout {
             Layout::Annulus { inner_width_mm } => 0.5 * inner_width_mm,
             _ => 0.0,
@@ -51,7 +51,12 @@ impl SelfConsistentGeometry {
     /// The geometry of the mirror that was found: the inner rim has its radius in space, and the
     /// area-mean of the height sits at the target's origin (docs/theory.md, T14).
     #[must_use]
-    pub fn updated(&self, profile: &Profile, problem: &DesignProblem, mirror: &Mirror) -> Self {
+    pub(super) fn updated(
+        &self,
+        profile: &Profile,
+        problem: &DesignProblem,
+        mirror: &Mirror,
+    ) -> Self {
         let Outline::Ring { inner, outer } = problem.domain else { return *self };
         let wanted = Self::initial(profile).inner_mm;
         let rim =
@@ -74,13 +79,13 @@ impl SelfConsistentGeometry {
 
     /// Both, mm.
     #[must_use]
-    pub fn to_array(self) -> [f64; 2] {
+    pub(super) fn to_array(self) -> [f64; 2] {
         [self.inner_mm, self.origin_mm]
     }
 
     /// The larger change, mm.
     #[must_use]
-    pub fn distance(&self, other: &Self) -> f64 {
+    pub(super) fn distance(&self, other: &Self) -> f64 {
         (self.inner_mm - other.inner_mm).abs().max((self.origin_mm - other.origin_mm).abs())
     }
 }
@@ -90,7 +95,7 @@ impl DesignProblem {
     ///
     /// # Errors
     /// [`FailureCause`] when a law that is to be found cannot be.
-    pub fn new(
+    pub(super) fn new(
         profile: &Profile,
         geometry: &SelfConsistentGeometry,
     ) -> Result<Option<Self>, FailureCause> {
@@ -105,7 +110,7 @@ impl DesignProblem {
     }
 
     /// Whether the inner rim of a ring comes to lie outside the outer one.
-    pub fn occluded_rim(&self) -> Option<FailureCause> {
+    pub(super) fn occluded_rim(&self) -> Option<FailureCause> {
         match self.domain {
             Outline::Ring { inner, outer } if !(inner < outer) => {
                 Some(FailureCause::OccludedRim { inner_mm: inner, outer_mm: outer })
@@ -256,6 +261,6 @@ fn check_frame_filled(
 }
 
 /// The nearest single-precision numbers.
-pub fn to_single_precision(p: DVec2) -> DVec2 {
+pub(super) fn to_single_precision(p: DVec2) -> DVec2 {
     p.as_vec2().as_dvec2()
 }

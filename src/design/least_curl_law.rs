@@ -57,7 +57,7 @@ pub enum LeastCurlError {
 
 /// The panel that the law is for.
 #[derive(Debug, Clone, Copy)]
-pub struct LeastCurlProblem<'a> {
+pub(super) struct LeastCurlProblem<'a> {
     /// The camera and the target.
     pub field: SlopeField<'a>,
     /// mm per radian of azimuth.
@@ -86,7 +86,7 @@ impl LeastCurlProblem<'_> {
     ///
     /// # Errors
     /// [`LeastCurlError`] when it is not found.
-    pub fn law(&self) -> Result<(TabulatedLaw, f64), LeastCurlError> {
+    pub(super) fn law(&self) -> Result<(TabulatedLaw, f64), LeastCurlError> {
         let rows = self.rows();
         let g = self.find(&rows, vec![0.0; DEGREE + 1])?;
         let broken = LeastCurlError::NotConverged { steps: 0, last_step: f64::NAN };
@@ -97,7 +97,7 @@ impl LeastCurlProblem<'_> {
     ///
     /// # Errors
     /// [`LeastCurlError`] when it, or one on the way, is not found.
-    pub fn filling(&self, high: f64) -> Result<(TabulatedLaw, f64), LeastCurlError> {
+    pub(super) fn filling(&self, high: f64) -> Result<(TabulatedLaw, f64), LeastCurlError> {
         let [low, top] = self.rows().ends;
         let (middle, mut half) = (0.5 * (low + top), 0.5 * (top - low));
         let mut last_step = f64::NAN;

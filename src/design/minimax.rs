@@ -33,7 +33,7 @@ const MOST_STAGES: usize = 20;
 
 /// A mirror with the smallest worst residual.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MinimaxFit {
+pub(super) struct MinimaxFit {
     /// Coefficients of the basis' functions, mm.
     pub coefficients: Vec<f64>,
     /// Largest |r| over the basis' places.
@@ -50,7 +50,7 @@ pub struct MinimaxFit {
 /// # Errors
 /// [`SolveError`] when the residual is not finite at the start, does not determine the unknowns,
 /// or the search stalls.
-pub fn minimax<const N: usize>(
+pub(super) fn minimax<const N: usize>(
     basis: &Basis,
     residual: &impl PointwiseResidual<N>,
     start: &[f64],

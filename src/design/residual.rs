@@ -6,7 +6,7 @@ use crate::num::Scalar;
 use crate::optics::{ImagingTask, stereographic};
 
 /// The mirror's chart slope less the slope field (paper, equation for A in section 4).
-pub struct GradientResidual<'a> {
+pub(super) struct GradientResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// The imaging task.
@@ -25,7 +25,7 @@ impl PointwiseResidual<2> for GradientResidual<'_> {
 /// their stereographic coordinates, measured on the sphere. Under a vertical ray to a far target
 /// the coordinates are the slopes (docs/theory.md, T7): this is the vector field's residual,
 /// weighted by what a slope error does to the ray (T8, T27).
-pub struct RayResidual<'a> {
+pub(super) struct RayResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// The imaging task.
@@ -46,7 +46,7 @@ impl PointwiseResidual<2> for RayResidual<'_> {
 }
 
 /// The image displacement of what the mirror shows, mm.
-pub struct ImageResidual<'a> {
+pub(super) struct ImageResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// The imaging task.
@@ -64,7 +64,7 @@ impl PointwiseResidual<2> for ImageResidual<'_> {
 }
 
 /// The sine of the angle between the mirror's normal and W, as a vector.
-pub struct NormalResidual<'a> {
+pub(super) struct NormalResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// The imaging task.

@@ -10,7 +10,7 @@ use crate::parallel;
 const BLOCK: usize = 96;
 
 /// Difference of a mirror F(q) from what is wanted, at one image point.
-pub trait PointwiseResidual<const N: usize>: Sync {
+pub(super) trait PointwiseResidual<const N: usize>: Sync {
     /// The residual at `q` (mm) of a mirror that has there the value `f` (mm) and the slopes dF/dx
     /// and dF/dy.
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; N];
@@ -18,7 +18,7 @@ pub trait PointwiseResidual<const N: usize>: Sync {
 
 /// Residual at one place, linearised: with its derivatives by F, dF/dx and dF/dy.
 #[derive(Debug, Clone, Copy)]
-pub struct ResidualSample<const N: usize> {
+pub(super) struct ResidualSample<const N: usize> {
     /// r.
     pub r: [f64; N],
     /// Derivatives of each component.
@@ -27,14 +27,14 @@ pub struct ResidualSample<const N: usize> {
 
 impl<const N: usize> ResidualSample<N> {
     /// The residual of a mirror with the given local values at `q`.
-    pub fn new(residual: &impl PointwiseResidual<N>, q: DVec2, local: LocalValues) -> Self {
+    pub(super) fn new(residual: &impl PointwiseResidual<N>, q: DVec2, local: LocalValues) -> Self {
         let (f, slope) = variables(local);
         let r = residual.at(q, f, slope);
         Self { r: r.map(|r| r.value), by: r.map(|r| r.slope) }
     }
 
     /// The residual at every place.
-    pub fn all(
+    pub(super) fn all(
         basis: &Basis,
         residual: &impl PointwiseResidual<N>,
         locals: &[LocalValues],
@@ -44,12 +44,12 @@ impl<const N: usize> ResidualSample<N> {
     }
 
     /// |r|^2.
-    pub fn square(&self) -> f64 {
+    pub(super) fn square(&self) -> f64 {
         self.r.iter().map(|r| r * r).sum()
     }
 
     /// The residual after a change of the local values, were it linear in them.
-    pub fn after(&self, change: &LocalValues) -> [f64; N] {
+    pub(super) fn after(&self, change: &LocalValues) -> [f64; N] {
         std::array::from_fn(|k| {
             let [f, x, y] = self.by[k];
             self.r[k] + f * change[0] + x * change[1] + y * change[2]
@@ -88,7 +88,7 @@ impl<const N: usize> ResidualSample<N> {
 }
 
 /// Largest magnitude of the terms that cancel in the residual: its rounding error is in proportion.
-pub fn magnitude_of_terms<const N: usize>(
+pub(super) fn magnitude_of_terms<const N: usize>(
     samples: &[ResidualSample<N>],
     locals: &[LocalValues],
 ) -> f64 {
@@ -99,7 +99,7 @@ pub fn magnitude_of_terms<const N: usize>(
 }
 
 /// Whether the residual changed as its derivatives foretold, to rounding: then the problem is linear.
-pub fn is_linear<const N: usize>(
+pub(super) fn is_linear<const N: usize>(
     before: &[ResidualSample<N>],
     change: &[LocalValues],
     after: &[ResidualSample<N>],
@@ -115,7 +115,7 @@ pub fn is_linear<const N: usize>(
 }
 
 /// The triangle of the linearised problem of the samples, each of (place, weight, residual).
-pub fn linearised<const N: usize>(
+pub(super) fn linearised<const N: usize>(
     basis: &Basis,
     samples: &[(usize, f64, ResidualSample<N>)],
 ) -> StreamingQr {

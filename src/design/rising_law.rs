@@ -6,12 +6,12 @@ use crate::num::{exp, legendre};
 use crate::optics::TabulatedLaw;
 
 /// Rows where the curl is sampled.
-pub const ROWS: usize = 24;
+pub(super) const ROWS: usize = 24;
 /// Points of the table of a law that is found.
 const TABLE_POINTS: usize = 129;
 
 /// One row of the panel where the curl is sampled.
-pub struct LatitudeNode {
+pub(super) struct LatitudeNode {
     /// Isometric latitude m.
     pub m: f64,
     /// Weight of the row in an integral over m.
@@ -23,7 +23,7 @@ pub struct LatitudeNode {
 }
 
 /// Gauss' nodes over the isometric latitudes, one for each row of samples.
-pub struct LatitudeNodes {
+pub(super) struct LatitudeNodes {
     /// The two latitudes.
     pub ends: [f64; 2],
     /// The rows, from the lowest latitude on.
@@ -31,7 +31,7 @@ pub struct LatitudeNodes {
 }
 
 /// Values of a law at the rows.
-pub struct LawSamples {
+pub(super) struct LawSamples {
     /// dz/dm.
     pub stretch: Vec<f64>,
     /// z, from 0.
@@ -42,7 +42,7 @@ pub struct LawSamples {
 
 impl LatitudeNodes {
     /// Nodes between two isometric latitudes.
-    pub fn new(ends: [f64; 2]) -> Self {
+    pub(super) fn new(ends: [f64; 2]) -> Self {
         let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
         let (nodes, weights) = gauss_legendre(ROWS);
         let row = |(&t, w): (&f64, f64)| LatitudeNode {
@@ -69,7 +69,7 @@ impl LatitudeNodes {
     }
 
     /// The law of `g` at the rows.
-    pub fn shape(&self, g: &[f64]) -> LawSamples {
+    pub(super) fn shape(&self, g: &[f64]) -> LawSamples {
         let stretch: Vec<f64> = self.rows.iter().map(|row| exp(dot(g, &row.basis))).collect();
         let z = self.rows.iter().map(|row| dot(&row.sums, &stretch)).collect();
         let height = self.rows.iter().zip(&stretch).map(|(row, e)| row.weight * e).sum();
@@ -77,7 +77,7 @@ impl LatitudeNodes {
     }
 
     /// The law of `g` as a table, from z = 0, and its height.
-    pub fn table(&self, g: &[f64]) -> Option<(TabulatedLaw, f64)> {
+    pub(super) fn table(&self, g: &[f64]) -> Option<(TabulatedLaw, f64)> {
         let stretch = self.shape(g).stretch;
         let share = |k: usize| k as f64 / (TABLE_POINTS - 1) as f64;
         let z: Vec<f64> =

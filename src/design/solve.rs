@@ -22,7 +22,7 @@ const LEAST_SHARE: f64 = 1e-9;
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy)]
-pub struct SolverOptions<'a> {
+pub(super) struct SolverOptions<'a> {
     /// Coefficients to start from, mm; zero without.
     pub start: Option<&'a [f64]>,
     /// Largest change of F in the last step, in sizes of the domain.
@@ -86,7 +86,7 @@ pub enum SolveError {
 ///
 /// # Errors
 /// [`SolveError`] when the unknowns are not determined or the steps do not become small.
-pub fn solve<const N: usize>(
+pub(super) fn solve<const N: usize>(
     basis: &Basis,
     residual: &impl PointwiseResidual<N>,
     options: &SolverOptions,

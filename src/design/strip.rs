@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Place of a strip's panel in the image.
 #[derive(Debug, Clone, Copy)]
-pub struct StripPanel<'a> {
+pub(super) struct StripPanel<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// Surface that the picture shows, its origin on the camera's reference plane.
@@ -30,7 +30,7 @@ pub struct StripPanel<'a> {
 ///
 /// # Errors
 /// [`FailureCause::LeastCurl`] when there is none.
-pub fn strip_law(
+pub(super) fn strip_law(
     wanted: &StripSpec,
     panel: &StripPanel,
     high: Option<f64>,

@@ -17,7 +17,7 @@ use crate::profile::{Method, MethodKind};
 ///
 /// # Errors
 /// [`FailureCause::Fit`], or [`FailureCause::At`] where the residual has no value, when it has no answer.
-pub fn solved(
+pub(super) fn solved(
     problem: &DesignProblem,
     method: &Method,
 ) -> Result<(Mirror, DesignFacts), FailureCause> {

@@ -7,7 +7,7 @@ use crate::optics::Camera;
 
 /// A place of the mirror's chart, mm, where it turns its back to the camera; none where it faces it
 /// everywhere. Under parallel rays a height over X and Y always does.
-pub fn back_facing_point(mirror: &Mirror, camera: &Camera) -> Option<DVec2> {
+pub(super) fn back_facing_point(mirror: &Mirror, camera: &Camera) -> Option<DVec2> {
     if camera.chart.vergence == 0.0 {
         return None;
     }

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 const CHUNK: usize = 8192;
 
 /// One line of text an item, formatted in parallel, written in order.
-pub fn lines<T: Sync>(
+pub(super) fn lines<T: Sync>(
     out: &mut impl Write,
     items: &[T],
     line: impl Fn(&mut Vec<u8>, &T) -> io::Result<()> + Sync,

@@ -8,7 +8,7 @@ use crate::geom::{DVec2, turn};
 use crate::parallel;
 
 /// How far the cusps are from half way between their lines, at places along these.
-pub struct Cusps {
+pub(super) struct Cusps {
     stepover_mm: f64,
     along_mm: f64,
     /// Numbers of the first cusp, `first.y` stepovers from the axis, and of the first place, `first.x`
@@ -22,7 +22,7 @@ pub struct Cusps {
 impl Cusps {
     /// Of `passes` over the face between the corners `lo` and `hi` (x along the lines, y across them), at
     /// multiples of `along_mm`.
-    pub fn new(passes: &Passes, [lo, hi]: [DVec2; 2], along_mm: f64) -> Self {
+    pub(super) fn new(passes: &Passes, [lo, hi]: [DVec2; 2], along_mm: f64) -> Self {
         let stepover_mm = passes.raster().stepover_mm;
         let pitch = DVec2::new(along_mm, stepover_mm);
         let [from, to] = [(lo / pitch).floor(), (hi / pitch).ceil()];
@@ -38,7 +38,7 @@ impl Cusps {
 
     /// Where the place (`x`, `y`) of the lattice goes across the lines: on the cusp if it is half way between
     /// two lines, on its line if it is on one, and evenly in between.
-    pub fn snap(&self, x: f64, y: f64) -> f64 {
+    pub(super) fn snap(&self, x: f64, y: f64) -> f64 {
         let at = y / self.stepover_mm;
         let share = 1.0 - 2.0 * (at - at.round()).abs();
         let column = (x / self.along_mm).round() as i64 - self.first[0];
@@ -52,7 +52,7 @@ const LEFT: f64 = 0.2;
 
 /// Puts the corners of facets back on their rows, `straight` across the lines, where the snapped corners leave
 /// next to nothing of the facet or turn it over.
-pub fn straighten(x: &[f64], straight: &[f64], snapped: &mut [f64], triangles: &[[u32; 3]]) {
+pub(super) fn straighten(x: &[f64], straight: &[f64], snapped: &mut [f64], triangles: &[[u32; 3]]) {
     let area = |t: &[u32; 3], y: &[f64]| {
         let [a, b, c] = t.map(|v| DVec2::new(x[v as usize], y[v as usize]));
         turn(a, b, c)

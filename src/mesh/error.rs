@@ -5,7 +5,7 @@ use crate::geom::DVec2;
 use thiserror::Error;
 
 /// Largest number of facets of the whole face: about 15 GB in all stages.
-pub const MOST_FACETS: f64 = 4e7;
+pub(super) const MOST_FACETS: f64 = 4e7;
 
 /// Directions near which a small turn of the mirror moves its image far.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]

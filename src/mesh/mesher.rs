@@ -42,7 +42,7 @@ pub struct FaceForecast {
 }
 
 /// Meshes and forecasts for one imaging problem.
-pub struct Mesher<'a> {
+pub(super) struct Mesher<'a> {
     problem: ImagingProblem<'a>,
     /// The sizing field of the last limits.
     sizing: Option<SizingField>,
@@ -52,7 +52,7 @@ pub struct Mesher<'a> {
 
 impl<'a> Mesher<'a> {
     /// A mesher of `mirror`, which the camera of chart `camera` looks at to see `view`.
-    pub fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a ImagingTask>) -> Self {
+    pub(super) fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a ImagingTask>) -> Self {
         Self {
             problem: ImagingProblem { mirror, camera: *camera, view },
             sizing: None,
@@ -64,7 +64,7 @@ impl<'a> Mesher<'a> {
     ///
     /// # Errors
     /// [`MeshError`] when there is no such mesh.
-    pub fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
+    pub(super) fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
         let ImagingProblem { mirror, camera, view } = self.problem;
         let panel =
             || self.with_coarse_mesh(limits, |bounder, coarse| panel(bounder, coarse, limits));
@@ -82,7 +82,7 @@ impl<'a> Mesher<'a> {
     ///
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
-    pub fn forecast(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
+    pub(super) fn forecast(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
         self.forecast_by(limits, |bounder, coarse| {
             let mirror = bounder.mirror();
             if !coarse.must_be_made_to_count(copies(mirror)) {
@@ -99,7 +99,7 @@ impl<'a> Mesher<'a> {
     ///
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
-    pub fn estimate(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
+    pub(super) fn estimate(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
         self.forecast_by(limits, |bounder, coarse| Ok(estimate(bounder.mirror(), coarse)))
     }
 

@@ -16,7 +16,7 @@ const UNCHANGED: &str = "nothing has changed since the last build in this folder
 
 /// What a build was made of and what it left, for the next one: part of `timings.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BuildRecord {
+pub(super) struct BuildRecord {
     /// SHA-256 of all that its files depend on.
     pub inputs: String,
     /// Its files but for `timings.json` itself.
@@ -27,7 +27,7 @@ pub struct BuildRecord {
 
 impl BuildRecord {
     /// `timings.json`: with the times of the build that this is of.
-    pub fn json(&self, clock: &StageTimer) -> String {
+    pub(super) fn json(&self, clock: &StageTimer) -> String {
         let mut all = clock.timings(&self.work);
         all["inputs"] = self.inputs.as_str().into();
         all["outputs"] = serde_json::json!(self.outputs);
@@ -38,7 +38,7 @@ impl BuildRecord {
 /// A file as it was published. One of the same length and time of change is taken for the same, as
 /// `make` does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Output {
+pub(super) struct Output {
     /// Name in its folder.
     pub name: String,
     /// Length.
@@ -49,7 +49,7 @@ pub struct Output {
 
 impl Output {
     /// The file at `path`, which has or will have the name `name`.
-    pub fn of(path: &Path, name: &str) -> Option<Self> {
+    pub(super) fn of(path: &Path, name: &str) -> Option<Self> {
         let about = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;
         let written = about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
         let written_ns = u64::try_from(written.as_nanos()).ok()?;
@@ -59,7 +59,7 @@ impl Output {
 
 /// SHA-256 of all that the files of a build depend on: the program's sources and `profile` as it is
 /// understood.
-pub fn inputs(profile: &Profile) -> String {
+pub(super) fn inputs(profile: &Profile) -> String {
     let mut out = HashingWriter::new(io::sink());
     // Every field is in it, every number to the last digit. Hashing cannot fail.
     let _ = write!(out, "{} {profile:?}", env!("MORION_SOURCES"));
@@ -69,7 +69,7 @@ pub fn inputs(profile: &Profile) -> String {
 /// The report of the last build in `folder` if it was made of `inputs`, its files are as it left
 /// them, and there is none of another format; and its record as that of a build which had nothing to
 /// do.
-pub fn unchanged(folder: &Path, inputs: &str) -> Option<(BuildReport, BuildRecord)> {
+pub(super) fn unchanged(folder: &Path, inputs: &str) -> Option<(BuildReport, BuildRecord)> {
     let read = |name: &str| fs::read(folder.join(name)).ok();
     let mut record: BuildRecord = serde_json::from_slice(&read("timings.json")?).ok()?;
     let is_same = |output: &Output| {

@@ -15,7 +15,7 @@ use crate::report::{FileFacts, Reason, ReasonKind, SagFacts, StepFacts};
 use std::io::{self, Write};
 
 /// A file of the mirror as designed.
-pub trait CadExport {
+pub(super) trait CadExport {
     /// Its format.
     fn format(&self) -> CadFormat;
 
@@ -42,7 +42,7 @@ pub trait CadExport {
 /// # Errors
 /// [`Error::Table`] when a sag table would have too many places, which can depend on the design;
 /// [`Error::Step`] when no splines suit the mirror.
-pub fn cad_exports<'a>(
+pub(super) fn cad_exports<'a>(
     profile: &Profile,
     design: &'a Design,
     form: &'a Form,
@@ -69,7 +69,7 @@ pub fn cad_exports<'a>(
 }
 
 /// What the bytes of one such file showed.
-pub struct CadCheck {
+pub(super) struct CadCheck {
     /// The file.
     pub file: FileFacts,
     /// What is wrong with it, each without the file's name.
@@ -79,7 +79,7 @@ pub struct CadCheck {
 }
 
 /// Reads the bytes of a file that were written with `sha256`, and holds them against the design.
-pub fn check_export(
+pub(super) fn check_export(
     run: &Run,
     export: &dyn CadExport,
     label: &Label,

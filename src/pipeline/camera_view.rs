@@ -10,11 +10,11 @@ use crate::render::{Picture, PictureRay, SampleGrid, World};
 use crate::trace::{Outcome, PixelTrace, Scene, TraceResult};
 
 /// A mesh, ready for more rays, and what became of those sent so far.
-pub type TracedMesh = (Scene, TraceResult);
+pub(super) type TracedMesh = (Scene, TraceResult);
 
 /// What reflects the camera's rays.
 #[derive(Clone, Copy)]
-pub enum CameraView<'a> {
+pub(super) enum CameraView<'a> {
     /// A mesh that was read back. The witness's own rays are the pixels' centres; whether a place
     /// between them lies in shadow is taken from its pixel's centre.
     Mesh(&'a TracedMesh),
@@ -26,7 +26,7 @@ pub enum CameraView<'a> {
 
 /// How far away a world is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Distance {
+pub(super) enum Distance {
     /// On the profile's target surface: a direction from its origin says what is seen. Targets far
     /// away have the ray's own direction.
     Target,
@@ -36,7 +36,7 @@ pub enum Distance {
 
 /// The picture of `world` that `view` gives the camera of `design`, with `samples_per_side` squared
 /// samples at edges.
-pub fn picture(
+pub(super) fn picture(
     design: &Design,
     view: CameraView,
     (world, distance): (&dyn World, Distance),
@@ -121,7 +121,7 @@ impl Photographed<'_> {
 
 /// The rays that leave the designed mirror where the camera sees it at `points` (best in lines of
 /// equal y): none off the mirror.
-pub fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
+pub(super) fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
     let Design { mirror, camera, .. } = design;
     let outline = mirror.full_outline();
     let under =
@@ -147,6 +147,6 @@ fn is_dull(design: &Design, at: DVec3) -> bool {
 }
 
 /// A height above everything in the file, mm, for camera rays to start from.
-pub fn above(scene: &Scene) -> f64 {
+pub(crate) fn above(scene: &Scene) -> f64 {
     scene.bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }

@@ -22,7 +22,7 @@ use crate::trace::{
 };
 
 /// What the bytes of one file showed.
-pub struct FileCheck {
+pub(super) struct FileCheck {
     /// The file.
     pub file: FileFacts,
     /// Its format.
@@ -47,7 +47,7 @@ pub struct FileCheck {
 
 impl FileCheck {
     /// Of a file that could not be read.
-    pub fn unreadable(
+    pub(super) fn unreadable(
         file: FileFacts,
         format: MeshFormat,
         promise: Promise,
@@ -68,7 +68,7 @@ impl FileCheck {
     }
 
     /// Calls the file `name`.
-    pub fn rename(&mut self, name: String) {
+    pub(super) fn rename(&mut self, name: String) {
         if let Some(trace) = &mut self.trace {
             trace.file.clone_from(&name);
         }
@@ -78,7 +78,7 @@ impl FileCheck {
 
 /// Reads, checks and traces the bytes of a mesh file against `design`, to which its facets keep as
 /// promised.
-pub fn check_file(
+pub(super) fn check_file(
     run: &Run,
     design: &Design,
     format: MeshFormat,
@@ -93,7 +93,7 @@ pub fn check_file(
 }
 
 /// Reads the bytes of a mesh file, and does something with what is in it.
-pub fn open<T: Send>(
+pub(super) fn open<T: Send>(
     run: &Run,
     format: MeshFormat,
     bytes: Vec<u8>,
@@ -119,14 +119,14 @@ pub fn open<T: Send>(
 }
 
 /// A mesh, and what it is as a solid.
-pub struct CheckedMesh {
+pub(super) struct CheckedMesh {
     reread: ImportedMesh,
     solid: SolidFacts,
     vertex: Option<VertexFacts>,
 }
 
 /// Checks a mesh as a solid, and its vertices against `design`.
-pub fn checked(design: &Design, reread: ImportedMesh) -> CheckedMesh {
+pub(super) fn checked(design: &Design, reread: ImportedMesh) -> CheckedMesh {
     let check = check(&reread.mesh).through(design.holes());
     let solid = SolidFacts::new(&check, design.volume());
     let vertex = worst_vertex(design, &reread.mesh.vertices);
@@ -138,7 +138,7 @@ pub fn checked(design: &Design, reread: ImportedMesh) -> CheckedMesh {
 }
 
 /// Traces a mesh whose facets keep to the design as promised.
-pub fn witness(
+pub(super) fn witness(
     run: &Run,
     design: &Design,
     (file, format): (FileFacts, MeshFormat),
@@ -182,12 +182,16 @@ pub fn witness(
 }
 
 /// The pixel error up to which a pixel counts as filled: the largest that is accepted.
-pub fn tolerance_px(profile: &Profile) -> f64 {
+pub(super) fn tolerance_px(profile: &Profile) -> f64 {
     profile.acceptance_limits().pixel_error_max_px.value
 }
 
 /// Class of every pixel.
-pub fn pixel_classes(profile: &Profile, design: &Design, witness: &TraceResult) -> Vec<PixelClass> {
+pub(super) fn pixel_classes(
+    profile: &Profile,
+    design: &Design,
+    witness: &TraceResult,
+) -> Vec<PixelClass> {
     let camera = &design.camera;
     let folded = design.view.as_ref().is_some_and(|view| view.fold.is_some());
     classify_pixels(witness, camera.pixels, camera.pixel_mm, tolerance_px(profile), folded)
@@ -202,7 +206,7 @@ fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
 
 /// The table of expected rays, a row of the sensor at a time. Rays that may pass by the rim of facets
 /// `chord_mm` off the mirror are not aimed at it.
-pub fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> Vec<ExpectedRay> {
+pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> Vec<ExpectedRay> {
     let Design { mirror, view, camera, .. } = design;
     let outline = mirror.full_outline();
     // The mirror's own camera sees the rim of the facets where the mirror's is.

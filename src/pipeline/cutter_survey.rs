@@ -55,7 +55,7 @@ impl Default for MachiningOptions {
 const FIRST_STEPOVER: f64 = 0.05;
 
 /// The survey's results, and what the as-cut part is made by.
-pub struct CutterSurvey<'a> {
+pub(super) struct CutterSurvey<'a> {
     /// Curvature and slope of the mirror.
     pub analysis: SurfaceAnalysis<'a>,
     /// The lines of the cutter.
@@ -73,7 +73,7 @@ impl<'a> CutterSurvey<'a> {
     ///
     /// # Errors
     /// [`MachiningError`] when the raster cannot be worked out.
-    pub fn new(
+    pub(super) fn new(
         profile: &Profile,
         design: &'a Design,
         options: &MachiningOptions,
@@ -129,7 +129,7 @@ impl<'a> CutterSurvey<'a> {
     }
 
     /// The result in a few words.
-    pub fn note(&self) -> String {
+    pub(super) fn note(&self) -> String {
         self.found.scallops.as_ref().map_or("the ball fits nowhere".to_owned(), |found| {
             format!("scallops of {:.3} um at most", found.scallop_um.value)
         })

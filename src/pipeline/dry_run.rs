@@ -45,7 +45,7 @@ const SURE: f64 = 0.8;
 
 /// What the files of any build of `profile` take at the least, before anything is known of the
 /// mirror.
-pub fn least_bytes(profile: &Profile) -> u64 {
+pub(super) fn least_bytes(profile: &Profile) -> u64 {
     const PER_TRIANGLE: u64 = 9;
     let meshes = formats::meshes(profile).count() as u64;
     // Of the number of triangles most is spent, and no format has fewer bytes for each.
@@ -58,7 +58,7 @@ pub fn least_bytes(profile: &Profile) -> u64 {
 ///
 /// # Errors
 /// [`enum@Error`] when there is none, or a stage cannot be done.
-pub fn check_room(
+pub(super) fn check_room(
     run: &Run,
     design: &Design,
     exports: &[Box<dyn CadExport + '_>],

@@ -17,7 +17,7 @@ use crate::solid::{added, rim};
 
 /// What is made or foreseen for the files that can have it.
 #[derive(Debug)]
-pub struct AtPrecision<T> {
+pub(crate) struct AtPrecision<T> {
     /// The face or the plan of it.
     pub made: T,
     /// Its digits.
@@ -30,7 +30,7 @@ pub struct AtPrecision<T> {
 
 /// Errors that a mesh file may have against its design: what its verdict holds it to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Promise {
+pub(super) struct Promise {
     /// Height of a facet off the mirror, mm.
     pub chord_mm: f64,
     /// Facet error, and what sets it; none where nothing does.
@@ -42,7 +42,7 @@ impl Promise {
     const USUAL_CHORD: Um = Um(10.0);
 
     /// What was asked and proven of a face.
-    pub fn of_face(profile: &Profile, design: &Design, face: &Face) -> Self {
+    pub(super) fn of_face(profile: &Profile, design: &Design, face: &Face) -> Self {
         let facet = match profile.mesh {
             MeshGoal::Limits { facet, .. } => facet.map(|px| (px, "mesh.facet_px")),
             // A number of triangles sets no limit; what was proven of them is to be seen.
@@ -54,7 +54,7 @@ impl Promise {
     }
 
     /// What the profile asks of any file: of one of unknown making nothing is proven.
-    pub fn of_profile(profile: &Profile) -> Self {
+    pub(super) fn of_profile(profile: &Profile) -> Self {
         let (chord, facet) = match profile.mesh {
             MeshGoal::Limits { chord, facet } => (chord, facet.map(|px| (px, "mesh.facet_px"))),
             MeshGoal::Budget(_) => (None, None),
@@ -63,7 +63,7 @@ impl Promise {
     }
 
     /// The design itself, without a limit for facets.
-    pub fn exact() -> Self {
+    pub(super) fn exact() -> Self {
         Self { chord_mm: 0.0, facet: None }
     }
 }
@@ -73,7 +73,7 @@ impl Promise {
 ///
 /// # Errors
 /// [`Error::Mesh`], [`Error::Single`], and [`Error::Uneven`] when a copy differs.
-pub fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
+pub(crate) fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
     let profile = run.profile;
     let found = face(profile, design)?;
     let mirror = &design.mirror;
@@ -97,7 +97,7 @@ pub fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String),
 }
 
 /// The face that the profile asks for.
-pub fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, Error> {
+pub(super) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, Error> {
     let Design { mirror, camera, view, .. } = design;
     at_precision(profile, design, |precision| match profile.mesh {
         MeshGoal::Budget(triangles) => {
@@ -110,7 +110,7 @@ pub fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, Err
 }
 
 /// What is foreseen of that face.
-pub fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>, Error> {
+pub(super) fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>, Error> {
     at_precision(profile, design, |precision| match profile.mesh {
         MeshGoal::Budget(triangles) => {
             ClosingCount::new(design).budget(triangles, precision).foresee()
@@ -123,12 +123,12 @@ pub fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>,
 }
 
 /// What is foreseen of the face that keeps `limits`.
-pub fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshError> {
+pub(super) fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshError> {
     forecast_within(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
 }
 
 /// The profile's limits on the mirror of `design`.
-pub fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
+pub(super) fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
     Limits {
         chord_mm: profile.mesh.chord_um().map(|um| Mm::from(Um(um)).0),
         facet_mm: profile.mesh.facet_px().map(|px| design.camera.to_mm(Px(px)).0),
@@ -137,7 +137,7 @@ pub fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limit
 }
 
 /// How many facets close the face that is foreseen.
-pub fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
+pub(super) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
     let hole = match design.mirror.outline {
         // As if neighbours on both rims were equally far apart.
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
@@ -176,7 +176,7 @@ impl ClosureCount for ClosingCount<'_> {
 
 /// Why files of a mesh are not written although they are asked for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Refusal {
+pub(crate) struct Refusal {
     kind: ReasonKind,
     /// The files; none where it is a mesh for the rays alone.
     files: Vec<&'static str>,
@@ -185,13 +185,13 @@ pub struct Refusal {
 
 impl Refusal {
     /// As a build says it.
-    pub fn made(&self) -> Reason {
+    pub(crate) fn made(&self) -> Reason {
         let was = if self.files.len() == 1 { "was" } else { "were" };
         Reason::new(self.kind, self.said(was, "not"))
     }
 
     /// As a forecast says it.
-    pub fn foreseen(&self) -> String {
+    pub(crate) fn foreseen(&self) -> String {
         self.said("would", "not be")
     }
 
@@ -208,7 +208,7 @@ impl Refusal {
 ///
 /// # Errors
 /// `error`, where it ends the build.
-pub fn left_out(profile: &Profile, error: Error) -> Result<Refusal, Error> {
+pub(super) fn left_out(profile: &Profile, error: Error) -> Result<Refusal, Error> {
     let Error::Mesh { source, .. } = &error else { return Err(error) };
     if cad(profile).next().is_none() {
         return Err(error);

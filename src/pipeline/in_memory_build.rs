@@ -12,7 +12,7 @@ use crate::profile::MeshFormat;
 use crate::trace::FrameFill;
 
 /// The mesh that a build would write first, as it is read back.
-pub struct InMemoryBuild {
+pub(crate) struct InMemoryBuild {
     /// The format that it was written in.
     pub format: MeshFormat,
     /// What the frame as a whole sees, if the profile has a projection.
@@ -25,7 +25,7 @@ pub struct InMemoryBuild {
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done.
-pub fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Error> {
+pub(crate) fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Error> {
     let failed = |reason: String| Error::Reread { profile: run.profile.name.clone(), reason };
     let face = run.stage(Stage::Mesh, || meshed(run, design))?;
     let format = face.formats[0];

@@ -18,7 +18,7 @@ const CLOSED: &str = "bodies closed and checked";
 const SHARED: &str = "files with as many digits share one";
 
 /// Mesh files, written but not published.
-pub struct MeshFiles {
+pub(super) struct MeshFiles {
     /// Figures of the mesh and the first solid.
     pub facts: Option<(MeshFacts, SolidFacts)>,
     /// The errors that they may have.
@@ -35,7 +35,7 @@ pub struct MeshFiles {
 ///
 /// # Errors
 /// [`Error::Solid`] when the face cannot be closed, [`Error::File`] when the disk refuses.
-pub fn write_meshes(
+pub(super) fn write_meshes(
     run: &mut Run,
     design: &Design,
     face: AtPrecision<Face>,
@@ -72,7 +72,7 @@ pub fn write_meshes(
 ///
 /// # Errors
 /// [`Error::Solid`] when it cannot be closed.
-pub fn close(
+pub(super) fn close(
     run: &Run,
     design: &Design,
     face: &Face,
@@ -85,7 +85,7 @@ pub fn close(
 }
 
 /// The words of every file of a build on its mirror: tolerances asked and reached, too.
-pub fn label(design: &Design, bound: Option<&ErrorBound>) -> Label {
+pub(super) fn label(design: &Design, bound: Option<&ErrorBound>) -> Label {
     let mesh = design.profile.mesh;
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
     let reached =
@@ -101,7 +101,7 @@ pub fn label(design: &Design, bound: Option<&ErrorBound>) -> Label {
 }
 
 /// The words of a file on the mirror of `design`, with what it keeps to.
-pub fn labelled(design: &Design, tolerances: String) -> Label {
+pub(super) fn labelled(design: &Design, tolerances: String) -> Label {
     let Profile { name, sha256, .. } = &*design.profile;
     let mounting = design.mounting.statements();
     Label { profile: name.clone(), sha256: sha256.clone(), tolerances, mounting }

@@ -12,7 +12,7 @@ const WORTH: f64 = 0.7;
 const NARROW: f64 = 0.999;
 
 /// Adds to the first reason of its kind how to do better.
-pub fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
+pub(super) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
     let mut amend = |kind: ReasonKind, way: &dyn Fn() -> Option<String>| {
         if let Some(reason) = reasons.iter_mut().find(|reason| reason.kind == Some(kind))
             && let Some(way) = way()
@@ -45,7 +45,7 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
 }
 
 /// How more of the frame is filled.
-pub fn filling(profile: &Profile) -> Option<String> {
+pub(super) fn filling(profile: &Profile) -> Option<String> {
     let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return wider(profile) };
     let [first, last] = strip.azimuth_deg;
     let folds = matches!(profile.layout, Layout::Strip { .. }) && [first, last] == [-180.0, 180.0];

@@ -173,6 +173,6 @@ impl<'a> Run<'a> {
 ///
 /// # Errors
 /// [`Error::Design`] when it has no answer.
-pub fn designed(profile: &Profile) -> Result<Design, Error> {
+pub(crate) fn designed(profile: &Profile) -> Result<Design, Error> {
     design(profile).map_err(|source| Error::Design { profile: profile.name.clone(), source })
 }

@@ -89,7 +89,7 @@ pub enum SceneError {
 
 /// A scene by its name, not read yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SceneName {
+pub(super) enum SceneName {
     /// The test world far away.
     Grid,
     /// The chessboard around the mirror.
@@ -104,7 +104,7 @@ pub enum SceneName {
 
 /// A picture of the part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PartScene {
+pub(super) enum PartScene {
     /// From several sides.
     Views,
     /// The image, the part and the cylinder around it.
@@ -112,7 +112,7 @@ pub enum PartScene {
 }
 
 /// A scene, ready to be seen.
-pub enum Scenery {
+pub(super) enum Scenery {
     /// In the mirror.
     World(WorldScene),
     /// The part itself.
@@ -120,7 +120,7 @@ pub enum Scenery {
 }
 
 /// A world that is seen in the mirror.
-pub enum WorldScene {
+pub(super) enum WorldScene {
     /// The test world far away.
     Grid,
     /// The chessboard around the mirror.
@@ -143,7 +143,7 @@ impl SceneName {
     ///
     /// # Errors
     /// [`SceneError::Unknown`] and [`SceneError::Misplaced`].
-    pub fn of(options: &RenderOptions) -> Result<Self, SceneError> {
+    pub(super) fn of(options: &RenderOptions) -> Result<Self, SceneError> {
         let scene = Self::find(options.scene)?;
         let misplaced =
             |option, of| Err(SceneError::Misplaced { option, of, named: options.scene.to_owned() });
@@ -185,7 +185,7 @@ impl Scenery {
     ///
     /// # Errors
     /// [`SceneError`] when there is none, or its file cannot be read.
-    pub fn read(options: &RenderOptions) -> Result<Self, SceneError> {
+    pub(super) fn read(options: &RenderOptions) -> Result<Self, SceneError> {
         let world = match SceneName::of(options)? {
             SceneName::Part(scene) => return Ok(Self::Part(scene)),
             SceneName::Grid => WorldScene::Grid,
@@ -220,7 +220,7 @@ fn panorama(named: &str) -> Result<PanoramaWorld, SceneError> {
 
 /// What the picture's file is called after: a scene's name, or the file's with a hyphen before its
 /// ending, so that no file's picture takes the place of another's or of a scene's.
-pub fn stem(scene: &str) -> String {
+pub(super) fn stem(scene: &str) -> String {
     let name = Path::new(scene).file_name().unwrap_or_default();
     name.to_string_lossy().replace('.', "-")
 }

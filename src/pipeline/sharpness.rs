@@ -10,7 +10,7 @@ use crate::report::{ApertureFacts, Reason, ReasonKind, SharpnessFacts};
 const SOME: u32 = 64;
 
 /// The aperture's radius as pencils have it: mm, or the tangent of the cone's half angle.
-pub fn radius(aperture: Aperture) -> f64 {
+pub(super) fn radius(aperture: Aperture) -> f64 {
     match aperture {
         Aperture::Pupil { pupil_mm } => 0.5 * pupil_mm,
         Aperture::Na { na } => tan(asin(na)),
@@ -18,7 +18,7 @@ pub fn radius(aperture: Aperture) -> f64 {
 }
 
 /// The aperture of this radius of the camera of `design`.
-pub fn aperture(design: &Design, radius: f64) -> Aperture {
+pub(super) fn aperture(design: &Design, radius: f64) -> Aperture {
     if design.camera.chart.vergence == 0.0 {
         Aperture::Na { na: sin(atan(radius)) }
     } else {
@@ -27,12 +27,12 @@ pub fn aperture(design: &Design, radius: f64) -> Aperture {
 }
 
 /// phi of the nearest plane that a lens focuses on, as far as infinity.
-pub fn least_focus(design: &Design) -> f64 {
+pub(super) fn least_focus(design: &Design) -> f64 {
     if design.camera.chart.vergence == 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
 
 /// How sharp the picture of `design` is; none where no pixel has a spot.
-pub fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
+pub(super) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
     let Design { mirror, camera, view, .. } = design;
     let unit = 1.0 / camera.pixel_mm;
     let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
@@ -42,7 +42,7 @@ pub fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
 }
 
 /// The same of `spots`, in pixels: at best in the first focus, through `given` in the second.
-pub fn of(
+pub(super) fn of(
     profile: &Profile,
     design: &Design,
     spots: &[BlurEllipse],
@@ -84,7 +84,7 @@ fn two_digits(x: f64) -> u32 {
 
 /// Why the picture is not sharp enough for the profile, through its own lens or, without one, through the
 /// best.
-pub fn reason(profile: &Profile, sharpness: Option<&SharpnessFacts>) -> Option<Reason> {
+pub(super) fn reason(profile: &Profile, sharpness: Option<&SharpnessFacts>) -> Option<Reason> {
     let limit = profile.accept.blur_p95_px?;
     let sharpness = sharpness?;
     let lens = sharpness.given.as_ref().unwrap_or(&sharpness.best);

@@ -20,7 +20,7 @@ use crate::tolerance_terms::{ErrorSourceRow, MadeFrom, Perturbation};
 const SAMPLES: usize = 987;
 
 /// A question, ready to be answered.
-pub struct PreparedStudy {
+pub(crate) struct PreparedStudy {
     /// The design.
     pub design: Design,
     /// Engine that traces it.
@@ -33,7 +33,7 @@ pub struct PreparedStudy {
 ///
 /// # Errors
 /// [`enum@Error`] when it has no answer, no projection, or a form error that is none of its mirror.
-pub fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
+pub(crate) fn prepared(run: &Run) -> Result<PreparedStudy, Error> {
     let profile = run.profile;
     let design = run.design()?;
     let map = map(run.profile, &design.mirror)?;

@@ -11,7 +11,7 @@ use crate::report::{FileFacts, Reason, ReasonKind, SharpnessFacts, TraceFacts, V
 use crate::trace::FrameFill;
 
 /// Why a file does not pass that is another than was written.
-pub const ALTERED: &str = "the bytes on the disk are not those that were written";
+pub(super) const ALTERED: &str = "the bytes on the disk are not those that were written";
 
 /// What rounding to double precision may move a vertex by, as a share of its coordinates, or a volume.
 const ROUNDING: f64 = 1e-12;
@@ -23,17 +23,17 @@ const ROUNDING_SINGLE: f64 = 4.0 / (1 << 24) as f64;
 const ROUNDING_VERTEX: f64 = 1.733 / (1 << 24) as f64;
 
 /// [`ALTERED`].
-pub fn altered() -> Reason {
+pub(super) fn altered() -> Reason {
     Reason::new(ReasonKind::Altered, ALTERED)
 }
 
 /// Pass, unless there is a reason.
-pub fn of<T>(reasons: &[T]) -> Verdict {
+pub(super) fn of<T>(reasons: &[T]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
 /// Figures of the witness over all mesh files, the limits that they were held to, and why they do not pass.
-pub struct Findings {
+pub(super) struct Findings {
     /// The files.
     pub files: Vec<FileFacts>,
     /// Figures of those that could be read.
@@ -50,7 +50,7 @@ pub struct Findings {
 
 impl Findings {
     /// The findings of `checks`, each held to what was promised of it and to what the profile accepts.
-    pub fn new(profile: &Profile, design: &Design, checks: Vec<FileCheck>) -> Self {
+    pub(super) fn new(profile: &Profile, design: &Design, checks: Vec<FileCheck>) -> Self {
         let mut reasons: Vec<Reason> =
             checks.iter().flat_map(|check| of_file(profile, design, check)).collect();
         remedy::add(profile, design, &mut reasons);
@@ -129,7 +129,7 @@ fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
 
 /// Why a measured part's form does not pass. Where the profile accepts pixel errors up to a limit, the
 /// picture decides; otherwise the form is held to `limit_um`, peak to valley without outliers.
-pub fn form(
+pub(super) fn form(
     profile: &Profile,
     design: &Design,
     error: Option<&FormError>,

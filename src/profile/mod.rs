@@ -190,6 +190,9 @@ impl Profile {
     ///
     /// `name` is what output goes under and `file` what complaints call the file. On failure every
     /// complaint that can be made is made, in the order of the file.
+    ///
+    /// # Errors
+    /// [`Complaints`], each with its place and a hint.
     pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
         let text = source::text(file, bytes)?;
         let (tree, errors) = toml::de::DeTable::parse_recoverable(text);

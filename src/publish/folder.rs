@@ -45,7 +45,7 @@ pub(super) struct PublishLock {
 
 impl Folder {
     /// Makes the folder and finds out, before any work is done, whether it can be written to.
-    pub fn create(path: &Path) -> Result<Self, FileError> {
+    pub(crate) fn create(path: &Path) -> Result<Self, FileError> {
         let is_new = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(is_new).map(Path::to_owned).collect();
         std::fs::create_dir_all(path).map_err(FileError::new("create the folder", path))?;
@@ -56,7 +56,7 @@ impl Folder {
     }
 
     /// Finds out whether there is room for so many bytes. Where that is not known, there is.
-    pub fn ensure_space(&self, bytes: u64) -> Result<(), FileError> {
+    pub(crate) fn ensure_space(&self, bytes: u64) -> Result<(), FileError> {
         let free = self.free().unwrap_or(u64::MAX);
         let mb = |bytes: u64| bytes as f64 / 1e6;
         if bytes <= free {
@@ -73,7 +73,7 @@ impl Folder {
     }
 
     /// Bytes that are free on its disk, as far as is known.
-    pub fn free(&self) -> Option<u64> {
+    pub(crate) fn free(&self) -> Option<u64> {
         fs4::available_space(&self.path).ok()
     }
 
@@ -128,7 +128,7 @@ impl Folder {
     }
 
     /// Where it is.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 

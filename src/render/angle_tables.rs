@@ -10,7 +10,7 @@ const STEPS: usize = 64;
 type Node = [f64; 4];
 
 /// Tables of the arc tangent and the arc sine, good to 3e-8 rad: a ten-thousandth of a pixel.
-pub struct AngleTables {
+pub(super) struct AngleTables {
     atan: [Node; STEPS + 1],
     /// Up to 45 degrees.
     asin: [Node; STEPS * 3 / 4],
@@ -19,7 +19,7 @@ pub struct AngleTables {
 impl AngleTables {
     /// Fills the tables.
     #[must_use]
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let argument = |k: usize| k as f64 / STEPS as f64;
         let atan = std::array::from_fn(|k| {
             let t = argument(k);
@@ -39,7 +39,7 @@ impl AngleTables {
     /// Angle of the point (x, y) from the positive x axis, in [-pi, pi]; 0 at the origin.
     #[inline]
     #[must_use]
-    pub fn atan2(&self, y: f64, x: f64) -> f64 {
+    pub(super) fn atan2(&self, y: f64, x: f64) -> f64 {
         let (run, rise) = (x.abs(), y.abs());
         let steep = rise > run;
         let (low, high) = if steep { (run, rise) } else { (rise, run) };
@@ -58,7 +58,7 @@ impl AngleTables {
     /// `run` >= 0.
     #[inline]
     #[must_use]
-    pub fn elevation(&self, rise: f64, run: f64) -> f64 {
+    pub(super) fn elevation(&self, rise: f64, run: f64) -> f64 {
         let height = rise.abs();
         let angle = if height <= run {
             interpolate(&self.asin, height)
@@ -80,7 +80,7 @@ fn interpolate(table: &[Node], argument: f64) -> f64 {
 /// The integer nearest to `x`, ties to even, twice; for |x| < 2^31.
 #[inline]
 #[must_use]
-pub fn round_to_integer(x: f64) -> (i32, f64) {
+pub(super) fn round_to_integer(x: f64) -> (i32, f64) {
     // The sum's last place is 1, so the addition rounds, and leaves the integer in the low bits:
     // without SSE4 `round` is a call, and a saturating cast is slow as well.
     const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;

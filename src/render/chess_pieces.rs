@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// The kinds of pieces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PieceKind {
+pub(super) enum PieceKind {
     /// 0.84 high.
     Pawn,
     /// 0.90 high.
@@ -23,11 +23,11 @@ pub enum PieceKind {
 }
 
 /// Height of the king's head under its cross, in squares.
-pub const KINGS_HEAD: f64 = 1.5;
+pub(super) const KINGS_HEAD: f64 = 1.5;
 
 /// A piece that stands on Z = 0 with the foot's centre at the origin.
 #[derive(Debug, Clone)]
-pub struct ChessPiece {
+pub(super) struct ChessPiece {
     parts: Vec<SolidOfRevolution>,
     centre: DVec3,
     /// Of a sphere around everything.
@@ -37,7 +37,7 @@ pub struct ChessPiece {
 impl ChessPiece {
     /// Turns a piece.
     #[must_use]
-    pub fn new(kind: PieceKind) -> Self {
+    pub(super) fn new(kind: PieceKind) -> Self {
         let upright = |outline: Generatrix| SolidOfRevolution::new(DVec3::ZERO, DVec3::Z, &outline);
         let parts = match kind {
             PieceKind::Pawn => vec![upright(
@@ -63,7 +63,7 @@ impl ChessPiece {
 
     /// The first place ahead of the ray's origin, nearer than `within`, where it meets the piece.
     #[must_use]
-    pub fn intersect(&self, ray: &Ray, within: f64) -> Option<SurfaceHit> {
+    pub(super) fn intersect(&self, ray: &Ray, within: f64) -> Option<SurfaceHit> {
         let away = self.centre - ray.origin;
         let along = away.dot(ray.direction);
         let aside = away.length_squared() - along * along;

@@ -14,16 +14,16 @@ pub const THIN_DEG: f64 = 0.35;
 /// Apparent width of the horizon and of the meridians 0, +-90 and 180, in degrees.
 pub const HEAVY_DEG: f64 = 0.8;
 /// [`GRID_DEG`] in radians.
-pub const GRID: f64 = GRID_DEG / 180.0 * PI;
+pub(super) const GRID: f64 = GRID_DEG / 180.0 * PI;
 /// Azimuth between the heavy meridians, in radians.
-pub const QUARTER: f64 = FRAC_PI_2;
+pub(super) const QUARTER: f64 = FRAC_PI_2;
 /// Number of the last grid circle, at 75 degrees: the thin meridians end on it, lest they crowd at the pole.
-pub const LAST_CIRCLE: i32 = 5;
+pub(super) const LAST_CIRCLE: i32 = 5;
 /// Meridians of the grid for each heavy one.
 const PER_QUARTER: i32 = 90 / GRID_DEG as i32;
 
 /// A direction with its position in the graticule; angles in radians.
-pub struct GraticulePoint {
+pub(super) struct GraticulePoint {
     /// Elevation over the horizon.
     pub elevation: f64,
     /// Cosine of the elevation.
@@ -50,7 +50,7 @@ impl GraticulePoint {
     /// Finds the unit vector `direction`, seen by a sample of `footprint_rad` radians.
     #[inline]
     #[must_use]
-    pub fn new(angles: &AngleTables, direction: DVec3, footprint_rad: f64) -> Self {
+    pub(super) fn new(angles: &AngleTables, direction: DVec3, footprint_rad: f64) -> Self {
         let level = (direction.x * direction.x + direction.y * direction.y).sqrt();
         let azimuth = angles.atan2(direction.x, direction.y);
         let elevation = angles.elevation(direction.z, level);
@@ -76,7 +76,7 @@ impl GraticulePoint {
 /// Cover of the thin and of the heavy lines, 0 to 1; where they cross, the heavy one counts.
 #[inline]
 #[must_use]
-pub fn line_cover(place: &GraticulePoint) -> (f32, f32) {
+pub(super) fn line_cover(place: &GraticulePoint) -> (f32, f32) {
     let cover = |distance: f64, heavy: bool| {
         let half = num::radians(if heavy { HEAVY_DEG } else { THIN_DEG }) / 2.0;
         let reach = place.footprint / 2.0;

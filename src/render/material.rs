@@ -12,7 +12,7 @@ const GLOSS: u32 = 5;
 
 /// Illumination of a scene: a sky and one lamp.
 #[derive(Debug, Clone, Copy)]
-pub struct Lighting {
+pub(super) struct Lighting {
     /// Unit vector upwards.
     pub up: DVec3,
     /// Unit vector towards the lamp.
@@ -21,7 +21,7 @@ pub struct Lighting {
 
 /// Reflectance of a surface: a matt colour and a highlight.
 #[derive(Debug, Clone, Copy)]
-pub struct Material {
+pub(super) struct Material {
     /// Linear colour of the matt part.
     pub colour: [f32; 3],
     /// Strength of the highlight.
@@ -31,7 +31,7 @@ pub struct Material {
 impl Material {
     /// A surface of an sRGB colour.
     #[must_use]
-    pub fn new(code: u32, gloss: f64) -> Self {
+    pub(super) fn new(code: u32, gloss: f64) -> Self {
         Self { colour: hex(code), gloss }
     }
 }
@@ -40,7 +40,7 @@ impl Lighting {
     /// Linear light from `material` with the unit normal `normal` in the direction against `seen_along`;
     /// `lit`: whether the lamp reaches it.
     #[must_use]
-    pub fn shade(
+    pub(super) fn shade(
         &self,
         material: &Material,
         normal: DVec3,
@@ -66,7 +66,7 @@ impl Lighting {
 /// The linear light of an open sky, paler towards the horizon, or of the ground, in the direction that
 /// rises by the sine `rise` over the horizon.
 #[must_use]
-pub fn backdrop(rise: f64) -> [f32; 3] {
+pub(super) fn backdrop(rise: f64) -> [f32; 3] {
     let [pale, deep] = if rise >= 0.0 { [0xe3ecf3, 0x86abd0] } else { [0xb9b2a6, 0x8a8073] };
     let away = 1.0 - rise.abs();
     let depth = (1.0 - away * away) as f32;

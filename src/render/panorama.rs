@@ -10,7 +10,7 @@ use crate::raster::Raster;
 
 /// Mip pyramid of a picture: its halves, quarters and so on, for samples that cover many pixels.
 #[derive(Debug, Clone)]
-pub struct MipPyramid {
+pub(super) struct MipPyramid {
     /// The picture first.
     levels: Vec<Raster>,
 }
@@ -18,7 +18,7 @@ pub struct MipPyramid {
 impl MipPyramid {
     /// Averages `picture`, in linear light, down to one pixel.
     #[must_use]
-    pub fn new(picture: Raster) -> Self {
+    pub(super) fn new(picture: Raster) -> Self {
         let mut levels = vec![picture];
         while let Some(last) = levels.last().filter(|last| last.width.max(last.height) > 1) {
             let half = downsampled(last);
@@ -29,14 +29,14 @@ impl MipPyramid {
 
     /// Width and height of the picture.
     #[must_use]
-    pub fn size(&self) -> [usize; 2] {
+    pub(super) fn size(&self) -> [usize; 2] {
         [self.levels[0].width, self.levels[0].height]
     }
 
     /// The light at the shares `u` of the width from the left and `v` of the height from the top, to a
     /// sample that covers `texels` pixels of the picture along each side. Left and right are joined.
     #[must_use]
-    pub fn light(&self, u: f64, v: f64, texels: f64) -> [f32; 3] {
+    pub(super) fn light(&self, u: f64, v: f64, texels: f64) -> [f32; 3] {
         let at = |level: usize| {
             let picture = &self.levels[level.min(self.levels.len() - 1)];
             picture.sample(u * picture.width as f64, v * picture.height as f64, true)

@@ -9,7 +9,7 @@ use crate::num::{cos, radians, sin};
 use crate::trace::Scene;
 
 /// Pixels of one view, across and down.
-pub const TILE: [u32; 2] = [480, 360];
+pub(super) const TILE: [u32; 2] = [480, 360];
 /// Samples along each side of a pixel at edges.
 const SAMPLES: u32 = 4;
 /// Share of a tile that the part fills at most.
@@ -19,7 +19,7 @@ const EYES_DEG: [[f64; 2]; 3] = [[0.0, 90.0], [0.0, 14.0], [38.0, 34.0]];
 
 /// An orthographic view from afar: unit vectors to the right, upwards and towards the viewer.
 #[derive(Debug, Clone, Copy)]
-pub struct DistantView {
+pub(super) struct DistantView {
     /// To the right in the picture.
     pub right: DVec3,
     /// Up in it.
@@ -31,7 +31,7 @@ pub struct DistantView {
 impl DistantView {
     /// An eye `turn_deg` to the right of the picture's foot and `rise_deg` over the base plane.
     #[must_use]
-    pub fn new([turn_deg, rise_deg]: [f64; 2]) -> Self {
+    pub(super) fn new([turn_deg, rise_deg]: [f64; 2]) -> Self {
         let [turn, rise] = [turn_deg, rise_deg].map(radians);
         let right = DVec3::new(cos(turn), sin(turn), 0.0);
         let towards = DVec3::new(sin(turn) * cos(rise), -cos(turn) * cos(rise), sin(rise));
@@ -40,14 +40,14 @@ impl DistantView {
 
     /// A lamp above it on the left.
     #[must_use]
-    pub fn lights(&self) -> Lighting {
+    pub(super) fn lights(&self) -> Lighting {
         let lamp = 0.62 * self.towards + 0.62 * self.up - 0.48 * self.right;
         Lighting { up: self.up, lamp: lamp.normalize() }
     }
 
     /// Where it sees `v`, mm to the right and up.
     #[must_use]
-    pub fn project(&self, v: DVec3) -> DVec2 {
+    pub(super) fn project(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up))
     }
 }

@@ -13,7 +13,7 @@ const GRAZE: f64 = 1e-14;
 
 /// The generatrix of a solid of revolution, from its foot to its top: runs of points (radius, height). A run is
 /// a smooth curve through its points; between runs there are edges.
-pub type Generatrix = Vec<Vec<[f64; 2]>>;
+pub(super) type Generatrix = Vec<Vec<[f64; 2]>>;
 
 /// The side of a solid of revolution between two heights: a cone, a cylinder or a flat ring.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ struct Frustum {
 
 /// A solid of revolution about any axis.
 #[derive(Debug, Clone)]
-pub struct SolidOfRevolution {
+pub(super) struct SolidOfRevolution {
     foot: DVec3,
     /// Two vectors across the axis, and the axis.
     frame: DMat3,
@@ -39,7 +39,7 @@ pub struct SolidOfRevolution {
 
 /// Intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceHit {
+pub(super) struct SurfaceHit {
     /// Distance along the ray.
     pub t: f64,
     /// The surface's outward unit normal.
@@ -49,7 +49,7 @@ pub struct SurfaceHit {
 impl SolidOfRevolution {
     /// Turns `outline` about the line from `foot` along the unit vector `axis`.
     #[must_use]
-    pub fn new(foot: DVec3, axis: DVec3, outline: &Generatrix) -> Self {
+    pub(super) fn new(foot: DVec3, axis: DVec3, outline: &Generatrix) -> Self {
         let across = axis.any_orthonormal_vector();
         let frame = DMat3::from_cols(across, axis.cross(across), axis);
         let bands: Vec<Frustum> = outline.iter().flat_map(|run| bands(run)).collect();
@@ -59,7 +59,7 @@ impl SolidOfRevolution {
 
     /// A sphere around it: centre and radius.
     #[must_use]
-    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+    pub(super) fn bounding_sphere(&self) -> (DVec3, f64) {
         let heights = self.bands.iter().flat_map(|band| [band.from.y, band.to.y]);
         let [lo, hi] =
             heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], h| [lo.min(h), hi.max(h)]);
@@ -69,7 +69,7 @@ impl SolidOfRevolution {
 
     /// The first place ahead of the ray's origin, nearer than `within`, where it meets the surface.
     #[must_use]
-    pub fn intersect(&self, ray: &Ray, within: f64) -> Option<SurfaceHit> {
+    pub(super) fn intersect(&self, ray: &Ray, within: f64) -> Option<SurfaceHit> {
         let turn = self.frame.transpose();
         let (o, d) = (turn * (ray.origin - self.foot), turn * ray.direction);
         let across = d.truncate().length_squared();

@@ -10,7 +10,7 @@ const MARGIN: usize = 6;
 ///
 /// Place (0, 0) is the lower left corner of the first digit's cell on the baseline; x grows to the
 /// right, y up.
-pub struct TextDistanceField {
+pub(super) struct TextDistanceField {
     columns: usize,
     rows: usize,
     distance: Vec<f32>,
@@ -19,7 +19,7 @@ pub struct TextDistanceField {
 impl TextDistanceField {
     /// Draws `text`, a line of printable ASCII.
     #[must_use]
-    pub fn new(text: &str) -> Self {
+    pub(super) fn new(text: &str) -> Self {
         let (top, cap) = digit_rows();
         let bitmap = TextBitmap::new(text, FONT);
         let columns = bitmap.columns + 2 * MARGIN;
@@ -45,20 +45,20 @@ impl TextDistanceField {
 
     /// Width of the text in texels.
     #[must_use]
-    pub fn width(&self) -> f32 {
+    pub(super) fn width(&self) -> f32 {
         (self.columns - 2 * MARGIN) as f32
     }
 
     /// Height of a digit in texels.
     #[must_use]
-    pub fn height(&self) -> f32 {
+    pub(super) fn height(&self) -> f32 {
         (self.rows - 2 * MARGIN) as f32
     }
 
     /// Signed distance in texels from the outline, positive in the ink; None where the nearest ink
     /// is out of sight.
     #[must_use]
-    pub fn distance(&self, x: f32, y: f32) -> Option<f32> {
+    pub(super) fn distance(&self, x: f32, y: f32) -> Option<f32> {
         let x = x + (MARGIN as f32 - 0.5);
         let y = y + (MARGIN as f32 - 0.5);
         if !(x >= 0.0 && y >= 0.0) {

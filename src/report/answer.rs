@@ -73,7 +73,7 @@ pub trait Answer: Serialize {
 }
 
 /// `result` as JSON of several lines.
-pub fn json(result: &(impl Serialize + ?Sized)) -> String {
+pub(super) fn json(result: &(impl Serialize + ?Sized)) -> String {
     let mut text = serde_json::to_string_pretty(result).expect("string keys and plain values only");
     text.push('\n');
     text

@@ -122,7 +122,7 @@ impl ToRows for SagFacts {
 }
 
 /// Traces of files; their errors are shown in the terminal where a frame could be made of them.
-pub struct TracesWithFrame<'a> {
+pub(super) struct TracesWithFrame<'a> {
     /// Of each file.
     pub traces: &'a [TraceFacts],
     /// Whether there is a frame.
@@ -196,7 +196,7 @@ impl ToRows for AcceptanceLimits {
 }
 
 /// What became of the rays that were aimed at the mirror.
-pub fn ray_counts(trace: &TraceFacts, noun: &str) -> String {
+pub(super) fn ray_counts(trace: &TraceFacts, noun: &str) -> String {
     let TraceFacts { hit, rays, missed, shadowed, back_face, .. } = trace;
     format!(
         "{hit} of {rays} {noun}hit, {missed} missed, {shadowed} shadowed, {back_face} met a back face"
@@ -204,13 +204,13 @@ pub fn ray_counts(trace: &TraceFacts, noun: &str) -> String {
 }
 
 /// Errors of the picture and of the facets.
-pub fn errors_sentence(errors: &ErrorFacts) -> String {
+pub(super) fn errors_sentence(errors: &ErrorFacts) -> String {
     let [pixel, facet] = [errors.pixel_error_px, errors.facet_error_px].map(figures);
     format!("pixel error {pixel} px; facet error {facet} px")
 }
 
 /// The check of a solid.
-pub fn solid_sentence(solid: &SolidFacts) -> String {
+pub(super) fn solid_sentence(solid: &SolidFacts) -> String {
     let check = &solid.check;
     let yes = |flag: bool, word: &str| {
         if flag { word.into() } else { format!("NOT {word}") }

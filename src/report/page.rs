@@ -12,14 +12,14 @@ th{font-weight:600;white-space:nowrap;width:11rem}img{max-width:100%;image-rende
 code{font-size:.85em;word-break:break-all}.pass{color:#15803d}.fail{color:#b91c1c}";
 
 /// A page that is being written.
-pub struct Page {
+pub(super) struct Page {
     html: String,
 }
 
 impl Page {
     /// A page with a heading of the answer's profile and verdict; `style` is what it has beside the looks of
     /// all pages.
-    pub fn new(answer: &impl Answer, style: &str) -> Self {
+    pub(super) fn new(answer: &impl Answer, style: &str) -> Self {
         let head = answer.head();
         let name = head.profile.map_or(String::new(), |profile| escaped(&profile.name));
         let verdict = head.verdict.map_or("", Verdict::word);
@@ -31,18 +31,18 @@ impl Page {
     }
 
     /// Adds a line of HTML.
-    pub fn raw(&mut self, line: &str) {
+    pub(super) fn raw(&mut self, line: &str) {
         self.html += line;
         self.html.push('\n');
     }
 
     /// Adds a paragraph.
-    pub fn paragraph(&mut self, text: &str) {
+    pub(super) fn paragraph(&mut self, text: &str) {
         self.raw(&format!("<p>{}</p>", escaped(text)));
     }
 
     /// Adds a list, unless it is empty.
-    pub fn list(&mut self, lines: &[String]) {
+    pub(super) fn list(&mut self, lines: &[String]) {
         let items: Vec<String> =
             lines.iter().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
         if !items.is_empty() {
@@ -51,7 +51,7 @@ impl Page {
     }
 
     /// Adds a table of facts, and under them `more` rows of HTML.
-    pub fn facts(&mut self, rows: &AnswerRows, more: &str) {
+    pub(super) fn facts(&mut self, rows: &AnswerRows, more: &str) {
         self.raw("<table>");
         for (heading, sentence) in rows.of_page() {
             let [heading, sentence] = [heading, sentence].map(escaped);
@@ -61,7 +61,7 @@ impl Page {
     }
 
     /// Adds a table of numbers; `names` may hold entities.
-    pub fn numbers(&mut self, names: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
+    pub(super) fn numbers(&mut self, names: &[&str], rows: impl IntoIterator<Item = Vec<String>>) {
         let names: Vec<String> = names.iter().map(|name| format!("<th>{name}</th>")).collect();
         self.raw(&format!("<table class=\"n\">\n<thead><tr>{}</tr></thead>", names.concat()));
         for row in rows {
@@ -73,14 +73,14 @@ impl Page {
     }
 
     /// The whole page.
-    pub fn finish(mut self) -> String {
+    pub(super) fn finish(mut self) -> String {
         self.raw("</html>");
         self.html
     }
 }
 
 /// `text` as it may stand in a page.
-pub fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     visible(text)
         .replace('&', "&amp;")
         .replace('<', "&lt;")

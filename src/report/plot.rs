@@ -5,19 +5,19 @@ use plotters::prelude::*;
 use std::error::Error;
 
 /// An empty drawing.
-pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// What the drawing library reports.
-pub type Failure = Box<dyn Error>;
+pub(crate) type Failure = Box<dyn Error>;
 
 /// Colours that the colour-blind tell apart (M. Okabe and K. Ito, *Color universal design*, 2008).
-pub const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
 /// Vermilion.
-pub const RED: RGBColor = RGBColor(213, 94, 0);
+pub(super) const RED: RGBColor = RGBColor(213, 94, 0);
 /// Bluish green.
-pub const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
 
 /// What `draw` leaves on a white ground, as SVG.
-pub fn svg(
+pub(crate) fn svg(
     size: (u32, u32),
     draw: impl FnOnce(&Area) -> Result<(), Failure>,
 ) -> Result<String, Failure> {

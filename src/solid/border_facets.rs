@@ -11,7 +11,7 @@ type HoleLoops = [Vec<u32>; 2];
 ///
 /// # Errors
 /// [`SolidError::BorderTriangulation`] when loops touch each other.
-pub fn land(
+pub(super) fn land(
     mesh: &mut TriMesh,
     hole: &[u32],
     land: &Land,
@@ -30,7 +30,7 @@ pub fn land(
 ///
 /// # Errors
 /// [`SolidError::BorderTriangulation`] when loops touch each other.
-pub fn close(
+pub(super) fn close(
     mesh: &mut TriMesh,
     feet: &[u32],
     stock: &Border,
@@ -66,7 +66,7 @@ pub fn close(
 
 /// How many facets [`close`] and [`land`] add, but for the one at each of the feet and at each edge
 /// of the land.
-pub fn added_facets(stock: &Border) -> usize {
+pub(super) fn added_facets(stock: &Border) -> usize {
     let corners = |list: &[Drilled]| -> usize {
         list.iter().map(|round| round.polygon(DVec2::ZERO).len()).sum()
     };

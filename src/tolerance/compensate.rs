@@ -20,7 +20,7 @@ pub struct Adjustment {
 
 /// Least-squares adjustment: the projection of displacements on what the adjustments cannot undo.
 #[derive(Debug, Clone, Default)]
-pub struct Compensation {
+pub(super) struct Compensation {
     adjustments: Vec<Adjustment>,
     /// Orthonormal columns that span the adjustments.
     basis: Vec<Vec<f64>>,
@@ -38,7 +38,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 impl Compensation {
     /// The projection by these adjustments, without those that the ones before them can do as well.
     #[must_use]
-    pub fn new(adjustments: Vec<Adjustment>) -> Self {
+    pub(super) fn new(adjustments: Vec<Adjustment>) -> Self {
         let mut made = Self::default();
         for adjustment in adjustments {
             let mut rest = adjustment.column.clone();
@@ -67,13 +67,13 @@ impl Compensation {
 
     /// The adjustments that are made.
     #[must_use]
-    pub fn adjustments(&self) -> &[Adjustment] {
+    pub(super) fn adjustments(&self) -> &[Adjustment] {
         &self.adjustments
     }
 
     /// Takes out of `displacement` what adjustments mend, and says how far each was moved for it,
     /// in its unit.
-    pub fn apply(&self, displacement: &mut [f64]) -> Vec<f64> {
+    pub(super) fn apply(&self, displacement: &mut [f64]) -> Vec<f64> {
         let parts: Vec<f64> = self
             .basis
             .iter()
@@ -108,7 +108,7 @@ pub struct DisplacementPx {
 ///
 /// # Errors
 /// Whatever the serializer returns.
-pub fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::Error> {
+pub(super) fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::Error> {
     if figure.is_finite() { out.serialize_f64(*figure) } else { out.serialize_str("lost") }
 }
 

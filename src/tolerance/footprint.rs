@@ -6,7 +6,7 @@ use crate::num::{Scalar, sin};
 
 /// A pixel's footprint on the part in X and Y, a parallelogram: its two sides, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Footprint([[f64; 2]; 2]);
+pub(super) struct Footprint([[f64; 2]; 2]);
 
 /// Shortest side of a footprint that is told from a point, in periods: below it differences of polynomials
 /// have no digits.
@@ -16,13 +16,13 @@ const PLACES: usize = 128;
 
 impl Footprint {
     /// A point, which sees all of a texture.
-    pub const POINT: Self = Self([[0.0; 2]; 2]);
+    pub(super) const POINT: Self = Self([[0.0; 2]; 2]);
 
     /// The footprint of a pixel of side `pixel_mm` at image point `q` whose ray meets the mirror at `hit` with
     /// the slope `p`. For a ray from the pinhole at height P along (k q, -1), X = k q (P - Z) and
     /// dZ = p . dX give dX = k (P - Z) (I - k q p^T / (1 + k p . q)) dq; k (P - Z) is 1 for parallel
     /// rays.
-    pub fn of(chart: &Chart, pixel_mm: f64, q: DVec2, hit: DVec3, p: [f64; 2]) -> Self {
+    pub(super) fn of(chart: &Chart, pixel_mm: f64, q: DVec2, hit: DVec3, p: [f64; 2]) -> Self {
         let k = chart.vergence;
         let grown = pixel_mm * (1.0 + k * (chart.plane_mm - hit.z));
         let p = DVec2::from_array(p);
@@ -33,7 +33,7 @@ impl Footprint {
     }
 
     /// Its area, mm^2.
-    pub fn area(&self) -> f64 {
+    pub(super) fn area(&self) -> f64 {
         let [[a, b], [c, d]] = self.0;
         (a * d - b * c).abs()
     }
@@ -44,13 +44,13 @@ impl Footprint {
     }
 
     /// Amplitude of the mean of a ripple of wave vector `k`, 1/mm, as a share of its own.
-    pub fn ripple(&self, k: [f64; 2]) -> f64 {
+    pub(super) fn ripple(&self, k: [f64; 2]) -> f64 {
         self.along(k).map(|phase| sinc(0.5 * phase)).iter().product()
     }
 
     /// Mean of the distance to the nearest of lines `period` apart, that follow each other along
     /// `way`, over the footprint around a place at the distance `x` from one, less `x`.
-    pub fn sawtooth<S: Scalar>(&self, way: [f64; 2], period: f64, x: S) -> S {
+    pub(super) fn sawtooth<S: Scalar>(&self, way: [f64; 2], period: f64, x: S) -> S {
         if *self == Self::POINT {
             return S::constant(0.0);
         }
@@ -64,7 +64,7 @@ impl Footprint {
     }
 
     /// Mean square of that mean over all places, as a share of the distance's own, period^2 / 12.
-    pub fn sawtooth_share(&self, way: [f64; 2], period: f64) -> f64 {
+    pub(super) fn sawtooth_share(&self, way: [f64; 2], period: f64) -> f64 {
         let square = |k: usize| {
             let x = ((k as f64 + 0.5) / PLACES as f64 - 0.5) * period;
             let mean = x + self.sawtooth(way, period, x);

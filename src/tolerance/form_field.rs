@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// A departure of unit size: of a term one millimetre by its measure, of a wave an amplitude of one
 /// millimetre.
 #[derive(Debug, Clone, PartialEq)]
-pub enum FormField {
+pub(super) enum FormField {
     /// Sum of c u^i v^j over (i, j, c), with (u, v) = ((x, y) - centre) / half.
     Polynomial {
         /// Place of (u, v) = (0, 0), mm.
@@ -62,7 +62,13 @@ pub fn form_of_pv(term: FormTerm, measure: FormMeasure) -> f64 {
 impl FormField {
     /// The Legendre term of degrees `i` and `j` up to 4 over a rectangle.
     #[must_use]
-    pub fn legendre(i: u8, j: u8, centre: [f64; 2], half: [f64; 2], measure: FormMeasure) -> Self {
+    pub(super) fn legendre(
+        i: u8,
+        j: u8,
+        centre: [f64; 2],
+        half: [f64; 2],
+        measure: FormMeasure,
+    ) -> Self {
         const P: [&[f64]; 5] = [
             &[1.0],
             &[0.0, 1.0],
@@ -80,7 +86,7 @@ impl FormField {
     /// The Zernike term of Noll's index `j`, 4 to 11, over a disc about the axis (R. Noll, *Zernike
     /// polynomials and atmospheric turbulence*, 1976).
     #[must_use]
-    pub fn zernike(j: u8, radius: f64, measure: FormMeasure) -> Self {
+    pub(super) fn zernike(j: u8, radius: f64, measure: FormMeasure) -> Self {
         let terms: &[(usize, usize, f64)] = match j {
             4 => &[(2, 0, 1.0), (0, 2, 1.0), (0, 0, -0.5)],
             5 => &[(1, 1, 1.0)],
@@ -105,7 +111,7 @@ impl FormField {
 
     /// Height and slope at a place.
     #[inline]
-    pub fn at<S: Scalar>(&self, at: [S; 2]) -> [S; 3] {
+    pub(super) fn at<S: Scalar>(&self, at: [S; 2]) -> [S; 3] {
         match self {
             Self::Polynomial { centre, half, terms } => {
                 let u = [0, 1].map(|k| (at[k] - centre[k]) / half[k]);
@@ -136,7 +142,7 @@ impl FormField {
     }
 
     /// The share of it that a pixel of this footprint sees.
-    pub fn footprint_share(&self, footprint: &Footprint) -> f64 {
+    pub(super) fn footprint_share(&self, footprint: &Footprint) -> f64 {
         match self {
             Self::Polynomial { .. } => 1.0,
             Self::Cosine(k) | Self::Sine(k) => footprint.ripple(*k),
@@ -144,7 +150,7 @@ impl FormField {
     }
 
     /// A period, or half the mirror.
-    pub fn swing_mm(&self) -> f64 {
+    pub(super) fn swing_mm(&self) -> f64 {
         match self {
             Self::Polynomial { half: [a, b], .. } => a.min(*b),
             Self::Cosine(k) | Self::Sine(k) => period_mm(*k),
@@ -153,19 +159,19 @@ impl FormField {
 }
 
 /// The wavelength of a wave vector, mm.
-pub fn period_mm([x, y]: [f64; 2]) -> f64 {
+pub(super) fn period_mm([x, y]: [f64; 2]) -> f64 {
     TAU / (x * x + y * y).sqrt()
 }
 
 /// `sum` and `a` times a height and slopes.
 #[inline]
-pub fn add_scaled<S: Scalar>(sum: [S; 3], a: f64, [f, x, y]: [S; 3]) -> [S; 3] {
+pub(super) fn add_scaled<S: Scalar>(sum: [S; 3], a: f64, [f, x, y]: [S; 3]) -> [S; 3] {
     [sum[0] + f * a, sum[1] + x * a, sum[2] + y * a]
 }
 
 /// Height and slope of a cos(phase) + b sin(phase), of phase k . (x, y).
 #[inline]
-pub fn ripple<S: Scalar>(k: [f64; 2], [a, b]: [f64; 2], at: [S; 2]) -> [S; 3] {
+pub(super) fn ripple<S: Scalar>(k: [f64; 2], [a, b]: [f64; 2], at: [S; 2]) -> [S; 3] {
     let phase = at[0] * k[0] + at[1] * k[1];
     let (s, c) = (phase.sin(), phase.cos());
     let rise = c * b - s * a;
@@ -180,7 +186,7 @@ const MODES: usize = 24;
 /// sample the spectrum k^0 exp(-k^2 length^2 / 4) of the slope evenly, all directions alike. Each
 /// comes as cosine and sine; none is longer than four times `size`.
 #[must_use]
-pub fn slope_modes(length: f64, size: f64) -> Vec<(FormField, f64)> {
+pub(super) fn slope_modes(length: f64, size: f64) -> Vec<(FormField, f64)> {
     // Turned on by the golden angle, no two waves have one direction.
     let golden = PI * (3.0 - 5.0f64.sqrt());
     let mode = |m: usize| {
@@ -198,7 +204,7 @@ pub fn slope_modes(length: f64, size: f64) -> Vec<(FormField, f64)> {
 /// the way they follow each other, at the signed distance `from_track`. Flanks steeper than 60 degrees
 /// are not followed.
 #[inline]
-pub fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
+pub(super) fn cusp<S: Scalar>(curvature: f64, from_track: S) -> [S; 2] {
     let left = -(from_track * curvature).square() + 1.0;
     let root = if left.mid() > 0.25 { left.sqrt() } else { S::constant(0.5) };
     [from_track.square() * curvature / (root + 1.0), from_track * curvature / root]

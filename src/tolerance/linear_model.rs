@@ -15,7 +15,7 @@ const TEXTURES: usize = 3;
 /// Columns of derivatives: x and y of each sample, px, for each internal unit of an error, in the
 /// order misalignment, form errors, waviness' cosine and sine, terraces, map.
 #[derive(Debug, Clone)]
-pub struct LinearModel {
+pub(super) struct LinearModel {
     columns: Vec<Vec<f64>>,
     forms: usize,
     /// Derivatives by the surface's height and its slopes along X and Y at the hit: x and y of each sample, px.
@@ -60,49 +60,49 @@ impl LinearModel {
 
     /// The column of a number of the misalignment.
     #[must_use]
-    pub fn misalignment(&self, field: MisalignmentField) -> &[f64] {
+    pub(super) fn misalignment(&self, field: MisalignmentField) -> &[f64] {
         &self.columns[field as usize]
     }
 
     /// The column of form error `k`, by mm of its amplitude.
     #[must_use]
-    pub fn form(&self, k: usize) -> &[f64] {
+    pub(super) fn form(&self, k: usize) -> &[f64] {
         &self.columns[PLACED + k]
     }
 
     /// The columns of the waviness' cosine and sine, by mm of their amplitudes.
     #[must_use]
-    pub fn waviness(&self) -> [&[f64]; 2] {
+    pub(super) fn waviness(&self) -> [&[f64]; 2] {
         [0, 1].map(|k| self.form(self.forms + k))
     }
 
     /// The column of the share of light that terraces reflect.
     #[must_use]
-    pub fn terraces(&self) -> &[f64] {
+    pub(super) fn terraces(&self) -> &[f64] {
         self.form(self.forms + 2)
     }
 
     /// The column of the measured form error, if there is one.
     #[must_use]
-    pub fn map(&self) -> Option<&[f64]> {
+    pub(super) fn map(&self) -> Option<&[f64]> {
         self.columns.get(PLACED + self.forms + TEXTURES).map(Vec::as_slice)
     }
 
     /// Derivatives by the surface's height and its slopes along X and Y at each sample's hit: x and y, px.
     #[must_use]
-    pub fn by_form(&self) -> &[[[f64; 2]; 3]] {
+    pub(super) fn by_form(&self) -> &[[[f64; 2]; 3]] {
         &self.by_form
     }
 
     /// All columns.
     #[must_use]
-    pub fn columns(&self) -> &[Vec<f64>] {
+    pub(super) fn columns(&self) -> &[Vec<f64>] {
         &self.columns
     }
 
     /// Amplitudes of the columns in a state; one more at the end where there is no map.
     #[must_use]
-    pub fn amplitudes(&self, state: &PerturbedState<f64>) -> Vec<f64> {
+    pub(super) fn amplitudes(&self, state: &PerturbedState<f64>) -> Vec<f64> {
         let placed = state.misalignment.values().into_iter();
         let wave = state.wave.unwrap_or_default();
         let map = state.map.unwrap_or(0.0);

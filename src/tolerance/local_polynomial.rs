@@ -10,18 +10,18 @@ use std::ops::Add;
 
 /// Number of terms u^i v^j with i + j up to `degree`.
 #[must_use]
-pub const fn terms(degree: usize) -> usize {
+pub(super) const fn terms(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
 /// Degrees of the polynomials that are tried for form errors.
-pub const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
+pub(super) const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
 /// Terms of the highest of them.
-pub const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
+pub(super) const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
 
 /// The square that a polynomial holds on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ExpansionSquare {
+pub(super) struct ExpansionSquare {
     /// Its middle, mm.
     pub centre: [f64; 2],
     /// Half its side, mm.
@@ -31,13 +31,13 @@ pub struct ExpansionSquare {
 impl ExpansionSquare {
     /// (u, v) of a place: within [-1, 1] inside the square.
     #[inline]
-    pub fn unit<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
+    pub(super) fn unit<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
         [(x - self.centre[0]) / self.half, (y - self.centre[1]) / self.half]
     }
 
     /// Whether a place lies inside.
     #[inline]
-    pub fn holds<S: Scalar>(&self, at: [S; 2]) -> bool {
+    pub(super) fn holds<S: Scalar>(&self, at: [S; 2]) -> bool {
         let within = |k: usize| (at[k].mid() - self.centre[k]).abs() <= self.half;
         within(0) && within(1)
     }
@@ -46,7 +46,7 @@ impl ExpansionSquare {
 /// Value and derivatives by x and y, per mm, of the polynomial with the coefficients `c` of u^i v^j
 /// in the order (0, 0), (0, 1) ... (0, degree), (1, 0) ...
 #[inline]
-pub fn value<S, C>(degree: usize, c: &[C], square: &ExpansionSquare, at: [S; 2]) -> [S; 3]
+pub(super) fn value<S, C>(degree: usize, c: &[C], square: &ExpansionSquare, at: [S; 2]) -> [S; 3]
 where
     S: Scalar + Add<C, Output = S>,
     C: Copy,
@@ -72,7 +72,7 @@ where
 
 /// Values alone, of several polynomials at once.
 #[inline]
-pub fn values<S: Scalar, const N: usize>(
+pub(super) fn values<S: Scalar, const N: usize>(
     degree: usize,
     c: &[[f64; N]],
     square: &ExpansionSquare,
@@ -95,7 +95,7 @@ pub fn values<S: Scalar, const N: usize>(
 
 /// Makes polynomials of one degree from values.
 #[derive(Debug, Clone)]
-pub struct Fitter {
+pub(super) struct Fitter {
     degree: usize,
     nodes: Vec<f64>,
     /// Chebyshev coefficients from values.
@@ -107,7 +107,7 @@ pub struct Fitter {
 impl Fitter {
     /// For polynomials of total degree `degree`.
     #[must_use]
-    pub fn new(degree: usize) -> Self {
+    pub(super) fn new(degree: usize) -> Self {
         let points = degree + 2;
         let angle = |k: usize| PI * (k as f64 + 0.5) / points as f64;
         let nodes = (0..points).map(|k| cos(angle(k))).collect();
@@ -131,13 +131,13 @@ impl Fitter {
 
     /// Total degree of the polynomials.
     #[must_use]
-    pub fn degree(&self) -> usize {
+    pub(super) fn degree(&self) -> usize {
         self.degree
     }
 
     /// The polynomials of the functions `f` on `square`.
     #[must_use]
-    pub fn fit<const N: usize>(
+    pub(super) fn fit<const N: usize>(
         &self,
         square: &ExpansionSquare,
         f: impl Fn([f64; 2]) -> [f64; N],
@@ -182,7 +182,7 @@ impl Fitter {
 
 /// Largest difference in height, mm, or slope of `found` from `exact`, at places in the square between the
 /// points that polynomials are made of.
-pub fn largest_difference(
+pub(super) fn largest_difference(
     square: &ExpansionSquare,
     found: impl Fn([f64; 2]) -> [f64; 3],
     exact: impl Fn([f64; 2]) -> [f64; 3],

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Mean square displacement of each of many trials as a quadratic form of factors on the sources' limits.
 #[derive(Debug, Clone)]
-pub struct QuadraticYieldModel {
+pub(super) struct QuadraticYieldModel {
     sources: usize,
     /// Coefficients of each trial, px^2: twice the mean product of each source with the displacement without
     /// errors, then for each source its mean products with itself and (twice) with those after it.
@@ -100,7 +100,7 @@ impl<'a> AdjustedColumns<'a> {
 impl QuadraticYieldModel {
     /// Trials 0 to `count` of `seed`.
     #[must_use]
-    pub fn new(engine: &Engine, seed: u64, count: u64) -> Self {
+    pub(super) fn new(engine: &Engine, seed: u64, count: u64) -> Self {
         let columns = AdjustedColumns::new(engine);
         let form = |trial: usize| columns.form(RandomStream { seed, trial: trial as u64 });
         Self {
@@ -114,7 +114,7 @@ impl QuadraticYieldModel {
     /// The mean squares, px^2, of the first `count` trials, where each source's limit is multiplied
     /// by its one of `factors`.
     #[must_use]
-    pub fn squares(&self, factors: &[f64], count: usize) -> Vec<f64> {
+    pub(super) fn squares(&self, factors: &[f64], count: usize) -> Vec<f64> {
         let of = |form: &Vec<f64>| {
             let (with_base, mut rest) = form.split_at(self.sources);
             let mut sum = self.base;
@@ -133,7 +133,7 @@ impl QuadraticYieldModel {
 
     /// Quantile of the RMS over all trials at the share `target`, px.
     #[must_use]
-    pub fn reached(&self, factors: &[f64], target: f64) -> f64 {
+    pub(super) fn reached(&self, factors: &[f64], target: f64) -> f64 {
         let mut squares = self.squares(factors, self.forms.len());
         squares.sort_unstable_by(f64::total_cmp);
         quantile(&squares, target).sqrt()

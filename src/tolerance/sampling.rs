@@ -60,7 +60,7 @@ impl OpticalSystem {
     /// The system of `mirror`, `camera` and `view`, with about `count` samples spread evenly over
     /// the picture of the mirror; hits move by about `reach` mm. `fields` are the form errors.
     #[must_use]
-    pub fn new(
+    pub(super) fn new(
         parts: (&Mirror, &Camera, &ImagingTask),
         fields: Vec<FormField>,
         texture: &TextureShape,

@@ -12,7 +12,7 @@ const LEAST_BRACKET: f64 = 1.05;
 
 /// Value that a figure is to have.
 #[derive(Debug, Clone, Copy)]
-pub struct TargetFigure {
+pub(super) struct TargetFigure {
     /// The figure at 0.
     pub start: f64,
     /// The figure that is wanted.
@@ -26,7 +26,7 @@ pub struct TargetFigure {
 /// position, fitted to the last two evaluations and kept inside the bracket of positions that are known to
 /// be too near and too far. None where the figure does not change, where it stops being finite below the
 /// goal, and where the position would be more than `most`.
-pub fn solve_for_target(
+pub(super) fn solve_for_target(
     target: TargetFigure,
     first: f64,
     most: f64,

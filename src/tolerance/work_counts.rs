@@ -76,7 +76,7 @@ impl WorkCounts {
 pub(super) struct WorkCounter([[AtomicU64; 2]; WORK_KINDS.len()]);
 
 impl WorkCounter {
-    pub fn add(&self, work: WorkCounts) {
+    pub(super) fn add(&self, work: WorkCounts) {
         let both = self.0.as_flattened().iter().zip(work.0.as_flattened());
         both.for_each(|(all, more)| {
             all.fetch_add(*more, Ordering::Relaxed);
@@ -84,14 +84,14 @@ impl WorkCounter {
     }
 
     /// Counts some work of a kind.
-    pub fn count(&self, kind: WorkKind, counts: [usize; 2]) {
+    pub(super) fn count(&self, kind: WorkKind, counts: [usize; 2]) {
         let mut work = WorkCounts::default();
         work.count(kind, counts);
         self.add(work);
     }
 
     /// Counts since the last call.
-    pub fn take(&self) -> WorkCounts {
+    pub(super) fn take(&self) -> WorkCounts {
         WorkCounts(array::from_fn(|k| array::from_fn(|i| self.0[k][i].swap(0, Ordering::Relaxed))))
     }
 }

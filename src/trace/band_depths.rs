@@ -3,11 +3,11 @@
 use super::ray_end::RayEnd;
 
 /// Rows of a band, which is resolved by one thread.
-pub const BAND_ROWS: usize = 32;
+pub(super) const BAND_ROWS: usize = 32;
 
 /// Greatest hit distances over a band of rows, mm: facets farther than these are hidden.
 #[derive(Debug)]
-pub struct BandDepths {
+pub(super) struct BandDepths {
     /// The greatest over each run of columns as long as the band is high.
     runs: Vec<f64>,
     /// The greatest over the band.
@@ -16,7 +16,7 @@ pub struct BandDepths {
 
 impl BandDepths {
     /// Depths of the ends of a band's rays, row by row.
-    pub fn new(ends: &[RayEnd], columns: usize) -> Self {
+    pub(super) fn new(ends: &[RayEnd], columns: usize) -> Self {
         let mut runs = vec![f64::NEG_INFINITY; columns.div_ceil(BAND_ROWS)];
         for row in ends.chunks(columns) {
             for (depth, run) in runs.iter_mut().zip(row.chunks(BAND_ROWS)) {
@@ -29,7 +29,7 @@ impl BandDepths {
 
     /// Whether pixels of the columns from `left` up to `right` may show something as far as `t`.
     #[inline]
-    pub fn reach(&self, [left, right]: [usize; 2], t: f64) -> bool {
+    pub(super) fn reach(&self, [left, right]: [usize; 2], t: f64) -> bool {
         left < right
             && self.runs[left / BAND_ROWS..=(right - 1) / BAND_ROWS].iter().any(|&d| d >= t)
     }
@@ -37,6 +37,6 @@ impl BandDepths {
 
 /// The greater of two numbers as one machine instruction; NaN is left out.
 #[inline]
-pub fn greater(a: f64, b: f64) -> f64 {
+pub(super) fn greater(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }

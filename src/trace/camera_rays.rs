@@ -5,7 +5,7 @@ use crate::optics::Camera;
 
 /// Rays through the pixel centres of a camera, with the centres' image coordinates tabulated.
 #[derive(Debug, Clone)]
-pub struct CameraRays {
+pub(super) struct CameraRays {
     /// The camera.
     pub camera: Camera,
     /// Z where parallel rays start, mm.
@@ -16,7 +16,7 @@ pub struct CameraRays {
 
 impl CameraRays {
     /// Rays of `camera`, where they are parallel from height `top_mm`.
-    pub fn new(camera: &Camera, top_mm: f64) -> Self {
+    pub(super) fn new(camera: &Camera, top_mm: f64) -> Self {
         let [columns, rows] = camera.pixels.map(|n| (0..n).map(|k| f64::from(k) + 0.5));
         let centres = [
             columns.map(|x| camera.image_point(x, 0.0).x).collect(),
@@ -27,20 +27,20 @@ impl CameraRays {
 
     /// Image point of a pixel's centre, mm.
     #[inline]
-    pub fn image_point(&self, column: usize, row: usize) -> DVec2 {
+    pub(super) fn image_point(&self, column: usize, row: usize) -> DVec2 {
         let [xs, ys] = &self.centres;
         DVec2::new(xs[column], ys[row])
     }
 
     /// Ray through a pixel's centre.
     #[inline]
-    pub fn at(&self, column: usize, row: usize) -> Ray {
+    pub(super) fn at(&self, column: usize, row: usize) -> Ray {
         self.camera.ray(self.image_point(column, row), self.top_mm)
     }
 
     /// Point at distance `t` on the ray of a pixel, mm.
     #[inline]
-    pub fn point(&self, column: usize, row: usize, t: f64) -> DVec3 {
+    pub(super) fn point(&self, column: usize, row: usize, t: f64) -> DVec3 {
         let Ray { origin, direction } = self.at(column, row);
         // (Nothing is left of the product of parallel rays.)
         if self.camera.chart.vergence == 0.0 {

@@ -5,7 +5,7 @@ use crate::geom::TriMesh;
 /// Whether every edge is run through as often in one direction as in the other: then every point off
 /// the facets has a winding number, and a line that comes from outside and goes back there crosses
 /// as many facets inwards as outwards. Facets may meet or cut each other in any way.
-pub fn is_closed(mesh: &TriMesh) -> bool {
+pub(super) fn is_closed(mesh: &TriMesh) -> bool {
     // Edges by their lower vertex: the other one, and the direction in the last bit.
     let edges = || {
         let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);

@@ -2,12 +2,12 @@
 
 /// First column and row of a block of pixels, and the negative of those after the last: the span of a
 /// facet is the component-wise least of its corners' spans.
-pub type PixelSpan = [i16; 4];
+pub(super) type PixelSpan = [i16; 4];
 
 /// A facet and a pixel whose centre it may cover, in one 64-bit word, which is written faster than its
 /// parts.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Fragment(u64);
+pub(super) struct Fragment(u64);
 
 impl Fragment {
     /// Step from a pixel to the next in its row, and in its column.
@@ -16,27 +16,27 @@ impl Fragment {
 
     /// The fragment of a facet in a pixel.
     #[inline]
-    pub fn new(facet: u32, column: u16, row: u16) -> Self {
+    pub(super) fn new(facet: u32, column: u16, row: u16) -> Self {
         Self(u64::from(facet) << 32 | u64::from(row) << 16 | u64::from(column))
     }
 
     /// Facet, column and row.
     #[inline]
-    pub fn parts(self) -> (u32, u16, u16) {
+    pub(super) fn parts(self) -> (u32, u16, u16) {
         ((self.0 >> 32) as u32, self.0 as u16, (self.0 >> 16) as u16)
     }
 
     /// Fragments of a block of at most 2 x 2 pixels that begins here, row by row: the first `wide` times
     /// `high` of the four. (Sizes are too irregular for branches.)
     #[inline]
-    pub fn four(self, wide: usize) -> [Self; 4] {
+    pub(super) fn four(self, wide: usize) -> [Self; 4] {
         let second = if wide == 2 { Self::RIGHT } else { Self::DOWN };
         [0, second, Self::DOWN, Self::DOWN + Self::RIGHT].map(|by| Self(self.0 + by))
     }
 
     /// The fragment of the same facet so many columns and rows on.
     #[inline]
-    pub fn next(self, [columns, rows]: [usize; 2]) -> Self {
+    pub(super) fn next(self, [columns, rows]: [usize; 2]) -> Self {
         Self(self.0 + columns as u64 * Self::RIGHT + rows as u64 * Self::DOWN)
     }
 }

@@ -70,7 +70,7 @@ struct Level {
 
 /// A packet of rays: a box around their origins and one around their directions.
 #[derive(Debug, Clone, Copy)]
-pub struct RayPacket {
+pub(super) struct RayPacket {
     /// Least and largest coordinates of the origins, mm.
     pub from: [DVec3; 2],
     /// Least and largest components of the unit directions.
@@ -81,7 +81,7 @@ pub struct RayPacket {
 
 impl RayPacket {
     /// A packet of no ray.
-    pub const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         from: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
         along: [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
         check: 0.0,
@@ -89,7 +89,7 @@ impl RayPacket {
 
     /// Adds the ray from `at` along `direction`.
     #[inline]
-    pub fn add(&mut self, at: DVec3, direction: DVec3) {
+    pub(super) fn add(&mut self, at: DVec3, direction: DVec3) {
         widen(&mut self.from, [at; 2]);
         widen(&mut self.along, [direction; 2]);
         // A distance that is not finite shows in Z, of parallel rays in Z alone; a sum stays so.
@@ -149,7 +149,7 @@ fn widen([least, most]: &mut [DVec3; 2], [lo, hi]: [DVec3; 2]) {
 
 /// A quadtree over a closed mesh that proves packets of reflected rays unoccluded.
 #[derive(Debug, Clone)]
-pub struct OcclusionProof {
+pub(super) struct OcclusionProof {
     /// Lower corner of the first cell, mm: a whole number of smallest cells from X = Y = 0, so that a
     /// fold there is a border of cells.
     origin: DVec2,
@@ -161,7 +161,7 @@ pub struct OcclusionProof {
 
 impl OcclusionProof {
     /// The quadtree over `mesh`; `None` where that is not closed, for then the argument fails.
-    pub fn new(mesh: &TriMesh) -> Option<Self> {
+    pub(super) fn new(mesh: &TriMesh) -> Option<Self> {
         let (lo, hi) = mesh.bounds()?;
         let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
         let wanted = (mesh.triangles.len() as f64 / FACETS_PER_CELL).clamp(CELLS[0], CELLS[1]);
@@ -179,7 +179,7 @@ impl OcclusionProof {
 
     /// Whether no ray of `packet` meets a facet. The rays must start on the outer side of facets, where
     /// these can be seen from outside the mesh.
-    pub fn is_unoccluded(&self, packet: &RayPacket) -> bool {
+    pub(super) fn is_unoccluded(&self, packet: &RayPacket) -> bool {
         packet.check.is_finite() && self.cell_is_clear(self.levels.len() - 1, [0, 0], packet)
     }
 

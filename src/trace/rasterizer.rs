@@ -47,7 +47,7 @@ struct LargeFacet {
 
 /// The nearest facet of a pixel so far.
 #[derive(Debug, Clone, Copy)]
-pub struct PixelHit {
+pub(super) struct PixelHit {
     /// Column of the pixel.
     pub column: usize,
     /// Row of the pixel.
@@ -103,7 +103,7 @@ type Buffers = (Vec<Fragment>, Vec<(f64, Fragment)>);
 
 /// Hits of the rays through all pixel centres on all facets.
 #[derive(Debug)]
-pub struct Rasterizer<'a> {
+pub(super) struct Rasterizer<'a> {
     mesh: &'a TriMesh,
     rays: &'a CameraRays,
     /// Pixels per mm on the reference plane.
@@ -136,7 +136,7 @@ fn depth_test(
 impl<'a> Rasterizer<'a> {
     /// Intersects `rays` with the facets of `scene`. `None` where they start beside or below facets:
     /// such facets have no picture.
-    pub fn new(scene: &'a Scene, rays: &'a CameraRays) -> Option<Self> {
+    pub(super) fn new(scene: &'a Scene, rays: &'a CameraRays) -> Option<Self> {
         let (lo, hi) = scene.bounds()?;
         let CameraRays { camera, top_mm, .. } = *rays;
         let chart = camera.chart;
@@ -294,7 +294,12 @@ impl<'a> Rasterizer<'a> {
 
     /// Resolves a band from row `first` on: `ends`, one entry a pixel, become what `shade` makes of
     /// the nearest hits.
-    pub fn draw(&self, first: usize, ends: &mut [RayEnd], shade: impl Fn(PixelHit) -> RayEnd) {
+    pub(super) fn draw(
+        &self,
+        first: usize,
+        ends: &mut [RayEnd],
+        shade: impl Fn(PixelHit) -> RayEnd,
+    ) {
         let columns = self.rays.camera.pixels[0] as usize;
         ends.fill(RayEnd::MISSED);
         for chunk in &self.chunks {

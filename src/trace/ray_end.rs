@@ -80,7 +80,7 @@ impl Scene {
 /// Outcome of a ray at a facet with a normal of any length, and its reflected direction; occlusion is
 /// not considered.
 #[inline(always)]
-pub fn reflect_at_facet(direction: DVec3, normal: DVec3) -> (Outcome, DVec3) {
+pub(super) fn reflect_at_facet(direction: DVec3, normal: DVec3) -> (Outcome, DVec3) {
     if normal.dot(direction) < 0.0 {
         (Outcome::Hit, reflect(direction, normal))
     } else {

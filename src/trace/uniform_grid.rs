@@ -9,16 +9,16 @@ const BANDS: usize = 8;
 const MARGIN: f64 = 1e-6;
 
 /// Least and largest Z over a cell, mm.
-pub type ZRange = [f64; 2];
+pub(super) type ZRange = [f64; 2];
 /// First and last column and row that a facet's box touches.
-pub type CellSpan = [[u32; 2]; 2];
+pub(super) type CellSpan = [[u32; 2]; 2];
 
 /// Range of no facet.
 const NO_RANGE: ZRange = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Square cells in the plane, from its origin on.
 #[derive(Debug, Clone)]
-pub struct UniformGrid {
+pub(super) struct UniformGrid {
     /// Side of a cell, mm.
     cell: f64,
     per_mm: f64,
@@ -28,7 +28,7 @@ pub struct UniformGrid {
 
 /// Lists of the facets over each cell of a grid, with their ranges of Z.
 #[derive(Debug, Clone, Default)]
-pub struct CellLists {
+pub(super) struct CellLists {
     /// Index of each cell's first facet, and the number of all.
     start: Vec<u32>,
     facets: Vec<u32>,
@@ -39,20 +39,20 @@ pub struct CellLists {
 impl CellLists {
     /// The facets over cell `k`.
     #[inline]
-    pub fn of(&self, k: usize) -> &[u32] {
+    pub(super) fn of(&self, k: usize) -> &[u32] {
         &self.facets[self.start[k] as usize..self.start[k + 1] as usize]
     }
 }
 
 impl UniformGrid {
     /// `count` columns and rows of cells of side `cell` mm.
-    pub fn new(cell: f64, count: [usize; 2]) -> Self {
+    pub(super) fn new(cell: f64, count: [usize; 2]) -> Self {
         Self { cell, per_mm: 1.0 / cell, count }
     }
 
     /// Number of the cell in column and row `at`.
     #[inline]
-    pub fn index(&self, at: [usize; 2]) -> usize {
+    pub(super) fn index(&self, at: [usize; 2]) -> usize {
         at[1] * self.count[0] + at[0]
     }
 
@@ -64,7 +64,7 @@ impl UniformGrid {
 
     /// The cells that the box around a triangle touches.
     #[inline]
-    pub fn span(&self, corners: [DVec3; 3]) -> CellSpan {
+    pub(super) fn span(&self, corners: [DVec3; 3]) -> CellSpan {
         let [a, b, c] = corners.map(|v| v.truncate() * self.per_mm);
         let index = |p: DVec2| [0, 1].map(|axis| self.clamp(p[axis], axis));
         let margin = DVec2::splat(MARGIN);
@@ -77,7 +77,7 @@ impl UniformGrid {
     }
 
     /// Ranges of the cells, from the `ranges` of a grid `step` times finer.
-    pub fn gather(&self, finer: &Self, step: usize, ranges: &[ZRange]) -> Vec<ZRange> {
+    pub(super) fn gather(&self, finer: &Self, step: usize, ranges: &[ZRange]) -> Vec<ZRange> {
         let mut gathered = vec![NO_RANGE; self.count[0] * self.count[1]];
         for (j, row) in ranges.chunks_exact(finer.count[0]).enumerate() {
             for (i, [lo, hi]) in row.iter().enumerate() {
@@ -91,7 +91,7 @@ impl UniformGrid {
     /// Sorts facets, each with its span, into the cells they lie over. Bands of rows are filled
     /// side by side; within a cell facets keep their order, so the result is the same for any
     /// number of threads.
-    pub fn cell_lists(
+    pub(super) fn cell_lists(
         &self,
         facets: &[(u32, CellSpan)],
         corners: impl Fn(u32) -> [DVec3; 3] + Sync,
@@ -191,7 +191,7 @@ impl UniformGrid {
     /// Visits the cells from index `first` up to, not including, `last` along the ray, with the
     /// span of distances in each, until `visit` returns false (Amanatides and Woo's traversal).
     #[inline]
-    pub fn walk(
+    pub(super) fn walk(
         &self,
         ray: &GridRay,
         [mut enter, mut leave]: [f64; 2],
@@ -246,7 +246,7 @@ impl UniformGrid {
 
 /// A ray over the plane, in the grid's own frame.
 #[derive(Debug, Clone, Copy)]
-pub struct GridRay {
+pub(super) struct GridRay {
     origin: DVec2,
     direction: DVec2,
     inverse: DVec2,
@@ -258,7 +258,7 @@ pub struct GridRay {
 impl GridRay {
     /// `ray` with the grid's origin at `origin`.
     #[inline]
-    pub fn new(ray: &Ray, origin: DVec2) -> Self {
+    pub(super) fn new(ray: &Ray, origin: DVec2) -> Self {
         let direction = ray.direction.truncate();
         let sign = |d: f64| isize::from(d > 0.0) - isize::from(d < 0.0);
         Self {
@@ -273,7 +273,7 @@ impl GridRay {
 
     /// Whether the ray's Z enters `range` within a span of distances, with a margin for rounding.
     #[inline]
-    pub fn meets(&self, [enter, leave]: [f64; 2], [least, largest]: ZRange) -> bool {
+    pub(super) fn meets(&self, [enter, leave]: [f64; 2], [least, largest]: ZRange) -> bool {
         let (a, b) = (self.z + self.climb * enter, self.z + self.climb * leave);
         let margin = 1e-9 * (a.abs() + b.abs() + largest.abs());
         a.min(b) <= largest + margin && a.max(b) >= least - margin

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Columns and rows of a photo that show one panel.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PanelCrop {
+pub(super) struct PanelCrop {
     /// Columns.
     pub columns: Range<usize>,
     /// Rows.
@@ -17,7 +17,7 @@ pub struct PanelCrop {
 
 impl PanelCrop {
     /// These pixels of `photo`.
-    pub fn crop(&self, photo: &Raster) -> Raster {
+    pub(super) fn crop(&self, photo: &Raster) -> Raster {
         photo.crop(self.columns.clone(), self.rows.clone())
     }
 }
@@ -26,7 +26,7 @@ impl PanelCrop {
 ///
 /// # Errors
 /// [`UnwrapError`]: a round mirror has no straight panels.
-pub fn panel_crops(
+pub(super) fn panel_crops(
     optics: &ImagingSystem,
     photo: [usize; 2],
 ) -> Result<Vec<PanelCrop>, UnwrapError> {

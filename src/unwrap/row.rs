@@ -10,7 +10,7 @@ const KNOTS: usize = 320;
 const TOLERANCE_PX: f64 = 1e-3;
 
 /// Where the `width` directions `sigma` of a row are seen, by a sensor with pixels of `pixel_mm`.
-pub fn locate_row(
+pub(super) fn locate_row(
     search: &mut InverseSearch,
     width: usize,
     pixel_mm: f64,

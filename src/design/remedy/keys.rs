@@ -6,13 +6,13 @@ use crate::optics::{CameraModel, RadialLawKind, StripLaw, Target};
 use crate::profile::{Layout, MethodKind, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
 
 /// A profile after a change.
-pub struct EditedProfile {
+pub(super) struct EditedProfile {
     pub change: KeyChange,
     pub profile: Profile,
 }
 
 /// Ways to change one key, the smallest change first.
-pub type Edit = fn(&Profile) -> Vec<EditedProfile>;
+pub(super) type Edit = fn(&Profile) -> Vec<EditedProfile>;
 
 /// A number as someone would write it, to four digits: what is tried is what is told.
 fn short(x: f64) -> f64 {
@@ -31,7 +31,7 @@ fn changed(profile: &Profile, change: KeyChange, edit: impl FnOnce(&mut Profile)
 }
 
 /// The frame is not filled.
-pub fn unfilled(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn unfilled(profile: &Profile) -> Vec<EditedProfile> {
     let mut layout = profile.layout;
     match &mut layout {
         Layout::Strip { fill_frame } | Layout::Conquistador { fill_frame, .. } if *fill_frame => {
@@ -43,7 +43,7 @@ pub fn unfilled(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 /// The smallest squares of errors instead of the smallest worst one.
-pub fn least_squares(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn least_squares(profile: &Profile) -> Vec<EditedProfile> {
     let ShapeSpec::Designed(mut method) = profile.shape else { return Vec::new() };
     if !method.minimax {
         return Vec::new();
@@ -53,7 +53,7 @@ pub fn least_squares(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 /// The method that the others begin with.
-pub fn vector_field(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn vector_field(profile: &Profile) -> Vec<EditedProfile> {
     let ShapeSpec::Designed(mut method) = profile.shape else { return Vec::new() };
     if method.kind == MethodKind::VectorField {
         return Vec::new();
@@ -74,13 +74,13 @@ fn of_degrees(profile: &Profile, degrees: impl IntoIterator<Item = usize>) -> Ve
 }
 
 /// A degree that follows the picture more closely, where that is a matter of degree.
-pub fn degree(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn degree(profile: &Profile) -> Vec<EditedProfile> {
     let ShapeSpec::Designed(method) = profile.shape else { return Vec::new() };
     of_degrees(profile, [4, 8, 12].into_iter().filter(|&degree| degree > method.degree))
 }
 
 /// A degree that the samples determine.
-pub fn degree_down(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn degree_down(profile: &Profile) -> Vec<EditedProfile> {
     let ShapeSpec::Designed(method) = profile.shape else { return Vec::new() };
     let halves = std::iter::successors(Some(method.degree / 2), |degree| Some(degree / 2));
     of_degrees(profile, halves.take_while(|&degree| degree > 0))
@@ -95,7 +95,7 @@ fn set_target(profile: &mut Profile, to: Target) {
 }
 
 /// The target further away.
-pub fn targets(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn targets(profile: &Profile) -> Vec<EditedProfile> {
     let Some(target) = profile.projection.as_ref().map(ProjectionSpec::target) else {
         return Vec::new();
     };
@@ -118,7 +118,7 @@ pub fn targets(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 /// The target at infinity.
-pub fn untargeted(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn untargeted(profile: &Profile) -> Vec<EditedProfile> {
     let key = match profile.projection.as_ref().map(ProjectionSpec::target) {
         None | Some(Target::Infinity) => return Vec::new(),
         Some(Target::Cylinder { .. }) => "target_radius_mm",
@@ -129,7 +129,7 @@ pub fn untargeted(profile: &Profile) -> Vec<EditedProfile> {
 
 /// Part of the elevations or polar angles: the part that is furthest from the horizon where a plane
 /// is to be seen, or else the middle.
-pub fn elevation(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
     let of = |share: f64| -> Option<EditedProfile> {
         let mut profile = profile.clone();
         let change = match profile.projection.as_mut()? {
@@ -174,7 +174,7 @@ pub fn elevation(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 /// A law that has a place for every direction.
-pub fn law(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn law(profile: &Profile) -> Vec<EditedProfile> {
     let mut projection = profile.projection.clone();
     let name = match &mut projection {
         Some(ProjectionSpec::Strip(strip)) => match strip.law {
@@ -200,7 +200,7 @@ pub fn law(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 /// The camera further away.
-pub fn distance(profile: &Profile) -> Vec<EditedProfile> {
+pub(super) fn distance(profile: &Profile) -> Vec<EditedProfile> {
     let CameraModel::Pinhole { pixels, focal_px, distance_mm } = profile.camera else {
         return Vec::new();
     };

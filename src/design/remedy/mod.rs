@@ -89,7 +89,7 @@ impl fmt::Display for Remedy {
 }
 
 /// Remedy of `cause`, for which `profile` is refused.
-pub fn remedy(profile: &Profile, cause: &FailureCause) -> Remedy {
+pub(super) fn remedy(profile: &Profile, cause: &FailureCause) -> Remedy {
     let mut search = TrialDesigns { trials: 0, most: MOST_SINGLE };
     let mut found: Vec<Vec<KeyChange>> = Vec::new();
     for key in keys(profile, cause) {

@@ -10,31 +10,31 @@ const LOBATTO: [(f64, f64); 3] =
 
 /// Clamped knot vector of cubic splines of one variable.
 #[derive(Debug, Clone, PartialEq)]
-pub struct KnotVector {
+pub(super) struct KnotVector {
     /// The inner ones once, both ends four times.
     knots: Vec<f64>,
 }
 
 impl KnotVector {
     /// The knots with breaks at `breaks`, two of them or more in rising order, ends included.
-    pub fn new(breaks: &[f64]) -> Self {
+    pub(super) fn new(breaks: &[f64]) -> Self {
         let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
         let knots = [&[first; 3], breaks, &[last; 3]].concat();
         Self { knots }
     }
 
     /// Where splines break, ends included.
-    pub fn breaks(&self) -> &[f64] {
+    pub(super) fn breaks(&self) -> &[f64] {
         &self.knots[3..self.knots.len() - 3]
     }
 
     /// How many coefficients a spline has.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.knots.len() - 4
     }
 
     /// The coefficients of the identity (Greville's abscissae).
-    pub fn greville(&self) -> Vec<f64> {
+    pub(super) fn greville(&self) -> Vec<f64> {
         self.knots
             .windows(3)
             .skip(1)
@@ -44,12 +44,12 @@ impl KnotVector {
     }
 
     /// The knots of the splines s(-u).
-    pub fn reversed(&self) -> Self {
+    pub(super) fn reversed(&self) -> Self {
         Self { knots: self.knots.iter().rev().map(|&k| 0.0 - k).collect() }
     }
 
     /// The four basis functions that are not 0 at `u`: the number of the first, and their values.
-    pub fn basis(&self, u: f64) -> (usize, [f64; 4]) {
+    pub(super) fn basis(&self, u: f64) -> (usize, [f64; 4]) {
         let k = &self.knots;
         let inner = &k[4..k.len() - 4];
         let span = 3 + inner.partition_point(|&knot| knot <= u);
@@ -68,14 +68,14 @@ impl KnotVector {
     }
 
     /// Where [`KnotVector::fit`] wants samples.
-    pub fn sites(&self) -> Vec<f64> {
+    pub(super) fn sites(&self) -> Vec<f64> {
         let span = |ends: &[f64]| LOBATTO.map(|(t, _)| ends[0] + (ends[1] - ends[0]) * t);
         let last = *self.breaks().last().expect("two breaks or more");
         self.breaks().windows(2).flat_map(span).chain([last]).collect()
     }
 
     /// `parts` places in every span, between its ends.
-    pub fn interior_points(&self, parts: usize) -> Vec<f64> {
+    pub(super) fn interior_points(&self, parts: usize) -> Vec<f64> {
         let at = |ends: &[f64], k: usize| {
             ends[0] + (ends[1] - ends[0]) * ((k as f64 + 0.5) / parts as f64)
         };
@@ -85,7 +85,7 @@ impl KnotVector {
 
     /// The coefficients of the splines nearest in least squares to `lanes` functions, of which
     /// `samples` has a row of values for each of the sites; row after row.
-    pub fn fit(&self, lanes: usize, samples: &[f64]) -> Vec<f64> {
+    pub(super) fn fit(&self, lanes: usize, samples: &[f64]) -> Vec<f64> {
         let (count, sites) = (self.count(), self.sites());
         let mut normal = vec![[0.0; 4]; count];
         let mut x = vec![0.0; count * lanes];
@@ -133,7 +133,7 @@ fn solve(a: &mut [[f64; 4]], lanes: usize, x: &mut [f64]) {
 
 /// A bicubic B-spline surface: knots and net of control points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BSplineSurface {
+pub(super) struct BSplineSurface {
     /// The knots along u and along v.
     pub axes: [KnotVector; 2],
     /// The control points, all v for the first u, then for the next.
@@ -143,7 +143,7 @@ pub struct BSplineSurface {
 impl BSplineSurface {
     /// The coefficients of the spline nearest to a function of which `samples` has a row of values
     /// along u's sites for each of v's sites; in the order of [`BSplineSurface::points`].
-    pub fn fit([u, v]: [&KnotVector; 2], samples: &[f64]) -> Vec<f64> {
+    pub(super) fn fit([u, v]: [&KnotVector; 2], samples: &[f64]) -> Vec<f64> {
         let sites = samples.len() / v.sites().len();
         let along_v = v.fit(sites, samples);
         let turned: Vec<f64> =
@@ -152,19 +152,19 @@ impl BSplineSurface {
     }
 
     /// The control points for the k-th u.
-    pub fn control_row(&self, k: usize) -> &[DVec3] {
+    pub(super) fn control_row(&self, k: usize) -> &[DVec3] {
         let count = self.axes[1].count();
         &self.points[k * count..][..count]
     }
 
     /// The surface at one point of its domain.
-    pub fn at(&self, q: DVec2) -> DVec3 {
+    pub(super) fn at(&self, q: DVec2) -> DVec3 {
         let ((i, a), (j, b)) = (self.axes[0].basis(q.x), self.axes[1].basis(q.y));
         (0..4).map(|k| a[k] * sum(self.control_row(i + k), j, &b)).sum()
     }
 
     /// The surface at all of `us` for each of `vs`.
-    pub fn grid(&self, us: &[f64], vs: &[f64]) -> Vec<Vec<DVec3>> {
+    pub(super) fn grid(&self, us: &[f64], vs: &[f64]) -> Vec<Vec<DVec3>> {
         let [u, v] = &self.axes;
         let along_u: Vec<_> = us.iter().map(|&x| u.basis(x)).collect();
         let row = |&y: &f64| {

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Writes the faces of `border` around the mirror's walls, whose feet run counterclockwise from
 /// above, with the lower ends of other holes in its base.
-pub fn write_border(
+pub(super) fn write_border(
     data: &mut DataSection,
     border: &Border,
     feet: &[OrientedEdge],
@@ -54,7 +54,7 @@ pub fn write_border(
 }
 
 /// Writes the wall of a through hole from the base to `top_mm`; its lower and its upper end.
-pub fn write_hole(
+pub(super) fn write_hole(
     data: &mut DataSection,
     hole: &Drilled,
     top_mm: f64,

@@ -10,7 +10,7 @@ use super::topology::{BrepEdge, BrepVertex, FaceRole, OrientedEdge, reversed};
 use crate::geom::{Border, DVec2, DVec3, Land};
 
 /// Writes the body, with `border` around the mirror if there is any; its number.
-pub fn write_body(
+pub(super) fn write_body(
     data: &mut DataSection,
     fit: &FittedMirror,
     border: Option<&Border>,

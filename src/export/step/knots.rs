@@ -7,14 +7,14 @@ use crate::num::max_or_nan;
 
 /// Spans along an axis at first and at most.
 const FIRST_SPANS: usize = 8;
-pub const MOST_SPANS: usize = 400;
+pub(super) const MOST_SPANS: usize = 400;
 /// Lines along which an axis' knots are chosen.
 const LINES: usize = 25;
 /// Places in every span where the error is measured.
 const PARTS: usize = 6;
 
 /// Lines along which the knots of an axis are chosen.
-pub struct KnotLines {
+pub(super) struct KnotLines {
     pub axis: usize,
     pub ends: [f64; 2],
     /// Whether the mirror is even along them.
@@ -25,7 +25,7 @@ pub struct KnotLines {
 
 impl KnotLines {
     /// Lines all over the mirror.
-    pub fn across(surface: &ParametricSurface, axis: usize) -> Self {
+    pub(super) fn across(surface: &ParametricSurface, axis: usize) -> Self {
         let [ends, across] = [axis, 1 - axis]
             .map(|axis| [surface.domain.min, surface.domain.max].map(|end| end[axis]));
         let from = if surface.even[1 - axis] { 0.5 * (across[0] + across[1]) } else { across[0] };
@@ -36,7 +36,11 @@ impl KnotLines {
 }
 
 /// Breaks along an axis with which splines meet the mirror within `limit` on lines along it.
-pub fn choose_breaks(surface: &ParametricSurface, lines: &KnotLines, limit: f64) -> Vec<f64> {
+pub(super) fn choose_breaks(
+    surface: &ParametricSurface,
+    lines: &KnotLines,
+    limit: f64,
+) -> Vec<f64> {
     let mut breaks = distribute(&lines.ends, &[1.0], FIRST_SPANS, lines.even);
     loop {
         let errors = errors(surface, lines, &breaks);
@@ -133,7 +137,7 @@ fn errors(surface: &ParametricSurface, lines: &KnotLines, breaks: &[f64]) -> Vec
 }
 
 /// `x` rounded to the digits that are written, 1e-10.
-pub fn written_digits(x: f64) -> f64 {
+pub(super) fn written_digits(x: f64) -> f64 {
     (x * 1e10).round() / 1e10 + 0.0
 }
 

@@ -6,7 +6,7 @@ use super::topology::{BrepEdge, BrepVertex, FaceRole, OrientedEdge};
 use crate::geom::{DVec2, DVec3};
 
 /// A B-spline surface that is written.
-pub struct WrittenSurface {
+pub(super) struct WrittenSurface {
     net: BSplineSurface,
     /// Numbers of its control points, a line along v for each of u's.
     ids: Vec<Vec<InstanceId>>,
@@ -23,7 +23,7 @@ struct SurfaceSide {
 
 impl WrittenSurface {
     /// Writes `net`; `known` are control points that are there already.
-    pub fn write(
+    pub(super) fn write(
         data: &mut DataSection,
         net: &BSplineSurface,
         known: impl Fn(usize, usize) -> Option<InstanceId>,
@@ -91,7 +91,7 @@ impl CornerVertices {
 
 /// Writes the faces of one panel or two and their walls down to `foot_mm`; the walls' feet, counterclockwise
 /// from above.
-pub fn write_panels(
+pub(super) fn write_panels(
     data: &mut DataSection,
     net: &BSplineSurface,
     [straight, folded]: [bool; 2],

@@ -18,7 +18,7 @@ const MARGIN: f64 = 1.02;
 const STEPS: usize = 4096;
 
 /// A mirror's designed panel as a function of two parameters.
-pub struct ParametricSurface<'a> {
+pub(super) struct ParametricSurface<'a> {
     mirror: &'a Mirror,
     /// The parameters' domain.
     pub domain: Rect,
@@ -48,7 +48,7 @@ struct TaylorContinuation {
 
 impl<'a> ParametricSurface<'a> {
     /// The panel of `mirror`.
-    pub fn new(mirror: &'a Mirror) -> Result<Self, FitError> {
+    pub(super) fn new(mirror: &'a Mirror) -> Result<Self, FitError> {
         let mut surface = Self {
             mirror,
             domain: mirror.outline.bounds(),
@@ -79,24 +79,24 @@ impl<'a> ParametricSurface<'a> {
     }
 
     /// Whether X and Y are the parameters themselves.
-    pub fn is_direct(&self) -> bool {
+    pub(super) fn is_direct(&self) -> bool {
         self.ring.is_some() || self.mirror.chart.vergence == 0.0
     }
 
     /// Whether `q` belongs to the mirror.
-    pub fn contains(&self, q: DVec2) -> bool {
+    pub(super) fn contains(&self, q: DVec2) -> bool {
         self.ring.is_none_or(|[inner, outer]| (inner..=outer).contains(&q.length()))
     }
 
     /// Where a surface that is less smooth breaks along an axis, ends included.
-    pub fn breaks(&self, axis: usize) -> Option<Vec<f64>> {
+    pub(super) fn breaks(&self, axis: usize) -> Option<Vec<f64>> {
         let [lo, hi] = [self.domain.min, self.domain.max].map(|end| end[axis]);
         let surface = &self.mirror.surface;
         surface.is_bicubic().then(|| surface.breaks(axis, lo, hi))
     }
 
     /// Whether the same knots suit both axes.
-    pub fn is_round(&self) -> bool {
+    pub(super) fn is_round(&self) -> bool {
         self.mirror.surface.is_axisymmetric()
     }
 
@@ -132,7 +132,7 @@ impl<'a> ParametricSurface<'a> {
     }
 
     /// The points at all of `us` for each of `vs`.
-    pub fn grid(&self, us: &[f64], vs: &[f64]) -> Vec<Vec<DVec3>> {
+    pub(super) fn grid(&self, us: &[f64], vs: &[f64]) -> Vec<Vec<DVec3>> {
         let mirrored = |x: &[f64]| {
             let last = x.len() - 1;
             (0..=last).all(|k| (x[k] + x[last - k]).abs() <= 1e-13 * x[last].abs())

@@ -4,7 +4,7 @@ use std::fmt::{Display, Write};
 
 /// The number of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct InstanceId(u32);
+pub(super) struct InstanceId(u32);
 
 impl Display for InstanceId {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
@@ -14,7 +14,7 @@ impl Display for InstanceId {
 
 /// The entity instances written so far.
 #[derive(Debug, Default)]
-pub struct DataSection {
+pub(super) struct DataSection {
     pub text: String,
     /// The mirror's faces.
     pub optical: Vec<InstanceId>,
@@ -25,7 +25,7 @@ pub struct DataSection {
 
 impl DataSection {
     /// Writes an instance.
-    pub fn add(&mut self, what: impl Display) -> InstanceId {
+    pub(super) fn add(&mut self, what: impl Display) -> InstanceId {
         self.last += 1;
         // Writing to memory cannot fail.
         let _ = writeln!(self.text, "#{}={what};", self.last);
@@ -34,13 +34,13 @@ impl DataSection {
 }
 
 /// `(#1,#2,...)`.
-pub fn list(ids: &[InstanceId]) -> String {
+pub(super) fn list(ids: &[InstanceId]) -> String {
     let ids: Vec<String> = ids.iter().map(InstanceId::to_string).collect();
     format!("({})", ids.join(","))
 }
 
 /// A number to 1e-10: what matters of millimetres.
-pub fn real(x: f64) -> String {
+pub(super) fn real(x: f64) -> String {
     digits(x, 10)
 }
 
@@ -52,7 +52,7 @@ pub(super) fn digits(x: f64, decimals: usize) -> String {
 }
 
 /// A string in quotes: printable ASCII of at most 256 characters.
-pub fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let cut: String = super::super::Label::plain(text).chars().take(256).collect();
     format!("'{}'", cut.replace('\\', "\\\\").replace('\'', "''"))
 }

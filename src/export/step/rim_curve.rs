@@ -19,7 +19,7 @@ const PARTS: usize = 5;
 
 /// A closed cubic spline over the angle from the X axis, 0 to 2 pi.
 #[derive(Debug, Clone)]
-pub struct RimCurve {
+pub(super) struct RimCurve {
     /// Its knots.
     pub angles: KnotVector,
     /// Its control points; the last is the first.
@@ -28,12 +28,12 @@ pub struct RimCurve {
 
 impl RimCurve {
     /// The direction at `angle` from the X axis.
-    pub fn direction(angle: f64) -> DVec2 {
+    pub(super) fn direction(angle: f64) -> DVec2 {
         DVec2::new(cos(angle), sin(angle))
     }
 
     /// The curve on `net`, whose parameters are X and Y, over the circle of radius `rho`.
-    pub fn new(net: &BSplineSurface, rho: f64) -> Result<Self, FitError> {
+    pub(super) fn new(net: &BSplineSurface, rho: f64) -> Result<Self, FitError> {
         let at = |angle: f64| net.at(Self::direction(angle) * rho);
         let mut breaks = crossings(net, rho);
         let start = at(0.0);
@@ -66,7 +66,7 @@ impl RimCurve {
     }
 
     /// The point at `angle`.
-    pub fn at(&self, angle: f64) -> DVec3 {
+    pub(super) fn at(&self, angle: f64) -> DVec3 {
         let (first, b) = self.angles.basis(angle);
         (0..4).map(|k| self.points[first + k] * b[k]).sum()
     }

@@ -7,7 +7,7 @@ use std::fmt::Display;
 
 /// A vertex and where it is.
 #[derive(Debug, Clone, Copy)]
-pub struct BrepVertex {
+pub(super) struct BrepVertex {
     pub id: InstanceId,
     pub point: InstanceId,
     pub at: DVec3,
@@ -15,7 +15,7 @@ pub struct BrepVertex {
 
 /// An edge between two vertices.
 #[derive(Debug, Clone, Copy)]
-pub struct BrepEdge {
+pub(super) struct BrepEdge {
     pub id: InstanceId,
     pub from: BrepVertex,
     pub to: BrepVertex,
@@ -23,29 +23,29 @@ pub struct BrepEdge {
 
 /// An edge as a loop runs along it: in its own direction or against it.
 #[derive(Debug, Clone, Copy)]
-pub struct OrientedEdge {
+pub(super) struct OrientedEdge {
     pub edge: BrepEdge,
     pub forward: bool,
 }
 
 impl BrepEdge {
-    pub fn forward(self) -> OrientedEdge {
+    pub(super) fn forward(self) -> OrientedEdge {
         OrientedEdge { edge: self, forward: true }
     }
 
-    pub fn backward(self) -> OrientedEdge {
+    pub(super) fn backward(self) -> OrientedEdge {
         OrientedEdge { edge: self, forward: false }
     }
 }
 
 /// A loop in the opposite direction.
-pub fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
+pub(super) fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
     boundary.iter().rev().map(|edge| OrientedEdge { forward: !edge.forward, ..*edge }).collect()
 }
 
 /// The part of the body that a face bounds: its name in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FaceRole {
+pub(super) enum FaceRole {
     /// The mirror.
     Optical,
     /// The flat land or the middle inside a round mirror.
@@ -81,17 +81,17 @@ impl Display for FaceRole {
 
 impl DataSection {
     /// The name of the next through hole.
-    pub fn next_hole(&mut self) -> FaceRole {
+    pub(super) fn next_hole(&mut self) -> FaceRole {
         self.holes += 1;
         FaceRole::Hole(self.holes)
     }
 
-    pub fn point(&mut self, at: DVec3) -> InstanceId {
+    pub(super) fn point(&mut self, at: DVec3) -> InstanceId {
         let [x, y, z] = at.to_array().map(real);
         self.add(format_args!("CARTESIAN_POINT('',({x},{y},{z}))"))
     }
 
-    pub fn point_2d(&mut self, at: DVec2) -> InstanceId {
+    pub(super) fn point_2d(&mut self, at: DVec2) -> InstanceId {
         let [x, y] = at.to_array().map(real);
         self.add(format_args!("CARTESIAN_POINT('',({x},{y}))"))
     }
@@ -102,28 +102,28 @@ impl DataSection {
     }
 
     /// A place with the directions of its Z and X.
-    pub fn placement(&mut self, at: DVec3, z: DVec3, x: DVec3) -> InstanceId {
+    pub(super) fn placement(&mut self, at: DVec3, z: DVec3, x: DVec3) -> InstanceId {
         let (at, z, x) = (self.point(at), self.direction(z), self.direction(x));
         self.add(format_args!("AXIS2_PLACEMENT_3D('',{at},{z},{x})"))
     }
 
-    pub fn vertex(&mut self, at: DVec3) -> BrepVertex {
+    pub(super) fn vertex(&mut self, at: DVec3) -> BrepVertex {
         let point = self.point(at);
         self.vertex_at(point, at)
     }
 
     /// The vertex at a point that is there already.
-    pub fn vertex_at(&mut self, point: InstanceId, at: DVec3) -> BrepVertex {
+    pub(super) fn vertex_at(&mut self, point: InstanceId, at: DVec3) -> BrepVertex {
         BrepVertex { id: self.add(format_args!("VERTEX_POINT('',{point})")), point, at }
     }
 
-    pub fn edge(&mut self, from: BrepVertex, to: BrepVertex, curve: InstanceId) -> BrepEdge {
+    pub(super) fn edge(&mut self, from: BrepVertex, to: BrepVertex, curve: InstanceId) -> BrepEdge {
         let (a, b) = (from.id, to.id);
         BrepEdge { id: self.add(format_args!("EDGE_CURVE('',{a},{b},{curve},.T.)")), from, to }
     }
 
     /// A straight edge.
-    pub fn line_edge(&mut self, from: BrepVertex, to: BrepVertex) -> BrepEdge {
+    pub(super) fn line_edge(&mut self, from: BrepVertex, to: BrepVertex) -> BrepEdge {
         let edge = self.direction((to.at - from.at).normalize());
         let vector = self.add(format_args!("VECTOR('',{edge},1.)"));
         let line = self.add(format_args!("LINE('',{},{vector})", from.point));
@@ -131,20 +131,20 @@ impl DataSection {
     }
 
     /// A circle about the vertical through `centre`, counterclockwise from above from +X.
-    pub fn circle(&mut self, centre: DVec3, radius: f64) -> InstanceId {
+    pub(super) fn circle(&mut self, centre: DVec3, radius: f64) -> InstanceId {
         let place = self.placement(centre, DVec3::Z, DVec3::X);
         self.add(format_args!("CIRCLE('',{place},{})", real(radius)))
     }
 
     /// A whole circle as an edge.
-    pub fn circle_edge(&mut self, centre: DVec3, radius: f64) -> BrepEdge {
+    pub(super) fn circle_edge(&mut self, centre: DVec3, radius: f64) -> BrepEdge {
         let start = self.vertex(centre + DVec3::X * radius);
         let circle = self.circle(centre, radius);
         self.edge(start, start, circle)
     }
 
     /// The cubic spline of these control points, in space or in the plane.
-    pub fn spline_curve(&mut self, points: &[InstanceId], axis: &KnotVector) -> InstanceId {
+    pub(super) fn spline_curve(&mut self, points: &[InstanceId], axis: &KnotVector) -> InstanceId {
         let closed = if points.first() == points.last() { "T" } else { "F" };
         let (points, (many, knots)) = (list(points), knots(axis));
         self.add(format_args!(
@@ -155,7 +155,7 @@ impl DataSection {
 
     /// The spline surface of these control points, a line of them along v for each of u's; along
     /// an axis without knots it is straight, 0 to 1.
-    pub fn spline_surface(
+    pub(super) fn spline_surface(
         &mut self,
         lines: &[Vec<InstanceId>],
         axes: [Option<&KnotVector>; 2],
@@ -174,14 +174,14 @@ impl DataSection {
     }
 
     /// The surface of revolution of a curve in the XZ plane about the Z axis.
-    pub fn surface_of_revolution(&mut self, curve: InstanceId) -> InstanceId {
+    pub(super) fn surface_of_revolution(&mut self, curve: InstanceId) -> InstanceId {
         let (origin, up) = (self.point(DVec3::ZERO), self.direction(DVec3::Z));
         let axis = self.add(format_args!("AXIS1_PLACEMENT('',{origin},{up})"));
         self.add(format_args!("SURFACE_OF_REVOLUTION('',{curve},{axis})"))
     }
 
     /// A curve in space together with its image in the parameters of a surface.
-    pub fn surface_curve(
+    pub(super) fn surface_curve(
         &mut self,
         curve: InstanceId,
         surface: InstanceId,
@@ -197,14 +197,14 @@ impl DataSection {
     }
 
     /// A circle about the origin of a surface's parameters.
-    pub fn circle_2d(&mut self, radius: f64) -> InstanceId {
+    pub(super) fn circle_2d(&mut self, radius: f64) -> InstanceId {
         let centre = self.point_2d(DVec2::ZERO);
         let x = self.add("DIRECTION('',(1.,0.))");
         let place = self.add(format_args!("AXIS2_PLACEMENT_2D('',{centre},{x})"));
         self.add(format_args!("CIRCLE('',{place},{})", real(radius)))
     }
 
-    pub fn edge_loop(&mut self, boundary: &[OrientedEdge]) -> InstanceId {
+    pub(super) fn edge_loop(&mut self, boundary: &[OrientedEdge]) -> InstanceId {
         let boundary: Vec<InstanceId> = boundary
             .iter()
             .map(|edge| {
@@ -217,7 +217,7 @@ impl DataSection {
     }
 
     /// A face, the outer loop first; `same` when the surface's normal leads out of the body.
-    pub fn face(
+    pub(super) fn face(
         &mut self,
         role: FaceRole,
         loops: &[Vec<OrientedEdge>],
@@ -239,7 +239,7 @@ impl DataSection {
     }
 
     /// A plane face with this normal, out of the body.
-    pub fn plane_face(
+    pub(super) fn plane_face(
         &mut self,
         role: FaceRole,
         loops: &[Vec<OrientedEdge>],
@@ -253,13 +253,13 @@ impl DataSection {
     }
 
     /// An upright cylinder.
-    pub fn cylinder(&mut self, centre: DVec2, radius: f64) -> InstanceId {
+    pub(super) fn cylinder(&mut self, centre: DVec2, radius: f64) -> InstanceId {
         let place = self.placement(centre.extend(0.0), DVec3::Z, DVec3::X);
         self.add(format_args!("CYLINDRICAL_SURFACE('',{place},{})", real(radius)))
     }
 
     /// An upright cylinder's face from one round edge to another, with a seam; `same`: material is inside.
-    pub fn cylinder_face(
+    pub(super) fn cylinder_face(
         &mut self,
         role: FaceRole,
         [low, high]: [BrepEdge; 2],
@@ -274,7 +274,7 @@ impl DataSection {
     }
 
     /// The face on `surface`, whose normal leads up if `same`, from a point to a closed edge.
-    pub fn fan_face(
+    pub(super) fn fan_face(
         &mut self,
         role: FaceRole,
         middle: BrepVertex,

@@ -11,7 +11,7 @@ const CORNERS: usize = 1440;
 const SIDE: usize = 256;
 
 /// A closed polygon, its corners in order.
-pub type Polygon = Vec<DVec2>;
+pub(super) type Polygon = Vec<DVec2>;
 
 /// The outlines of the panels of `mirror` in X and Y, counter-clockwise, each with its hole if it has one.
 #[must_use]

@@ -7,7 +7,7 @@ use crate::geom::{DVec2, turn};
 const STRAIGHT: f64 = 2e-5;
 
 /// One side of a strip: where it meets the row below and the row above.
-pub type StripSide = [f64; 2];
+pub(super) type StripSide = [f64; 2];
 
 /// LatticeRows and the strips between them.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub(super) struct LatticeRows {
 impl LatticeRows {
     /// Where the rows of `panels` lie, `pitch` apart or closer, and the strips between them. Corners a hair off a
     /// row are put on it.
-    pub fn new(panels: &mut [Vec<Polygon>], pitch: f64) -> Self {
+    pub(super) fn new(panels: &mut [Vec<Polygon>], pitch: f64) -> Self {
         let hair = 0.02 * pitch;
         let points = || panels.iter().flatten().flatten();
         let [lo, hi] =
@@ -48,7 +48,7 @@ impl LatticeRows {
     }
 
     /// Where the sides of strips meet a row.
-    pub fn fixed(&self, k: usize) -> Vec<f64> {
+    pub(super) fn fixed(&self, k: usize) -> Vec<f64> {
         let above = self.strips.get(k).into_iter().flatten().flatten().map(|side| side[0]);
         let below = k.checked_sub(1).map(|k| &self.strips[k]);
         let below = below.into_iter().flatten().flatten().map(|side| side[1]);
@@ -59,7 +59,7 @@ impl LatticeRows {
     }
 
     /// The places of one row: where sides of strips meet it, and between them `along_mm` apart.
-    pub fn places(&self, k: usize, along_mm: f64) -> Vec<f64> {
+    pub(super) fn places(&self, k: usize, along_mm: f64) -> Vec<f64> {
         let fixed = self.fixed(k);
         let mut all = Vec::new();
         for pair in fixed.windows(2) {

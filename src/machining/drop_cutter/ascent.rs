@@ -23,7 +23,7 @@ type Ascended = Option<(Contact, Option<PanelPoint>)>;
 
 impl DropCutter<'_> {
     /// The contact next to `seed` of a ball over `c`; none out of its reach.
-    pub fn ascend(&self, c: DVec2, seed: &Seed) -> Option<Contact> {
+    pub(crate) fn ascend(&self, c: DVec2, seed: &Seed) -> Option<Contact> {
         let Seed { mut point, reflected } = *seed;
         let own = flipped(c.extend(0.0), reflected).truncate();
         let mut found = None;

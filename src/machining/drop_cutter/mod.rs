@@ -74,7 +74,7 @@ pub(super) struct DropCutter<'a> {
 
 impl<'a> DropCutter<'a> {
     /// A grid of `size` nodes, `step` apart from `first` on, over `mirror`.
-    pub fn new(
+    pub(super) fn new(
         mirror: &'a Mirror,
         ball_mm: f64,
         step: f64,
@@ -129,7 +129,7 @@ impl<'a> DropCutter<'a> {
     }
 
     /// The least Z of a ball's centre over `c` that clears the nodes of the grid.
-    pub fn height_over_nodes(&self, c: DVec2) -> f64 {
+    pub(super) fn height_over_nodes(&self, c: DVec2) -> f64 {
         let [columns, rows] = self.window(c);
         let mut line = vec![0.0; columns.1];
         let mut most = f64::NEG_INFINITY;
@@ -141,7 +141,7 @@ impl<'a> DropCutter<'a> {
     }
 
     /// The nodes next to contacts under a ball over `c`, with the centre's height on them, the highest first.
-    pub fn seeds(&self, c: DVec2) -> Vec<(f64, Seed)> {
+    pub(super) fn seeds(&self, c: DVec2) -> Vec<(f64, Seed)> {
         let [columns, rows] = self.window(c);
         let width = columns.1 + 2;
         let mut values = vec![f64::NEG_INFINITY; width * (rows.1 + 2)];
@@ -198,7 +198,7 @@ impl<'a> DropCutter<'a> {
     }
 
     /// The contacts under a ball over `c`, the highest first.
-    pub fn contacts(&self, c: DVec2) -> Vec<Contact> {
+    pub(super) fn contacts(&self, c: DVec2) -> Vec<Contact> {
         let seeds = self.seeds(c);
         let ascended =
             seeds.iter().take(MOST_CONTACTS).filter_map(|(_, seed)| self.ascend(c, seed));
@@ -215,7 +215,7 @@ impl<'a> DropCutter<'a> {
     }
 
     /// The mirror's point over `xy` where that is on the face.
-    pub fn surface_over(&self, xy: DVec2) -> Option<LocalSurface> {
+    pub(super) fn surface_over(&self, xy: DVec2) -> Option<LocalSurface> {
         surface_on_face(self.mirror, xy)
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct RimEdge {
 
 impl RimEdge {
     /// The edges of `outline`, in steps of at most `step` mm: sides in their order counter-clockwise.
-    pub fn all(outline: &Outline, step: f64) -> Vec<Self> {
+    pub(super) fn all(outline: &Outline, step: f64) -> Vec<Self> {
         let steps = |length: f64| (length / step).ceil().max(LEAST_STEPS) as usize;
         match *outline {
             Outline::Rect(Rect { min, max }) => {
@@ -45,7 +45,7 @@ impl RimEdge {
     }
 
     /// The place of the chart `t` steps along the edge.
-    pub fn at(&self, t: f64) -> DVec2 {
+    pub(super) fn at(&self, t: f64) -> DVec2 {
         let share = t / self.steps as f64;
         match self.course {
             Course::Line(from, to) => from.lerp(to, share),
@@ -53,12 +53,12 @@ impl RimEdge {
         }
     }
 
-    pub fn is_closed(&self) -> bool {
+    pub(super) fn is_closed(&self) -> bool {
         matches!(self.course, Course::Circle(_))
     }
 
     /// The place of the edge nearest to `q`, in steps, and its distance, mm.
-    pub fn nearest(&self, q: DVec2) -> (f64, f64) {
+    pub(super) fn nearest(&self, q: DVec2) -> (f64, f64) {
         let (share, off) = match self.course {
             Course::Line(from, to) => {
                 let way = to - from;

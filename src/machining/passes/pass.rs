@@ -21,7 +21,7 @@ pub(super) struct Pass {
 
 impl Pass {
     /// Lowest Z of the balls over `xy`; none where none comes there.
-    pub fn height(&self, xy: DVec2, ball: f64) -> Option<f64> {
+    pub(super) fn height(&self, xy: DVec2, ball: f64) -> Option<f64> {
         let (k, lowest) = self.lowest_node(xy, ball)?;
         let last = self.centres.len() - 1;
         // Newton's method between the neighbours of the lowest point.

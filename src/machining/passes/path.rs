@@ -22,7 +22,7 @@ impl Line<'_> {
     ///
     /// # Errors
     /// [`MachiningError::Lost`] when the line leaves the mirror.
-    pub fn passes(&self, step: f64) -> Result<Vec<Pass>, MachiningError> {
+    pub(super) fn passes(&self, step: f64) -> Result<Vec<Pass>, MachiningError> {
         let mut passes = Vec::new();
         for [lo, hi] in self.stretches() {
             // A ridge is where one panel ends and the other begins; a hair off it tells which.

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 
 /// Region bounds and mirror bounds of one panel.
 #[derive(Debug, Clone)]
-pub enum BoundTable {
+pub(crate) enum BoundTable {
     /// Over boxes on a grid.
     Grid {
         /// Bounds of the mirror.
@@ -39,7 +39,7 @@ pub enum BoundTable {
 
 /// A facet, or a part of one, in the coordinates in which it is bounded.
 #[derive(Debug)]
-pub struct FacetFrame {
+pub(crate) struct FacetFrame {
     /// Rotation about the axis that brought it there, as cosine and sine.
     pub turn: DVec2,
     /// The turned triangle.
@@ -53,7 +53,7 @@ pub struct FacetFrame {
 impl FacetFrame {
     /// Whether the content bounds of `region` hold for a facet with this gradient of h.
     #[inline]
-    pub fn is_covered(&self, region: &RegionBounds, gradient: DVec2) -> bool {
+    pub(crate) fn is_covered(&self, region: &RegionBounds, gradient: DVec2) -> bool {
         let g = self.turn.rotate(gradient);
         let [cos, sin] = self.angle;
         // All gradients that turning by up to the angle makes of it.
@@ -65,7 +65,7 @@ impl FacetFrame {
 
 impl BoundTable {
     /// The table for the part `part` of the panel.
-    pub fn new(problem: &ImagingProblem, part: Rect) -> Self {
+    pub(crate) fn new(problem: &ImagingProblem, part: Rect) -> Self {
         if let Some(round) = axisymmetric_surface(problem) {
             let width = round.radius[1] / TUNING.axis_columns as f64;
             let regions = vec![OnceLock::new(); TUNING.levels * (TUNING.axis_columns + 1)];
@@ -87,7 +87,7 @@ impl BoundTable {
 
     /// The triangle with the given corners in the coordinates in which it is bounded.
     #[inline]
-    pub fn frame(&self, corners: [DVec2; 3]) -> FacetFrame {
+    pub(crate) fn frame(&self, corners: [DVec2; 3]) -> FacetFrame {
         let Self::Axis { .. } = self else {
             let triangle = Triangle::new(corners);
             return FacetFrame { turn: DVec2::X, triangle, farthest: 0.0, angle: [1.0, 0.0] };
@@ -111,7 +111,7 @@ impl BoundTable {
 
     /// Distance around a triangle for which its bounds hold, mm.
     #[inline]
-    pub fn margin(&self) -> f64 {
+    pub(crate) fn margin(&self) -> f64 {
         match self {
             Self::Grid { margin, .. } => *margin,
             Self::Axis { width, .. } => TUNING.table_margin * TUNING.axis_columns as f64 * width,
@@ -119,14 +119,14 @@ impl BoundTable {
     }
 
     /// Whether the table is along an axis: second derivatives in it are closer than those over the box of one facet.
-    pub fn is_axial(&self) -> bool {
+    pub(crate) fn is_axial(&self) -> bool {
         matches!(self, Self::Axis { .. })
     }
 
     /// The bounds for a triangle that is (a part of) a facet of the given diameter (mm), and for places around it up to
     /// `beside` mm beyond the margin.
     #[inline]
-    pub fn region(
+    pub(crate) fn region(
         &self,
         problem: &ImagingProblem,
         frame: &FacetFrame,
@@ -158,7 +158,7 @@ impl BoundTable {
     }
 
     /// Bounds of the mirror in a box of the coordinates in which triangles are bounded.
-    pub fn mirror_bounds(&self, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
+    pub(crate) fn mirror_bounds(&self, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
         match self {
             Self::Grid { bounds, .. } => bounds.over(lo, hi),
             Self::Axis { rings, .. } => rings.bounds(lo, hi),

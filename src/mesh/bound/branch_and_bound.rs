@@ -23,7 +23,7 @@ struct FacetPart {
 
 /// The largest error of one kind on a facet, from both sides, mm.
 #[derive(Debug, Clone, Copy)]
-pub struct Enclosure {
+pub(crate) struct Enclosure {
     /// Upper bound of the error.
     pub bound: f64,
     /// An error that the facet has somewhere.

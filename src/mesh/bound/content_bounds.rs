@@ -4,11 +4,11 @@ use crate::geom::DVec2;
 use crate::num::{Interval, Jet2};
 
 /// Value, gradient and Hessian of a function over a box, each an interval.
-pub type IntervalJet = Jet2<Interval>;
+pub(crate) type IntervalJet = Jet2<Interval>;
 
 /// Bounds of the content over a box: c of the mirror, and c_T of facets.
 #[derive(Debug, Clone, Copy)]
-pub struct ContentBounds {
+pub(crate) struct ContentBounds {
     /// Content c of the mirror, mm.
     pub mirror: [IntervalJet; 2],
     /// Content c_T of a facet, mm.
@@ -17,40 +17,40 @@ pub struct ContentBounds {
 
 impl ContentBounds {
     /// |c''| + |c_T''| (xx, xy, yy), 1/mm.
-    pub fn second(&self) -> [f64; 3] {
+    pub(crate) fn second(&self) -> [f64; 3] {
         let (mirror, facet) = (second_derivatives(&self.mirror), second_derivatives(&self.facet));
         std::array::from_fn(|k| mirror[k] + facet[k])
     }
 
     /// |c'|.
-    pub fn first(&self) -> f64 {
+    pub(crate) fn first(&self) -> f64 {
         norm(self.mirror.iter().flat_map(|jet| jet.gradient).map(Interval::magnitude))
     }
 
     /// |c_T - c| from the ranges of both, mm.
-    pub fn difference(&self) -> f64 {
+    pub(crate) fn difference(&self) -> f64 {
         norm((0..2).map(|k| (self.facet[k].value - self.mirror[k].value).magnitude()))
     }
 
     /// Whether the mirror's content has a finite range.
-    pub fn is_bounded(&self) -> bool {
+    pub(crate) fn is_bounded(&self) -> bool {
         self.mirror.iter().all(|jet| jet.value.is_finite())
     }
 }
 
 /// Norms of the second derivatives (xx, xy, yy) of a content, 1/mm.
-pub fn second_derivatives(jets: &[IntervalJet; 2]) -> [f64; 3] {
+pub(crate) fn second_derivatives(jets: &[IntervalJet; 2]) -> [f64; 3] {
     std::array::from_fn(|k| norm(jets.iter().map(|jet| jet.hessian[k].magnitude())))
 }
 
 /// The Euclidean norm of the given components.
-pub fn norm(components: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn norm(components: impl Iterator<Item = f64>) -> f64 {
     components.map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Ranges of the planes of facets over a box of the chart: Z - plane = a + p . (X, Y).
 #[derive(Debug, Clone, Copy)]
-pub struct FacetPlanes {
+pub(crate) struct FacetPlanes {
     /// Range of h, mm.
     pub h: Interval,
     /// Ranges of the gradient of h, which is linear in q.
@@ -61,19 +61,24 @@ pub struct FacetPlanes {
 
 impl FacetPlanes {
     /// The planes whose gradient of h is in `gradient`, in a chart of vergence `k`, over the box `q`.
-    pub fn of_gradient(k: f64, q: [Interval; 2], h: Interval, gradient: [Interval; 2]) -> Self {
+    pub(crate) fn of_gradient(
+        k: f64,
+        q: [Interval; 2],
+        h: Interval,
+        gradient: [Interval; 2],
+    ) -> Self {
         let base = h - (q[0] * gradient[0] + q[1] * gradient[1]);
         Self { h, gradient, slope: gradient.map(|g| g / (base * k + 1.0)) }
     }
 
     /// The planes whose slope is in `slope`, in a chart of vergence `k`, over the box `q`.
-    pub fn of_slope(k: f64, q: [Interval; 2], h: Interval, slope: [Interval; 2]) -> Self {
+    pub(crate) fn of_slope(k: f64, q: [Interval; 2], h: Interval, slope: [Interval; 2]) -> Self {
         let lean = (q[0] * slope[0] + q[1] * slope[1]) * k + 1.0;
         Self { h, gradient: slope.map(|p| p * (h * k + 1.0) / lean), slope }
     }
 }
 
 /// The ranges of x and y in the box from `lo` to `hi`.
-pub fn ranges([lo, hi]: [DVec2; 2]) -> [Interval; 2] {
+pub(crate) fn ranges([lo, hi]: [DVec2; 2]) -> [Interval; 2] {
     [Interval::new(lo.x, hi.x), Interval::new(lo.y, hi.y)]
 }

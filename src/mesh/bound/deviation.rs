@@ -25,7 +25,7 @@ use crate::num::Interval;
 
 /// Edges, bounding box and diameter of a triangle in the chart.
 #[derive(Debug, Clone, Copy)]
-pub struct Triangle {
+pub(crate) struct Triangle {
     /// From corner 0 to 1, 1 to 2 and 2 to 0, mm.
     pub edges: [DVec2; 3],
     /// Opposite corners of its bounding box, mm.
@@ -37,7 +37,7 @@ pub struct Triangle {
 impl Triangle {
     /// The triangle with the given corners, mm.
     #[inline]
-    pub fn new([a, b, c]: [DVec2; 3]) -> Self {
+    pub(crate) fn new([a, b, c]: [DVec2; 3]) -> Self {
         let edges = [b - a, c - b, a - c];
         let longest = edges.map(DVec2::length_squared).into_iter().fold(0.0, f64::max);
         Self { edges, bounding_box: [a.min(b).min(c), a.max(b).max(c)], diameter: longest.sqrt() }
@@ -45,7 +45,7 @@ impl Triangle {
 
     /// Second derivatives d_ij' H d_ij along the edges, from the gradients `g` at the corners.
     #[inline]
-    pub fn edge_curvatures(&self, g: [DVec2; 3]) -> [f64; 3] {
+    pub(crate) fn edge_curvatures(&self, g: [DVec2; 3]) -> [f64; 3] {
         let [ab, bc, ca] = self.edges;
         [(g[1] - g[0]).dot(ab), (g[2] - g[1]).dot(bc), (g[0] - g[2]).dot(ca)]
     }
@@ -53,7 +53,7 @@ impl Triangle {
     /// Bound of the deviation of a function from its interpolation, when its second derivatives (xx, xy, yy) are at
     /// most these in size (T47).
     #[inline]
-    pub fn interpolation_error(&self, [xx, xy, yy]: [f64; 3]) -> f64 {
+    pub(crate) fn interpolation_error(&self, [xx, xy, yy]: [f64; 3]) -> f64 {
         let size = self.bounding_box[1] - self.bounding_box[0];
         let boxed = (xx * size.x + 2.0 * xy * size.y) * size.x + yy * size.y * size.y;
         let all = (xx * xx + 2.0 * xy * xy + yy * yy).sqrt() * self.diameter * self.diameter;
@@ -63,7 +63,7 @@ impl Triangle {
     /// Bound of what values and gradients at the corners leave out of a function with third derivatives
     /// (xxx, xxy, xyy, yyy) in `third`.
     #[inline]
-    pub fn cubic_remainder(&self, third: [Interval; 4]) -> f64 {
+    pub(crate) fn cubic_remainder(&self, third: [Interval; 4]) -> f64 {
         let mean = third.map(|t| 0.5 * (t.lo + t.hi));
         let slack = third.map(|t| 0.5 * (t.hi - t.lo));
         let along = |u: DVec2, v: DVec2| {
@@ -93,7 +93,7 @@ impl Triangle {
 /// Largest |1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle (T46), or a little more where rounding hides
 /// it.
 #[inline]
-pub fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
+pub(crate) fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
     let [a, b, c] = [h01.abs(), h12.abs(), h20.abs()];
     let longest = a.max(b).max(c);
     let edges = longest / 8.0;
@@ -113,7 +113,7 @@ pub fn largest_deviation(h01: f64, h12: f64, h20: f64) -> f64 {
 
 /// Largest |sum of l_i e_i - 1/2 (l0 l1 h01 + l1 l2 h12 + l2 l0 h20)| over the triangle, exactly, and the barycentric
 /// coordinates where it is attained.
-pub fn largest_quadratic(e: [f64; 3], h: [f64; 3]) -> (f64, [f64; 3]) {
+pub(crate) fn largest_quadratic(e: [f64; 3], h: [f64; 3]) -> (f64, [f64; 3]) {
     let value = |l: [f64; 3]| {
         let bend = l[0] * l[1] * h[0] + l[1] * l[2] * h[1] + l[2] * l[0] * h[2];
         (e[0] * l[0] + e[1] * l[1] + e[2] * l[2] - 0.5 * bend).abs()

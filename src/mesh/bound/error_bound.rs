@@ -58,7 +58,7 @@ impl Limits {
 
 /// The two errors that have limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErrorKind {
+pub(crate) enum ErrorKind {
     /// The chord error.
     Chord,
     /// The facet error.
@@ -67,10 +67,10 @@ pub enum ErrorKind {
 
 impl ErrorKind {
     /// Both kinds, in the order of arrays of attained errors.
-    pub const ALL: [Self; 2] = [Self::Chord, Self::Facet];
+    pub(crate) const ALL: [Self; 2] = [Self::Chord, Self::Facet];
 
     /// The bound of this kind of error, mm.
-    pub fn of(self, bound: &ErrorBound) -> f64 {
+    pub(crate) fn of(self, bound: &ErrorBound) -> f64 {
         match self {
             Self::Chord => bound.chord_mm,
             Self::Facet => bound.facet_mm,
@@ -78,7 +78,7 @@ impl ErrorKind {
     }
 
     /// Sets the bound of this kind of error to `to` mm.
-    pub fn set(self, bound: &mut ErrorBound, to: f64) {
+    pub(crate) fn set(self, bound: &mut ErrorBound, to: f64) {
         match self {
             Self::Chord => bound.chord_mm = to,
             Self::Facet => bound.facet_mm = to,
@@ -86,7 +86,7 @@ impl ErrorKind {
     }
 
     /// The limit of this kind of error, mm.
-    pub fn limit(self, limits: &Limits) -> Option<f64> {
+    pub(crate) fn limit(self, limits: &Limits) -> Option<f64> {
         match self {
             Self::Chord => limits.chord_mm,
             Self::Facet => limits.facet_mm,
@@ -94,7 +94,7 @@ impl ErrorKind {
     }
 
     /// The element of this kind in an array of chord and facet error.
-    pub fn of_both(self, both: [f64; 2]) -> f64 {
+    pub(crate) fn of_both(self, both: [f64; 2]) -> f64 {
         both[self as usize]
     }
 }

@@ -14,7 +14,7 @@ use crate::optics::ImagingTask;
 
 /// A point of a facet with the errors there.
 #[derive(Debug, Clone, Copy)]
-pub struct FacetPoint {
+pub(crate) struct FacetPoint {
     /// Barycentric coordinates.
     weights: [f64; 3],
     /// Coordinates in the chart, mm.
@@ -32,7 +32,7 @@ pub struct FacetPoint {
 }
 
 /// One facet whose parts are bounded for one kind of error, with all that the parts have in common.
-pub struct FacetParts<'a> {
+pub(crate) struct FacetParts<'a> {
     bounder: &'a ErrorBounder<'a>,
     kind: ErrorKind,
     view: Option<&'a ImagingTask>,
@@ -49,7 +49,11 @@ pub struct FacetParts<'a> {
 
 impl<'a> FacetParts<'a> {
     /// The facet of the vertices `t`, whose errors of the given kind are asked for.
-    pub fn new(bounder: &'a ErrorBounder<'a>, t: [&SurfaceVertex; 3], kind: ErrorKind) -> Self {
+    pub(crate) fn new(
+        bounder: &'a ErrorBounder<'a>,
+        t: [&SurfaceVertex; 3],
+        kind: ErrorKind,
+    ) -> Self {
         let facets = FacetPair::new(t, bounder.precision);
         let chart = &bounder.problem.mirror.chart;
         let h = facets.heights(t, chart);
@@ -71,12 +75,12 @@ impl<'a> FacetParts<'a> {
     }
 
     /// The corner of the facet at vertex `v`.
-    pub fn corner(&self, weights: [f64; 3], v: &SurfaceVertex) -> FacetPoint {
+    pub(crate) fn corner(&self, weights: [f64; 3], v: &SurfaceVertex) -> FacetPoint {
         self.point(weights, v.q, [v.h, v.gradient.x, v.gradient.y], v.content)
     }
 
     /// The midpoint of two points.
-    pub fn midpoint(&self, a: &FacetPoint, b: &FacetPoint) -> FacetPoint {
+    pub(crate) fn midpoint(&self, a: &FacetPoint, b: &FacetPoint) -> FacetPoint {
         let weights = std::array::from_fn(|i| 0.5 * (a.weights[i] + b.weights[i]));
         self.at(weights)
     }
@@ -143,7 +147,7 @@ impl<'a> FacetParts<'a> {
     }
 
     /// Bound of the error over the part with the given corners, mm; `attained` is raised to what the part attains.
-    pub fn bound(&self, corners: &[FacetPoint; 3], attained: &mut f64) -> f64 {
+    pub(crate) fn bound(&self, corners: &[FacetPoint; 3], attained: &mut f64) -> f64 {
         let frame = self.bounder.table.frame(corners.map(|c| c.q));
         match self.kind {
             ErrorKind::Chord => self.chord_bound(corners, &frame, attained),

@@ -8,7 +8,7 @@ use crate::num::{Interval, max_or_nan};
 
 /// A flat facet in the part frame.
 #[derive(Debug, Clone, Copy)]
-pub struct FlatFacet {
+pub(crate) struct FlatFacet {
     /// Corners, mm.
     pub corners: [DVec3; 3],
     /// Slope (Z_X, Z_Y) of its plane.
@@ -25,7 +25,7 @@ impl FlatFacet {
     }
 
     /// h of the facet's plane, in `chart`, on the ray of `q` near its corner `i`, mm.
-    pub fn height_on_ray(&self, chart: &Chart, i: usize, q: DVec2) -> f64 {
+    pub(crate) fn height_on_ray(&self, chart: &Chart, i: usize, q: DVec2) -> f64 {
         let (at, p) = (self.corners[i].truncate(), self.slope);
         let up = self.corners[i].z - chart.plane_mm;
         (up + p.dot(q - at)) / (1.0 - chart.vergence * (up - p.dot(at)))
@@ -34,7 +34,7 @@ impl FlatFacet {
 
 /// The facet through the exact vertices and, where the file is single precision, the one through their roundings.
 #[derive(Debug, Clone, Copy)]
-pub struct FacetPair {
+pub(crate) struct FacetPair {
     /// The facet through the exact vertices.
     pub exact: FlatFacet,
     /// The facet through the rounded vertices.
@@ -44,7 +44,7 @@ pub struct FacetPair {
 impl FacetPair {
     /// The facets of the vertices `t` in a file of `precision`.
     #[inline]
-    pub fn new(t: [&SurfaceVertex; 3], precision: Precision) -> Self {
+    pub(crate) fn new(t: [&SurfaceVertex; 3], precision: Precision) -> Self {
         let corners = t.map(|v| v.at);
         let rounded = (precision == Precision::Single).then(|| {
             let rounded = corners.map(|p| p.as_vec3().as_dvec3());
@@ -56,7 +56,7 @@ impl FacetPair {
 
     /// h of the planes of the exact and the rounded facet, in `chart`, on the rays of the vertices `t`, mm.
     #[inline]
-    pub fn heights(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> [[f64; 3]; 2] {
+    pub(crate) fn heights(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> [[f64; 3]; 2] {
         let exact = t.map(|v| v.h);
         let rounded = self.rounded.as_ref().map_or(exact, |rounded| {
             std::array::from_fn(|i| rounded.height_on_ray(chart, i, t[i].q))
@@ -66,7 +66,7 @@ impl FacetPair {
 
     /// The gradients of h of the exact facet and of the rounded one, in `chart`.
     #[inline]
-    pub fn gradients(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> [DVec2; 2] {
+    pub(crate) fn gradients(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> [DVec2; 2] {
         let q = t.map(|v| v.q);
         self.heights(t, chart).map(|h| gradient_of(q, h))
     }
@@ -74,7 +74,7 @@ impl FacetPair {
     /// Distance by which rounding moves a corner in `chart`, at most, mm: q = (1 + k h) (X, Y) has the differential
     /// (1 + k h) (d(X, Y) + k q dZ).
     #[inline]
-    pub fn corner_shift(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> f64 {
+    pub(crate) fn corner_shift(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> f64 {
         let Some(rounded) = &self.rounded else { return 0.0 };
         let k = chart.vergence;
         let shift = |(v, corner): (&&SurfaceVertex, &DVec3)| {
@@ -86,7 +86,7 @@ impl FacetPair {
 
     /// Distance by which rounding moves the facet along the rays of `chart`, at most, mm.
     #[inline]
-    pub fn chord_by_rounding(
+    pub(crate) fn chord_by_rounding(
         &self,
         t: [&SurfaceVertex; 3],
         (triangle, region): (&Triangle, &RegionBounds),
@@ -121,13 +121,13 @@ impl FacetPair {
 
 /// The gradient of the function that is linear and has the values `h` at the corners `q`.
 #[inline]
-pub fn gradient_of(q: [DVec2; 3], h: [f64; 3]) -> DVec2 {
+pub(crate) fn gradient_of(q: [DVec2; 3], h: [f64; 3]) -> DVec2 {
     let [ab, ac] = [q[1] - q[0], q[2] - q[0]];
     (ab.perp() * (h[2] - h[0]) - ac.perp() * (h[1] - h[0])) / ab.perp_dot(ac)
 }
 
 /// A bound of a third derivative along any directions of unit length.
-pub fn third_derivative_norm(third: [Interval; 4]) -> f64 {
+pub(crate) fn third_derivative_norm(third: [Interval; 4]) -> f64 {
     let [xxx, xxy, xyy, yyy] = third.map(Interval::magnitude);
     (xxx * xxx + 3.0 * (xxy * xxy + xyy * xyy) + yyy * yyy).sqrt()
 }

@@ -21,7 +21,7 @@ const EVALUATION_ERROR: f64 = 1e-11;
 
 /// A mirror, the camera that looks at it, and what its image must show.
 #[derive(Debug, Clone, Copy)]
-pub struct ImagingProblem<'a> {
+pub(crate) struct ImagingProblem<'a> {
     /// The mirror.
     pub mirror: &'a Mirror,
     /// The camera's chart: the mirror's own, or any where the mirror's is that of parallel rays.
@@ -32,19 +32,19 @@ pub struct ImagingProblem<'a> {
 
 impl ImagingProblem<'_> {
     /// Whether only directions count, so that all places of a facet show the same: parallel rays in, far targets out.
-    pub fn is_direction_only(&self) -> bool {
+    pub(crate) fn is_direction_only(&self) -> bool {
         let parallel = self.camera.vergence == 0.0 && self.mirror.chart.vergence == 0.0;
         parallel && self.view.is_none_or(|view| view.target == Target::Infinity)
     }
 
     /// Number of cells to the side of one cell of the mirror's bound grid.
-    pub fn cells_per_grid_cell(&self) -> usize {
+    pub(crate) fn cells_per_grid_cell(&self) -> usize {
         if self.is_direction_only() { 1 } else { TUNING.cells_per_grid_cell }
     }
 
     /// Bounds over the box `lo`..`hi`, where `bounds` hold for the mirror, and for facets that touch it and lie where
     /// `around` holds, or inside the box without that.
-    pub fn region_bounds(
+    pub(crate) fn region_bounds(
         &self,
         [lo, hi]: [DVec2; 2],
         bounds: &DerivativeBounds,
@@ -140,7 +140,11 @@ impl ImagingProblem<'_> {
 
     /// Bounds of the mirror's derivatives over a part of a region where `bounds` hold, by Taylor's theorem about its
     /// middle.
-    pub fn narrowed(&self, bounds: &DerivativeBounds, [lo, hi]: [DVec2; 2]) -> DerivativeBounds {
+    pub(crate) fn narrowed(
+        &self,
+        bounds: &DerivativeBounds,
+        [lo, hi]: [DVec2; 2],
+    ) -> DerivativeBounds {
         let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
         if !self.expands_about_middle([lo, hi]) {
             return self.mirror.surface.box_bounds(lo, hi).unwrap_or(*bounds);
@@ -175,7 +179,7 @@ impl ImagingProblem<'_> {
     }
 
     /// Bounds of the content over a box where `bounds` hold; without planes the content of facets does not vary.
-    pub fn content_bounds(
+    pub(crate) fn content_bounds(
         &self,
         view: &ImagingTask,
         [lo, hi]: [DVec2; 2],
@@ -202,7 +206,7 @@ impl ImagingProblem<'_> {
     }
 
     /// Bounds of the content c_T of facets with the given planes over a box.
-    pub fn facet_content(
+    pub(crate) fn facet_content(
         &self,
         view: &ImagingTask,
         part: [DVec2; 2],
@@ -249,7 +253,7 @@ impl ImagingProblem<'_> {
 }
 
 /// Whether a box has nothing of the outline, nor of what the chords of a rim cut off.
-pub fn is_outside(outline: &Outline, [lo, hi]: [DVec2; 2]) -> bool {
+pub(crate) fn is_outside(outline: &Outline, [lo, hi]: [DVec2; 2]) -> bool {
     let Outline::Ring { inner, outer } = *outline else { return false };
     let nearest = DVec2::ZERO.clamp(lo, hi).length();
     let farthest = lo.abs().max(hi.abs()).length();

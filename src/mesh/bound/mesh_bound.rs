@@ -11,7 +11,7 @@ use crate::parallel;
 const CHUNK: usize = 32;
 
 /// A mesh whose facets are bounded one by one.
-pub struct MeshBound<'a> {
+pub(crate) struct MeshBound<'a> {
     /// The bounder of its facets.
     pub bounder: &'a ErrorBounder<'a>,
     /// Its vertices.
@@ -24,7 +24,12 @@ impl<'a> MeshBound<'a> {
     /// Bounds over all facets, within `limits`, from the bounds of each: they exceed attained errors by some per cent,
     /// as far as division of facets can bring them there. Facets that are likely to have the largest errors are
     /// `largest`.
-    pub fn bound(&self, bounds: &[ErrorBound], largest: &[u32], limits: &Limits) -> ErrorBound {
+    pub(crate) fn bound(
+        &self,
+        bounds: &[ErrorBound],
+        largest: &[u32],
+        limits: &Limits,
+    ) -> ErrorBound {
         let mut bound = bounds.iter().copied().fold(ErrorBound::default(), ErrorBound::max);
         // Mostly the bound is near what one of these attains.
         let attained = parallel::map_slice(largest, CHUNK, |&t| {

@@ -6,17 +6,17 @@
 //! `mesh_bound` does so for a whole mesh, and `vertex_snapping` puts vertices where rounding hardly moves them off the
 //! mirror.
 
-pub mod bound_table;
-pub mod branch_and_bound;
-pub mod content_bounds;
-pub mod deviation;
-pub mod error_bound;
-pub mod error_bounder;
-pub mod facet_parts;
-pub mod flat_facet;
-pub mod imaging_problem;
-pub mod mesh_bound;
-pub mod region;
-pub mod tuning;
-pub mod vertex;
-pub mod vertex_snapping;
+pub(super) mod bound_table;
+pub(super) mod branch_and_bound;
+pub(super) mod content_bounds;
+pub(super) mod deviation;
+pub(super) mod error_bound;
+pub(super) mod error_bounder;
+pub(super) mod facet_parts;
+pub(super) mod flat_facet;
+pub(super) mod imaging_problem;
+pub(super) mod mesh_bound;
+pub(super) mod region;
+pub(super) mod tuning;
+pub(super) mod vertex;
+pub(super) mod vertex_snapping;

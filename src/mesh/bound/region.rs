@@ -6,7 +6,7 @@ use crate::num::{Interval, Scalar};
 
 /// Bounds of derivatives of mirror and content that hold all over a region.
 #[derive(Debug, Clone, Copy)]
-pub struct RegionBounds {
+pub(crate) struct RegionBounds {
     /// Third derivatives of h (xxx, xxy, xyy, yyy), 1/mm^2.
     pub h_third: [Interval; 4],
     /// mm along the camera's ray per mm of h, at most.
@@ -28,7 +28,7 @@ pub struct RegionBounds {
 
 impl RegionBounds {
     /// The bounds over a region without a mirror.
-    pub const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         h_third: [Interval { lo: f64::INFINITY, hi: f64::NEG_INFINITY }; 4],
         ray_per_h: 0.0,
         content_second: [0.0; 3],
@@ -42,7 +42,7 @@ impl RegionBounds {
     /// The bounds of a round mirror when a region of the X axis, where these hold, is turned about the axis by any
     /// angle whose cosine is at least `cos` and whose sine is at most `sin` in size.
     #[must_use]
-    pub fn turned(&self, [cos, sin]: [f64; 2]) -> Self {
+    pub(crate) fn turned(&self, [cos, sin]: [f64; 2]) -> Self {
         let (c, s) = (Interval::new(cos, 1.0), Interval::new(-sin, sin));
         let (cc, ss) = (c.square(), s.square());
         // On the axis the other two vanish, as h is even in y.

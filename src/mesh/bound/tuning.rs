@@ -4,7 +4,7 @@
 //! field names no measurement, it was chosen by trial on the surfaces of `benches/mesh.rs`.
 
 /// Constants that tune the tightness and the cost of bounds.
-pub struct BoundTuning {
+pub(crate) struct BoundTuning {
     /// Parts of the radius of a round mirror in its bound table: bounds over a part lose some per cent only, and a
     /// table that is filled as it is asked for costs some milliseconds.
     pub axis_columns: usize,
@@ -76,7 +76,7 @@ pub struct BoundTuning {
 }
 
 /// The constants in use.
-pub const TUNING: BoundTuning = BoundTuning {
+pub(crate) const TUNING: BoundTuning = BoundTuning {
     axis_columns: 192,
     finest_level: 0.125,
     levels: 13,

@@ -16,7 +16,7 @@ const ON_ARC: f64 = 1e-6;
 
 /// Share of a rounding error that snapping leaves, as sizes of facets are foreseen: of up to half a `step` of the
 /// digits of Z (mm), where vertices may be moved on a mirror of this `size` (mm) and slope.
-pub fn rounding_left(step: f64, slope: f64, size: f64) -> f64 {
+pub(crate) fn rounding_left(step: f64, slope: f64, size: f64) -> f64 {
     (1.0 - 2.0 * TUNING.snap_farthest * size * slope / step).max(TUNING.least_rounding_left)
 }
 

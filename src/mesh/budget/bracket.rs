@@ -7,7 +7,7 @@ use crate::num::{exp, log};
 /// The power of the limit with which the number of triangles falls, from the last two tries: where rims need most of
 /// the triangles, or a mirror is flat, the number hardly follows the limit.
 #[derive(Debug)]
-pub struct PowerLaw {
+pub(super) struct PowerLaw {
     /// Theory's power, which is the largest.
     theory: f64,
     /// Logarithms of the last limit and its number of triangles.
@@ -16,12 +16,12 @@ pub struct PowerLaw {
 
 impl PowerLaw {
     /// The law with theory's power.
-    pub fn new(theory: f64) -> Self {
+    pub(super) fn new(theory: f64) -> Self {
         Self { theory, last: None }
     }
 
     /// A factor on `limit`, which has `count` triangles, towards `target` triangles.
-    pub fn step(&mut self, limit: f64, count: f64, target: f64) -> f64 {
+    pub(super) fn step(&mut self, limit: f64, count: f64, target: f64) -> f64 {
         if count.is_infinite() {
             return f64::INFINITY;
         }
@@ -35,7 +35,7 @@ impl PowerLaw {
 
 /// Limits (mm) that are too strict and that fit.
 #[derive(Debug)]
-pub struct Bracket {
+pub(super) struct Bracket {
     strictest: f64,
     loosest: f64,
     /// The loosest limit known to be too strict.
@@ -46,17 +46,17 @@ pub struct Bracket {
 
 impl Bracket {
     /// A bracket of which only the ends are known.
-    pub fn new(strictest: f64, loosest: f64) -> Self {
+    pub(super) fn new(strictest: f64, loosest: f64) -> Self {
         Self { strictest, loosest, fails: 0.0, fits: f64::INFINITY }
     }
 
     /// The loosest limit that may be tried, mm.
-    pub fn loosest(&self) -> f64 {
+    pub(super) fn loosest(&self) -> f64 {
         self.loosest
     }
 
     /// The strictest limit known to fit, mm; infinite while there is none.
-    pub fn fits(&self) -> f64 {
+    pub(super) fn fits(&self) -> f64 {
         self.fits
     }
 
@@ -64,7 +64,7 @@ impl Bracket {
     ///
     /// # Errors
     /// The given one, where no looser limit helps.
-    pub fn too_strict(&self, limit: f64, error: MeshError) -> Result<f64, MeshError> {
+    pub(super) fn too_strict(&self, limit: f64, error: MeshError) -> Result<f64, MeshError> {
         match error {
             MeshError::TooMany { .. }
             | MeshError::NotRefinable { .. }
@@ -78,7 +78,7 @@ impl Bracket {
     }
 
     /// Notes that `limit` has `count` triangles, of which `target` are wanted at most.
-    pub fn note(&mut self, limit: f64, count: f64, target: f64) {
+    pub(super) fn note(&mut self, limit: f64, count: f64, target: f64) {
         if count > target {
             self.fails = self.fails.max(limit);
         } else {
@@ -87,13 +87,13 @@ impl Bracket {
     }
 
     /// Whether there is no limit left to try.
-    pub fn is_closed(&self) -> bool {
+    pub(super) fn is_closed(&self) -> bool {
         self.fits <= self.strictest
             || self.fits <= self.fails * (TUNING.grid + TUNING.grid_rounding)
     }
 
     /// The limit to try after `limit`: `wanted`, where that can be.
-    pub fn next(&self, limit: f64, wanted: f64) -> f64 {
+    pub(super) fn next(&self, limit: f64, wanted: f64) -> f64 {
         let next = if wanted > self.fails && wanted < self.fits {
             wanted
         } else if self.fits == f64::INFINITY {
@@ -114,13 +114,13 @@ impl Bracket {
     }
 
     /// The limit on the grid that is nearest to `limit`: the loosest, divided by a power of the grid's ratio.
-    pub fn on_grid(&self, limit: f64) -> f64 {
+    pub(super) fn on_grid(&self, limit: f64) -> f64 {
         let steps = (log(self.loosest / limit) / log(TUNING.grid)).round();
         self.clamp(self.loosest * exp(-steps * log(TUNING.grid)))
     }
 
     /// The limit itself, or the nearest one that may be tried.
-    pub fn clamp(&self, limit: f64) -> f64 {
+    pub(super) fn clamp(&self, limit: f64) -> f64 {
         limit.clamp(self.strictest, self.loosest)
     }
 }

@@ -4,7 +4,7 @@
 //! meshes.
 
 /// Constants that tune the search of a limit for a number of triangles.
-pub struct BudgetTuning {
+pub(super) struct BudgetTuning {
     /// Share of the budget that is aimed at.
     pub target: f64,
     /// Share of the budget that must be used for the search to end.
@@ -53,7 +53,7 @@ pub struct BudgetTuning {
 }
 
 /// The constants in use.
-pub const TUNING: BudgetTuning = BudgetTuning {
+pub(super) const TUNING: BudgetTuning = BudgetTuning {
     target: 0.985,
     enough: 0.97,
     most_forecasts: 80,

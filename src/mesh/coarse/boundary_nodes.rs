@@ -14,7 +14,7 @@ const WHOLE: f64 = 1e-6;
 
 /// The boundary of a meshed part, and its nodes.
 #[derive(Debug, Clone)]
-pub struct BoundaryNodes {
+pub(crate) struct BoundaryNodes {
     domain: Rect,
     outline: Outline,
     /// The arcs, and the nodes on each.
@@ -32,7 +32,7 @@ impl BoundaryNodes {
     ///
     /// # Errors
     /// The beginning of a side along which cells are too small for that.
-    pub fn new(mirror: &Mirror, domain: Rect, frames: &FrameField) -> Result<Self, DVec2> {
+    pub(crate) fn new(mirror: &Mirror, domain: Rect, frames: &FrameField) -> Result<Self, DVec2> {
         let mut nodes = Self {
             domain,
             outline: mirror.outline,
@@ -102,7 +102,7 @@ impl BoundaryNodes {
     }
 
     /// Distance of `q` from the boundary, in cells; positive inside.
-    pub fn depth(&self, q: DVec2, cell: &DMat2) -> f64 {
+    pub(crate) fn depth(&self, q: DVec2, cell: &DMat2) -> f64 {
         let reach = cell_extent(cell);
         let Outline::Ring { inner, outer } = self.outline else {
             return ((q - self.domain.min).min(self.domain.max - q) / reach).min_element();
@@ -118,13 +118,13 @@ impl BoundaryNodes {
     }
 
     /// Whether `q` lies inside by the clearance of the lattice.
-    pub fn is_clear(&self, q: DVec2, cell: &DMat2) -> bool {
+    pub(crate) fn is_clear(&self, q: DVec2, cell: &DMat2) -> bool {
         self.depth(q, cell) >= TUNING.clearance
     }
 
     /// Whether a triangle of the convex hull of all points is inside: it is not when its corners are all on the rim of
     /// the hole, nor when it fills the dent that rounding made of three nodes on the outer rim.
-    pub fn keeps(&self, triangle: [usize; 3]) -> bool {
+    pub(crate) fn keeps(&self, triangle: [usize; 3]) -> bool {
         let [a, b, c] = triangle;
         let arc = self.arcs.between(a, b).filter(|_| self.arcs.between(b, c).is_some());
         let Some(arc) = arc else { return true };

@@ -29,7 +29,7 @@ fn mean(size: DVec2) -> f64 {
 }
 
 /// The first candidate of a coarse mesh, of which no facet has been bounded yet.
-pub struct CoarseCandidate<'a> {
+pub(crate) struct CoarseCandidate<'a> {
     /// The cells of the mesh that is wanted.
     frames: FrameField<'a>,
     domain: Rect,
@@ -42,7 +42,7 @@ impl<'a> CoarseCandidate<'a> {
     ///
     /// # Errors
     /// [`MeshError`] where rounding alone exceeds the limits, or there would be too many facets.
-    pub fn new(
+    pub(crate) fn new(
         mirror: &Mirror,
         sizing: &'a SizingField,
         domain: Rect,
@@ -68,7 +68,7 @@ impl<'a> CoarseCandidate<'a> {
     ///
     /// # Errors
     /// [`MeshError`] where refinement of its facets is seen not to meet the limits.
-    pub fn choose_size(
+    pub(crate) fn choose_size(
         self,
         bounder: &ErrorBounder,
         limits: Limits,

@@ -18,7 +18,7 @@ use crate::parallel;
 
 /// Growth and cost of a coarse mesh, by the bounds of some of its facets.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct GrowthEstimate {
+pub(crate) struct GrowthEstimate {
     /// Facets after all repairs, for every one proposed.
     pub growth: f64,
     /// Growth with the cost of repairs counted in facets.
@@ -31,7 +31,7 @@ pub struct GrowthEstimate {
 
 impl GrowthEstimate {
     /// Whether no other size is worth a try.
-    pub fn is_near_best(&self) -> bool {
+    pub(crate) fn is_near_best(&self) -> bool {
         self.cost <= TUNING.cost_tolerance * self.least_cost
     }
 
@@ -58,7 +58,7 @@ impl GrowthEstimate {
 }
 
 /// A coarse mesh of the meshed part of a mirror.
-pub struct CoarseMesh<'a> {
+pub(crate) struct CoarseMesh<'a> {
     /// The cells of its lattice.
     pub frames: FrameField<'a>,
     /// The arcs of its boundary.
@@ -85,7 +85,11 @@ impl<'a> CoarseMesh<'a> {
     ///
     /// # Errors
     /// [`MeshError::SizeContrast`] where cells shrink without end, [`MeshError::PointRejected`] by spade.
-    pub fn new(mirror: &Mirror, domain: Rect, frames: FrameField<'a>) -> Result<Self, MeshError> {
+    pub(crate) fn new(
+        mirror: &Mirror,
+        domain: Rect,
+        frames: FrameField<'a>,
+    ) -> Result<Self, MeshError> {
         let contrast = |at| MeshError::SizeContrast { at };
         let boundary = BoundaryNodes::new(mirror, domain, &frames).map_err(contrast)?;
         let placed = PointPlacement::new(&frames, &boundary).map_err(contrast)?;
@@ -95,12 +99,12 @@ impl<'a> CoarseMesh<'a> {
     }
 
     /// Estimated number of facets that come of it.
-    pub fn facets(&self) -> f64 {
+    pub(crate) fn facets(&self) -> f64 {
         self.proposed() * self.estimate.growth
     }
 
     /// Whether a forecast has to make the mesh of which the face holds `copies`: samples are far from sure.
-    pub fn must_be_made_to_count(&self, copies: usize) -> bool {
+    pub(crate) fn must_be_made_to_count(&self, copies: usize) -> bool {
         let facets = self.facets() * copies as f64;
         facets <= TUNING.few_facets
             || (self.estimate.growth > TUNING.steady_growth
@@ -108,13 +112,13 @@ impl<'a> CoarseMesh<'a> {
     }
 
     /// Number of facets that its triangles are cut into.
-    pub fn proposed(&self) -> f64 {
+    pub(crate) fn proposed(&self) -> f64 {
         let parts = self.frames.parts as f64;
         self.net.triangles.len() as f64 * parts * parts
     }
 
     /// The mesh with its growth estimated from the bounds of one facet in each of some triangles.
-    pub fn estimate_growth(mut self, bounder: &ErrorBounder, limits: Limits) -> Self {
+    pub(crate) fn estimate_growth(mut self, bounder: &ErrorBounder, limits: Limits) -> Self {
         let probe = RefinementProbe::new(bounder, limits);
         let facets = self.sample_facets().collect::<Vec<_>>();
         self.samples = parallel::map_slice(&facets, 1, |&corners| {
@@ -132,7 +136,7 @@ impl<'a> CoarseMesh<'a> {
     ///
     /// # Errors
     /// [`MeshError`] where it does not.
-    pub fn check_refinable(
+    pub(crate) fn check_refinable(
         mut self,
         bounder: &ErrorBounder,
         limits: Limits,

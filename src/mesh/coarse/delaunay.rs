@@ -17,7 +17,7 @@ use std::collections::HashSet;
 ///
 /// # Errors
 /// [`MeshError::PointRejected`] where spade refuses a point.
-pub fn triangulate<'a>(
+pub(crate) fn triangulate<'a>(
     placed: PointPlacement,
     boundary: &BoundaryNodes,
     frames: &FrameField<'a>,

@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 const NONE: u32 = u32::MAX;
 
 /// The points of a panel; the first ones are the boundary nodes.
-pub struct PointPlacement {
+pub(crate) struct PointPlacement {
     /// Positions in the chart, mm.
     pub points: Vec<DVec2>,
     /// The map from unit steps to steps of the lattice at each point.
@@ -46,7 +46,7 @@ impl PointPlacement {
     ///
     /// # Errors
     /// A place where cells shrink so that there is no end of points.
-    pub fn new(frames: &FrameField, boundary: &BoundaryNodes) -> Result<Self, DVec2> {
+    pub(crate) fn new(frames: &FrameField, boundary: &BoundaryNodes) -> Result<Self, DVec2> {
         let mut growth = Growth::new(frames, boundary);
         growth.fill()?;
         let mut placed = growth.placed;

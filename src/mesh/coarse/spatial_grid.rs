@@ -9,7 +9,7 @@ const NONE: u32 = u32::MAX;
 const MOST_BINS: f64 = 2000.0;
 
 /// Numbers of points by bin.
-pub struct SpatialGrid {
+pub(crate) struct SpatialGrid {
     min: DVec2,
     scale: DVec2,
     width: usize,
@@ -21,7 +21,7 @@ pub struct SpatialGrid {
 
 impl SpatialGrid {
     /// An empty grid over the domain of `frames`, with bins about as large as its cells.
-    pub fn new(frames: &FrameField) -> Self {
+    pub(crate) fn new(frames: &FrameField) -> Self {
         let domain = frames.sizing.domain();
         // The mean is that of small cells: large ones that cover many bins cost little, but bins with many points cost
         // their number squared.
@@ -52,7 +52,7 @@ impl SpatialGrid {
     }
 
     /// Adds the point at `q`; numbers are those of the calls.
-    pub fn add(&mut self, q: DVec2, index: u32) {
+    pub(crate) fn add(&mut self, q: DVec2, index: u32) {
         let [i, j] = self.bin(q);
         let slot = j * self.width + i;
         self.next.push(self.first[slot]);
@@ -60,7 +60,7 @@ impl SpatialGrid {
     }
 
     /// Visits the points of all bins that the box from `lo` to `hi` touches.
-    pub fn each(&self, lo: DVec2, hi: DVec2, mut visit: impl FnMut(u32)) {
+    pub(crate) fn each(&self, lo: DVec2, hi: DVec2, mut visit: impl FnMut(u32)) {
         let ([i0, j0], [i1, j1]) = (self.bin(lo), self.bin(hi));
         for j in j0..=j1 {
             for i in i0..=i1 {

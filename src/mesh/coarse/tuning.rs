@@ -4,7 +4,7 @@
 //! `benches/mesh.rs` (`cargo bench --bench mesh -- --economy`), or for time where it says so.
 
 /// Constants that tune placement, smoothing and size of the coarse mesh.
-pub struct CoarseTuning {
+pub(crate) struct CoarseTuning {
     /// Coarse triangles of the meshed part, about: so many that few of them are at the rim and that curvature hardly
     /// changes within one.
     pub triangles: f64,
@@ -77,7 +77,7 @@ pub struct CoarseTuning {
 }
 
 /// The constants in use.
-pub const TUNING: CoarseTuning = CoarseTuning {
+pub(crate) const TUNING: CoarseTuning = CoarseTuning {
     triangles: 11_000.0,
     halve_first_from: 6_000.0,
     most_points: 100_000,

@@ -9,7 +9,7 @@ use crate::parallel;
 const CHUNK: usize = 256;
 
 /// A bounder, and the limits that facets are held to.
-pub struct FacetCheck<'a> {
+pub(crate) struct FacetCheck<'a> {
     /// The bounder.
     pub bounder: &'a ErrorBounder<'a>,
     /// The limits.
@@ -18,7 +18,7 @@ pub struct FacetCheck<'a> {
 
 /// The outcome of a check of some facets.
 #[derive(Default)]
-pub struct CheckedFacets {
+pub(crate) struct CheckedFacets {
     /// The bounds of each.
     pub bounds: Vec<ErrorBound>,
     /// The facets that attain the largest chord and facet error in their chunk, among those that keep the limits.
@@ -29,7 +29,7 @@ pub struct CheckedFacets {
 
 impl FacetCheck<'_> {
     /// Checks the given facets.
-    pub fn check(
+    pub(crate) fn check(
         &self,
         facets: &[u32],
         vertices: &[SurfaceVertex],

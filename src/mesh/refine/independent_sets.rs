@@ -9,7 +9,7 @@ const CHUNK: usize = 32;
 
 /// Picks sets of vertices of which none are neighbours, so that each can be moved without the others.
 #[derive(Default)]
-pub struct IndependentSets {
+pub(crate) struct IndependentSets {
     /// For each vertex the last pass in which it or a neighbour was picked.
     last_pass: Vec<u32>,
     passes: u32,
@@ -17,7 +17,7 @@ pub struct IndependentSets {
 
 impl IndependentSets {
     /// Moves all `vertices` for which `better` knows a position, and reports them to `moved`.
-    pub fn move_all<C: VertexModel>(
+    pub(crate) fn move_all<C: VertexModel>(
         &mut self,
         net: &mut EditableTriangulation<C>,
         mut vertices: Vec<u32>,
@@ -63,7 +63,7 @@ impl IndependentSets {
 }
 
 /// Flips those of the edges that gain by it, and then edges around them that do; reports the triangles that changed.
-pub fn flip_all<C: VertexModel>(
+pub(crate) fn flip_all<C: VertexModel>(
     net: &mut EditableTriangulation<C>,
     edges: Vec<[u32; 2]>,
     changed: impl FnMut(u32),

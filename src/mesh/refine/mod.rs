@@ -5,13 +5,13 @@
 //! coarse triangles, `facet_check` bounds the facets, `repair` mends those that fail for as long as `repair_progress`
 //! sees a point in it, and `probe` tells beforehand whether refinement of a facet helps.
 
-pub mod boundary_arcs;
-pub mod facet_check;
-pub mod independent_sets;
-pub mod probe;
-pub mod repair;
-pub mod repair_progress;
-pub mod subdivide;
-pub mod triangulation;
-pub mod tuning;
-pub mod vertex_model;
+pub(super) mod boundary_arcs;
+pub(super) mod facet_check;
+pub(super) mod independent_sets;
+pub(super) mod probe;
+pub(super) mod repair;
+pub(super) mod repair_progress;
+pub(super) mod subdivide;
+pub(super) mod triangulation;
+pub(super) mod tuning;
+pub(super) mod vertex_model;

@@ -15,14 +15,14 @@ use crate::optics::{Target, stereographic};
 const HALF_WAY_DEG: f64 = 45.0;
 
 /// A probe of facets with a bounder and limits.
-pub struct RefinementProbe<'a> {
+pub(crate) struct RefinementProbe<'a> {
     bounder: &'a ErrorBounder<'a>,
     limits: Limits,
 }
 
 /// The outcome of a probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ProbeOutcome {
+pub(crate) enum ProbeOutcome {
     /// Refinement meets the limits, with about this many facets in place of the one.
     Converges(f64),
     /// Errors grow as the facet shrinks, because rounding tilts it.
@@ -33,12 +33,12 @@ pub enum ProbeOutcome {
 
 impl<'a> RefinementProbe<'a> {
     /// A probe with the given bounder and limits.
-    pub fn new(bounder: &'a ErrorBounder<'a>, limits: Limits) -> Self {
+    pub(crate) fn new(bounder: &'a ErrorBounder<'a>, limits: Limits) -> Self {
         Self { bounder, limits }
     }
 
     /// Oversize, as a ratio of lengths, of a facet that is shrunk by the factor `by` towards its middle.
-    pub fn oversize(&self, facet: [DVec2; 3], by: f64) -> f64 {
+    pub(crate) fn oversize(&self, facet: [DVec2; 3], by: f64) -> f64 {
         let bound = self.bound(facet, by);
         let limits = &self.limits;
         let chord = limits.chord_mm.map_or(0.0, |limit| (bound.chord_mm / limit).sqrt());
@@ -46,7 +46,7 @@ impl<'a> RefinementProbe<'a> {
     }
 
     /// Factor by which a facet must shrink to keep the limits, and the outcome of the probe where one was needed.
-    pub fn required_shrinkage(&self, facet: [DVec2; 3]) -> (f64, Option<ProbeOutcome>) {
+    pub(crate) fn required_shrinkage(&self, facet: [DVec2; 3]) -> (f64, Option<ProbeOutcome>) {
         let oversize = self.oversize(facet, 1.0);
         if oversize <= 1.0 {
             return (oversize, Some(ProbeOutcome::Converges(1.0)));
@@ -85,7 +85,7 @@ impl<'a> RefinementProbe<'a> {
     }
 
     /// Bounds a facet as it is halved again and again.
-    pub fn probe(&self, facet: [DVec2; 3]) -> ProbeOutcome {
+    pub(crate) fn probe(&self, facet: [DVec2; 3]) -> ProbeOutcome {
         let (mut least, mut rises) = (f64::INFINITY, 0);
         for halvings in 0..=TUNING.probe_halvings {
             let parts = f64::from(1 << halvings);
@@ -122,7 +122,7 @@ impl<'a> RefinementProbe<'a> {
     }
 
     /// The error that says why a facet is not refined.
-    pub fn not_refinable(&self, facet: [DVec2; 3]) -> MeshError {
+    pub(crate) fn not_refinable(&self, facet: [DVec2; 3]) -> MeshError {
         let [a, b, c] = facet;
         // A closer bound may show that the facet itself is good enough.
         let mut bound = self.bound(facet, 1.0);

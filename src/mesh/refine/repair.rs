@@ -29,7 +29,7 @@ const OVERSIZE_CHUNK: usize = 64;
 ///
 /// # Errors
 /// [`MeshError`] where refinement does not help, or needs too many facets.
-pub fn refine(
+pub(crate) fn refine(
     check: &FacetCheck,
     frames: &FrameField,
     arcs: &BoundaryArcs,

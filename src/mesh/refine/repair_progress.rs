@@ -3,14 +3,14 @@
 use super::tuning::TUNING;
 
 /// Largest number of facets that so many proposed ones are refined to.
-pub fn most_facets(proposed: usize) -> usize {
+pub(crate) fn most_facets(proposed: usize) -> usize {
     let [least, largest] = TUNING.spare_facets;
     TUNING.most_growth * proposed + (TUNING.spare_growth * proposed).clamp(least, largest)
 }
 
 /// Numbers of facets, and of those that fail, in the rounds of a repair.
 #[derive(Debug)]
-pub struct RepairProgress {
+pub(crate) struct RepairProgress {
     /// Facets that were proposed.
     proposed: usize,
     /// Rounds that have begun.
@@ -27,13 +27,13 @@ pub struct RepairProgress {
 
 impl RepairProgress {
     /// The progress of a repair of so many proposed facets.
-    pub fn new(proposed: usize) -> Self {
+    pub(crate) fn new(proposed: usize) -> Self {
         let fewest = (usize::MAX, 0);
         Self { proposed, rounds: 0, facets: proposed, failed: usize::MAX, rises: 0, fewest }
     }
 
     /// Begins a round with so many facets, of which so many fail.
-    pub fn begin_round(&mut self, failed: usize, facets: usize) {
+    pub(crate) fn begin_round(&mut self, failed: usize, facets: usize) {
         self.rises = if failed > self.failed { self.rises + 1 } else { 0 };
         if failed < self.fewest.0 {
             self.fewest = (failed, self.rounds);
@@ -43,13 +43,13 @@ impl RepairProgress {
     }
 
     /// Whether refinement is seen to do no good.
-    pub fn is_diverging(&self) -> bool {
+    pub(crate) fn is_diverging(&self) -> bool {
         let risen = self.failed > TUNING.risen_share * self.proposed + TUNING.risen_spare;
         self.facets > most_facets(self.proposed) || (self.rises >= TUNING.rising_rounds && risen)
     }
 
     /// Whether the round that has begun improves shapes, though neighbours may fail by it; else it keeps them.
-    pub fn is_optimising(&self) -> bool {
+    pub(crate) fn is_optimising(&self) -> bool {
         self.rounds <= TUNING.optimising_rounds.max(self.fewest.1 + TUNING.optimising_patience)
     }
 }

@@ -6,7 +6,7 @@ use crate::geom::DVec2;
 use crate::parallel;
 
 /// The fine mesh: facets before any of them is proven, with neighbours near each other in both lists.
-pub struct FineMesh {
+pub(crate) struct FineMesh {
     /// Positions of its vertices in the chart, mm.
     pub points: Vec<DVec2>,
     /// Its facets, counter-clockwise.
@@ -20,7 +20,11 @@ const NONE: u32 = u32::MAX;
 const CHUNK: usize = 256;
 
 /// Cuts the sides of every coarse triangle into `parts`.
-pub fn subdivide(coarse: &EditableTriangulation, arcs: &BoundaryArcs, parts: usize) -> FineMesh {
+pub(crate) fn subdivide(
+    coarse: &EditableTriangulation,
+    arcs: &BoundaryArcs,
+    parts: usize,
+) -> FineMesh {
     let subdivider = Subdivider { coarse, arcs, parts, beyond: neighbours(coarse) };
     let patches = subdivider.number();
     let cut = |patches: &[CoarsePatch]| {

@@ -37,7 +37,7 @@ impl VertexLink {
 }
 
 /// Triangles in the plane of the chart, with the triangles around each vertex.
-pub struct EditableTriangulation<'a, C = DVec2> {
+pub(crate) struct EditableTriangulation<'a, C = DVec2> {
     sizing: &'a SizingField,
     /// Factor on the oversize of triangles.
     scale: f64,
@@ -52,7 +52,7 @@ pub struct EditableTriangulation<'a, C = DVec2> {
 
 impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
     /// A triangulation whose triangles count as `scale` times smaller, in length, than they are.
-    pub fn new(
+    pub(crate) fn new(
         sizing: &'a SizingField,
         scale: f64,
         vertices: Vec<C>,
@@ -83,17 +83,17 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
     }
 
     /// Oversize of triangle `t` by the model at its centroid.
-    pub fn oversize(&self, t: u32) -> f64 {
+    pub(crate) fn oversize(&self, t: u32) -> f64 {
         self.oversize_at_centroid(self.triangles[t as usize].map(|v| &self.vertices[v as usize]))
     }
 
     /// Position of vertex `v` in the chart, mm.
-    pub fn q(&self, v: u32) -> DVec2 {
+    pub(crate) fn q(&self, v: u32) -> DVec2 {
         self.vertices[v as usize].q()
     }
 
     /// The triangles around a vertex.
-    pub fn around(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn around(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
         let mut at = self.first[v as usize];
         std::iter::from_fn(move || {
             let here = (at != NONE).then_some(at / 3);
@@ -105,7 +105,7 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
     }
 
     /// The triangles beside an edge: none, one, or two.
-    pub fn beside(&self, [a, b]: [u32; 2]) -> [Option<u32>; 2] {
+    pub(crate) fn beside(&self, [a, b]: [u32; 2]) -> [Option<u32>; 2] {
         let mut beside = [None; 2];
         for t in self.around(a).filter(|&t| self.triangles[t as usize].contains(&b)) {
             let free = usize::from(beside[0].is_some());
@@ -115,14 +115,14 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
     }
 
     /// The ends of the edges that have a triangle on one side only, mm.
-    pub fn boundary_edges(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+    pub(crate) fn boundary_edges(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
         let edges = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
         let single = edges.filter(|&edge| self.beside(edge)[1].is_none());
         single.map(|edge| edge.map(|v| self.q(v)))
     }
 
     /// Whether flipping an edge makes the worse of its two triangles better.
-    pub fn gains_by_flipping(&self, edge: [u32; 2]) -> bool {
+    pub(crate) fn gains_by_flipping(&self, edge: [u32; 2]) -> bool {
         self.better_flipped(edge).is_some()
     }
 
@@ -175,7 +175,7 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
 
     /// Flips the given edges, and those around the ones that were flipped, until none gains; reports the triangles that
     /// changed.
-    pub fn flip_from(&mut self, mut edges: Vec<[u32; 2]>, mut changed: impl FnMut(u32)) {
+    pub(crate) fn flip_from(&mut self, mut edges: Vec<[u32; 2]>, mut changed: impl FnMut(u32)) {
         let most = TUNING.edges_per_flip * edges.len() + 100;
         let mut seen = 0;
         while let Some(edge) = edges.pop() {
@@ -211,7 +211,7 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
 
     /// The edge of triangle `t` whose split leaves the smallest oversize in the halves of the triangles beside it, and
     /// the new vertex, which `midpoint` makes of the edge.
-    pub fn best_split(&self, t: u32, midpoint: impl Fn([u32; 2]) -> C) -> ([u32; 2], C) {
+    pub(crate) fn best_split(&self, t: u32, midpoint: impl Fn([u32; 2]) -> C) -> ([u32; 2], C) {
         let [a, b, c] = self.triangles[t as usize];
         let length = |[a, b]: [u32; 2]| self.q(a).distance(self.q(b));
         let edges = [[a, b], [b, c], [c, a]];
@@ -240,7 +240,7 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
     }
 
     /// Splits an edge at a new vertex; the number of the vertex.
-    pub fn split(&mut self, [a, b]: [u32; 2], at: C) -> u32 {
+    pub(crate) fn split(&mut self, [a, b]: [u32; 2], at: C) -> u32 {
         let m = self.vertices.len() as u32;
         self.vertices.push(at);
         self.first.push(NONE);

@@ -4,7 +4,7 @@
 //! `benches/mesh.rs` and on random mirrors.
 
 /// Constants that tune edits of a triangulation, its repair, and the refinement probe.
-pub struct RefinementTuning {
+pub(crate) struct RefinementTuning {
     /// Share of the worse oversize of two triangles that a flip, or a collapse, may leave at most: less gain is mostly
     /// rounding, and flips would go round in circles.
     pub flip_gain: f64,
@@ -67,7 +67,7 @@ pub struct RefinementTuning {
 }
 
 /// The constants in use.
-pub const TUNING: RefinementTuning = RefinementTuning {
+pub(crate) const TUNING: RefinementTuning = RefinementTuning {
     flip_gain: 0.996,
     move_gain: 0.97,
     foreseen_gain: 0.5,

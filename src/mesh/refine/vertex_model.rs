@@ -7,7 +7,7 @@ use crate::mesh::sizing::local_model::LocalModel;
 use glam::{DMat3, Vec3Swizzles};
 
 /// A vertex of an editable triangulation, from which the oversize of its triangles follows.
-pub trait VertexModel: Copy + Send + Sync {
+pub(crate) trait VertexModel: Copy + Send + Sync {
     /// Whether the triangles of a flip are judged by the local model at their own centroids each, and not by one for
     /// all: otherwise flips by the mirror's values would go round in circles.
     const MODEL_AT_CENTROID: bool;

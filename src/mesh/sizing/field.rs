@@ -22,7 +22,7 @@ const CENTRE: f64 = 1e-3;
 
 /// Local models over a panel, interpolated between the nodes of a table, and the limits.
 #[derive(Clone)]
-pub struct SizingField {
+pub(crate) struct SizingField {
     domain: Rect,
     table: Arc<Vec<LocalModel>>,
     pub(super) limits: Limits,
@@ -30,7 +30,7 @@ pub struct SizingField {
 
 impl SizingField {
     /// The field over the part `domain` of a mirror.
-    pub fn new(problem: &ImagingProblem, domain: Rect, limits: Limits) -> Self {
+    pub(crate) fn new(problem: &ImagingProblem, domain: Rect, limits: Limits) -> Self {
         let outline = &problem.mirror.outline;
         let nodes: Vec<DVec2> = domain.grid(CELLS, CELLS).map(|(q, _)| q).collect();
         let model = |&q: &DVec2| LocalModel::new(problem, into(outline, q), limits.precision);
@@ -39,22 +39,22 @@ impl SizingField {
     }
 
     /// The field with other limits, or none if these are for another precision.
-    pub fn with_limits(self, limits: Limits) -> Option<Self> {
+    pub(crate) fn with_limits(self, limits: Limits) -> Option<Self> {
         (self.limits.precision == limits.precision).then_some(Self { limits, ..self })
     }
 
     /// Whether there is a limit of the facet error.
-    pub fn limits_image(&self) -> bool {
+    pub(crate) fn limits_image(&self) -> bool {
         self.limits.facet_mm.is_some()
     }
 
     /// The part of the mirror's chart that the field covers.
-    pub fn domain(&self) -> Rect {
+    pub(crate) fn domain(&self) -> Rect {
         self.domain
     }
 
     /// The centres of the table's cells, mm.
-    pub fn cell_centres(&self) -> impl Iterator<Item = DVec2> {
+    pub(crate) fn cell_centres(&self) -> impl Iterator<Item = DVec2> {
         let (min, step) = (self.domain.min, self.domain.size() / CELLS as f64);
         (0..CELLS * CELLS).map(move |k| {
             min + step * DVec2::new((k % CELLS) as f64 + 0.5, (k / CELLS) as f64 + 0.5)
@@ -62,7 +62,7 @@ impl SizingField {
     }
 
     /// The model at `q`.
-    pub fn at(&self, q: DVec2) -> LocalModel {
+    pub(crate) fn at(&self, q: DVec2) -> LocalModel {
         let last = CELLS as f64;
         let share = (q - self.domain.min) / self.domain.size() * last;
         let share = share.clamp(DVec2::ZERO, DVec2::splat(last));
@@ -79,7 +79,7 @@ impl SizingField {
     }
 
     /// Oversize of a facet with edges `a` and `b`: its area over the one that the limits allow, without rounding.
-    pub fn oversize(&self, model: &LocalModel, a: DVec2, b: DVec2) -> f64 {
+    pub(crate) fn oversize(&self, model: &LocalModel, a: DVec2, b: DVec2) -> f64 {
         let Limits { chord_mm, facet_mm, .. } = self.limits;
         let by_chord =
             chord_mm.map_or(0.0, |limit| model.chord(a, b) / (limit - model.rounding_mm));
@@ -88,7 +88,7 @@ impl SizingField {
     }
 
     /// Oversize of a facet by the mirror's values at its vertices.
-    pub fn oversize_by_vertices(&self, model: &LocalModel, t: [&SurfaceVertex; 3]) -> f64 {
+    pub(crate) fn oversize_by_vertices(&self, model: &LocalModel, t: [&SurfaceVertex; 3]) -> f64 {
         let Limits { chord_mm, facet_mm, precision } = self.limits;
         let q = t.map(|v| v.q);
         let by_chord = chord_mm.map_or(0.0, |limit| {
@@ -117,7 +117,7 @@ impl SizingField {
     }
 
     /// Factor by which a facet with edges `a` and `b` may be enlarged, rounding included.
-    pub fn enlargement(&self, model: &LocalModel, a: DVec2, b: DVec2) -> f64 {
+    pub(crate) fn enlargement(&self, model: &LocalModel, a: DVec2, b: DVec2) -> f64 {
         let by_chord = self.limits.chord_mm.map_or(f64::INFINITY, |limit| {
             ((limit - model.rounding_mm) / model.chord(a, b)).sqrt()
         });
@@ -132,7 +132,7 @@ impl SizingField {
     }
 
     /// Factor by which the edge `d` may be enlarged.
-    pub fn edge_enlargement(&self, model: &LocalModel, d: DVec2) -> f64 {
+    pub(crate) fn edge_enlargement(&self, model: &LocalModel, d: DVec2) -> f64 {
         let chord = model.hessian.times(d).dot(d).abs() / 8.0 * model.ray_per_h;
         let by_chord = self
             .limits

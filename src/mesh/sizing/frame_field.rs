@@ -16,7 +16,7 @@ const FITTED: f64 = 1e-9;
 
 /// Lattice cells over one panel.
 #[derive(Clone)]
-pub struct FrameField<'a> {
+pub(crate) struct FrameField<'a> {
     /// The sizing field that they follow.
     pub sizing: &'a SizingField,
     /// Kind of the lattice.
@@ -49,7 +49,12 @@ struct UngradedCell {
 impl<'a> FrameField<'a> {
     /// The cells of the kind of which the fewest will do, with facets of the quadratic model `relative_size` times as
     /// large as the limits allow; of fine cells about `most` facets, and coarse ones of equal parts beyond that.
-    pub fn new(sizing: &'a SizingField, outline: &Outline, relative_size: f64, most: f64) -> Self {
+    pub(crate) fn new(
+        sizing: &'a SizingField,
+        outline: &Outline,
+        relative_size: f64,
+        most: f64,
+    ) -> Self {
         let rough = |&kind: &LatticeKind| {
             let graded = Self::graded(sizing, kind, relative_size, TUNING.nodes_for_kind);
             (kind, graded.facet_count(outline))
@@ -94,37 +99,37 @@ impl<'a> FrameField<'a> {
     }
 
     /// Size of the facets of the quadratic model, relative to the one that the limits allow.
-    pub fn relative_size(&self) -> f64 {
+    pub(crate) fn relative_size(&self) -> f64 {
         self.relative_size
     }
 
     /// Relative size along each axis after whole numbers of cells were fitted to the sides.
-    pub fn fitted_size(&self) -> DVec2 {
+    pub(crate) fn fitted_size(&self) -> DVec2 {
         self.fit * self.relative_size
     }
 
     /// Takes `by` times as many fine cells to the side of each.
-    pub fn coarsen(&mut self, by: usize) {
+    pub(crate) fn coarsen(&mut self, by: usize) {
         self.parts *= by;
         self.grade();
         self.prepare_lookup();
     }
 
     /// Makes the cells `relative_size` times as large as the limits allow.
-    pub fn rescale(&mut self, relative_size: f64) {
+    pub(crate) fn rescale(&mut self, relative_size: f64) {
         self.relative_size = relative_size;
         self.grade();
         self.prepare_lookup();
     }
 
     /// Two edges of a facet at a place, of any size.
-    pub fn facet_edges(&self, model: &LocalModel) -> [DVec2; 2] {
+    pub(crate) fn facet_edges(&self, model: &LocalModel) -> [DVec2; 2] {
         let cell = self.kind.cell(model);
         [cell * self.kind.steps()[0], cell * self.kind.steps()[1]]
     }
 
     /// Estimated number of fine facets that cover the outline's part in the domain.
-    pub fn facet_count(&self, outline: &Outline) -> f64 {
+    pub(crate) fn facet_count(&self, outline: &Outline) -> f64 {
         let domain = self.sizing.domain();
         let nodes = domain.grid(self.side, self.side).zip(&self.nodes);
         let inside = nodes.filter(|((q, _), _)| outline.contains(*q));
@@ -133,7 +138,7 @@ impl<'a> FrameField<'a> {
     }
 
     /// The coarse cell at `q`: the map from unit steps to steps of the lattice.
-    pub fn at(&self, q: DVec2) -> DMat2 {
+    pub(crate) fn at(&self, q: DVec2) -> DMat2 {
         let (k, f) = self.interval(q);
         let [own, by_x, by_y, by_both] = &self.between[k];
         let cell = *own + *by_x * f.x + (*by_y + *by_both * f.x) * f.y;
@@ -142,7 +147,7 @@ impl<'a> FrameField<'a> {
     }
 
     /// The cell at `q`, turned by steps of the lattice so that it continues `before`.
-    pub fn continued(&self, q: DVec2, before: &DMat2) -> DMat2 {
+    pub(crate) fn continued(&self, q: DVec2, before: &DMat2) -> DMat2 {
         self.aligned(self.at(q), before)
     }
 
@@ -159,7 +164,7 @@ impl<'a> FrameField<'a> {
 
     /// Length of an edge of the boundary at `q` in the direction `along`, in lengths of `along`: that of a cell, or the
     /// one that the limits leave to an edge.
-    pub fn boundary_step(&self, q: DVec2, along: DVec2) -> f64 {
+    pub(crate) fn boundary_step(&self, q: DVec2, along: DVec2) -> f64 {
         let step = 1.0 / (self.at(q).inverse() * along).length();
         let model = self.sizing.at(q);
         let most = self.sizing.edge_enlargement(&model, along);
@@ -265,7 +270,7 @@ impl<'a> FrameField<'a> {
 }
 
 /// Half-sizes of the box around the image of the unit circle under a cell, mm.
-pub fn cell_extent(cell: &DMat2) -> DVec2 {
+pub(crate) fn cell_extent(cell: &DMat2) -> DVec2 {
     let (a, b) = (cell.x_axis, cell.y_axis);
     DVec2::new(DVec2::new(a.x, b.x).length(), DVec2::new(a.y, b.y).length())
 }

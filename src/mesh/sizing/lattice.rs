@@ -28,7 +28,7 @@ const HEXAGON: [DVec2; 6] = [
 
 /// Kind of the lattice that a mesh is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LatticeKind {
+pub(crate) enum LatticeKind {
     /// Equilateral triangles in the metric of the curvature.
     Triangles,
     /// Equilateral triangles in the metric of the image.
@@ -41,13 +41,13 @@ pub enum LatticeKind {
 
 impl LatticeKind {
     /// All kinds.
-    pub const ALL: [Self; 4] =
+    pub(crate) const ALL: [Self; 4] =
         [Self::Triangles, Self::Squares, Self::ImageTriangles, Self::ImageSquares];
     /// The kinds for a mirror without a limit of the facet error.
-    pub const BY_CURVATURE: [Self; 2] = [Self::Triangles, Self::Squares];
+    pub(crate) const BY_CURVATURE: [Self; 2] = [Self::Triangles, Self::Squares];
 
     /// The steps to the neighbours of a point, in cells.
-    pub fn steps(self) -> &'static [DVec2] {
+    pub(crate) fn steps(self) -> &'static [DVec2] {
         match self {
             Self::Triangles | Self::ImageTriangles => &HEXAGON,
             Self::Squares | Self::ImageSquares => &SQUARE,
@@ -55,17 +55,17 @@ impl LatticeKind {
     }
 
     /// Whether its directions turn so much from place to place that a step has to follow them.
-    pub fn turns(self) -> bool {
+    pub(crate) fn turns(self) -> bool {
         self == Self::ImageSquares
     }
 
     /// Area of two facets, in cells.
-    pub fn area(self) -> f64 {
+    pub(crate) fn area(self) -> f64 {
         if self.steps().len() == 6 { SIN_60 } else { 1.0 }
     }
 
     /// Factor by which a cell may be enlarged at a place.
-    pub fn enlargement(self, sizing: &SizingField, model: &LocalModel, cell: &DMat2) -> f64 {
+    pub(crate) fn enlargement(self, sizing: &SizingField, model: &LocalModel, cell: &DMat2) -> f64 {
         let steps = self.steps();
         let [a, b] = [*cell * steps[0], *cell * steps[1]];
         let first = sizing.enlargement(model, a, b);
@@ -73,7 +73,7 @@ impl LatticeKind {
     }
 
     /// The cell, of any size, that suits a place: the map from unit steps to steps of the lattice.
-    pub fn cell(self, model: &LocalModel) -> DMat2 {
+    pub(crate) fn cell(self, model: &LocalModel) -> DMat2 {
         let h = &model.hessian;
         let curvature = SymmetricMatrix { xx: h.xx, xy: h.xy, yy: h.yy };
         match self {

@@ -14,7 +14,7 @@ const LEAST_CURVATURE: f64 = 1.0 / (TUNING.longest_cell * TUNING.longest_cell);
 
 /// Quadratic model of the mirror, and linear model of its image, at one place.
 #[derive(Debug, Clone, Copy)]
-pub struct LocalModel {
+pub(crate) struct LocalModel {
     /// Second derivatives of h, 1/mm.
     pub hessian: Hessian,
     /// Displacement of the image (mm) per change of the gradient of h.
@@ -27,7 +27,7 @@ pub struct LocalModel {
 
 impl LocalModel {
     /// A mirror without curvature and image.
-    pub const ZERO: Self = Self {
+    pub(crate) const ZERO: Self = Self {
         hessian: Hessian { xx: 0.0, xy: 0.0, yy: 0.0 },
         image_per_gradient: DMat2::ZERO,
         ray_per_h: 0.0,
@@ -35,7 +35,7 @@ impl LocalModel {
     };
 
     /// The model at `q` in a file of `precision`.
-    pub fn new(problem: &ImagingProblem, q: DVec2, precision: Precision) -> Self {
+    pub(crate) fn new(problem: &ImagingProblem, q: DVec2, precision: Precision) -> Self {
         let mirror = problem.mirror;
         let chart = &mirror.chart;
         let k = chart.vergence;
@@ -68,7 +68,7 @@ impl LocalModel {
     }
 
     /// Adds `weight` times another model.
-    pub fn add(&mut self, other: &Self, weight: f64) {
+    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         self.hessian.xx += weight * other.hessian.xx;
         self.hessian.xy += weight * other.hessian.xy;
         self.hessian.yy += weight * other.hessian.yy;
@@ -79,7 +79,7 @@ impl LocalModel {
 
     /// Chord error (mm) of a facet with edges `a` and `b` from one corner.
     #[inline]
-    pub fn chord(&self, a: DVec2, b: DVec2) -> f64 {
+    pub(crate) fn chord(&self, a: DVec2, b: DVec2) -> f64 {
         let h = &self.hessian;
         let (ha, hb) = (h.times(a), h.times(b));
         let (aa, ab, bb) = (ha.dot(a), ha.dot(b), hb.dot(b));
@@ -88,7 +88,7 @@ impl LocalModel {
 
     /// Square of the facet error of such a facet, mm^2.
     #[inline]
-    pub fn facet_squared(&self, a: DVec2, b: DVec2) -> f64 {
+    pub(crate) fn facet_squared(&self, a: DVec2, b: DVec2) -> f64 {
         let h = &self.hessian;
         let (ha, hb) = (h.times(a), h.times(b));
         let facet = (b.perp() * -ha.dot(a) + a.perp() * hb.dot(b)) * (0.5 / a.perp_dot(b));
@@ -98,7 +98,7 @@ impl LocalModel {
     }
 
     /// Facet error (mm) that rounding adds to such a facet at worst by tilting it.
-    pub fn tilt(&self, a: DVec2, b: DVec2) -> f64 {
+    pub(crate) fn tilt(&self, a: DVec2, b: DVec2) -> f64 {
         let longest = a.length_squared().max(b.length_squared()).max((a - b).length_squared());
         let height = a.perp_dot(b).abs() / longest.sqrt();
         let [x, y] = [self.image_per_gradient.x_axis, self.image_per_gradient.y_axis];
@@ -137,7 +137,7 @@ fn half_step(x: f64) -> f64 {
 
 /// Distance (mm) by which the file's digits move a vertex over `q` along its ray at worst, when it may be snapped along
 /// `direction`, or anywhere.
-pub fn rounding_along_ray(
+pub(crate) fn rounding_along_ray(
     mirror: &Mirror,
     q: DVec2,
     direction: Option<DVec2>,

@@ -4,10 +4,10 @@
 //! cells, `frame_field` the graded cells over the panel, and `precision_limit` refuses limits that rounding alone
 //! exceeds. `optimum` stands beside these: lower bounds on the number of triangles.
 
-pub mod field;
-pub mod frame_field;
-pub mod lattice;
-pub mod local_model;
-pub mod optimum;
-pub mod precision_limit;
-pub mod tuning;
+pub(super) mod field;
+pub(super) mod frame_field;
+pub(super) mod lattice;
+pub(super) mod local_model;
+pub(super) mod optimum;
+pub(super) mod precision_limit;
+pub(super) mod tuning;

@@ -13,7 +13,7 @@ impl SizingField {
     ///
     /// # Errors
     /// [`MeshError::PrecisionLimit`] at the place where rounding moves a vertex farthest.
-    pub fn check_chord_rounding(&self, mirror: &Mirror) -> Result<(), MeshError> {
+    pub(crate) fn check_chord_rounding(&self, mirror: &Mirror) -> Result<(), MeshError> {
         let Some(limit) = self.limits.chord_mm else { return Ok(()) };
         let worse = |a: (f64, DVec2), b: (f64, DVec2)| if b.0 > a.0 { b } else { a };
         let inside = self.cell_centres().filter(|&q| mirror.outline.contains(q));
@@ -73,7 +73,7 @@ impl SizingField {
     ///
     /// # Errors
     /// [`MeshError::PrecisionLimit`] at the place of the median.
-    pub fn check_facet_tilt(
+    pub(crate) fn check_facet_tilt(
         &self,
         outline: &Outline,
         edges: impl Fn(&LocalModel) -> [DVec2; 2],

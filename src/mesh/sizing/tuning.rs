@@ -4,7 +4,7 @@
 //! `benches/mesh.rs` (`cargo bench --bench mesh -- --economy`).
 
 /// Constants that tune sizes and shapes of cells.
-pub struct SizingTuning {
+pub(crate) struct SizingTuning {
     /// Cells to the side of the table of local models, which is interpolated linearly: a table that costs milliseconds
     /// and whose error is far below what refinement repairs.
     pub table_cells: usize,
@@ -41,7 +41,7 @@ pub struct SizingTuning {
 }
 
 /// The constants in use.
-pub const TUNING: SizingTuning = SizingTuning {
+pub(crate) const TUNING: SizingTuning = SizingTuning {
     table_cells: 48,
     likely_tilt: 0.7,
     longest_cell: 4.0,

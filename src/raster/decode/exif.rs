@@ -7,7 +7,7 @@ const TAG: u16 = 0x112;
 const SHORT: u16 = 3;
 
 /// `raster` as its Exif data say that it is to be seen; a tag that cannot be read is none.
-pub fn upright(raster: Raster, exif: Option<&[u8]>) -> Raster {
+pub(super) fn upright(raster: Raster, exif: Option<&[u8]>) -> Raster {
     match exif.and_then(orientation) {
         Some(held @ 2..=8) => turned(&raster, held),
         _ => raster,

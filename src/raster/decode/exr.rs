@@ -6,7 +6,7 @@ use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 use std::io::Cursor;
 
 /// The light in the display window; places outside of the data window are black.
-pub fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
     let reader = exr::block::read(Cursor::new(bytes), false).map_err(failure)?;
     let coloured = |header: &&exr::meta::header::Header| {
         let has = |name: &str| header.channels.find_index_of_channel(&name.into()).is_some();

@@ -9,7 +9,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// The picture as linear light, turned as its Exif segment says.
-pub fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
     if !ends(bytes) {
         return Err(RasterError::CutOff { format: "JPEG" });
     }

@@ -19,7 +19,7 @@ const SIGNATURES: [(&[u8], Reader); 3] = [
 type Reader = fn(&[u8]) -> Result<Raster, RasterError>;
 
 /// See [`Raster::decode`].
-pub fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
     let known = SIGNATURES.iter().find(|(signature, _)| bytes.starts_with(signature));
     known.map_or(Err(RasterError::Unknown), |(_, reader)| reader(bytes))
 }

@@ -6,7 +6,7 @@ use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
 use std::io::{Cursor, ErrorKind};
 
 /// The picture as linear light, turned as its Exif chunk says.
-pub fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Raster, RasterError> {
     // Twice the bytes of the largest picture with four 16-bit samples a pixel.
     let limits = Limits { bytes: 16 * MOST_PIXELS as usize };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);

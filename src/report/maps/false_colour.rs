@@ -19,7 +19,7 @@ const LENGTH: f64 = 160.0;
 
 /// A false-colour map: a colour for each pixel of a sensor or a raster, and what the colours mean.
 #[derive(Debug, Clone)]
-pub struct FalseColourMap {
+pub(super) struct FalseColourMap {
     /// Columns and rows.
     pub pixels: [u32; 2],
     /// Row by row from the upper left; one a pixel.
@@ -44,7 +44,7 @@ impl FalseColourMap {
     ///
     /// # Panics
     /// When there is not one colour a pixel.
-    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
+    pub(super) fn png(&self) -> Result<Vec<u8>, EncodingError> {
         let [width, height] = self.pixels;
         assert_eq!(self.colours.len(), width as usize * height as usize, "one colour a pixel");
         let zoom = WIDTH.div_ceil(width).min(HEIGHT / height.max(1)).max(1);

@@ -18,7 +18,7 @@ const BINS: usize = 30;
 const HEADROOM: f64 = 1.4;
 
 /// A plot with what it shows in words.
-pub struct Plot {
+pub(super) struct Plot {
     /// The drawing.
     pub svg: String,
     /// What it shows.
@@ -29,7 +29,7 @@ pub struct Plot {
 ///
 /// # Errors
 /// What the drawing library reports.
-pub fn plots(study: &Study, points: &PlotData) -> Result<[Plot; 4], Failure> {
+pub(super) fn plots(study: &Study, points: &PlotData) -> Result<[Plot; 4], Failure> {
     let plot = |caption: String, draw: &dyn Fn(&Area) -> Result<(), Failure>| {
         Ok::<_, Failure>(Plot { svg: svg(SIZE, draw)?, caption })
     };

@@ -20,19 +20,19 @@ impl FacetsFrom {
 }
 
 /// Said where form errors are not from peak to valley.
-pub const FORM_RMS: &str = "form errors (legendre, zernike) are root mean squares";
+pub(super) const FORM_RMS: &str = "form errors (legendre, zernike) are root mean squares";
 
 /// Said where errors are fixed.
-pub const SYSTEMATIC: &str = "fixed errors that are no textures are the same in every part: they \
+pub(super) const SYSTEMATIC: &str = "fixed errors that are no textures are the same in every part: they \
     add with their signs, have no variance, and keep their limits in concert";
 
 /// A figure that a single trial does not have.
-pub fn or_dash(x: Option<f64>) -> String {
+pub(super) fn or_dash(x: Option<f64>) -> String {
     x.map_or("-".into(), displacement)
 }
 
 /// How far off first derivatives are, in percent.
-pub fn gap_percent(study: &Study) -> String {
+pub(super) fn gap_percent(study: &Study) -> String {
     match 100.0 * study.gap.relative {
         x if x.is_finite() => format!("{x:.1}"),
         _ => "lost".into(),
@@ -40,7 +40,7 @@ pub fn gap_percent(study: &Study) -> String {
 }
 
 /// Why there are no limits in concert.
-pub fn unmet(unmet: AllocationError) -> &'static str {
+pub(super) fn unmet(unmet: AllocationError) -> &'static str {
     match unmet {
         AllocationError::Design => "the design alone uses it up",
         AllocationError::Systematic => "the errors that keep their limits use it up",
@@ -50,7 +50,7 @@ pub fn unmet(unmet: AllocationError) -> &'static str {
 }
 
 /// Which figure counts.
-pub fn criterion(criterion: Criterion) -> &'static str {
+pub(super) fn criterion(criterion: Criterion) -> &'static str {
     match criterion {
         Criterion::Rms => "RMS",
         Criterion::P95 => "P95",
@@ -58,7 +58,7 @@ pub fn criterion(criterion: Criterion) -> &'static str {
 }
 
 /// What displacements are measured from.
-pub fn reference(reference: Reference) -> &'static str {
+pub(super) fn reference(reference: Reference) -> &'static str {
     match reference {
         Reference::Design => "the picture as designed",
         Reference::Projection => "the projection",
@@ -66,7 +66,7 @@ pub fn reference(reference: Reference) -> &'static str {
 }
 
 /// How likely errors are.
-pub fn distribution(distribution: Distribution) -> &'static str {
+pub(super) fn distribution(distribution: Distribution) -> &'static str {
     match distribution {
         Distribution::Uniform => "uniform",
         Distribution::Normal => "normal",
@@ -76,7 +76,7 @@ pub fn distribution(distribution: Distribution) -> &'static str {
 }
 
 /// All figures with their names.
-pub fn statistics(s: &Statistics) -> [(&'static str, String); 9] {
+pub(super) fn statistics(s: &Statistics) -> [(&'static str, String); 9] {
     [
         ("mean", displacement(s.mean_px)),
         ("sigma", or_dash(s.sigma_px)),
@@ -91,7 +91,7 @@ pub fn statistics(s: &Statistics) -> [(&'static str, String); 9] {
 }
 
 /// An error source's figures.
-pub struct SourceCells {
+pub(super) struct SourceCells {
     /// Its limit, as it was given.
     pub limit: String,
     /// Distribution within the limit.
@@ -110,7 +110,7 @@ pub struct SourceCells {
 
 impl SourceCells {
     /// The figures of `source`.
-    pub fn new(source: &SourceFacts) -> Self {
+    pub(super) fn new(source: &SourceFacts) -> Self {
         let SourceFacts { minus_px, plus_px, minus_adjusted_px, plus_adjusted_px, .. } = *source;
         let limit = |limit: Option<f64>| limit.map_or("none".into(), digits);
         let mark = if source.limit_joint_widest { "*" } else { "" };

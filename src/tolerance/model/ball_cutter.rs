@@ -7,7 +7,7 @@ use crate::num::Scalar;
 
 /// The tool.
 #[derive(Debug, Clone, Copy)]
-pub struct BallCutter {
+pub(crate) struct BallCutter {
     /// Radius of the ball, mm.
     pub ball: f64,
     /// The direction in which tracks follow each other.
@@ -19,7 +19,7 @@ impl BallCutter {
     /// the mirror has slope p and second derivatives H. A ball of radius R that touches it there is over
     /// it by half the form M = sqrt(1 + p^2) (I + p p^T) / R - H; a track is the least of all balls along
     /// it. Zero where the ball does not fit.
-    pub fn curvature(&self, [p, q]: [f64; 2], hessian: &Hessian) -> f64 {
+    pub(crate) fn curvature(&self, [p, q]: [f64; 2], hessian: &Hessian) -> f64 {
         let long = (1.0 + p * p + q * q).sqrt() / self.ball;
         let [xx, xy, yy] = [
             long * (1.0 + p * p) - hessian.xx,
@@ -35,7 +35,7 @@ impl BallCutter {
 
     /// Height over the mirror of tracks at a site, and the mean of their slope over the footprint
     /// there (of parabolas, which cusps are up to the square of their slope).
-    pub fn cusp<S: Scalar>(
+    pub(crate) fn cusp<S: Scalar>(
         &self,
         [stepover, phase]: [f64; 2],
         site: &TextureSite,

@@ -20,7 +20,7 @@ impl OpticalSystem {
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
     /// where the ray is lost: it does not meet the surface, which goes on beyond the rim, within the
     /// mirror's size of where it does as designed, or terraces reflect most of the light.
-    pub fn content<S: Scalar>(
+    pub(crate) fn content<S: Scalar>(
         &self,
         sample: &PixelSample,
         pose: &PartPose<S>,
@@ -70,7 +70,7 @@ impl OpticalSystem {
 
     /// Displacement of content, mm, by a height of 1 mm and a slope of 1 along X and along Y added to
     /// the designed surface where `sample` sees it: x and y of each.
-    pub fn by_form(&self, sample: &PixelSample, work: &mut WorkCounts) -> [[f64; 2]; 3] {
+    pub(crate) fn by_form(&self, sample: &PixelSample, work: &mut WorkCounts) -> [[f64; 2]; 3] {
         let state = PerturbedState::<Dual<3>>::perfect(self.fields.len());
         let pose = PartPose::new(&state.misalignment);
         let plane = [0, 1, 2].map(|k| Dual::<3>::variable(0.0, k));
@@ -128,7 +128,7 @@ impl OpticalSystem {
     }
 
     /// The camera's ray through the pixel: a point of it and its direction, of any length.
-    pub fn ray<S: Scalar>(
+    pub(crate) fn ray<S: Scalar>(
         &self,
         sample: &PixelSample,
         misalignment: &Misalignment<S>,
@@ -151,7 +151,7 @@ impl OpticalSystem {
     }
 
     /// [`ImagingTask::locate`] for all kinds of numbers.
-    pub fn image_of_reflected<S: Scalar>(
+    pub(crate) fn image_of_reflected<S: Scalar>(
         &self,
         near: DVec2,
         at: [S; 3],

@@ -6,7 +6,7 @@ use crate::geom::{DVec2, DVec3};
 
 /// Place of the mirror that a pixel sees, as far as textures depend on it.
 #[derive(Debug, Clone, Copy)]
-pub struct TextureSite {
+pub(crate) struct TextureSite {
     /// Curvature that the tool's tracks have there, 1/mm.
     pub groove: f64,
     /// The pixel's footprint: it sees the mean of a texture over this.
@@ -15,7 +15,7 @@ pub struct TextureSite {
 
 /// Pixel that sees the mirror, and the mirror there.
 #[derive(Debug, Clone)]
-pub struct PixelSample {
+pub(crate) struct PixelSample {
     /// Its image point, mm from the axis.
     pub point: DVec2,
     /// The image point where the content that it sees belongs, of the system as designed.

@@ -51,7 +51,7 @@ impl PerturbedState<f64> {
 
 /// Pose of the part in the world: grown by `scale`, turned by `turn`, then shifted.
 #[derive(Debug, Clone)]
-pub struct PartPose<S> {
+pub(crate) struct PartPose<S> {
     /// Rows of the rotation.
     turn: [[S; 3]; 3],
     /// Shift, mm.
@@ -62,7 +62,7 @@ pub struct PartPose<S> {
 
 impl<S: Scalar> PartPose<S> {
     /// The pose that a misalignment gives the part.
-    pub fn new(misalignment: &Misalignment<S>) -> Self {
+    pub(crate) fn new(misalignment: &Misalignment<S>) -> Self {
         let m = misalignment;
         let [x, y, z] = [m.tilt_x_rad, m.tilt_y_rad, m.clocking_rad];
         let (sx, cx, sy, cy, sz, cz) = (x.sin(), x.cos(), y.sin(), y.cos(), z.sin(), z.cos());
@@ -76,12 +76,12 @@ impl<S: Scalar> PartPose<S> {
     }
 
     /// A direction of the part, in the world.
-    pub fn to_world(&self, v: [S; 3]) -> [S; 3] {
+    pub(crate) fn to_world(&self, v: [S; 3]) -> [S; 3] {
         self.turn.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
     }
 
     /// A direction of the world, in the part.
-    pub fn to_part(&self, v: [S; 3]) -> [S; 3] {
+    pub(crate) fn to_part(&self, v: [S; 3]) -> [S; 3] {
         let m = &self.turn;
         [0, 1, 2].map(|k| m[0][k] * v[0] + m[1][k] * v[1] + m[2][k] * v[2])
     }

@@ -12,7 +12,7 @@ use crate::num::Scalar;
 impl OpticalSystem {
     /// Height and slopes, where `sample` sees the designed surface, of a unit of each form error,
     /// of the waviness' cosine and sine, and of the measured form error if there is one.
-    pub fn form_units(&self, sample: &PixelSample) -> Vec<[f64; 3]> {
+    pub(crate) fn form_units(&self, sample: &PixelSample) -> Vec<[f64; 3]> {
         let at = [sample.hit.x, sample.hit.y];
         let footprint = &sample.site.footprint;
         let forms = self.fields.iter().map(|field| {
@@ -25,7 +25,7 @@ impl OpticalSystem {
     }
 
     /// The sum of form errors of these amplitudes, of waves their mean over `footprint`.
-    pub fn form_errors<S: Scalar>(
+    pub(crate) fn form_errors<S: Scalar>(
         &self,
         amplitudes: &[f64],
         footprint: &Footprint,
@@ -54,7 +54,7 @@ impl OpticalSystem {
 
     /// `sum` and the waviness, the measured form error and the tool's tracks, height and slope, as
     /// they are on `site`.
-    pub fn add_textures<S: Scalar>(
+    pub(crate) fn add_textures<S: Scalar>(
         &self,
         mut sum: [S; 3],
         state: &PerturbedState<S>,
@@ -75,19 +75,19 @@ impl OpticalSystem {
     }
 
     /// Height and slope of the tool's tracks where sample `k` sees the mirror as designed.
-    pub fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
+    pub(crate) fn tracks_at(&self, k: usize, tracks: [f64; 2]) -> [f64; 3] {
         let PixelSample { hit, site, .. } = &self.samples[k];
         self.tool.cusp(tracks, site, [hit.x, hit.y])
     }
 
     /// Whether a place of the part, before it is grown, is surely on the mirror.
-    pub fn holds(&self, at: DVec3) -> bool {
+    pub(crate) fn holds(&self, at: DVec3) -> bool {
         self.mirror.full_outline().aims(self.mirror.chart.coordinates(at).0)
     }
 
     /// Height and slope of the made surface over the designed one at a place of the part, before it
     /// is grown.
-    pub fn departure(&self, state: &PerturbedState<f64>, place: DVec3) -> [f64; 3] {
+    pub(crate) fn departure(&self, state: &PerturbedState<f64>, place: DVec3) -> [f64; 3] {
         let at = place.truncate().to_array();
         let groove = if state.tracks.is_some() { self.groove(&self.mirror, place) } else { 0.0 };
         let footprint = Footprint::POINT;
@@ -97,7 +97,7 @@ impl OpticalSystem {
 
     /// The shortest length, mm, over which this departure swings: a period, a distance of tracks or
     /// of a map's knots, half the mirror of a polynomial. None where there is no departure.
-    pub fn shortest(&self, state: &PerturbedState<f64>) -> Option<f64> {
+    pub(crate) fn shortest(&self, state: &PerturbedState<f64>) -> Option<f64> {
         let forms = state.form.iter().zip(&self.fields).filter(|(a, _)| **a != 0.0);
         let wave = state.wave.filter(|a| *a != [0.0; 2]).map(|_| period_mm(self.wave));
         let tracks = state.tracks.map(|[stepover, _]| stepover);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Designed system with the samples that stand for its picture and the form errors that it can have.
 #[derive(Debug, Clone)]
-pub struct OpticalSystem {
+pub(crate) struct OpticalSystem {
     /// The camera, as designed.
     pub camera: Camera,
     /// Projection that the picture should show.
@@ -47,7 +47,7 @@ pub struct OpticalSystem {
 
 impl OpticalSystem {
     /// The system with other samples, without polynomials of the form errors.
-    pub fn with(&self, samples: Vec<PixelSample>) -> Self {
+    pub(crate) fn with(&self, samples: Vec<PixelSample>) -> Self {
         Self {
             view: self.view.clone(),
             samples,
@@ -63,7 +63,7 @@ impl OpticalSystem {
 
     /// Z and slope of the designed surface of `mirror`, the whole one or a panel, at (X, Y) of the
     /// part, near the height `z_mm`, with derivatives as the mirror itself has them.
-    pub fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2], z_mm: f64) -> [S; 3] {
+    pub(crate) fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2], z_mm: f64) -> [S; 3] {
         let q = DVec2::new(at[0].mid(), at[1].mid());
         let Some(place) = mirror.intersect_camera_ray_near(&self.sag, q, z_mm) else {
             return [S::constant(f64::NAN); 3];
@@ -86,7 +86,7 @@ impl OpticalSystem {
     }
 
     /// Curvature of the tool's tracks at a place of the part, 1/mm; not a number off the mirror.
-    pub fn groove(&self, mirror: &Mirror, at: DVec3) -> f64 {
+    pub(crate) fn groove(&self, mirror: &Mirror, at: DVec3) -> f64 {
         let local = mirror.local_surface_over(at.truncate(), at.z);
         local.map_or(f64::NAN, |local| self.tool.curvature(local.slope.to_array(), &local.hessian))
     }

@@ -7,14 +7,14 @@ use quick_xml::events::BytesStart;
 use std::collections::BTreeMap;
 
 /// Most vertices or facets of a file: packed text may unfold to far more than memory holds.
-pub const MOST: usize = 100_000_000;
+pub(super) const MOST: usize = 100_000_000;
 /// Most objects and instances of them.
 const MOST_PARTS: usize = 100_000;
 /// Deepest nesting of objects on the build plate.
-pub const DEEPEST: usize = 16;
+pub(super) const DEEPEST: usize = 16;
 
 /// Affine map of row vectors: three rows for the axes and one for the origin.
-pub struct Transform(pub [[f64; 3]; 4]);
+pub(super) struct Transform(pub [[f64; 3]; 4]);
 
 impl Transform {
     /// From an attribute `transform` of twelve numbers.
@@ -50,7 +50,7 @@ impl Transform {
 }
 
 /// Instance of an object: its number and its transform.
-pub struct BuildItem {
+pub(super) struct BuildItem {
     object: u32,
     transform: Transform,
 }
@@ -74,7 +74,7 @@ struct ModelObject {
 }
 
 /// The model part of a package: unit, objects and build, without materials and metadata.
-pub struct ThreeMfModel {
+pub(super) struct ThreeMfModel {
     /// Length of its unit, mm.
     pub unit_mm: f64,
     objects: BTreeMap<u32, ModelObject>,
@@ -94,7 +94,7 @@ impl Default for ThreeMfModel {
 
 impl ThreeMfModel {
     /// Takes in an element of the model part.
-    pub fn add(&mut self, element: &BytesStart) -> Result<(), String> {
+    pub(super) fn add(&mut self, element: &BytesStart) -> Result<(), String> {
         match element.local_name().as_ref() {
             "vertex" => {
                 let vertices = &mut self.object()?.vertices;
@@ -151,7 +151,7 @@ impl ThreeMfModel {
 
     /// Numbers of vertices and facets of instances with all that they consist of; `None` if an object is
     /// unknown, nested too deep, or they are too many.
-    pub fn size(&self, items: &[BuildItem], depth: usize) -> Option<[usize; 2]> {
+    pub(super) fn size(&self, items: &[BuildItem], depth: usize) -> Option<[usize; 2]> {
         items.iter().try_fold([0, 0], |sum: [usize; 2], item| {
             let object = self.objects.get(&item.object).filter(|_| depth < DEEPEST)?;
             let parts = self.size(&object.components, depth + 1)?;
@@ -191,24 +191,24 @@ fn ensure_few(count: usize) -> Result<(), String> {
 }
 
 /// Facets of the whole build in millimetres, vertices at the same place joined.
-pub struct BuildMesh {
+pub(super) struct BuildMesh {
     welder: Welder,
     count: usize,
 }
 
 impl BuildMesh {
     /// An empty mesh with room for so many vertices and facets; `None` if memory does not hold them.
-    pub fn reserved(vertices: usize, facets: usize) -> Option<Self> {
+    pub(super) fn reserved(vertices: usize, facets: usize) -> Option<Self> {
         Some(Self { welder: Welder::reserved(vertices, facets)?, count: 0 })
     }
 
     /// The mesh of all instances that were added.
-    pub fn finish(self) -> TriMesh {
+    pub(super) fn finish(self) -> TriMesh {
         self.welder.finish()
     }
 
     /// Adds an instance and all that its object consists of, transformed by its own map and `next`.
-    pub fn add(
+    pub(super) fn add(
         &mut self,
         model: &ThreeMfModel,
         item: &BuildItem,

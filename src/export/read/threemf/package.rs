@@ -61,7 +61,7 @@ pub enum ThreeMfError {
 ///
 /// # Errors
 /// [`ThreeMfError`] of the package, of the XML, or of what `visit` says.
-pub fn model_elements(
+pub(super) fn model_elements(
     bytes: &[u8],
     visit: impl FnMut(&BytesStart) -> Result<(), String>,
 ) -> Result<(), ThreeMfError> {
@@ -198,7 +198,7 @@ fn next<'b>(
 }
 
 /// The text of an attribute, if there is one.
-pub fn attribute(element: &BytesStart, name: &str) -> Result<Option<String>, String> {
+pub(super) fn attribute(element: &BytesStart, name: &str) -> Result<Option<String>, String> {
     for attribute in element.attributes().with_checks(false) {
         let attribute = attribute.map_err(|error| error.to_string())?;
         if attribute.key.0 == name {
@@ -209,7 +209,7 @@ pub fn attribute(element: &BytesStart, name: &str) -> Result<Option<String>, Str
 }
 
 /// The numbers that an element's attributes hold.
-pub fn numbers<T: FromStr + Copy, const N: usize>(
+pub(super) fn numbers<T: FromStr + Copy, const N: usize>(
     element: &BytesStart,
     names: [&str; N],
 ) -> Result<[T; N], String> {

@@ -5,7 +5,7 @@ use crate::geom::turn;
 
 /// A collapse that makes the triangles around a vertex better.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Collapse {
+pub(crate) struct Collapse {
     /// The vertex that is removed.
     from: u32,
     /// The neighbour into which it is drawn.
@@ -16,13 +16,13 @@ pub struct Collapse {
 
 impl<C: VertexModel> EditableTriangulation<'_, C> {
     /// Whether triangle `t` has been removed by a collapse.
-    pub fn is_removed(&self, t: u32) -> bool {
+    pub(crate) fn is_removed(&self, t: u32) -> bool {
         self.triangles[t as usize][0] == NONE
     }
 
     /// The collapse of an edge of triangle `t` that leaves the smallest oversize, if that is under `most` and smaller
     /// than it was.
-    pub fn best_collapse(&self, t: u32, most: f64) -> Option<Collapse> {
+    pub(crate) fn best_collapse(&self, t: u32, most: f64) -> Option<Collapse> {
         let [a, b, c] = self.triangles[t as usize];
         let directed = [[a, b], [b, a], [b, c], [c, b], [c, a], [a, c]];
         let found = directed.into_iter().filter_map(|edge| self.collapse_of(edge));
@@ -60,7 +60,7 @@ impl<C: VertexModel> EditableTriangulation<'_, C> {
     }
 
     /// Collapses an edge; all triangles that were around the removed vertex, changed or removed.
-    pub fn collapse(&mut self, Collapse { from, into, .. }: Collapse) -> Vec<u32> {
+    pub(crate) fn collapse(&mut self, Collapse { from, into, .. }: Collapse) -> Vec<u32> {
         let around: Vec<u32> = self.around(from).collect();
         for &t in &around {
             self.detach(t as usize);
@@ -78,7 +78,7 @@ impl<C: VertexModel> EditableTriangulation<'_, C> {
     }
 
     /// The vertices that are left and their triangles, in the order in which they came.
-    pub fn into_parts(self) -> (Vec<C>, Vec<[u32; 3]>) {
+    pub(crate) fn into_parts(self) -> (Vec<C>, Vec<[u32; 3]>) {
         let mut places = vec![NONE; self.vertices.len()];
         let mut points = Vec::with_capacity(self.vertices.len());
         for (v, point) in self.vertices.into_iter().enumerate() {

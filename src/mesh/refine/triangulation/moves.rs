@@ -18,7 +18,7 @@ struct VertexMove<'n, 'a, C> {
 impl<C: VertexModel> EditableTriangulation<'_, C> {
     /// A position with smaller errors around the inner vertex `v`, if one of them is over the oversize `threshold`.
     /// Steps are measured in `cell`s; `vertex` is the vertex at a position.
-    pub fn better_position(
+    pub(crate) fn better_position(
         &self,
         v: u32,
         threshold: f64,
