@@ -33,7 +33,7 @@ pub struct Verify<'a> {
 pub struct VerifyOptions {
     /// The unit of its coordinates; none: by its size.
     pub units: Option<LengthUnit>,
-    /// FittedMirror its pose first, judge it as a measured part, and write the form error's map and the report
+    /// Fit its pose first, judge it as a measured part, and write the form error's map and the report
     /// into NAME-verify. Otherwise nothing is written.
     pub align: bool,
 }
