@@ -45,8 +45,7 @@ pub enum Effort {
 /// Builds the profile of `source` into `out`/NAME.
 ///
 /// # Errors
-/// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed but for new, empty
-/// folders.
+/// [`enum@Error`] when a stage cannot be done; then nothing under `out` has changed.
 pub fn build(source: &Profile, out: &Path, observer: &dyn Observer) -> Result<BuildReport, Error> {
     BuildOptions::default().publish(source, out, observer)
 }

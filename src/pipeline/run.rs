@@ -38,7 +38,7 @@ pub trait Command {
     ///
     /// # Errors
     /// [`enum@Error`] when the folder cannot be written to, before any work, or a stage cannot be done;
-    /// then nothing under `out` has changed but for new, empty folders.
+    /// then nothing under `out` has changed.
     fn publish(
         &self,
         profile: &Profile,

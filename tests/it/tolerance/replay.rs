@@ -96,7 +96,7 @@ fn a_replayed_trial_has_the_figures_of_the_run_and_its_files_show_them() {
 
         // The pose is complete, and its motion is what its angles say.
         let count = |table: &str| pose[table].as_object().unwrap().len();
-        assert_eq!([count("part"), count("camera"), count("in_the_files")], [6, 5, 2]);
+        assert_eq!([count("part"), count("camera"), count("in_the_files")], [6, 6, 2]);
         let error = |table: &str, key: &str| {
             let drawn = report["errors"].as_array().unwrap().iter();
             let drawn = drawn.clone().find(|e| e["source"] == key).unwrap();
