@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(around(&[]), 0.1..10.0);
     }
 
-    /// AnswerRows of pixels.
+    /// Rows of pixels.
     fn pixels(png: Vec<u8>) -> Vec<Vec<[u8; 3]>> {
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         let mut rgb = vec![0; reader.output_buffer_size().unwrap()];

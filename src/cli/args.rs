@@ -378,7 +378,7 @@ pub(super) enum PrintFormat {
     Json,
 }
 
-/// UnitArg of length.
+/// Unit of length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UnitArg {
     /// Millimetres

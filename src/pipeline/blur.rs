@@ -83,7 +83,7 @@ impl Lens {
     }
 }
 
-/// SpotFacts of all pixels through a lens.
+/// Spots of all pixels through a lens.
 struct LensSpots<'a> {
     design: &'a Design,
     /// The aperture's radius.

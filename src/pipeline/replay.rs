@@ -374,7 +374,7 @@ fn objections(found: &ReplayFile, smooth: &Displacement, criterion: Criterion) -
         [("as made", shown.as_made, smooth.as_made), ("adjusted", shown.adjusted, smooth.adjusted)]
     {
         let (shown, smooth) = (shown.by(criterion), smooth.by(criterion));
-        // AtPrecision that are all there is would meet their own error to rounding.
+        // Facets that are all there is would meet their own error to rounding.
         if !((shown - smooth).abs() <= facets_px * (1.0 + 1e-3)) {
             faults.push(format!(
                 "{what} it shows {shown:.6} px where the made surface has {smooth:.6} px, off by \

@@ -121,7 +121,7 @@ impl SolidFacts {
 /// What a sag table holds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SagFacts {
-    /// AnswerRows of X, Y, Z and normal.
+    /// Rows of X, Y, Z and normal.
     pub rows: usize,
     /// Largest difference of Z from the design, mm.
     pub height_error_mm: f64,

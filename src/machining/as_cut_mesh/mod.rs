@@ -1,6 +1,6 @@
 //! A lattice over the face along the lines of a raster, as a mesh of the as-cut surface.
 //!
-//! LatticeRows run along the raster's lines, several to a stepover, one of them along the cusps; further rows
+//! Rows run along the raster's lines, several to a stepover, one of them along the cusps; further rows
 //! go through the corners of the outline and wherever its sides bend. Between two rows the face is a
 //! set of strips, whose sides are taken for straight, and each strip is triangulated from side to side.
 //! Then the rows are snapped onto the cusps, but for their ends and those that the outline needs.
@@ -17,7 +17,7 @@ use crate::parallel;
 use outlines::Polygon;
 use strips::LatticeRows;
 
-/// LatticeRows to a stepover.
+/// Rows to a stepover.
 pub const ROWS: usize = 8;
 /// How many facets a lattice of this step along the lines would have, about.
 #[must_use]

@@ -1,4 +1,4 @@
-//! LatticeRows across a face, and the strips between them.
+//! Rows across a face, and the strips between them.
 
 use super::outlines::Polygon;
 use crate::geom::{DVec2, turn};
@@ -9,7 +9,7 @@ const STRAIGHT: f64 = 2e-5;
 /// One side of a strip: where it meets the row below and the row above.
 pub(super) type StripSide = [f64; 2];
 
-/// LatticeRows and the strips between them.
+/// Rows and the strips between them.
 #[derive(Debug)]
 pub(super) struct LatticeRows {
     /// y of each row.
