@@ -2,9 +2,7 @@
 //!
 //! `cargo run --release --example tolerance_study -- conquistador`
 
-use morion::internals::pipeline::{Command, Silent, ToleranceOptions, load};
-use morion::internals::profile::shipped;
-use morion::internals::tolerance::SourceFacts;
+use morion::{Command, Profile, Silent, ToleranceOptions, shipped};
 
 const PROCESSES: [&str; 6] =
     ["spdt", "polished", "ultra-precision-cnc", "precision-cnc", "standard-cnc", "sla-print"];
@@ -25,10 +23,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &path,
             format!("{text}\n[tolerance]\npreset = \"{process}\"\nbudget_px = 1\n"),
         )?;
-        let source = load(&path.to_string_lossy())?;
-        let study = trials.publish(&source, folder.path(), &Silent)?.study;
-        let share = |source: &&SourceFacts| source.share_of_variance;
-        let worst = study.sources.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+        let profile = Profile::load(&path.to_string_lossy())?;
+        let study = trials.publish(&profile, folder.path(), &Silent)?.study;
+        let sources = study.sources.iter();
+        let worst = sources.max_by(|a, b| a.share_of_variance.total_cmp(&b.share_of_variance));
         println!(
             "  {process:<20} P95 {:>7.3} px   yield {:>5.1} %   most: {}",
             study.adjusted.p95_px,

@@ -10,11 +10,17 @@ use std::path::{Component, Path};
 const MOST_BYTES: u64 = 8_000_000_000;
 
 /// Reads a whole file.
+///
+/// # Errors
+/// [`FileError`] when it cannot be read.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     read_at_most(path, MOST_BYTES)
 }
 
 /// Reads a whole file, unless it has more bytes than that; then none of them is kept.
+///
+/// # Errors
+/// [`FileError`] when it cannot be read, or is longer.
 pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     let run = || -> io::Result<Vec<u8>> {
         let file = File::open(path)?;
@@ -36,6 +42,9 @@ pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
 
 /// Reads a whole file that another file names, as [`read_at_most`] does. Pipes and devices, which may
 /// wait or run without end, are for the user alone to name.
+///
+/// # Errors
+/// [`FileError`] when it cannot be read, is longer, or is no regular file.
 pub fn read_named(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     if std::fs::metadata(path).is_ok_and(|facts| !facts.is_file() && !facts.is_dir()) {
         let text = "a file names it, and it is a pipe or a device; name a regular file there";
@@ -46,6 +55,9 @@ pub fn read_named(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
 
 /// Reads a whole file that a file in `folder` names. Unless `outside` is allowed it must be below that
 /// folder, wherever links lead.
+///
+/// # Errors
+/// [`FileError`] as of [`read_named`], and for a file elsewhere.
 pub fn read_below(folder: &Path, name: &Path, outside: bool) -> Result<Vec<u8>, FileError> {
     let path = folder.join(name);
     let home = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
