@@ -97,8 +97,11 @@ fn is_temporary(name: &str) -> bool {
     name.starts_with(".morion-") && name.ends_with(".tmp")
 }
 
-/// How many files under temporary names there are.
+/// How many files under temporary names there are; none where there is no folder.
 pub fn temporary(folder: &Path) -> usize {
+    if !folder.exists() {
+        return 0;
+    }
     let entries = std::fs::read_dir(folder).unwrap();
     entries
         .filter(|entry| is_temporary(&entry.as_ref().unwrap().file_name().to_string_lossy()))
