@@ -8,7 +8,7 @@ use crate::pipeline::{
     ReplayOptions, Silent, ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions, dry_run,
 };
 use crate::profile::Profile;
-use crate::report::{
+use crate::results::{
     BlurReport, BuildForecast, BuildReport, FrameReport, MachiningReport, RenderReport,
     ReplayReport, ToleranceReport, UnwrapReport, VerifyReport,
 };

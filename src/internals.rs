@@ -53,6 +53,9 @@ pub mod render {
 pub mod report {
     pub use crate::report::*;
 }
+pub mod results {
+    pub use crate::results::*;
+}
 pub mod solid {
     pub use crate::solid::*;
 }

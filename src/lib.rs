@@ -80,6 +80,7 @@ mod mirror;
 mod num;
 mod optics;
 mod parallel;
+mod part;
 mod pencil;
 mod pipeline;
 mod profile;
@@ -87,11 +88,13 @@ mod publish;
 mod raster;
 mod render;
 mod report;
+mod results;
 mod solid;
 mod tolerance;
 mod tolerance_terms;
 mod trace;
 mod unwrap;
+mod verdict;
 
 pub use design::{Design, DesignError};
 pub use export::Label;
@@ -105,9 +108,10 @@ pub use pipeline::{
     ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
-pub use report::{
-    Answer, BlurReport, BuildForecast, BuildReport, FrameReport, MachiningReport, Reason,
-    ReasonKind, RenderReport, ReplayReport, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
+pub use report::Answer;
+pub use results::{
+    BlurReport, BuildForecast, BuildReport, FrameReport, MachiningReport, Reason, ReasonKind,
+    RenderReport, ReplayReport, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
 };
 pub use solid::{Solid, SolidError};
 

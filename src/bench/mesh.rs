@@ -1,6 +1,8 @@
 //! Limits of the mesh against the errors that are proven of it, its size, time and memory.
 
-use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
+use super::{
+    BenchError, BenchRun, BenchSweep, ConvergenceOrder, Subject, convergence_order, run, timed,
+};
 use crate::geom::Precision;
 use crate::mesh::{Face, Limits, forecast, mesh};
 use crate::num::{exp, log};
@@ -70,6 +72,12 @@ pub(super) fn sweep(
             runs.push(run((subject.name(), ""), limit, time_ms, reached / unit_mm, figures));
         }
     }
+    let orders = orders(&runs, per_triangle);
+    Ok(BenchSweep { name, about, setting, error, runs, orders })
+}
+
+/// Orders of error and time in the number of triangles, of meshes that are not mostly overhead.
+fn orders(runs: &[BenchRun], per_triangle: f64) -> Vec<ConvergenceOrder> {
     let large: Vec<_> =
         runs.iter().filter(|run| run.figures["triangles"] > FITTED).cloned().collect();
     let orders = [
@@ -81,8 +89,7 @@ pub(super) fn sweep(
         }),
         convergence_order(&large, "error ~ time", per_triangle, |run| (run.time_ms, run.error)),
     ];
-    let orders = orders.into_iter().flatten().collect();
-    Ok(BenchSweep { name, about, setting, error, runs, orders })
+    orders.into_iter().flatten().collect()
 }
 
 fn limits(rule: GoverningLimit, limit_mm: f64) -> Limits {

@@ -138,20 +138,26 @@ pub fn bench(
     }
     let bench = BenchReport { schema: 2, sweeps, suggestions };
     clock.stage(Stage::Report, || {
-        let fail = |error: Box<dyn std::error::Error>| BenchError::Plot(error.to_string());
-        for sweep in &bench.sweeps {
-            let (svg, png) = (sweep.svg().map_err(fail)?, sweep.png().map_err(fail)?);
-            let made = [("csv", sweep.csv().into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
-            for (ending, bytes) in made {
-                let name = format!("{}.{ending}", sweep.name);
-                files.add_bytes(&name, &bytes)?;
-            }
-        }
-        files.add_report("bench.json", &bench.json())?;
+        add_files(&bench, &mut files)?;
         files.commit()?;
         Ok::<_, BenchError>(((), files.place()))
     })?;
     Ok(bench)
+}
+
+/// Adds each sweep's table and plots, and all as JSON.
+fn add_files(bench: &BenchReport, files: &mut Transaction) -> Result<(), BenchError> {
+    let fail = |error: Box<dyn std::error::Error>| BenchError::Plot(error.to_string());
+    for sweep in &bench.sweeps {
+        let (svg, png) = (sweep.svg().map_err(fail)?, sweep.png().map_err(fail)?);
+        let made = [("csv", sweep.csv().into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
+        for (ending, bytes) in made {
+            let name = format!("{}.{ending}", sweep.name);
+            files.add_bytes(&name, &bytes)?;
+        }
+    }
+    files.add_report("bench.json", &bench.json())?;
+    Ok(())
 }
 
 /// The median time of some runs, after one that is not counted, in ms; and what the first made.

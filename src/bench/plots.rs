@@ -72,53 +72,96 @@ impl BenchSweep {
             .x_desc("run time, ms")
             .y_desc(self.error)
             .draw()?;
-        let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
-        profiles.dedup();
-        let (width, height) = root.dim_in_pixel();
-        let legend = width as i32 - NAMES;
-        let mut line = 48;
-        for (k, profile) in profiles.iter().enumerate() {
-            let hue = k as f64 / profiles.len() as f64;
-            let colour = HSLColor(hue, 0.9, 0.38).to_rgba();
-            let mut series: Vec<&str> = Vec::new();
-            for run in runs.iter().filter(|run| run.profile == *profile) {
-                if !series.contains(&&*run.series) {
-                    series.push(&run.series);
-                }
+        let mut line = FIRST_LINE;
+        for curve in curves(&runs) {
+            let points = || curve.runs.iter().map(|run| (run.time_ms, run.error));
+            let stroke = curve.colour.stroke_width(2);
+            if curve.dash == 0 {
+                chart.draw_series(LineSeries::new(points(), stroke))?;
+            } else {
+                let points: Vec<(f64, f64)> = points().collect();
+                let [ink, gap] = curve.strokes();
+                chart.draw_series(DashedLineSeries::new(points, ink, gap, stroke))?;
             }
-            for (dash, series) in series.iter().enumerate() {
-                let points: Vec<(f64, f64)> = runs
-                    .iter()
-                    .filter(|run| run.profile == *profile && run.series == *series)
-                    .map(|run| (run.time_ms, run.error))
-                    .collect();
-                let stroke = colour.stroke_width(2);
-                let (ink, gap) = (12 - 2 * (dash as i32).min(4), 4 * dash as i32);
-                if dash == 0 {
-                    chart.draw_series(LineSeries::new(points.iter().copied(), stroke))?;
-                } else {
-                    chart.draw_series(DashedLineSeries::new(points.clone(), ink, gap, stroke))?;
-                }
-                chart.draw_series(points.iter().map(|&at| Circle::new(at, 2, colour.filled())))?;
-                if line < height as i32 - 20 {
-                    let name = match series.is_empty() {
-                        true => (*profile).to_owned(),
-                        false => format!("{profile}, {series}"),
-                    };
-                    for at in (0..PIECE).step_by((ink + gap) as usize) {
-                        let end = if dash == 0 { PIECE } else { PIECE.min(at + ink) };
-                        let dash = [(legend + at, line + 5), (legend + end, line + 8)];
-                        root.draw(&Rectangle::new(dash, colour.filled()))?;
-                    }
-                    root.draw(&Text::new(name, (legend + PIECE + 6, line), font))?;
-                    line += 17;
-                }
-            }
-            let best = runs.iter().filter(|run| run.profile == *profile && run.pareto);
+            chart.draw_series(points().map(|at| Circle::new(at, 2, curve.colour.filled())))?;
+            let best = curve.runs.iter().filter(|run| run.pareto);
             let ring =
                 |run: &&BenchRun| Circle::new((run.time_ms, run.error), 5, BLACK.stroke_width(1));
             chart.draw_series(best.map(ring))?;
+            curve.draw_name(root, line)?;
+            line += LINE;
         }
+        Ok(())
+    }
+}
+
+/// The line of the first curve's name, and from line to line, pixels.
+const FIRST_LINE: i32 = 48;
+const LINE: i32 = 17;
+
+/// The runs of a profile and series.
+struct Curve<'a> {
+    name: String,
+    colour: RGBAColor,
+    /// Number of the series among those of its profile.
+    dash: usize,
+    runs: Vec<&'a BenchRun>,
+}
+
+/// The curves of a sweep, each profile's in a colour of its own.
+fn curves<'a>(runs: &[&'a BenchRun]) -> Vec<Curve<'a>> {
+    let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
+    profiles.dedup();
+    let mut curves = Vec::new();
+    for (k, profile) in profiles.iter().enumerate() {
+        let of_profile = || runs.iter().copied().filter(|run| run.profile == *profile);
+        let colour = HSLColor(k as f64 / profiles.len() as f64, 0.9, 0.38).to_rgba();
+        let mut series: Vec<&str> = Vec::new();
+        for run in of_profile() {
+            if !series.contains(&&*run.series) {
+                series.push(&run.series);
+            }
+        }
+        curves.extend(series.iter().enumerate().map(|(dash, series)| {
+            let runs = of_profile().filter(|run| run.series == *series).collect();
+            let name = match series.is_empty() {
+                true => (*profile).to_owned(),
+                false => format!("{profile}, {series}"),
+            };
+            Curve { name, colour, dash, runs }
+        }));
+    }
+    curves
+}
+
+impl Curve<'_> {
+    /// Lengths of the strokes and of the gaps between them, pixels.
+    fn strokes(&self) -> [i32; 2] {
+        let dash = self.dash as i32;
+        [12 - 2 * dash.min(4), 4 * dash]
+    }
+
+    /// Draws a piece of the curve and its name, unless the drawing ends above.
+    fn draw_name<B: DrawingBackend>(
+        &self,
+        root: &DrawingArea<B, Shift>,
+        line: i32,
+    ) -> Result<(), Failure>
+    where
+        B::ErrorType: 'static,
+    {
+        let (width, height) = root.dim_in_pixel();
+        if line >= height as i32 - 20 {
+            return Ok(());
+        }
+        let ([ink, gap], legend) = (self.strokes(), width as i32 - NAMES);
+        for at in (0..PIECE).step_by((ink + gap) as usize) {
+            let end = if self.dash == 0 { PIECE } else { PIECE.min(at + ink) };
+            let dash = [(legend + at, line + 5), (legend + end, line + 8)];
+            root.draw(&Rectangle::new(dash, self.colour.filled()))?;
+        }
+        let font = ("sans-serif", LETTERS);
+        root.draw(&Text::new(self.name.clone(), (legend + PIECE + 6, line), font))?;
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! Benchmark results as JSON, CSV and a table.
 
-use crate::report::{Answer, AnswerRows, Head, ToRows, digits};
+use crate::report::{Answer, AnswerRows, Head, ToRows};
+use crate::results::digits;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -3,8 +3,9 @@
 use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
 use crate::design::Design;
 use crate::optics::Camera;
-use crate::pipeline::{Run, Silent, above, build_in_memory, expected_rays};
+use crate::pipeline::{Run, Silent, build_in_memory};
 use crate::trace::{CameraTrace, Scene, TraceResult};
+use crate::verdict::expected_rays;
 use std::convert::Infallible;
 
 /// Pixels to the side, as shares of the camera's own; and those of the truth.
@@ -51,7 +52,7 @@ fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
     let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
     let pixel_mm = own.pixel_mm * f64::from(own.pixels[0]) / f64::from(pixels[0]);
     let scaled = Design { camera: Camera { pixels, pixel_mm, ..*own }, ..design.clone() };
-    let trace = CameraTrace::new(scene, &scaled.camera, above(scene));
+    let trace = CameraTrace::new(scene, &scaled.camera, scene.above_mm());
     let table = expected_rays(&scaled, 0.0);
     let (witness, _) = TraceResult::new(&trace, None, design.view.as_ref(), table);
     let found = witness.summary(|pixel| pixel.errors.map(|errors| errors.image_mm));

@@ -8,7 +8,7 @@ use crate::pipeline::{
     BlurOptions, BuildOptions, Effort, FrameOptions, MachiningOptions, MapFormat, RenderOptions,
     ReplayOptions, Rows, ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions,
 };
-use crate::report::Aperture;
+use crate::results::Aperture;
 use std::num::NonZeroUsize;
 
 impl BuildArgs {

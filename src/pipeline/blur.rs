@@ -1,12 +1,15 @@
 //! `morion blur`: how large a spot each pixel sees through a lens of a given aperture.
 
 use super::run::{Command, Run};
-use super::{Error, Stage, sharpness};
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::Chart;
 use crate::pencil::{BlurEllipse, Quantiles, best_focus, map_pencils, quantiles};
 use crate::profile::Profile;
-use crate::report::{Answer, Aperture, BlurReport, FocusPlane, SpotFacts, VirtualImages};
+use crate::report::Answer;
+use crate::results::Aperture;
+use crate::results::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
+use crate::verdict::sharpness;
 
 /// How the blur is worked out: writes `blur.json` and `blur.png` into NAME.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -2,23 +2,21 @@
 
 use super::build_cache::{self, BuildRecord, Output};
 use super::cad_exports::{CadCheck, CadExport, cad_exports, check_export};
-use super::camera_view::{CameraView, Distance, picture};
-use super::check_file::{FileCheck, check_file};
+use super::check_file::check_file;
 use super::dry_run::{check_room, least_bytes};
-use super::face::{Refusal, left_out, meshed};
-use super::mesh_files::{MeshFiles, label, write_meshes};
+use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
 use super::run::{Command, Run};
-use super::size_warnings::SizeWarnings;
-use super::verdict::{self, Findings};
 use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::export::Label;
 use crate::geom::Precision;
 use crate::mirror::{Form, Surface};
+use crate::part::{Refusal, SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
-use crate::render::{TestWorld, World};
-use crate::report::{BuildReport, Reason, SCHEMA, SharpnessFacts, StepFacts};
+use crate::render::{CameraView, Distance, TestWorld, World, camera_picture};
+use crate::results::{BuildReport, Reason, SCHEMA, SharpnessFacts, StepFacts};
+use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
 
 /// How much of a build's work is done: it writes every file that the profile asks for into NAME, with
@@ -110,7 +108,11 @@ impl Made {
     ) -> Result<Self, Error> {
         let face = match run.stage(Stage::Mesh, || meshed(run, design)) {
             Ok(face) => Ok(face),
-            Err(error) => Err(left_out(run.profile, error)?),
+            Err(Error::Mesh { source, .. }) => {
+                let left_out = left_out(run.profile, source.into());
+                Err(left_out.map_err(|error| Error::face(run.profile, error))?)
+            }
+            Err(error) => return Err(error),
         };
         let label = label(design, face.as_ref().ok().map(|face| &face.made.bound));
         let meshes = match face {
@@ -192,7 +194,7 @@ struct Checked {
 fn painted(run: &Run, design: &Design, view: CameraView) -> Result<Vec<u8>, Error> {
     let world = TestWorld::new();
     let world = (&world as &dyn World, Distance::Target);
-    Ok(run.painted(|| picture(design, view, world, 2))?.1)
+    Ok(run.painted(|| camera_picture(design, view, world, 2))?.1)
 }
 
 /// Counts what the design's symmetry saved.

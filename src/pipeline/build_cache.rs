@@ -4,7 +4,7 @@ use super::observer::{StageTimer, Work};
 use crate::profile::FileFormat;
 use crate::profile::Profile;
 use crate::publish::HashingWriter;
-use crate::report::BuildReport;
+use crate::results::BuildReport;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};

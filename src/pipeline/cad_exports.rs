@@ -1,17 +1,18 @@
 //! Files of the mirror as designed, not of a mesh: how each is written, foreseen, and checked after
 //! it was written.
 
-use super::formats::cad;
 use super::run::Run;
-use super::{Error, Stage, verdict};
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::step::{FittedMirror, fit_splines, write_step};
 use crate::export::{ByteCounter, Label, compare_sag, read_sag, sag_bytes, sag_points, write_sag};
 use crate::geom::ScanPath;
 use crate::mirror::{Departure, Form};
+use crate::part::cad;
 use crate::profile::{self, CadFormat, Profile};
 use crate::publish::sha256;
-use crate::report::{FileFacts, Reason, ReasonKind, SagFacts, StepFacts};
+use crate::results::{FileFacts, Reason, ReasonKind, SagFacts, StepFacts};
+use crate::verdict;
 use std::io::{self, Write};
 
 /// A file of the mirror as designed.

@@ -1,11 +1,8 @@
 //! A build without its files: how large everything would be.
 
 use super::cad_exports::{CadExport, cad_exports};
-use super::face::{self, AtPrecision, Refusal, added_to, left_out};
-use super::formats::{self, MeshCodec, codec};
 use super::mesh_files::label;
 use super::run::Run;
-use super::size_warnings::SizeWarnings;
 use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::export::{ByteCounter, Label, MeshCounts};
@@ -13,8 +10,9 @@ use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::num::units::{Mm, Um};
+use crate::part::{self, AtPrecision, MeshCodec, Refusal, SizeWarnings, added_to, codec, left_out};
 use crate::profile::{MeshFormat, Profile};
-use crate::report::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
+use crate::results::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
 use crate::solid::Solid;
 
 /// Foresees what `build` would make of the profile of `source`. Touches no file.
@@ -47,7 +45,7 @@ const SURE: f64 = 0.8;
 /// mirror.
 pub(super) fn least_bytes(profile: &Profile) -> u64 {
     const PER_TRIANGLE: u64 = 9;
-    let meshes = formats::meshes(profile).count() as u64;
+    let meshes = part::meshes(profile).count() as u64;
     // Of the number of triangles most is spent, and no format has fewer bytes for each.
     let triangles = profile.mesh.max_triangles().map_or(0.0, |most| SURE * most as f64) as u64;
     PAGES + meshes * triangles * PER_TRIANGLE
@@ -80,10 +78,11 @@ fn planned(
     profile: &Profile,
     design: &Design,
 ) -> Result<Result<AtPrecision<MeshPlan>, Refusal>, Error> {
-    match face::plan(profile, design) {
+    let found = match part::plan(profile, design) {
         Ok(plan) => Ok(Ok(plan)),
         Err(error) => left_out(profile, error).map(Err),
-    }
+    };
+    found.map_err(|error| Error::face(profile, error))
 }
 
 /// As long as the label of the build, whose bounds are not known yet.

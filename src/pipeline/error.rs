@@ -7,10 +7,12 @@ use crate::design::DesignError;
 use crate::export::step::FitError;
 use crate::machining::MachiningError;
 use crate::mesh::MeshError;
-use crate::profile::MeshFormat;
+use crate::part::FaceError;
+use crate::profile::{MeshFormat, Profile};
 use crate::publish::FileError;
 use crate::raster::RasterError;
 use crate::solid::SolidError;
+use crate::tolerance::TracksError;
 use crate::unwrap::{MapEncodingError, UnwrapError};
 use std::path::PathBuf;
 use thiserror::Error;
@@ -122,18 +124,12 @@ pub enum Error {
         profile: String,
     },
     /// A cutter does not reach from track to track.
-    #[error(
-        "cannot tolerance {profile}: a ball of {ball_radius_mm} mm does not reach from track to \
-         track {stepover_mm} mm apart; raise tolerance.ball_radius_mm, or lower \
-         tolerance.limits.stepover_mm"
-    )]
+    #[error("cannot tolerance {profile}: {source}")]
     Tracks {
         /// Profile name.
         profile: String,
-        /// From track to track, mm.
-        stepover_mm: f64,
-        /// Radius of the ball, mm.
-        ball_radius_mm: f64,
+        /// Of which radius, and how far.
+        source: TracksError,
     },
     /// A measured form error that is none of this mirror.
     #[error("cannot take tolerance.map_file {file}: {reason}")]
@@ -201,6 +197,22 @@ pub enum Error {
         /// The file.
         path: String,
     },
+}
+
+impl Error {
+    /// That there is no face as `profile` asks for it.
+    pub(super) fn face(profile: &Profile, error: FaceError) -> Self {
+        let profile = profile.name.clone();
+        match error {
+            FaceError::Mesh(source) => Self::Mesh { profile, source },
+            FaceError::Single(reason) => Self::Single { profile, reason },
+        }
+    }
+
+    /// That the cutter of `profile` does not reach from track to track.
+    pub(super) fn tracks(profile: &Profile, source: TracksError) -> Self {
+        Self::Tracks { profile: profile.name.clone(), source }
+    }
 }
 
 /// Why a photo cannot be unwrapped.

@@ -1,17 +1,18 @@
 //! `morion frame`: a build up to the witness, in memory, and what the sensor's pixels are
 //! good for.
 
-use super::check_file::{pixel_classes, tolerance_px};
 use super::in_memory_build::{InMemoryBuild, build_in_memory};
 use super::run::{Command, Run};
-use super::{Error, Stage, remedy, verdict};
+use super::{Error, Stage};
 use crate::design::{Design, design};
 use crate::optics::{Camera, CameraModel};
 use crate::parallel;
 use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
-use crate::report::{Answer, FrameReport, PixelSolidAngle, RoundMirror};
+use crate::report::Answer;
+use crate::results::{FrameReport, PixelSolidAngle, RoundMirror};
 use crate::trace::{Coverage, FrameFill, MinMeanMax};
+use crate::verdict::{self, pixel_classes, tolerance_px};
 
 /// How the frame's filling is checked: designs, meshes, closes, writes in memory, reads back and traces the
 /// mirror, and writes `frame.json`, `frame.csv` and `frame.png` into NAME.
@@ -77,7 +78,7 @@ fn no_projection(profile: &Profile) -> Error {
 
 /// That fewer pixels than `min` are filled.
 fn unfilled(profile: &Profile, frame: &FrameFill, min: f64) -> Option<String> {
-    let way = || remedy::filling(profile).map_or(String::new(), |way| format!("; {way}"));
+    let way = || verdict::filling(profile).map_or(String::new(), |way| format!("; {way}"));
     (!(frame.filled >= min)).then(|| {
         format!(
             "{:.3} % of the frame see their part of the world within {} px, under the {:.3} % asked for{}",

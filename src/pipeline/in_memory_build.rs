@@ -1,14 +1,13 @@
 //! A build up to the ray trace, in memory: what would be written is read back and traced.
 
-use super::camera_view::TracedMesh;
 use super::check_file::check_file;
-use super::face::{Promise, meshed};
-use super::formats::codec;
-use super::mesh_files::{close, label};
+use super::mesh_files::{close, label, meshed};
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
+use crate::part::{Promise, codec};
 use crate::profile::MeshFormat;
+use crate::render::TracedMesh;
 use crate::trace::FrameFill;
 
 /// The mesh that a build would write first, as it is read back.

@@ -1,13 +1,10 @@
 //! `morion machining`: what a ball cutter makes of a profile's mirror: the survey, the map of where the ball
 //! does not fit, and the as-cut part, written, read back and traced.
 
-use super::check_file::{FileCheck, check_file};
-use super::cutter_survey::{CutterSurvey, MachiningOptions};
-use super::face::Promise;
-use super::formats::codec;
+use super::check_file::check_file;
 use super::mesh_files::labelled;
 use super::run::{Command, Run};
-use super::{Error, Stage, verdict};
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::stl_bytes;
 use crate::geom::TriMesh;
@@ -17,10 +14,13 @@ use crate::machining::{
 };
 use crate::mirror::Mirror;
 use crate::num::rounding::ceil_two_digits;
+use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::publish::sha256;
-use crate::report::{Answer, AsCutFacts, FileFacts, MachiningReport, gouge_picture};
+use crate::report::{Answer, gouge_picture};
+use crate::results::{AsCutFacts, FileFacts, MachiningReport};
 use crate::solid::Solid;
+use crate::verdict::{self, CutterSurvey, FileCheck, MachiningOptions};
 
 /// The most facets of an as-cut face: an STL of 200 MB.
 const MOST_FACETS: f64 = 4e6;

@@ -1,7 +1,5 @@
 //! Mesh files of a build: the face closed with the digits that each format carries, and written.
 
-use super::face::{AtPrecision, Promise, Refusal, limits};
-use super::formats::codec;
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
@@ -9,8 +7,9 @@ use crate::export::Label;
 use crate::geom::Precision;
 use crate::mesh::{ErrorBound, Face, Limits};
 use crate::num::units::{Mm, Um};
+use crate::part::{AtPrecision, Promise, Refusal, codec, face, limits};
 use crate::profile::{MeshFormat, Profile};
-use crate::report::{Limited, MeshFacts, OverOptimum, SolidFacts};
+use crate::results::{Limited, MeshFacts, OverOptimum, SolidFacts};
 use crate::solid::Solid;
 
 /// What the stage that closes bodies counts, and why not every file needs one of its own.
@@ -66,6 +65,35 @@ pub(super) fn write_meshes(
     let promise = Promise::of_face(run.profile, design, &face.made);
     let AtPrecision { precision, formats, refused, .. } = face;
     Ok(MeshFiles { facts, promise, precision, formats, refused })
+}
+
+/// The face that the profile asks for, with a note for the observer. Unless shortcuts are allowed, every
+/// copy of a symmetric mirror is meshed by itself and compared.
+///
+/// # Errors
+/// [`Error::Mesh`], [`Error::Single`], and [`Error::Uneven`] when a copy differs.
+pub(crate) fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
+    let profile = run.profile;
+    let face = |design: &Design| face(profile, design).map_err(|error| Error::face(profile, error));
+    let found = face(design)?;
+    let mirror = &design.mirror;
+    let all = found.made.mesh.triangles.len();
+    let reflections = mirror.reflections();
+    let part = all / (reflections.len() + 1) / if mirror.folded { 2 } else { 1 };
+    let mut done = part;
+    if !run.timer.shortcuts() {
+        for reflected in reflections {
+            let reflected = Design { mirror: reflected, ..design.clone() };
+            let again = face(&reflected)?.made;
+            if again.mesh != found.made.mesh || again.bound != found.made.bound {
+                return Err(Error::Uneven { profile: profile.name.clone() });
+            }
+            done += part;
+        }
+    }
+    run.timer.worked(Stage::Mesh, "facets meshed and proven", [done, all - done], "symmetry");
+    let note = format!("{all} optical triangles");
+    Ok((found, note))
 }
 
 /// Closes a face with the digits of a format; with a note for the observer.

@@ -8,39 +8,30 @@ mod blur;
 mod build;
 mod build_cache;
 mod cad_exports;
-mod camera_view;
 mod check_file;
-mod cutter_survey;
 mod dry_run;
 mod error;
-mod face;
-mod formats;
 mod frame;
 mod in_memory_build;
 mod machining;
 mod mesh_files;
 mod observer;
-mod remedy;
 mod render;
 mod replay;
 mod run;
 mod scenery;
-mod sharpness;
-mod size_warnings;
 mod source;
 mod stages;
 mod tolerance;
 mod tolerance_spec;
 mod unwrap;
-mod verdict;
 mod verify;
-mod vertex_check;
 
 pub use crate::align::LengthUnit;
 pub use crate::publish::{FileError, OutputFile, abandon};
+pub use crate::verdict::MachiningOptions;
 pub use blur::BlurOptions;
 pub use build::{BuildOptions, Effort, build};
-pub use cutter_survey::MachiningOptions;
 pub use dry_run::dry_run;
 pub use error::{Error, PhotoError};
 pub use frame::FrameOptions;
@@ -55,10 +46,8 @@ pub use verify::{Verify, VerifyOptions, verify};
 
 /// What the benchmark times and writes, stage by stage.
 pub(crate) use {
-    camera_view::above,
-    check_file::expected_rays,
-    face::meshed,
     in_memory_build::build_in_memory,
+    mesh_files::meshed,
     observer::StageTimer,
     run::{Run, designed},
     tolerance_spec::{PreparedStudy, prepared},

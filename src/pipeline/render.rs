@@ -1,6 +1,5 @@
 //! `morion render`: a picture of a scene in the mirror.
 
-use super::camera_view::{CameraView, Distance, above, picture, reflected};
 use super::in_memory_build::{InMemoryBuild, build_in_memory};
 use super::run::{Command, Run};
 use super::scenery::{PartScene, RenderOptions, SceneName, Scenery, WorldScene, stem};
@@ -11,8 +10,11 @@ use crate::num::{cos, radians, sin};
 use crate::optics::Target;
 use crate::profile::Profile;
 use crate::publish::FileError;
-use crate::render::{Chessboard, Picture, SetupDiagram, TestWorld, World, shaded_views};
-use crate::report::{RenderReport, SCHEMA};
+use crate::render::{
+    CameraView, Chessboard, Distance, Picture, SetupDiagram, TestWorld, World, camera_picture,
+    reflected, shaded_views,
+};
+use crate::results::{RenderReport, SCHEMA};
 use crate::trace::Scene;
 
 /// Samples along each side of a pixel at edges.
@@ -65,8 +67,10 @@ impl Command for RenderOptions<'_> {
 impl RenderOptions<'_> {
     /// What the camera sees of a world.
     fn world(&self, design: &Design, view: CameraView, scene: &WorldScene) -> Picture {
-        let far = |world: &dyn World| picture(design, view, (world, Distance::Target), SAMPLES);
-        let around = |world: &dyn World| picture(design, view, (world, Distance::Around), SAMPLES);
+        let far =
+            |world: &dyn World| camera_picture(design, view, (world, Distance::Target), SAMPLES);
+        let around =
+            |world: &dyn World| camera_picture(design, view, (world, Distance::Around), SAMPLES);
         match scene {
             WorldScene::Grid => far(&TestWorld::new()),
             // The camera is held so that the board, towards it, is at the picture's foot.
@@ -111,7 +115,7 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     let horizon = design.view.as_ref().map_or(design.camera.chart.plane_mm, |v| v.origin_mm);
     // Between mirror and pinhole the image is smaller than on the reference plane.
     let chart = design.camera.chart;
-    let image_mm = above(scene).min(chart.plane_mm + 0.5 / chart.vergence);
+    let image_mm = scene.above_mm().min(chart.plane_mm + 0.5 / chart.vergence);
     let shrink = chart.view_scale(image_mm);
     let step = |k: i32| f64::from(2 * k + 1) / f64::from(STEPS) - 1.0;
     let row = |y: i32| (0..STEPS).map(|x| half_mm * DVec2::new(step(x), step(y))).collect();

@@ -2,23 +2,24 @@
 //! files show through its camera.
 
 use super::check_file::open;
-use super::face::{self, AtPrecision};
-use super::formats::codec;
 use super::mesh_files::labelled;
 use super::run::{Command, Run};
 use super::tolerance_spec::{PreparedStudy, prepared};
-use super::{Error, Stage, verdict};
+use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::{DVec3, Precision, TriMesh};
 use crate::num::stats::Summary;
 use crate::parallel;
+use crate::part::{self, AtPrecision, codec};
 use crate::profile::{MeshFormat, Profile};
-use crate::report::{Answer, DrawnError, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
+use crate::report::Answer;
+use crate::results::{DrawnError, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
 use crate::solid::{Solid, check};
 use crate::tolerance::{Displacement, Engine, PerturbedSystem};
 use crate::tolerance_terms::{ActsOn, Criterion, ErrorSourceRow, Perturbation};
 use crate::trace::Scene;
+use crate::verdict;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -126,7 +127,8 @@ impl<'a> ImperfectPart<'a> {
     /// The optical face with the part's form, and how many facets its mesh has as designed.
     fn face(&self) -> Result<(AtPrecision<TriMesh>, String), Error> {
         let AtPrecision { made, precision, formats, refused } =
-            face::face(self.profile, self.design)?;
+            part::face(self.profile, self.design)
+                .map_err(|error| Error::face(self.profile, error))?;
         let note = format!("{} optical triangles", made.mesh.triangles.len());
         let mut mesh = made.mesh;
         if let Some(edge) = self.longest_edge_mm {

@@ -1,13 +1,12 @@
 //! The stages of a build as methods of the values that they start from, each in memory.
 
 use super::Error;
-use super::face::face;
-use super::formats::codec;
 use super::mesh_files::label;
 use super::source::{SourceError, load};
 use crate::design::{Design, DesignError, design};
 use crate::export::Label;
 use crate::mesh::Face;
+use crate::part::{codec, face};
 use crate::profile::{MeshFormat, Profile};
 use crate::solid::{Solid, SolidError};
 use std::io::{self, Write};
@@ -62,7 +61,10 @@ impl Design {
     /// # Errors
     /// [`enum@Error`] when the limits ask for more than memory or digits allow, or none can be kept.
     pub fn mesh(&self) -> Result<Face, Error> {
-        face(&self.profile, self).map(|found| found.made)
+        match face(&self.profile, self) {
+            Ok(found) => Ok(found.made),
+            Err(error) => Err(Error::face(&self.profile, error)),
+        }
     }
 
     /// The words of a file of `face` on its mirror: the profile and its hash, tolerances asked and reached,

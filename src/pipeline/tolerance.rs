@@ -1,6 +1,5 @@
 //! Tolerancing: trials to files, at once or in parts.
 
-use super::cutter_survey::{CutterSurvey, MachiningOptions};
 use super::run::{Command, Run};
 use super::source::load;
 use super::tolerance_spec::{PreparedStudy, prepared};
@@ -8,11 +7,13 @@ use super::{Error, Observer, Stage};
 use crate::num::random::RandomStream;
 use crate::profile::Profile;
 use crate::publish::{self, sha256};
-use crate::report::{Answer, MachiningReport, ToleranceReport};
+use crate::report::Answer;
+use crate::results::{MachiningReport, ToleranceReport};
 use crate::tolerance::{
     Engine, Perturbation, PlotData, Study, ToleranceSpec, Trial, read_trial, trial_columns,
     trial_line, worst_offenders,
 };
+use crate::verdict::{CutterSurvey, MachiningOptions};
 use serde_json::Value;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use crate::optics::StripLaw;
 use crate::profile::Profile;
 use crate::publish;
 use crate::raster::Raster;
-use crate::report::{FileFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport};
+use crate::results::{FileFacts, PanoramaFacts, PhotoFacts, SCHEMA, UnwrapMapFacts, UnwrapReport};
 use crate::unwrap::{ImagingSystem, Panorama, RemapTable, UnwrapError, crop_panels};
 use std::path::Path;
 

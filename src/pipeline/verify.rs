@@ -1,22 +1,20 @@
 //! `morion verify`: files of unknown making: CAM exports, and scans of parts that were made.
 
-use super::check_file::{FileCheck, checked, open, witness};
-use super::face::Promise;
-use super::formats::codec;
+use super::check_file::{open, witness};
 use super::run::{Command, Run};
-use super::verdict::{self, Findings};
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, LengthUnit, SizeRange, align};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::Welder;
 use crate::mirror::Form;
+use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::publish;
-use crate::report::{
-    AlignmentFacts, Reason, ReasonKind, SCHEMA, UnitFacts, VerifyReport, form_picture,
-};
+use crate::report::form_picture;
+use crate::results::{AlignmentFacts, Reason, ReasonKind, SCHEMA, UnitFacts, VerifyReport};
 use crate::trace::Outcome;
+use crate::verdict::{self, CheckedMesh, FileCheck, Findings};
 use std::path::{Path, PathBuf};
 
 /// A file of unknown making, and how it is looked at.
@@ -195,7 +193,8 @@ impl Verify<'_> {
             false => None,
         };
         let far = leave_far(&mut reread, design);
-        let mut check = witness(run, design, (file, format), checked(design, reread), promise);
+        let mut check =
+            witness(run, design, (file, format), CheckedMesh::new(design, reread), promise);
         check.measured = self.options.align;
         check.rename(self.name());
         let seen = check.seen.take().filter(|_| self.options.align);

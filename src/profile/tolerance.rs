@@ -49,6 +49,30 @@ pub struct Tolerance {
     pub weights: Vec<(Perturbation, f64)>,
 }
 
+impl Tolerance {
+    /// The limit of an error source, in its unit; none where the profile does not say.
+    #[must_use]
+    pub fn limit(&self, of: Perturbation) -> Option<f64> {
+        value(&self.limits, of)
+    }
+
+    /// The distribution of an error source; none where the profile does not say.
+    #[must_use]
+    pub fn distribution(&self, of: Perturbation) -> Option<Distribution> {
+        value(&self.distributions, of)
+    }
+
+    /// The weight of an error source; none where the profile does not say.
+    #[must_use]
+    pub fn weight(&self, of: Perturbation) -> Option<f64> {
+        value(&self.weights, of)
+    }
+}
+
+fn value<T: Copy>(table: &[(Perturbation, T)], of: Perturbation) -> Option<T> {
+    table.iter().find(|(source, _)| *source == of).map(|(_, value)| *value)
+}
+
 impl Default for Tolerance {
     fn default() -> Self {
         Self {

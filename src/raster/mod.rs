@@ -2,12 +2,17 @@
 
 mod canvas;
 mod decode;
+mod false_colour;
+pub mod palette;
 pub mod png;
 pub mod srgb;
 mod text;
 
 pub use ::png::EncodingError;
 pub use canvas::{Canvas, Srgb};
+pub use false_colour::FalseColourMap;
+#[cfg(test)]
+pub(crate) use false_colour::decoded;
 pub use text::{BitmapFont, TextBitmap};
 
 use std::fmt;

@@ -6,6 +6,7 @@
 //! light; sRGB is its 8-bit code.
 
 mod angle_tables;
+mod camera_view;
 mod chess_pieces;
 mod chessboard;
 mod graticule;
@@ -20,6 +21,7 @@ pub mod test_world;
 mod text_distance_field;
 
 pub use crate::raster::EncodingError;
+pub(crate) use camera_view::{CameraView, Distance, TracedMesh, camera_picture, reflected};
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;

@@ -1,8 +1,7 @@
 //! Answers of commands: rows of facts, each worded once, and the renderers of all answers as text and JSON.
 
-use super::facts::{FileFacts, ProfileId, Verdict};
 use super::visible::visible;
-use super::wording::megabytes;
+use crate::results::{FileFacts, ProfileId, Verdict, megabytes};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,11 +1,13 @@
 //! Facts of the mirror, its mesh and what the witness saw, in words.
 
 use super::answer::{AnswerRows, ToRows};
-use super::facts::{ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts};
-use super::wording::{digits, figures, of_at_most, percent};
 use crate::design::{CurlFacts, DesignFacts, Mounting};
 use crate::mirror::{Departure, Form};
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
+use crate::results::{
+    ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts, digits, figures,
+    of_at_most, percent,
+};
 use crate::solid::OpenBoundary;
 use crate::trace::FrameFill;
 

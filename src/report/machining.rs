@@ -1,145 +1,177 @@
-//! What a ball cutter makes of a mirror, as JSON.
+//! What a ball cutter makes of a mirror, in words.
 
-use super::facts::{FileFacts, ProfileId, TraceFacts, Verdict};
-use crate::machining::{Extreme, Fillet, RasterDirection, ScallopFigures};
-use crate::num::stats::{Summary, or_null};
-use serde::{Serialize, Serializer};
+use super::answer::{Answer, AnswerRows, Head, ToRows};
+use super::fact_rows::{errors_sentence, ray_counts, solid_sentence};
+use crate::machining::{Fillet, RasterDirection, ScallopFigures};
+use crate::num::rounding::floor_four_digits;
+use crate::results::{
+    AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
+    coordinate, digits, figures,
+};
 
-/// `machining.json`, schema 1.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MachiningReport {
-    /// The version of the report's schema, whose rules hold for these keys too.
-    pub schema: u32,
-    /// Which profile.
-    pub profile: ProfileId,
-    /// Radius of the ball, mm.
-    pub ball_mm: f64,
-    /// Distance of the raster's lines in the plan, mm.
-    pub stepover_mm: f64,
-    /// Their direction, from X towards Y.
-    pub angle_deg: f64,
-    /// The steepest place of the face, degrees from the horizontal plane.
-    pub steepest_deg: Extreme,
-    /// Least radius of curvature of hollow ground, mm; none where there is none.
-    pub least_hollow_mm: Option<Extreme>,
-    /// Where the ball does not fit.
-    pub gouge: GougeFacts,
-    /// What it leaves of a valley; none where there is none.
-    pub fillet: Option<Fillet>,
-    /// Scallops of the unpolished face, where the ball fits; none where it fits nowhere.
-    #[serde(flatten, serialize_with = "or_nulls")]
-    pub scallops: Option<ScallopFigures>,
-    /// The designed mirror against the projection, pixels.
-    #[serde(serialize_with = "or_null")]
-    pub design_pixel_error_px: Option<Summary>,
-    /// Directions of the raster.
-    pub best: BestFacts,
-    /// Stepovers for the budgets that were given.
-    pub budget: BudgetFacts,
-    /// How deep the tool goes.
-    pub reach: ReachFacts,
-    /// What the part is cut from.
-    pub stock: StockFacts,
-    /// The as-cut part as the witness saw it; none when none was made.
-    pub as_cut: Option<AsCutFacts>,
-    /// The files written but for this one.
-    pub files: Vec<FileFacts>,
-    /// Pass, or why not.
-    pub verdict: Verdict,
-    /// Every reason.
-    pub reasons: Vec<String>,
-    /// What else to know.
-    pub warnings: Vec<String>,
+impl Answer for MachiningReport {
+    fn head(&self) -> Head<'_> {
+        Head::judged(&self.profile, self.verdict, &self.reasons).with_warnings(&self.warnings)
+    }
+
+    fn rows(&self) -> AnswerRows {
+        let mut rows = AnswerRows::default();
+        self.add_tool(&mut rows);
+        rows.append(AnswerRows::of(&[&self.reach, &self.gouge, &self.fillet]));
+        self.add_scallops(&mut rows);
+        rows.append(AnswerRows::of(&[&self.best, &self.budget, &self.stock]));
+        self.add_as_cut(&mut rows);
+        self.files.add_to(&mut rows);
+        rows
+    }
 }
 
-/// The figures, or the same keys without values.
-fn or_nulls<S: Serializer>(
-    figures: &Option<ScallopFigures>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    match figures {
-        Some(figures) => figures.serialize(serializer),
-        None => {
-            const KEYS: [&str; 6] = [
-                "scallop_um",
-                "slope_rms",
-                "slope_max",
-                "pixels",
-                "pixels_unbounded",
-                "pixel_error_px",
-            ];
-            serializer.collect_map(KEYS.map(|key| (key, ())))
+impl MachiningReport {
+    fn add_tool(&self, rows: &mut AnswerRows) {
+        let Self { ball_mm, stepover_mm, angle_deg, steepest_deg, least_hollow_mm, .. } = self;
+        rows.add(
+            "tool",
+            format!(
+                "ball of {ball_mm} mm radius, lines {stepover_mm} mm apart in the plan, {angle_deg:.2} deg \
+                 from X"
+            ),
+        );
+        let hollow = least_hollow_mm.map_or("hollow nowhere".to_owned(), |least| {
+            format!("least hollow radius {:.3} mm at {}", least.value, place(least.at_mm))
+        });
+        let (steepest, at) = (steepest_deg.value, place(steepest_deg.at_mm));
+        rows.add("face", format!("steepest {steepest:.2} deg at {at}; {hollow}"));
+    }
+
+    /// Scallops, and what they do to the picture.
+    fn add_scallops(&self, rows: &mut AnswerRows) {
+        let Some(ScallopFigures {
+            scallop_um, slope_rms, slope_max, pixels, pixel_error_px, ..
+        }) = self.scallops
+        else {
+            rows.add("scallops", "none: the ball fits nowhere");
+            return;
+        };
+        let slopes = match pixels {
+            0 => "no pixel sees them".to_owned(),
+            _ => format!("slope {} rms, {} max", digits(slope_rms), digits(slope_max)),
+        };
+        let (height, at) = (digits(scallop_um.value), place(scallop_um.at_mm));
+        rows.add("scallops", format!("{height} um at most, at {at}; {slopes}"));
+        let [unpolished, design] = [pixel_error_px, self.design_pixel_error_px].map(figures);
+        let pixels = match pixel_error_px {
+            Some(_) => format!("unpolished {unpolished} px; the design alone {design} px"),
+            None if pixels > 0 => "not known without a projection".to_owned(),
+            None => "not known".to_owned(),
+        };
+        rows.add("pixels", pixels);
+    }
+
+    fn add_as_cut(&self, rows: &mut AnswerRows) {
+        let Some(AsCutFacts { optical_triangles, trace }) = &self.as_cut else { return };
+        let counts = ray_counts(trace, "rays ");
+        rows.add("as cut", format!("{optical_triangles} optical triangles; {counts}"));
+        if self.scallops.as_ref().is_some_and(|found| found.pixel_error_px.is_some()) {
+            rows.add("", format!("{} (against the design)", errors_sentence(&trace.errors)));
+        }
+        if !trace.solid.reasons.is_empty() {
+            rows.add("", solid_sentence(&trace.solid));
         }
     }
 }
 
-/// Where the ball does not fit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct GougeFacts {
-    /// Whether it fits everywhere, in a valley too.
-    pub fits: bool,
-    /// Most that it leaves, um; 0 where it fits everywhere.
-    pub left_max_um: f64,
-    /// X and Y of that, mm.
-    pub at_mm: Option<[f64; 2]>,
-    /// Share of the face's area in the plan where it leaves something.
-    pub share: f64,
-    /// Distance of the places that were looked at, mm.
-    pub step_mm: f64,
+impl ToRows for ReachFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { face_mm, wall_mm } = self;
+        rows.add(
+            "reach",
+            format!(
+                "{face_mm:.3} mm from the top to the lowest place of the face, {wall_mm:.3} mm to the foot of \
+                 its wall"
+            ),
+        );
+    }
 }
 
-/// The best directions of the raster.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BestFacts {
-    /// For the root mean square of the pixel error; none without a projection.
-    pub pixels: Option<RasterDirection>,
-    /// For the height of the highest scallop.
-    pub height: RasterDirection,
+impl ToRows for GougeFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let sentence = match self.at_mm {
+            _ if self.fits => "the ball fits everywhere".to_owned(),
+            Some([x, y]) => format!(
+                "the ball leaves up to {} um, at {}, on {:.2} % of the face",
+                digits(self.left_max_um),
+                place([x, y, 0.0]),
+                100.0 * self.share
+            ),
+            None => "the ball leaves next to nothing".to_owned(),
+        };
+        rows.add("fit", sentence);
+    }
 }
 
-/// Budgets and the stepovers that keep them, at the raster's direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BudgetFacts {
-    /// Pixel error that 95 % of the unpolished face may not exceed.
-    pub p95_px: Option<f64>,
-    /// The largest stepover for it, mm.
-    pub stepover_for_px_mm: Option<f64>,
-    /// Height that no scallop may exceed, um.
-    pub scallop_um: Option<f64>,
-    /// The largest stepover for it, mm.
-    pub stepover_for_scallop_mm: Option<f64>,
+impl ToRows for Fillet {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { width_max_mm, width_mean_mm, left_max_mm, pixels, .. } = self;
+        rows.add(
+            "valley",
+            format!(
+                "fillet of {width_max_mm:.3} mm width ({width_mean_mm:.3} mm mean), up to {left_max_mm:.3} mm \
+                 high: {pixels:.0} pixels"
+            ),
+        );
+    }
 }
 
-/// How deep the tool goes from the mirror's highest place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ReachFacts {
-    /// To the lowest place of the face, mm.
-    pub face_mm: f64,
-    /// To the foot of the wall around it, on the flat rim or the base, mm.
-    pub wall_mm: f64,
+impl ToRows for BestFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let of = |direction: RasterDirection, what: &str| match direction {
+            RasterDirection { any: true, .. } => {
+                format!("no direction is better than another for {what}")
+            }
+            RasterDirection { angle_deg, of_worst, .. } => format!(
+                "{angle_deg:.2} deg from X for {what} ({of_worst:.3} of the worst direction's)"
+            ),
+        };
+        let Self { pixels, height } = *self;
+        let mut parts: Vec<String> = pixels.map(|d| of(d, "the pixel error")).into_iter().collect();
+        parts.push(of(height, "the scallops' height"));
+        if pixels.unwrap_or(height).any && height.any {
+            parts.push("a spiral about the axis does as well".into());
+        }
+        rows.add("best", parts.join("; "));
+    }
 }
 
-/// The box that the part is cut from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct StockFacts {
-    /// Along X, Y and Z, mm, with the allowance.
-    pub size_mm: [f64; 3],
-    /// What stands over the part on each side and on top, mm.
-    pub allowance_mm: f64,
-    /// Volume of the box, mm^3.
-    pub volume_mm3: f64,
-    /// Volume of the part, mm^3.
-    pub part_mm3: f64,
-    /// What is cut away, mm^3.
-    pub removed_mm3: f64,
+impl ToRows for BudgetFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { p95_px, stepover_for_px_mm, scallop_um, stepover_for_scallop_mm } = *self;
+        let budgets = [
+            (p95_px, stepover_for_px_mm, "px (95 % of the face)"),
+            (scallop_um, stepover_for_scallop_mm, "um of scallop"),
+        ];
+        for (budget, stepover, unit) in budgets {
+            if let (Some(budget), Some(stepover)) = (budget, stepover) {
+                let stepover = floor_four_digits(stepover);
+                rows.add("budget", format!("{budget} {unit}: a stepover of {stepover} mm"));
+            }
+        }
+    }
 }
 
-/// The as-cut part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AsCutFacts {
-    /// Facets of its optical face.
-    pub optical_triangles: usize,
-    /// The witness: `pixel_error_px` against the projection, `facet_error_px` against the designed mirror, which
-    /// is what the scallops do.
-    pub trace: TraceFacts,
+impl ToRows for StockFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { size_mm: [x, y, z], volume_mm3, part_mm3, removed_mm3, .. } = self;
+        rows.add(
+            "stock",
+            format!(
+                "{x:.3} x {y:.3} x {z:.3} mm, {volume_mm3:.0} mm^3; the part {part_mm3:.0}, cut away \
+                 {removed_mm3:.0}"
+            ),
+        );
+    }
+}
+
+/// X and Y of a place.
+fn place([x, y, _]: [f64; 3]) -> String {
+    format!("X {}, Y {} mm", coordinate(x, 3), coordinate(y, 3))
 }

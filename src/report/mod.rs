@@ -8,44 +8,20 @@ mod blur;
 mod build;
 mod build_forecast;
 mod fact_rows;
-mod facts;
 mod frame;
 mod machining;
-mod machining_rows;
 mod maps;
 mod measured;
 mod page;
 mod plot;
-mod reason;
 mod render;
 mod replay;
 mod sharpness;
 mod tolerance;
 mod unwrap;
 mod visible;
-mod wording;
 
-pub use crate::profile::Aperture;
 pub use answer::{Answer, AnswerRows, Head, ToRows};
-pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
-pub use build::{BuildReport, VerifyReport};
-pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
-pub use facts::{
-    ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, SCHEMA, SagFacts,
-    SolidFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
-};
-pub use frame::{FrameReport, PixelSolidAngle, RoundMirror};
-pub use machining::{
-    AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
-};
 pub use maps::{form_picture, gouge_picture};
-pub use measured::{AlignmentFacts, UnitFacts};
 pub(crate) use plot::{Failure, svg};
-pub use reason::{Reason, ReasonKind};
-pub use render::RenderReport;
-pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
-pub use sharpness::{ApertureFacts, SharpnessFacts};
-pub use tolerance::{FacetsFrom, ToleranceReport};
-pub use unwrap::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
 pub use visible::visible;
-pub(crate) use wording::digits;

@@ -1,8 +1,8 @@
 //! Pages: HTML that needs nothing beside it but pictures.
 
 use super::answer::{Answer, AnswerRows};
-use super::facts::Verdict;
 use super::visible::visible;
+use crate::results::Verdict;
 
 /// Looks of every page.
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:52rem;margin:2rem auto;\

@@ -1,27 +1,7 @@
 //! A picture that was rendered, in words.
 
 use super::answer::{Answer, AnswerRows, Head};
-use super::facts::ProfileId;
-use serde::Serialize;
-
-/// A picture of a scene in a mirror, or of the mirror.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct RenderReport {
-    /// The version of the report's schema whose keys these are.
-    pub schema: u32,
-    /// Which profile.
-    pub profile: ProfileId,
-    /// The scene's name or file, as asked for.
-    pub scene: String,
-    /// What was traced: the format of the mesh that was written and read back, or `design`.
-    pub traced: &'static str,
-    /// The PNG file, with its folder.
-    pub file: String,
-    /// Columns and rows.
-    pub pixels: [u32; 2],
-    /// Rays sent: one a pixel, and those at edges.
-    pub rays: u64,
-}
+use crate::results::RenderReport;
 
 impl Answer for RenderReport {
     fn head(&self) -> Head<'_> {

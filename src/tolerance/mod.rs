@@ -13,6 +13,7 @@
 //! goes on there.
 
 mod allocation;
+mod asked;
 mod blur;
 mod compensate;
 mod engine;
@@ -46,6 +47,7 @@ pub use crate::tolerance_terms::{
     Perturbation, ProcessPreset, Reference,
 };
 pub use allocation::{AllocatedLimits, AllocationError};
+pub use asked::TracksError;
 pub use blur::BlurAndScatter;
 pub use compensate::{Adjustment, DisplacementPx};
 pub use engine::Engine;

@@ -48,6 +48,12 @@ impl Scene {
         self.bounds
     }
 
+    /// A height above everything in it, mm, for camera rays to start from.
+    #[must_use]
+    pub fn above_mm(&self) -> f64 {
+        self.bounds.map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
+    }
+
     /// Proof that reflected rays are unoccluded; `None` for a mesh that is not closed.
     pub(super) fn occlusion_proof(&self) -> Option<&OcclusionProof> {
         self.occlusion_proof.get_or_init(|| OcclusionProof::new(&self.mesh)).as_ref()

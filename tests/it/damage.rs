@@ -6,7 +6,7 @@ use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::DVec3;
 use morion::internals::pipeline::{Observer, Silent, build, verify};
 use morion::internals::profile::Profile;
-use morion::internals::report::{BuildReport, Reason, Verdict};
+use morion::internals::results::{BuildReport, Reason, Verdict};
 use std::path::Path;
 
 const STL: &str = "formats = [\"stl\"]";

@@ -10,7 +10,7 @@ use morion::internals::num::stats::Summary;
 use morion::internals::num::{hypot, radians, sin, tan};
 use morion::internals::pipeline::{Silent, build, load, verify};
 use morion::internals::profile::Profile;
-use morion::internals::report::{BuildReport, Verdict};
+use morion::internals::results::{BuildReport, Verdict};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::{fmt::Write, path::PathBuf};

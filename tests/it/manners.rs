@@ -8,7 +8,7 @@ use morion::internals::pipeline::{
     UnwrapOptions, Verify, VerifyOptions, load,
 };
 use morion::internals::profile::Profile;
-use morion::internals::report::Aperture;
+use morion::internals::results::Aperture;
 use std::path::Path;
 use std::process::Stdio;
 use std::sync::atomic::{AtomicUsize, Ordering};

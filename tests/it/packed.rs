@@ -6,7 +6,7 @@ use crate::support::small_but;
 use morion::internals::export::{ReadError, read_3mf, read_stl};
 use morion::internals::geom::{DVec3, TriMesh};
 use morion::internals::pipeline::{Observer, Silent, build, verify};
-use morion::internals::report::Verdict;
+use morion::internals::results::Verdict;
 use std::fmt::Write as _;
 use std::io::{Cursor, Read, Write as _};
 use std::path::Path;

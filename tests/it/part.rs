@@ -9,7 +9,7 @@ use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{Border, Contour, DVec2, DVec3, Drilled, Outline, Precision};
 use morion::internals::pipeline::{Silent, build, dry_run};
 use morion::internals::profile::{FileFormat, MeshFormat};
-use morion::internals::report::{BuildReport, Reason, Verdict};
+use morion::internals::results::{BuildReport, Reason, Verdict};
 use morion::internals::solid::{Solid, added, rim};
 use std::f64::consts::PI;
 

@@ -6,7 +6,6 @@ use morion::internals::design::{Design, design};
 use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3, TriMesh, angle};
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::report::{BuildReport, Verdict};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -67,6 +66,7 @@ enum Kind {
 }
 
 use Kind::{Count, CountPair, Flag, Number, Range, Sha256, Text, Texts};
+use morion::internals::results::{BuildReport, Verdict};
 
 const SPREAD: [(&str, Kind); 3] = [("rms", Number), ("p95", Number), ("max", Number)];
 

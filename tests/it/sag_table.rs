@@ -6,7 +6,7 @@ use morion::internals::geom::{DVec2, DVec3, Outline, angle};
 use morion::internals::num::hypot;
 use morion::internals::pipeline::{Observer, Silent, build, load};
 use morion::internals::profile::Profile;
-use morion::internals::report::{BuildReport, Verdict};
+use morion::internals::results::{BuildReport, Verdict};
 use std::path::Path;
 use tempfile::TempDir;
 

@@ -2,7 +2,7 @@
 
 use crate::support::shipped_builds;
 use morion::internals::profile::shipped;
-use morion::internals::report::Verdict;
+use morion::internals::results::Verdict;
 
 /// What a shipped mirror's report must say, beside the verdict.
 fn passes(name: &str) {

@@ -3,7 +3,7 @@
 use crate::support::builds::{SMALL, edited, files, folder, parsed};
 use crate::support::share;
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::report::{BuildReport, Reason};
+use morion::internals::results::{BuildReport, Reason};
 use serde_json::Value;
 
 /// The small profile with a frame of so few pixels that its rays take no time, and limits that suit.

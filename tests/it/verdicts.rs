@@ -2,7 +2,7 @@
 
 use crate::support::builds::{folder, parsed};
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::report::{BuildReport, Reason, ReasonKind, Verdict};
+use morion::internals::results::{BuildReport, Reason, ReasonKind, Verdict};
 
 /// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
 const LAB: &str =

@@ -10,7 +10,7 @@ use morion::internals::num::stats::Summary;
 use morion::internals::optics::reflect;
 use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::{FileFormat, MeshFormat, MeshGoal, Profile};
-use morion::internals::report::{BuildReport, Verdict};
+use morion::internals::results::{BuildReport, Verdict};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
     CameraTrace, ExpectedRay, Outcome, PixelTrace, RayEnd, Scene, TraceResult,

@@ -50,6 +50,14 @@ struct Entries<'t> {
 }
 
 impl<'t> Entries<'t> {
+    /// The layout, or that of a given mirror without a picture.
+    fn layout(&self) -> Option<Layout> {
+        match self.part.height {
+            Some(height) if self.rectangle => Some(Layout::Rectangle { height_mm: height.value }),
+            _ => self.layout.as_ref()?.layout,
+        }
+    }
+
     fn read(reader: &mut ProfileReader, root: &Section<'t>) -> Self {
         let given = root.has("mirror") && !root.has("method") && !reader.is_torn();
         let bare = given && !root.has("projection");
@@ -99,11 +107,8 @@ pub(super) fn profile(
     if !reader.is_clean() {
         return None;
     }
-    let Entries { camera, projection, layout, shape, part, rectangle, .. } = parts;
-    let layout = match part.height {
-        Some(height) if rectangle => Layout::Rectangle { height_mm: height.value },
-        _ => layout?.layout?,
-    };
+    let layout = parts.layout()?;
+    let Entries { camera, projection, shape, part, .. } = parts;
     Some(Profile {
         name: name.to_owned(),
         named: name.to_owned(),

@@ -1,11 +1,9 @@
 //! `blur.png`: how large a spot each pixel sees.
 
-use super::false_colour::FalseColourMap;
-use super::palette::viridis;
 use crate::pencil::Quantiles;
-use crate::raster::{EncodingError, Srgb};
-use crate::report::BlurReport;
-use crate::report::wording::digits;
+use crate::raster::palette::viridis;
+use crate::raster::{EncodingError, FalseColourMap, Srgb};
+use crate::results::{BlurReport, digits};
 
 const NO_MIRROR: Srgb = [200; 3];
 

@@ -1,11 +1,10 @@
 //! `form-error.png`: how far a measured part is from its design.
 
-use super::false_colour::FalseColourMap;
-use super::palette::diverging;
 use crate::align::{FormError, FormMap};
 use crate::num::rounding::ceil_125;
-use crate::raster::{EncodingError, Srgb};
-use crate::report::wording::digits;
+use crate::raster::palette::diverging;
+use crate::raster::{EncodingError, FalseColourMap, Srgb};
+use crate::results::digits;
 
 /// Where nothing is known.
 const NOTHING: Srgb = [110, 110, 114];
@@ -44,8 +43,8 @@ fn limit(error: &FormError) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::false_colour::decoded;
     use super::*;
+    use crate::raster::decoded;
 
     #[test]
     fn scales_end_at_round_numbers() {

@@ -1,11 +1,9 @@
 //! `frame.png`: which pixels are filled, how large they are in the world, and why the others are not.
 
-use super::false_colour::FalseColourMap;
-use super::palette::grey;
-use crate::raster::{EncodingError, Srgb};
-use crate::report::FrameReport;
+use crate::raster::palette::grey;
+use crate::raster::{EncodingError, FalseColourMap, Srgb};
 use crate::report::frame::LOST;
-use crate::report::wording::digits;
+use crate::results::{FrameReport, digits};
 use crate::trace::{MinMeanMax, PixelClass};
 
 /// Colours of the causes, in the order of [`PixelClass::LOST`].

@@ -1,10 +1,9 @@
 //! `gouge.png`: what a ball cutter leaves on the face.
 
-use super::false_colour::FalseColourMap;
-use super::palette::viridis;
 use crate::machining::{FLOOR_MM, Gouge};
 use crate::num::log;
-use crate::raster::{EncodingError, Srgb};
+use crate::raster::palette::viridis;
+use crate::raster::{EncodingError, FalseColourMap, Srgb};
 
 /// Where there is no mirror, and where the ball leaves nothing.
 const NO_MIRROR: Srgb = [255; 3];
@@ -42,9 +41,9 @@ pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingErr
 
 #[cfg(test)]
 mod tests {
-    use super::super::false_colour::decoded;
     use super::*;
     use crate::geom::DVec2;
+    use crate::raster::decoded;
 
     #[test]
     fn the_map_has_y_upwards_and_the_colours_of_its_decades() {

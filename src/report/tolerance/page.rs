@@ -1,6 +1,5 @@
 //! `tolerance.html`: a study of tolerances as one page that needs nothing beside it.
 
-use super::ToleranceReport;
 use super::plots::plots;
 use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, or_dash, reference, statistics, unmet,
@@ -8,7 +7,7 @@ use super::words::{
 use crate::report::answer::{Answer, AnswerRows};
 use crate::report::page::{Page, escaped};
 use crate::report::plot::Failure;
-use crate::report::wording::{displacement, percent};
+use crate::results::{ToleranceReport, displacement, percent};
 use crate::tolerance::{AdjustmentFacts, FormMeasure, PlotData, SourceFacts, Statistics};
 
 /// Looks beside those of all pages: numbers to the right, two plots side by side, pages of A4.

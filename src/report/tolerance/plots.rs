@@ -1,8 +1,8 @@
 //! The plots of a study of tolerances, as SVG.
 
 use crate::report::plot::{Area, BLUE, Failure, GREEN, RED, svg};
-use crate::report::wording::percent;
-use crate::tolerance::{Criterion, PlotData, Study};
+use crate::results::percent;
+use crate::tolerance::{Criterion, PlotData, Statistics, Study};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -188,6 +188,17 @@ fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The percentiles that a histogram names, px.
+fn percentiles(of: &Statistics) -> [(&'static str, f64); 5] {
+    [
+        ("P50", of.p50_px),
+        ("P80", of.p80_px),
+        ("P90", of.p90_px),
+        ("P95", of.p95_px),
+        ("P99", of.p99_px),
+    ]
+}
+
 /// Where the figures lie, with the budget, the percentiles and the share below.
 fn histogram(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failure> {
     let finite = || points.figures.iter().copied().filter(|x| x.is_finite());
@@ -232,15 +243,8 @@ fn histogram(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failur
     let count = points.figures.len() as f64;
     let below = finite().enumerate().map(|(k, x)| (x, (k + 1) as f64 / count));
     chart.draw_secondary_series(LineSeries::new(below, BLACK.stroke_width(3)))?;
-    let s = &study.adjusted;
-    let percentiles = [
-        ("P50", s.p50_px),
-        ("P80", s.p80_px),
-        ("P90", s.p90_px),
-        ("P95", s.p95_px),
-        ("P99", s.p99_px),
-    ];
-    for (k, (name, x)) in percentiles.into_iter().enumerate().filter(|(_, (_, x))| x.is_finite()) {
+    let finite = percentiles(&study.adjusted).into_iter().enumerate();
+    for (k, (name, x)) in finite.filter(|(_, (_, x))| x.is_finite()) {
         let line = [(x, 0.0), (x, top)];
         let dashes = DashedLineSeries::new(line, 8, 6, BLACK.mix(0.6).stroke_width(2));
         chart.draw_series(dashes)?;

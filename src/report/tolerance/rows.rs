@@ -1,12 +1,11 @@
 //! A study of tolerances in words.
 
-use super::ToleranceReport;
 use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, gap_percent, or_dash, reference, statistics,
     unmet,
 };
 use crate::report::answer::{Answer, AnswerRows, Head};
-use crate::report::wording::{digits, displacement, percent};
+use crate::results::{ToleranceReport, digits, displacement, percent};
 use crate::tolerance::{FormMeasure, Offender, Statistics, Study};
 
 impl Answer for ToleranceReport {

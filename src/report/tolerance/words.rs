@@ -1,7 +1,6 @@
 //! Words and figures that the terminal's summary and the page of a study share.
 
-use super::FacetsFrom;
-use crate::report::wording::{digits, displacement};
+use crate::results::{FacetsFrom, digits, displacement};
 use crate::tolerance::{
     AllocationError, Criterion, Distribution, Reference, SourceFacts, Statistics, Study,
 };

@@ -7,7 +7,7 @@ use crate::support::refused;
 use morion::internals::geom::TriMesh;
 use morion::internals::num::cos;
 use morion::internals::pipeline::{Command, LengthUnit, Silent, Verify, VerifyOptions, load};
-use morion::internals::report::{Verdict, VerifyReport};
+use morion::internals::results::{Verdict, VerifyReport};
 use std::path::{Path, PathBuf};
 
 /// Limits that the design keeps with little to spare, and such that large facets keep too.

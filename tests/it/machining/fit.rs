@@ -7,7 +7,7 @@ use morion::internals::design::design;
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::machining::{Fillet, Gouge, bounding_corners, plan_outlines};
 use morion::internals::pipeline::{MachiningOptions, load};
-use morion::internals::report::Verdict;
+use morion::internals::results::Verdict;
 use serde_json::Value;
 
 #[test]

@@ -7,7 +7,7 @@ mod scallops;
 use crate::support::builds;
 use morion::internals::pipeline::{Command, MachiningOptions, Silent};
 use morion::internals::profile::Profile;
-use morion::internals::report::MachiningReport;
+use morion::internals::results::MachiningReport;
 use std::path::Path;
 
 const CUTTING: MachiningOptions = MachiningOptions {

@@ -10,7 +10,8 @@ use morion::internals::machining::{
 };
 use morion::internals::num::{cos, hypot, radians};
 use morion::internals::pipeline::{Command, MachiningOptions, Silent, load};
-use morion::internals::report::{Answer, Verdict};
+use morion::internals::report::Answer;
+use morion::internals::results::Verdict;
 
 /// A ball that touches a sphere of radius rho at height u has its centre at u (1 + R / rho), on the ray from the
 /// sphere's centre: where a raster crosses the sphere's meridian plane the cut is a row of circles.

@@ -8,7 +8,7 @@ use crate::support::random::each;
 use crate::support::{times, unlimited};
 use morion::internals::pipeline::{Command, Error, Silent, ToleranceOptions, build, dry_run, load};
 use morion::internals::profile::{Profile, SagGrid};
-use morion::internals::report::{BuildReport, ReasonKind, Verdict};
+use morion::internals::results::{BuildReport, ReasonKind, Verdict};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use std::collections::{BTreeMap, BTreeSet};

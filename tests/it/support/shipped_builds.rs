@@ -2,7 +2,7 @@
 
 use super::builds::{command, told};
 use morion::internals::profile::shipped;
-use morion::internals::report::BuildReport;
+use morion::internals::results::BuildReport;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 

@@ -1,17 +1,26 @@
-//! The verdict: every reason why a part would not do, with figures.
+//! The verdict: what the bytes of a file showed, and every reason why a part would not do, with figures.
 
-use super::check_file::FileCheck;
-use super::formats::codec;
-use super::{remedy, sharpness};
+mod cutter_survey;
+mod file_check;
+mod remedy;
+pub(crate) mod sharpness;
+mod vertex_check;
+
+pub(crate) use cutter_survey::CutterSurvey;
+pub use cutter_survey::MachiningOptions;
+pub(crate) use file_check::{CheckedMesh, FileCheck, expected_rays, pixel_classes, tolerance_px};
+pub(crate) use remedy::filling;
+
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Border, Outline, Precision};
+use crate::part::codec;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits, Profile};
-use crate::report::{FileFacts, Reason, ReasonKind, SharpnessFacts, TraceFacts, Verdict};
+use crate::results::{FileFacts, Reason, ReasonKind, SharpnessFacts, TraceFacts, Verdict};
 use crate::trace::FrameFill;
 
 /// Why a file does not pass that is another than was written.
-pub(super) const ALTERED: &str = "the bytes on the disk are not those that were written";
+pub(crate) const ALTERED: &str = "the bytes on the disk are not those that were written";
 
 /// What rounding to double precision may move a vertex by, as a share of its coordinates, or a volume.
 const ROUNDING: f64 = 1e-12;
@@ -23,17 +32,17 @@ const ROUNDING_SINGLE: f64 = 4.0 / (1 << 24) as f64;
 const ROUNDING_VERTEX: f64 = 1.733 / (1 << 24) as f64;
 
 /// [`ALTERED`].
-pub(super) fn altered() -> Reason {
+pub(crate) fn altered() -> Reason {
     Reason::new(ReasonKind::Altered, ALTERED)
 }
 
 /// Pass, unless there is a reason.
-pub(super) fn of<T>(reasons: &[T]) -> Verdict {
+pub(crate) fn of<T>(reasons: &[T]) -> Verdict {
     if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail }
 }
 
 /// Figures of the witness over all mesh files, the limits that they were held to, and why they do not pass.
-pub(super) struct Findings {
+pub(crate) struct Findings {
     /// The files.
     pub files: Vec<FileFacts>,
     /// Figures of those that could be read.
@@ -50,7 +59,7 @@ pub(super) struct Findings {
 
 impl Findings {
     /// The findings of `checks`, each held to what was promised of it and to what the profile accepts.
-    pub(super) fn new(profile: &Profile, design: &Design, checks: Vec<FileCheck>) -> Self {
+    pub(crate) fn new(profile: &Profile, design: &Design, checks: Vec<FileCheck>) -> Self {
         let mut reasons: Vec<Reason> =
             checks.iter().flat_map(|check| of_file(profile, design, check)).collect();
         remedy::add(profile, design, &mut reasons);
@@ -129,7 +138,7 @@ fn volume_tolerance(design: &Design, chord_mm: f64) -> f64 {
 
 /// Why a measured part's form does not pass. Where the profile accepts pixel errors up to a limit, the
 /// picture decides; otherwise the form is held to `limit_um`, peak to valley without outliers.
-pub(super) fn form(
+pub(crate) fn form(
     profile: &Profile,
     design: &Design,
     error: Option<&FormError>,

@@ -1,6 +1,5 @@
 //! The survey of a mirror for a ball cutter: fit, scallops, directions, stock, and what they do to the pixels.
 
-use super::verdict;
 use crate::design::Design;
 use crate::geom::{Contour, DVec2, DVec3};
 use crate::machining::{
@@ -10,7 +9,7 @@ use crate::machining::{
 use crate::num::rounding::floor_four_digits;
 use crate::num::{degrees, radians};
 use crate::profile::Profile;
-use crate::report::{
+use crate::results::{
     BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, SCHEMA, StockFacts,
 };
 
@@ -55,7 +54,7 @@ impl Default for MachiningOptions {
 const FIRST_STEPOVER: f64 = 0.05;
 
 /// The survey's results, and what the as-cut part is made by.
-pub(super) struct CutterSurvey<'a> {
+pub(crate) struct CutterSurvey<'a> {
     /// Curvature and slope of the mirror.
     pub analysis: SurfaceAnalysis<'a>,
     /// The lines of the cutter.
@@ -73,7 +72,7 @@ impl<'a> CutterSurvey<'a> {
     ///
     /// # Errors
     /// [`MachiningError`] when the raster cannot be worked out.
-    pub(super) fn new(
+    pub(crate) fn new(
         profile: &Profile,
         design: &'a Design,
         options: &MachiningOptions,
@@ -121,7 +120,7 @@ impl<'a> CutterSurvey<'a> {
             stock: stock(design, high, options.allowance_mm),
             as_cut: None,
             files: Vec::new(),
-            verdict: verdict::of(&reasons),
+            verdict: super::of(&reasons),
             reasons,
             warnings,
         };
@@ -129,7 +128,7 @@ impl<'a> CutterSurvey<'a> {
     }
 
     /// The result in a few words.
-    pub(super) fn note(&self) -> String {
+    pub(crate) fn note(&self) -> String {
         self.found.scallops.as_ref().map_or("the ball fits nowhere".to_owned(), |found| {
             format!("scallops of {:.3} um at most", found.scallop_um.value)
         })

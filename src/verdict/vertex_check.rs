@@ -13,7 +13,7 @@ const CHUNK: usize = 16_384;
 
 /// The vertex farthest from the part's surface, and how far that is, mm (along Z on the mirror and
 /// the base, across it beside the outline). None without vertices.
-pub(super) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)> {
+pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize, f64)> {
     let Design { mirror, border: stock, .. } = design;
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     let land = land(mirror);

@@ -8,7 +8,7 @@ use crate::mesh::{Limits, mesh};
 use crate::num::rounding::{two_digits_above, two_digits_below};
 use crate::num::units::{Mm, Px};
 use crate::profile::{CadFormat, FileFormat, Profile};
-use crate::report::MeshFacts;
+use crate::results::MeshFacts;
 use std::f64::consts::PI;
 
 /// The least number of triangles that draws a warning, and the least length of a file.
@@ -27,7 +27,7 @@ const FINER_MESHES: usize = 12;
 const CUT_OFF: f64 = 1e-3;
 
 /// What suggestions are drawn from.
-pub(super) struct SizeWarnings<'a> {
+pub(crate) struct SizeWarnings<'a> {
     /// What was asked for.
     pub profile: &'a Profile,
     /// The mirror.
@@ -38,7 +38,7 @@ pub(super) struct SizeWarnings<'a> {
 
 impl SizeWarnings<'_> {
     /// Warnings of a part of so many triangles and of files of so many bytes.
-    pub(super) fn on(&self, triangles: usize, files: &[(&str, u64)]) -> Vec<String> {
+    pub(crate) fn on(&self, triangles: usize, files: &[(&str, u64)]) -> Vec<String> {
         let name = &self.profile.name;
         let mut warnings: Vec<String> = self.cut_off().into_iter().collect();
         if triangles >= MANY {
@@ -69,7 +69,7 @@ impl SizeWarnings<'_> {
     }
 
     /// The warning of a budget of which less than [`ENOUGH`] is used: what stands against a finer mesh.
-    pub(super) fn unspent(&self, made: &MeshFacts) -> Option<String> {
+    pub(crate) fn unspent(&self, made: &MeshFacts) -> Option<String> {
         let most = made.max_triangles?;
         if made.triangles as f64 >= ENOUGH * most as f64 {
             return None;

@@ -12,10 +12,10 @@ use crate::solid::Solid;
 use std::io::{self, Write};
 
 /// The format of a mesh that is written to be traced alone: the one that any mesh suits.
-pub(super) const TRACED: MeshFormat = MeshFormat::Obj;
+pub(crate) const TRACED: MeshFormat = MeshFormat::Obj;
 
 /// The mesh formats that a profile asks for.
-pub(super) fn meshes(profile: &Profile) -> impl Iterator<Item = MeshFormat> {
+pub(crate) fn meshes(profile: &Profile) -> impl Iterator<Item = MeshFormat> {
     profile.formats.iter().filter_map(|format| match format {
         FileFormat::Mesh(format) => Some(*format),
         FileFormat::Cad(_) => None,
@@ -23,7 +23,7 @@ pub(super) fn meshes(profile: &Profile) -> impl Iterator<Item = MeshFormat> {
 }
 
 /// The other formats that it asks for.
-pub(super) fn cad(profile: &Profile) -> impl Iterator<Item = CadFormat> {
+pub(crate) fn cad(profile: &Profile) -> impl Iterator<Item = CadFormat> {
     profile.formats.iter().filter_map(|format| match format {
         FileFormat::Mesh(_) => None,
         FileFormat::Cad(format) => Some(*format),
@@ -31,7 +31,7 @@ pub(super) fn cad(profile: &Profile) -> impl Iterator<Item = CadFormat> {
 }
 
 /// Writer and reader of a mesh format.
-pub(super) trait MeshCodec: Sync {
+pub(crate) trait MeshCodec: Sync {
     /// Digits of its coordinates.
     fn precision(&self) -> Precision;
 
@@ -69,7 +69,7 @@ pub(super) trait MeshCodec: Sync {
 }
 
 /// The codec of a format.
-pub(super) fn codec(format: MeshFormat) -> &'static dyn MeshCodec {
+pub(crate) fn codec(format: MeshFormat) -> &'static dyn MeshCodec {
     match format {
         MeshFormat::Stl => &Stl,
         MeshFormat::Obj => &Obj,

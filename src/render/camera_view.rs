@@ -1,20 +1,20 @@
 //! Sight: where the camera's rays go, by a mesh that was read back or by the designed mirror, and the
 //! picture of a world that they give.
 
+use super::{Picture, PictureRay, SampleGrid, World};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
 use crate::mirror::HeightAndSlope;
 use crate::optics::reflect;
 use crate::parallel;
-use crate::render::{Picture, PictureRay, SampleGrid, World};
 use crate::trace::{Outcome, PixelTrace, Scene, TraceResult};
 
 /// A mesh, ready for more rays, and what became of those sent so far.
-pub(super) type TracedMesh = (Scene, TraceResult);
+pub(crate) type TracedMesh = (Scene, TraceResult);
 
 /// What reflects the camera's rays.
 #[derive(Clone, Copy)]
-pub(super) enum CameraView<'a> {
+pub(crate) enum CameraView<'a> {
     /// A mesh that was read back. The witness's own rays are the pixels' centres; whether a place
     /// between them lies in shadow is taken from its pixel's centre.
     Mesh(&'a TracedMesh),
@@ -26,7 +26,7 @@ pub(super) enum CameraView<'a> {
 
 /// How far away a world is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Distance {
+pub(crate) enum Distance {
     /// On the profile's target surface: a direction from its origin says what is seen. Targets far
     /// away have the ray's own direction.
     Target,
@@ -36,7 +36,7 @@ pub(super) enum Distance {
 
 /// The picture of `world` that `view` gives the camera of `design`, with `samples_per_side` squared
 /// samples at edges.
-pub(super) fn picture(
+pub(crate) fn camera_picture(
     design: &Design,
     view: CameraView,
     (world, distance): (&dyn World, Distance),
@@ -59,7 +59,7 @@ pub(super) fn picture(
             let centre =
                 |pixel: &PixelTrace| scene.on_mesh(pixel.outcome, pixel.hit_point, pixel.direction);
             let centres: Vec<PictureRay> = mesh.1.pixels.iter().map(centre).collect();
-            let top = above(&mesh.0);
+            let top = mesh.0.above_mm();
             Picture::paint(&grid, world, &centres, |x, y| scene.by_mesh(mesh, top, [x, y]))
         }
         CameraView::Smooth => {
@@ -121,7 +121,7 @@ impl Photographed<'_> {
 
 /// The rays that leave the designed mirror where the camera sees it at `points` (best in lines of
 /// equal y): none off the mirror.
-pub(super) fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
+pub(crate) fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
     let Design { mirror, camera, .. } = design;
     let outline = mirror.full_outline();
     let under =
@@ -144,9 +144,4 @@ fn is_dull(design: &Design, at: DVec3) -> bool {
         Outline::Rect(_) => false,
     };
     land || design.border.as_ref().is_some_and(|s| at.z <= s.top_mm * (1.0 + 1e-6))
-}
-
-/// A height above everything in the file, mm, for camera rays to start from.
-pub(crate) fn above(scene: &Scene) -> f64 {
-    scene.bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
 }

@@ -1,16 +1,16 @@
 //! Colours of scales, from a share between 0 and 1.
 
-use crate::raster::Srgb;
+use super::Srgb;
 
 /// From black to white, without either end: the colours of what is lost stand out.
 #[must_use]
-pub(super) fn grey(share: f64) -> Srgb {
+pub fn grey(share: f64) -> Srgb {
     [(50.0 + 195.0 * share.clamp(0.0, 1.0)).round() as u8; 3]
 }
 
 /// From dark blue over green to yellow: ever brighter (the corners of matplotlib's viridis).
 #[must_use]
-pub(super) fn viridis(share: f64) -> Srgb {
+pub fn viridis(share: f64) -> Srgb {
     const CORNERS: [Srgb; 5] =
         [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
     between(&CORNERS, share)
@@ -18,7 +18,7 @@ pub(super) fn viridis(share: f64) -> Srgb {
 
 /// From blue over white to red, for departures: ColorBrewer's RdBu, which the colour-blind can read.
 #[must_use]
-pub(super) fn diverging(share: f64) -> Srgb {
+pub fn diverging(share: f64) -> Srgb {
     const CORNERS: [Srgb; 9] = [
         [33, 102, 172],
         [67, 147, 195],

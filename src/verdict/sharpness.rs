@@ -4,13 +4,13 @@ use crate::design::Design;
 use crate::num::{asin, atan, sin, tan};
 use crate::pencil::{self, BlurEllipse, best_focus, map_pencils_sparsely};
 use crate::profile::{Aperture, Profile};
-use crate::report::{ApertureFacts, Reason, ReasonKind, SharpnessFacts};
+use crate::results::{ApertureFacts, Reason, ReasonKind, SharpnessFacts};
 
 /// Pixels along a side of the sensor that stand for all of them.
 const SOME: u32 = 64;
 
 /// The aperture's radius as pencils have it: mm, or the tangent of the cone's half angle.
-pub(super) fn radius(aperture: Aperture) -> f64 {
+pub(crate) fn radius(aperture: Aperture) -> f64 {
     match aperture {
         Aperture::Pupil { pupil_mm } => 0.5 * pupil_mm,
         Aperture::Na { na } => tan(asin(na)),
@@ -18,7 +18,7 @@ pub(super) fn radius(aperture: Aperture) -> f64 {
 }
 
 /// The aperture of this radius of the camera of `design`.
-pub(super) fn aperture(design: &Design, radius: f64) -> Aperture {
+pub(crate) fn aperture(design: &Design, radius: f64) -> Aperture {
     if design.camera.chart.vergence == 0.0 {
         Aperture::Na { na: sin(atan(radius)) }
     } else {
@@ -27,12 +27,12 @@ pub(super) fn aperture(design: &Design, radius: f64) -> Aperture {
 }
 
 /// phi of the nearest plane that a lens focuses on, as far as infinity.
-pub(super) fn least_focus(design: &Design) -> f64 {
+pub(crate) fn least_focus(design: &Design) -> f64 {
     if design.camera.chart.vergence == 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
 
 /// How sharp the picture of `design` is; none where no pixel has a spot.
-pub(super) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
+pub(crate) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
     let Design { mirror, camera, view, .. } = design;
     let unit = 1.0 / camera.pixel_mm;
     let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
@@ -42,7 +42,7 @@ pub(super) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessF
 }
 
 /// The same of `spots`, in pixels: at best in the first focus, through `given` in the second.
-pub(super) fn of(
+pub(crate) fn of(
     profile: &Profile,
     design: &Design,
     spots: &[BlurEllipse],
@@ -84,7 +84,7 @@ fn two_digits(x: f64) -> u32 {
 
 /// Why the picture is not sharp enough for the profile, through its own lens or, without one, through the
 /// best.
-pub(super) fn reason(profile: &Profile, sharpness: Option<&SharpnessFacts>) -> Option<Reason> {
+pub(crate) fn reason(profile: &Profile, sharpness: Option<&SharpnessFacts>) -> Option<Reason> {
     let limit = profile.accept.blur_p95_px?;
     let sharpness = sharpness?;
     let lens = sharpness.given.as_ref().unwrap_or(&sharpness.best);

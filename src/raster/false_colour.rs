@@ -1,7 +1,7 @@
 //! False-colour maps: a figure over the sensor or the part, with a scale and a key.
 
+use super::{BitmapFont, Canvas, EncodingError, Srgb};
 use crate::num::rounding::floor_125;
-use crate::raster::{BitmapFont, Canvas, EncodingError, Srgb};
 
 /// Pixels that the picture is wide at the least: the sensor's pixels become squares of more.
 const WIDTH: u32 = 640;
@@ -19,7 +19,7 @@ const LENGTH: f64 = 160.0;
 
 /// A false-colour map: a colour for each pixel of a sensor or a raster, and what the colours mean.
 #[derive(Debug, Clone)]
-pub(super) struct FalseColourMap {
+pub struct FalseColourMap {
     /// Columns and rows.
     pub pixels: [u32; 2],
     /// Row by row from the upper left; one a pixel.
@@ -44,7 +44,7 @@ impl FalseColourMap {
     ///
     /// # Panics
     /// When there is not one colour a pixel.
-    pub(super) fn png(&self) -> Result<Vec<u8>, EncodingError> {
+    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
         let [width, height] = self.pixels;
         assert_eq!(self.colours.len(), width as usize * height as usize, "one colour a pixel");
         let zoom = WIDTH.div_ceil(width).min(HEIGHT / height.max(1)).max(1);
@@ -120,7 +120,7 @@ fn draw_length(canvas: &mut Canvas, [x, y]: [u32; 2], pixel_mm: f64) {
 
 /// Columns, rows and bytes of a PNG file.
 #[cfg(test)]
-pub(super) fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {
+pub(crate) fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut rgb).unwrap();

@@ -2,8 +2,6 @@
 //! of triangles, and the digits of the files that are asked for.
 
 use super::formats::{TRACED, cad, codec, meshes};
-use super::run::Run;
-use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::{DVec2, Outline, Precision};
 use crate::mesh::{
@@ -12,8 +10,9 @@ use crate::mesh::{
 };
 use crate::num::units::{Mm, Px, Um};
 use crate::profile::{MeshFormat, MeshGoal, Profile};
-use crate::report::{Reason, ReasonKind};
+use crate::results::{Reason, ReasonKind};
 use crate::solid::{added, rim};
+use thiserror::Error;
 
 /// What is made or foreseen for the files that can have it.
 #[derive(Debug)]
@@ -28,76 +27,23 @@ pub(crate) struct AtPrecision<T> {
     pub refused: Option<Refusal>,
 }
 
-/// Errors that a mesh file may have against its design: what its verdict holds it to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Promise {
-    /// Height of a facet off the mirror, mm.
-    pub chord_mm: f64,
-    /// Facet error, and what sets it; none where nothing does.
-    pub facet: Option<(Px, &'static str)>,
-}
-
-impl Promise {
-    /// Chord of a file of unknown making where the profile has no limit of its own.
-    const USUAL_CHORD: Um = Um(10.0);
-
-    /// What was asked and proven of a face.
-    pub(super) fn of_face(profile: &Profile, design: &Design, face: &Face) -> Self {
-        let facet = match profile.mesh {
-            MeshGoal::Limits { facet, .. } => facet.map(|px| (px, "mesh.facet_px")),
-            // A number of triangles sets no limit; what was proven of them is to be seen.
-            MeshGoal::Budget(_) => {
-                Some((design.camera.to_px(Mm(face.bound.facet_mm)), "the mesh's bound"))
-            }
-        };
-        Self { chord_mm: face.bound.chord_mm, facet }
-    }
-
-    /// What the profile asks of any file: of one of unknown making nothing is proven.
-    pub(super) fn of_profile(profile: &Profile) -> Self {
-        let (chord, facet) = match profile.mesh {
-            MeshGoal::Limits { chord, facet } => (chord, facet.map(|px| (px, "mesh.facet_px"))),
-            MeshGoal::Budget(_) => (None, None),
-        };
-        Self { chord_mm: Mm::from(chord.unwrap_or(Self::USUAL_CHORD)).0, facet }
-    }
-
-    /// The design itself, without a limit for facets.
-    pub(super) fn exact() -> Self {
-        Self { chord_mm: 0.0, facet: None }
-    }
-}
-
-/// The face that the profile asks for, with a note for the observer. Unless shortcuts are allowed, every
-/// copy of a symmetric mirror is meshed by itself and compared.
-///
-/// # Errors
-/// [`Error::Mesh`], [`Error::Single`], and [`Error::Uneven`] when a copy differs.
-pub(crate) fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
-    let profile = run.profile;
-    let found = face(profile, design)?;
-    let mirror = &design.mirror;
-    let all = found.made.mesh.triangles.len();
-    let reflections = mirror.reflections();
-    let part = all / (reflections.len() + 1) / if mirror.folded { 2 } else { 1 };
-    let mut done = part;
-    if !run.timer.shortcuts() {
-        for reflected in reflections {
-            let reflected = Design { mirror: reflected, ..design.clone() };
-            let again = face(profile, &reflected)?.made;
-            if again.mesh != found.made.mesh || again.bound != found.made.bound {
-                return Err(Error::Uneven { profile: profile.name.clone() });
-            }
-            done += part;
-        }
-    }
-    run.timer.worked(Stage::Mesh, "facets meshed and proven", [done, all - done], "symmetry");
-    let note = format!("{all} optical triangles");
-    Ok((found, note))
+/// Why there is no face as a profile asks for it.
+#[derive(Debug, Error)]
+pub(crate) enum FaceError {
+    /// No mesh keeps the limits.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// No mesh file but in single precision is asked for, and that cannot carry the limits: where, and what
+    /// it carries.
+    #[error("{0}")]
+    Single(String),
 }
 
 /// The face that the profile asks for.
-pub(super) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, Error> {
+///
+/// # Errors
+/// [`FaceError`].
+pub(crate) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, FaceError> {
     let Design { mirror, camera, view, .. } = design;
     at_precision(profile, design, |precision| match profile.mesh {
         MeshGoal::Budget(triangles) => {
@@ -110,7 +56,7 @@ pub(super) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Fac
 }
 
 /// What is foreseen of that face.
-pub(super) fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>, Error> {
+pub(crate) fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<MeshPlan>, FaceError> {
     at_precision(profile, design, |precision| match profile.mesh {
         MeshGoal::Budget(triangles) => {
             ClosingCount::new(design).budget(triangles, precision).foresee()
@@ -123,12 +69,12 @@ pub(super) fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<Mes
 }
 
 /// What is foreseen of the face that keeps `limits`.
-pub(super) fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshError> {
+pub(crate) fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshError> {
     forecast_within(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
 }
 
 /// The profile's limits on the mirror of `design`.
-pub(super) fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
+pub(crate) fn limits(profile: &Profile, design: &Design, precision: Precision) -> Limits {
     Limits {
         chord_mm: profile.mesh.chord_um().map(|um| Mm::from(Um(um)).0),
         facet_mm: profile.mesh.facet_px().map(|px| design.camera.to_mm(Px(px)).0),
@@ -137,7 +83,7 @@ pub(super) fn limits(profile: &Profile, design: &Design, precision: Precision) -
 }
 
 /// How many facets close the face that is foreseen.
-pub(super) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
+pub(crate) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
     let hole = match design.mirror.outline {
         // As if neighbours on both rims were equally far apart.
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
@@ -208,8 +154,8 @@ impl Refusal {
 ///
 /// # Errors
 /// `error`, where it ends the build.
-pub(super) fn left_out(profile: &Profile, error: Error) -> Result<Refusal, Error> {
-    let Error::Mesh { source, .. } = &error else { return Err(error) };
+pub(crate) fn left_out(profile: &Profile, error: FaceError) -> Result<Refusal, FaceError> {
+    let FaceError::Mesh(source) = &error else { return Err(error) };
     if cad(profile).next().is_none() {
         return Err(error);
     }
@@ -223,11 +169,10 @@ fn at_precision<T>(
     profile: &Profile,
     design: &Design,
     make: impl Fn(Precision) -> Result<T, MeshError>,
-) -> Result<AtPrecision<T>, Error> {
-    let fail = |source| Error::Mesh { profile: profile.name.clone(), source };
+) -> Result<AtPrecision<T>, FaceError> {
     let in_double = |formats, refused| {
         let precision = Precision::Double;
-        Ok(AtPrecision { made: make(precision).map_err(fail)?, precision, formats, refused })
+        Ok(AtPrecision { made: make(precision)?, precision, formats, refused })
     };
     let mut formats: Vec<MeshFormat> = meshes(profile).collect();
     if formats.is_empty() {
@@ -244,7 +189,7 @@ fn at_precision<T>(
         Ok(made) => return Ok(AtPrecision { made, precision, formats, refused: None }),
         Err(error) => error,
     };
-    let Some(why) = beyond_single(profile, design, &error) else { return Err(fail(error)) };
+    let Some(why) = beyond_single(profile, design, &error) else { return Err(error.into()) };
     let files = single.into_iter().map(MeshFormat::file_name).collect();
     let refused = Refusal { kind: ReasonKind::SinglePrecision, files, why };
     if others.is_empty() && cad(profile).next().is_some() {
@@ -252,7 +197,7 @@ fn at_precision<T>(
     }
     if others.is_empty() {
         let reason = refused.made().into();
-        return Err(Error::Single { profile: profile.name.clone(), reason });
+        return Err(FaceError::Single(reason));
     }
     in_double(others, Some(refused))
 }

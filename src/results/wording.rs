@@ -10,7 +10,7 @@ pub(crate) fn digits(x: f64) -> String {
 
 /// Three digits of a number that is not negative, without an exponent.
 #[must_use]
-pub(super) fn three_digits(x: f64) -> String {
+pub(crate) fn three_digits(x: f64) -> String {
     let (mut decimals, mut first) = (2_usize, x);
     while first >= 10.0 && decimals > 0 {
         (decimals, first) = (decimals - 1, first / 10.0);
@@ -23,7 +23,7 @@ pub(super) fn three_digits(x: f64) -> String {
 
 /// RMS, P95 and maximum.
 #[must_use]
-pub(super) fn figures(summary: Option<Summary>) -> String {
+pub(crate) fn figures(summary: Option<Summary>) -> String {
     summary.map_or("none".into(), |s| {
         format!("{} rms, {} p95, {} max", digits(s.rms), digits(s.p95), digits(s.max))
     })
@@ -31,7 +31,7 @@ pub(super) fn figures(summary: Option<Summary>) -> String {
 
 /// A displacement, px; infinite where rays are lost.
 #[must_use]
-pub(super) fn displacement(px: f64) -> String {
+pub(crate) fn displacement(px: f64) -> String {
     match px {
         px if !px.is_finite() => "lost".into(),
         px if px.abs() >= 1e7 => format!("{px:.2e}"),
@@ -41,26 +41,26 @@ pub(super) fn displacement(px: f64) -> String {
 
 /// A share as a percentage, without the noise of its last digits.
 #[must_use]
-pub(super) fn percent(share: f64) -> f64 {
+pub(crate) fn percent(share: f64) -> f64 {
     (1e8 * share).round() / 1e6
 }
 
 /// A coordinate in mm to so many decimals, without the sign of a zero.
 #[must_use]
-pub(super) fn coordinate(mm: f64, decimals: u32) -> String {
+pub(crate) fn coordinate(mm: f64, decimals: u32) -> String {
     let unit = f64::from(10u32.pow(decimals));
     format!("{:.width$}", (mm * unit).round() / unit + 0.0, width = decimals as usize)
 }
 
 /// The length of a file.
 #[must_use]
-pub(super) fn megabytes(bytes: u64) -> String {
+pub(crate) fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
 
 /// The number of triangles allowed, if there is one.
 #[must_use]
-pub(super) fn of_at_most(most: Option<usize>) -> String {
+pub(crate) fn of_at_most(most: Option<usize>) -> String {
     most.map_or(String::new(), |most| format!(", of at most {most}"))
 }
 

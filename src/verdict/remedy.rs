@@ -4,7 +4,7 @@
 use crate::design::{Design, design};
 use crate::optics::CameraModel;
 use crate::profile::{Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
-use crate::report::{Reason, ReasonKind};
+use crate::results::{Reason, ReasonKind};
 
 /// How much less of an error another law must leave to be worth a change.
 const WORTH: f64 = 0.7;
@@ -12,7 +12,7 @@ const WORTH: f64 = 0.7;
 const NARROW: f64 = 0.999;
 
 /// Adds to the first reason of its kind how to do better.
-pub(super) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
+pub(crate) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
     let mut amend = |kind: ReasonKind, way: &dyn Fn() -> Option<String>| {
         if let Some(reason) = reasons.iter_mut().find(|reason| reason.kind == Some(kind))
             && let Some(way) = way()
@@ -45,7 +45,7 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
 }
 
 /// How more of the frame is filled.
-pub(super) fn filling(profile: &Profile) -> Option<String> {
+pub(crate) fn filling(profile: &Profile) -> Option<String> {
     let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return wider(profile) };
     let [first, last] = strip.azimuth_deg;
     let folds = matches!(profile.layout, Layout::Strip { .. }) && [first, last] == [-180.0, 180.0];

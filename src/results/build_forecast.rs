@@ -1,0 +1,68 @@
+//! What a build would make, foreseen without making it.
+
+use super::{ProfileId, SCHEMA};
+use serde::Serialize;
+
+/// What a build of one profile would come to. Numbers are forecasts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BuildForecast {
+    /// The version of the report's schema whose keys these are.
+    pub schema: u32,
+    /// Nothing was written.
+    pub dry_run: bool,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// The mesh; none where the build would go on without one.
+    pub mesh: Option<MeshForecast>,
+    /// The mesh files.
+    pub files: Vec<FileForecast>,
+    /// Why files that are asked for would not be written.
+    pub reasons: Vec<String>,
+    /// What may be a nuisance later, and what to do about it.
+    pub warnings: Vec<String>,
+}
+
+/// The mesh that is foreseen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeshForecast {
+    /// Facets of the optical face.
+    pub optical_triangles: usize,
+    /// Facets of the solid.
+    pub triangles: usize,
+    /// Most of them, where the profile sets that in the place of limits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_triangles: Option<usize>,
+    /// Height between facet and mirror, um.
+    pub chord_um: ForecastLimit,
+    /// Image displacement by flat facets, pixels.
+    pub facet_px: ForecastLimit,
+}
+
+/// A limit asked for, and what is foreseen for a number of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ForecastLimit {
+    /// Asked for; none when the profile sets none.
+    pub limit: Option<f64>,
+    /// What the number of triangles will be good for; none where limits rule.
+    pub foreseen: Option<f64>,
+}
+
+/// A mesh file that is foreseen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileForecast {
+    /// Name in the output folder.
+    pub name: String,
+    /// Its format's name.
+    pub format: &'static str,
+    /// Length.
+    pub bytes: u64,
+}
+
+impl BuildForecast {
+    /// The forecast for `profile`; nothing in it yet but the mesh and the files.
+    #[must_use]
+    pub fn new(profile: ProfileId, mesh: Option<MeshForecast>, files: Vec<FileForecast>) -> Self {
+        let (reasons, warnings) = (Vec::new(), Vec::new());
+        Self { schema: SCHEMA, dry_run: true, profile, mesh, files, reasons, warnings }
+    }
+}

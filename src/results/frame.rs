@@ -1,0 +1,51 @@
+//! What the frame-fill check found.
+
+use super::{ProfileId, Verdict};
+use crate::trace::{Coverage, FrameFill, MinMeanMax};
+use serde::Serialize;
+
+/// `frame.json`, schema 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// Version of these keys.
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// The witness's count, as in `report.json`.
+    pub frame: FrameFill,
+    /// What the filled pixels cover of the world.
+    pub coverage: Coverage,
+    /// The solid angle of a pixel of the designed mirror.
+    pub resolution: PixelSolidAngle,
+    /// The shipped round mirrors, inscribed in the same sensor.
+    pub round_mirrors: Vec<RoundMirror>,
+    /// Least share of the pixels that must be filled.
+    pub min: f64,
+    /// Whether it is.
+    pub verdict: Verdict,
+    /// Why not.
+    pub reasons: Vec<String>,
+}
+
+/// How evenly a mirror spends its pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PixelSolidAngle {
+    /// Pixels whose centres are aimed at the mirror.
+    pub pixels: u64,
+    /// Solid angle of the world that a pixel shows, microsteradians; none without pixels.
+    pub pixel_usr: Option<MinMeanMax>,
+    /// The largest over the smallest.
+    pub ratio: Option<f64>,
+    /// All pixels together, sr.
+    pub total_sr: f64,
+}
+
+/// A round mirror on the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RoundMirror {
+    /// Shipped profile.
+    pub profile: String,
+    /// What it does with the pixels.
+    #[serde(flatten)]
+    pub resolution: PixelSolidAngle,
+}

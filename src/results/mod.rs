@@ -1,0 +1,40 @@
+//! Results of commands as plain data, whose fields are the keys of their JSON. Verdicts are found in them, and
+//! reports say them in words.
+
+mod blur;
+mod build;
+mod build_forecast;
+mod facts;
+mod frame;
+mod machining;
+mod measured;
+mod reason;
+mod render;
+mod replay;
+mod sharpness;
+mod tolerance;
+mod unwrap;
+mod wording;
+
+pub use crate::profile::Aperture;
+pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
+pub use build::{BuildReport, VerifyReport};
+pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
+pub use facts::{
+    ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, SCHEMA, SagFacts,
+    SolidFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
+};
+pub use frame::{FrameReport, PixelSolidAngle, RoundMirror};
+pub use machining::{
+    AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
+};
+pub use measured::{AlignmentFacts, UnitFacts};
+pub use reason::{Reason, ReasonKind};
+pub use render::RenderReport;
+pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
+pub use sharpness::{ApertureFacts, SharpnessFacts};
+pub use tolerance::{FacetsFrom, ToleranceReport};
+pub use unwrap::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
+pub(crate) use wording::{
+    coordinate, digits, displacement, figures, megabytes, of_at_most, percent, three_digits,
+};

@@ -1,0 +1,59 @@
+//! What became of a photo.
+
+use super::{FileFacts, ProfileId};
+use crate::num::stats::{Summary, or_null};
+use serde::Serialize;
+
+/// A photo through a mirror, unwrapped.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnwrapReport {
+    /// The version of the report's schema whose keys these are.
+    pub schema: u32,
+    /// Which profile.
+    pub profile: ProfileId,
+    /// The photo.
+    pub photo: PhotoFacts,
+    /// The panorama.
+    pub panorama: PanoramaFacts,
+    /// The table behind it; absent for simple cuts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<UnwrapMapFacts>,
+    /// The files written.
+    pub files: Vec<FileFacts>,
+}
+
+/// A photo.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhotoFacts {
+    /// As it was named.
+    pub name: String,
+    /// Across and down.
+    pub pixels: [usize; 2],
+    /// Pixels of the photo to one of the sensor, across.
+    pub pixels_per_sensor_pixel: f64,
+}
+
+/// A panorama.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PanoramaFacts {
+    /// "remap" or "cuts".
+    pub way: &'static str,
+    /// How rows map to elevation.
+    pub projection: &'static str,
+    /// Across and down.
+    pub pixels: [usize; 2],
+    /// At the left and at the right edge; for cuts as the mirror is meant to show them.
+    pub azimuth_deg: [f64; 2],
+    /// At the lower and at the upper edge.
+    pub elevation_deg: [f64; 2],
+}
+
+/// A table of places.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct UnwrapMapFacts {
+    /// Share of the panorama's pixels that the photo shows.
+    pub seen: f64,
+    /// Distance on the sensor between where things are seen and where the projection has them.
+    #[serde(serialize_with = "or_null")]
+    pub distortion_px: Option<Summary>,
+}

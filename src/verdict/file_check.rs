@@ -1,0 +1,232 @@
+//! What the bytes of one file showed: as a solid, at its vertices, and to the camera's rays.
+
+use super::vertex_check::worst_vertex;
+use crate::design::Design;
+use crate::export::{ImportedMesh, ReadError};
+use crate::geom::{DVec2, DVec3};
+use crate::mirror::HeightAndSlope;
+use crate::optics::reflect;
+use crate::parallel;
+use crate::part::Promise;
+use crate::profile::{MeshFormat, Profile};
+use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
+use crate::solid::check;
+use crate::trace::{
+    CameraTrace, ExpectedRay, FrameFill, Outcome, PixelClass, PixelTrace, RayErrors, Scene,
+    TraceCounts, TraceResult, classify_pixels,
+};
+
+/// What the bytes of one file showed.
+pub(crate) struct FileCheck {
+    /// The file.
+    pub file: FileFacts,
+    /// Its format.
+    pub format: MeshFormat,
+    /// Whether the bytes are others than were written.
+    pub altered: bool,
+    /// Whether it is a measured part, which is judged by what it does and not by its facets.
+    pub measured: bool,
+    /// The errors that it may have.
+    pub promise: Promise,
+    /// Why it could not be read, if so; then there is no more.
+    pub unreadable: Option<ReadError>,
+    /// The witness's figures.
+    pub trace: Option<TraceFacts>,
+    /// How many rays what is around the mirror shadows.
+    pub by_rim: usize,
+    /// The frame.
+    pub frame: Option<FrameFill>,
+    /// The mesh and its rays, until the picture is painted.
+    pub seen: Option<(Scene, TraceResult)>,
+}
+
+impl FileCheck {
+    /// Of a file that could not be read.
+    pub(crate) fn unreadable(
+        file: FileFacts,
+        format: MeshFormat,
+        promise: Promise,
+        error: ReadError,
+    ) -> Self {
+        Self {
+            file,
+            format,
+            altered: false,
+            measured: false,
+            promise,
+            unreadable: Some(error),
+            trace: None,
+            by_rim: 0,
+            frame: None,
+            seen: None,
+        }
+    }
+
+    /// Of a mesh whose facets keep to `design` as promised, by the camera's rays; and what those took. With
+    /// `shortcuts` rays of which the outcome is proven are not followed.
+    pub(crate) fn traced(
+        profile: &Profile,
+        design: &Design,
+        (file, format): (FileFacts, MeshFormat),
+        checked: CheckedMesh,
+        promise: Promise,
+        shortcuts: bool,
+    ) -> (Self, TraceCounts) {
+        let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
+        let camera = &design.camera;
+        let scene = Scene::new(mesh);
+        let table = expected_rays(design, promise.chord_mm);
+        let trace = CameraTrace::new(&scene, camera, scene.above_mm());
+        let trace = if shortcuts { trace } else { trace.without_shortcuts() };
+        let (witness, counts) =
+            TraceResult::new(&trace, normals.as_deref(), design.view.as_ref(), table);
+        let frame = design.view.is_some().then(|| {
+            let classes = pixel_classes(profile, design, &witness);
+            FrameFill::new(&witness, &classes, camera.pixels, tolerance_px(profile))
+        });
+        let (name, has_normals) = (file.name.clone(), normals.is_some());
+        let mut trace = trace_facts(name, &witness, camera.pixel_mm, has_normals, solid);
+        trace.worst_vertex = vertex;
+        let check = Self {
+            file,
+            format,
+            altered: false,
+            measured: false,
+            promise,
+            unreadable: None,
+            trace: Some(trace),
+            by_rim: by_rim(design, &scene, &witness),
+            frame,
+            seen: Some((scene, witness)),
+        };
+        (check, counts)
+    }
+
+    /// Calls the file `name`.
+    pub(crate) fn rename(&mut self, name: String) {
+        if let Some(trace) = &mut self.trace {
+            trace.file.clone_from(&name);
+        }
+        self.file.name = name;
+    }
+}
+
+/// A mesh, and what it is as a solid.
+pub(crate) struct CheckedMesh {
+    reread: ImportedMesh,
+    solid: SolidFacts,
+    vertex: Option<VertexFacts>,
+}
+
+impl CheckedMesh {
+    /// The checks of a mesh as a solid, and of its vertices against `design`.
+    pub(crate) fn new(design: &Design, reread: ImportedMesh) -> Self {
+        let check = check(&reread.mesh).through(design.holes());
+        let solid = SolidFacts::new(&check, design.volume());
+        let vertex = worst_vertex(design, &reread.mesh.vertices);
+        let vertex = vertex.map(|(vertex, off)| {
+            let at = reread.mesh.vertices[vertex].to_array();
+            VertexFacts { at_mm: at, off_mm: off }
+        });
+        Self { reread, solid, vertex }
+    }
+}
+
+/// The pixel error up to which a pixel counts as filled: the largest that is accepted.
+pub(crate) fn tolerance_px(profile: &Profile) -> f64 {
+    profile.acceptance_limits().pixel_error_max_px.value
+}
+
+/// Class of every pixel.
+pub(crate) fn pixel_classes(
+    profile: &Profile,
+    design: &Design,
+    witness: &TraceResult,
+) -> Vec<PixelClass> {
+    let camera = &design.camera;
+    let folded = design.view.as_ref().is_some_and(|view| view.fold.is_some());
+    classify_pixels(witness, camera.pixels, camera.pixel_mm, tolerance_px(profile), folded)
+}
+
+fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
+    let Some(stock) = &design.border else { return 0 };
+    let top = stock.top_mm * (1.0 + 1e-6);
+    let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
+    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
+}
+
+/// The table of expected rays, a row of the sensor at a time. Rays that may pass by the rim of facets
+/// `chord_mm` off the mirror are not aimed at it.
+pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> Vec<ExpectedRay> {
+    let Design { mirror, view, camera, .. } = design;
+    let outline = mirror.full_outline();
+    // The mirror's own camera sees the rim of the facets where the mirror's is.
+    let off_mm = if camera.chart == mirror.chart { 0.0 } else { chord_mm };
+    let beside = move |at: DVec3, along: DVec3, normal: DVec3| {
+        let step = along * (off_mm * normal.z / along.dot(normal));
+        let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
+        !(aims(at + step) && aims(at - step))
+    };
+    move |row| {
+        let image_point =
+            |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let points: Vec<DVec2> = (0..camera.pixels[0]).map(image_point).collect();
+        let places: Vec<DVec2> = points
+            .iter()
+            .map(|&q| mirror.intersect_camera_ray(&camera.chart, q).unwrap_or(DVec2::INFINITY))
+            .collect();
+        let designed = mirror.eval_many(&places);
+        let expected = |((point, place), designed): ((DVec2, DVec2), HeightAndSlope)| {
+            let mut expected =
+                ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
+            if !outline.aims(place) {
+                return expected;
+            }
+            let arriving = camera.ray(point, 0.0).direction;
+            let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
+            expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);
+            if let (true, Some(view)) = (expected.aimed, view) {
+                expected.direction = view.direction_of(point, at);
+                expected.designed = view.image_of(at, reflect(arriving, normal), point);
+            }
+            expected
+        };
+        points.into_iter().zip(places).zip(designed).map(expected).collect()
+    }
+}
+
+fn trace_facts(
+    file: String,
+    witness: &TraceResult,
+    pixel_mm: f64,
+    has_normals: bool,
+    solid: SolidFacts,
+) -> TraceFacts {
+    let facts = |errors: fn(&PixelTrace) -> Option<RayErrors>| {
+        let summary = |pick: fn(RayErrors) -> f64, unit: f64| {
+            witness.summary(|pixel| errors(pixel).map(pick)).map(|s| s.scaled(unit))
+        };
+        let (ray_error_mrad, (pixel_error_px, facet_error_px)) = parallel::join(
+            || summary(|e| e.angle_rad, 1e3),
+            || {
+                parallel::join(
+                    || summary(|e| e.image_mm, 1.0 / pixel_mm),
+                    || summary(|e| e.facet_mm, 1.0 / pixel_mm),
+                )
+            },
+        );
+        ErrorFacts { ray_error_mrad, pixel_error_px, facet_error_px }
+    };
+    TraceFacts {
+        file,
+        rays: witness.aimed().count(),
+        hit: witness.count(|o| o == Outcome::Hit),
+        missed: witness.count(|o| o == Outcome::Missed),
+        shadowed: witness.count(|o| matches!(o, Outcome::Shadowed(_))),
+        back_face: witness.count(|o| o == Outcome::BackFace),
+        errors: facts(|pixel| pixel.errors),
+        interpolated_normals: has_normals.then(|| facts(|pixel| pixel.smooth)),
+        worst_vertex: None,
+        solid,
+    }
+}
