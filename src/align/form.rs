@@ -6,6 +6,7 @@ use crate::mirror::Mirror;
 use crate::optics::Camera;
 use crate::parallel;
 use serde::Serialize;
+use std::ops::Range;
 
 /// Departures from the design along its normal, one a sensor pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,20 +45,40 @@ pub struct FormError {
     pub pixels: usize,
 }
 
-impl FormMap {
-    /// The map of a mesh that the ray of each pixel of `camera` meets `at` some place or none.
+/// Map of the form error of which rows after rows of the frame are added.
+#[derive(Debug)]
+pub struct FormMapBuilder<'a> {
+    mirror: &'a Mirror,
+    camera: &'a Camera,
+    /// It has every pixel, or every second, third, ... one each way.
+    step: usize,
+    map: FormMap,
+}
+
+impl<'a> FormMapBuilder<'a> {
+    /// Most columns of a map.
+    const MOST: u32 = 1600;
+
+    /// A map of the pixels of `camera`, without a row.
     #[must_use]
-    pub fn new(
-        mirror: &Mirror,
-        camera: &Camera,
-        at: impl Fn(usize) -> Option<DVec3> + Sync,
-    ) -> Self {
-        let [columns, rows] = camera.pixels;
+    pub fn new(mirror: &'a Mirror, camera: &'a Camera) -> Self {
+        let step = camera.pixels[0].div_ceil(Self::MOST);
+        let pixels = camera.pixels.map(|n| n.div_ceil(step));
+        let map = FormMap { pixels, mm: Vec::new() };
+        Self { mirror, camera, step: step as usize, map }
+    }
+
+    /// Adds the rows of a mesh that the ray of each pixel meets `at` some place or none.
+    pub fn add(&mut self, rows: Range<usize>, at: impl Fn([usize; 2]) -> Option<DVec3> + Sync) {
+        let Self { mirror, camera, step, .. } = *self;
         let outline = mirror.full_outline();
-        let mut mm = vec![f64::NAN; columns as usize * rows as usize];
-        parallel::map_chunks_mut(&mut mm, (columns as usize).max(1), |row, line| {
-            let place = |column: u32| {
-                let q = camera.image_point(f64::from(column) + 0.5, row as f64 + 0.5);
+        let columns = self.map.pixels[0] as usize;
+        let rows: Vec<usize> = rows.filter(|row| row % step == 0).collect();
+        let mut mm = vec![f64::NAN; columns * rows.len()];
+        parallel::map_chunks_mut(&mut mm, columns.max(1), |k, line| {
+            let row = rows[k];
+            let place = |k: usize| {
+                let q = camera.image_point((k * step) as f64 + 0.5, row as f64 + 0.5);
                 mirror.intersect_camera_ray(&camera.chart, q).filter(|q| outline.aims(*q))
             };
             let places = (0..columns).map(place).enumerate();
@@ -66,15 +87,23 @@ impl FormMap {
             for ((column, q), point) in
                 known.into_iter().zip(&places).zip(mirror.eval_many(&places))
             {
-                if let Some(at) = at(row * columns as usize + column) {
+                if let Some(at) = at([column * step, row]) {
                     let normal = mirror.normal(*q, &point).normalize();
                     line[column] = normal.dot(at - mirror.position(*q, &point));
                 }
             }
         });
-        Self { pixels: camera.pixels, mm }
+        self.map.mm.extend(mm);
     }
 
+    /// The map of all rows.
+    #[must_use]
+    pub fn finish(self) -> FormMap {
+        self.map
+    }
+}
+
+impl FormMap {
     /// Its figures; none without a single pixel.
     #[must_use]
     pub fn error(&self) -> Option<FormError> {

@@ -16,7 +16,7 @@ mod reference_surface;
 mod unit;
 mod vertex_patch;
 
-pub use form::{FormError, FormMap, FormStatistics};
+pub use form::{FormError, FormMap, FormMapBuilder, FormStatistics};
 pub use pose::Pose;
 pub use unit::{LengthUnit, SizeRange};
 pub use vertex_patch::VertexPatch;

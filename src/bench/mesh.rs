@@ -1,5 +1,6 @@
 //! Limits of the mesh against the errors that are proven of it, its size, time and memory.
 
+use super::memory::{forget_peak, resident};
 use super::{
     BenchError, BenchRun, BenchSweep, ConvergenceOrder, Subject, convergence_order, run, timed,
 };
@@ -7,7 +8,6 @@ use crate::geom::Precision;
 use crate::mesh::{Face, Limits, forecast, mesh};
 use crate::num::{exp, log};
 use crate::pipeline::Error;
-use std::fs;
 
 /// Which limit governs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +57,7 @@ pub(super) fn sweep(
             }
             let limits = limits(rule, limit * unit_mm);
             let before = resident("VmRSS:");
-            let peak_from_now = fs::write("/proc/self/clear_refs", "5").is_ok();
+            let peak_from_now = forget_peak();
             let first = mesh(mirror, chart, view, limits).map_err(fail)?;
             let peak = before.zip(resident("VmHWM:")).filter(|_| peak_from_now);
             let count = first.mesh.triangles.len() as f64;
@@ -115,12 +115,4 @@ fn figures(
         ("peak_bytes_per_triangle", bytes),
     ]
     .into()
-}
-
-/// One of this process's figures of memory, bytes, where the system tells it.
-fn resident(figure: &str) -> Option<f64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix(figure))?;
-    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024.0 * kilobytes)
 }

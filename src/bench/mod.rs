@@ -2,6 +2,8 @@
 
 mod design;
 mod fit;
+mod frames;
+mod memory;
 mod mesh;
 mod plots;
 mod raster_backend;
@@ -123,6 +125,7 @@ pub fn bench(
         swept(Stage::Mesh, &|| mesh::sweep(&subjects, mesh::GoverningLimit::Chord, quick))?,
         swept(Stage::Trace, &|| witness::sweep(&subjects, quick))?,
         swept(Stage::Trials, &|| trials::sweep(&subjects, quick))?,
+        swept(Stage::Trace, &|| frames::sweep(&subjects, quick))?,
     ];
     sweeps.iter_mut().for_each(|sweep| mark_pareto(&mut sweep.runs));
 

@@ -3,6 +3,7 @@
 use super::design::METHODS;
 use super::{BenchError, BenchRun, BenchSweep, Subject, SuggestedSettings, Suggestion};
 use crate::num::rounding::two_digits_below;
+use crate::num::stats::Summary;
 use crate::pipeline::{Run, Silent, build_in_memory, designed, meshed};
 use crate::profile::{MeshGoal, Method, Profile, ShapeSpec};
 use std::time::Instant;
@@ -83,11 +84,8 @@ fn reached(
         let design = designed(&source)?;
         let triangles = meshed(&run, &design)?.0.made.mesh.triangles.len();
         let time_ms = 1e3 * began.elapsed().as_secs_f64();
-        let seen = build_in_memory(&run, &design)?.seen.1;
-        let found = seen.summary(|seen| seen.errors.map(|errors| errors.image_mm));
-        let Some(found) = found else { return Ok(None) };
-        // As a report has it.
-        let pixel_rms_px = found.scaled(1.0 / design.camera.pixel_mm).rms;
+        let found = build_in_memory(&run, &design, &mut |_, _| {})?.pixel_error_px;
+        let Some(Summary { rms: pixel_rms_px, .. }) = found else { return Ok(None) };
         if pixel_rms_px <= target_px {
             best = Some(SuggestedSettings {
                 method: word.to_owned(),

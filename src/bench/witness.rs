@@ -2,9 +2,8 @@
 
 use super::{BenchError, BenchSweep, Subject, convergence_order, run, timed};
 use crate::design::Design;
-use crate::optics::Camera;
 use crate::pipeline::{Run, Silent, build_in_memory};
-use crate::trace::{CameraTrace, Scene, TraceResult};
+use crate::trace::{CameraTrace, Scene, TraceStrip, TraceSummary};
 use crate::verdict::expected_rays;
 use std::convert::Infallible;
 
@@ -20,8 +19,9 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
     let mut runs = Vec::new();
     for subject in subjects.iter().filter(|subject| subject.design.view.is_some()) {
         let design = &subject.design;
-        let made = build_in_memory(&Run::in_memory(&subject.profile, &Silent), design)?;
-        let scene = &made.seen.0;
+        let made =
+            build_in_memory(&Run::in_memory(&subject.profile, &Silent), design, &mut |_, _| {})?;
+        let scene = &made.scene;
         let look = |scale: f64| Ok::<_, Infallible>(estimate(design, scene, scale));
         let Ok((true_px, _)) = look(truth);
         for &scale in scales {
@@ -50,12 +50,12 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
 fn estimate(design: &Design, scene: &Scene, scale: f64) -> (f64, f64) {
     let own = &design.camera;
     let pixels = own.pixels.map(|n| ((f64::from(n) * scale).round() as u32).max(1));
-    let pixel_mm = own.pixel_mm * f64::from(own.pixels[0]) / f64::from(pixels[0]);
-    let scaled = Design { camera: Camera { pixels, pixel_mm, ..*own }, ..design.clone() };
+    let scaled = design.with_pixels(pixels);
     let trace = CameraTrace::new(scene, &scaled.camera, scene.above_mm());
     let table = expected_rays(&scaled, 0.0);
-    let (witness, _) = TraceResult::new(&trace, None, design.view.as_ref(), table);
-    let found = witness.summary(|pixel| pixel.errors.map(|errors| errors.image_mm));
+    let mut summary = TraceSummary::default();
+    TraceStrip::each(&trace, None, design.view.as_ref(), table, |strip| summary.add(strip));
+    let [[_, found, _], _] = summary.errors();
     let rms = found.map_or(f64::NAN, |summary| summary.rms / own.pixel_mm);
     (rms, f64::from(pixels[0]) * f64::from(pixels[1]))
 }

@@ -68,6 +68,14 @@ impl Design {
         self.mirror.volume() + around.unwrap_or(0.0)
     }
 
+    /// The same mirror under a camera with so many columns and rows, in as wide a frame.
+    #[must_use]
+    pub fn with_pixels(&self, pixels: [u32; 2]) -> Self {
+        let Camera { pixels: [columns, _], pixel_mm, .. } = self.camera;
+        let pixel_mm = pixel_mm * f64::from(columns) / f64::from(pixels[0]);
+        Self { camera: Camera { pixels, pixel_mm, ..self.camera }, ..self.clone() }
+    }
+
     /// Number of holes through the part.
     #[must_use]
     pub fn holes(&self) -> usize {

@@ -117,11 +117,12 @@ impl Mirror {
     /// Height and slope over each of `places`, best listed in lines of equal y.
     #[must_use]
     pub fn eval_many(&self, places: &[DVec2]) -> Vec<HeightAndSlope> {
-        let line = |line: &[DVec2]| {
+        let mut points = Vec::with_capacity(places.len());
+        for line in places.chunk_by(|a, b| a.y == b.y) {
             let row = self.row(line[0].y);
-            line.iter().map(|q| row.at(q.x)).collect::<Vec<_>>()
-        };
-        places.chunk_by(|a, b| a.y == b.y).flat_map(line).collect()
+            points.extend(line.iter().map(|q| row.at(q.x)));
+        }
+        points
     }
 
     /// Position (mm) of the mirror's point over `q`.

@@ -155,12 +155,30 @@ impl ImagingTask {
     /// The unit direction that image point `q`, on any panel, must see from the mirror point `at`.
     #[must_use]
     pub fn direction_of(&self, q: DVec2, at: DVec3) -> DVec3 {
+        self.direction_of_turned(q, self.turn(q.x), at)
+    }
+
+    /// What image points at X share: of a strip sine and cosine of their azimuth.
+    #[inline]
+    #[must_use]
+    pub fn turn(&self, x: f64) -> [f64; 2] {
+        match &self.projection {
+            Projection::Strip(strip) => strip.turn(x),
+            Projection::Radial { .. } => [0.0, 1.0],
+        }
+    }
+
+    /// [`ImagingTask::direction_of`] of an image point of which the turn is known.
+    #[must_use]
+    pub fn direction_of_turned(&self, q: DVec2, turn: [f64; 2], at: DVec3) -> DVec3 {
         let flip = self.flip(q);
         let (q, at) = (q * flip.truncate(), at * flip);
         let from = self.relative(at.to_array());
-        flip * stereographic::direction(
-            self.target.direction_at(from, self.projection.direction_of(q.to_array())),
-        )
+        let wanted = match &self.projection {
+            Projection::Strip(strip) => strip.direction_of_turned(q.y, turn),
+            radial => radial.direction_of(q.to_array()),
+        };
+        flip * stereographic::direction(self.target.direction_at(from, wanted))
     }
 
     /// The direction from the target's origin of what a ray that leaves `at` in the unit direction
@@ -182,12 +200,28 @@ impl ImagingTask {
     /// that leaves `at` in the unit direction `direction` shows.
     #[must_use]
     pub fn image_of(&self, at: DVec3, direction: DVec3, near: DVec2) -> DVec2 {
+        self.image_of_turned(at, direction, near, self.turn(near.x))
+    }
+
+    /// [`ImagingTask::image_of`] near an image point of which the turn is known.
+    #[must_use]
+    pub fn image_of_turned(
+        &self,
+        at: DVec3,
+        direction: DVec3,
+        near: DVec2,
+        turn: [f64; 2],
+    ) -> DVec2 {
         let flip = self.flip(near);
         let from = self.relative((at * flip).to_array());
         let seen = self
             .target
             .direction_from_origin(from, stereographic::sigma((direction * flip).to_array()));
-        let place = self.projection.image_of(seen, near * flip.truncate());
+        let near = near * flip.truncate();
+        let place = match &self.projection {
+            Projection::Strip(strip) => strip.image_of_turned(seen, near, turn),
+            radial => radial.image_of(seen, near),
+        };
         DVec2::from_array(place) * flip.truncate()
     }
 

@@ -30,9 +30,32 @@ impl Strip {
     /// every turn. Not finite for the two directions along the axis.
     #[inline]
     pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
-        let azimuth = near.x / self.scale_mm + self.azimuth;
+        self.image_of_turned(sigma, near, self.turn(near.x))
+    }
+
+    /// Sine and cosine of the azimuth that the picture shows at X.
+    #[inline]
+    pub(super) fn turn(&self, x: f64) -> [f64; 2] {
+        let azimuth = x / self.scale_mm + self.azimuth;
+        [sin(azimuth), cos(azimuth)]
+    }
+
+    /// [`Self::direction_of`] of a place of which the turn is known.
+    #[inline]
+    pub(super) fn direction_of_turned(&self, y: f64, [s, c]: [f64; 2]) -> [f64; 2] {
+        let radius = self.law.stereographic_radius(y / self.scale_mm + self.z);
+        [radius * s, radius * c]
+    }
+
+    /// [`Self::image_of`] near a place of which the turn is known.
+    #[inline]
+    pub(super) fn image_of_turned<S: Scalar>(
+        &self,
+        sigma: [S; 2],
+        near: DVec2,
+        [s, c]: [f64; 2],
+    ) -> [S; 2] {
         // Turned so that the arc tangent's jump lies opposite to what is near.
-        let (s, c) = (sin(azimuth), cos(azimuth));
         let turn = (sigma[0] * c - sigma[1] * s).atan2(sigma[0] * s + sigma[1] * c);
         let length = (sigma[0].square() + sigma[1].square()).sqrt();
         let z = self.law.image_coordinate(length);

@@ -21,10 +21,21 @@ pub struct BlurOptions {
     pub focus_mm: Option<f64>,
 }
 
+/// Most pixels of a frame: some 170 bytes are kept for each.
+const MOST_PIXELS: u64 = 40_000_000;
+
 impl Command for BlurOptions {
     type Report = BlurReport;
 
     fn check(&self, profile: &Profile) -> Result<(), Error> {
+        let [columns, rows] = profile.camera.pixels().map(u64::from);
+        if columns * rows > MOST_PIXELS {
+            return Err(Error::Lens {
+                profile: profile.name.clone(),
+                reason: "its frame has over 40 million pixels, of each of which a spot is kept; take a profile \
+                         with fewer, whose spots in pixels are as much smaller",
+            });
+        }
         Lens::new(profile, self).map(drop)
     }
 

@@ -14,7 +14,9 @@ use crate::mirror::{Form, Surface};
 use crate::part::{Refusal, SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
-use crate::render::{CameraView, Distance, TestWorld, World, camera_picture};
+use crate::render::{
+    CameraPicture, CameraView, Distance, TestWorld, TracedMesh, reflected_centres,
+};
 use crate::results::{BuildReport, Reason, SCHEMA, SharpnessFacts, StepFacts};
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
@@ -137,14 +139,27 @@ impl Made {
         if let Ok(made) = &self.meshes {
             for &format in &made.formats {
                 let staged = run.files.staged(format.file_name())?;
-                let mut check = check_file(run, design, format, staged.read()?, made.promise);
+                let mut centres = None;
+                let mut check = check_file(
+                    run,
+                    design,
+                    format,
+                    staged.read()?,
+                    made.promise,
+                    &mut |strip, _| {
+                        if picture.is_none() {
+                            centres = reflected_centres(strip);
+                        }
+                    },
+                );
                 check.altered = check.file.sha256 != staged.sha256();
                 // A mesh that is made for the rays alone is no file.
                 if !is_asked(run.profile, FileFormat::Mesh(format)) {
                     check.rename(UNKEPT.to_owned());
                 }
-                if let (None, Some(seen)) = (&picture, check.seen.take()) {
-                    picture = Some(painted(run, design, CameraView::Mesh(&seen))?);
+                if let (None, Some(scene)) = (&picture, check.scene.take()) {
+                    let mesh = TracedMesh { scene, centres };
+                    picture = Some(painted(run, design, CameraView::Mesh(&mesh))?);
                 }
                 meshes.push(check);
             }
@@ -191,10 +206,12 @@ struct Checked {
     picture: Vec<u8>,
 }
 
+/// Most pixels in a row of `preview.png`.
+const PREVIEW_COLUMNS: u32 = 1600;
+
 fn painted(run: &Run, design: &Design, view: CameraView) -> Result<Vec<u8>, Error> {
-    let world = TestWorld::new();
-    let world = (&world as &dyn World, Distance::Target);
-    Ok(run.painted(|| camera_picture(design, view, world, 2))?.1)
+    let picture = CameraPicture::new(design, view, Distance::Target, 2).at_most(PREVIEW_COLUMNS);
+    Ok(run.painted(|| picture.picture(&TestWorld::new()))?.1)
 }
 
 /// Counts what the design's symmetry saved.

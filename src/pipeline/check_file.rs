@@ -9,20 +9,22 @@ use crate::part::{Promise, codec};
 use crate::profile::MeshFormat;
 use crate::publish::sha256;
 use crate::results::FileFacts;
+use crate::trace::{PixelClass, TraceStrip};
 use crate::verdict::{CheckedMesh, FileCheck};
 
 /// Reads, checks and traces the bytes of a mesh file against `design`, to which its facets keep as
-/// promised.
+/// promised; `each` is called with every strip of the frame.
 pub(super) fn check_file(
     run: &Run,
     design: &Design,
     format: MeshFormat,
     bytes: Vec<u8>,
     promise: Promise,
+    each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
 ) -> FileCheck {
     let (file, read) = open(run, format, bytes, |reread| CheckedMesh::new(design, reread));
     match read {
-        Ok(checked) => witness(run, design, (file, format), checked, promise),
+        Ok(checked) => witness(run, design, (file, format), checked, promise, each),
         Err(error) => FileCheck::unreadable(file, format, promise, error),
     }
 }
@@ -53,18 +55,18 @@ pub(super) fn open<T: Send>(
     (FileFacts { name, format: format.name().into(), bytes: length, sha256 }, reread)
 }
 
-/// Traces a mesh whose facets keep to the design as promised.
+/// Traces a mesh whose facets keep to the design as promised; `each` is called with every strip of the frame.
 pub(super) fn witness(
     run: &Run,
     design: &Design,
     file: (FileFacts, MeshFormat),
     checked: CheckedMesh,
     promise: Promise,
+    each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
 ) -> FileCheck {
     run.timer.always(Stage::Trace, || {
-        let shortcuts = run.timer.shortcuts();
-        let (check, counts) =
-            FileCheck::traced(run.profile, design, file, checked, promise, shortcuts);
+        let promised = (promise, run.timer.shortcuts());
+        let (check, counts) = FileCheck::traced(run.profile, design, file, checked, promised, each);
         run.timer.traced(counts);
         let rays = check.trace.as_ref().map_or(0, |trace| trace.rays);
         let note = format!("{}: {rays} rays aimed at the mirror", check.file.name);

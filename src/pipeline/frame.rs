@@ -11,8 +11,9 @@ use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
 use crate::report::Answer;
 use crate::results::{FrameReport, PixelSolidAngle, RoundMirror};
-use crate::trace::{Coverage, FrameFill, MinMeanMax};
-use crate::verdict::{self, pixel_classes, tolerance_px};
+use crate::trace::{CoverageBuilder, FrameFill, MinMeanMax, PixelClass};
+use crate::verdict::{self, tolerance_px};
+use std::ops::Range;
 
 /// How the frame's filling is checked: designs, meshes, closes, writes in memory, reads back and traces the
 /// mirror, and writes `frame.json`, `frame.csv` and `frame.png` into NAME.
@@ -36,32 +37,37 @@ impl Command for FrameOptions {
         let profile = run.profile;
         let min = self.min.unwrap_or(profile.acceptance_limits().frame_filled.value);
         let design = run.design()?;
-        let InMemoryBuild { frame, seen: (_, traced), .. } = build_in_memory(run, &design)?;
-        let (Some(frame), Some(view)) = (frame, &design.view) else {
-            return Err(no_projection(profile));
-        };
         let camera = &design.camera;
-        let classes = pixel_classes(profile, &design, &traced);
+        let Some(view) = &design.view else { return Err(no_projection(profile)) };
+        let mut coverage = CoverageBuilder::new(camera, view);
+        let mut map = PixelMap::new(camera.pixels);
+        let mut resolution = ResolutionBuilder::default();
+        let InMemoryBuild { frame, .. } = build_in_memory(run, &design, &mut |strip, classes| {
+            coverage.add(strip, classes);
+            let rows = strip.rows.start as u32..strip.rows.end as u32;
+            let usr = solid_angles(&design, [0..camera.pixels[0], rows]);
+            resolution.add(usr.iter().map(|usr| (*usr, 1)));
+            map.add(strip.rows.clone(), classes, &usr);
+        })?;
+        let Some(frame) = frame else { return Err(no_projection(profile)) };
         let coverage = run.timer.always(Stage::Coverage, || {
-            let width_mm = design.mirror.outline.bounds().size().x;
-            let coverage = Coverage::new(&traced, &classes, camera, view, width_mm);
+            let coverage = coverage.finish(design.mirror.outline.bounds().size().x);
             let note = format!("{:.3} deg around", coverage.azimuth_deg);
             (coverage, note)
         });
-        let usr = solid_angles(&design, camera.pixels);
         let reasons: Vec<String> = unfilled(profile, &frame, min).into_iter().collect();
         let report = FrameReport {
             schema: 1,
             profile: profile.into(),
             frame,
             coverage,
-            resolution: resolution(usr.iter().map(|usr| (*usr, 1))),
+            resolution: resolution.finish(),
             round_mirrors: round_mirrors(camera)?,
             min,
             verdict: verdict::of(&reasons),
             reasons,
         };
-        let png = run.picture(|| report.png(&classes, &usr))?;
+        let png = run.picture(|| report.png(map.pixels, &map.classes, &map.usr))?;
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("frame.png", &png)?;
             files.add_bytes("frame.csv", report.csv().as_bytes())?;
@@ -90,29 +96,72 @@ fn unfilled(profile: &Profile, frame: &FrameFill, min: f64) -> Option<String> {
     })
 }
 
-/// Solid angle of every pixel in the first of `columns` and `rows` of the sensor, usr.
-fn solid_angles(design: &Design, [columns, rows]: [u32; 2]) -> Vec<Option<f64>> {
+/// Solid angle of every pixel in these columns and rows of the sensor, usr.
+fn solid_angles(design: &Design, [columns, rows]: [Range<u32>; 2]) -> Vec<Option<f64>> {
     let Design { mirror, camera, view, .. } = design;
     let usr = 1e6 * camera.pixel_mm * camera.pixel_mm;
     let each = |pencil: &Pencil| pencil.solid_angle() * usr;
-    map_pencils(mirror, camera, view.as_ref(), [0..columns, 0..rows], each)
+    map_pencils(mirror, camera, view.as_ref(), [columns, rows], each)
 }
 
-/// Figures of pixels, each with the number that it stands for.
-fn resolution(pixels: impl Iterator<Item = (Option<f64>, u64)>) -> PixelSolidAngle {
-    let (mut count, mut sum) = (0, 0.0);
-    let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (usr, weight) in pixels.filter_map(|(usr, weight)| Some((usr?, weight))) {
-        count += weight;
-        sum += usr * weight as f64;
-        (min, max) = (min.min(usr), max.max(usr));
+/// Solid angles of pixels that come one after the other.
+#[derive(Default)]
+struct ResolutionBuilder {
+    count: u64,
+    sum: f64,
+    range: Option<[f64; 2]>,
+}
+
+impl ResolutionBuilder {
+    /// Adds the solid angles of pixels, each with the number that it stands for.
+    fn add(&mut self, pixels: impl Iterator<Item = (Option<f64>, u64)>) {
+        for (usr, weight) in pixels.filter_map(|(usr, weight)| Some((usr?, weight))) {
+            self.count += weight;
+            self.sum += usr * weight as f64;
+            let [min, max] = self.range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            self.range = Some([min.min(usr), max.max(usr)]);
+        }
     }
-    let any = count > 0;
-    PixelSolidAngle {
-        pixels: count,
-        pixel_usr: any.then_some(MinMeanMax { min, mean: sum / count as f64, max }),
-        ratio: any.then_some(max / min),
-        total_sr: sum * 1e-6,
+
+    fn finish(self) -> PixelSolidAngle {
+        let mean = self.sum / self.count as f64;
+        PixelSolidAngle {
+            pixels: self.count,
+            pixel_usr: self.range.map(|[min, max]| MinMeanMax { min, mean, max }),
+            ratio: self.range.map(|[min, max]| max / min),
+            total_sr: self.sum * 1e-6,
+        }
+    }
+}
+
+/// Classes and solid angles of the pixels that a map of the frame shows: all, or every second, third, ... one
+/// each way.
+struct PixelMap {
+    step: usize,
+    columns: usize,
+    /// Columns and rows of the map.
+    pixels: [u32; 2],
+    classes: Vec<PixelClass>,
+    usr: Vec<Option<f64>>,
+}
+
+impl PixelMap {
+    /// Most columns of a map.
+    const MOST: u32 = 1600;
+
+    fn new(frame: [u32; 2]) -> Self {
+        let step = frame[0].div_ceil(Self::MOST);
+        let pixels = frame.map(|n| n.div_ceil(step));
+        let [columns, step] = [frame[0], step].map(|n| n as usize);
+        Self { step, columns, pixels, classes: Vec::new(), usr: Vec::new() }
+    }
+
+    fn add(&mut self, rows: Range<usize>, classes: &[PixelClass], usr: &[Option<f64>]) {
+        for row in rows.clone().filter(|row| row % self.step == 0) {
+            let line = (row - rows.start) * self.columns..(row - rows.start + 1) * self.columns;
+            self.classes.extend(classes[line.clone()].iter().step_by(self.step));
+            self.usr.extend(usr[line].iter().step_by(self.step));
+        }
     }
 }
 
@@ -135,11 +184,12 @@ fn round_mirrors(camera: &Camera) -> Result<Vec<RoundMirror>, Error> {
             .map_err(|source| Error::Design { profile: profile.name.clone(), source })?;
         // A quarter stands for all of it.
         let half = side.div_ceil(2);
-        let usr = solid_angles(&design, [half; 2]);
+        let usr = solid_angles(&design, [0..half, 0..half]);
         let both = mirror_symmetric_weights(side)
             .flat_map(|y| mirror_symmetric_weights(side).map(move |x| u64::from(x * y)));
-        let resolution = resolution(usr.into_iter().zip(both));
-        Ok(RoundMirror { profile: profile.name.clone(), resolution })
+        let mut resolution = ResolutionBuilder::default();
+        resolution.add(usr.into_iter().zip(both));
+        Ok(RoundMirror { profile: profile.name.clone(), resolution: resolution.finish() })
     };
     parallel::map_slice(&rounds, 1, row).into_iter().collect()
 }

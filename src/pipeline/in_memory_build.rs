@@ -5,26 +5,33 @@ use super::mesh_files::{close, label, meshed};
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
+use crate::num::stats::Summary;
 use crate::part::{Promise, codec};
 use crate::profile::MeshFormat;
-use crate::render::TracedMesh;
-use crate::trace::FrameFill;
+use crate::trace::{FrameFill, PixelClass, Scene, TraceStrip};
 
 /// The mesh that a build would write first, as it is read back.
 pub(crate) struct InMemoryBuild {
     /// The format that it was written in.
     pub format: MeshFormat,
+    /// Error of the picture against the projection, px.
+    pub pixel_error_px: Option<Summary>,
     /// What the frame as a whole sees, if the profile has a projection.
     pub frame: Option<FrameFill>,
-    /// The mesh and the witness's rays.
-    pub seen: TracedMesh,
+    /// The mesh.
+    pub scene: Scene,
 }
 
-/// Meshes, closes, writes in memory, reads back and traces the mirror of `design`.
+/// Meshes, closes, writes in memory, reads back and traces the mirror of `design`; `each` is called with every
+/// strip of the frame.
 ///
 /// # Errors
 /// [`enum@Error`] when a stage cannot be done.
-pub(crate) fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuild, Error> {
+pub(crate) fn build_in_memory(
+    run: &Run,
+    design: &Design,
+    each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
+) -> Result<InMemoryBuild, Error> {
     let failed = |reason: String| Error::Reread { profile: run.profile.name.clone(), reason };
     let face = run.stage(Stage::Mesh, || meshed(run, design))?;
     let format = face.formats[0];
@@ -40,9 +47,12 @@ pub(crate) fn build_in_memory(run: &Run, design: &Design) -> Result<InMemoryBuil
     })?;
     let promise = Promise::of_face(run.profile, design, &face.made);
     drop((face, solid));
-    let found = check_file(run, design, format, bytes, promise);
-    match (found.seen, found.unreadable) {
-        (Some(seen), _) => Ok(InMemoryBuild { format, frame: found.frame, seen }),
+    let found = check_file(run, design, format, bytes, promise, each);
+    match (found.scene, found.unreadable) {
+        (Some(scene), _) => {
+            let pixel_error_px = found.trace.and_then(|trace| trace.errors.pixel_error_px);
+            Ok(InMemoryBuild { format, pixel_error_px, frame: found.frame, scene })
+        }
         (None, reason) => {
             Err(failed(reason.map_or("nothing in it".into(), |reason| reason.to_string())))
         }

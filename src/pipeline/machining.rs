@@ -160,7 +160,8 @@ fn check_as_cut(
     drop(solid);
     let staged = run.files.staged(FILE)?;
     // What is cut ends at the mirror's rim.
-    let mut check = check_file(run, design, FORMAT, staged.read()?, Promise::exact());
+    let bytes = staged.read()?;
+    let mut check = check_file(run, design, FORMAT, bytes, Promise::exact(), &mut |_, _| {});
     check.rename(FILE.to_owned());
     check.altered = check.file.sha256 != staged.sha256();
     let found = &mut survey.found;

@@ -11,8 +11,8 @@ use crate::optics::Target;
 use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
-    CameraView, Chessboard, Distance, Picture, SetupDiagram, TestWorld, World, camera_picture,
-    reflected, shaded_views,
+    CameraPicture, CameraView, Chessboard, Distance, Picture, SetupDiagram, TestWorld, TracedMesh,
+    World, reflected, reflected_centres, shaded_views,
 };
 use crate::results::{RenderReport, SCHEMA};
 use crate::trace::Scene;
@@ -31,24 +31,30 @@ impl Command for RenderOptions<'_> {
     fn run(&self, run: &mut Run) -> Result<RenderReport, Error> {
         let scenery = Scenery::read(self)?;
         let design = run.design()?;
-        let (traced, (picture, png)) = match &scenery {
+        let name = format!("render-{}.png", stem(self.scene));
+        let (traced, (pixels, rays)) = match &scenery {
             Scenery::Part(scene) => {
-                let InMemoryBuild { format, seen, .. } = build_in_memory(run, &design)?;
-                (format.name(), run.painted(|| self.part(&design, &seen.0, *scene))?)
+                let InMemoryBuild { format, scene: mesh, .. } =
+                    build_in_memory(run, &design, &mut |_, _| {})?;
+                let (picture, png) = run.painted(|| self.part(&design, &mesh, *scene))?;
+                run.files.add_bytes(&name, &png)?;
+                (format.name(), ([picture.width, picture.height], picture.samples))
             }
             Scenery::World(world) if self.smooth => {
-                let view = CameraView::Smooth;
-                ("design", run.painted(|| self.world(&design, view, world))?)
+                ("design", self.write_world(run, &name, &design, (CameraView::Smooth, world))?)
             }
             Scenery::World(world) => {
-                let InMemoryBuild { format, seen, .. } = build_in_memory(run, &design)?;
-                let view = CameraView::Mesh(&seen);
-                (format.name(), run.painted(|| self.world(&design, view, world))?)
+                let mut centres = None;
+                let InMemoryBuild { format, scene, .. } =
+                    build_in_memory(run, &design, &mut |strip, _| {
+                        centres = reflected_centres(strip);
+                    })?;
+                let mesh = TracedMesh { scene, centres };
+                let view = CameraView::Mesh(&mesh);
+                (format.name(), self.write_world(run, &name, &design, (view, world))?)
             }
         };
-        let name = format!("render-{}.png", stem(self.scene));
         run.timer.stage(Stage::Write, || {
-            run.files.add_bytes(&name, &png)?;
             run.files.commit()?;
             Ok::<_, FileError>(((), name.clone()))
         })?;
@@ -58,25 +64,39 @@ impl Command for RenderOptions<'_> {
             scene: self.scene.to_owned(),
             traced,
             file: run.files.path_of(&name).display().to_string(),
-            pixels: [picture.width, picture.height],
-            rays: picture.samples,
+            pixels,
+            rays,
         })
     }
 }
 
 impl RenderOptions<'_> {
-    /// What the camera sees of a world.
-    fn world(&self, design: &Design, view: CameraView, scene: &WorldScene) -> Picture {
-        let far =
-            |world: &dyn World| camera_picture(design, view, (world, Distance::Target), SAMPLES);
-        let around =
-            |world: &dyn World| camera_picture(design, view, (world, Distance::Around), SAMPLES);
+    /// Writes what the camera sees of a world, and returns the picture's pixels and the number of rays.
+    fn write_world(
+        &self,
+        run: &mut Run,
+        name: &str,
+        design: &Design,
+        (view, scene): (CameraView, &WorldScene),
+    ) -> Result<([u32; 2], u64), Error> {
+        let picture = |distance| CameraPicture::new(design, view, distance, SAMPLES);
+        let (far, around) = (picture(Distance::Target), picture(Distance::Around));
+        let mut write = |picture: &CameraPicture, world: &dyn World| {
+            let mut rays = 0;
+            run.timer.stage(Stage::Picture, || {
+                run.files.add(name, |out| {
+                    rays = picture.write_png(world, out)?;
+                    Ok(())
+                })?;
+                Ok::<_, Error>(((picture.pixels(), rays), name.to_owned()))
+            })
+        };
         match scene {
-            WorldScene::Grid => far(&TestWorld::new()),
+            WorldScene::Grid => write(&far, &TestWorld::new()),
             // The camera is held so that the board, towards it, is at the picture's foot.
-            WorldScene::Chessboard => around(&chessboard(design, self.square_mm)).turned(),
-            WorldScene::Panorama(world) => far(&**world),
-            WorldScene::Model(world) => around(&**world),
+            WorldScene::Chessboard => write(&around.turned(), &chessboard(design, self.square_mm)),
+            WorldScene::Panorama(world) => write(&far, &**world),
+            WorldScene::Model(world) => write(&around, &**world),
         }
     }
 

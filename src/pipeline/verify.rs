@@ -3,7 +3,7 @@
 use super::check_file::{open, witness};
 use super::run::{Command, Run};
 use super::{Error, Observer, Stage};
-use crate::align::{Alignment, FormMap, LengthUnit, SizeRange, align};
+use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::Welder;
@@ -193,17 +193,20 @@ impl Verify<'_> {
             false => None,
         };
         let far = leave_far(&mut reread, design);
-        let mut check =
-            witness(run, design, (file, format), CheckedMesh::new(design, reread), promise);
+        let mut map = FormMapBuilder::new(&design.mirror, &design.camera);
+        let checked = CheckedMesh::new(design, reread);
+        let mut check = witness(run, design, (file, format), checked, promise, &mut |strip, _| {
+            if self.options.align {
+                map.add(strip.rows.clone(), |[column, row]| {
+                    let pixel = (row - strip.rows.start) * strip.frame[0] + column;
+                    let end = &strip.traced.pixels[pixel];
+                    (end.outcome != Outcome::Missed).then_some(end.hit_point)
+                });
+            }
+        });
         check.measured = self.options.align;
         check.rename(self.name());
-        let seen = check.seen.take().filter(|_| self.options.align);
-        let map = seen.map(|(_, traced)| {
-            FormMap::new(&design.mirror, &design.camera, |pixel| {
-                let end = &traced.pixels[pixel];
-                (end.outcome != Outcome::Missed).then_some(end.hit_point)
-            })
-        });
+        let map = self.options.align.then(|| map.finish());
         Ok(Found { check, units: Some(units), alignment, far, oversize, map })
     }
 

@@ -49,7 +49,7 @@ pub struct Profile {
     pub named: String,
     /// Purpose of the mirror in the author's words; empty if not given.
     pub summary: String,
-    /// The camera that looks into the mirror: each side of its frame has 1 to 16384 pixels; a pinhole's
+    /// The camera that looks into the mirror: each side of its frame has 1 to 32767 pixels; a pinhole's
     /// distance is that to the mirror's mean height, for a disc or an annulus to its outer rim.
     pub camera: CameraModel,
     /// Its lens.

@@ -1,22 +1,42 @@
 //! Sight: where the camera's rays go, by a mesh that was read back or by the designed mirror, and the
 //! picture of a world that they give.
 
-use super::{Picture, PictureRay, SampleGrid, World};
+use super::picture::{SampleGrid, StripPainter};
+use super::{Picture, PictureRay, World};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
 use crate::mirror::HeightAndSlope;
-use crate::optics::reflect;
+use crate::optics::{Camera, reflect};
 use crate::parallel;
-use crate::trace::{Outcome, PixelTrace, Scene, TraceResult};
+use crate::raster::png;
+use crate::trace::{CameraTrace, Outcome, PixelTrace, Scene, TraceStrip};
+use std::convert::Infallible;
+use std::io::{self, Write};
+use std::ops::Range;
 
-/// A mesh, ready for more rays, and what became of those sent so far.
-pub(crate) type TracedMesh = (Scene, TraceResult);
+/// A mesh, ready for more rays.
+pub(crate) struct TracedMesh {
+    /// The mesh.
+    pub scene: Scene,
+    /// The rays that the pixels' centres have reflected, row by row, of a frame that is traced in one strip.
+    pub centres: Option<Vec<PictureRay>>,
+}
+
+/// The rays that the pixels' centres reflect, if the strip is the whole frame.
+pub(crate) fn reflected_centres(strip: &TraceStrip) -> Option<Vec<PictureRay>> {
+    let ray = |pixel: &PixelTrace| PictureRay {
+        outcome: pixel.outcome,
+        leaving: Ray { origin: pixel.hit_point, direction: pixel.direction },
+    };
+    let is_whole = strip.rows.len() == strip.frame[1];
+    is_whole.then(|| parallel::map_slice(&strip.traced.pixels, 4096, ray))
+}
 
 /// What reflects the camera's rays.
 #[derive(Clone, Copy)]
 pub(crate) enum CameraView<'a> {
-    /// A mesh that was read back. The witness's own rays are the pixels' centres; whether a place
-    /// between them lies in shadow is taken from its pixel's centre.
+    /// A mesh that was read back. Whether a place between the pixels' centres lies in shadow is taken from
+    /// its pixel's centre.
     Mesh(&'a TracedMesh),
     /// The designed mirror, as if no part of it were in another's way.
     Smooth,
@@ -34,53 +54,168 @@ pub(crate) enum Distance {
     Around,
 }
 
-/// The picture of `world` that `view` gives the camera of `design`, with `samples_per_side` squared
-/// samples at edges.
-pub(crate) fn camera_picture(
-    design: &Design,
-    view: CameraView,
-    (world, distance): (&dyn World, Distance),
-    samples_per_side: u32,
-) -> Picture {
-    let camera = &design.camera;
-    let [width, height] = camera.pixels;
-    // Without a projection: as if the width showed half a turn.
-    let half_turn = std::f64::consts::PI / (camera.pixel_mm * f64::from(width));
-    let scale = design.view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
-    let pixel_rad = camera.pixel_mm * scale;
-    let grid = SampleGrid { width, height, samples_per_side, pixel_rad };
-    let scene = Photographed { design, distance };
-    match view {
-        CameraView::Shut => {
-            let nothing = vec![MISSED; width as usize * height as usize];
-            Picture::paint(&grid, world, &nothing, |_, _| MISSED)
-        }
-        CameraView::Mesh(mesh) => {
-            let centre =
-                |pixel: &PixelTrace| scene.on_mesh(pixel.outcome, pixel.hit_point, pixel.direction);
-            let centres: Vec<PictureRay> = mesh.1.pixels.iter().map(centre).collect();
-            let top = mesh.0.above_mm();
-            Picture::paint(&grid, world, &centres, |x, y| scene.by_mesh(mesh, top, [x, y]))
-        }
-        CameraView::Smooth => {
-            let columns: Vec<f64> = (0..width).map(|x| f64::from(x) + 0.5).collect();
-            let centres = parallel::gather(height as usize, 1, |rows| {
-                rows.flat_map(|y| scene.by_mirror(&columns, y as f64 + 0.5)).collect()
-            });
-            Picture::paint(&grid, world, &centres, |x, y| scene.by_mirror(&[x], y)[0])
-        }
-    }
-}
-
-const MISSED: PictureRay = PictureRay::lost(Outcome::Missed);
-
-/// A mirror, and how far away the world in it is.
-struct Photographed<'a> {
+/// A picture that a camera takes of a world in a mirror; it is painted strip by strip, so that its memory does
+/// not grow with the frame.
+pub(crate) struct CameraPicture<'a> {
     design: &'a Design,
+    view: CameraView<'a>,
     distance: Distance,
+    camera: Camera,
+    samples_per_side: u32,
+    turned: bool,
 }
 
-impl Photographed<'_> {
+impl<'a> CameraPicture<'a> {
+    /// The picture of a world at `distance` that `view` gives the camera of `design`, with
+    /// `samples_per_side` squared samples at edges.
+    pub(crate) fn new(
+        design: &'a Design,
+        view: CameraView<'a>,
+        distance: Distance,
+        samples_per_side: u32,
+    ) -> Self {
+        let camera = design.camera;
+        Self { design, view, distance, camera, samples_per_side, turned: false }
+    }
+
+    /// The same of a camera with fewer pixels, if it has more than `columns` of them in a row.
+    pub(crate) fn at_most(mut self, columns: u32) -> Self {
+        let [width, height] = self.camera.pixels;
+        if width > columns {
+            let scale = f64::from(width) / f64::from(columns);
+            let rows = ((f64::from(height) / scale).round() as u32).max(1);
+            let pixel_mm = self.camera.pixel_mm * scale;
+            self.camera = Camera { pixels: [columns, rows], pixel_mm, ..self.camera };
+        }
+        self
+    }
+
+    /// The same of a camera that is held upside down.
+    pub(crate) fn turned(self) -> Self {
+        Self { turned: true, ..self }
+    }
+
+    /// Columns and rows.
+    pub(crate) fn pixels(&self) -> [u32; 2] {
+        self.camera.pixels
+    }
+
+    /// The picture of `world`.
+    pub(crate) fn picture(&self, world: &dyn World) -> Picture {
+        let [width, height] = self.pixels();
+        let mut rgb = Vec::with_capacity(3 * width as usize * height as usize);
+        let Ok(samples) = self.paint::<Infallible>(world, |rows| {
+            rgb.extend_from_slice(rows);
+            Ok(())
+        });
+        Picture { width, height, rgb, samples }
+    }
+
+    /// Writes the picture of `world` as PNG, and returns the number of its samples.
+    ///
+    /// # Errors
+    /// That of `out`.
+    pub(crate) fn write_png(&self, world: &dyn World, out: &mut dyn Write) -> io::Result<u64> {
+        png::write_rows(out, self.pixels(), |out| self.paint(world, |rows| out.write_all(rows)))
+    }
+
+    fn paint<E>(
+        &self,
+        world: &dyn World,
+        done: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<u64, E> {
+        let [width, height] = self.camera.pixels;
+        // Without a projection: as if the width showed half a turn.
+        let half_turn = std::f64::consts::PI / (self.camera.pixel_mm * f64::from(width));
+        let scale =
+            self.design.view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
+        let pixel_rad = self.camera.pixel_mm * scale;
+        let samples_per_side = self.samples_per_side;
+        let grid = SampleGrid { width, height, samples_per_side, pixel_rad };
+        let painter = StripPainter::new(grid, world);
+        let all = height as usize;
+        let sensor = |[x, y]: [f64; 2]| match self.turned {
+            true => [f64::from(width) - x, f64::from(height) - y],
+            false => [x, y],
+        };
+        // The rows of the sensor that are some of the picture's, and their rays in the picture's order.
+        let rows_of = |rows: Range<usize>| match self.turned {
+            true => all - rows.end..all - rows.start,
+            false => rows,
+        };
+        let ordered = |mut rays: Vec<PictureRay>| {
+            if self.turned {
+                rays.reverse();
+            }
+            rays
+        };
+        let in_order = |strips: Vec<Range<usize>>| match self.turned {
+            true => strips.into_iter().rev().map(rows_of).collect(),
+            false => strips,
+        };
+        let trace = match self.view {
+            CameraView::Mesh(mesh) => {
+                Some(CameraTrace::new(&mesh.scene, &self.camera, mesh.scene.above_mm()))
+            }
+            _ => None,
+        };
+        let strips = match &trace {
+            Some(trace) => in_order(trace.strips()),
+            None => in_order((0..all).step_by(ROWS).map(|y| y..(y + ROWS).min(all)).collect()),
+        };
+        let centres = |rows: Range<usize>| {
+            let rows = rows_of(rows);
+            ordered(match (self.view, &trace) {
+                (CameraView::Mesh(mesh), Some(trace)) => self.centres_on_mesh(mesh, trace, rows),
+                (CameraView::Smooth, _) => self.centres_on_mirror(rows),
+                _ => vec![MISSED; width as usize * rows.len()],
+            })
+        };
+        let see = |centre: &PictureRay, at: [f64; 2]| {
+            let [x, y] = sensor(at);
+            match self.view {
+                CameraView::Mesh(mesh) => self.on_mesh_at(&mesh.scene, centre, [x, y]),
+                CameraView::Smooth => self.on_mirror(&[x], y)[0],
+                CameraView::Shut => MISSED,
+            }
+        };
+        painter.paint(strips, centres, see, done)
+    }
+
+    /// The rays of the pixels' centres of some rows, by a mesh.
+    fn centres_on_mesh(
+        &self,
+        mesh: &TracedMesh,
+        trace: &CameraTrace,
+        rows: Range<usize>,
+    ) -> Vec<PictureRay> {
+        let width = self.camera.pixels[0] as usize;
+        let whole = rows.len() == self.camera.pixels[1] as usize;
+        if let (Some(centres), true, true) =
+            (&mesh.centres, whole, self.camera == self.design.camera)
+        {
+            return parallel::map_slice(centres, 4096, |end| {
+                self.on_mesh(end.outcome, end.leaving.origin, end.leaving.direction)
+            });
+        }
+        let first = rows.start;
+        let (ends, _) = trace.run_rows(rows);
+        parallel::map(ends.len(), 4096, |k| {
+            let (column, row) = ((k % width) as u32, (first + k / width) as u32);
+            let ray = trace.ray(column, row);
+            self.on_mesh(ends[k].outcome, ends[k].hit_point(&ray), ends[k].direction)
+        })
+    }
+
+    /// The same by the designed mirror.
+    fn centres_on_mirror(&self, rows: Range<usize>) -> Vec<PictureRay> {
+        let columns: Vec<f64> = (0..self.camera.pixels[0]).map(|x| f64::from(x) + 0.5).collect();
+        let first = rows.start;
+        parallel::gather(rows.len(), 1, |rows| {
+            rows.flat_map(|y| self.on_mirror(&columns, (first + y) as f64 + 0.5)).collect()
+        })
+    }
+
     fn leaving(&self, at: DVec3, direction: DVec3) -> PictureRay {
         let shown = match (self.distance, &self.design.view) {
             (Distance::Target, Some(view)) => view.direction_from_origin(at, direction),
@@ -97,27 +232,29 @@ impl Photographed<'_> {
         }
     }
 
-    /// The ray of a place of the picture, by the mesh whose camera rays start at `top` mm.
-    fn by_mesh(&self, (scene, traced): &TracedMesh, top: f64, [x, y]: [f64; 2]) -> PictureRay {
-        let camera = &self.design.camera;
-        let centre = &traced.pixels[y as usize * camera.pixels[0] as usize + x as usize];
+    /// The ray of a place of the pixel whose centre's is `centre`, by a mesh.
+    fn on_mesh_at(&self, scene: &Scene, centre: &PictureRay, [x, y]: [f64; 2]) -> PictureRay {
         if let Outcome::Shadowed(_) = centre.outcome {
-            return PictureRay::lost(centre.outcome);
+            return *centre;
         }
-        let ray = camera.ray(camera.image_point(x, y), top);
+        let ray = self.camera.ray(self.camera.image_point(x, y), scene.above_mm());
         let end = scene.trace_primary(&ray);
         self.on_mesh(end.outcome, end.hit_point(&ray), end.direction)
     }
 
-    /// The rays of a row of the picture, by the designed mirror.
-    fn by_mirror(&self, columns: &[f64], y: f64) -> Vec<PictureRay> {
-        let point = |&x: &f64| self.design.camera.image_point(x, y);
+    /// The rays of places of a row of the picture, by the designed mirror.
+    fn on_mirror(&self, columns: &[f64], y: f64) -> Vec<PictureRay> {
+        let point = |&x: &f64| self.camera.image_point(x, y);
         let points: Vec<DVec2> = columns.iter().map(point).collect();
         let painted =
             |end: Option<Ray>| end.map_or(MISSED, |ray| self.leaving(ray.origin, ray.direction));
         reflected(self.design, &points).into_iter().map(painted).collect()
     }
 }
+
+const MISSED: PictureRay = PictureRay::lost(Outcome::Missed);
+/// Rows of a strip where nothing is traced.
+const ROWS: usize = 128;
 
 /// The rays that leave the designed mirror where the camera sees it at `points` (best in lines of
 /// equal y): none off the mirror.

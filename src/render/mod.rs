@@ -21,11 +21,13 @@ pub mod test_world;
 mod text_distance_field;
 
 pub use crate::raster::EncodingError;
-pub(crate) use camera_view::{CameraView, Distance, TracedMesh, camera_picture, reflected};
+pub(crate) use camera_view::{
+    CameraPicture, CameraView, Distance, TracedMesh, reflected, reflected_centres,
+};
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
-pub use picture::{Picture, PictureRay, SampleGrid};
+pub use picture::{Picture, PictureRay, SampleGrid, StripPainter};
 pub use setup_diagram::SetupDiagram;
 pub use shaded_views::shaded_views;
 pub use test_world::TestWorld;

@@ -9,6 +9,7 @@ use crate::raster::{
     srgb::{encode, hex},
 };
 use crate::trace::Outcome;
+use std::ops::Range;
 
 /// sRGB code of [`Outcome::Missed`]: dark grey.
 pub const MISSED: u32 = 0x3a3a3c;
@@ -71,30 +72,6 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Paints `world`: `centres` holds the ray of each pixel's centre, row by row, and `see` gives that of
-    /// any other point, as in [`Picture::refined`].
-    ///
-    /// # Panics
-    /// When `centres` has not one entry a pixel.
-    #[must_use]
-    pub fn paint(
-        grid: &SampleGrid,
-        world: &(impl World + ?Sized),
-        centres: &[PictureRay],
-        see: impl Fn(f64, f64) -> PictureRay + Sync,
-    ) -> Self {
-        let [missed, shadowed, back_face] = [MISSED, SHADOWED, BACK_FACE].map(hex);
-        let light = |end: PictureRay, footprint: f64| match end.outcome {
-            Outcome::Hit => world.light(&end.leaving, footprint),
-            Outcome::Shadowed(_) => shadowed,
-            Outcome::Missed => missed,
-            Outcome::BackFace => back_face,
-        };
-        let coarse = parallel::map_slice(centres, 4096, |&end| light(end, grid.pixel_rad));
-        let footprint = grid.pixel_rad / f64::from(grid.samples_per_side.max(1));
-        Self::refined(grid, &coarse, |x, y| light(see(x, y), footprint))
-    }
-
     /// The picture of `coarse`, the linear light at each pixel's centre, row by row, with pixels that
     /// differ from a neighbour sampled again on a grid; the others keep their centre's colour.
     ///
@@ -110,43 +87,9 @@ impl Picture {
         coarse: &[[f32; 3]],
         light: impl Fn(f64, f64) -> [f32; 3] + Sync,
     ) -> Self {
-        let (width, height) = (grid.width as usize, grid.height as usize);
-        assert_eq!(coarse.len(), width * height, "one centre a pixel");
-        let side = grid.samples_per_side.max(1);
-        let fine = |x: usize, y: usize| {
-            let mut sum = [0.0_f32; 3];
-            let place = |p: usize, k: u32| p as f64 + (f64::from(k) + 0.5) / f64::from(side);
-            for k in 0..side * side {
-                let light = light(place(x, k % side), place(y, k / side));
-                sum = std::array::from_fn(|c| sum[c] + light[c]);
-            }
-            sum.map(|s| s / (side * side) as f32)
-        };
-        let is_edge = |x: usize, y: usize| {
-            let here = coarse[y * width + x];
-            let differs = |x: usize, y: usize| {
-                let other = coarse[y * width + x];
-                here.iter().zip(other).any(|(a, b)| (a - b).abs() > EDGE)
-            };
-            (x > 0 && differs(x - 1, y))
-                || (x + 1 < width && differs(x + 1, y))
-                || (y > 0 && differs(x, y - 1))
-                || (y + 1 < height && differs(x, y + 1))
-        };
-        let mut rgb = vec![0; 3 * width * height];
-        let edges = parallel::map_chunks_mut(&mut rgb, (3 * width).max(3), |y, row| {
-            let mut edges = 0;
-            for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-                let edge = side > 1 && is_edge(x, y);
-                edges += u64::from(edge);
-                let light = if edge { fine(x, y) } else { coarse[y * width + x] };
-                for (code, light) in pixel.iter_mut().zip(light) {
-                    *code = encode(light);
-                }
-            }
-            edges
-        });
-        let samples = edges.iter().sum::<u64>() * u64::from(side * side) + coarse.len() as u64;
+        let rows = 0..grid.height as usize;
+        assert_eq!(coarse.len(), grid.width as usize * rows.len(), "one centre a pixel");
+        let (rgb, samples) = refined_rows(grid, rows, (0, coarse), |_, [x, y]| light(x, y));
         Self { width: grid.width, height: grid.height, rgb, samples }
     }
 
@@ -167,8 +110,141 @@ impl Picture {
     }
 }
 
+/// Some rows of a picture, as red, green and blue of each pixel, and the number of their samples: `coarse`
+/// is the light at pixels' centres from a row on, of the neighbouring rows too where there are any, and
+/// `light` takes a pixel's number in it and a point of the pixel.
+fn refined_rows(
+    grid: &SampleGrid,
+    rows: Range<usize>,
+    (first, coarse): (usize, &[[f32; 3]]),
+    light: impl Fn(usize, [f64; 2]) -> [f32; 3] + Sync,
+) -> (Vec<u8>, u64) {
+    let (width, height) = (grid.width as usize, grid.height as usize);
+    let side = grid.samples_per_side.max(1);
+    let number = |x: usize, y: usize| (y - first) * width + x;
+    let fine = |x: usize, y: usize| {
+        let mut sum = [0.0_f32; 3];
+        let place = |p: usize, k: u32| p as f64 + (f64::from(k) + 0.5) / f64::from(side);
+        for k in 0..side * side {
+            let light = light(number(x, y), [place(x, k % side), place(y, k / side)]);
+            sum = std::array::from_fn(|c| sum[c] + light[c]);
+        }
+        sum.map(|s| s / (side * side) as f32)
+    };
+    let is_edge = |x: usize, y: usize| {
+        let here = coarse[number(x, y)];
+        let differs = |x: usize, y: usize| {
+            let other = coarse[number(x, y)];
+            here.iter().zip(other).any(|(a, b)| (a - b).abs() > EDGE)
+        };
+        (x > 0 && differs(x - 1, y))
+            || (x + 1 < width && differs(x + 1, y))
+            || (y > 0 && differs(x, y - 1))
+            || (y + 1 < height && differs(x, y + 1))
+    };
+    let mut rgb = vec![0; 3 * width * rows.len()];
+    let edges = parallel::map_chunks_mut(&mut rgb, (3 * width).max(3), |k, row| {
+        let (y, mut edges) = (rows.start + k, 0);
+        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+            let edge = side > 1 && is_edge(x, y);
+            edges += u64::from(edge);
+            let light = if edge { fine(x, y) } else { coarse[number(x, y)] };
+            for (code, light) in pixel.iter_mut().zip(light) {
+                *code = encode(light);
+            }
+        }
+        edges
+    });
+    let samples = edges.iter().sum::<u64>() * u64::from(side * side) + (width * rows.len()) as u64;
+    (rgb, samples)
+}
+
+/// A picture of a world that is painted strip after strip of rows, from the top, with what it takes of the
+/// rows beside.
+pub struct StripPainter<'a> {
+    grid: SampleGrid,
+    world: &'a dyn World,
+}
+
+/// A strip whose centres are painted.
+struct CoarseStrip {
+    rows: Range<usize>,
+    centres: Vec<PictureRay>,
+    light: Vec<[f32; 3]>,
+}
+
+impl<'a> StripPainter<'a> {
+    /// The painter of `world` on the pixels of `grid`.
+    #[must_use]
+    pub fn new(grid: SampleGrid, world: &'a dyn World) -> Self {
+        Self { grid, world }
+    }
+
+    /// Paints the strips of `rows`: `centres` gives the rays of the pixels' centres of one, row by row, and
+    /// `see` that of any point of a pixel whose centre's it is given. `done` gets red, green and blue of the
+    /// pixels of each strip; the number of samples is returned.
+    ///
+    /// # Errors
+    /// Those of `done`.
+    pub fn paint<E>(
+        &self,
+        rows: Vec<Range<usize>>,
+        mut centres: impl FnMut(Range<usize>) -> Vec<PictureRay>,
+        see: impl Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync,
+        mut done: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<u64, E> {
+        let width = self.grid.width as usize;
+        let mut samples = 0;
+        // The last row of the strip before, and the strip that waits for the first row of the next.
+        let (mut above, mut waiting): (Vec<[f32; 3]>, Option<CoarseStrip>) = (vec![], None);
+        let strips = rows.into_iter().map(Some).chain([None]);
+        for rows in strips {
+            let next = rows.map(|rows| self.coarse(rows.clone(), centres(rows)));
+            if let Some(strip) = waiting.take() {
+                let below = next.as_ref().map_or(&[][..], |next| &next.light[..width]);
+                let (rgb, count) = self.fine(&strip, [&above, below], &see);
+                done(&rgb)?;
+                samples += count;
+                above = strip.light[strip.light.len() - width..].to_vec();
+            }
+            waiting = next;
+        }
+        Ok(samples)
+    }
+
+    fn coarse(&self, rows: Range<usize>, centres: Vec<PictureRay>) -> CoarseStrip {
+        let light =
+            parallel::map_slice(&centres, 4096, |&end| self.light(end, self.grid.pixel_rad));
+        CoarseStrip { rows, centres, light }
+    }
+
+    fn fine(
+        &self,
+        strip: &CoarseStrip,
+        [above, below]: [&[[f32; 3]]; 2],
+        see: &(impl Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync),
+    ) -> (Vec<u8>, u64) {
+        let footprint = self.grid.pixel_rad / f64::from(self.grid.samples_per_side.max(1));
+        let first = strip.rows.start - above.len() / (self.grid.width as usize).max(1);
+        let coarse = [above, &strip.light, below].concat();
+        refined_rows(&self.grid, strip.rows.clone(), (first, &coarse), |pixel, at| {
+            self.light(see(&strip.centres[pixel - above.len()], at), footprint)
+        })
+    }
+
+    fn light(&self, end: PictureRay, footprint: f64) -> [f32; 3] {
+        match end.outcome {
+            Outcome::Hit => self.world.light(&end.leaving, footprint),
+            Outcome::Shadowed(_) => hex(SHADOWED),
+            Outcome::Missed => hex(MISSED),
+            Outcome::BackFace => hex(BACK_FACE),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::convert::Infallible;
     use std::f64::consts::PI;
 
     use super::*;
@@ -177,6 +253,51 @@ mod tests {
 
     const WIDTH: u32 = 720;
     const SCALE: f64 = 2.0 * PI / WIDTH as f64;
+
+    /// Paints `world`: `centres` holds the ray of each pixel's centre, row by row, and `see` gives that of
+    /// any other point.
+    fn paint(
+        grid: &SampleGrid,
+        world: &dyn World,
+        centres: &[PictureRay],
+        see: impl Fn(f64, f64) -> PictureRay + Sync,
+    ) -> Picture {
+        in_strips(grid, world, grid.height.max(1) as usize, centres, see)
+    }
+
+    /// The same in strips of so many rows.
+    fn in_strips(
+        grid: &SampleGrid,
+        world: &dyn World,
+        step: usize,
+        centres: &[PictureRay],
+        see: impl Fn(f64, f64) -> PictureRay + Sync,
+    ) -> Picture {
+        let (width, height) = (grid.width as usize, grid.height as usize);
+        let mut rgb = Vec::new();
+        let rows = (0..height).step_by(step).map(|y| y..(y + step).min(height)).collect();
+        let Ok(samples) = StripPainter::new(*grid, world).paint::<Infallible>(
+            rows,
+            |rows| centres[rows.start * width..rows.end * width].to_vec(),
+            |_, [x, y]| see(x, y),
+            |strip| {
+                rgb.extend_from_slice(strip);
+                Ok(())
+            },
+        );
+        Picture { width: grid.width, height: grid.height, rgb, samples }
+    }
+
+    #[test]
+    fn strips_do_not_show() {
+        let grid = SampleGrid { width: WIDTH, height: 120, samples_per_side: 3, pixel_rad: SCALE };
+        let centres = centres(&grid, panorama);
+        let world = TestWorld::new();
+        let whole = paint(&grid, &world, &centres, panorama);
+        for step in [1, 7, 64, 119] {
+            assert!(in_strips(&grid, &world, step, &centres, panorama) == whole, "{step} rows");
+        }
+    }
 
     /// A panorama of half a degree of azimuth a pixel, the horizon at y = 60.
     fn panorama(x: f64, y: f64) -> PictureRay {
@@ -187,7 +308,7 @@ mod tests {
 
     fn painted(samples_per_side: u32) -> Picture {
         let grid = SampleGrid { width: WIDTH, height: 120, samples_per_side, pixel_rad: SCALE };
-        Picture::paint(&grid, &TestWorld::new(), &centres(&grid, panorama), panorama)
+        paint(&grid, &TestWorld::new(), &centres(&grid, panorama), panorama)
     }
 
     /// The rays of the pixel centres.
@@ -272,7 +393,7 @@ mod tests {
             ..1.5 => PictureRay::lost(Outcome::BackFace),
             _ => PictureRay::lost(Outcome::Shadowed(0)),
         };
-        let picture = Picture::paint(&grid, &TestWorld::new(), &centres(&grid, see), see);
+        let picture = paint(&grid, &TestWorld::new(), &centres(&grid, see), see);
         let code = |hex: u32| [16, 8, 0].map(|shift| (hex >> shift & 0xff) as i32);
         assert_eq!(at(&picture, 0, 0), code(MISSED));
         assert_eq!(at(&picture, 2, 0), code(SHADOWED));
@@ -292,7 +413,7 @@ mod tests {
             see(x, y)
         };
         let centres = centres(&grid, see);
-        let picture = Picture::paint(&grid, &TestWorld::new(), &centres, noting);
+        let picture = paint(&grid, &TestWorld::new(), &centres, noting);
         assert!(visited.lock().unwrap().iter().all(|x| [3, 4].contains(x)));
         assert_eq!(at(&picture, 2, 1), at(&picture, 3, 1));
         assert_eq!(picture.samples, 8 * 4 + 2 * 4 * 4);
@@ -309,7 +430,7 @@ mod tests {
     #[test]
     fn an_empty_picture_is_an_error_not_a_panic() {
         let grid = SampleGrid { width: 0, height: 4, samples_per_side: 0, pixel_rad: 0.01 };
-        let picture = Picture::paint(&grid, &TestWorld::new(), &[], panorama);
+        let picture = paint(&grid, &TestWorld::new(), &[], panorama);
         assert!(picture.to_png().is_err());
     }
 }

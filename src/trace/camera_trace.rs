@@ -13,7 +13,7 @@ use super::scene::Scene;
 use crate::geom::Ray;
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
-use std::ops::Add;
+use std::ops::{Add, Range};
 
 /// Side of the smallest squares of pixels whose reflected rays are proven unoccluded together; the
 /// largest are as high as a band.
@@ -51,13 +51,16 @@ pub struct CameraTrace<'a> {
     scene: &'a Scene,
     rays: CameraRays,
     shortcuts: bool,
+    /// Most pixels of a strip, unless two bands have more.
+    strip_pixels: usize,
 }
 
 impl<'a> CameraTrace<'a> {
     /// Trace of the rays of `camera`, where they are parallel from height `top_mm`, in `scene`.
     #[must_use]
     pub fn new(scene: &'a Scene, camera: &Camera, top_mm: f64) -> Self {
-        Self { scene, rays: CameraRays::new(camera, top_mm), shortcuts: true }
+        let rays = CameraRays::new(camera, top_mm);
+        Self { scene, rays, shortcuts: true, strip_pixels: Self::STRIP_PIXELS }
     }
 
     /// The same trace without rasterizer and proofs: every ray is searched for and followed. It must
@@ -65,6 +68,12 @@ impl<'a> CameraTrace<'a> {
     #[must_use]
     pub fn without_shortcuts(self) -> Self {
         Self { shortcuts: false, ..self }
+    }
+
+    /// The same trace in strips of so many pixels, or of two bands if these have more. It changes no answer.
+    #[must_use]
+    pub fn in_strips_of(self, strip_pixels: usize) -> Self {
+        Self { strip_pixels, ..self }
     }
 
     /// The scene that is traced.
@@ -101,7 +110,7 @@ impl<'a> CameraTrace<'a> {
 
     /// Ends of all rays into `ends`, row by row: one entry a pixel.
     pub fn run_into(&self, ends: &mut [RayEnd]) -> TraceCounts {
-        let tracer = Tracer::new(self);
+        let tracer = Tracer::new(self, 0..self.pixels()[1] as usize);
         let band = self.band_pixels();
         let counts = parallel::map_chunks_mut(ends, band, |number, ends| {
             tracer.trace_band(number * BAND_ROWS, ends)
@@ -109,25 +118,55 @@ impl<'a> CameraTrace<'a> {
         counts.into_iter().fold(TraceCounts::default(), Add::add)
     }
 
-    /// Traces bands of rows side by side. `each` gets the number of the first row, the ends of the
-    /// band's rays, and its share of `out`, which has one entry a pixel.
-    pub(super) fn bands<T: Send>(
+    /// Ends of the rays of `rows`, one of [`Self::strips`], with the counts of how they were traced.
+    #[must_use]
+    pub fn run_rows(&self, rows: Range<usize>) -> (Vec<RayEnd>, TraceCounts) {
+        let mut ends = vec![RayEnd::MISSED; self.pixels()[0] as usize * rows.len()];
+        let (counts, _) = self.bands(rows, &mut ends, |_, found, ends| ends.copy_from_slice(found));
+        (ends, counts)
+    }
+
+    /// The rows of the frame in strips, each of whole bands: all in one where they are few pixels. Memory for
+    /// a strip does not grow with the frame.
+    #[must_use]
+    pub fn strips(&self) -> Vec<Range<usize>> {
+        let [columns, rows] = self.pixels().map(|n| n as usize);
+        if columns * rows <= self.strip_pixels {
+            return vec![0..rows];
+        }
+        let bands = (self.strip_pixels / (columns * BAND_ROWS)).max(Self::LEAST_BANDS);
+        let step = bands * BAND_ROWS;
+        (0..rows).step_by(step).map(|first| first..(first + step).min(rows)).collect()
+    }
+
+    /// Most pixels of a strip: what is kept of them takes some 100 MB.
+    pub const STRIP_PIXELS: usize = 1 << 19;
+    /// Bands of a strip at the least: each is a thread's.
+    const LEAST_BANDS: usize = 2;
+
+    /// Traces the bands of `rows`, a strip of the frame, side by side. `each` gets the number of the first
+    /// row, the ends of the band's rays, and its share of `out`, which has one entry a pixel; what it returns
+    /// is returned in the order of the bands.
+    pub(super) fn bands<T: Send, U: Send>(
         &self,
+        rows: Range<usize>,
         out: &mut [T],
-        each: impl Fn(usize, &[RayEnd], &mut [T]) + Sync,
-    ) -> TraceCounts {
-        let tracer = Tracer::new(self);
+        each: impl Fn(usize, &[RayEnd], &mut [T]) -> U + Sync,
+    ) -> (TraceCounts, Vec<U>) {
+        let first_row = rows.start;
+        let tracer = Tracer::new(self, rows);
         let scratch = ScratchPool::default();
         let band = |number: usize, out: &mut [T], ends: &mut Vec<RayEnd>| {
             ends.resize(out.len(), RayEnd::MISSED);
-            let counts = tracer.trace_band(number * BAND_ROWS, ends);
-            each(number * BAND_ROWS, ends, out);
-            counts
+            let first = first_row + number * BAND_ROWS;
+            let counts = tracer.trace_band(first, ends);
+            (counts, each(first, ends, out))
         };
-        let counts = parallel::map_chunks_mut(out, self.band_pixels(), |number, out| {
+        let made = parallel::map_chunks_mut(out, self.band_pixels(), |number, out| {
             scratch.with(|ends| band(number, out, ends))
         });
-        counts.into_iter().fold(TraceCounts::default(), Add::add)
+        let (counts, made): (Vec<TraceCounts>, Vec<U>) = made.into_iter().unzip();
+        (counts.into_iter().fold(TraceCounts::default(), Add::add), made)
     }
 
     /// Pixels of a band of rows.
@@ -158,13 +197,13 @@ struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    fn new(trace: &'a CameraTrace) -> Self {
-        let CameraTrace { scene, ref rays, shortcuts } = *trace;
+    fn new(trace: &'a CameraTrace, rows: Range<usize>) -> Self {
+        let CameraTrace { scene, ref rays, shortcuts, .. } = *trace;
         if !shortcuts {
             return Self { scene, rays, rasterizer: None, proof: None };
         }
         let proof = if trace.starts_outside() { scene.occlusion_proof() } else { None };
-        Self { scene, rays, rasterizer: Rasterizer::new(scene, rays), proof }
+        Self { scene, rays, rasterizer: Rasterizer::new(scene, rays, rows), proof }
     }
 
     /// Traces the rays of the band from row `first` on.

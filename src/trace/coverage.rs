@@ -7,12 +7,14 @@
 //! line through the centres of the nearest pixels, in which facet errors average out.
 
 use super::frame_fill::PixelClass;
-use super::trace_result::{PixelTrace, TraceResult};
+use super::pixel_trace::PixelTrace;
+use super::trace_result::TraceStrip;
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, Fold, ImagingTask, Projection};
 use crate::parallel;
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Pixels from which the direction of an edge is extrapolated.
@@ -89,138 +91,95 @@ pub struct ColumnCoverage {
     pub elevation_deg: Option<[f64; 2]>,
 }
 
-/// Directions shown by the centres of the filled pixels.
-struct DirectionGrid<'a> {
+/// Coverage of a frame of which strip after strip is added: it keeps a row of directions, some points of each
+/// column, and the ends of each row.
+#[derive(Debug)]
+pub struct CoverageBuilder<'a> {
     camera: &'a Camera,
     view: &'a ImagingTask,
-    /// Azimuth and elevation, radians, row by row.
-    angles: Vec<Option<[f64; 2]>>,
+    /// Azimuths that the rows cover so far, radians.
+    covered: Vec<[f64; 2]>,
+    /// By row, what [`ends`] gives.
+    ends: Vec<Option<[f64; 4]>>,
+    columns: Vec<ColumnRuns>,
+    /// The directions of the last row, whose neighbours below are to come.
+    last: Option<Vec<Direction>>,
 }
 
-impl Coverage {
-    /// Coverage by the pixels of `trace` whose class is [`PixelClass::Filled`], as `camera` shows them;
-    /// each panel of the mirror is `width_mm` wide in the image.
+/// Azimuth and elevation, radians, that the centre of a filled pixel shows.
+type Direction = Option<[f64; 2]>;
+
+impl<'a> CoverageBuilder<'a> {
+    /// Coverage by the pixels of `camera`, nothing yet.
     #[must_use]
-    pub fn new(
-        trace: &TraceResult,
-        classes: &[PixelClass],
-        camera: &Camera,
-        view: &ImagingTask,
-        width_mm: f64,
-    ) -> Self {
-        let angles = |k: usize| {
-            let pixel: &PixelTrace = &trace.pixels[k];
+    pub fn new(camera: &'a Camera, view: &'a ImagingTask) -> Self {
+        let columns = vec![ColumnRuns::default(); camera.pixels[0] as usize];
+        Self { camera, view, covered: vec![], ends: vec![], columns, last: None }
+    }
+
+    /// Adds the pixels of a strip, of which those of the class [`PixelClass::Filled`] count.
+    pub fn add(&mut self, strip: &TraceStrip, classes: &[PixelClass]) {
+        let (view, width) = (self.view, strip.frame[0]);
+        let direction = |k: usize| {
+            let pixel: &PixelTrace = &strip.traced.pixels[k];
             let shown = || view.direction_from_origin(pixel.hit_point, pixel.direction);
             let angles = |d: DVec3| [atan2(d.x, d.y), asin(d.z.clamp(-1.0, 1.0))];
             (classes[k] == PixelClass::Filled).then(|| angles(shown()))
         };
-        let angles = parallel::map(trace.pixels.len(), 1, angles);
-        let panorama = DirectionGrid { camera, view, angles };
-        let [width, height] = camera.pixels;
-        let azimuths =
-            parallel::map(height as usize, 1, |row| union(panorama.azimuths(row as u32)));
-        let covered = union(azimuths.concat());
-        let columns = parallel::map(width as usize, 1, |column| panorama.column(column as u32));
+        let directions: Vec<Direction> = parallel::map(strip.traced.pixels.len(), 1, direction);
+        let rows: Vec<&[Direction]> = directions.chunks(width).collect();
+        let above = self.last.take();
+        let first = strip.rows.start;
+        let lines: Vec<(u32, &[Direction])> = above
+            .as_deref()
+            .map(|above| (first as u32 - 1, above))
+            .into_iter()
+            .chain((first as u32..).zip(rows.iter().copied()))
+            .collect();
+        let covered = parallel::map(lines.len() - 1, 1, |k| {
+            let ((row, line), (_, below)) = (lines[k], lines[k + 1]);
+            let same_panel = self.reflects(row) == self.reflects(row + 1);
+            union(azimuths(line, same_panel.then_some(below)))
+        });
+        self.covered.extend(covered.into_iter().flatten());
+        self.ends.extend(parallel::map_slice(&rows, 1, |row| ends(row)));
+        let starts_panel =
+            |row: usize| row > 0 && self.reflects(row as u32) != self.reflects(row as u32 - 1);
+        let starts: Vec<bool> = strip.rows.clone().map(starts_panel).collect();
+        parallel::for_each_mut(&mut self.columns, 1, |column, runs| {
+            for (k, row) in rows.iter().enumerate() {
+                runs.add((first + k) as f64, row[column], starts[k]);
+            }
+        });
+        self.last = rows.last().map(|row| row.to_vec());
+    }
+
+    /// The coverage by all rows; each panel of the mirror is `width_mm` wide in the image.
+    #[must_use]
+    pub fn finish(mut self, width_mm: f64) -> Coverage {
+        let last = self.last.take().unwrap_or_default();
+        self.covered.extend(union(azimuths(&last, None)));
+        let covered = union(std::mem::take(&mut self.covered));
+        let columns: Vec<ColumnCoverage> =
+            std::mem::take(&mut self.columns).into_iter().map(ColumnRuns::finish).collect();
         let over = |end: usize| {
             let ends: Vec<f64> =
                 columns.iter().filter_map(|c| c.elevation_deg).map(|e| e[end]).collect();
             MinMeanMax::of(&ends)
         };
-        Self {
+        Coverage {
             azimuth_deg: degrees(covered.iter().fold(0.0, |sum, [a, b]| sum + (b - a))),
             gaps_deg: gaps(&covered).into_iter().map(|gap| gap.map(degrees)).collect(),
-            seams: panorama.seams(width_mm),
+            seams: self.seams(width_mm),
             lowest_deg: over(0),
             highest_deg: over(1),
             columns,
         }
     }
-}
-
-impl DirectionGrid<'_> {
-    /// Azimuth and elevation of a filled pixel, radians.
-    fn at(&self, column: u32, row: u32) -> Option<[f64; 2]> {
-        let [width, height] = self.camera.pixels;
-        let inside = column < width && row < height;
-        inside.then(|| self.angles[row as usize * width as usize + column as usize])?
-    }
 
     /// Whether a row shows the reflected panel of a folded mirror.
     fn reflects(&self, row: u32) -> bool {
         self.view.reflects(self.camera.image_point(0.5, f64::from(row) + 0.5))
-    }
-
-    /// Intervals of azimuth covered by the pixels of `row`: to their neighbours to the right and below,
-    /// and to both ends.
-    fn azimuths(&self, row: u32) -> Vec<[f64; 2]> {
-        let mut intervals = Vec::new();
-        let mut span = |from: f64, to: f64| {
-            let step = wrap_turn(to - from);
-            // Opposite sides of the zenith have everything between them, and nothing.
-            if step.abs() < FRAC_PI_2 {
-                intervals.push(if step < 0.0 { [to, to - step] } else { [from, from + step] });
-            }
-        };
-        let below = row + 1 < self.camera.pixels[1] && self.reflects(row) == self.reflects(row + 1);
-        for column in 0..self.camera.pixels[0] {
-            let Some([azimuth, _]) = self.at(column, row) else { continue };
-            if let Some([next, _]) = self.at(column + 1, row) {
-                span(azimuth, next);
-            }
-            if let (true, Some([next, _])) = (below, self.at(column, row + 1)) {
-                span(azimuth, next);
-            }
-        }
-        if let Some([first, left, right, last]) = self.ends(row) {
-            span(first, left);
-            span(last, right);
-        }
-        intervals
-    }
-
-    /// Azimuth of the first filled pixel's centre in `row` and of its left edge, of the last one's
-    /// right edge and centre, continuous from one to the other.
-    fn ends(&self, row: u32) -> Option<[f64; 4]> {
-        let mut line: Vec<[f64; 2]> = Vec::new();
-        for column in 0..self.camera.pixels[0] {
-            if let Some([azimuth, _]) = self.at(column, row) {
-                let before = line.last().map_or(azimuth, |last| last[1]);
-                line.push([f64::from(column), before + wrap_turn(azimuth - before)]);
-            }
-        }
-        let (first, last) = (*line.first()?, *line.last()?);
-        let near = line.len().min(NEAREST);
-        let left = extrapolate(&line[..near], first[0] - 0.5);
-        let right = extrapolate(&line[line.len() - near..], last[0] + 0.5);
-        Some([first[1], left, right, last[1]])
-    }
-
-    /// Coverage of a column: each run of filled pixels is extrapolated to its outer edges.
-    fn column(&self, column: u32) -> ColumnCoverage {
-        let height = self.camera.pixels[1];
-        let mut filled = 0;
-        let mut range: Option<[f64; 2]> = None;
-        let mut runs: Vec<Vec<[f64; 2]>> = vec![vec![]];
-        for row in 0..height {
-            let Some([_, elevation]) = self.at(column, row) else {
-                runs.push(vec![]);
-                continue;
-            };
-            if row > 0 && self.reflects(row) != self.reflects(row - 1) {
-                runs.push(vec![]);
-            }
-            filled += 1;
-            runs.last_mut().expect("never empty").push([f64::from(row), elevation]);
-        }
-        for run in runs.iter().filter(|run| !run.is_empty()) {
-            let near = run.len().min(NEAREST);
-            let top = extrapolate(&run[..near], run[0][0] - 0.5);
-            let bottom = extrapolate(&run[run.len() - near..], run[run.len() - 1][0] + 0.5);
-            let all = run.iter().map(|point| point[1]).chain([top, bottom]);
-            let with = range.into_iter().flatten();
-            range = MinMeanMax::of(&all.chain(with).collect::<Vec<_>>()).map(|r| [r.min, r.max]);
-        }
-        ColumnCoverage { filled, elevation_deg: range.map(|range| range.map(degrees)) }
     }
 
     /// The seams of a picture of the full turn.
@@ -232,9 +191,7 @@ impl DirectionGrid<'_> {
         if !(panels * width_mm / strip.scale_mm >= TAU - 0.5 * pixel) {
             return Vec::new();
         }
-        let height = self.camera.pixels[1];
-        let ends: Vec<Option<[f64; 4]>> =
-            parallel::map(height as usize, 1, |row| self.ends(row as u32));
+        let ends = &self.ends;
         let seam = |edges: &'static str, gaps: &[f64]| {
             let range = MinMeanMax::of(gaps)?;
             let (gap_px, gap_deg) = (range.scaled(1.0 / pixel), range.scaled(degrees(1.0)));
@@ -263,6 +220,103 @@ impl DirectionGrid<'_> {
             .into_iter()
             .flatten()
             .collect()
+    }
+}
+
+/// Intervals of azimuth covered by the pixels of a row: to their neighbours to the right and in the row
+/// below, if that is of the same panel, and to both ends.
+fn azimuths(line: &[Direction], below: Option<&[Direction]>) -> Vec<[f64; 2]> {
+    let mut intervals = Vec::new();
+    let mut span = |from: f64, to: f64| {
+        let step = wrap_turn(to - from);
+        // Opposite sides of the zenith have everything between them, and nothing.
+        if step.abs() < FRAC_PI_2 {
+            intervals.push(if step < 0.0 { [to, to - step] } else { [from, from + step] });
+        }
+    };
+    for (column, direction) in line.iter().enumerate() {
+        let Some([azimuth, _]) = *direction else { continue };
+        if let Some(&Some([next, _])) = line.get(column + 1) {
+            span(azimuth, next);
+        }
+        if let Some(Some([next, _])) = below.map(|below| below[column]) {
+            span(azimuth, next);
+        }
+    }
+    if let Some([first, left, right, last]) = ends(line) {
+        span(first, left);
+        span(last, right);
+    }
+    intervals
+}
+
+/// Azimuth of the first filled pixel's centre in a row and of its left edge, of the last one's right edge
+/// and centre, continuous from one to the other.
+fn ends(row: &[Direction]) -> Option<[f64; 4]> {
+    let mut line: Vec<[f64; 2]> = Vec::new();
+    for (column, direction) in row.iter().enumerate() {
+        if let Some([azimuth, _]) = *direction {
+            let before = line.last().map_or(azimuth, |last| last[1]);
+            line.push([column as f64, before + wrap_turn(azimuth - before)]);
+        }
+    }
+    let (first, last) = (*line.first()?, *line.last()?);
+    let near = line.len().min(NEAREST);
+    let left = extrapolate(&line[..near], first[0] - 0.5);
+    let right = extrapolate(&line[line.len() - near..], last[0] + 0.5);
+    Some([first[1], left, right, last[1]])
+}
+
+/// Runs of filled pixels of a column, of which row after row is added; each is extrapolated to its outer
+/// edges.
+#[derive(Debug, Clone, Default)]
+struct ColumnRuns {
+    filled: usize,
+    /// Elevations of the runs that have ended, radians.
+    range: Option<[f64; 2]>,
+    /// Rows and elevations of the run that goes on: its first, and its last, [`NEAREST`] at the most.
+    head: Vec<[f64; 2]>,
+    tail: VecDeque<[f64; 2]>,
+}
+
+impl ColumnRuns {
+    fn add(&mut self, row: f64, direction: Direction, starts_panel: bool) {
+        if starts_panel || direction.is_none() {
+            self.end();
+        }
+        let Some([_, elevation]) = direction else { return };
+        self.filled += 1;
+        self.widen(elevation);
+        if self.head.len() < NEAREST {
+            self.head.push([row, elevation]);
+        }
+        if self.tail.len() == NEAREST {
+            self.tail.pop_front();
+        }
+        self.tail.push_back([row, elevation]);
+    }
+
+    fn widen(&mut self, elevation: f64) {
+        let [lo, hi] = self.range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+        self.range = Some([lo.min(elevation), hi.max(elevation)]);
+    }
+
+    fn end(&mut self) {
+        let tail = self.tail.make_contiguous();
+        if let (Some(first), Some(last)) = (self.head.first(), tail.last()) {
+            let top = extrapolate(&self.head, first[0] - 0.5);
+            let bottom = extrapolate(tail, last[0] + 0.5);
+            self.widen(top);
+            self.widen(bottom);
+        }
+        self.head.clear();
+        self.tail.clear();
+    }
+
+    fn finish(mut self) -> ColumnCoverage {
+        self.end();
+        let elevation_deg = self.range.map(|range| range.map(degrees));
+        ColumnCoverage { filled: self.filled, elevation_deg }
     }
 }
 

@@ -1,10 +1,13 @@
 //! Fill of the frame: the class of every pixel, filled or lost for a cause, and their numbers.
 
+use super::pixel_trace::PixelTrace;
 use super::ray_end::Outcome;
-use super::trace_result::{PixelTrace, TraceResult};
+use super::trace_result::{TraceResult, TraceStrip};
+use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::parallel;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Share of filled pixels, their field of view, and the numbers of lost pixels by cause.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,14 +85,6 @@ pub struct LostPixels {
 }
 
 impl LostPixels {
-    /// Counts the lost ones of all pixels.
-    #[must_use]
-    pub fn of(classes: &[PixelClass]) -> Self {
-        let count = |class: PixelClass| classes.iter().filter(|&&f| f == class).count();
-        let [beyond, rim, ridge, shadow, content, back_face, missed] = PixelClass::LOST.map(count);
-        Self { beyond, rim, ridge, shadow, content, back_face, missed }
-    }
-
     /// The numbers in the order of [`PixelClass::LOST`].
     #[must_use]
     pub fn counts(&self) -> [usize; 7] {
@@ -98,35 +93,26 @@ impl LostPixels {
     }
 }
 
-/// Class of every pixel of `trace`, taken with a sensor of `pixels` of `pixel_mm` each; `folded`: a ridge
-/// runs across the middle of the picture.
-///
-/// # Panics
-/// When the trace has not one entry a pixel.
+/// Class of every pixel of a strip, taken with pixels of `pixel_mm` each; `folded`: a ridge runs across the
+/// middle of the picture.
 #[must_use]
 pub fn classify_pixels(
-    trace: &TraceResult,
-    pixels: [u32; 2],
+    strip: &TraceStrip,
     pixel_mm: f64,
     tolerance_px: f64,
     folded: bool,
 ) -> Vec<PixelClass> {
-    let [width, height] = pixels.map(|n| n as usize);
-    assert_eq!(trace.pixels.len(), width * height, "one entry a pixel");
+    let [width, height] = strip.frame;
     let limit = tolerance_px * pixel_mm;
-    let aimed = |column: Option<usize>, row: Option<usize>| match (column, row) {
-        (Some(column), Some(row)) if column < width && row < height => {
-            trace.pixels[row * width + column].aimed
-        }
-        _ => false,
-    };
     let at_rim = |column: usize, row: usize| {
         let around = |k: usize| [k.checked_sub(1), Some(k), Some(k + 1)];
-        around(row).iter().any(|&row| around(column).iter().any(|&column| !aimed(column, row)))
+        around(row)
+            .iter()
+            .any(|&row| around(column).iter().any(|&column| !strip.is_aimed(column, row)))
     };
     let at_ridge = |row: usize| folded && (2 * row + 1).abs_diff(height) <= 2;
     let class = |(k, pixel): (usize, &PixelTrace)| {
-        let (column, row) = (k % width, k / width);
+        let (column, row) = (k % width, strip.rows.start + k / width);
         let as_designed = pixel.errors.is_some_and(|e| e.facet_mm <= limit);
         match pixel.outcome {
             _ if !pixel.aimed => PixelClass::Beyond,
@@ -140,43 +126,119 @@ pub fn classify_pixels(
             Outcome::Missed => PixelClass::Missed,
         }
     };
-    parallel::map(trace.pixels.len(), 1, |k| class((k, &trace.pixels[k])))
+    let pixels = &strip.traced.pixels;
+    parallel::map(pixels.len(), 1, |k| class((k, &pixels[k])))
 }
 
-impl FrameFill {
-    /// Evaluates `trace` and the `classes` of its pixels under the same `tolerance_px`.
+/// Fill of a frame of which strip after strip is added.
+#[derive(Debug, Clone, Default)]
+pub struct FrameFillBuilder {
+    filled: usize,
+    /// Least and greatest azimuth, radians.
+    azimuth: AngleRange,
+    /// Least and greatest Z of the directions seen.
+    rise: AngleRange,
+    lost: [usize; 7],
+}
+
+/// Least and greatest of some values.
+#[derive(Debug, Clone, Copy, Default)]
+struct AngleRange(Option<[f64; 2]>);
+
+impl AngleRange {
+    fn add(&mut self, value: f64) {
+        let [lo, hi] = self.0.unwrap_or([value; 2]);
+        self.0 = Some([lo.min(value), hi.max(value)]);
+    }
+
+    /// Whether a value that is off by [`ROUGH`] at the most changes nothing.
+    fn holds(&self, value: f64) -> bool {
+        self.0.is_some_and(|[lo, hi]| value > lo + ROUGH && value < hi - ROUGH)
+    }
+
+    fn join(&mut self, other: Self) {
+        other.0.into_iter().flatten().for_each(|end| self.add(end));
+    }
+}
+
+/// More than a difference of two azimuths by [`rough_azimuth`] is off, and one more, radians.
+const ROUGH: f64 = 0.02;
+
+/// The azimuth of a direction to 0.004 radians, in the time of a division.
+#[inline]
+fn rough_azimuth(direction: DVec3) -> f64 {
+    let (east, north) = (direction.x.abs(), direction.y.abs());
+    let ratio = east.min(north) / east.max(north);
+    let angle = ratio * (FRAC_PI_4 + 0.273 * (1.0 - ratio));
+    let angle = if east > north { FRAC_PI_2 - angle } else { angle };
+    let angle = if direction.y < 0.0 { PI - angle } else { angle };
+    angle.copysign(direction.x)
+}
+
+/// The azimuth that a pixel shows, continuous from the expected one, so that errors at the seam do not wrap.
+fn azimuth(pixel: &PixelTrace) -> f64 {
+    let expected = atan2(pixel.expected.x, pixel.expected.y);
+    expected + wrap_turn(atan2(pixel.direction.x, pixel.direction.y) - expected)
+}
+
+impl FrameFillBuilder {
+    /// Adds the pixels of some rows, and their classes.
+    pub fn add(&mut self, rows: &TraceResult, classes: &[PixelClass]) {
+        const PIECE: usize = 1 << 14;
+        let pieces = classes.len().div_ceil(PIECE);
+        let before = self.azimuth;
+        let piece = |k: usize| {
+            let piece = k * PIECE..classes.len().min((k + 1) * PIECE);
+            let mut found = Self { azimuth: before, ..Self::default() };
+            for (pixel, class) in rows.pixels[piece.clone()].iter().zip(&classes[piece]) {
+                found.add_pixel(pixel, *class);
+            }
+            found
+        };
+        for found in parallel::map(pieces, 1, piece) {
+            self.filled += found.filled;
+            self.azimuth.join(found.azimuth);
+            self.rise.join(found.rise);
+            self.lost.iter_mut().zip(found.lost).for_each(|(sum, count)| *sum += count);
+        }
+    }
+
+    fn add_pixel(&mut self, pixel: &PixelTrace, class: PixelClass) {
+        if class != PixelClass::Filled {
+            let cause = PixelClass::LOST.iter().position(|lost| *lost == class);
+            self.lost[cause.expect("every other class is listed")] += 1;
+            return;
+        }
+        self.filled += 1;
+        self.rise.add(pixel.direction.z);
+        // Most pixels are no end of the range, which needs no exact angle.
+        let expected = rough_azimuth(pixel.expected);
+        let step = rough_azimuth(pixel.direction) - expected;
+        if step.abs() < FRAC_PI_2 && self.azimuth.holds(expected + step) {
+            return;
+        }
+        self.azimuth.add(azimuth(pixel));
+    }
+
+    /// The fill of the frame of so many columns and rows, under the tolerance of the classes.
     #[must_use]
-    pub fn new(
-        trace: &TraceResult,
-        classes: &[PixelClass],
-        pixels: [u32; 2],
-        tolerance_px: f64,
-    ) -> Self {
-        let pairs = trace.pixels.iter().zip(classes);
-        let filled: Vec<&PixelTrace> = pairs
-            .filter(|(_, class)| **class == PixelClass::Filled)
-            .map(|(pixel, _)| pixel)
-            .collect();
+    pub fn finish(self, pixels: [u32; 2], tolerance_px: f64) -> FrameFill {
         let [width, height] = pixels.map(f64::from);
         let radius = 0.5 * width.min(height);
         let disc = std::f64::consts::PI * radius * radius;
-        let range = |angle: fn(&PixelTrace) -> f64| {
-            let angles = parallel::map_slice(&filled, 1, |pixel| [angle(pixel); 2]);
-            let widest = angles.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-            widest.map(|range| range.map(degrees))
-        };
-        Self {
+        let filled = self.filled as f64;
+        let [beyond, rim, ridge, shadow, content, back_face, missed] = self.lost;
+        FrameFill {
             pixels,
-            filled: filled.len() as f64 / (width * height),
+            filled: filled / (width * height),
             tolerance_px,
-            azimuth_deg: range(|pixel| {
-                // Continuous from the expected azimuth, so that errors at the seam do not wrap.
-                let expected = atan2(pixel.expected.x, pixel.expected.y);
-                expected + wrap_turn(atan2(pixel.direction.x, pixel.direction.y) - expected)
-            }),
-            elevation_deg: range(|pixel| asin(pixel.direction.z.clamp(-1.0, 1.0))),
-            gain_over_disc: filled.len() as f64 / disc - 1.0,
-            lost: LostPixels::of(classes),
+            azimuth_deg: self.azimuth.0.map(|range| range.map(degrees)),
+            elevation_deg: self
+                .rise
+                .0
+                .map(|range| range.map(|z| degrees(asin(z.clamp(-1.0, 1.0))))),
+            gain_over_disc: filled / disc - 1.0,
+            lost: LostPixels { beyond, rim, ridge, shadow, content, back_face, missed },
         }
     }
 }
@@ -184,7 +246,7 @@ impl FrameFill {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::DVec3;
+    use crate::num::{cos, sin};
     use crate::trace::RayErrors;
 
     fn pixel(outcome: Outcome, error: f64) -> PixelTrace {
@@ -199,10 +261,29 @@ mod tests {
         }
     }
 
+    fn frame_of(
+        trace: TraceResult,
+        pixels: [u32; 2],
+        folded: bool,
+    ) -> (FrameFill, Vec<PixelClass>) {
+        let strip = TraceStrip::whole(trace, pixels);
+        let classes = classify_pixels(&strip, 0.1, 6.0, folded);
+        let mut frame = FrameFillBuilder::default();
+        frame.add(&strip.traced, &classes);
+        (frame.finish(pixels, 6.0), classes)
+    }
+
     fn frame(pixel: Vec<PixelTrace>, pixels: [u32; 2]) -> FrameFill {
-        let trace = TraceResult { pixels: pixel };
-        let classes = classify_pixels(&trace, pixels, 0.1, 6.0, false);
-        FrameFill::new(&trace, &classes, pixels, 6.0)
+        frame_of(TraceResult { pixels: pixel }, pixels, false).0
+    }
+
+    #[test]
+    fn rough_azimuths_are_as_near_as_is_said() {
+        for k in -3141..=3141 {
+            let angle = f64::from(k) * 1e-3;
+            let direction = DVec3::new(sin(angle), cos(angle), 0.3);
+            assert!((rough_azimuth(direction) - angle).abs() < 0.004, "{angle}");
+        }
     }
 
     #[test]
@@ -259,13 +340,11 @@ mod tests {
         for (row, column, pixel, _) in cases {
             traced[row * width + column] = pixel;
         }
-        let trace = TraceResult { pixels: traced };
-        let found = classify_pixels(&trace, pixels, 0.1, 6.0, true);
+        let (frame, found) = frame_of(TraceResult { pixels: traced }, pixels, true);
         for (row, column, _, class) in cases {
             assert_eq!(found[row * width + column], class, "row {row}, column {column}");
         }
-        let lost = LostPixels::of(&found);
-        assert_eq!(lost.counts(), [8, 2, 2, 1, 3, 1, 1]);
-        assert_eq!(FrameFill::new(&trace, &found, pixels, 6.0).filled, (72.0 - 18.0) / 72.0);
+        assert_eq!(frame.lost.counts(), [8, 2, 2, 1, 3, 1, 1]);
+        assert_eq!(frame.filled, (72.0 - 18.0) / 72.0);
     }
 }

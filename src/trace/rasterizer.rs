@@ -9,6 +9,7 @@ use super::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
+use std::ops::Range;
 
 /// Facets of a chunk, rasterized by one thread, whatever the number of threads.
 const CHUNK: usize = 1 << 14;
@@ -71,10 +72,15 @@ struct ChunkHits {
 }
 
 impl ChunkHits {
-    /// Sorts hits (distance and fragment) by bands of `rows` rows of pixels.
-    fn new(mesh: &TriMesh, rows: u32, found: &[(f64, Fragment)], large: Vec<LargeFacet>) -> Self {
-        let band = |fragment: Fragment| usize::from(fragment.parts().2) / BAND_ROWS;
-        let mut start = vec![0; (rows as usize).div_ceil(BAND_ROWS) + 2];
+    /// Sorts hits (distance and fragment) by bands of the rows from the first up to the last.
+    fn new(
+        mesh: &TriMesh,
+        [first, last]: [usize; 2],
+        found: &[(f64, Fragment)],
+        large: Vec<LargeFacet>,
+    ) -> Self {
+        let band = |fragment: Fragment| (usize::from(fragment.parts().2) - first) / BAND_ROWS;
+        let mut start = vec![0; (last - first).div_ceil(BAND_ROWS) + 2];
         for &(_, fragment) in found {
             start[band(fragment) + 2] += 1;
         }
@@ -106,6 +112,8 @@ type Buffers = (Vec<Fragment>, Vec<(f64, Fragment)>);
 pub(super) struct Rasterizer<'a> {
     mesh: &'a TriMesh,
     rays: &'a CameraRays,
+    /// First row that is drawn, the first of a band, and the one after the last.
+    rows: [usize; 2],
     /// Pixels per mm on the reference plane.
     per_mm: f64,
     /// Z where the rays start, mm.
@@ -134,9 +142,9 @@ fn depth_test(
 }
 
 impl<'a> Rasterizer<'a> {
-    /// Intersects `rays` with the facets of `scene`. `None` where they start beside or below facets:
-    /// such facets have no picture.
-    pub(super) fn new(scene: &'a Scene, rays: &'a CameraRays) -> Option<Self> {
+    /// Intersects `rays` of the rows of some bands with the facets of `scene`. `None` where they start beside
+    /// or below facets: such facets have no picture.
+    pub(super) fn new(scene: &'a Scene, rays: &'a CameraRays, rows: Range<usize>) -> Option<Self> {
         let (lo, hi) = scene.bounds()?;
         let CameraRays { camera, top_mm, .. } = *rays;
         let chart = camera.chart;
@@ -157,6 +165,7 @@ impl<'a> Rasterizer<'a> {
         let mut rasterizer = Self {
             mesh,
             rays,
+            rows: [rows.start, rows.end],
             per_mm: 1.0 / camera.pixel_mm,
             start,
             margins: [margin, 1e-9 * extent],
@@ -211,7 +220,9 @@ impl<'a> Rasterizer<'a> {
         let [width, height] = self.rays.camera.pixels;
         let at = self.position(v);
         let [left, right] = self.between(at.x, at.x, width).map(|k| k as i16);
-        let [upper, lower] = self.between(at.y, at.y, height).map(|k| k as i16);
+        let [first, last] = self.rows.map(|row| row as i16);
+        let [upper, lower] =
+            self.between(at.y, at.y, height).map(|k| (k as i16).clamp(first, last));
         [left, upper, -right, -lower]
     }
 
@@ -243,7 +254,7 @@ impl<'a> Rasterizer<'a> {
                 count += usize::from(meets);
             }
         }
-        ChunkHits::new(self.mesh, self.rays.camera.pixels[1], &hits[..count], large)
+        ChunkHits::new(self.mesh, self.rows, &hits[..count], large)
     }
 
     /// Writes the fragments of small facets from `first` on into `fragments`, and returns their number;
@@ -303,7 +314,7 @@ impl<'a> Rasterizer<'a> {
         let columns = self.rays.camera.pixels[0] as usize;
         ends.fill(RayEnd::MISSED);
         for chunk in &self.chunks {
-            for hit in chunk.band(first / BAND_ROWS) {
+            for hit in chunk.band((first - self.rows[0]) / BAND_ROWS) {
                 depth_test(hit, columns, ends, &shade);
             }
         }

@@ -1,11 +1,14 @@
 //! One ray per pixel: its end, its reflected direction, and how far that is from the expected one.
 
 use super::camera_trace::{CameraTrace, TraceCounts};
+use super::digest::Digest;
+use super::pixel_trace::{PixelTrace, RayErrors};
 use super::ray_end::{Outcome, RayEnd};
 use super::scene::Scene;
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
 use crate::optics::{ImagingTask, reflect};
+use std::ops::Range;
 
 /// Expected reflection of one camera ray: an entry of the table that the witness is handed.
 #[derive(Debug, Clone, Copy)]
@@ -18,49 +21,7 @@ pub struct ExpectedRay {
     pub designed: DVec2,
 }
 
-/// Errors of one ray.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RayErrors {
-    /// Angle between the reflected direction and the expected one, radians.
-    pub angle_rad: f64,
-    /// Distance in the image between the ray's image point and that where its content belongs, mm.
-    pub image_mm: f64,
-    /// Distance in the image between the content shown and that of the designed mirror, mm.
-    pub facet_mm: f64,
-}
-
-/// Trace of the ray of one pixel: outcome, reflected ray and errors.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PixelTrace {
-    /// Its end.
-    pub outcome: Outcome,
-    /// Whether the designed mirror is under the ray.
-    pub aimed: bool,
-    /// Expected unit direction.
-    pub expected: DVec3,
-    /// Unit direction of the reflected ray; the zero vector for rays that are not reflected.
-    pub direction: DVec3,
-    /// Point where the ray meets its nearest facet, mm; the zero vector without one.
-    pub hit_point: DVec3,
-    /// Errors by the facet's own normal, for aimed rays that hit, where a projection is given.
-    pub errors: Option<RayErrors>,
-    /// Errors by the file's interpolated normals, where it has any.
-    pub smooth: Option<RayErrors>,
-}
-
-impl PixelTrace {
-    const MISSED: Self = Self {
-        outcome: Outcome::Missed,
-        aimed: false,
-        expected: DVec3::ZERO,
-        direction: DVec3::ZERO,
-        hit_point: DVec3::ZERO,
-        errors: None,
-        smooth: None,
-    };
-}
-
-/// Traces of all pixels of a camera, row by row.
+/// Traces of pixels of a camera, row by row: of the frame, or of some of its rows.
 #[derive(Debug, Clone)]
 pub struct TraceResult {
     /// One entry a pixel.
@@ -77,20 +38,10 @@ impl TraceResult {
         task: Option<&ImagingTask>,
         table: impl Fn(u32) -> Vec<ExpectedRay> + Sync,
     ) -> (Self, TraceCounts) {
-        let rays = trace.rays();
-        let columns = trace.pixels()[0] as usize;
-        let comparison = Comparison { scene: trace.scene(), normals, task };
-        let mut pixels = vec![PixelTrace::MISSED; columns * trace.pixels()[1] as usize];
-        let counts = trace.bands(&mut pixels, |first, ends, pixels| {
-            let rows = pixels.chunks_mut(columns).zip(ends.chunks(columns));
-            for (row, (pixels, ends)) in (first..).zip(rows) {
-                let expected = table(row as u32);
-                for (column, (pixel, expected)) in pixels.iter_mut().zip(&expected).enumerate() {
-                    let ray = (rays.at(column, row), rays.image_point(column, row));
-                    *pixel = comparison.compare(ray, expected, &ends[column]);
-                }
-            }
-        });
+        let comparison = Comparison::new(trace, normals, task);
+        let mut pixels = Vec::new();
+        let rows = 0..trace.pixels()[1] as usize;
+        let (counts, _) = comparison.trace(trace, rows, &table, &mut pixels);
         (Self { pixels }, counts)
     }
 
@@ -105,11 +56,84 @@ impl TraceResult {
         self.aimed().filter(|pixel| pick(pixel.outcome)).count()
     }
 
+    /// Errors of the aimed rays that hit.
+    pub fn errors(&self, error: impl Fn(&PixelTrace) -> Option<f64>) -> impl Iterator<Item = f64> {
+        let hits = self.aimed().filter(|pixel| pixel.outcome == Outcome::Hit);
+        hits.filter_map(error)
+    }
+
     /// Summary of an error over the aimed rays that hit; `None` when none did.
     #[must_use]
     pub fn summary(&self, error: impl Fn(&PixelTrace) -> Option<f64>) -> Option<Summary> {
-        let hits = self.aimed().filter(|pixel| pixel.outcome == Outcome::Hit);
-        Summary::of(hits.filter_map(error).collect())
+        Summary::of(self.errors(error).collect())
+    }
+}
+
+/// Traces of the rows of a strip of the frame.
+#[derive(Debug, Clone)]
+pub struct TraceStrip {
+    /// Columns and rows of the frame.
+    pub frame: [usize; 2],
+    /// The rows.
+    pub rows: Range<usize>,
+    /// One entry a pixel of them.
+    pub traced: TraceResult,
+    /// Numbers and errors of the pixels, piece after piece.
+    pub(super) digests: Vec<Digest>,
+    /// Which pixels of the rows above and below are aimed: none beyond the frame.
+    aimed_beside: [Vec<bool>; 2],
+}
+
+impl TraceStrip {
+    /// The strip that is a whole frame of so many columns and rows.
+    #[must_use]
+    pub fn whole(traced: TraceResult, pixels: [u32; 2]) -> Self {
+        let frame = pixels.map(|n| n as usize);
+        let digests = vec![Digest::of(&traced.pixels)];
+        Self { frame, rows: 0..frame[1], traced, digests, aimed_beside: [vec![], vec![]] }
+    }
+
+    /// Traces the frame of `trace` as [`TraceResult::new`] does, strip by strip, with each of which `each` is
+    /// called.
+    pub fn each(
+        trace: &CameraTrace,
+        normals: Option<&[[DVec3; 3]]>,
+        task: Option<&ImagingTask>,
+        table: impl Fn(u32) -> Vec<ExpectedRay> + Sync,
+        mut each: impl FnMut(&Self),
+    ) -> TraceCounts {
+        let comparison = Comparison::new(trace, normals, task);
+        let frame = trace.pixels().map(|n| n as usize);
+        let aimed = |row: Option<usize>| match row {
+            Some(row) if row < frame[1] => table(row as u32).iter().map(|ray| ray.aimed).collect(),
+            _ => Vec::new(),
+        };
+        let (mut counts, mut pixels) = (TraceCounts::default(), Vec::new());
+        for rows in trace.strips() {
+            let (of_strip, digests) = comparison.trace(trace, rows.clone(), &table, &mut pixels);
+            counts = counts + of_strip;
+            let aimed_beside = [aimed(rows.start.checked_sub(1)), aimed(Some(rows.end))];
+            let traced = TraceResult { pixels };
+            let strip = Self { frame, rows, traced, digests, aimed_beside };
+            each(&strip);
+            pixels = strip.traced.pixels;
+        }
+        counts
+    }
+
+    /// Whether the pixel of a column and a row, of the strip or next to it, is aimed; none beyond the frame
+    /// is.
+    pub(super) fn is_aimed(&self, column: Option<usize>, row: Option<usize>) -> bool {
+        let (Some(column), Some(row)) = (column, row) else { return false };
+        let columns = self.frame[0];
+        if column >= columns {
+            return false;
+        }
+        if self.rows.contains(&row) {
+            return self.traced.pixels[(row - self.rows.start) * columns + column].aimed;
+        }
+        let beside = &self.aimed_beside[usize::from(row >= self.rows.end)];
+        beside.get(column).copied().unwrap_or(false)
     }
 }
 
@@ -118,13 +142,56 @@ struct Comparison<'a> {
     scene: &'a Scene,
     normals: Option<&'a [[DVec3; 3]]>,
     task: Option<&'a ImagingTask>,
+    /// By column, what its image points share.
+    turns: Vec<[f64; 2]>,
 }
 
-impl Comparison<'_> {
-    /// Trace of the pixel whose ray, with its image point, ended as `end`.
+impl<'a> Comparison<'a> {
+    fn new(
+        trace: &CameraTrace<'a>,
+        normals: Option<&'a [[DVec3; 3]]>,
+        task: Option<&'a ImagingTask>,
+    ) -> Self {
+        let turn = |task: &ImagingTask| {
+            let columns = 0..trace.pixels()[0] as usize;
+            columns.map(|column| task.turn(trace.rays().image_point(column, 0).x)).collect()
+        };
+        Self { scene: trace.scene(), normals, task, turns: task.map_or(Vec::new(), turn) }
+    }
+
+    /// Traces the pixels of some rows into `pixels`, whatever is in there.
+    fn trace(
+        &self,
+        trace: &CameraTrace,
+        rows: Range<usize>,
+        table: &(impl Fn(u32) -> Vec<ExpectedRay> + Sync),
+        pixels: &mut Vec<PixelTrace>,
+    ) -> (TraceCounts, Vec<Digest>) {
+        let rays = trace.rays();
+        let columns = trace.pixels()[0] as usize;
+        pixels.resize(columns * rows.len(), PixelTrace::MISSED);
+        trace.bands(rows, pixels, |first, ends, pixels| {
+            let rows = pixels.chunks_mut(columns).zip(ends.chunks(columns));
+            let mut digest =
+                Digest::with_room_for(ends.len(), self.task.is_some(), self.normals.is_some());
+            for (row, (pixels, ends)) in (first..).zip(rows) {
+                let expected = table(row as u32);
+                for (column, (pixel, expected)) in pixels.iter_mut().zip(&expected).enumerate() {
+                    let ray = (rays.at(column, row), rays.image_point(column, row));
+                    *pixel = self.compare((column, ray), expected, &ends[column]);
+                }
+                // (While they are near.)
+                digest.add(pixels);
+            }
+            digest
+        })
+    }
+
+    /// Trace of the pixel of a column whose ray, with its image point, ended as `end`.
+    #[inline(always)]
     fn compare(
         &self,
-        (ray, image_point): (Ray, DVec2),
+        (column, (ray, image_point)): (usize, (Ray, DVec2)),
         expected: &ExpectedRay,
         end: &RayEnd,
     ) -> PixelTrace {
@@ -140,7 +207,8 @@ impl Comparison<'_> {
             return pixel;
         };
         let errors = |direction: DVec3| {
-            let content = task.image_of(pixel.hit_point, direction, image_point);
+            let (at, turn) = (pixel.hit_point, self.turns[column]);
+            let content = task.image_of_turned(at, direction, image_point, turn);
             RayErrors {
                 angle_rad: angle(direction, expected.direction),
                 image_mm: (content - image_point).length(),

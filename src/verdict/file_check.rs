@@ -5,15 +5,15 @@ use crate::design::Design;
 use crate::export::{ImportedMesh, ReadError};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::HeightAndSlope;
+use crate::num::stats::Summary;
 use crate::optics::reflect;
-use crate::parallel;
 use crate::part::Promise;
 use crate::profile::{MeshFormat, Profile};
 use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::check;
 use crate::trace::{
-    CameraTrace, ExpectedRay, FrameFill, Outcome, PixelClass, PixelTrace, RayErrors, Scene,
-    TraceCounts, TraceResult, classify_pixels,
+    CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Outcome, PixelClass, Scene, TraceCounts,
+    TraceResult, TraceStrip, TraceSummary, classify_pixels,
 };
 
 /// What the bytes of one file showed.
@@ -36,8 +36,8 @@ pub(crate) struct FileCheck {
     pub by_rim: usize,
     /// The frame.
     pub frame: Option<FrameFill>,
-    /// The mesh and its rays, until the picture is painted.
-    pub seen: Option<(Scene, TraceResult)>,
+    /// The mesh, until the picture is painted.
+    pub scene: Option<Scene>,
 }
 
 impl FileCheck {
@@ -58,19 +58,21 @@ impl FileCheck {
             trace: None,
             by_rim: 0,
             frame: None,
-            seen: None,
+            scene: None,
         }
     }
 
     /// Of a mesh whose facets keep to `design` as promised, by the camera's rays; and what those took. With
-    /// `shortcuts` rays of which the outcome is proven are not followed.
+    /// `shortcuts` rays of which the outcome is proven are not followed. `each` is called with every strip of
+    /// the frame and the classes of its pixels, which are forgotten thereafter: where there is no projection
+    /// without classes.
     pub(crate) fn traced(
         profile: &Profile,
         design: &Design,
         (file, format): (FileFacts, MeshFormat),
         checked: CheckedMesh,
-        promise: Promise,
-        shortcuts: bool,
+        (promise, shortcuts): (Promise, bool),
+        each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
     ) -> (Self, TraceCounts) {
         let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
         let camera = &design.camera;
@@ -78,14 +80,23 @@ impl FileCheck {
         let table = expected_rays(design, promise.chord_mm);
         let trace = CameraTrace::new(&scene, camera, scene.above_mm());
         let trace = if shortcuts { trace } else { trace.without_shortcuts() };
-        let (witness, counts) =
-            TraceResult::new(&trace, normals.as_deref(), design.view.as_ref(), table);
-        let frame = design.view.is_some().then(|| {
-            let classes = pixel_classes(profile, design, &witness);
-            FrameFill::new(&witness, &classes, camera.pixels, tolerance_px(profile))
+        let (normals, view) = (normals.as_deref(), design.view.as_ref());
+        let (mut summary, mut shadowed) = (TraceSummary::default(), 0);
+        let mut frame = view.map(|_| FrameFillBuilder::default());
+        let counts = TraceStrip::each(&trace, normals, view, table, |strip| {
+            summary.add(strip);
+            shadowed += by_rim(design, &scene, &strip.traced);
+            let mut classes = Vec::new();
+            if let Some(frame) = &mut frame {
+                classes = pixel_classes(profile, design, strip);
+                frame.add(&strip.traced, &classes);
+            }
+            each(strip, &classes);
         });
-        let (name, has_normals) = (file.name.clone(), normals.is_some());
-        let mut trace = trace_facts(name, &witness, camera.pixel_mm, has_normals, solid);
+        let frame = frame.map(|frame| frame.finish(camera.pixels, tolerance_px(profile)));
+        let has_normals = normals.is_some();
+        let mut trace =
+            trace_facts(file.name.clone(), summary, camera.pixel_mm, has_normals, solid);
         trace.worst_vertex = vertex;
         let check = Self {
             file,
@@ -95,9 +106,9 @@ impl FileCheck {
             promise,
             unreadable: None,
             trace: Some(trace),
-            by_rim: by_rim(design, &scene, &witness),
+            by_rim: shadowed,
             frame,
-            seen: Some((scene, witness)),
+            scene: Some(scene),
         };
         (check, counts)
     }
@@ -137,15 +148,10 @@ pub(crate) fn tolerance_px(profile: &Profile) -> f64 {
     profile.acceptance_limits().pixel_error_max_px.value
 }
 
-/// Class of every pixel.
-pub(crate) fn pixel_classes(
-    profile: &Profile,
-    design: &Design,
-    witness: &TraceResult,
-) -> Vec<PixelClass> {
-    let camera = &design.camera;
+/// Class of every pixel of a strip.
+fn pixel_classes(profile: &Profile, design: &Design, strip: &TraceStrip) -> Vec<PixelClass> {
     let folded = design.view.as_ref().is_some_and(|view| view.fold.is_some());
-    classify_pixels(witness, camera.pixels, camera.pixel_mm, tolerance_px(profile), folded)
+    classify_pixels(strip, design.camera.pixel_mm, tolerance_px(profile), folded)
 }
 
 fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
@@ -154,6 +160,9 @@ fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
     let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
     witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
+
+/// An image point, its turn, the place on the mirror that it shows, and the mirror there.
+type SeenPlace = (((DVec2, [f64; 2]), DVec2), HeightAndSlope);
 
 /// The table of expected rays, a row of the sensor at a time. Rays that may pass by the rim of facets
 /// `chord_mm` off the mirror are not aimed at it.
@@ -167,16 +176,21 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
         let aims = |at: DVec3| outline.aims(mirror.chart.coordinates(at).0);
         !(aims(at + step) && aims(at - step))
     };
+    let [columns, _] = camera.pixels;
+    let turn = |column: u32| {
+        let x = camera.image_point(f64::from(column) + 0.5, 0.0).x;
+        view.as_ref().map_or([0.0, 1.0], |view| view.turn(x))
+    };
+    let turns: Vec<[f64; 2]> = (0..columns).map(turn).collect();
     move |row| {
         let image_point =
             |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let points: Vec<DVec2> = (0..camera.pixels[0]).map(image_point).collect();
-        let places: Vec<DVec2> = points
-            .iter()
-            .map(|&q| mirror.intersect_camera_ray(&camera.chart, q).unwrap_or(DVec2::INFINITY))
-            .collect();
+        let points: Vec<DVec2> = (0..columns).map(image_point).collect();
+        let under = |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q);
+        let places: Vec<DVec2> =
+            points.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
         let designed = mirror.eval_many(&places);
-        let expected = |((point, place), designed): ((DVec2, DVec2), HeightAndSlope)| {
+        let expected = |(((point, turn), place), designed): SeenPlace| {
             let mut expected =
                 ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
             if !outline.aims(place) {
@@ -186,46 +200,43 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
             let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
             expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);
             if let (true, Some(view)) = (expected.aimed, view) {
-                expected.direction = view.direction_of(point, at);
-                expected.designed = view.image_of(at, reflect(arriving, normal), point);
+                expected.direction = view.direction_of_turned(point, turn, at);
+                let seen = reflect(arriving, normal);
+                expected.designed = view.image_of_turned(at, seen, point, turn);
             }
             expected
         };
-        points.into_iter().zip(places).zip(designed).map(expected).collect()
+        let seen = points.into_iter().zip(turns.iter().copied()).zip(places).zip(designed);
+        seen.map(expected).collect()
     }
 }
 
 fn trace_facts(
     file: String,
-    witness: &TraceResult,
+    summary: TraceSummary,
     pixel_mm: f64,
     has_normals: bool,
     solid: SolidFacts,
 ) -> TraceFacts {
-    let facts = |errors: fn(&PixelTrace) -> Option<RayErrors>| {
-        let summary = |pick: fn(RayErrors) -> f64, unit: f64| {
-            witness.summary(|pixel| errors(pixel).map(pick)).map(|s| s.scaled(unit))
-        };
-        let (ray_error_mrad, (pixel_error_px, facet_error_px)) = parallel::join(
-            || summary(|e| e.angle_rad, 1e3),
-            || {
-                parallel::join(
-                    || summary(|e| e.image_mm, 1.0 / pixel_mm),
-                    || summary(|e| e.facet_mm, 1.0 / pixel_mm),
-                )
-            },
-        );
-        ErrorFacts { ray_error_mrad, pixel_error_px, facet_error_px }
+    let facts = |[angle, image, facet]: [Option<Summary>; 3]| {
+        let scaled = |summary: Option<Summary>, unit: f64| summary.map(|s| s.scaled(unit));
+        ErrorFacts {
+            ray_error_mrad: scaled(angle, 1e3),
+            pixel_error_px: scaled(image, 1.0 / pixel_mm),
+            facet_error_px: scaled(facet, 1.0 / pixel_mm),
+        }
     };
+    let TraceSummary { aimed, hit, missed, shadowed, back_face, .. } = summary;
+    let [by_facets, by_normals] = summary.errors();
     TraceFacts {
         file,
-        rays: witness.aimed().count(),
-        hit: witness.count(|o| o == Outcome::Hit),
-        missed: witness.count(|o| o == Outcome::Missed),
-        shadowed: witness.count(|o| matches!(o, Outcome::Shadowed(_))),
-        back_face: witness.count(|o| o == Outcome::BackFace),
-        errors: facts(|pixel| pixel.errors),
-        interpolated_normals: has_normals.then(|| facts(|pixel| pixel.smooth)),
+        rays: aimed,
+        hit,
+        missed,
+        shadowed,
+        back_face,
+        errors: facts(by_facets),
+        interpolated_normals: has_normals.then(|| facts(by_normals)),
         worst_vertex: None,
         solid,
     }

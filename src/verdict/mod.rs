@@ -8,7 +8,7 @@ mod vertex_check;
 
 pub(crate) use cutter_survey::CutterSurvey;
 pub use cutter_survey::MachiningOptions;
-pub(crate) use file_check::{CheckedMesh, FileCheck, expected_rays, pixel_classes, tolerance_px};
+pub(crate) use file_check::{CheckedMesh, FileCheck, expected_rays, tolerance_px};
 pub(crate) use remedy::filling;
 
 use crate::align::FormError;

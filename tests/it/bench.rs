@@ -4,7 +4,7 @@ use crate::support::builds::{SMALL, files, folder, morion, save, told};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-const SWEEPS: [&str; 5] = ["design", "mesh-facet", "mesh-chord", "witness", "trials"];
+const SWEEPS: [&str; 6] = ["design", "mesh-facet", "mesh-chord", "witness", "trials", "frames"];
 
 #[test]
 fn sweeps_are_tables_and_plots_and_lead_to_settings_that_hold() {

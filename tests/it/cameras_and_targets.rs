@@ -341,7 +341,7 @@ fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
     let (camera, mirror) = (&design.camera, &design.mirror);
     let eye_mm = design.mounting.pupil_mm.expect("a pinhole")[2];
     // Finer than pixels, and the whole picture that the mirror can be in.
-    let (steps, reach) = (800, 60.0);
+    let (steps, reach) = (400, 60.0);
     let (mut sum, mut count) = (0.0, 0u32);
     for k in 0..steps * steps {
         let at = DVec2::new(f64::from(k % steps) + 0.5, f64::from(k / steps) + 0.5);
@@ -353,7 +353,7 @@ fn a_given_mirror_is_as_far_as_the_profile_says_by_the_pixels_that_see_it() {
         }
     }
     let found = exp(sum / f64::from(count));
-    assert!(count > 80_000 && (found - 150.0).abs() < 5e-3, "{found} {count}");
+    assert!(count > 20_000 && (found - 150.0).abs() < 5e-3, "{found} {count}");
     let [mean, origin] = [design.mounting.mean_mm, design.mounting.target_origin_mm.unwrap()[2]];
     assert!((eye_mm - 150.0 - mean).abs() < 1e-9 && mean == origin, "{mean} {origin}");
     // That is not the mean over the plan, by which such mirrors were placed before.

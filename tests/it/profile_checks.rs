@@ -124,7 +124,7 @@ fn defaults_and_other_ways_to_write_toml() {
 fn limits_are_where_they_are_said_to_be() {
     let strip = ("layout.conquistador", "layout.strip");
     for (old, inside, outside) in [
-        ("[640, 480]", "[1, 16384]", "[1, 16385]"),
+        ("[640, 480]", "[1, 32767]", "[1, 32768]"),
         ("[-180, 180]", "[-360, 0]", "[-360.001, -1]"),
         ("[-180, 180]", "[0, 360]", "[-0.001, 360]"),
         ("[-30, 30]", "[-89.999, 89.999]", "[-90, 89]"),

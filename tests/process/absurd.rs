@@ -1,50 +1,18 @@
 //! Requests that no memory holds: refused at once, and before any memory is asked for.
 
-use crate::builds::{SMALL, command, edited, folder, save, told};
+use crate::builds::{SMALL, edited, folder, save};
+use crate::needs::Needs;
 use std::fs::File;
 use std::path::Path;
-use std::process::Stdio;
-use std::time::Duration;
 
 /// Of the processors, whatever else they do.
 const MOST_SECONDS: f64 = 1.0;
 const MOST_KB: u64 = 100_000;
 
-/// What a process was seen to need.
-#[derive(Debug, Clone, Copy, Default)]
-struct Needs {
-    seconds: f64,
-    memory_kb: u64,
-}
-
-impl Needs {
-    /// Of a process that runs; none where the system does not say.
-    fn of(process: u32) -> Option<Self> {
-        let read = |name| std::fs::read_to_string(format!("/proc/{process}/{name}")).ok();
-        let status = read("status")?;
-        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-        let memory_kb = peak.trim().strip_suffix(" kB")?.parse().ok()?;
-        // After the name in brackets the state; ticks of user and system are the 12th and 13th then.
-        let stat = read("stat")?;
-        let fields = stat.rsplit_once(") ")?.1.split(' ').skip(11).take(2);
-        let ticks: f64 = fields.filter_map(|ticks| ticks.parse::<f64>().ok()).sum();
-        Some(Self { seconds: ticks / 100.0, memory_kb })
-    }
-}
-
 /// Asserts that a request is answered with `code` and all of `words`, soon and with little memory.
 #[track_caller]
 fn refused(home: &Path, arguments: &[&str], code: i32, words: &[&str]) {
-    let mut command = command(home);
-    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    let mut needs = Needs::default();
-    // What matters takes tens of milliseconds: to look every one of them is enough.
-    while child.try_wait().unwrap().is_none() {
-        needs = Needs::of(child.id()).unwrap_or(needs);
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    let (exit, out, err) = told(&child.wait_with_output().unwrap());
+    let ((exit, out, err), needs) = Needs::to_run(home, arguments);
     assert_eq!(exit, code, "{arguments:?}: {out}{err}");
     for word in words {
         let told = if code == 2 { &err } else { &out };
@@ -62,8 +30,8 @@ fn absurd_profiles_are_refused_before_the_work() {
     for (from, to, words) in [
         ("facet_px = 3", "facet_px = 1e-9", &["small.toml:24:", "mesh.facet_px must be"][..]),
         (facets, "max_triangles = 1e12", &["mesh.max_triangles must be", "40000000"]),
-        ("[160, 120]", "[40000, 25000]", &["camera.orthographic.pixels must be", "16384"]),
-        ("[160, 120]", "[16384, 16384]", &["at most 40 million pixels"]),
+        ("[160, 120]", "[40000, 25000]", &["camera.orthographic.pixels must be", "32767"]),
+        ("[160, 120]", "[32767, 32767]", &["at most 400 million pixels"]),
         ("degree = 8", "degree = 1e9", &["method.vector-field.degree must be"]),
         // Within what a key may say, but not all at once.
         (facets, "facet_px = 0.001", &["cannot mesh small: ", "facets", "that fit in memory"]),

@@ -11,8 +11,11 @@ mod disk;
 #[cfg(unix)]
 #[path = "../it/support/draws.rs"]
 mod draws;
+#[cfg(target_os = "linux")]
+mod frames;
 #[cfg(unix)]
 mod kills;
+mod needs;
 #[cfg(target_os = "linux")]
 #[path = "../it/support/package.rs"]
 mod package;

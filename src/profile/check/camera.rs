@@ -8,9 +8,10 @@ use super::{LARGE, is_large, only};
 use crate::num::tan;
 use crate::optics::CameraModel;
 
-const MAX_PIXELS: f64 = 16384.0;
-/// Pixels of a frame: the ray trace keeps some 120 bytes for each.
-const MOST_PIXELS: f64 = 4e7;
+/// Pixels along a side: the ray trace numbers them in 16 bits, one of which is a sign.
+const MAX_PIXELS: f64 = 32767.0;
+/// Pixels of a frame, each of which is traced: a minute's work.
+const MOST_PIXELS: f64 = 4e8;
 
 /// A camera, and where its table stands.
 pub(super) struct CameraEntry {
@@ -47,7 +48,7 @@ fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
     let pixels = PairFormat {
         key: "pixels",
         parts: "[width, height]",
-        each: "a whole number from 1 to 16384",
+        each: "a whole number from 1 to 32767",
         form,
         limit: form,
     };
@@ -57,7 +58,7 @@ fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
     if width * height > MOST_PIXELS {
         let path = section.path_of("pixels");
         let message = format!(
-            "{path} must make a frame of at most 40 million pixels, found {width} x {height}"
+            "{path} must make a frame of at most 400 million pixels, found {width} x {height}"
         );
         let hint = "every pixel is traced; try half as many on each side";
         reader.complain(pixels.at, message, hint);
@@ -227,6 +228,6 @@ mod tests {
     fn a_right_angle_of_view_has_half_the_width_as_its_focal_length() {
         assert!((focal_of_view(640.0, 90.0) - 320.0).abs() < 1e-12);
         assert!(focal_of_view(1.0, 179.0) > 0.0);
-        assert!(focal_of_view(16384.0, 1e-3).is_finite());
+        assert!(focal_of_view(32767.0, 1e-3).is_finite());
     }
 }

@@ -19,15 +19,16 @@ const COLOURS: [Srgb; 7] = [
 
 impl FrameReport {
     /// `frame.png`: filled pixels grey by solid angle (`usr`, one a pixel), the others in the colour
-    /// of their cause.
+    /// of their cause; a map of so many columns and rows of the frame's pixels.
     ///
     /// # Errors
     /// What the encoder reports.
     ///
     /// # Panics
-    /// When `classes` or `usr` have not one entry a pixel of the frame.
+    /// When `classes` or `usr` have not one entry a pixel of the map.
     pub fn png(
         &self,
+        pixels: [u32; 2],
         classes: &[PixelClass],
         usr: &[Option<f64>],
     ) -> Result<Vec<u8>, EncodingError> {
@@ -45,7 +46,7 @@ impl FrameReport {
         };
         let keys = COLOURS.into_iter().zip(LOST).zip(self.frame.lost.counts());
         let map = FalseColourMap {
-            pixels: self.frame.pixels,
+            pixels,
             colours: classes.iter().zip(usr).map(colour).collect(),
             title: "solid angle of a pixel, usr".into(),
             ramp: grey,

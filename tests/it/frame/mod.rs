@@ -4,3 +4,4 @@
 mod blur;
 mod fill;
 mod solid_angle;
+mod strips;

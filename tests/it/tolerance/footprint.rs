@@ -1,7 +1,7 @@
 //! What pixels see of textures and of facets: means over footprints, against many rays each.
 
 use super::{engine, fixed, spec};
-use crate::support::{designed, profile, shipped};
+use crate::support::{designed, profile, share, shipped};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, Precision, Ray};
 use morion::internals::mesh::{Limits, mesh};
@@ -148,7 +148,7 @@ fn facets_finer_than_pixels_average_out() {
     let designs =
         [designed(&shipped("conquistador")), designed(&shipped("parabolic")), designed(&webcam())];
     for design in &designs {
-        for limit in [0.5, 1.0, 2.0, 4.0] {
+        for limit in share(2, 1, [0.5, 1.0, 2.0, 4.0]) {
             let [mean, points, density] = by_facets(design, limit);
             assert!((points / limit - 0.5).abs() < 0.12, "{limit}: {points}");
             assert!((facets_bound(density) / limit - 1.0).abs() < 0.25, "{limit}: {density}");

@@ -1,0 +1,97 @@
+//! A frame is traced strip by strip, and no answer shows where the strips end.
+
+use crate::support::{designed, meshed, shipped_but};
+use morion::internals::design::Design;
+use morion::internals::geom::{DVec2, Precision};
+use morion::internals::optics::reflect;
+use morion::internals::solid::Solid;
+use morion::internals::trace::{
+    CameraTrace, Coverage, CoverageBuilder, ExpectedRay, FrameFill, FrameFillBuilder, PixelClass,
+    PixelTrace, Scene, TraceCounts, TraceStrip, TraceSummary, classify_pixels,
+};
+
+/// A tolerance under which some pixels are lost by their content.
+const TOLERANCE_PX: f64 = 2.0;
+
+/// The part of a profile, and its design with a camera of so many pixels.
+fn part(name: &str, facet_px: &str, pixels: [u32; 2]) -> (Design, Scene) {
+    let edits = [("facet_px = 1", facet_px), ("pixels = [640, 480]", "pixels = [160, 120]")];
+    let profile = shipped_but(name, &edits);
+    let mut design = designed(&profile);
+    let face = meshed(&profile, &design).unwrap();
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single).unwrap();
+    design.camera.pixel_mm *= 160.0 / f64::from(pixels[0]);
+    design.camera.pixels = pixels;
+    (design, Scene::new(solid.mesh().clone()))
+}
+
+/// The expected rays of a row of the sensor.
+fn expected(design: &Design, row: u32) -> Vec<ExpectedRay> {
+    let (camera, view) = (&design.camera, design.view.as_ref().unwrap());
+    let outline = design.mirror.full_outline();
+    let ray = |column: u32| {
+        let point: DVec2 = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let mirror = design.mirror.row(point.y).at(point.x);
+        let normal = design.mirror.normal(point, &mirror);
+        let at = design.mirror.position(point, &mirror);
+        let arriving = camera.ray(point, 0.0).direction;
+        ExpectedRay {
+            aimed: outline.contains(point),
+            direction: view.direction_of(point, at),
+            designed: view.image_of(at, reflect(arriving, normal), point),
+        }
+    };
+    (0..camera.pixels[0]).map(ray).collect()
+}
+
+/// All that is found of a frame.
+type Found = (Vec<PixelTrace>, Vec<PixelClass>, TraceCounts, FrameFill, Coverage, String);
+
+fn found(design: &Design, scene: &Scene, strip_pixels: usize) -> (Found, usize) {
+    let (camera, view) = (&design.camera, design.view.as_ref().unwrap());
+    let trace = CameraTrace::new(scene, camera, scene.above_mm()).in_strips_of(strip_pixels);
+    let (mut pixels, mut classes, mut strips) = (Vec::new(), Vec::new(), 0);
+    let (mut summary, mut fill) = (TraceSummary::default(), FrameFillBuilder::default());
+    let mut coverage = CoverageBuilder::new(camera, view);
+    let table = |row| expected(design, row);
+    let counts = TraceStrip::each(&trace, None, Some(view), table, |strip| {
+        let of_strip = classify_pixels(strip, camera.pixel_mm, TOLERANCE_PX, view.fold.is_some());
+        summary.add(strip);
+        fill.add(&strip.traced, &of_strip);
+        coverage.add(strip, &of_strip);
+        pixels.extend_from_slice(&strip.traced.pixels);
+        classes.extend(of_strip);
+        strips += 1;
+    });
+    let fill = fill.finish(camera.pixels, TOLERANCE_PX);
+    let coverage = coverage.finish(design.mirror.outline.bounds().size().x);
+    let errors = format!("{:?}", summary.errors());
+    ((pixels, classes, counts, fill, coverage, errors), strips)
+}
+
+#[test]
+fn no_answer_depends_on_the_strips() {
+    let mut lost = 0;
+    for (name, facet_px, pixels) in [
+        // Facets of many pixels, and of few.
+        ("conquistador", "facet_px = 30", [200, 150]),
+        ("conquistador", "facet_px = 1", [161, 203]),
+        ("panoramic", "facet_px = 5", [97, 331]),
+    ] {
+        let (design, scene) = part(name, facet_px, pixels);
+        let (whole, strips) = found(&design, &scene, usize::MAX);
+        assert_eq!(strips, 1);
+        let (parts, strips) = found(&design, &scene, 1);
+        assert!(strips >= 3, "{name}: {strips}");
+        // (All but how squares of pixels at the strips' ends were proven.)
+        assert!(whole.0 == parts.0, "{name}: rays");
+        assert_eq!(whole.1, parts.1, "{name}: classes");
+        assert_eq!(whole.2, parts.2, "{name}: counts");
+        assert_eq!(whole.3, parts.3, "{name}: fill");
+        assert_eq!(whole.4, parts.4, "{name}: coverage");
+        assert_eq!(whole.5, parts.5, "{name}: errors");
+        assert!(whole.1.contains(&PixelClass::Filled), "{name}");
+        lost += whole.3.lost.rim + whole.3.lost.content;
+    }
+    assert!(lost > 0);
+}
