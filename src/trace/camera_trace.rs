@@ -131,12 +131,9 @@ impl<'a> CameraTrace<'a> {
     #[must_use]
     pub fn strips(&self) -> Vec<Range<usize>> {
         let [columns, rows] = self.pixels().map(|n| n as usize);
-        if columns * rows <= self.strip_pixels {
-            return vec![0..rows];
-        }
         let bands = (self.strip_pixels / (columns * BAND_ROWS)).max(Self::LEAST_BANDS);
-        let step = bands * BAND_ROWS;
-        (0..rows).step_by(step).map(|first| first..(first + step).min(rows)).collect()
+        let step = if columns * rows <= self.strip_pixels { rows } else { bands * BAND_ROWS };
+        (0..rows).step_by(step.max(1)).map(|first| first..(first + step).min(rows)).collect()
     }
 
     /// Most pixels of a strip: what is kept of them takes some 100 MB.

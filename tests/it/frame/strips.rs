@@ -83,7 +83,6 @@ fn no_answer_depends_on_the_strips() {
         assert_eq!(strips, 1);
         let (parts, strips) = found(&design, &scene, 1);
         assert!(strips >= 3, "{name}: {strips}");
-        // (All but how squares of pixels at the strips' ends were proven.)
         assert!(whole.0 == parts.0, "{name}: rays");
         assert_eq!(whole.1, parts.1, "{name}: classes");
         assert_eq!(whole.2, parts.2, "{name}: counts");
