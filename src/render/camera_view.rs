@@ -125,14 +125,7 @@ impl<'a> CameraPicture<'a> {
         done: impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<u64, E> {
         let [width, height] = self.camera.pixels;
-        // Without a projection: as if the width showed half a turn.
-        let half_turn = std::f64::consts::PI / (self.camera.pixel_mm * f64::from(width));
-        let scale =
-            self.design.view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
-        let pixel_rad = self.camera.pixel_mm * scale;
-        let samples_per_side = self.samples_per_side;
-        let grid = SampleGrid { width, height, samples_per_side, pixel_rad };
-        let painter = StripPainter::new(grid, world);
+        let painter = StripPainter::new(self.grid(), world);
         let all = height as usize;
         let sensor = |[x, y]: [f64; 2]| match self.turned {
             true => [f64::from(width) - x, f64::from(height) - y],
@@ -180,6 +173,17 @@ impl<'a> CameraPicture<'a> {
             }
         };
         painter.paint(strips, centres, see, done)
+    }
+
+    /// Its pixels and samples.
+    fn grid(&self) -> SampleGrid {
+        let Camera { pixels: [width, height], pixel_mm, .. } = self.camera;
+        // Without a projection: as if the width showed half a turn.
+        let half_turn = std::f64::consts::PI / (pixel_mm * f64::from(width));
+        let scale =
+            self.design.view.as_ref().map_or(half_turn, |view| view.projection.radians_per_mm());
+        let samples_per_side = self.samples_per_side;
+        SampleGrid { width, height, samples_per_side, pixel_rad: pixel_mm * scale }
     }
 
     /// The rays of the pixels' centres of some rows, by a mesh.

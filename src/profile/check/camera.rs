@@ -15,10 +15,32 @@ const MOST_PIXELS: f64 = 4e8;
 
 /// A camera, and where its table stands.
 pub(super) struct CameraEntry {
-    pub(super) name: &'static str,
+    pub(super) name: CameraName,
     pub(super) at: usize,
     pub(super) camera: Option<CameraModel>,
     pub(super) lens: LensSpec,
+}
+
+/// Which camera it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CameraName {
+    Orthographic,
+    Pinhole,
+}
+
+impl CameraName {
+    /// The camera of a table's name: one that the schema has.
+    fn find(name: &str) -> Self {
+        if name == "pinhole" { Self::Pinhole } else { Self::Orthographic }
+    }
+
+    /// Its table.
+    pub(super) fn table(self) -> &'static str {
+        match self {
+            Self::Orthographic => "camera.orthographic",
+            Self::Pinhole => "camera.pinhole",
+        }
+    }
 }
 
 pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<CameraEntry> {
@@ -29,9 +51,10 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<CameraE
         .map(|(name, section)| {
             let pixels = pixels(reader, &section);
             let wavelength_nm = wavelength(reader, &section);
+            let name = CameraName::find(name);
             let (camera, (aperture, focal_mm)) = match name {
-                "pinhole" => pinhole(reader, &section, pixels),
-                _ => {
+                CameraName::Pinhole => pinhole(reader, &section, pixels),
+                CameraName::Orthographic => {
                     let camera = pixels.map(|pixels| CameraModel::Orthographic { pixels });
                     (camera, (na(reader, &section), None))
                 }

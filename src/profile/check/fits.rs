@@ -3,6 +3,8 @@
 use super::super::reader::ProfileReader;
 use super::super::words::list;
 use super::super::{StripLawSpec, schema};
+use super::camera::CameraName;
+use super::layout::LayoutName;
 use super::projection::{INNER_POLAR, ProjectionKeys};
 use super::{Entries, layout, projection};
 use crate::optics::{CameraModel, RadialLawKind};
@@ -40,23 +42,25 @@ fn camera_suits(
     let ProjectionKeys::Radial { law, .. } = &projection.keys else { return };
     let (needed, hint) = match law {
         RadialLawKind::Parabolic => (
-            "orthographic",
+            CameraName::Orthographic,
             "a paraboloid gathers parallel rays; for a pinhole use [projection.hyperbolic]",
         ),
         RadialLawKind::Hyperbolic => (
-            "pinhole",
+            CameraName::Pinhole,
             "a hyperboloid has a pinhole at its focus; for parallel rays use \
              [projection.parabolic]",
         ),
         RadialLawKind::Conical => {
-            ("pinhole", "under parallel rays a cone sees one polar angle only")
+            (CameraName::Pinhole, "under parallel rays a cone sees one polar angle only")
         }
         _ => return,
     };
     if camera.name != needed {
         let message = format!(
-            "camera must be [camera.{needed}] with [{}], found [camera.{}]",
-            projection.section.path, camera.name
+            "camera must be [{}] with [{}], found [{}]",
+            needed.table(),
+            projection.section.path,
+            camera.name.table()
         );
         reader.complain(camera.at, message, hint);
     }
@@ -65,7 +69,7 @@ fn camera_suits(
 /// The law `best` comes of a design.
 fn not_best(reader: &mut ProfileReader, parts: &Entries, projection: &projection::ProjectionEntry) {
     let Some(shape) = &parts.shape else { return };
-    if projection.name == "best" && shape.path.starts_with("mirror") {
+    if projection.is_best() && shape.is_given {
         let message = format!(
             "projection must be a law of known height with [{}], found [projection.best]",
             shape.path
@@ -83,21 +87,23 @@ fn layout_suits(
     layout: &layout::LayoutEntry,
 ) -> bool {
     let path = &projection.section.path;
-    let given = parts.shape.as_ref().filter(|shape| shape.path.starts_with("mirror"));
+    let given = parts.shape.as_ref().filter(|shape| shape.is_given);
     let (needed, hint) = match &projection.keys {
-        ProjectionKeys::Radial { law, .. } if law.needs_annulus() => {
-            (&["annulus"][..], "the mirror of this law is not smooth at the centre".to_owned())
-        }
-        ProjectionKeys::Radial { .. } => {
-            (&["disc", "annulus"][..], format!("laws for a strip are {}", laws(false)))
-        }
+        ProjectionKeys::Radial { law, .. } if law.needs_annulus() => (
+            &[LayoutName::Annulus][..],
+            "the mirror of this law is not smooth at the centre".to_owned(),
+        ),
+        ProjectionKeys::Radial { .. } => (
+            &[LayoutName::Disc, LayoutName::Annulus][..],
+            format!("laws for a strip are {}", laws(false)),
+        ),
         ProjectionKeys::Strip { .. } if given.is_some() => (
-            &["strip"][..],
+            &[LayoutName::Strip][..],
             "a conquistador is folded out of a designed panel; laws for a disc are radial"
                 .to_owned(),
         ),
         ProjectionKeys::Strip { .. } => (
-            &["strip", "conquistador"][..],
+            &[LayoutName::Strip, LayoutName::Conquistador][..],
             format!("laws for a disc or an annulus are {}", laws(true)),
         ),
     };
@@ -113,7 +119,7 @@ fn layout_suits(
         reader.complain(layout.at, message, &hint);
         return false;
     }
-    if let (ProjectionKeys::Strip { azimuth: Some(azimuth), .. }, "conquistador") =
+    if let (ProjectionKeys::Strip { azimuth: Some(azimuth), .. }, LayoutName::Conquistador) =
         (&projection.keys, layout.name)
         && azimuth.value != FULL_TURN
     {
@@ -146,7 +152,7 @@ fn polar_angles(
 ) {
     let ProjectionKeys::Radial { law, inner, outer } = &projection.keys else { return };
     let path = projection.section.path_of("inner_polar_deg");
-    if layout.name == "disc" {
+    if layout.name == LayoutName::Disc {
         if let Some(inner) = inner
             && inner.value != 0.0
         {
@@ -189,8 +195,7 @@ fn fill_frame(
     };
     let camera = parts.camera.as_ref().and_then(|camera| camera.camera);
     let (Some(at), Some(camera)) = (layout.fills, camera) else { return };
-    let panels = if layout.name == "conquistador" { 2.0 } else { 1.0 };
-    let needed = f64::from(camera.pixels()[1]) / panels;
+    let needed = f64::from(camera.pixels()[1]) / layout.panels();
     let high = match rows[..] {
         [[first, _], .., [last, _]] => last - first,
         _ => return,

@@ -5,10 +5,44 @@ use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, flag, number, word};
 use super::super::{Layout, PanelSource, Ridge};
 use super::{SIZE, is_size, only};
+use std::fmt;
+
+/// Which layout it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LayoutName {
+    Strip,
+    Conquistador,
+    Disc,
+    Annulus,
+}
+
+impl LayoutName {
+    /// The layout of a table's name: one that the schema has.
+    fn find(name: &str) -> Self {
+        match name {
+            "disc" => Self::Disc,
+            "annulus" => Self::Annulus,
+            "conquistador" => Self::Conquistador,
+            _ => Self::Strip,
+        }
+    }
+}
+
+impl fmt::Display for LayoutName {
+    /// The name of its table.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Strip => "strip",
+            Self::Conquistador => "conquistador",
+            Self::Disc => "disc",
+            Self::Annulus => "annulus",
+        })
+    }
+}
 
 /// A layout, and where its table and keys stand.
 pub(super) struct LayoutEntry {
-    pub(super) name: &'static str,
+    pub(super) name: LayoutName,
     pub(super) at: usize,
     pub(super) layout: Option<Layout>,
     /// Offset of `fill_frame = true`.
@@ -19,7 +53,12 @@ pub(super) struct LayoutEntry {
 
 impl LayoutEntry {
     pub(super) fn is_round(&self) -> bool {
-        matches!(self.name, "disc" | "annulus")
+        matches!(self.name, LayoutName::Disc | LayoutName::Annulus)
+    }
+
+    /// Panels one above the other.
+    pub(super) fn panels(&self) -> f64 {
+        if self.name == LayoutName::Conquistador { 2.0 } else { 1.0 }
     }
 }
 
@@ -29,27 +68,27 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<LayoutE
     let read = reader
         .alternatives(root, "layout", hint)
         .into_iter()
-        .map(|(name, section)| one(reader, name, &section))
+        .map(|(name, section)| one(reader, LayoutName::find(name), &section))
         .collect();
     only(read)
 }
 
-fn one(reader: &mut ProfileReader, name: &'static str, section: &Section) -> LayoutEntry {
+fn one(reader: &mut ProfileReader, name: LayoutName, section: &Section) -> LayoutEntry {
     let mut found = LayoutEntry { name, at: section.at, layout: None, fills: None, inner: None };
     match name {
-        "disc" => found.layout = Some(Layout::Disc),
-        "annulus" => {
+        LayoutName::Disc => found.layout = Some(Layout::Disc),
+        LayoutName::Annulus => {
             let hint = "the diameter of the flat land in the middle, as in inner_width_mm = 10";
             found.inner = number(reader, section, "inner_width_mm", Required, SIZE, hint, is_size);
             found.layout = found.inner.map(|inner| Layout::Annulus { inner_width_mm: inner.value });
         }
-        _ => {
+        LayoutName::Strip | LayoutName::Conquistador => {
             let fills = flag(reader, section, "fill_frame").filter(|fills| fills.value);
             found.fills = fills.map(|fills| fills.at);
             let fill_frame = fills.is_some();
             found.layout = Some(match name {
-                "strip" => Layout::Strip { fill_frame },
-                _ => conquistador(reader, section, fill_frame),
+                LayoutName::Conquistador => conquistador(reader, section, fill_frame),
+                _ => Layout::Strip { fill_frame },
             });
         }
     }

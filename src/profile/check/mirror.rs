@@ -16,6 +16,8 @@ const MOST_TERMS: usize = (MAX_DEGREE + 1) * (MAX_DEGREE + 2) / 2;
 pub(super) struct ShapeEntry {
     /// Its table.
     pub(super) path: String,
+    /// The mirror is given and not designed.
+    pub(super) is_given: bool,
     pub(super) conic: Option<Located<Conic>>,
     pub(super) shape: Option<ShapeSpec>,
 }
@@ -62,7 +64,8 @@ fn method(reader: &mut ProfileReader, name: &str, section: &Section) -> ShapeEnt
         _ => MethodKind::VectorField,
     };
     let method = degree.map(|degree| Method { kind, degree: degree.value as usize, minimax });
-    ShapeEntry { path: section.path.clone(), conic: None, shape: method.map(ShapeSpec::Designed) }
+    let shape = method.map(ShapeSpec::Designed);
+    ShapeEntry { path: section.path.clone(), is_given: false, conic: None, shape }
 }
 
 fn polynomial(reader: &mut ProfileReader, section: &Section) -> ShapeEntry {
@@ -90,7 +93,8 @@ fn polynomial(reader: &mut ProfileReader, section: &Section) -> ShapeEntry {
         Located { value: Conic { radius_mm: radius.value, conic: k }, at: radius.at }
     });
     let polynomial = Polynomial { conic: conic.map(|conic| conic.value), terms };
-    ShapeEntry { path: section.path.clone(), conic, shape: Some(ShapeSpec::Polynomial(polynomial)) }
+    let shape = Some(ShapeSpec::Polynomial(polynomial));
+    ShapeEntry { path: section.path.clone(), is_given: true, conic, shape }
 }
 
 fn terms(reader: &mut ProfileReader, section: &Section) -> Vec<Monomial> {
@@ -144,5 +148,5 @@ fn grid(reader: &mut ProfileReader, section: &Section) -> ShapeEntry {
             }
         }
     }
-    ShapeEntry { path: section.path.clone(), conic: None, shape }
+    ShapeEntry { path: section.path.clone(), is_given: true, conic: None, shape }
 }

@@ -10,11 +10,21 @@ use crate::optics::{RadialLawKind, Target};
 
 /// A projection's figures, each with its place.
 pub(super) struct ProjectionEntry<'t> {
-    pub(super) name: &'static str,
     pub(super) section: Section<'t>,
     pub(super) keys: ProjectionKeys,
     pub(super) radius: Option<Located<f64>>,
     pub(super) plane: Option<Located<f64>>,
+}
+
+impl ProjectionEntry<'_> {
+    /// Whether its law comes of a design.
+    pub(super) fn is_best(&self) -> bool {
+        let law = match &self.keys {
+            ProjectionKeys::Strip { law, .. } => law.as_ref(),
+            ProjectionKeys::Radial { .. } => None,
+        };
+        law == Some(&StripLawSpec::LeastCurl)
+    }
 }
 
 /// The keys that differ between strip laws and radial laws.
@@ -86,7 +96,7 @@ fn one<'t>(
         let hint = "target_radius_mm is a cylinder, target_plane_mm a plane; remove one of them";
         reader.complain(radius.at.max(plane.at), message, hint);
     }
-    ProjectionEntry { name, section, keys, radius, plane }
+    ProjectionEntry { section, keys, radius, plane }
 }
 
 fn azimuth(reader: &mut ProfileReader, section: &Section) -> Option<Located<[f64; 2]>> {

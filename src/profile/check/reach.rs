@@ -2,6 +2,7 @@
 
 use super::super::StripLawSpec;
 use super::super::reader::ProfileReader;
+use super::camera::CameraName;
 use super::projection::ProjectionKeys;
 use super::{Entries, layout};
 use crate::geom::{DVec2, Outline, Rect};
@@ -34,8 +35,8 @@ fn farthest(parts: &Entries) -> Option<f64> {
 
 /// The mirror's outline over X and Y, where that is known before it is designed.
 pub(super) fn known_outline(parts: &Entries) -> Option<Outline> {
-    let given = parts.shape.as_ref()?.path.starts_with("mirror");
-    let parallel = parts.camera.as_ref()?.name == "orthographic";
+    let given = parts.shape.as_ref()?.is_given;
+    let parallel = parts.camera.as_ref()?.name == CameraName::Orthographic;
     let round = parts.layout.as_ref().is_some_and(layout::LayoutEntry::is_round);
     if given || parallel || round { outline(parts) } else { None }
 }
@@ -68,7 +69,7 @@ fn strip_height(parts: &Entries, width: f64) -> Option<f64> {
         return None;
     };
     // A conquistador has two panels, each half a turn wide.
-    let panels = if layout.name == "conquistador" { 2.0 } else { 1.0 };
+    let panels = layout.panels();
     let azimuth = azimuth.as_ref()?.value;
     let z = match law.as_ref()? {
         StripLawSpec::Named(law) => {

@@ -2,6 +2,7 @@
 
 use super::super::reader::ProfileReader;
 use super::super::values::Located;
+use super::layout::LayoutName;
 use super::projection::{ProjectionEntry, ProjectionKeys};
 use super::{Entries, layout};
 use crate::num::{degrees, radians};
@@ -47,12 +48,12 @@ fn cylinder(
     let ProjectionKeys::Radial { law, inner, .. } = &projection.keys else { return };
     let on = |name| parts.layout.as_ref().is_some_and(|layout| layout.name == name);
     let hint = "what lies along the axis never meets a cylinder about it";
-    if on("disc") && !law.needs_annulus() {
+    if on(LayoutName::Disc) && !law.needs_annulus() {
         let message = format!("{path} must be left out with [layout.disc], found {}", radius.value);
         reader.complain(radius.at, message, &format!("{hint}; [layout.annulus] leaves it out"));
     }
     if let Some(inner) = inner
-        && on("annulus")
+        && on(LayoutName::Annulus)
         && inner.value == 0.0
     {
         let path = projection.section.path_of("inner_polar_deg");
@@ -115,7 +116,9 @@ fn polar_angles_meet(
         return reader.complain(plane.at, message, hint);
     }
     // A disc that this law cannot have is complained of already.
-    if parts.layout.as_ref().is_some_and(|layout| layout.name == "disc") && !law.needs_annulus() {
+    if parts.layout.as_ref().is_some_and(|layout| layout.name == LayoutName::Disc)
+        && !law.needs_annulus()
+    {
         let key = path("target_plane_mm");
         let message = format!("{key} must be more than 0 with [layout.disc], found {height}");
         let hint = "a disc looks back along the axis at its centre; use [layout.annulus] for a \
