@@ -71,9 +71,7 @@ impl Design {
     /// The same mirror under a camera with so many columns and rows, in as wide a frame.
     #[must_use]
     pub fn with_pixels(&self, pixels: [u32; 2]) -> Self {
-        let Camera { pixels: [columns, _], pixel_mm, .. } = self.camera;
-        let pixel_mm = pixel_mm * f64::from(columns) / f64::from(pixels[0]);
-        Self { camera: Camera { pixels, pixel_mm, ..self.camera }, ..self.clone() }
+        Self { camera: self.camera.with_pixels(pixels), ..self.clone() }
     }
 
     /// Number of holes through the part.

@@ -64,6 +64,13 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// The same camera with so many columns and rows in as wide a frame.
+    #[must_use]
+    pub fn with_pixels(self, pixels: [u32; 2]) -> Self {
+        let scale = f64::from(self.pixels[0]) / f64::from(pixels[0]);
+        Self { pixels, pixel_mm: self.pixel_mm * scale, ..self }
+    }
+
     /// Camera of a model over a mirror `width_mm` wide, its reference plane at Z = 0.
     #[must_use]
     pub fn new(model: &CameraModel, width_mm: f64) -> Self {

@@ -84,8 +84,7 @@ impl<'a> CameraPicture<'a> {
         if width > columns {
             let scale = f64::from(width) / f64::from(columns);
             let rows = ((f64::from(height) / scale).round() as u32).max(1);
-            let pixel_mm = self.camera.pixel_mm * scale;
-            self.camera = Camera { pixels: [columns, rows], pixel_mm, ..self.camera };
+            self.camera = self.camera.with_pixels([columns, rows]);
         }
         self
     }

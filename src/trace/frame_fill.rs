@@ -135,17 +135,17 @@ pub fn classify_pixels(
 pub struct FrameFillBuilder {
     filled: usize,
     /// Least and greatest azimuth, radians.
-    azimuth: AngleRange,
+    azimuth: ValueRange,
     /// Least and greatest Z of the directions seen.
-    rise: AngleRange,
+    rise: ValueRange,
     lost: [usize; 7],
 }
 
 /// Least and greatest of some values.
 #[derive(Debug, Clone, Copy, Default)]
-struct AngleRange(Option<[f64; 2]>);
+struct ValueRange(Option<[f64; 2]>);
 
-impl AngleRange {
+impl ValueRange {
     fn add(&mut self, value: f64) {
         let [lo, hi] = self.0.unwrap_or([value; 2]);
         self.0 = Some([lo.min(value), hi.max(value)]);
