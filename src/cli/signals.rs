@@ -5,6 +5,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
 use std::process::exit;
 use std::sync::Arc;
+use std::sync::mpsc::channel;
 use std::thread::Builder;
 
 /// Where Linux tells which signals this process was started to ignore.
@@ -19,14 +20,20 @@ pub(super) fn watch() {
         [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !is_in(ignored, *signal)).collect();
     // A file over the shell's limit (ulimit -f) is then an error of writing it.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
+    let (watches, watched) = channel();
     let wait = move || {
         let Ok(mut signals) = Signals::new(ends) else { return };
+        let _ = watches.send(());
         if let Some(signal) = signals.forever().next() {
             abandon();
             exit(128 + signal);
         }
     };
-    let _ = Builder::new().name("signals".to_owned()).spawn(wait);
+    // Nothing is written before signals are waited for, however late the thread gets a core. Where there
+    // is no thread, the channel is closed.
+    if Builder::new().name("signals".to_owned()).spawn(wait).is_ok() {
+        let _ = watched.recv();
+    }
 }
 
 /// The signals that are ignored, one bit each.
