@@ -110,8 +110,10 @@ pub use pipeline::{
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::Answer;
 pub use results::{
-    BlurReport, BuildForecast, BuildReport, FrameReport, MachiningReport, Reason, ReasonKind,
-    RenderReport, ReplayReport, ToleranceReport, UnwrapReport, Verdict, VerifyReport,
+    BlurReport, BuildForecast, BuildReport, CuttingFault, FileFault, FrameReport, LeastFilled,
+    MachiningReport, Obstacle, PictureFault, PixelErrorFigure, RayFault, Reason, ReasonKind,
+    Refusal, RenderReport, ReplayFault, ReplayReport, ShapeFault, StudyFault, ToleranceReport,
+    UnwrapReport, Verdict, VerifyReport,
 };
 pub use solid::{Solid, SolidError};
 

@@ -10,7 +10,7 @@ use crate::mesh::{
 };
 use crate::num::units::{Mm, Px, Um};
 use crate::profile::{MeshFormat, MeshGoal, Profile};
-use crate::results::{Reason, ReasonKind};
+use crate::results::{Obstacle, Refusal};
 use crate::solid::{added, rim};
 use thiserror::Error;
 
@@ -120,35 +120,6 @@ impl ClosureCount for ClosingCount<'_> {
     }
 }
 
-/// Why files of a mesh are not written although they are asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Refusal {
-    kind: ReasonKind,
-    /// The files; none where it is a mesh for the rays alone.
-    files: Vec<&'static str>,
-    why: String,
-}
-
-impl Refusal {
-    /// As a build says it.
-    pub(crate) fn made(&self) -> Reason {
-        let was = if self.files.len() == 1 { "was" } else { "were" };
-        Reason::new(self.kind, self.said(was, "not"))
-    }
-
-    /// As a forecast says it.
-    pub(crate) fn foreseen(&self) -> String {
-        self.said("would", "not be")
-    }
-
-    fn said(&self, verb: &str, not: &str) -> String {
-        match &self.files[..] {
-            [] => format!("no mesh could be made to trace: {}", self.why),
-            files => format!("{} {verb} {not} written: {}", files.join(" and "), self.why),
-        }
-    }
-}
-
 /// What becomes of a refused mesh: where the designed mirror is asked for the build goes on without one,
 /// for this reason; or else it ends with the error.
 ///
@@ -160,7 +131,7 @@ pub(crate) fn left_out(profile: &Profile, error: FaceError) -> Result<Refusal, F
         return Err(error);
     }
     let files = meshes(profile).map(MeshFormat::file_name).collect();
-    Ok(Refusal { kind: ReasonKind::NoMesh, files, why: source.to_string() })
+    Ok(Refusal { obstacle: Obstacle::NoMesh, files, why: source.to_string() })
 }
 
 /// Makes what single precision needs if there is to be a file in it; where that is what fails, what
@@ -191,13 +162,12 @@ fn at_precision<T>(
     };
     let Some(why) = beyond_single(profile, design, &error) else { return Err(error.into()) };
     let files = single.into_iter().map(MeshFormat::file_name).collect();
-    let refused = Refusal { kind: ReasonKind::SinglePrecision, files, why };
+    let refused = Refusal { obstacle: Obstacle::SinglePrecision, files, why };
     if others.is_empty() && cad(profile).next().is_some() {
         others.push(TRACED);
     }
     if others.is_empty() {
-        let reason = refused.made().into();
-        return Err(FaceError::Single(reason));
+        return Err(FaceError::Single(refused.to_string()));
     }
     in_double(others, Some(refused))
 }
@@ -260,7 +230,7 @@ mod tests {
         let said = |reached: &[(&str, f64)]| {
             let why = reaches(reached, DVec2::new(58.34694, -0.4649));
             let files = vec!["mirror.stl", "mirror.3mf"];
-            Refusal { kind: ReasonKind::SinglePrecision, files, why }.made().to_string()
+            Refusal { obstacle: Obstacle::SinglePrecision, files, why }.to_string()
         };
         assert_eq!(
             said(&[("facet_px", f64::INFINITY)]),

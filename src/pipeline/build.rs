@@ -11,13 +11,13 @@ use crate::design::Design;
 use crate::export::Label;
 use crate::geom::Precision;
 use crate::mirror::{Form, Surface};
-use crate::part::{Refusal, SizeWarnings, left_out};
+use crate::part::{SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
 use crate::render::{
     CameraPicture, CameraView, Distance, TestWorld, TracedMesh, reflected_centres,
 };
-use crate::results::{BuildReport, Reason, SCHEMA, SharpnessFacts, StepFacts};
+use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts, StepFacts};
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
 
@@ -240,11 +240,11 @@ fn report(
         Ok(meshes) => meshes.refused.as_ref(),
         Err(refused) => Some(refused),
     };
-    let mut reasons: Vec<Reason> = refused.map(Refusal::made).into_iter().collect();
+    let mut reasons: Vec<Reason> = refused.cloned().map(Reason::from).into_iter().collect();
     reasons.extend(findings.reasons);
     let (mut files, mut sag) = (findings.files, None);
-    for CadCheck { file, reasons: faults, sag: found } in checked.cad {
-        reasons.extend(faults.into_iter().map(|reason| reason.of_file(&file.name)));
+    for CadCheck { file, faults, sag: found } in checked.cad {
+        reasons.extend(faults.into_iter().map(|fault| Reason::from(fault).of_file(&file.name)));
         files.push(file);
         sag = sag.or(found);
     }

@@ -11,8 +11,7 @@ use crate::mirror::{Departure, Form};
 use crate::part::cad;
 use crate::profile::{self, CadFormat, Profile};
 use crate::publish::sha256;
-use crate::results::{FileFacts, Reason, ReasonKind, SagFacts, StepFacts};
-use crate::verdict;
+use crate::results::{FileFacts, FileFault, SagFacts, StepFacts};
 use std::io::{self, Write};
 
 /// A file of the mirror as designed.
@@ -30,7 +29,7 @@ pub(super) trait CadExport {
     fn bytes(&self, label: &Label) -> u64;
 
     /// What the design has against its bytes, and a sag table's figures.
-    fn faults(&self, bytes: &[u8], label: &Label) -> (Vec<Reason>, Option<SagFacts>);
+    fn faults(&self, bytes: &[u8], label: &Label) -> (Vec<FileFault>, Option<SagFacts>);
 
     /// Figures of the splines.
     fn step_facts(&self) -> Option<StepFacts> {
@@ -74,7 +73,7 @@ pub(super) struct CadCheck {
     /// The file.
     pub file: FileFacts,
     /// What is wrong with it, each without the file's name.
-    pub reasons: Vec<Reason>,
+    pub faults: Vec<FileFault>,
     /// The sag table's figures, if it is one that can be read.
     pub sag: Option<SagFacts>,
 }
@@ -95,13 +94,13 @@ pub(super) fn check_export(
             bytes: bytes.len() as u64,
             sha256: sha256(bytes),
         };
-        let (mut reasons, sag) = export.faults(bytes, label);
+        let (mut faults, sag) = export.faults(bytes, label);
         if file.sha256 != written_sha256 {
-            reasons.insert(0, verdict::altered());
+            faults.insert(0, FileFault::Altered);
         }
         let note = format!("{}: as designed", file.name);
-        let note = reasons.first().map_or(note, ToString::to_string);
-        (CadCheck { file, reasons, sag }, note)
+        let note = faults.first().map_or(note, ToString::to_string);
+        (CadCheck { file, faults, sag }, note)
     })
 }
 
@@ -125,12 +124,11 @@ impl CadExport for StepExport<'_> {
     }
 
     /// Nobody here reads STEP: the bytes must be those that the splines give.
-    fn faults(&self, bytes: &[u8], label: &Label) -> (Vec<Reason>, Option<SagFacts>) {
+    fn faults(&self, bytes: &[u8], label: &Label) -> (Vec<FileFault>, Option<SagFacts>) {
         let mut again = Vec::with_capacity(bytes.len());
         let written = self.write(&mut again, label);
         let same = written.is_ok() && again == bytes;
-        let off = || Reason::new(ReasonKind::OffDesign, "it is not what the design gives");
-        (if same { Vec::new() } else { vec![off()] }, None)
+        (if same { Vec::new() } else { vec![FileFault::OffDesign] }, None)
     }
 
     fn step_facts(&self) -> Option<StepFacts> {
@@ -162,40 +160,26 @@ impl CadExport for SagExport<'_> {
         sag_bytes(&self.design.mirror, &self.path, label, &self.notes())
     }
 
-    fn faults(&self, bytes: &[u8], _label: &Label) -> (Vec<Reason>, Option<SagFacts>) {
+    fn faults(&self, bytes: &[u8], _label: &Label) -> (Vec<FileFault>, Option<SagFacts>) {
         let rows = match read_sag(bytes) {
             Ok(rows) => rows,
-            Err(error) => {
-                return (vec![Reason::new(ReasonKind::Unreadable, error.to_string())], None);
-            }
+            Err(error) => return (vec![FileFault::Unreadable(error.to_string())], None),
         };
         let off = compare_sag(&rows, &self.design.mirror);
-        let mut reasons = Vec::new();
+        let (off_mm, off_rad) = (off.height_mm, off.normal_rad);
+        let mut faults = Vec::new();
         if rows.is_empty() {
-            let remedy = "take a smaller pitch_mm and step_mm";
-            let sentence = format!("it holds no rows, all beside the mirror; {remedy}");
-            reasons.push(Reason::new(ReasonKind::EmptyTable, sentence));
+            faults.push(FileFault::EmptyTable);
         }
-        if !(off.height_mm <= LAST_DIGIT) {
-            let sentence = format!(
-                "a height is {:.3e} mm off the design, over {LAST_DIGIT:e} mm",
-                off.height_mm
-            );
-            reasons.push(Reason::new(ReasonKind::OffDesign, sentence));
+        if !(off_mm <= LAST_DIGIT) {
+            faults.push(FileFault::HeightError { off_mm, limit_mm: LAST_DIGIT });
         }
-        if !(off.normal_rad <= LAST_DIGIT) {
-            let sentence = format!(
-                "a normal is {:.3e} rad off the design, over {LAST_DIGIT:e} rad",
-                off.normal_rad
-            );
-            reasons.push(Reason::new(ReasonKind::OffDesign, sentence));
+        if !(off_rad <= LAST_DIGIT) {
+            faults.push(FileFault::NormalError { off_rad, limit_rad: LAST_DIGIT });
         }
-        let facts = SagFacts {
-            rows: rows.len(),
-            height_error_mm: off.height_mm,
-            normal_error_rad: off.normal_rad,
-        };
-        (reasons, Some(facts))
+        let facts =
+            SagFacts { rows: rows.len(), height_error_mm: off_mm, normal_error_rad: off_rad };
+        (faults, Some(facts))
     }
 }
 

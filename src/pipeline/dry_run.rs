@@ -10,9 +10,9 @@ use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::num::units::{Mm, Um};
-use crate::part::{self, AtPrecision, MeshCodec, Refusal, SizeWarnings, added_to, codec, left_out};
+use crate::part::{self, AtPrecision, MeshCodec, SizeWarnings, added_to, codec, left_out};
 use crate::profile::{MeshFormat, Profile};
-use crate::results::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
+use crate::results::{BuildForecast, FileForecast, ForecastLimit, MeshForecast, Refusal};
 use crate::solid::Solid;
 
 /// Foresees what `build` would make of the profile of `source`. Touches no file.

@@ -10,9 +10,9 @@ use crate::parallel;
 use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
 use crate::report::Answer;
-use crate::results::{FrameReport, PixelSolidAngle, RoundMirror};
-use crate::trace::{CoverageBuilder, FrameFill, MinMeanMax, PixelClass};
-use crate::verdict::{self, tolerance_px};
+use crate::results::{FrameReport, LeastFilled, PixelSolidAngle, Reason, RoundMirror};
+use crate::trace::{CoverageBuilder, MinMeanMax, PixelClass};
+use crate::verdict;
 use std::ops::Range;
 
 /// How the frame's filling is checked: designs, meshes, closes, writes in memory, reads back and traces the
@@ -55,7 +55,10 @@ impl Command for FrameOptions {
             let note = format!("{:.3} deg around", coverage.azimuth_deg);
             (coverage, note)
         });
-        let reasons: Vec<String> = unfilled(profile, &frame, min).into_iter().collect();
+        let unfilled = verdict::unfilled(&frame, LeastFilled::Asked(min));
+        let way_out = || verdict::filling(profile);
+        let reason = unfilled.map(|fault| Reason { way_out: way_out(), ..fault.into() });
+        let reasons = Vec::from_iter(reason);
         let report = FrameReport {
             schema: 1,
             profile: profile.into(),
@@ -80,20 +83,6 @@ impl Command for FrameOptions {
 
 fn no_projection(profile: &Profile) -> Error {
     Error::NoProjection { work: "check the frame of", profile: profile.name.clone() }
-}
-
-/// That fewer pixels than `min` are filled.
-fn unfilled(profile: &Profile, frame: &FrameFill, min: f64) -> Option<String> {
-    let way = || verdict::filling(profile).map_or(String::new(), |way| format!("; {way}"));
-    (!(frame.filled >= min)).then(|| {
-        format!(
-            "{:.3} % of the frame see their part of the world within {} px, under the {:.3} % asked for{}",
-            100.0 * frame.filled,
-            tolerance_px(profile),
-            100.0 * min,
-            way()
-        )
-    })
 }
 
 /// Solid angle of every pixel in these columns and rows of the sensor, usr.

@@ -18,7 +18,7 @@ use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::publish::sha256;
 use crate::report::{Answer, gouge_picture};
-use crate::results::{AsCutFacts, FileFacts, MachiningReport};
+use crate::results::{AsCutFacts, FileFacts, MachiningReport, RayFault, Reason, ShapeFault};
 use crate::solid::Solid;
 use crate::verdict::{self, CutterSurvey, FileCheck, MachiningOptions};
 
@@ -129,7 +129,7 @@ fn cut_face(
     survey: &CutterSurvey,
 ) -> Result<Result<Option<TriMesh>, String>, Error> {
     if let Some(reason) = &survey.hollow {
-        return Ok(Err(reason.clone()));
+        return Ok(Err(reason.to_string()));
     }
     run.stage(Stage::Mesh, || match as_cut(&design.mirror, &survey.analysis, &survey.raster) {
         Ok(mesh) => {
@@ -219,19 +219,15 @@ fn close(profile: &Profile, design: &Design, mesh: TriMesh) -> Result<(Solid, St
     Ok((solid, note))
 }
 
-/// What the witness has against the as-cut part.
-fn witnessed(check: &FileCheck) -> Vec<String> {
-    let mut reasons = Vec::new();
-    if check.altered {
-        reasons.push(verdict::ALTERED.to_owned());
-    }
-    reasons.extend(check.unreadable.as_ref().map(ToString::to_string));
+/// What the witness has against the as-cut part, whose shadows and picture are the cutter's survey's.
+fn witnessed(check: &FileCheck) -> Vec<Reason> {
+    let mut reasons: Vec<Reason> = verdict::bytes(check).map(Reason::from).collect();
     if let Some(trace) = &check.trace {
-        reasons.extend(trace.solid.reasons.iter().cloned());
-        let ends = [(trace.missed, "miss the part"), (trace.back_face, "meet the back of a facet")];
-        for (count, what) in ends.into_iter().filter(|(count, _)| *count > 0) {
-            reasons.push(format!("{count} of {} rays aimed at the mirror {what}", trace.rays));
-        }
+        let defects = trace.solid.reasons.iter().cloned();
+        reasons.extend(defects.map(|defect| ShapeFault::NotSolid(defect).into()));
+        let counts =
+            |fault: &RayFault| matches!(fault, RayFault::Missed { .. } | RayFault::BackFace { .. });
+        reasons.extend(verdict::rays(trace, check.by_rim).filter(counts).map(Reason::from));
     }
-    reasons.into_iter().map(|reason| format!("{FILE}: {reason}")).collect()
+    reasons.into_iter().map(|reason| reason.of_file(FILE)).collect()
 }

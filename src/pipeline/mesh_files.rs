@@ -7,9 +7,9 @@ use crate::export::Label;
 use crate::geom::Precision;
 use crate::mesh::{ErrorBound, Face, Limits};
 use crate::num::units::{Mm, Um};
-use crate::part::{AtPrecision, Promise, Refusal, codec, face, limits};
+use crate::part::{AtPrecision, Promise, codec, face, limits};
 use crate::profile::{MeshFormat, Profile};
-use crate::results::{Limited, MeshFacts, OverOptimum, SolidFacts};
+use crate::results::{Limited, MeshFacts, OverOptimum, Refusal, SolidFacts};
 use crate::solid::Solid;
 
 /// What the stage that closes bodies counts, and why not every file needs one of its own.

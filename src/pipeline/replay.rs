@@ -14,7 +14,10 @@ use crate::parallel;
 use crate::part::{self, AtPrecision, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::report::Answer;
-use crate::results::{DrawnError, PoseFile, ProfileId, ReplayFile, ReplayReport, SCHEMA};
+use crate::results::{
+    DrawnError, FileFault, PoseFile, ProfileId, Reason, ReplayFault, ReplayFile, ReplayReport,
+    SCHEMA, ShapeFault,
+};
 use crate::solid::{Solid, check};
 use crate::tolerance::{Displacement, Engine, PerturbedSystem};
 use crate::tolerance_terms::{ActsOn, Criterion, ErrorSourceRow, Perturbation};
@@ -59,8 +62,7 @@ impl Command for ReplayOptions<'_> {
             run.stage(Stage::Mesh, || part.face())?;
         let ReplayOptions { trial, seed, .. } = *self;
         let label = labelled(&design, format!("imperfect: trial {trial} of seed {seed}"));
-        let refused = refused.map(|refused| String::from(refused.made()));
-        let (mut files, mut reasons) = (Vec::new(), Vec::from_iter(refused));
+        let (mut files, mut reasons) = (Vec::new(), Vec::from_iter(refused.map(Reason::from)));
         // Single rays see points of textures.
         let rays = engine.pointwise();
         let smooth = rays.displacement_of(&part.made);
@@ -155,7 +157,7 @@ impl<'a> ImperfectPart<'a> {
         &self,
         smooth: Displacement,
         files: Vec<ReplayFile>,
-        reasons: Vec<String>,
+        reasons: Vec<Reason>,
     ) -> ReplayReport {
         let Self { profile, engine, seed, trial, .. } = *self;
         let errors = engine.drawn(seed, trial);
@@ -289,7 +291,7 @@ fn witnessed(
     format: MeshFormat,
     optical: usize,
     smooth: &Displacement,
-) -> Result<(Option<ReplayFile>, Vec<String>), Error> {
+) -> Result<(Option<ReplayFile>, Vec<Reason>), Error> {
     let read = |reread: ImportedMesh| {
         let solid = check(&reread.mesh).through(design.holes());
         (reread.mesh, solid)
@@ -297,17 +299,18 @@ fn witnessed(
     let staged = run.files.staged(format.file_name())?;
     let (file, read) = open(run, format, staged.read()?, read);
     let name = file.name.clone();
-    let mut faults: Vec<String> = Vec::new();
+    let mut reasons: Vec<Reason> = Vec::new();
     if file.sha256 != staged.sha256() {
-        faults.push(verdict::ALTERED.into());
+        reasons.push(FileFault::Altered.into());
     }
     let found = match read {
         Err(error) => {
-            faults.push(error.to_string());
+            reasons.push(FileFault::Unreadable(error.to_string()).into());
             None
         }
         Ok((mesh, solid)) => Some(run.timer.always(Stage::Trace, || {
-            faults.extend(solid.reasons());
+            let defects = solid.reasons().into_iter();
+            reasons.extend(defects.map(|defect| ShapeFault::NotSolid(defect).into()));
             let rounding_mm = rounding(&mesh, format);
             let mut vertices: Vec<u32> =
                 mesh.triangles.iter().take(optical).flatten().copied().collect();
@@ -328,11 +331,12 @@ fn witnessed(
                 rounding_mm,
                 witnessed,
             };
-            faults.extend(objections(&found, smooth, engine.spec.criterion));
+            let faults = objections(&found, smooth, engine.spec.criterion);
+            reasons.extend(faults.into_iter().map(Reason::from));
             (found, note)
         })),
     };
-    Ok((found, faults.into_iter().map(|fault| format!("{name}: {fault}")).collect()))
+    Ok((found, reasons.into_iter().map(|reason| reason.of_file(&name)).collect()))
 }
 
 /// Displacement of a vertex along Z by rounding to a format's digits, mm.
@@ -347,24 +351,18 @@ fn rounding(mesh: &TriMesh, format: MeshFormat) -> f64 {
 }
 
 /// Why a file does not show the made surface.
-fn objections(found: &ReplayFile, smooth: &Displacement, criterion: Criterion) -> Vec<String> {
-    let ReplayFile { off_surface_mm, rounding_mm, witnessed, .. } = found;
+fn objections(found: &ReplayFile, smooth: &Displacement, criterion: Criterion) -> Vec<ReplayFault> {
+    let ReplayFile { off_surface_mm: off_mm, rounding_mm, ref witnessed, .. } = *found;
     let mut faults = Vec::new();
     if !smooth.as_made.kept() {
-        faults.push("the trial is lost: rays do not meet the made surface".into());
+        faults.push(ReplayFault::Lost);
         return faults;
     }
-    if !(off_surface_mm <= rounding_mm) {
-        faults.push(format!(
-            "a vertex lies {off_surface_mm:.2e} mm off the made surface, over the \
-             {rounding_mm:.2e} mm of rounding"
-        ));
+    if !(off_mm <= rounding_mm) {
+        faults.push(ReplayFault::OffSurface { off_mm, rounding_mm });
     }
     if witnessed.lost > 0 {
-        faults.push(format!(
-            "{} of {} rays are not reflected where the made surface is",
-            witnessed.lost, witnessed.rays
-        ));
+        faults.push(ReplayFault::Unreflected { lost: witnessed.lost, rays: witnessed.rays });
     }
     let error = |facets: Summary| match criterion {
         Criterion::Rms => facets.rms,
@@ -372,16 +370,13 @@ fn objections(found: &ReplayFile, smooth: &Displacement, criterion: Criterion) -
     };
     let facets_px = witnessed.facet_error_px.map_or(0.0, error);
     let shown = &witnessed.displacement;
-    for (what, shown, smooth) in
+    for (state, shown, smooth) in
         [("as made", shown.as_made, smooth.as_made), ("adjusted", shown.adjusted, smooth.adjusted)]
     {
-        let (shown, smooth) = (shown.by(criterion), smooth.by(criterion));
+        let (shown_px, smooth_px) = (shown.by(criterion), smooth.by(criterion));
         // Facets that are all there is would meet their own error to rounding.
-        if !((shown - smooth).abs() <= facets_px * (1.0 + 1e-3)) {
-            faults.push(format!(
-                "{what} it shows {shown:.6} px where the made surface has {smooth:.6} px, off by \
-                 more than its facet error of {facets_px:.6} px"
-            ));
+        if !((shown_px - smooth_px).abs() <= facets_px * (1.0 + 1e-3)) {
+            faults.push(ReplayFault::Displacement { state, shown_px, smooth_px, facets_px });
         }
     }
     faults

@@ -12,7 +12,7 @@ use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::publish;
 use crate::report::form_picture;
-use crate::results::{AlignmentFacts, Reason, ReasonKind, SCHEMA, UnitFacts, VerifyReport};
+use crate::results::{AlignmentFacts, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport};
 use crate::trace::Outcome;
 use crate::verdict::{self, CheckedMesh, FileCheck, Findings};
 use std::path::{Path, PathBuf};
@@ -88,17 +88,17 @@ impl Command for Verify<'_> {
             Findings::new(run.profile, &design, vec![found.check]);
         let mut warnings = Vec::new();
         if found.far > 0 {
-            let all = format!("{} facets lie far from the part and were left out", found.far);
+            let far = Reason::from(ShapeFault::FarFacets { count: found.far }).of_file(&name);
             // Of a measured part that is noise; of a part it is a fault.
             if measured {
-                warnings.push(format!("{name}: {all}"));
+                warnings.push(far.to_string());
             } else {
-                reasons.push(Reason::new(ReasonKind::FarFacets, all).of_file(&name));
+                reasons.push(far);
             }
         }
         // Scans may be of a piece of the part.
         if let Some((factor, unit)) = found.oversize.filter(|_| !measured) {
-            reasons.insert(0, off_size(factor, unit).of_file(&name));
+            reasons.insert(0, Reason::from(ShapeFault::Size { factor, unit }).of_file(&name));
         }
         warnings.extend(units.and_then(|units| unit_warning(&name, units, measured)));
         if measured {
@@ -262,19 +262,6 @@ fn in_millimetres(
     };
     unit.convert(&mut reread.mesh);
     UnitFacts::new(unit, chosen)
-}
-
-/// A part that is `factor` times as large as it should be, as two units are if there is one.
-fn off_size(factor: f64, unit: Option<LengthUnit>) -> Reason {
-    let (times, way) = if factor > 1.0 { (factor, "large") } else { (1.0 / factor, "small") };
-    let sentence = match unit {
-        Some(unit) => {
-            let times = (1e6 * times).round() / 1e6;
-            format!("the part is {times} times too {way}: is the unit {}?", unit.word())
-        }
-        None => format!("the part is about {times:.1} times too {way}"),
-    };
-    Reason::new(ReasonKind::Size, sentence)
 }
 
 /// Facets that reach this many times as far as the part does are none of it.

@@ -1,6 +1,6 @@
 //! What the frame-fill check found.
 
-use super::{ProfileId, Verdict};
+use super::{ProfileId, Reason, Verdict};
 use crate::trace::{Coverage, FrameFill, MinMeanMax};
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ pub struct FrameReport {
     /// Whether it is.
     pub verdict: Verdict,
     /// Why not.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
 }
 
 /// How evenly a mirror spends its pixels.

@@ -1,6 +1,6 @@
 //! What a ball cutter makes of a mirror, as JSON.
 
-use super::{FileFacts, ProfileId, TraceFacts, Verdict};
+use super::{FileFacts, ProfileId, Reason, TraceFacts, Verdict};
 use crate::machining::{Extreme, Fillet, RasterDirection, ScallopFigures};
 use crate::num::stats::{Summary, or_null};
 use serde::{Serialize, Serializer};
@@ -47,7 +47,7 @@ pub struct MachiningReport {
     /// Pass, or why not.
     pub verdict: Verdict,
     /// Every reason.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
     /// What else to know.
     pub warnings: Vec<String>,
 }

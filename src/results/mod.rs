@@ -5,6 +5,7 @@ mod blur;
 mod build;
 mod build_forecast;
 mod facts;
+mod faults;
 mod frame;
 mod machining;
 mod measured;
@@ -12,6 +13,7 @@ mod reason;
 mod render;
 mod replay;
 mod sharpness;
+mod study_faults;
 mod tolerance;
 mod unwrap;
 mod wording;
@@ -24,6 +26,9 @@ pub use facts::{
     ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, SCHEMA, SagFacts,
     SolidFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
 };
+pub use faults::{
+    FileFault, LeastFilled, Obstacle, PictureFault, PixelErrorFigure, RayFault, Refusal, ShapeFault,
+};
 pub use frame::{FrameReport, PixelSolidAngle, RoundMirror};
 pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
@@ -33,6 +38,7 @@ pub use reason::{Reason, ReasonKind};
 pub use render::RenderReport;
 pub use replay::{DrawnError, PoseFile, ReplayFile, ReplayReport};
 pub use sharpness::{ApertureFacts, SharpnessFacts};
+pub use study_faults::{CuttingFault, ReplayFault, StudyFault};
 pub use tolerance::{FacetsFrom, ToleranceReport};
 pub use unwrap::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
 pub(crate) use wording::{

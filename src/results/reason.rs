@@ -1,106 +1,109 @@
-//! Reasons of a negative verdict, each of a kind.
+//! Reasons of a negative verdict: of a kind, with figures, rendered last.
 
+use super::faults::{FileFault, PictureFault, RayFault, Refusal, ShapeFault};
+use super::study_faults::{CuttingFault, ReplayFault, StudyFault};
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::ops::Deref;
+use std::fmt::{self, Display, Formatter};
 
-/// What a reason is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// What a reason is about, with its figures.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReasonKind {
-    /// The bytes on the disk are others than were written.
-    Altered,
-    /// The bytes are no file of their format.
-    Unreadable,
-    /// The mesh is not closed, not oriented, in pieces or inside out.
-    NotSolid,
-    /// The volume is another than the design's.
-    Volume,
-    /// A vertex is off the designed part.
-    OffSurface,
-    /// The part is too large or too small, as with another unit.
-    Size,
-    /// Facets lie far from the part.
-    FarFacets,
-    /// No camera ray is aimed at the mirror.
-    NothingAimed,
-    /// Rays miss the part.
-    Missed,
-    /// Rays are shadowed by the part.
-    Shadowed,
-    /// Rays meet the back of a facet.
-    BackFace,
-    /// Facets displace the image by more than was asked for or proven.
-    FacetError,
-    /// The picture is farther off the projection than the profile accepts.
-    PixelError,
-    /// An error has no finite value.
-    NotFinite,
-    /// Less of the frame is filled than the profile accepts.
-    FrameFilled,
-    /// Spots are longer than the profile accepts.
-    Blur,
-    /// A measured part departs from the design by more than its limit.
-    FormError,
-    /// A drawing or table does not agree with the design.
-    OffDesign,
-    /// A table has no rows.
-    EmptyTable,
-    /// Single precision does not carry the tolerances.
-    SinglePrecision,
-    /// No mesh keeps the tolerances.
-    NoMesh,
+    /// The bytes of a file.
+    #[error(transparent)]
+    File(#[from] FileFault),
+    /// The shape of the part.
+    #[error(transparent)]
+    Shape(#[from] ShapeFault),
+    /// Rays that do not reach the world.
+    #[error(transparent)]
+    Rays(#[from] RayFault),
+    /// What the camera sees.
+    #[error(transparent)]
+    Picture(#[from] PictureFault),
+    /// A face as a cutter leaves it.
+    #[error(transparent)]
+    Cutting(#[from] CuttingFault),
+    /// A study of tolerances.
+    #[error(transparent)]
+    Study(#[from] StudyFault),
+    /// A file of a replayed trial.
+    #[error(transparent)]
+    Replay(#[from] ReplayFault),
+    /// Files that are not written although they are asked for.
+    #[error(transparent)]
+    NotWritten(#[from] Refusal),
+    /// What a report said that was read from a file, which holds sentences alone.
+    #[error("{0}")]
+    Recorded(String),
 }
 
-/// Why a verdict is negative: one sentence with figures, which is all that files hold of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// Why a verdict is negative: what files hold of it is one sentence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", from = "String")]
 pub struct Reason {
-    /// What it is about; none of a reason that was read from a file.
-    pub kind: Option<ReasonKind>,
-    sentence: String,
+    /// What it is about.
+    pub kind: ReasonKind,
+    /// The file that it is said of; of the whole part without one.
+    pub file: Option<String>,
+    /// A way out, which has been tried or follows from the figures.
+    pub way_out: Option<String>,
 }
 
 impl Reason {
-    /// A reason of a kind.
-    pub fn new(kind: ReasonKind, sentence: impl Into<String>) -> Self {
-        Self { kind: Some(kind), sentence: sentence.into() }
-    }
-
-    /// The same with a way out.
-    #[must_use]
-    pub fn with(self, way: &str) -> Self {
-        Self { sentence: format!("{}; {way}", self.sentence), ..self }
-    }
-
     /// The same, said of the file `name`.
     #[must_use]
     pub fn of_file(self, name: &str) -> Self {
-        Self { sentence: format!("{name}: {}", self.sentence), ..self }
+        Self { file: Some(name.to_owned()), ..self }
     }
 }
 
-impl Deref for Reason {
-    type Target = str;
-
-    fn deref(&self) -> &str {
-        &self.sentence
+impl Display for Reason {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{file}: ")?;
+        }
+        write!(f, "{}", self.kind)?;
+        self.way_out.iter().try_for_each(|way| write!(f, "; {way}"))
     }
 }
 
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.sentence)
+impl<K: Into<ReasonKind>> From<K> for Reason {
+    fn from(kind: K) -> Self {
+        Self { kind: kind.into(), file: None, way_out: None }
     }
 }
 
 impl From<Reason> for String {
     fn from(reason: Reason) -> Self {
-        reason.sentence
+        reason.to_string()
     }
 }
 
-impl From<String> for Reason {
+impl From<String> for ReasonKind {
     fn from(sentence: String) -> Self {
-        Self { kind: None, sentence }
+        Self::Recorded(sentence)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_has_the_file_first_and_the_way_out_last() {
+        let mut reason = Reason::from(RayFault::Missed { count: 2, rays: 9 });
+        assert_eq!(reason.to_string(), "2 of 9 rays aimed at the mirror miss the part");
+        reason.way_out = Some("look".to_owned());
+        let said = reason.of_file("mirror.stl").to_string();
+        assert_eq!(said, "mirror.stl: 2 of 9 rays aimed at the mirror miss the part; look");
+    }
+
+    #[test]
+    fn files_hold_the_sentence_and_give_it_back() {
+        let reason = Reason::from(FileFault::Altered).of_file("mirror.obj");
+        let text = serde_json::to_string(&reason).unwrap();
+        let read: Reason = serde_json::from_str(&text).unwrap();
+        assert_eq!(read.kind, ReasonKind::Recorded(reason.to_string()));
+        assert_eq!(read.to_string(), reason.to_string());
     }
 }

@@ -1,6 +1,6 @@
 //! A replayed trial, its errors and its pose.
 
-use super::{FileFacts, ProfileId, Verdict};
+use super::{FileFacts, ProfileId, Reason, Verdict};
 use crate::solid::SolidCheck;
 use crate::tolerance::{Criterion, Displacement, Reference, RigidTransform, Witnessed};
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub struct ReplayReport {
     /// within its facet error.
     pub verdict: Verdict,
     /// Why it fails; empty for a pass.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
 }
 
 /// An error of a trial.

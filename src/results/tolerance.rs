@@ -1,8 +1,7 @@
 //! A study of tolerances, with its verdict.
 
 use super::MachiningReport;
-use super::{ProfileId, SCHEMA, Verdict};
-use super::{digits, percent};
+use super::{ProfileId, Reason, SCHEMA, StudyFault, Verdict};
 use crate::tolerance::{Offender, Study};
 use serde::Serialize;
 
@@ -27,7 +26,7 @@ pub struct ToleranceReport {
     /// Pass or fail.
     pub verdict: Verdict,
     /// Why it fails; empty for a pass.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
 }
 
 /// Where the limit of the facets' displacement comes from.
@@ -53,26 +52,24 @@ impl ToleranceReport {
         worst_offenders: Vec<Offender>,
         machining: Option<MachiningReport>,
     ) -> Self {
-        let mut reasons = Vec::new();
+        let mut faults = Vec::new();
         if study.yields.share < study.target_yield {
-            reasons.push(format!(
-                "{:.2} % of the parts stay within {} px, below the {} % of tolerance.target_yield",
-                100.0 * study.yields.share,
-                study.budget_px,
-                percent(study.target_yield)
-            ));
+            faults.push(StudyFault::Yield {
+                share: study.yields.share,
+                budget_px: study.budget_px,
+                target: study.target_yield,
+            });
         }
         if study.blur_px > study.budget_blur_px {
             let most =
                 study.sources.iter().max_by(|a, b| a.spread.blur_px.total_cmp(&b.spread.blur_px));
-            reasons.push(format!(
-                "textures blur each pixel by {} px, over the {} px of tolerance.budget_blur_px; most of it by \
-                 {}",
-                digits(study.blur_px),
-                study.budget_blur_px,
-                most.map_or("none", |source| &source.source)
-            ));
+            faults.push(StudyFault::Blur {
+                blur_px: study.blur_px,
+                budget_px: study.budget_blur_px,
+                worst: most.map_or("none".to_owned(), |source| source.source.clone()),
+            });
         }
+        let reasons: Vec<Reason> = faults.into_iter().map(Reason::from).collect();
         let verdict = if reasons.is_empty() { Verdict::Pass } else { Verdict::Fail };
         let schema = SCHEMA;
         Self { schema, profile, study, facets_from, worst_offenders, machining, verdict, reasons }

@@ -3,14 +3,15 @@
 use crate::design::Design;
 use crate::geom::{Contour, DVec2, DVec3};
 use crate::machining::{
-    BallRaster, Extreme, FLOOR_MM, Fillet, Gouge, MachiningError, ScallopFigures, SurfaceAnalysis,
+    BallRaster, Extreme, Fillet, Gouge, MachiningError, ScallopFigures, SurfaceAnalysis,
     bounding_corners, plan_outlines,
 };
 use crate::num::rounding::floor_four_digits;
 use crate::num::{degrees, radians};
 use crate::profile::Profile;
 use crate::results::{
-    BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, SCHEMA, StockFacts,
+    BestFacts, BudgetFacts, CuttingFault, GougeFacts, MachiningReport, ReachFacts, Reason, SCHEMA,
+    StockFacts,
 };
 
 /// How a mirror is cut: writes `gouge.png`, `machining.json` and, where the ball fits, `as-cut.stl` into NAME.
@@ -62,7 +63,7 @@ pub(crate) struct CutterSurvey<'a> {
     /// Where the ball does not fit.
     pub gouge: Gouge,
     /// Why the ball does not reach all of the face but a valley, if so.
-    pub hollow: Option<String>,
+    pub hollow: Option<CuttingFault>,
     /// Everything but the as-cut part.
     pub found: MachiningReport,
 }
@@ -97,11 +98,15 @@ impl<'a> CutterSurvey<'a> {
         let fillet = Fillet::new(mirror, &design.camera, options.ball_mm);
         let [low, high] = analysis.heights_mm();
         let foot = design.border.as_ref().map_or(0.0, |border| border.top_mm);
-        let mut reasons = over_budget(scallops.as_ref(), &budget);
-        reasons.extend(fillet.as_ref().map(filled));
+        let mut faults = over_budget(scallops.as_ref(), &budget);
+        faults.extend(fillet.as_ref().map(|fillet| CuttingFault::Fillet {
+            width_mm: fillet.width_max_mm,
+            pixels: fillet.pixels,
+        }));
         let warnings = unmeasured(design, options, scallops.as_ref());
         let hollow = unreached(&gouge, options.ball_mm, scallops.is_none(), tight);
-        reasons.extend(hollow.clone());
+        faults.extend(hollow.clone());
+        let reasons: Vec<Reason> = faults.into_iter().map(Reason::from).collect();
         let found = MachiningReport {
             schema: SCHEMA,
             profile: profile.into(),
@@ -178,36 +183,21 @@ fn gouge_facts(gouge: &Gouge, fits: bool) -> GougeFacts {
 }
 
 /// Limits that the unpolished face does not keep.
-fn over_budget(scallops: Option<&ScallopFigures>, budget: &BudgetFacts) -> Vec<String> {
+fn over_budget(scallops: Option<&ScallopFigures>, budget: &BudgetFacts) -> Vec<CuttingFault> {
     let over = |found: f64, limit: Option<f64>| limit.filter(|limit| !(found <= *limit));
-    let digits = |mm: Option<f64>| {
-        mm.map_or("none".to_owned(), |mm| format!("{} mm", floor_four_digits(mm)))
-    };
     let error_px = scallops.and_then(|found| found.pixel_error_px).map(|error| error.p95);
-    let error = error_px.and_then(|px| Some((px, over(px, budget.p95_px)?)));
-    let error = error.map(|(px, limit)| {
-        format!(
-            "the unpolished face has a pixel error of {px:.3} px (95 % of it), over {limit} px; \
-             a stepover of {} keeps it",
-            digits(budget.stepover_for_px_mm)
-        )
+    let error = error_px.and_then(|found_px| {
+        let limit_px = over(found_px, budget.p95_px)?;
+        let keeps_mm = budget.stepover_for_px_mm;
+        Some(CuttingFault::PixelError { found_px, limit_px, keeps_mm })
     });
     let height_um = scallops.map(|found| found.scallop_um.value);
-    let height = height_um.and_then(|um| Some((um, over(um, budget.scallop_um)?)));
-    let height = height.map(|(um, limit)| {
-        format!(
-            "scallops are up to {um:.3} um high, over {limit} um; a stepover of {} keeps it",
-            digits(budget.stepover_for_scallop_mm)
-        )
+    let height = height_um.and_then(|found_um| {
+        let limit_um = over(found_um, budget.scallop_um)?;
+        let keeps_mm = budget.stepover_for_scallop_mm;
+        Some(CuttingFault::Scallops { found_um, limit_um, keeps_mm })
     });
     error.into_iter().chain(height).collect()
-}
-
-fn filled(fillet: &Fillet) -> String {
-    format!(
-        "the ball leaves a fillet of {:.3} mm width in the valley, which takes {:.0} pixels",
-        fillet.width_max_mm, fillet.pixels
-    )
 }
 
 /// Warnings of pixel errors that are not known.
@@ -245,29 +235,19 @@ fn stock(design: &Design, high: f64, allowance_mm: f64) -> StockFacts {
 
 /// Why the ball, mm, does not reach all of the face but a valley, if so; it fits `nowhere`, or the ground is
 /// hollow with a smaller radius where it is `tight`.
-fn unreached(gouge: &Gouge, ball: f64, nowhere: bool, tight: Option<Extreme>) -> Option<String> {
-    let Some((left, at)) = gouge.largest_outside_fillet else {
-        return nowhere.then(|| format!("the ball of {ball} mm fits nowhere on the mirror"));
+fn unreached(
+    gouge: &Gouge,
+    ball_mm: f64,
+    nowhere: bool,
+    tight: Option<Extreme>,
+) -> Option<CuttingFault> {
+    let Some((left_mm, at)) = gouge.largest_outside_fillet else {
+        return nowhere.then_some(CuttingFault::NoPlace { ball_mm });
     };
-    let fits = if nowhere { "fits nowhere on the mirror" } else { "does not fit" };
-    let left = if left > FLOOR_MM {
-        format!("up to {:.3} um", 1e3 * left)
-    } else {
-        format!("less than {} um", 1e3 * FLOOR_MM)
-    };
-    let share = 100.0 * gouge.share();
-    let left = format!("leaves {left}, and something on {share:.2} % of the face");
-    Some(match tight {
-        Some(least) => format!(
-            "the ball of {ball} mm {fits}: at X {:.3} mm, Y {:.3} mm the mirror is hollow with a radius of {:.4} mm; \
-             it {left}",
-            least.at_mm[0], least.at_mm[1], least.value
-        ),
-        None => format!(
-            "the ball of {ball} mm {fits}: at X {:.3} mm, Y {:.3} mm other ground is in its way, and it {left}",
-            at.x, at.y
-        ),
-    })
+    let at_mm = tight.map_or(at.to_array(), |least| [least.at_mm[0], least.at_mm[1]]);
+    let hollow_mm = tight.map(|least| least.value);
+    let share = gouge.share();
+    Some(CuttingFault::Unreached { ball_mm, nowhere, at_mm, hollow_mm, left_mm, share })
 }
 
 /// What the pixels' figures leave out.

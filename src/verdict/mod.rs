@@ -8,7 +8,7 @@ mod vertex_check;
 
 pub(crate) use cutter_survey::CutterSurvey;
 pub use cutter_survey::MachiningOptions;
-pub(crate) use file_check::{CheckedMesh, FileCheck, expected_rays, tolerance_px};
+pub(crate) use file_check::{CheckedMesh, FileCheck, expected_rays};
 pub(crate) use remedy::filling;
 
 use crate::align::FormError;
@@ -16,11 +16,11 @@ use crate::design::Design;
 use crate::geom::{Border, Outline, Precision};
 use crate::part::codec;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits, Profile};
-use crate::results::{FileFacts, Reason, ReasonKind, SharpnessFacts, TraceFacts, Verdict};
+use crate::results::{
+    FileFacts, FileFault, LeastFilled, PictureFault, PixelErrorFigure, RayFault, Reason,
+    ShapeFault, SharpnessFacts, TraceFacts, Verdict,
+};
 use crate::trace::FrameFill;
-
-/// Why a file does not pass that is another than was written.
-pub(crate) const ALTERED: &str = "the bytes on the disk are not those that were written";
 
 /// What rounding to double precision may move a vertex by, as a share of its coordinates, or a volume.
 const ROUNDING: f64 = 1e-12;
@@ -30,11 +30,6 @@ const ROUNDING_SINGLE: f64 = 4.0 / (1 << 24) as f64;
 /// What it may move a vertex by, as a share of its largest coordinate: the length of half a unit along
 /// each axis.
 const ROUNDING_VERTEX: f64 = 1.733 / (1 << 24) as f64;
-
-/// [`ALTERED`].
-pub(crate) fn altered() -> Reason {
-    Reason::new(ReasonKind::Altered, ALTERED)
-}
 
 /// Pass, unless there is a reason.
 pub(crate) fn of<T>(reasons: &[T]) -> Verdict {
@@ -77,46 +72,38 @@ impl Findings {
 
 /// Why a file does not pass.
 fn of_file(profile: &Profile, design: &Design, check: &FileCheck) -> Vec<Reason> {
-    let mut reasons = Vec::new();
-    if check.altered {
-        reasons.push(altered());
-    }
-    if let Some(error) = &check.unreadable {
-        reasons.push(Reason::new(ReasonKind::Unreadable, error.to_string()));
-    }
+    let mut reasons: Vec<Reason> = bytes(check).map(Reason::from).collect();
     if let Some(trace) = &check.trace {
         if !check.measured {
-            reasons.extend(shape(design, check, trace));
+            reasons.extend(shape(design, check, trace).into_iter().map(Reason::from));
         }
-        reasons.extend(rays(trace, check.by_rim));
-        reasons.extend(limits(profile, check, trace));
+        reasons.extend(rays(trace, check.by_rim).map(Reason::from));
+        reasons.extend(limits(profile, check, trace).map(Reason::from));
     }
     // A scan may be of a piece; what it is not held to by name, its form answers for.
     let held = |bound: &AcceptanceLimit| !(bound.usual && check.measured);
     let least = Some(profile.acceptance_limits().frame_filled).filter(held);
-    if let (Some(frame), Some(least)) = (&check.frame, least)
-        && !(frame.filled >= least.value)
-    {
-        reasons.push(unfilled(frame, least));
+    if let (Some(frame), Some(least)) = (&check.frame, least) {
+        reasons.extend(unfilled(frame, LeastFilled::Accepted(least)).map(Reason::from));
     }
     reasons.into_iter().map(|reason| reason.of_file(&check.file.name)).collect()
 }
 
+/// What is wrong with the bytes of a file.
+pub(crate) fn bytes(check: &FileCheck) -> impl Iterator<Item = FileFault> {
+    let altered = check.altered.then_some(FileFault::Altered);
+    let unreadable = check.unreadable.as_ref();
+    altered.into_iter().chain(unreadable.map(|error| FileFault::Unreadable(error.to_string())))
+}
+
 /// That too little of the frame is filled.
-fn unfilled(frame: &FrameFill, least: AcceptanceLimit) -> Reason {
-    let key = "accept.frame_filled";
-    let words = if least.usual {
-        format!("are usual ({key} sets another share)")
-    } else {
-        format!("are accepted ({key})")
-    };
-    let sentence = format!(
-        "{:.3} % of the frame see their part of the world within {} px, {:.3} % {words}",
-        100.0 * frame.filled,
-        frame.tolerance_px,
-        100.0 * least.value
-    );
-    Reason::new(ReasonKind::FrameFilled, sentence)
+pub(crate) fn unfilled(frame: &FrameFill, least: LeastFilled) -> Option<PictureFault> {
+    let FrameFill { filled, tolerance_px, .. } = *frame;
+    (!(filled >= least.share())).then_some(PictureFault::FrameFilled {
+        filled,
+        tolerance_px,
+        least,
+    })
 }
 
 /// What the chord error, and the chords of a round rim and of the stock's circles, may take off the
@@ -149,119 +136,83 @@ pub(crate) fn form(
     if limited && design.view.is_some() {
         return None;
     }
-    let pv = error.map_or(f64::NAN, |error| error.without_outliers.pv);
-    (!(pv <= limit_um)).then(|| {
-        let sentence = format!(
-            "form error {pv:.3} um PV without outliers, over {limit_um} um (mesh.chord_um); give \
-             accept.pixel_error_max_px to judge it by the picture"
-        );
-        Reason::new(ReasonKind::FormError, sentence)
-    })
+    let pv_um = error.map_or(f64::NAN, |error| error.without_outliers.pv);
+    (!(pv_um <= limit_um)).then(|| ShapeFault::FormError { pv_um, limit_um }.into())
 }
 
 /// Why a file's mesh is not the designed part.
-fn shape(design: &Design, check: &FileCheck, trace: &TraceFacts) -> Vec<Reason> {
+fn shape(design: &Design, check: &FileCheck, trace: &TraceFacts) -> Vec<ShapeFault> {
     let chord_mm = check.promise.chord_mm;
     let [rounding, moved] = match codec(check.format).precision() {
         Precision::Double => [ROUNDING; 2],
         Precision::Single => [ROUNDING_SINGLE, ROUNDING_VERTEX],
     };
-    let volume_tolerance = volume_tolerance(design, chord_mm) + rounding * design.volume();
+    let allowed_mm3 = volume_tolerance(design, chord_mm) + rounding * design.volume();
     let solid = &trace.solid;
-    let not_solid = |sentence: &String| Reason::new(ReasonKind::NotSolid, sentence);
-    let mut reasons: Vec<Reason> = solid.reasons.iter().map(not_solid).collect();
-    let off = solid.check.volume_mm3 - solid.volume_expected_mm3;
-    if !(off.abs() <= volume_tolerance) {
-        let sentence = format!(
-            "volume {:.4} mm^3 where the design has {:.4}, off by {off:.4}, over the {:.4} that the \
-             chord error explains",
-            solid.check.volume_mm3, solid.volume_expected_mm3, volume_tolerance
-        );
-        reasons.push(Reason::new(ReasonKind::Volume, sentence));
+    let mut faults: Vec<_> = solid.reasons.iter().cloned().map(ShapeFault::NotSolid).collect();
+    let (found_mm3, designed_mm3) = (solid.check.volume_mm3, solid.volume_expected_mm3);
+    if !((found_mm3 - designed_mm3).abs() <= allowed_mm3) {
+        faults.push(ShapeFault::Volume { found_mm3, designed_mm3, allowed_mm3 });
     }
     // A mirror without curvature has no chord error; coordinates are rounded all the same.
     let rounding = |at: [f64; 3]| moved * at.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if let Some(vertex) = trace.worst_vertex
         && !(vertex.off_mm <= chord_mm + rounding(vertex.at_mm))
     {
-        let [x, y, z] = vertex.at_mm;
-        let sentence = format!(
-            "the vertex ({x}, {y}, {z}) is {:.6} mm off the designed part, over {chord_mm:.6} mm",
-            vertex.off_mm
-        );
-        reasons.push(Reason::new(ReasonKind::OffSurface, sentence));
+        let (at_mm, off_mm) = (vertex.at_mm, vertex.off_mm);
+        faults.push(ShapeFault::OffSurface { at_mm, off_mm, limit_mm: chord_mm });
     }
-    reasons
+    faults
 }
 
-fn rays(trace: &TraceFacts, by_rim: usize) -> Vec<Reason> {
-    let mut reasons = Vec::new();
-    if trace.rays == 0 {
-        let sentence = "no camera ray is aimed at the mirror";
-        reasons.push(Reason::new(ReasonKind::NothingAimed, sentence));
-    }
-    for (kind, count, what) in [
-        (ReasonKind::Missed, trace.missed, "miss the part"),
-        (ReasonKind::Shadowed, trace.shadowed, "are shadowed by the part itself"),
-        (ReasonKind::BackFace, trace.back_face, "meet the back of a facet"),
-    ] {
-        if count > 0 {
-            let mut sentence = format!("{count} of {} rays aimed at the mirror {what}", trace.rays);
-            if kind == ReasonKind::Shadowed && by_rim > 0 {
-                sentence += &format!(
-                    ", {by_rim} of them by its flat rim: lower part.rim_mm, raise base_mm or narrow \
-                     border_mm"
-                );
-            }
-            reasons.push(Reason::new(kind, sentence));
-        }
-    }
-    reasons
+/// Rays that do not reach the world, `by_rim` of them shadowed by what is around the mirror.
+pub(crate) fn rays(trace: &TraceFacts, by_rim: usize) -> impl Iterator<Item = RayFault> {
+    let TraceFacts { rays, missed, shadowed, back_face, .. } = *trace;
+    let faults = [
+        (usize::from(rays == 0), RayFault::NothingAimed),
+        (missed, RayFault::Missed { count: missed, rays }),
+        (shadowed, RayFault::Shadowed { count: shadowed, rays, by_rim }),
+        (back_face, RayFault::BackFace { count: back_face, rays }),
+    ];
+    faults.into_iter().filter(|(count, _)| *count > 0).map(|(_, fault)| fault)
 }
 
 /// What the witness's own arithmetic may add to a facet error: a plane's is nothing else.
 const ROUNDING_PX: f64 = 1e-9;
 
-fn limits(profile: &Profile, check: &FileCheck, trace: &TraceFacts) -> Vec<Reason> {
+fn limits<'a>(
+    profile: &'a Profile,
+    check: &'a FileCheck,
+    trace: &TraceFacts,
+) -> impl Iterator<Item = PictureFault> + use<'a> {
     let errors = &trace.errors;
-    let accepted = profile.acceptance_limits();
     let pixel = errors.pixel_error_px;
     let is_made = !check.measured;
     // A measured part's slopes are judged by the picture, not by the limit for facets.
     let facet = errors.facet_error_px.filter(|_| is_made).map(|e| e.max);
-    let (limit, key) = check.promise.facet.map_or((None, ""), |(px, key)| (Some(px.0), key));
-    // A measured part is held to what the profile names.
-    let held = |bound: AcceptanceLimit| Some(bound).filter(|bound| is_made || !bound.usual);
-    let of = |bound: Option<AcceptanceLimit>, key: &str, share: f64| match bound {
-        Some(AcceptanceLimit { usual: true, .. }) => {
-            format!(
-                "that are usual, {} % of the frame's width ({key} sets another limit)",
-                100.0 * share
-            )
-        }
-        _ => format!("of {key}"),
-    };
-    let rms = held(accepted.pixel_error_rms_px);
-    let max = held(accepted.pixel_error_max_px);
-    let value = |bound: Option<AcceptanceLimit>| bound.map(|bound| bound.value);
-    let rms_words = of(rms, "accept.pixel_error_rms_px", AcceptanceLimits::RMS);
-    let max_words = of(max, "accept.pixel_error_max_px", AcceptanceLimits::MAX);
-    let (kind, whole) = (ReasonKind::PixelError, ReasonKind::FacetError);
-    [
-        (whole, "facet error", facet, limit, ROUNDING_PX, format!("of {key}")),
-        (kind, "RMS pixel error", pixel.map(|e| e.rms), value(rms), 0.0, rms_words),
-        (kind, "largest pixel error", pixel.map(|e| e.max), value(max), 0.0, max_words),
-    ]
-    .into_iter()
-    .filter_map(|(kind, what, found, limit, rounding, words)| match (found?, limit) {
-        (found, _) if !found.is_finite() => {
-            Some(Reason::new(ReasonKind::NotFinite, format!("{what} is not finite")))
-        }
-        (found, Some(limit)) if !(found <= limit + rounding) => {
-            let sentence = format!("{what} {found:.3} px, over the {limit} px {words}");
-            Some(Reason::new(kind, sentence))
-        }
-        _ => None,
-    })
-    .collect()
+    let facet = facet.and_then(|found_px| {
+        let limit = check.promise.facet.map(|(px, key)| (px.0, key));
+        let over = limit.filter(|(limit_px, _)| !(found_px <= limit_px + ROUNDING_PX));
+        let fault =
+            over.map(|(limit_px, key)| PictureFault::FacetError { found_px, limit_px, key });
+        finite("facet error", found_px).or(fault)
+    });
+    let accepted = profile.acceptance_limits();
+    let figures = [
+        (PixelErrorFigure::Rms, pixel.map(|e| e.rms), accepted.pixel_error_rms_px),
+        (PixelErrorFigure::Max, pixel.map(|e| e.max), accepted.pixel_error_max_px),
+    ];
+    let pixels = figures.into_iter().filter_map(move |(figure, found, limit)| {
+        let found_px = found?;
+        // A measured part is held to what the profile names.
+        let is_over = (is_made || !limit.usual) && !(found_px <= limit.value);
+        let fault = is_over.then_some(PictureFault::PixelError { figure, found_px, limit });
+        finite(figure.name(), found_px).or(fault)
+    });
+    facet.into_iter().chain(pixels)
+}
+
+/// That an error has no finite value.
+fn finite(what: &'static str, found_px: f64) -> Option<PictureFault> {
+    (!found_px.is_finite()).then_some(PictureFault::NotFinite { what })
 }

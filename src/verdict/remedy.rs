@@ -4,7 +4,7 @@
 use crate::design::{Design, design};
 use crate::optics::CameraModel;
 use crate::profile::{Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
-use crate::results::{Reason, ReasonKind};
+use crate::results::{PictureFault, Reason, ReasonKind};
 
 /// How much less of an error another law must leave to be worth a change.
 const WORTH: f64 = 0.7;
@@ -13,15 +13,17 @@ const NARROW: f64 = 0.999;
 
 /// Adds to the first reason of its kind how to do better.
 pub(crate) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
-    let mut amend = |kind: ReasonKind, way: &dyn Fn() -> Option<String>| {
-        if let Some(reason) = reasons.iter_mut().find(|reason| reason.kind == Some(kind))
-            && let Some(way) = way()
-        {
-            *reason = reason.clone().with(&way);
+    let mut amend = |is_kind: fn(&ReasonKind) -> bool, way: &dyn Fn() -> Option<String>| {
+        if let Some(reason) = reasons.iter_mut().find(|reason| is_kind(&reason.kind)) {
+            reason.way_out = way();
         }
     };
-    amend(ReasonKind::PixelError, &|| another_law(profile, designed));
-    amend(ReasonKind::FrameFilled, &|| filling(profile));
+    let is_off =
+        |kind: &ReasonKind| matches!(kind, ReasonKind::Picture(PictureFault::PixelError { .. }));
+    amend(is_off, &|| another_law(profile, designed));
+    let is_unfilled =
+        |kind: &ReasonKind| matches!(kind, ReasonKind::Picture(PictureFault::FrameFilled { .. }));
+    amend(is_unfilled, &|| filling(profile));
 }
 
 /// The law that leaves a smaller error, if it is much smaller, with that error.

@@ -4,7 +4,7 @@ use crate::design::Design;
 use crate::num::{asin, atan, sin, tan};
 use crate::pencil::{self, BlurEllipse, best_focus, map_pencils_sparsely};
 use crate::profile::{Aperture, Profile};
-use crate::results::{ApertureFacts, Reason, ReasonKind, SharpnessFacts};
+use crate::results::{ApertureFacts, PictureFault, Reason, SharpnessFacts};
 
 /// Pixels along a side of the sensor that stand for all of them.
 const SOME: u32 = 64;
@@ -94,14 +94,10 @@ pub(crate) fn reason(profile: &Profile, sharpness: Option<&SharpnessFacts>) -> O
     }
     let best = &sharpness.best;
     let way = if best.sharp.spot_px < spot_px {
-        format!("; {} has {:.3} px", best.lens(), best.sharp.spot_px)
+        format!("{} has {:.3} px", best.lens(), best.sharp.spot_px)
     } else {
-        "; no aperture has shorter ones".into()
+        "no aperture has shorter ones".to_owned()
     };
-    let sentence = format!(
-        "95 % of the spots through {} are up to {spot_px:.3} px long, over the {limit} px of \
-         accept.blur_p95_px{way}",
-        lens.lens()
-    );
-    Some(Reason::new(ReasonKind::Blur, sentence))
+    let blur = PictureFault::Blur { lens: lens.lens(), spot_px, limit_px: limit };
+    Some(Reason { way_out: Some(way), ..blur.into() })
 }

@@ -6,7 +6,7 @@ use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::DVec3;
 use morion::internals::pipeline::{Observer, Silent, build, verify};
 use morion::internals::profile::Profile;
-use morion::internals::results::{BuildReport, Reason, Verdict};
+use morion::internals::results::{BuildReport, FileFault, Reason, Verdict};
 use std::path::Path;
 
 const STL: &str = "formats = [\"stl\"]";
@@ -46,16 +46,16 @@ fn damaged(formats: &str, damage: impl Fn(Vec<u8>) -> Vec<u8> + Sync) -> BuildRe
 
 /// The one reason that holds all of `words`.
 #[track_caller]
-fn reason<'a>(report: &'a BuildReport, words: &[&str]) -> &'a str {
+fn reason(report: &BuildReport, words: &[&str]) -> String {
     assert_eq!(report.verdict, Verdict::Fail);
     reason_of(&report.reasons, words)
 }
 
 /// The one of `reasons` that holds all of `words`.
 #[track_caller]
-fn reason_of<'a>(reasons: &'a [Reason], words: &[&str]) -> &'a str {
-    let fits = |reason: &&Reason| words.iter().all(|word| reason.contains(word));
-    match reasons.iter().find(fits) {
+fn reason_of(reasons: &[Reason], words: &[&str]) -> String {
+    let fits = |reason: &String| words.iter().all(|word| reason.contains(word));
+    match reasons.iter().map(ToString::to_string).find(fits) {
         Some(reason) => reason,
         None => panic!("no reason with {words:?} in {reasons:#?}"),
     }
@@ -170,7 +170,8 @@ fn a_facet_missing_from_the_stl_leaves_it_open() {
     opens_at(&report, read_stl(&made).unwrap().mesh.corners(t));
     // The facet that is named has the edge that is named.
     let read = read_stl(&without_facet(made, t)).unwrap();
-    for reason in report.reasons.iter().filter(|reason| reason.contains("open: ")) {
+    let reasons = report.reasons.iter().map(ToString::to_string);
+    for reason in reasons.filter(|reason| reason.contains("open: ")) {
         let named = reason.split_once("only facet ").unwrap().1;
         let named: usize = named.split_once(' ').unwrap().0.parse().unwrap();
         let corners = read.mesh.corners(named).map(place);
@@ -311,7 +312,7 @@ fn only_one_damaged_file_of_two_is_blamed() {
     let folder = folder();
     let report = build(&parsed(SMALL), folder.path(), &SpoilObj).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
-    assert!(report.reasons.iter().all(|reason| reason.starts_with("mirror.obj: ")));
+    assert!(report.reasons.iter().all(|reason| reason.to_string().starts_with("mirror.obj: ")));
     let traced: Vec<&str> = report.trace.iter().map(|trace| &*trace.file).collect();
     assert_eq!((traced, report.files.len()), (vec!["mirror.stl"], 2));
 }
@@ -377,7 +378,7 @@ fn a_changed_byte_that_no_one_reads_is_noticed() {
         bytes
     });
     let [reason] = &report.reasons[..] else { panic!("{:?}", report.reasons) };
-    assert_eq!(&**reason, "mirror.stl: the bytes on the disk are not those that were written");
+    assert_eq!(*reason, Reason::from(FileFault::Altered).of_file("mirror.stl"));
 }
 
 #[test]

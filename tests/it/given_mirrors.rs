@@ -371,7 +371,7 @@ fn verify_passes_the_own_file_and_finds_a_vertex_ten_micrometres_off() {
         let worst = report.trace[0].worst_vertex.unwrap();
         assert!((worst.off_mm - 0.01).abs() < 2e-5, "{worst:?}");
         assert_eq!((report.verdict, report.reasons.len()), (Verdict::Fail, 1));
-        assert!(report.reasons[0].contains(&format!("the vertex ({}", f64::from(v.x))));
+        assert!(report.reasons[0].to_string().contains(&format!("the vertex ({}", f64::from(v.x))));
         let arguments = ["verify", "made/small/moved.stl", "--profile", profile, "--quiet"];
         assert_eq!(told(&morion(built.folder.path(), &arguments)).0, 1);
     }

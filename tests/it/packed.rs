@@ -252,9 +252,10 @@ fn a_damaged_3mf_fails_and_is_named() {
         let folder = folder();
         let report = build(&only, folder.path(), &Vandal(percent)).unwrap();
         assert_eq!(report.verdict, Verdict::Fail);
-        assert!(report.reasons.iter().all(|reason| reason.starts_with("mirror.3mf: ")));
+        assert!(report.reasons.iter().all(|reason| reason.to_string().starts_with("mirror.3mf: ")));
         // Every part of a package has a check sum.
-        let broken = report.reasons.iter().any(|reason| reason.contains("not a readable 3MF"));
+        let broken =
+            report.reasons.iter().any(|reason| reason.to_string().contains("not a readable 3MF"));
         assert!(broken, "{:?}", report.reasons);
     }
 }

@@ -215,7 +215,7 @@ fn a_vertex_off_the_stock_fails() {
         let off = report.trace[0].worst_vertex.unwrap().off_mm;
         assert!((off - 0.1).abs() < 1e-9, "{to}: {off}");
         assert_eq!(report.verdict, Verdict::Fail);
-        assert!(report.reasons.iter().any(|r| r.contains("off the designed part")));
+        assert!(report.reasons.iter().any(|r| r.to_string().contains("off the designed part")));
     }
 }
 
@@ -236,7 +236,7 @@ fn a_part_without_its_holes_is_not_the_part() {
     let report = morion::internals::pipeline::verify(&source, &path, &Silent).unwrap();
     assert_eq!(report.verdict, Verdict::Fail);
     let euler = "Euler characteristic 2 instead of -6: its through holes are not 4";
-    assert!(report.reasons.iter().any(|r| r.contains(euler)), "{:?}", report.reasons);
+    assert!(report.reasons.iter().any(|r| r.to_string().contains(euler)), "{:?}", report.reasons);
 }
 
 /// Rays that look down meet a wide rim that is close below the mirror.
@@ -245,7 +245,7 @@ fn a_rim_in_the_way_is_named() {
     let (report, _folder) =
         built(&format!("{CONQUISTADOR}part = {{ width_mm = 60, base_mm = 2, border_mm = 20 }}\n"));
     assert_eq!(report.verdict, Verdict::Fail);
-    let named = |r: &Reason| r.contains("by its flat rim: lower part.rim_mm");
+    let named = |r: &Reason| r.to_string().contains("by its flat rim: lower part.rim_mm");
     assert!(report.reasons.iter().any(named), "{:?}", report.reasons);
 }
 

@@ -3,7 +3,7 @@
 use crate::support::builds::{SMALL, edited, files, folder, parsed};
 use crate::support::share;
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::results::{BuildReport, Reason};
+use morion::internals::results::{BuildReport, RayFault, Reason};
 use serde_json::Value;
 
 /// The small profile with a frame of so few pixels that its rays take no time, and limits that suit.
@@ -67,7 +67,7 @@ fn right_or_refused(what: &str, text: &str) -> Result<BuildReport, String> {
     missing(&serde_json::from_str(&report.json()).unwrap(), "", &mut nothing);
     // Where no ray is aimed at the mirror there is nothing to say of rays, and the verdict is negative.
     assert!(nothing.is_empty() || !seen, "{what}: {nothing:?}");
-    let blind = |reason: &Reason| reason.ends_with("no camera ray is aimed at the mirror");
+    let blind = |reason: &Reason| reason.kind == RayFault::NothingAimed.into();
     assert!(seen || report.reasons.iter().any(blind), "{what}: {:?}", report.reasons);
     for bound in [mesh.chord_um, mesh.facet_px] {
         assert!(bound.limit.is_none_or(|limit| bound.bound <= limit), "{what}: {bound:?}");

@@ -2,7 +2,7 @@
 
 use crate::support::builds::{folder, parsed};
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::results::{BuildReport, Reason, ReasonKind, Verdict};
+use morion::internals::results::{BuildReport, PictureFault, ReasonKind, Verdict};
 
 /// A lab's camera, of a third of its pixels: 12.5 mm over 3.45 um, 1920 x 1080.
 const LAB: &str =
@@ -22,12 +22,22 @@ fn built(text: &str) -> BuildReport {
     build(&source, folder().path(), &Silent).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-fn of(report: &BuildReport, kind: ReasonKind) -> Option<&Reason> {
-    report.reasons.iter().find(|reason| reason.kind == Some(kind))
+/// The first reason of a kind, in words.
+fn of(report: &BuildReport, is_kind: fn(&ReasonKind) -> bool) -> Option<String> {
+    let reason = report.reasons.iter().find(|reason| is_kind(&reason.kind));
+    reason.map(ToString::to_string)
+}
+
+fn unfilled(kind: &ReasonKind) -> bool {
+    matches!(kind, ReasonKind::Picture(PictureFault::FrameFilled { .. }))
+}
+
+fn off(kind: &ReasonKind) -> bool {
+    matches!(kind, ReasonKind::Picture(PictureFault::PixelError { .. }))
 }
 
 /// The value after `key = ` in a reason.
-fn told<'r>(reason: &'r Reason, key: &str) -> &'r str {
+fn told<'r>(reason: &'r str, key: &str) -> &'r str {
     let (_, rest) = reason.split_once(&format!("{key} = ")).unwrap_or_else(|| panic!("{reason}"));
     rest.split([',', ';', ' ']).next().unwrap()
 }
@@ -37,21 +47,21 @@ fn a_mirror_too_small_for_its_camera_is_told_its_width() {
     let law = format!("projection.equirectangular = {TURN}");
     let report = built(&profile(LAB, &law, "layout.strip = {}", "40"));
     assert_eq!(report.verdict, Verdict::Fail);
-    let reason = of(&report, ReasonKind::FrameFilled).expect("little is filled");
+    let reason = of(&report, unfilled).expect("little is filled");
     assert!(report.frame.as_ref().unwrap().filled < 0.05);
     assert!(
         reason.contains("10.000 % are usual (accept.frame_filled sets another share)"),
         "{reason}"
     );
     assert!(reason.contains("[layout.conquistador] folds the turn into the frame"), "{reason}");
-    let width = told(reason, "width_mm");
+    let width = told(&reason, "width_mm");
     // 640 * 10.35 um * 200 / 12.5.
     assert_eq!(width, "105.984");
     let wider = built(&profile(LAB, &law, "layout.strip = {}", width));
-    assert!(of(&wider, ReasonKind::FrameFilled).is_none(), "{:?}", wider.reasons);
+    assert!(of(&wider, unfilled).is_none(), "{:?}", wider.reasons);
     let folded = "layout.conquistador.fill_frame = true";
     let folded = built(&profile(LAB, &law, folded, width));
-    assert!(of(&folded, ReasonKind::FrameFilled).is_none(), "{:?}", folded.reasons);
+    assert!(of(&folded, unfilled).is_none(), "{:?}", folded.reasons);
     assert!(folded.frame.unwrap().filled > 0.995);
 }
 
@@ -64,7 +74,7 @@ fn a_law_that_does_not_suit_is_told_what_the_best_one_leaves() {
     };
     let report = with("cylindrical");
     assert_eq!(report.verdict, Verdict::Fail);
-    let reason = of(&report, ReasonKind::PixelError).expect("the picture is far off");
+    let reason = of(&report, off).expect("the picture is far off");
     assert!(
         reason.contains("over the 3.2 px that are usual, 0.5 % of the frame's width"),
         "{reason}"
@@ -94,6 +104,6 @@ fn limits_that_a_profile_names_take_the_place_of_the_usual_ones() {
     let named = built(&format!("{text}accept.pixel_error_rms_px = 0.1\n"));
     let accepted = named.accepted.unwrap();
     assert!(!accepted.pixel_error_rms_px.usual && accepted.pixel_error_max_px.usual);
-    let reason = of(&named, ReasonKind::PixelError).expect("named");
+    let reason = of(&named, off).expect("named");
     assert!(reason.contains("over the 0.1 px of accept.pixel_error_rms_px"), "{reason}");
 }

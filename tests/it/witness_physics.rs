@@ -203,7 +203,7 @@ fn a_valley_shadows_itself_and_a_crest_does_not() {
     assert_eq!(report.verdict, Verdict::Fail);
     let named =
         format!("{} of {} rays aimed at the mirror are shadowed", trace.shadowed, trace.rays);
-    assert!(report.reasons.iter().any(|r| r.contains(&named)), "{:?}", report.reasons);
+    assert!(report.reasons.iter().any(|r| r.to_string().contains(&named)), "{:?}", report.reasons);
 
     let report = built(&profile(&[small, CREST]));
     let trace = &report.trace[0];

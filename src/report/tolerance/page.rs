@@ -146,7 +146,7 @@ impl ToleranceReport {
         let Some(machining) = &self.machining else { return };
         page.raw("<h2>Machining, unpolished</h2>");
         let mut rows: AnswerRows = machining.rows();
-        machining.reasons.iter().for_each(|reason| rows.page("", reason));
+        machining.reasons.iter().for_each(|reason| rows.page("", reason.to_string()));
         page.facts(&rows, "");
     }
 }

@@ -23,7 +23,11 @@ fn a_valley_keeps_a_fillet_that_two_ways_measure_alike() {
     };
     let found = cut(&profile, cutting, folder.path());
     assert_eq!(found.verdict, Verdict::Fail);
-    assert!(found.reasons.iter().any(|r| r.contains("fillet of")), "{:?}", found.reasons);
+    assert!(
+        found.reasons.iter().any(|r| r.to_string().contains("fillet of")),
+        "{:?}",
+        found.reasons
+    );
     let fillet = found.fillet.unwrap();
     // The root along each line against the closing of the mirror by the ball.
     let design = design(&profile).unwrap();

@@ -1,0 +1,170 @@
+//! Faults of what a cutter leaves, of a study of tolerances and of a replayed trial, with their figures, and how
+//! each is said.
+
+use super::{digits, percent};
+use crate::machining::FLOOR_MM;
+use crate::num::rounding::floor_four_digits;
+use thiserror::Error;
+
+/// What is wrong with a face as a ball cutter leaves it.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CuttingFault {
+    /// Its scallops displace the picture.
+    #[error(
+        "the unpolished face has a pixel error of {found_px:.3} px (95 % of it), over {limit_px} px; a \
+         stepover of {} keeps it", stepover(*keeps_mm)
+    )]
+    PixelError {
+        /// P95 of the pixel error, px.
+        found_px: f64,
+        /// The limit, px.
+        limit_px: f64,
+        /// The stepover that keeps it, mm, if there is one.
+        keeps_mm: Option<f64>,
+    },
+    /// Its scallops are high.
+    #[error(
+        "scallops are up to {found_um:.3} um high, over {limit_um} um; a stepover of {} keeps it",
+        stepover(*keeps_mm)
+    )]
+    Scallops {
+        /// The highest, um.
+        found_um: f64,
+        /// The limit, um.
+        limit_um: f64,
+        /// The stepover that keeps it, mm, if there is one.
+        keeps_mm: Option<f64>,
+    },
+    /// The valley is filled.
+    #[error(
+        "the ball leaves a fillet of {width_mm:.3} mm width in the valley, which takes {pixels:.0} pixels"
+    )]
+    Fillet {
+        /// Largest width, mm.
+        width_mm: f64,
+        /// Pixels that see it.
+        pixels: f64,
+    },
+    /// There is no place for the ball.
+    #[error("the ball of {ball_mm} mm fits nowhere on the mirror")]
+    NoPlace {
+        /// Its diameter, mm.
+        ball_mm: f64,
+    },
+    /// The ball does not reach all of the face.
+    #[error("{}", unreached(*ball_mm, *nowhere, *at_mm, *hollow_mm, (*left_mm, *share)))]
+    Unreached {
+        /// Its diameter, mm.
+        ball_mm: f64,
+        /// Whether it fits nowhere.
+        nowhere: bool,
+        /// X and Y of the tightest hollow or else of what is left most, mm.
+        at_mm: [f64; 2],
+        /// Radius of the hollow, if it is tighter than the ball, mm.
+        hollow_mm: Option<f64>,
+        /// Height of what is left at most, mm.
+        left_mm: f64,
+        /// Share of the face on which something is left, 0 to 1.
+        share: f64,
+    },
+}
+
+fn stepover(mm: Option<f64>) -> String {
+    mm.map_or("none".to_owned(), |mm| format!("{} mm", floor_four_digits(mm)))
+}
+
+fn unreached(
+    ball_mm: f64,
+    nowhere: bool,
+    [x, y]: [f64; 2],
+    hollow_mm: Option<f64>,
+    (left_mm, share): (f64, f64),
+) -> String {
+    let fits = if nowhere { "fits nowhere on the mirror" } else { "does not fit" };
+    let left = if left_mm > FLOOR_MM {
+        format!("up to {:.3} um", 1e3 * left_mm)
+    } else {
+        format!("less than {} um", 1e3 * FLOOR_MM)
+    };
+    let why = match hollow_mm {
+        Some(radius) => format!("the mirror is hollow with a radius of {radius:.4} mm; it"),
+        None => "other ground is in its way, and it".to_owned(),
+    };
+    let percent = 100.0 * share;
+    format!(
+        "the ball of {ball_mm} mm {fits}: at X {x:.3} mm, Y {y:.3} mm {why} leaves {left}, and something on \
+         {percent:.2} % of the face"
+    )
+}
+
+/// Why a study of tolerances is not met.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum StudyFault {
+    /// Too few parts are good.
+    #[error(
+        "{:.2} % of the parts stay within {budget_px} px, below the {} % of tolerance.target_yield",
+        100.0 * share, percent(*target)
+    )]
+    Yield {
+        /// The share that is good, 0 to 1.
+        share: f64,
+        /// The budget that they keep, px.
+        budget_px: f64,
+        /// The share that is to be good, 0 to 1.
+        target: f64,
+    },
+    /// Textures blur the picture.
+    #[error(
+        "textures blur each pixel by {} px, over the {budget_px} px of tolerance.budget_blur_px; most of it by \
+         {worst}", digits(*blur_px)
+    )]
+    Blur {
+        /// The blur, px.
+        blur_px: f64,
+        /// The budget, px.
+        budget_px: f64,
+        /// The source that adds most.
+        worst: String,
+    },
+}
+
+/// Why a file of a replayed trial does not show the made surface.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ReplayFault {
+    /// The trial has no picture.
+    #[error("the trial is lost: rays do not meet the made surface")]
+    Lost,
+    /// A vertex is off the made surface.
+    #[error(
+        "a vertex lies {off_mm:.2e} mm off the made surface, over the {rounding_mm:.2e} mm of rounding"
+    )]
+    OffSurface {
+        /// Its distance along Z, mm.
+        off_mm: f64,
+        /// What rounding explains, mm.
+        rounding_mm: f64,
+    },
+    /// Rays go elsewhere.
+    #[error("{lost} of {rays} rays are not reflected where the made surface is")]
+    Unreflected {
+        /// How many do.
+        lost: usize,
+        /// Of how many.
+        rays: usize,
+    },
+    /// The displacement is another.
+    #[error(
+        "{state} it shows {shown_px:.6} px where the made surface has {smooth_px:.6} px, off by more than its \
+         facet error of {facets_px:.6} px"
+    )]
+    Displacement {
+        /// As made, or adjusted.
+        state: &'static str,
+        /// Of the file, px.
+        shown_px: f64,
+        /// Of the made surface, px.
+        smooth_px: f64,
+        /// What facets explain, px.
+        facets_px: f64,
+    },
+}
