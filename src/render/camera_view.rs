@@ -1,8 +1,8 @@
 //! Sight: where the camera's rays go, by a mesh that was read back or by the designed mirror, and the
 //! picture of a world that they give.
 
-use super::picture::{SampleGrid, StripPainter};
-use super::{Picture, PictureRay, World};
+use super::picture::SampleGrid;
+use super::{Picture, PictureRay, StripPainter, World};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
 use crate::mirror::HeightAndSlope;
@@ -126,10 +126,6 @@ impl<'a> CameraPicture<'a> {
         let [width, height] = self.camera.pixels;
         let painter = StripPainter::new(self.grid(), world);
         let all = height as usize;
-        let sensor = |[x, y]: [f64; 2]| match self.turned {
-            true => [f64::from(width) - x, f64::from(height) - y],
-            false => [x, y],
-        };
         // The rows of the sensor that are some of the picture's, and their rays in the picture's order.
         let rows_of = |rows: Range<usize>| match self.turned {
             true => all - rows.end..all - rows.start,
@@ -163,12 +159,20 @@ impl<'a> CameraPicture<'a> {
                 _ => vec![MISSED; width as usize * rows.len()],
             })
         };
-        let see = |centre: &PictureRay, at: [f64; 2]| {
-            let [x, y] = sensor(at);
+        // A place of the picture on the sensor.
+        let on_sensor = |size: u32, x: f64| if self.turned { f64::from(size) - x } else { x };
+        let see = |points: &[(&PictureRay, f64)], y: f64| {
+            let (column, y) = (|x: f64| on_sensor(width, x), on_sensor(height, y));
             match self.view {
-                CameraView::Mesh(mesh) => self.on_mesh_at(&mesh.scene, centre, [x, y]),
-                CameraView::Smooth => self.on_mirror(&[x], y)[0],
-                CameraView::Shut => MISSED,
+                CameraView::Mesh(mesh) => points
+                    .iter()
+                    .map(|(centre, x)| self.on_mesh_at(&mesh.scene, centre, [column(*x), y]))
+                    .collect(),
+                CameraView::Smooth => {
+                    let columns: Vec<f64> = points.iter().map(|(_, x)| column(*x)).collect();
+                    self.on_mirror(&columns, y)
+                }
+                CameraView::Shut => vec![MISSED; points.len()],
             }
         };
         painter.paint(strips, centres, see, done)

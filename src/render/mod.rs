@@ -17,6 +17,7 @@ pub mod picture;
 mod setup_diagram;
 mod shaded_views;
 mod solid_of_revolution;
+mod strip_painter;
 pub mod test_world;
 mod text_distance_field;
 
@@ -27,9 +28,10 @@ pub(crate) use camera_view::{
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
-pub use picture::{Picture, PictureRay, SampleGrid, StripPainter};
+pub use picture::{Picture, PictureRay, SampleGrid};
 pub use setup_diagram::SetupDiagram;
 pub use shaded_views::shaded_views;
+pub use strip_painter::StripPainter;
 pub use test_world::TestWorld;
 
 use crate::geom::Ray;

@@ -1,0 +1,370 @@
+//! Painting: a world seen along rays, sampled again at edges in linear light, strip after strip of rows.
+
+use super::World;
+use super::picture::{BACK_FACE, MISSED, Picture, PictureRay, SHADOWED, SampleGrid};
+use crate::parallel;
+use crate::raster::srgb::{encode, hex};
+use crate::trace::Outcome;
+use std::ops::Range;
+
+/// Difference in linear light that makes an edge: a few times what the sky changes from pixel to
+/// pixel, a fraction of a thin line.
+const EDGE: f32 = 0.06;
+
+impl Picture {
+    /// The picture of `coarse`, the linear light at each pixel's centre, row by row, with pixels that
+    /// differ from a neighbour sampled again on a grid; the others keep their centre's colour.
+    ///
+    /// `light` takes a point in pixels, x to the right from the left edge and y down from the top
+    /// edge, so that the first pixel's centre is (0.5, 0.5). The bytes do not depend on the number of
+    /// threads.
+    ///
+    /// # Panics
+    /// When `coarse` has not one entry a pixel.
+    #[must_use]
+    pub fn refined(
+        grid: &SampleGrid,
+        coarse: &[[f32; 3]],
+        light: impl Fn(f64, f64) -> [f32; 3] + Sync,
+    ) -> Self {
+        let rows = 0..grid.height as usize;
+        assert_eq!(coarse.len(), grid.width as usize * rows.len(), "one centre a pixel");
+        let lights =
+            |points: &[(usize, f64)], y: f64| points.iter().map(|(_, x)| light(*x, y)).collect();
+        let (rgb, samples) = refined_rows(grid, rows, (0, coarse), lights);
+        Self { width: grid.width, height: grid.height, rgb, samples }
+    }
+}
+
+/// Some rows of a picture, as red, green and blue of each pixel, and the number of their samples: `coarse`
+/// is the light at pixels' centres from a row on, of the neighbouring rows too where there are any, and
+/// `light` takes points of one line across the picture, x with the number in it of the pixel that holds the
+/// point, and their y.
+fn refined_rows(
+    grid: &SampleGrid,
+    rows: Range<usize>,
+    (first, coarse): (usize, &[[f32; 3]]),
+    light: impl Fn(&[(usize, f64)], f64) -> Vec<[f32; 3]> + Sync,
+) -> (Vec<u8>, u64) {
+    let (width, height) = (grid.width as usize, grid.height as usize);
+    let side = grid.samples_per_side.max(1);
+    let number = |x: usize, y: usize| (y - first) * width + x;
+    let is_edge = |x: usize, y: usize| {
+        let here = coarse[number(x, y)];
+        let differs = |x: usize, y: usize| {
+            let other = coarse[number(x, y)];
+            here.iter().zip(other).any(|(a, b)| (a - b).abs() > EDGE)
+        };
+        (x > 0 && differs(x - 1, y))
+            || (x + 1 < width && differs(x + 1, y))
+            || (y > 0 && differs(x, y - 1))
+            || (y + 1 < height && differs(x, y + 1))
+    };
+    let place = |p: usize, k: u32| p as f64 + (f64::from(k) + 0.5) / f64::from(side);
+    // The mean of each edge's samples: a line of samples across all edges at a time.
+    let fine = |edges: &[usize], y: usize| {
+        let mut sums = vec![[0.0_f32; 3]; edges.len()];
+        let points =
+            edges.iter().flat_map(|&x| (0..side).map(move |k| (number(x, y), place(x, k))));
+        let points: Vec<(usize, f64)> = points.collect();
+        for k in 0..side {
+            let lights = light(&points, place(y, k));
+            for (sum, lights) in sums.iter_mut().zip(lights.chunks(side as usize)) {
+                for light in lights {
+                    *sum = std::array::from_fn(|c| sum[c] + light[c]);
+                }
+            }
+        }
+        sums.into_iter().map(|sum| sum.map(|s| s / (side * side) as f32)).collect::<Vec<_>>()
+    };
+    let mut rgb = vec![0; 3 * width * rows.len()];
+    let edges = parallel::map_chunks_mut(&mut rgb, (3 * width).max(3), |k, row| {
+        let y = rows.start + k;
+        let mut line = coarse[number(0, y)..][..width].to_vec();
+        let edges: Vec<usize> = (0..width).filter(|&x| side > 1 && is_edge(x, y)).collect();
+        for (&x, light) in edges.iter().zip(fine(&edges, y)) {
+            line[x] = light;
+        }
+        for (pixel, light) in row.chunks_exact_mut(3).zip(line) {
+            for (code, light) in pixel.iter_mut().zip(light) {
+                *code = encode(light);
+            }
+        }
+        edges.len() as u64
+    });
+    let samples = edges.iter().sum::<u64>() * u64::from(side * side) + (width * rows.len()) as u64;
+    (rgb, samples)
+}
+
+/// A picture of a world that is painted strip after strip of rows, from the top, with what it takes of the
+/// rows beside.
+pub struct StripPainter<'a> {
+    grid: SampleGrid,
+    world: &'a dyn World,
+}
+
+/// A strip whose centres are painted.
+struct CoarseStrip {
+    rows: Range<usize>,
+    centres: Vec<PictureRay>,
+    light: Vec<[f32; 3]>,
+}
+
+impl<'a> StripPainter<'a> {
+    /// The painter of `world` on the pixels of `grid`.
+    #[must_use]
+    pub fn new(grid: SampleGrid, world: &'a dyn World) -> Self {
+        Self { grid, world }
+    }
+
+    /// Paints the strips of `rows`: `centres` gives the rays of the pixels' centres of one, row by row, and
+    /// `see` those of points of one line across the picture: it gets the ray of the centre of the pixel that
+    /// holds each point with its x, and their y. `done` gets red, green and blue of the
+    /// pixels of each strip; the number of samples is returned.
+    ///
+    /// # Errors
+    /// Those of `done`.
+    pub fn paint<E>(
+        &self,
+        rows: Vec<Range<usize>>,
+        mut centres: impl FnMut(Range<usize>) -> Vec<PictureRay>,
+        see: impl Fn(&[(&PictureRay, f64)], f64) -> Vec<PictureRay> + Sync,
+        mut done: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<u64, E> {
+        let width = self.grid.width as usize;
+        let mut samples = 0;
+        // The last row of the strip before, and the strip that waits for the first row of the next.
+        let (mut above, mut waiting): (Vec<[f32; 3]>, Option<CoarseStrip>) = (vec![], None);
+        let strips = rows.into_iter().map(Some).chain([None]);
+        for rows in strips {
+            let next = rows.map(|rows| self.coarse(rows.clone(), centres(rows)));
+            if let Some(strip) = waiting.take() {
+                let below = next.as_ref().map_or(&[][..], |next| &next.light[..width]);
+                let (rgb, count) = self.fine(&strip, [&above, below], &see);
+                done(&rgb)?;
+                samples += count;
+                above = strip.light[strip.light.len() - width..].to_vec();
+            }
+            waiting = next;
+        }
+        Ok(samples)
+    }
+
+    fn coarse(&self, rows: Range<usize>, centres: Vec<PictureRay>) -> CoarseStrip {
+        let light =
+            parallel::map_slice(&centres, 4096, |&end| self.light(end, self.grid.pixel_rad));
+        CoarseStrip { rows, centres, light }
+    }
+
+    fn fine(
+        &self,
+        strip: &CoarseStrip,
+        [above, below]: [&[[f32; 3]]; 2],
+        see: &(impl Fn(&[(&PictureRay, f64)], f64) -> Vec<PictureRay> + Sync),
+    ) -> (Vec<u8>, u64) {
+        let footprint = self.grid.pixel_rad / f64::from(self.grid.samples_per_side.max(1));
+        let first = strip.rows.start - above.len() / (self.grid.width as usize).max(1);
+        let coarse = [above, &strip.light, below].concat();
+        refined_rows(&self.grid, strip.rows.clone(), (first, &coarse), |points, y| {
+            let centre = |&(pixel, x): &(usize, f64)| (&strip.centres[pixel - above.len()], x);
+            let ends = see(&points.iter().map(centre).collect::<Vec<_>>(), y);
+            ends.into_iter().map(|end| self.light(end, footprint)).collect()
+        })
+    }
+
+    fn light(&self, end: PictureRay, footprint: f64) -> [f32; 3] {
+        match end.outcome {
+            Outcome::Hit => self.world.light(&end.leaving, footprint),
+            Outcome::Shadowed(_) => hex(SHADOWED),
+            Outcome::Missed => hex(MISSED),
+            Outcome::BackFace => hex(BACK_FACE),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::geom::{DVec3, Ray};
+    use crate::num;
+    use crate::render::TestWorld;
+
+    const WIDTH: u32 = 720;
+    const SCALE: f64 = 2.0 * PI / WIDTH as f64;
+
+    /// Paints `world`: `centres` holds the ray of each pixel's centre, row by row, and `see` gives that of
+    /// any other point.
+    fn paint(
+        grid: &SampleGrid,
+        world: &dyn World,
+        centres: &[PictureRay],
+        see: impl Fn(f64, f64) -> PictureRay + Sync,
+    ) -> Picture {
+        in_strips(grid, world, grid.height.max(1) as usize, centres, see)
+    }
+
+    /// The same in strips of so many rows.
+    fn in_strips(
+        grid: &SampleGrid,
+        world: &dyn World,
+        step: usize,
+        centres: &[PictureRay],
+        see: impl Fn(f64, f64) -> PictureRay + Sync,
+    ) -> Picture {
+        let (width, height) = (grid.width as usize, grid.height as usize);
+        let mut rgb = Vec::new();
+        let rows = (0..height).step_by(step).map(|y| y..(y + step).min(height)).collect();
+        let Ok(samples) = StripPainter::new(*grid, world).paint::<Infallible>(
+            rows,
+            |rows| centres[rows.start * width..rows.end * width].to_vec(),
+            |points, y| points.iter().map(|(_, x)| see(*x, y)).collect(),
+            |strip| {
+                rgb.extend_from_slice(strip);
+                Ok(())
+            },
+        );
+        Picture { width: grid.width, height: grid.height, rgb, samples }
+    }
+
+    #[test]
+    fn strips_do_not_show() {
+        let grid = SampleGrid { width: WIDTH, height: 120, samples_per_side: 3, pixel_rad: SCALE };
+        let centres = centres(&grid, panorama);
+        let world = TestWorld::new();
+        let whole = paint(&grid, &world, &centres, panorama);
+        for step in [1, 7, 64, 119] {
+            assert!(in_strips(&grid, &world, step, &centres, panorama) == whole, "{step} rows");
+        }
+    }
+
+    /// A panorama of half a degree of azimuth a pixel, the horizon at y = 60.
+    fn panorama(x: f64, y: f64) -> PictureRay {
+        let (a, z) = ((x - 360.0) * SCALE, (60.0 - y) * SCALE);
+        let direction = DVec3::new(num::sin(a), num::cos(a), z).normalize();
+        PictureRay::reflected(Ray { origin: DVec3::ZERO, direction })
+    }
+
+    fn painted(samples_per_side: u32) -> Picture {
+        let grid = SampleGrid { width: WIDTH, height: 120, samples_per_side, pixel_rad: SCALE };
+        paint(&grid, &TestWorld::new(), &centres(&grid, panorama), panorama)
+    }
+
+    /// The rays of the pixel centres.
+    fn centres(grid: &SampleGrid, see: impl Fn(f64, f64) -> PictureRay) -> Vec<PictureRay> {
+        let pixels = 0..grid.width * grid.height;
+        let centre = |k| see(f64::from(k % grid.width) + 0.5, f64::from(k / grid.width) + 0.5);
+        pixels.map(centre).collect()
+    }
+
+    fn at(picture: &Picture, x: u32, y: u32) -> [i32; 3] {
+        let start = 3 * (y * picture.width + x) as usize;
+        std::array::from_fn(|k| i32::from(picture.rgb[start + k]))
+    }
+
+    fn bright(picture: &Picture, x: u32, y: u32) -> i32 {
+        at(picture, x, y).iter().sum()
+    }
+
+    #[test]
+    fn horizontals_of_an_ideal_panorama_are_straight() {
+        let picture = painted(2);
+        let circle = 60.0 - num::tan(num::radians(-15.0)) / SCALE;
+        for x in 0..WIDTH {
+            let darkest = (85..100).min_by_key(|&y| bright(&picture, x, y));
+            // Meridians and numbers are dark as well.
+            if (22..178).contains(&(x % 180)) && (x + 1) % 30 > 2 {
+                assert_eq!(darkest, Some(circle as u32), "column {x}");
+            }
+            let horizon = bright(&picture, x, 59).max(bright(&picture, x, 60));
+            assert!(horizon < 450, "column {x}: {horizon}");
+        }
+    }
+
+    #[test]
+    fn meridians_fall_on_their_pixels() {
+        let picture = painted(1);
+        // Azimuth -150 is at x = 60: half of the line in each of the pixels 59 and 60.
+        let row: Vec<i32> = (57..63).map(|x| bright(&picture, x, 75)).collect();
+        assert!((row[2] - row[3]).abs() <= 2, "{row:?}");
+        assert!(row[1] - row[2] > 40 && row[4] - row[3] > 40, "{row:?}");
+        assert!((row[0] - row[1]).abs() <= 3 && (row[4] - row[5]).abs() <= 3, "{row:?}");
+    }
+
+    #[test]
+    fn more_samples_agree_with_the_analytic_cover() {
+        let (coarse, fine) = (painted(1), painted(6));
+        let apart = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b));
+        let sum: f64 = coarse.rgb.iter().zip(&fine.rgb).map(apart).sum();
+        let mean = sum / fine.rgb.len() as f64;
+        assert!(mean < 2.0, "{mean}");
+        assert_ne!(coarse.rgb, fine.rgb);
+    }
+
+    #[test]
+    fn the_count_of_threads_does_not_show() {
+        let [one, two] = [1, 2].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let picture = pool.unwrap().install(|| painted(3));
+            (picture.to_png().unwrap(), picture)
+        });
+        assert!(one == two);
+    }
+
+    #[test]
+    fn png_gives_the_pixels_back() {
+        let picture = painted(1);
+        let bytes = picture.to_png().unwrap();
+        let mut reader = ::png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut rgb).unwrap();
+        assert_eq!((info.width, info.height), (picture.width, picture.height));
+        assert_eq!(info.color_type, ::png::ColorType::Rgb);
+        assert!(rgb == picture.rgb);
+        assert!(3 * bytes.len() < rgb.len(), "{} bytes", bytes.len());
+    }
+
+    #[test]
+    fn samples_are_averaged_in_linear_light() {
+        let grid = SampleGrid { width: 3, height: 1, samples_per_side: 2, pixel_rad: 0.01 };
+        let see = |x: f64, _: f64| match x {
+            ..1.0 => PictureRay::lost(Outcome::Missed),
+            ..1.5 => PictureRay::lost(Outcome::BackFace),
+            _ => PictureRay::lost(Outcome::Shadowed(0)),
+        };
+        let picture = paint(&grid, &TestWorld::new(), &centres(&grid, see), see);
+        let code = |hex: u32| [16, 8, 0].map(|shift| (hex >> shift & 0xff) as i32);
+        assert_eq!(at(&picture, 0, 0), code(MISSED));
+        assert_eq!(at(&picture, 2, 0), code(SHADOWED));
+        let half = (hex(SHADOWED)[0] + 1.0) / 2.0;
+        assert_eq!(at(&picture, 1, 0)[0], i32::from(encode(half)));
+    }
+
+    #[test]
+    fn only_edges_are_sampled_again() {
+        let grid = SampleGrid { width: 8, height: 4, samples_per_side: 2, pixel_rad: 0.01 };
+        let see = |x: f64, _: f64| {
+            PictureRay::lost(if x < 4.3 { Outcome::Missed } else { Outcome::BackFace })
+        };
+        let visited = std::sync::Mutex::new(Vec::new());
+        let noting = |x: f64, y: f64| {
+            visited.lock().unwrap().push(x as u32);
+            see(x, y)
+        };
+        let centres = centres(&grid, see);
+        let picture = paint(&grid, &TestWorld::new(), &centres, noting);
+        assert!(visited.lock().unwrap().iter().all(|x| [3, 4].contains(x)));
+        assert_eq!(at(&picture, 2, 1), at(&picture, 3, 1));
+        assert_eq!(picture.samples, 8 * 4 + 2 * 4 * 4);
+        assert!(bright(&picture, 4, 1) < bright(&picture, 5, 1));
+    }
+
+    #[test]
+    fn an_empty_picture_is_an_error_not_a_panic() {
+        let grid = SampleGrid { width: 0, height: 4, samples_per_side: 0, pixel_rad: 0.01 };
+        let picture = paint(&grid, &TestWorld::new(), &[], panorama);
+        assert!(picture.to_png().is_err());
+    }
+}
