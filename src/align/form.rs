@@ -3,7 +3,7 @@
 use super::OUTLIER;
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
-use crate::optics::Camera;
+use crate::optics::{Camera, ThinnedFrame};
 use crate::parallel;
 use serde::Serialize;
 use std::ops::Range;
@@ -50,44 +50,39 @@ pub struct FormError {
 pub struct FormMapBuilder<'a> {
     mirror: &'a Mirror,
     camera: &'a Camera,
-    /// It has every pixel, or every second, third, ... one each way.
-    step: usize,
+    thinned: ThinnedFrame,
     map: FormMap,
 }
 
 impl<'a> FormMapBuilder<'a> {
-    /// Most columns of a map.
-    const MOST: u32 = 1600;
-
     /// A map of the pixels of `camera`, without a row.
     #[must_use]
     pub fn new(mirror: &'a Mirror, camera: &'a Camera) -> Self {
-        let step = camera.pixels[0].div_ceil(Self::MOST);
-        let pixels = camera.pixels.map(|n| n.div_ceil(step));
-        let map = FormMap { pixels, mm: Vec::new() };
-        Self { mirror, camera, step: step as usize, map }
+        let thinned = ThinnedFrame::new(camera.pixels);
+        let map = FormMap { pixels: thinned.pixels(), mm: Vec::new() };
+        Self { mirror, camera, thinned, map }
     }
 
     /// Adds the rows of a mesh that the ray of each pixel meets `at` some place or none.
     pub fn add(&mut self, rows: Range<usize>, at: impl Fn([usize; 2]) -> Option<DVec3> + Sync) {
-        let Self { mirror, camera, step, .. } = *self;
+        let Self { mirror, camera, thinned, .. } = *self;
         let outline = mirror.full_outline();
-        let columns = self.map.pixels[0] as usize;
-        let rows: Vec<usize> = rows.filter(|row| row % step == 0).collect();
-        let mut mm = vec![f64::NAN; columns * rows.len()];
-        parallel::map_chunks_mut(&mut mm, columns.max(1), |k, line| {
+        let columns: Vec<usize> = thinned.columns().collect();
+        let rows: Vec<usize> = thinned.rows(rows).collect();
+        let mut mm = vec![f64::NAN; columns.len() * rows.len()];
+        parallel::map_chunks_mut(&mut mm, columns.len().max(1), |k, line| {
             let row = rows[k];
-            let place = |k: usize| {
-                let q = camera.image_point((k * step) as f64 + 0.5, row as f64 + 0.5);
+            let place = |x: &usize| {
+                let q = camera.image_point(*x as f64 + 0.5, row as f64 + 0.5);
                 mirror.intersect_camera_ray(&camera.chart, q).filter(|q| outline.aims(*q))
             };
-            let places = (0..columns).map(place).enumerate();
+            let places = columns.iter().map(place).enumerate();
             let (known, places): (Vec<usize>, Vec<DVec2>) =
                 places.filter_map(|(column, q)| Some((column, q?))).unzip();
             for ((column, q), point) in
                 known.into_iter().zip(&places).zip(mirror.eval_many(&places))
             {
-                if let Some(at) = at([column * step, row]) {
+                if let Some(at) = at([columns[column], row]) {
                     let normal = mirror.normal(*q, &point).normalize();
                     line[column] = normal.dot(at - mirror.position(*q, &point));
                 }

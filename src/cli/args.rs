@@ -106,7 +106,7 @@ pub(super) struct VerifyArgs {
 pub(super) struct RenderArgs {
     /// Profile file, or name of a shipped profile
     pub profile: String,
-    /// grid, chessboard, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
+    /// grid, chessboard, errors, views or cylinder; a panorama as PNG, JPEG or EXR; a model as OBJ
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: String,
     /// By the designed mirror instead of the mesh that is written and read back

@@ -4,9 +4,10 @@ use super::cause::{FailureCause, LocalFailure};
 use super::layout::DesignProblem;
 use super::solve::LeastSquaresFit;
 use crate::geom::{DVec2, angle};
-use crate::mirror::Mirror;
+use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::optics::{Camera, CurlBounds, ImagingTask, reflect};
+use crate::parallel;
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
@@ -131,29 +132,43 @@ fn errors(
     camera: &Camera,
     view: &ImagingTask,
 ) -> Result<(Summary, Summary), FailureCause> {
-    let (mut rays, mut shifts) = (Vec::new(), Vec::new());
-    for line in mirror.outline.samples(SAMPLES) {
-        let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        for ((q, weight), point) in line.into_iter().zip(mirror.eval_many(&places)) {
-            let at = mirror.position(q, &point);
-            let (image, _) = camera.chart.coordinates(at);
-            let ray = camera.chart.ray(image, at.z + 1.0);
-            let seen = reflect(ray.direction, mirror.normal(q, &point));
-            let slope = mirror.slope(q, &point).to_array();
-            let content = view.image_of_seen(&camera.chart, at.to_array(), slope, image);
-            let ray = angle(seen, view.direction_of(image, at));
-            let shift = (DVec2::from_array(content) - image).length();
-            if !(ray.is_finite() && shift.is_finite()) {
-                let failure = LocalFailure::at(&camera.chart, view, image, at, slope);
-                let cause = |failure| FailureCause::At { at: at.truncate(), failure, stage: None };
-                return Err(failure.map_or(NO_ERROR, cause));
-            }
-            rays.push((ray, weight));
-            shifts.push((shift, weight));
-        }
-    }
-    let summary = |errors| Summary::weighted(errors).ok_or(NO_ERROR);
+    let lines = mirror.outline.samples(SAMPLES);
+    let lines = parallel::map_slice(&lines, 1, |line| line_errors(mirror, camera, view, line));
+    let lines: Vec<LineErrors> = lines.into_iter().collect::<Result<_, _>>()?;
+    let (rays, shifts): (Vec<_>, Vec<_>) = lines.into_iter().unzip();
+    let summary = |errors: Vec<Vec<_>>| Summary::weighted(errors.concat()).ok_or(NO_ERROR);
     Ok((summary(rays)?, summary(shifts)?))
+}
+
+/// Ray errors (rad) and image displacements (mm) with their weights.
+type LineErrors = (Vec<(f64, f64)>, Vec<(f64, f64)>);
+
+fn line_errors(
+    mirror: &Mirror,
+    camera: &Camera,
+    view: &ImagingTask,
+    line: &[(DVec2, f64)],
+) -> Result<LineErrors, FailureCause> {
+    let (mut rays, mut shifts) = (Vec::new(), Vec::new());
+    let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
+    for (&(q, weight), point) in line.iter().zip(mirror.eval_many(&places)) {
+        let at = mirror.position(q, &point);
+        let (image, _) = camera.chart.coordinates(at);
+        let ray = camera.chart.ray(image, at.z + 1.0);
+        let seen = reflect(ray.direction, mirror.normal(q, &point));
+        let slope = mirror.slope(q, &point).to_array();
+        let content = view.image_of_seen(&camera.chart, at.to_array(), slope, image);
+        let ray = angle(seen, view.direction_of(image, at));
+        let shift = (DVec2::from_array(content) - image).length();
+        if !(ray.is_finite() && shift.is_finite()) {
+            let failure = LocalFailure::at(&camera.chart, view, image, at, slope);
+            let cause = |failure| FailureCause::At { at: at.truncate(), failure, stage: None };
+            return Err(failure.map_or(NO_ERROR, cause));
+        }
+        rays.push((ray, weight));
+        shifts.push((shift, weight));
+    }
+    Ok((rays, shifts))
 }
 
 /// Every so many places along and across, the curl's rounding is bounded.
@@ -162,13 +177,18 @@ const BOUNDED: usize = 5;
 fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> CurlFacts {
     let (mut square, mut area, mut worst) = (0.0, 0.0, (0.0f64, None));
     let (unit, chart) = (view.projection.scale_mm(), &camera.chart);
-    let mut bounded = Vec::new();
-    for (row, line) in mirror.outline.samples(SAMPLES / 2).into_iter().enumerate() {
+    let lines = mirror.outline.samples(SAMPLES / 2);
+    let curls = parallel::map_slice(&lines, 1, |line| {
         let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
-        for (k, ((q, weight), point)) in line.into_iter().zip(mirror.eval_many(&places)).enumerate()
-        {
-            let (image, f) = chart.coordinates(mirror.position(q, &point));
-            let curl = view.curl(chart, image, f);
+        let curl = |(q, point): (&DVec2, HeightAndSlope)| {
+            let (image, f) = chart.coordinates(mirror.position(*q, &point));
+            (image, f, view.curl(chart, image, f))
+        };
+        places.iter().zip(mirror.eval_many(&places)).map(curl).collect::<Vec<_>>()
+    });
+    let mut bounded = Vec::new();
+    for (row, (line, curls)) in lines.iter().zip(&curls).enumerate() {
+        for (k, ((_, weight), &(image, f, curl))) in line.iter().zip(curls).enumerate() {
             square += weight * curl * curl;
             area += weight;
             // A law may have no derivative on the axis itself.
@@ -180,10 +200,12 @@ fn curl(mirror: &Mirror, camera: &Camera, view: &ImagingTask) -> CurlFacts {
             }
         }
     }
+    bounded.extend(worst.1);
     let (mut condition, mut rounding) = (0.0f64, 0.0f64);
-    for (image, f) in bounded.into_iter().chain(worst.1) {
-        let CurlBounds { range, condition: here } = view.curl_bounds(chart, image, f);
-        let curl = view.curl(chart, image, f);
+    let bounds = parallel::map_slice(&bounded, 16, |&(image, f)| {
+        (view.curl_bounds(chart, image, f), view.curl(chart, image, f))
+    });
+    for (CurlBounds { range, condition: here }, curl) in bounds {
         rounding = rounding.max(curl - range.lo).max(range.hi - curl);
         condition = condition.max(here);
     }

@@ -56,7 +56,7 @@ pub struct Design {
     pub border: Option<Border>,
     /// Places of camera and target, and the size of the part.
     pub mounting: Mounting,
-    /// Figures of merit.
+    /// Figures of merit; of a mirror that was not measured those of its fit alone.
     pub facts: DesignFacts,
 }
 
@@ -72,6 +72,14 @@ impl Design {
     #[must_use]
     pub fn with_pixels(&self, pixels: [u32; 2]) -> Self {
         Self { camera: self.camera.with_pixels(pixels), ..self.clone() }
+    }
+
+    /// The same with all figures of merit.
+    fn measured(mut self) -> Result<Self, DesignError> {
+        if let Some(view) = &self.view {
+            self.facts = self.facts.against(&self.mirror, &self.camera, view)?;
+        }
+        Ok(self)
     }
 
     /// Number of holes through the part.
@@ -158,17 +166,37 @@ const MOST_ROUNDS: usize = 100;
 /// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
 /// represented or does not cover its outline.
 pub fn design(profile: &Profile) -> Result<Design, DesignError> {
-    try_design(profile).map_err(|error| match error {
+    try_design(profile).map_err(|error| remedied(profile, error))
+}
+
+/// [`design`] without the figures that compare the mirror with what it is to show, which take longer than a
+/// mirror of low degree. A mirror whose errors are not finite is none for [`design`], and may be one here.
+///
+/// # Errors
+/// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
+/// represented or does not cover its outline.
+pub fn design_unmeasured(profile: &Profile) -> Result<Design, DesignError> {
+    solve(profile).map_err(|error| remedied(profile, error))
+}
+
+/// The error with what helps.
+fn remedied(profile: &Profile, error: DesignError) -> DesignError {
+    match error {
         DesignError::Unsolved { cause, .. } => {
             let remedy = remedy::remedy(profile, &cause);
             DesignError::Unsolved { cause, remedy }
         }
         other => other,
-    })
+    }
 }
 
 /// [`design`] without a search for what helps.
 fn try_design(profile: &Profile) -> Result<Design, DesignError> {
+    solve(profile)?.measured()
+}
+
+/// The mirror on its base, not measured.
+fn solve(profile: &Profile) -> Result<Design, DesignError> {
     match &profile.shape {
         ShapeSpec::Designed(method) => {
             let (problem, mirror, facts) = solve_self_consistently(profile, method)?;
@@ -228,7 +256,7 @@ fn initial_geometry(
     Ok(geometry.updated(profile, &problem, &mirror))
 }
 
-/// Puts the part on its base and measures the design.
+/// Puts the part on its base.
 fn place_on_base(
     profile: &Profile,
     mut camera: Camera,
@@ -246,13 +274,9 @@ fn place_on_base(
     }
     mirror.chart.plane_mm += lift;
     camera.chart.plane_mm += lift;
-    let facts = match &mut view {
-        None => facts,
-        Some(view) => {
-            view.origin_mm += lift;
-            facts.against(&mirror, &camera, view)?
-        }
-    };
+    if let Some(view) = &mut view {
+        view.origin_mm += lift;
+    }
     let border = border::around(profile, &mirror)?;
     let mounting =
         Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), max_height + lift);

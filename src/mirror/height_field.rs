@@ -125,6 +125,11 @@ pub trait HeightField: Sized {
 pub trait HeightRow {
     /// Height and slope at `x`.
     fn at(&self, x: f64) -> HeightAndSlope;
+
+    /// Adds height and slope at each of `xs`, with the bits of [`HeightRow::at`].
+    fn extend_at(&self, xs: &[f64], points: &mut Vec<HeightAndSlope>) {
+        points.extend(xs.iter().map(|x| self.at(*x)));
+    }
 }
 
 /// Bounds of `surface` over `rect`, as far as the surface reaches.

@@ -118,9 +118,11 @@ impl Mirror {
     #[must_use]
     pub fn eval_many(&self, places: &[DVec2]) -> Vec<HeightAndSlope> {
         let mut points = Vec::with_capacity(places.len());
+        let mut xs = Vec::new();
         for line in places.chunk_by(|a, b| a.y == b.y) {
-            let row = self.row(line[0].y);
-            points.extend(line.iter().map(|q| row.at(q.x)));
+            xs.clear();
+            xs.extend(line.iter().map(|q| q.x));
+            self.row(line[0].y).extend_at(&xs, &mut points);
         }
         points
     }
@@ -220,5 +222,14 @@ impl MirrorRow<'_> {
             point.slope.y = -point.slope.y;
         }
         point
+    }
+
+    /// Adds height and slope at each of `xs`, with the bits of [`MirrorRow::at`].
+    fn extend_at(&self, xs: &[f64], points: &mut Vec<HeightAndSlope>) {
+        let first = points.len();
+        self.row.extend_at(xs, points);
+        if self.reflected {
+            points[first..].iter_mut().for_each(|point| point.slope.y = -point.slope.y);
+        }
     }
 }

@@ -115,6 +115,13 @@ macro_rules! surfaces {
                     $(Self::$kind(row) => row.at(x),)+
                 }
             }
+
+            /// As [`HeightRow::extend_at`].
+            pub fn extend_at(&self, xs: &[f64], points: &mut Vec<HeightAndSlope>) {
+                match self {
+                    $(Self::$kind(row) => row.extend_at(xs, points),)+
+                }
+            }
         }
     };
 }
@@ -172,6 +179,10 @@ mod tests {
                 // A row has the same bits.
                 let on_row = surface.row(q.y).at(q.x);
                 assert_eq!(on_row, point, "{q}");
+                let xs: Vec<f64> = (0..11).map(|k| q.x - 0.1 * f64::from(k)).collect();
+                let mut many = Vec::new();
+                surface.row(q.y).extend_at(&xs, &mut many);
+                assert!(xs.iter().map(|x| surface.row(q.y).at(*x)).eq(many), "{q}");
                 // The Hessian is the derivative of the slope; differences are good to their step, where a
                 // knot is between.
                 let e = 1e-5;

@@ -241,6 +241,24 @@ impl Row {
         Jet { f, gradient: [f_u, f_v], hessian: [0.0; 3] }
     }
 
+    /// [`Row::gradient`] at several places at once, with its bits.
+    #[inline]
+    #[must_use]
+    pub fn gradients<const N: usize>(&self, u: [f64; N]) -> [Jet; N] {
+        let (mut p, mut p0, mut d, mut d0) = ([1.0; N], [0.0; N], [0.0; N], [0.0; N]);
+        let (mut f, mut f_u, mut f_v) = ([0.0; N], [0.0; N], [0.0; N]);
+        for t in &self.terms {
+            for k in 0..N {
+                f[k] += t.f * p[k];
+                f_u[k] += t.f * d[k];
+                f_v[k] += t.f_v * p[k];
+                (d[k], d0[k]) = (d0[k] + t.odd * p[k], d[k]);
+                (p[k], p0[k]) = (t.grow * u[k] * p[k] - t.shrink * p0[k], p[k]);
+            }
+        }
+        std::array::from_fn(|k| Jet { f: f[k], gradient: [f_u[k], f_v[k]], hessian: [0.0; 3] })
+    }
+
     /// Value, gradient and Hessian at `u`; value and gradient have the bits of [`Row::gradient`].
     #[must_use]
     pub fn jet(&self, u: f64) -> Jet {
@@ -304,6 +322,9 @@ mod tests {
             let series = Series::from_fn(degrees, degrees + 1, c);
             for (u, v) in [(0.3, -0.7), (-0.9, 0.4), (1.0, 1.0)] {
                 assert_eq!(series.gradient(u, v), series.row(v).gradient(u));
+                let several = [u, v, -u, 0.5];
+                let one_by_one = several.map(|u| series.row(v).gradient(u));
+                assert_eq!(series.row(v).gradients(several), one_by_one);
                 // P_k(1) = 1.
                 let sum: f64 = series.coefficients.iter().sum();
                 assert!((series.gradient(1.0, 1.0).f - sum).abs() < 1e-9 * series.rows as f64);

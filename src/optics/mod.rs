@@ -11,6 +11,7 @@ pub mod stereographic;
 mod strip;
 mod tabulated_law;
 mod target;
+mod thinned_frame;
 
 pub use camera::{Camera, CameraModel};
 pub use imaging_task::{CurlBounds, Fold, ImagingTask};
@@ -22,6 +23,7 @@ pub use slope_field::SlopeField;
 pub use strip::Strip;
 pub use tabulated_law::TabulatedLaw;
 pub use target::Target;
+pub use thinned_frame::ThinnedFrame;
 
 use crate::geom::DVec3;
 

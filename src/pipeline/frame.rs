@@ -5,13 +5,13 @@ use super::in_memory_build::{InMemoryBuild, build_in_memory};
 use super::run::{Command, Run};
 use super::{Error, Stage};
 use crate::design::{Design, design};
-use crate::optics::{Camera, CameraModel};
+use crate::optics::{Camera, CameraModel, ThinnedFrame};
 use crate::parallel;
 use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
 use crate::report::Answer;
 use crate::results::{FrameReport, LeastFilled, PixelSolidAngle, Reason, RoundMirror};
-use crate::trace::{CoverageBuilder, MinMeanMax, PixelClass};
+use crate::trace::{CoverageBuilder, MinMeanMax};
 use crate::verdict;
 use std::ops::Range;
 
@@ -40,14 +40,16 @@ impl Command for FrameOptions {
         let camera = &design.camera;
         let Some(view) = &design.view else { return Err(no_projection(profile)) };
         let mut coverage = CoverageBuilder::new(camera, view);
-        let mut map = PixelMap::new(camera.pixels);
+        let thinned = ThinnedFrame::new(camera.pixels);
+        let (mut map, mut map_usr) = (Vec::new(), Vec::new());
         let mut resolution = ResolutionBuilder::default();
         let InMemoryBuild { frame, .. } = build_in_memory(run, &design, &mut |strip, classes| {
             coverage.add(strip, classes);
             let rows = strip.rows.start as u32..strip.rows.end as u32;
             let usr = solid_angles(&design, [0..camera.pixels[0], rows]);
             resolution.add(usr.iter().map(|usr| (*usr, 1)));
-            map.add(strip.rows.clone(), classes, &usr);
+            map.extend(thinned.thin(strip.rows.clone(), classes));
+            map_usr.extend(thinned.thin(strip.rows.clone(), &usr));
         })?;
         let Some(frame) = frame else { return Err(no_projection(profile)) };
         let coverage = run.timer.always(Stage::Coverage, || {
@@ -70,7 +72,7 @@ impl Command for FrameOptions {
             verdict: verdict::of(&reasons),
             reasons,
         };
-        let png = run.picture(|| report.png(map.pixels, &map.classes, &map.usr))?;
+        let png = run.picture(|| report.png(thinned.pixels(), &map, &map_usr))?;
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("frame.png", &png)?;
             files.add_bytes("frame.csv", report.csv().as_bytes())?;
@@ -119,37 +121,6 @@ impl ResolutionBuilder {
             pixel_usr: self.range.map(|[min, max]| MinMeanMax { min, mean, max }),
             ratio: self.range.map(|[min, max]| max / min),
             total_sr: self.sum * 1e-6,
-        }
-    }
-}
-
-/// Classes and solid angles of the pixels that a map of the frame shows: all, or every second, third, ... one
-/// each way.
-struct PixelMap {
-    step: usize,
-    columns: usize,
-    /// Columns and rows of the map.
-    pixels: [u32; 2],
-    classes: Vec<PixelClass>,
-    usr: Vec<Option<f64>>,
-}
-
-impl PixelMap {
-    /// Most columns of a map.
-    const MOST: u32 = 1600;
-
-    fn new(frame: [u32; 2]) -> Self {
-        let step = frame[0].div_ceil(Self::MOST);
-        let pixels = frame.map(|n| n.div_ceil(step));
-        let [columns, step] = [frame[0], step].map(|n| n as usize);
-        Self { step, columns, pixels, classes: Vec::new(), usr: Vec::new() }
-    }
-
-    fn add(&mut self, rows: Range<usize>, classes: &[PixelClass], usr: &[Option<f64>]) {
-        for row in rows.clone().filter(|row| row % self.step == 0) {
-            let line = (row - rows.start) * self.columns..(row - rows.start + 1) * self.columns;
-            self.classes.extend(classes[line.clone()].iter().step_by(self.step));
-            self.usr.extend(usr[line].iter().step_by(self.step));
         }
     }
 }

@@ -7,15 +7,16 @@ use super::{Error, Stage};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
-use crate::optics::Target;
+use crate::optics::{Target, ThinnedFrame};
 use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
     CameraPicture, CameraView, Chessboard, Distance, Picture, SetupDiagram, TestWorld, TracedMesh,
-    World, reflected, reflected_centres, shaded_views,
+    World, pixel_errors, reflected, reflected_centres, shaded_views,
 };
+use crate::report::pixel_error_picture;
 use crate::results::{RenderReport, SCHEMA};
-use crate::trace::Scene;
+use crate::trace::{PixelTrace, Scene};
 
 /// Samples along each side of a pixel at edges.
 const SAMPLES: u32 = 4;
@@ -23,14 +24,20 @@ const SAMPLES: u32 = 4;
 impl Command for RenderOptions<'_> {
     type Report = RenderReport;
 
-    fn check(&self, _profile: &Profile) -> Result<(), Error> {
-        SceneName::of(self)?;
-        Ok(())
+    fn check(&self, profile: &Profile) -> Result<(), Error> {
+        match (SceneName::of(self)?, &profile.projection) {
+            (SceneName::Errors, None) => Err(Error::NoProjection {
+                work: "map the errors of",
+                profile: profile.name.clone(),
+            }),
+            _ => Ok(()),
+        }
     }
 
     fn run(&self, run: &mut Run) -> Result<RenderReport, Error> {
         let scenery = Scenery::read(self)?;
-        let design = run.design()?;
+        // What is painted of the smooth mirror asks for no figure.
+        let design = if self.smooth { run.design_unmeasured()? } else { run.design()? };
         let name = format!("render-{}.png", stem(self.scene));
         let (traced, (pixels, rays)) = match &scenery {
             Scenery::Part(scene) => {
@@ -39,6 +46,13 @@ impl Command for RenderOptions<'_> {
                 let (picture, png) = run.painted(|| self.part(&design, &mesh, *scene))?;
                 run.files.add_bytes(&name, &png)?;
                 (format.name(), ([picture.width, picture.height], picture.samples))
+            }
+            Scenery::Errors => {
+                let (traced, errors) = self.errors(run, &design)?;
+                let pixels = ThinnedFrame::new(design.camera.pixels).pixels();
+                let png = run.picture(|| pixel_error_picture(pixels, &errors))?;
+                run.files.add_bytes(&name, &png)?;
+                (traced, (pixels, errors.len() as u64))
             }
             Scenery::World(world) if self.smooth => {
                 ("design", self.write_world(run, &name, &design, (CameraView::Smooth, world))?)
@@ -98,6 +112,30 @@ impl RenderOptions<'_> {
             WorldScene::Panorama(world) => write(&far, &**world),
             WorldScene::Model(world) => write(&around, &**world),
         }
+    }
+
+    /// What is traced, and the pixel errors of the thinned frame.
+    fn errors(
+        &self,
+        run: &Run,
+        design: &Design,
+    ) -> Result<(&'static str, Vec<Option<f64>>), Error> {
+        let thinned = ThinnedFrame::new(design.camera.pixels);
+        if self.smooth {
+            let errors =
+                run.timer.always(Stage::Trace, || (pixel_errors(design, thinned), String::new()));
+            return Ok(("design", errors));
+        }
+        let mut errors = Vec::new();
+        let pixel_mm = design.camera.pixel_mm;
+        let found = build_in_memory(run, design, &mut |strip, _| {
+            let error = |pixel: &PixelTrace| {
+                Some(pixel.errors?.image_mm / pixel_mm).filter(|px| px.is_finite())
+            };
+            let line: Vec<Option<f64>> = strip.traced.pixels.iter().map(error).collect();
+            errors.extend(thinned.thin(strip.rows.clone(), &line));
+        })?;
+        Ok((found.format.name(), errors))
     }
 
     /// The part itself.

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::observer::{Observer, Stage, StageTimer};
-use crate::design::{Design, design};
+use crate::design::{Design, design, design_unmeasured};
 use crate::profile::Profile;
 use crate::publish::{OutputFile, StagedFile, Transaction};
 use crate::render::Picture;
@@ -99,8 +99,23 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`Error::Design`] when it has no answer.
     pub fn design(&self) -> Result<Design, Error> {
+        self.designed_by(designed)
+    }
+
+    /// Designs the mirror without measuring it: for what asks for its shape alone.
+    ///
+    /// # Errors
+    /// [`Error::Design`] when it has no answer.
+    pub fn design_unmeasured(&self) -> Result<Design, Error> {
+        self.designed_by(|profile| {
+            let fail = |source| Error::Design { profile: profile.name.clone(), source };
+            design_unmeasured(profile).map_err(fail)
+        })
+    }
+
+    fn designed_by(&self, design: fn(&Profile) -> Result<Design, Error>) -> Result<Design, Error> {
         self.stage(Stage::Design, || {
-            let design = designed(self.profile)?;
+            let design = design(self.profile)?;
             let note = design.facts.method.to_owned();
             Ok((design, note))
         })

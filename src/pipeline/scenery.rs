@@ -34,8 +34,8 @@ impl Default for RenderOptions<'_> {
 pub enum SceneError {
     /// Neither a scene nor a file.
     #[error(
-        "{named}: no such file, and no scene of that name; the scenes are grid, chessboard, views \
-         and cylinder, and files may be PNG, JPEG, EXR or OBJ{hint}"
+        "{named}: no such file, and no scene of that name; the scenes are grid, chessboard, errors, \
+         views and cylinder, and files may be PNG, JPEG, EXR or OBJ{hint}"
     )]
     Unknown {
         /// As typed.
@@ -94,6 +94,8 @@ pub(super) enum SceneName {
     Grid,
     /// The chessboard around the mirror.
     Chessboard,
+    /// How far the picture is off the projection.
+    Errors,
     /// The part itself.
     Part(PartScene),
     /// A file with triangles around the mirror.
@@ -115,6 +117,8 @@ pub(super) enum PartScene {
 pub(super) enum Scenery {
     /// In the mirror.
     World(WorldScene),
+    /// How far the picture is off the projection.
+    Errors,
     /// The part itself.
     Part(PartScene),
 }
@@ -131,9 +135,10 @@ pub(super) enum WorldScene {
     Model(Box<Model>),
 }
 
-const NAMES: [(&str, SceneName); 4] = [
+const NAMES: [(&str, SceneName); 5] = [
     ("grid", SceneName::Grid),
     ("chessboard", SceneName::Chessboard),
+    ("errors", SceneName::Errors),
     ("views", SceneName::Part(PartScene::Views)),
     ("cylinder", SceneName::Part(PartScene::Cylinder)),
 ];
@@ -188,6 +193,7 @@ impl Scenery {
     pub(super) fn read(options: &RenderOptions) -> Result<Self, SceneError> {
         let world = match SceneName::of(options)? {
             SceneName::Part(scene) => return Ok(Self::Part(scene)),
+            SceneName::Errors => return Ok(Self::Errors),
             SceneName::Grid => WorldScene::Grid,
             SceneName::Chessboard => WorldScene::Chessboard,
             SceneName::Model => WorldScene::Model(Box::new(model(options)?)),

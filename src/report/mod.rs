@@ -22,6 +22,6 @@ mod unwrap;
 mod visible;
 
 pub use answer::{Answer, AnswerRows, Head, ToRows};
-pub use maps::{form_picture, gouge_picture};
+pub use maps::{form_picture, gouge_picture, pixel_error_picture};
 pub(crate) use plot::{Failure, svg};
 pub use visible::visible;

@@ -336,7 +336,7 @@ fn what_cannot_be_rendered_is_told_and_nothing_is_written() {
             &["chesboard"][..],
             &[
                 "chesboard: no such file",
-                "grid, chessboard, views and cylinder",
+                "grid, chessboard, errors, views and cylinder",
                 "did you mean chessboard?",
             ][..],
         ),
