@@ -108,7 +108,7 @@ pub use pipeline::{
     ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions,
 };
 pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
-pub use report::Answer;
+pub use report::{Answer, TextLayout};
 pub use results::{
     BlurReport, BuildForecast, BuildReport, CuttingFault, FileFault, FrameReport, LeastFilled,
     MachiningReport, Obstacle, PictureFault, PixelErrorFigure, RayFault, Reason, ReasonKind,

@@ -138,19 +138,19 @@ impl Answer for BenchReport {
 impl ToRows for BenchSweep {
     fn add_to(&self, rows: &mut AnswerRows) {
         let Self { about, setting, error, .. } = self;
-        rows.line(format!("{about}  (* nothing is both faster and nearer)"));
-        rows.line(format!("  {:22}{:26}{setting:>14}{:>12}  {error}", "profile", "", "time ms"));
+        rows.remark(format!("{about} (* nothing is both faster and nearer); error: {error}"));
+        rows.line(format!("  {:21}{:23}{setting:>12}{:>10}  error", "profile", "", "time ms"));
         for run in &self.runs {
             let BenchRun { profile, series, setting, time_ms, error, pareto, .. } = run;
             let star = if *pareto { " *" } else { "" };
             let setting =
                 if setting.fract() == 0.0 { setting.to_string() } else { digits(*setting) };
             rows.line(format!(
-                "  {profile:22}{series:26}{setting:>14}{time_ms:>12.2}  {error:.3e}{star}"
+                "  {profile:21}{series:23}{setting:>12}{time_ms:>10.2}  {error:.2e}{star}"
             ));
         }
         for ConvergenceOrder { of, order, sigma, theory } in &self.orders {
-            rows.line(format!("  {of} ^ {order:.2} +- {sigma:.2}; theory {theory}"));
+            rows.remark(format!("{of} ^ {order:.2} +- {sigma:.2}; theory {theory}"));
         }
         rows.line("");
     }
@@ -161,7 +161,7 @@ impl ToRows for Suggestion {
         let Self { profile, target_px, settings, least_px } = self;
         let Some(found) = settings else {
             let least = digits(*least_px);
-            rows.line(format!(
+            rows.remark(format!(
                 "{profile}: no design comes nearer than {least} px; {target_px} px cannot be reached"
             ));
             return;
@@ -169,7 +169,7 @@ impl ToRows for Suggestion {
         let SuggestedSettings { method, minimax, degree, facet_px, triangles, .. } = found;
         let SuggestedSettings { pixel_rms_px, time_ms, file, .. } = found;
         let (goal, reached) = (if *minimax { ", minimax" } else { "" }, digits(*pixel_rms_px));
-        rows.line(format!(
+        rows.remark(format!(
             "{profile}: {method}{goal} of degree {degree}, facet_px = {facet_px}: {reached} px with \
              {triangles} optical triangles in {time_ms:.0} ms -> {file}"
         ));

@@ -20,6 +20,9 @@ pub(super) struct Arguments {
     /// No progress on stderr; warnings and errors stay
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Details that few ask for
+    #[arg(long, short, global = true)]
+    pub verbose: bool,
     /// Number of threads [default: one per core]; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,

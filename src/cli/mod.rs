@@ -11,13 +11,13 @@ use crate::bench::{BenchOptions, bench};
 use crate::parallel;
 use crate::pipeline::{Command, ToleranceOptions, TrialsPart, dry_run, load, merge};
 use crate::profile::{Profile, Shipped, shipped};
-use crate::report::{Answer, visible};
+use crate::report::{Answer, TextLayout, visible};
 use crate::results::Verdict;
 use args::{Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, ToleranceArgs};
 use clap::Parser;
 use progress::Progress;
 use serde_json::json;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -37,12 +37,7 @@ pub fn run() -> ExitCode {
     signals::watch();
     let told = || {
         execute(&arguments).unwrap_or_else(|error| {
-            let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Red.into()));
-            let _ = writeln!(
-                anstream::stderr(),
-                "{style}error{style:#}: {}",
-                visible(&error.to_string())
-            );
+            complain("error", anstyle::AnsiColor::Red, &error.to_string());
             UNABLE
         })
     };
@@ -52,8 +47,8 @@ pub fn run() -> ExitCode {
 type Failure = Box<dyn std::error::Error>;
 
 fn execute(arguments: &Arguments) -> Result<u8, Failure> {
-    let format = arguments.format;
-    let terminal = Terminal { format, progress: Progress::new(arguments.quiet) };
+    let Arguments { format, verbose, .. } = *arguments;
+    let terminal = Terminal { format, verbose, progress: Progress::new(arguments.quiet) };
     match &arguments.command {
         CommandArg::Build(args) => terminal.build(args),
         CommandArg::Check(args) => terminal.check(&args.profile),
@@ -78,6 +73,8 @@ fn execute(arguments: &Arguments) -> Result<u8, Failure> {
 /// Where results and progress go.
 struct Terminal {
     format: PrintFormat,
+    /// Whether details are shown.
+    verbose: bool,
     progress: Progress,
 }
 
@@ -87,7 +84,9 @@ impl Terminal {
     where
         C::Report: Answer,
     {
-        self.conclude(&command.publish(&load(named)?, out, &self.progress)?)
+        let profile = load(named)?;
+        let report = command.publish(&profile, out, &self.progress)?;
+        self.conclude(&report, Some(&out.join(command.folder(&profile))))
     }
 
     /// Runs a command on one profile that writes no files, and prints its report.
@@ -95,7 +94,7 @@ impl Terminal {
     where
         C::Report: Answer,
     {
-        self.conclude(&command.in_memory(&load(named)?, &self.progress)?.0)
+        self.conclude(&command.in_memory(&load(named)?, &self.progress)?.0, None)
     }
 
     /// Builds every profile; what could not be built is told at the end.
@@ -103,11 +102,13 @@ impl Terminal {
         let (mut code, mut failures) = (PASSED, Vec::new());
         for source in &load_all(&args.profiles)? {
             let done = if args.dry_run {
-                dry_run(source, &self.progress).map(|forecast| self.conclude(&forecast))
+                dry_run(source, &self.progress).map(|forecast| self.conclude(&forecast, None))
             } else {
-                args.options()
+                let options = args.options();
+                let folder = args.out.join(options.folder(source));
+                options
                     .publish(source, &args.out, &self.progress)
-                    .map(|report| self.conclude(&report))
+                    .map(|report| self.conclude(&report, Some(&folder)))
             };
             match done {
                 Ok(concluded) => code = code.max(concluded?),
@@ -128,7 +129,7 @@ impl Terminal {
 
     fn tolerance(&self, args: &ToleranceArgs) -> Result<u8, Failure> {
         let Some(named) = &args.profile else {
-            return self.conclude(&merge(&args.merge, &args.out, &self.progress)?);
+            return self.conclude(&merge(&args.merge, &args.out, &self.progress)?, None);
         };
         match args.replay {
             Some(trial) => self.publish(&args.replay(trial), named, &args.out),
@@ -142,7 +143,7 @@ impl Terminal {
         let options =
             BenchOptions { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
         let bench = bench(out, &options, &self.progress)?;
-        self.conclude(&bench)?;
+        self.conclude(&bench, None)?;
         let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
         Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
     }
@@ -157,18 +158,30 @@ impl Terminal {
         for Shipped { name, text } in shipped() {
             let summary = Profile::parse(name, name, text.as_bytes())?.summary;
             self.show(
-                || format!("{name:21} {summary}\n"),
+                || {
+                    let columns = columns(&std::io::stdout());
+                    let layout = TextLayout { columns, ..TextLayout::default() };
+                    layout.lines(&format!("{name:21} "), &summary, 22)
+                },
                 || line(&json!({ "name": name, "summary": summary })),
             )?;
         }
         Ok(PASSED)
     }
 
-    /// Prints an answer, its warnings to stderr, and turns its verdict into an exit code.
-    fn conclude(&self, answer: &impl Answer) -> Result<u8, Failure> {
+    /// Prints an answer, whose files are in `folder`, its warnings to stderr, and turns its verdict into an exit
+    /// code.
+    fn conclude(&self, answer: &impl Answer, folder: Option<&Path>) -> Result<u8, Failure> {
         let head = answer.head();
-        head.warnings.iter().for_each(|warning| warn(warning));
-        self.show(|| answer.text(), || answer.json())?;
+        let warn = |warning: &String| complain("warning", anstyle::AnsiColor::Yellow, warning);
+        head.warnings.iter().for_each(warn);
+        let folder = folder.map(|folder| folder.display().to_string());
+        let layout = TextLayout {
+            columns: columns(&std::io::stdout()),
+            details: self.verbose,
+            folder: folder.as_deref(),
+        };
+        self.show(|| answer.laid_out(&layout), || answer.json())?;
         Ok(if head.verdict == Some(Verdict::Fail) { FAILED } else { PASSED })
     }
 
@@ -211,10 +224,22 @@ fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
     if faults.is_empty() { Ok(profiles) } else { Err(faults.join("\n").into()) }
 }
 
-/// Says on stderr what is no error; a message that nobody can read is not worth failing for.
-fn warn(warning: &str) {
-    let style = anstyle::Style::new().bold().fg_color(Some(anstyle::AnsiColor::Yellow.into()));
-    let _ = writeln!(anstream::stderr(), "{style}warning{style:#}: {}", visible(warning));
+/// Says a message of a kind on stderr; one that nobody can read is not worth failing for. Messages of several
+/// lines show places in files, and stay as they are.
+fn complain(kind: &str, colour: anstyle::AnsiColor, message: &str) {
+    let columns = if message.contains('\n') { None } else { columns(&std::io::stderr()) };
+    let layout = TextLayout { columns, ..TextLayout::default() };
+    let lines = layout.lines(&format!("{kind}: "), message, 2);
+    let style = anstyle::Style::new().bold().fg_color(Some(colour.into()));
+    let rest = lines.strip_prefix(kind).unwrap_or(&lines);
+    let _ = write!(anstream::stderr(), "{style}{kind}{style:#}{rest}");
+}
+
+/// Letters in a line of a stream: what COLUMNS says, or else its terminal has; none where it is no terminal.
+fn columns(stream: &impl IsTerminal) -> Option<usize> {
+    let asked = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
+    let size = || stream.is_terminal().then(terminal_size::terminal_size).flatten();
+    asked.or_else(|| size().map(|(width, _)| width.0.into()))
 }
 
 /// A JSON value on a line of its own.

@@ -1,9 +1,9 @@
 //! Answers of commands: rows of facts, each worded once, and the renderers of all answers as text and JSON.
 
+use super::TextLayout;
 use super::visible::visible;
-use crate::results::{FileFacts, ProfileId, Verdict, megabytes};
+use crate::results::{FileFacts, ProfileId, Verdict, file_size};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// What an answer is about, and what it comes to.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -55,19 +55,28 @@ pub trait Answer: Serialize {
     /// A readable summary: a line a fact, the reasons, and the verdict last. Plain text, in which what
     /// would steer a terminal is written out.
     fn text(&self) -> String {
+        self.laid_out(&TextLayout::default())
+    }
+
+    /// The summary for a reader.
+    fn laid_out(&self, layout: &TextLayout) -> String {
         let Head { profile, verdict, reasons, .. } = self.head();
         let mut out = String::new();
         if let Some(ProfileId { name, sha256 }) = profile {
-            out += &format!("{name}  ({})\n", &sha256[..sha256.len().min(8)]);
+            out += &visible(&format!("{name}  ({})\n", &sha256[..sha256.len().min(8)]));
         }
-        out += &self.rows().text();
+        let mut rows = self.rows();
+        if let Some(folder) = layout.folder {
+            rows.terminal("folder", folder);
+        }
+        out += &rows.text(layout);
         for reason in reasons {
-            out += &format!("  - {reason}\n");
+            out += &layout.lines("  - ", &reason, 4);
         }
         if let Some(verdict) = verdict {
             out += &format!("  verdict  {}\n", verdict.word());
         }
-        visible(&out)
+        out
     }
 }
 
@@ -93,6 +102,10 @@ struct Row {
     /// Its name in the page's table; none of a fact for the terminal alone.
     heading: Option<String>,
     sentence: String,
+    /// Whether the terminal shows it only to those who ask for details.
+    is_detail: bool,
+    /// Whether it is a line as it stands: one of a table.
+    is_fixed: bool,
 }
 
 /// Facts in words, for the terminal, for the page, or for both.
@@ -125,7 +138,7 @@ impl AnswerRows {
     }
 
     fn push(&mut self, label: Option<&'static str>, heading: Option<String>, sentence: String) {
-        self.rows.push(Row { label, heading, sentence });
+        self.rows.push(Row { label, heading, sentence, is_detail: false, is_fixed: false });
     }
 
     /// Adds a fact that has one name in the terminal and on the page.
@@ -148,9 +161,22 @@ impl AnswerRows {
         self.push(None, Some(heading.into()), sentence.into());
     }
 
-    /// Adds a line of the terminal that is no fact with a name: a heading, a note, a line of a table.
+    /// Adds a line of the terminal's tables, which stays as it is.
     pub fn line(&mut self, text: impl Into<String>) {
         self.push(None, None, text.into());
+        self.rows.iter_mut().last().expect("a row was added").is_fixed = true;
+    }
+
+    /// Adds a remark for the terminal, which has no name.
+    pub fn remark(&mut self, text: impl Into<String>) {
+        self.push(None, None, text.into());
+    }
+
+    /// What `add` adds is for those in the terminal who ask for details.
+    pub fn details(&mut self, add: impl FnOnce(&mut Self)) {
+        let first = self.rows.len();
+        add(self);
+        self.rows[first..].iter_mut().for_each(|row| row.is_detail = true);
     }
 
     /// Adds all of `others`.
@@ -159,19 +185,17 @@ impl AnswerRows {
     }
 
     /// The terminal's lines, the names of facts in a column.
-    fn text(&self) -> String {
-        let mut out = String::new();
-        for Row { label, heading, sentence } in &self.rows {
-            // Writing to a string cannot fail.
-            let _ = match (label, heading) {
-                (Some(label), _) => {
-                    writeln!(out, "  {label:width$} {sentence}", width = self.label_width)
-                }
-                (None, None) => writeln!(out, "{sentence}"),
-                (None, Some(_)) => Ok(()),
-            };
-        }
-        out
+    fn text(&self, layout: &TextLayout) -> String {
+        let width = self.label_width;
+        let line = |row: &Row| match (row.label, &row.heading) {
+            (Some(label), _) => {
+                Some(layout.lines(&format!("  {label:width$} "), &row.sentence, width + 3))
+            }
+            (None, None) if row.is_fixed => Some(visible(&row.sentence) + "\n"),
+            (None, None) => Some(layout.lines("  ", &row.sentence, 4)),
+            (None, Some(_)) => None,
+        };
+        self.rows.iter().filter(|row| layout.details || !row.is_detail).filter_map(line).collect()
     }
 
     /// Names and sentences of the page's facts.
@@ -194,7 +218,7 @@ impl<T: ToRows> ToRows for Vec<T> {
 
 impl ToRows for FileFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
-        rows.add("file", format!("{}  {}", self.name, megabytes(self.bytes)));
+        rows.add("file", format!("{}  {}", self.name, file_size(self.bytes)));
     }
 }
 
@@ -210,9 +234,22 @@ mod tests {
         rows.terminal("", "seen from above");
         rows.page("area", "3 mm^2");
         rows.line("a table");
-        let text = "  part     1 mm\n  form     2 mm\n           seen from above\na table\n";
-        assert_eq!(rows.text(), text);
+        rows.remark("a remark");
+        rows.details(|rows| rows.add("mesh", "7 triangles"));
+        let text =
+            "  part     1 mm\n  form     2 mm\n           seen from above\na table\n  a remark\n";
+        assert_eq!(rows.text(&TextLayout::default()), text);
+        let all = TextLayout { details: true, ..TextLayout::default() };
+        assert_eq!(rows.text(&all), format!("{text}  mesh     7 triangles\n"));
         let page: Vec<_> = rows.of_page().collect();
-        assert_eq!(page, [("part", "1 mm"), ("best-fit sphere", "2 mm"), ("area", "3 mm^2")]);
+        assert_eq!(
+            page,
+            [
+                ("part", "1 mm"),
+                ("best-fit sphere", "2 mm"),
+                ("area", "3 mm^2"),
+                ("mesh", "7 triangles")
+            ]
+        );
     }
 }

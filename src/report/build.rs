@@ -1,9 +1,12 @@
 //! Answers of a build and of a verification.
 
-use super::answer::{Answer, AnswerRows, Head};
-use super::fact_rows::TracesWithFrame;
+use super::answer::{Answer, AnswerRows, Head, ToRows};
+use super::fact_rows::{PlainPicture, TracesWithFrame};
 use super::page::{Page, escaped};
-use crate::results::{BuildReport, FileFacts, VerifyReport};
+use super::sharpness::PlainSharpness;
+use crate::profile::AcceptanceLimits;
+use crate::results::{BuildReport, FileFacts, TraceFacts, VerifyReport};
+use crate::trace::FrameFill;
 
 impl Answer for BuildReport {
     fn head(&self) -> Head<'_> {
@@ -13,10 +16,16 @@ impl Answer for BuildReport {
     fn rows(&self) -> AnswerRows {
         let Self { layout, design, form, mesh, solid, files, step, sag, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
+        let mut rows = AnswerRows::of(&[layout, &plain_picture(trace, frame, accepted)]);
+        sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
+        files.add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
-        AnswerRows::of(&[
-            layout, design, form, mesh, solid, files, step, sag, trace, frame, sharpness, accepted,
-        ])
+        rows.details(|rows| {
+            rows.append(AnswerRows::of(&[
+                design, form, mesh, solid, step, sag, trace, frame, sharpness, accepted,
+            ]));
+        });
+        rows
     }
 }
 
@@ -68,6 +77,14 @@ fn file_row(FileFacts { name, bytes, sha256, .. }: &FileFacts) -> String {
     format!("<tr><th>{name}</th><td>{bytes} bytes<br><code>sha256 {sha256}</code></td></tr>\n")
 }
 
+fn plain_picture<'a>(
+    traces: &'a [TraceFacts],
+    frame: &'a Option<FrameFill>,
+    accepted: &'a Option<AcceptanceLimits>,
+) -> PlainPicture<'a> {
+    PlainPicture { traces, frame: frame.as_ref(), accepted: accepted.as_ref() }
+}
+
 impl Answer for VerifyReport {
     fn head(&self) -> Head<'_> {
         Head::judged(&self.profile, self.verdict, &self.reasons).with_warnings(&self.warnings)
@@ -76,20 +93,15 @@ impl Answer for VerifyReport {
     fn rows(&self) -> AnswerRows {
         let Self { layout, design, form, files, units, alignment, form_error_um, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
+        let mut rows = AnswerRows::of(&[layout, files, units, alignment, form_error_um]);
+        plain_picture(trace, frame, accepted).add_to(&mut rows);
+        sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
-        AnswerRows::of(&[
-            layout,
-            design,
-            form,
-            files,
-            units,
-            alignment,
-            form_error_um,
-            trace,
-            frame,
-            sharpness,
-            accepted,
-        ])
+        rows.details(|rows| {
+            let parts: [&dyn ToRows; 6] = [design, form, trace, frame, sharpness, accepted];
+            rows.append(AnswerRows::of(&parts));
+        });
+        rows
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use crate::results::{
-    BuildForecast, FileForecast, ForecastLimit, MeshForecast, megabytes, of_at_most,
+    BuildForecast, FileForecast, ForecastLimit, MeshForecast, file_size, of_at_most,
 };
 
 impl Answer for BuildForecast {
@@ -12,7 +12,7 @@ impl Answer for BuildForecast {
 
     fn rows(&self) -> AnswerRows {
         let mut rows = AnswerRows::of(&[&self.mesh, &self.files]);
-        self.reasons.iter().for_each(|reason| rows.line(format!("  - {reason}")));
+        self.reasons.iter().for_each(|reason| rows.remark(format!("- {reason}")));
         rows.terminal("dry run", "nothing was written");
         rows
     }
@@ -44,7 +44,7 @@ impl ToRows for MeshForecast {
 
 impl ToRows for FileForecast {
     fn add_to(&self, rows: &mut AnswerRows) {
-        rows.terminal("file", format!("{}  about {}", self.name, megabytes(self.bytes)));
+        rows.terminal("file", format!("{}  about {}", self.name, file_size(self.bytes)));
     }
 }
 

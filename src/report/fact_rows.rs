@@ -6,7 +6,7 @@ use crate::mirror::{Departure, Form};
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
 use crate::results::{
     ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts, digits, figures,
-    of_at_most, percent,
+    of_at_most, percent, three_digits,
 };
 use crate::solid::OpenBoundary;
 use crate::trace::FrameFill;
@@ -22,7 +22,7 @@ impl ToRows for Mounting {
             "camera",
             format!("{camera}{above}, on the axis, looking along -Z; the picture's top is +Y"),
         );
-        rows.add("world", self.world());
+        rows.details(|rows| rows.add("world", self.world()));
     }
 }
 
@@ -120,6 +120,48 @@ impl ToRows for SagFacts {
             self.rows, self.height_error_mm, self.normal_error_rad
         );
         rows.named("table", "sag table", sentence);
+    }
+}
+
+/// The picture in plain words: how far it is off, and what it shows.
+pub(super) struct PlainPicture<'a> {
+    /// Traces of the files, of which the worst counts.
+    pub traces: &'a [TraceFacts],
+    /// The frame.
+    pub frame: Option<&'a FrameFill>,
+    /// What it is held to.
+    pub accepted: Option<&'a AcceptanceLimits>,
+}
+
+impl ToRows for PlainPicture<'_> {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let errors = self.traces.iter().filter_map(|trace| trace.errors.pixel_error_px);
+        let worst = errors.max_by(|a, b| a.max.total_cmp(&b.max));
+        if let Some(found) = worst {
+            let allowed = self.accepted.map_or(String::new(), |accepted| {
+                let [rms, max] = [accepted.pixel_error_rms_px, accepted.pixel_error_max_px];
+                let usual = if rms.usual && max.usual { " as usual" } else { "" };
+                format!("; allowed{usual} {} and {}", rms.value, max.value)
+            });
+            let [rms, max] = [found.rms, found.max].map(three_digits);
+            rows.terminal("picture", format!("off by {rms} px RMS, {max} at most{allowed}"));
+        }
+        if let Some(frame) = self.frame {
+            let [width, height] = frame.pixels;
+            let range = |[lo, hi]: [f64; 2]| format!("{lo:.1} to {hi:.1} deg");
+            // (Between the centres of the outermost pixels.)
+            let around = |[lo, hi]: [f64; 2]| match hi - lo {
+                359.0.. => "360 deg around".to_owned(),
+                _ => format!("azimuth {}", range([lo, hi])),
+            };
+            let azimuth = frame.azimuth_deg.map_or("nothing seen".into(), around);
+            let elevation =
+                frame.elevation_deg.map_or(String::new(), |e| format!(", elevation {}", range(e)));
+            let filled = (1e3 * frame.filled).floor() / 10.0;
+            let label = if worst.is_some() { "" } else { "picture" };
+            let sentence = format!("{azimuth}{elevation}; {filled} % of {width} x {height} filled");
+            rows.terminal(label, sentence);
+        }
     }
 }
 

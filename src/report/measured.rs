@@ -19,7 +19,7 @@ impl ToRows for AlignmentFacts {
         let [turn, shift] = [self.turn_deg, self.shift_mm].map(place);
         let over = if self.turned_over { ", its facets turned over" } else { "" };
         rows.terminal("pose", format!("turned by {turn} deg, then shifted by {shift} mm{over}"));
-        rows.terminal(
+        rows.details(|rows| rows.terminal(
             "",
             format!(
                 "{} vertices on {:.1} % of the mirror, {} um rms; {:.1} % outliers; condition {:.1}",
@@ -29,7 +29,7 @@ impl ToRows for AlignmentFacts {
                 100.0 * self.outliers,
                 self.condition
             ),
-        );
+        ));
         for FreeMotion { direction, through_mm } in &self.free {
             let along = place(direction.to_array());
             let motion = match through_mm {

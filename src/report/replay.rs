@@ -46,7 +46,7 @@ impl ReplayFile {
             format!("{} rms, {} max", digits(rms), digits(max))
         });
         let shown = figures(displacement);
-        rows.line(format!("  {:8} {shown}; facet error {facets} px", file.name));
+        rows.remark(format!("{:8} {shown}; facet error {facets} px", file.name));
         let off = digits(1e3 * off_surface_mm);
         rows.terminal(
             "",

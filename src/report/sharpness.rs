@@ -3,6 +3,23 @@
 use super::answer::{AnswerRows, ToRows};
 use crate::results::{ApertureFacts, SharpnessFacts, three_digits};
 
+/// Sharpness in plain words.
+pub(super) struct PlainSharpness<'a>(pub &'a SharpnessFacts);
+
+impl ToRows for PlainSharpness<'_> {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let through = |facts: &ApertureFacts| {
+            let ApertureFacts { sharp, resolved: [across, up], .. } = facts;
+            let (lens, spot) = (facts.lens(), three_digits(sharp.spot_px));
+            format!("through {lens}: spots of {spot} px, some {across} x {up} of them")
+        };
+        rows.terminal("sharp", format!("best {}", through(&self.0.best)));
+        if let Some(given) = &self.0.given {
+            rows.terminal("", through(given));
+        }
+    }
+}
+
 impl ToRows for SharpnessFacts {
     fn add_to(&self, rows: &mut AnswerRows) {
         rows.terminal("sharp", format!("best through {}", self.best.line()));

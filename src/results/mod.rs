@@ -42,5 +42,5 @@ pub use study_faults::{CuttingFault, ReplayFault, StudyFault};
 pub use tolerance::{FacetsFrom, ToleranceReport};
 pub use unwrap::{PanoramaFacts, PhotoFacts, UnwrapMapFacts, UnwrapReport};
 pub(crate) use wording::{
-    coordinate, digits, displacement, figures, megabytes, of_at_most, percent, three_digits,
+    coordinate, digits, displacement, figures, file_size, of_at_most, percent, three_digits,
 };

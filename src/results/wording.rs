@@ -54,8 +54,11 @@ pub(crate) fn coordinate(mm: f64, decimals: u32) -> String {
 
 /// The length of a file.
 #[must_use]
-pub(crate) fn megabytes(bytes: u64) -> String {
-    format!("{:.1} MB", bytes as f64 / 1e6)
+pub(crate) fn file_size(bytes: u64) -> String {
+    match bytes {
+        ..100_000 => format!("{:.1} kB", bytes as f64 / 1e3),
+        _ => format!("{:.1} MB", bytes as f64 / 1e6),
+    }
 }
 
 /// The number of triangles allowed, if there is one.

@@ -10,6 +10,7 @@ mod bench;
 mod broken_profiles;
 mod budget;
 mod cameras_and_targets;
+mod columns;
 mod cones;
 mod damage;
 mod design_accuracy;

@@ -2,6 +2,7 @@
 
 use crate::support::shipped_builds;
 use morion::internals::export::read_stl;
+use morion::internals::report::{Answer, TextLayout};
 
 const README: &str = include_str!("../../README.md");
 
@@ -15,7 +16,8 @@ fn block<'a>(heading: &str, language: &str) -> &'a str {
 
 #[test]
 fn the_output_that_readme_shows_is_the_program_s() {
-    let made = shipped_builds::report("conquistador").text();
+    let layout = TextLayout { columns: Some(80), details: false, folder: Some("out/conquistador") };
+    let made = shipped_builds::report("conquistador").laid_out(&layout);
     assert_eq!(
         block("## Two commands", "text"),
         made,

@@ -66,6 +66,7 @@ enum Kind {
 }
 
 use Kind::{Count, CountPair, Flag, Number, Range, Sha256, Text, Texts};
+use morion::internals::report::{Answer, TextLayout};
 use morion::internals::results::{BuildReport, Verdict};
 
 const SPREAD: [(&str, Kind); 3] = [("rms", Number), ("p95", Number), ("max", Number)];
@@ -490,7 +491,8 @@ fn the_summary_names_no_file_that_is_not_there() {
     let drawn = parsed(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]"));
     let report = build(&drawn, folder.path(), &Silent).unwrap();
     assert!(!folder.path().join("small/mirror.obj").exists());
-    let shown = report.text();
+    let layout = TextLayout { details: true, ..TextLayout::default() };
+    let shown = report.laid_out(&layout);
     assert!(!shown.contains("mirror.obj"), "{shown}");
     assert!(shown.contains("witness  a mesh that was not kept: "), "{shown}");
     assert!(!report.html("", "preview.png").contains("mirror.obj"));

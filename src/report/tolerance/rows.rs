@@ -16,22 +16,26 @@ impl Answer for ToleranceReport {
     fn rows(&self) -> AnswerRows {
         let mut rows = AnswerRows::default();
         self.add_question(&mut rows);
-        self.add_nominal(&mut rows);
-        self.add_facets(&mut rows);
+        self.add_yield_share(&mut rows);
+        self.add_blur(&mut rows);
+        self.add_offenders(&mut rows);
         self.add_sources(&mut rows);
         if let Some(why) = self.study.no_limit_joint {
             let why = unmet(why);
             rows.terminal("limits", format!("no limits in concert meet the budget: {why}"));
         }
-        self.add_offenders(&mut rows);
-        self.add_linear(&mut rows);
-        self.add_trials(&mut rows);
-        self.add_blur(&mut rows);
-        if let Some(machining) = &self.machining {
-            rows.line("  machining, unpolished:");
-            rows.append(machining.rows());
-            machining.reasons.iter().for_each(|reason| rows.line(format!("  - {reason}")));
-        }
+        rows.details(|rows| {
+            self.add_nominal(rows);
+            self.add_facets(rows);
+            self.add_actions(rows);
+            self.add_linear(rows);
+            self.add_trials(rows);
+            if let Some(machining) = &self.machining {
+                rows.remark("machining, unpolished:");
+                rows.append(machining.rows());
+                machining.reasons.iter().for_each(|reason| rows.remark(format!("- {reason}")));
+            }
+        });
         rows
     }
 }
@@ -86,43 +90,41 @@ impl ToleranceReport {
         }
     }
 
-    /// The terminal's table of error sources, and its notes.
+    /// The terminal's table of the limits, and its remarks.
     fn add_sources(&self, rows: &mut AnswerRows) {
-        let line = |name: &str, limit: &str, kind: &str, rest: [&str; 8]| {
-            let [a, b, c, d, blur, share, alone, joint] = rest;
-            format!(
-                "  {name:19} {limit:>10}  {kind:9} {a:>9} {b:>9}   {c:>9} {d:>9}  {blur:>7}  {share:>7} \
-                 {alone:>11} {joint:>11}"
-            )
+        let line = |name: &str, [limit, minus, plus, share, joint]: [&str; 5]| {
+            format!("  {name:20} {limit:>10} {minus:>9} {plus:>9} {share:>8} {joint:>13}")
         };
-        let names = [
-            "made - px",
-            "+ px",
-            "adjust. -",
-            "+ px",
-            "blur px",
-            "share %",
-            "limit alone",
-            "in concert",
-        ];
-        rows.line(line("source", "limit", "", names));
         let sources = &self.study.sources;
+        rows.line(line("", ["", "adjusted", "px", "", "limit"]));
+        rows.line(line("source", ["limit", "-", "+", "share %", "in concert"]));
         for source in sources {
-            let cells = SourceCells::new(source);
-            let SourceCells {
-                limit, displacements: [a, b, c, d], blur, share, alone, joint, ..
-            } = &cells;
-            let rest = [a, b, c, d, blur, share, alone, joint].map(String::as_str);
-            rows.line(line(&source.source, limit, cells.distribution, rest));
+            let SourceCells { limit, displacements: [.., minus, plus], share, joint, .. } =
+                &SourceCells::new(source);
+            rows.line(line(&source.source, [limit, minus, plus, share, joint]));
         }
         if self.study.form == FormMeasure::Rms {
-            rows.line(format!("  {FORM_RMS}"));
+            rows.remark(FORM_RMS);
         }
         if sources.iter().any(|source| source.systematic) {
-            rows.line(format!("  {SYSTEMATIC}"));
+            rows.remark(SYSTEMATIC);
         }
         if sources.iter().any(|source| source.limit_joint_widest) {
-            rows.line("  * four times the limit, and wider than that it is not made");
+            rows.remark("* four times the limit, and wider than that it is not made");
+        }
+    }
+
+    /// The terminal's table of what each source does at its limits.
+    fn add_actions(&self, rows: &mut AnswerRows) {
+        let line = |name: &str, [kind, minus, plus, blur, alone]: [&str; 5]| {
+            format!("  {name:20} {kind:>10} {minus:>9} {plus:>9} {blur:>8} {alone:>13}")
+        };
+        rows.line(line("", ["", "made", "px", "blur", "limit"]));
+        rows.line(line("source", ["", "-", "+", "px", "alone"]));
+        for source in &self.study.sources {
+            let SourceCells { distribution, displacements: [minus, plus, ..], blur, alone, .. } =
+                &SourceCells::new(source);
+            rows.line(line(&source.source, [distribution, minus, plus, blur, alone]));
         }
     }
 
@@ -165,7 +167,7 @@ impl ToleranceReport {
     }
 
     fn add_trials(&self, rows: &mut AnswerRows) {
-        let Study { as_made, adjusted, adjustments, lost_trials, trials, yields, .. } = &self.study;
+        let Study { as_made, adjusted, adjustments, lost_trials, trials, .. } = &self.study;
         let figures =
             |s: &Statistics| statistics(s).map(|(name, x)| format!("{name} {x}")).join(", ");
         rows.terminal("as made", format!("{} px", figures(as_made)));
@@ -190,6 +192,10 @@ impl ToleranceReport {
                 ),
             );
         }
+    }
+
+    fn add_yield_share(&self, rows: &mut AnswerRows) {
+        let yields = &self.study.yields;
         let [share, low, high] = [yields.share, yields.low, yields.high].map(|x| 100.0 * x);
         let budget = self.study.budget_px;
         rows.terminal(

@@ -7,6 +7,7 @@ use crate::support::refused;
 use morion::internals::geom::TriMesh;
 use morion::internals::num::cos;
 use morion::internals::pipeline::{Command, LengthUnit, Silent, Verify, VerifyOptions, load};
+use morion::internals::report::{Answer, TextLayout};
 use morion::internals::results::{Verdict, VerifyReport};
 use std::path::{Path, PathBuf};
 
@@ -130,7 +131,8 @@ fn a_known_form_error_is_reported_and_judged_by_what_it_does() {
             !solid.check.closed && rim.loops == 1 && rim.edges == 2 * (STEPS + 3 * STEPS / 4),
             "{rim:?}"
         );
-        let text = report.text();
+        let layout = TextLayout { details: true, ..TextLayout::default() };
+        let text = report.laid_out(&layout);
         for part in [
             "  units    mm (by size)",
             "  pose     turned by (",
