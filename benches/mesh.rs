@@ -16,7 +16,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use surfaces::{Case, ENOUGH, Rule, cases};
+use surfaces::{Case, ENOUGH, Listed, Rule, listed};
 
 // As the program's own.
 #[global_allocator]
@@ -95,30 +95,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{complaint}");
         std::process::exit(2)
     });
-    let mut cases: Vec<(usize, Case)> = cases().into_iter().enumerate().collect();
+    let mut surfaces: Vec<(usize, Listed)> = listed().into_iter().enumerate().collect();
     if let Some((index, limit)) = options.one {
-        println!("{}", measure(&cases[index].1, limit, options.runs));
+        println!("{}", measure(&surfaces[index].1.case(), limit, options.runs));
         return Ok(());
     }
     if let Some(only) = &options.only {
-        cases.retain(|(_, case)| case.name == only);
-        if cases.is_empty() {
+        surfaces.retain(|(_, listed)| listed.name == only);
+        if surfaces.is_empty() {
             return Err(format!("no surface is called {only}").into());
         }
     }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     if let Some(folder) = &options.write {
-        let chord: Vec<Case> = cases.into_iter().map(|(_, case)| case).collect();
-        return write(&chord, Path::new(folder), 1e-3 * options.chord_um, options.runs);
+        let chord = surfaces.into_iter().filter(|(_, listed)| listed.rule == Rule::Chord);
+        let cases: Vec<Case> = chord.map(|(_, listed)| listed.case()).collect();
+        return write(&cases, Path::new(folder), 1e-3 * options.chord_um, options.runs);
     }
     println!("morion {}, {cores} logical cores\n", env!("CARGO_PKG_VERSION"));
     if !options.economy {
-        for (index, case) in &cases {
-            sweep(*index, case, &options)?;
+        for (index, listed) in &surfaces {
+            sweep(*index, &listed.case(), &options)?;
         }
     }
     if options.to >= ENOUGH {
-        economy(&cases);
+        economy(surfaces.into_iter().map(|(_, listed)| listed));
     }
     Ok(())
 }
@@ -242,13 +243,14 @@ fn exponent(points: &[(f64, f64)]) -> f64 {
 }
 
 /// The surfaces that have a target, against it.
-fn economy(cases: &[(usize, Case)]) {
+fn economy(surfaces: impl Iterator<Item = Listed>) {
     println!("Economy, for files in single precision, {ENOUGH:.0} triangles or more\n");
     println!("| surface | rule | limit um | N | N / least | target | |");
     println!("|---|---|---|---|---|---|---|");
-    for (_, case) in cases {
-        let (name, rule) = (case.name, case.rule.name());
-        let Some(most) = case.most else { continue };
+    for listed in surfaces {
+        let (name, rule) = (listed.name, listed.rule.name());
+        let Some(most) = listed.most else { continue };
+        let case = listed.case();
         let (limit, face) = match case.enough() {
             Ok(made) => made,
             Err(error) => {
@@ -268,7 +270,7 @@ fn economy(cases: &[(usize, Case)]) {
 fn write(cases: &[Case], folder: &Path, limit: f64, runs: usize) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let mut surfaces = Vec::new();
-    for case in cases.iter().filter(|case| case.rule == Rule::Chord) {
+    for case in cases {
         let Surface::Tensor(sheet) = &case.mirror.surface else { continue };
         let Outline::Rect(rect) = case.mirror.outline else { continue };
         let mut best = f64::INFINITY;

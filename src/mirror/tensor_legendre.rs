@@ -45,10 +45,7 @@ impl HeightField for TensorLegendre {
     }
 
     fn hessian(&self, q: DVec2) -> Hessian {
-        let u = (q - self.centre) / self.half;
-        let [xx, xy, yy] = self.series.row(u.y).jet(u.x).hessian.map(|h| h * self.scale_mm);
-        let (a, b) = (self.half.x, self.half.y);
-        Hessian { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
+        self.hessian_on(&self.row(q.y), q.x)
     }
 
     /// Terms of odd degree change their sign.
@@ -72,15 +69,23 @@ impl HeightField for TensorLegendre {
             (0..=count).map(|k| lo + step * k as f64).collect()
         };
         let (u, v) = (edges(lo.x, step.x), edges(lo.y, step.y));
-        let middle = |k: usize| {
-            let [lo, hi] = cells.corners(k);
-            let (point, c) = (self.at(0.5 * (lo + hi)), self.hessian(0.5 * (lo + hi)));
-            [point.f, point.slope.x, point.slope.y, c.xx, c.xy, c.yy]
+        // The middles of a row of cells lie on one line of constant v.
+        let middles = |j: usize| -> Vec<[f64; 6]> {
+            let middle = |k: usize| {
+                let [lo, hi] = cells.corners(k);
+                0.5 * (lo + hi)
+            };
+            let row = self.row(middle(j * count).y);
+            let about = |i: usize| {
+                let q = middle(j * count + i);
+                let (point, c) = (row.at(q.x), self.hessian_on(&row, q.x));
+                [point.f, point.slope.x, point.slope.y, c.xx, c.xy, c.yy]
+            };
+            (0..count).map(about).collect()
         };
-        let (third, middles): (_, Vec<[f64; 6]>) = parallel::join(
-            || self.third_derivatives(&u, &v),
-            || parallel::map(count * count, 1, middle),
-        );
+        let (third, middles): (_, Vec<Vec<[f64; 6]>>) =
+            parallel::join(|| self.third_derivatives(&u, &v), || parallel::map(count, 1, middles));
+        let middles = middles.concat();
         let off: [f64; 6] =
             std::array::from_fn(|i| OFF * middles.iter().map(|m| m[i].abs()).fold(0.0, f64::max));
         let half = 0.5 * cells.size;
@@ -101,6 +106,14 @@ impl HeightField for TensorLegendre {
 }
 
 impl TensorLegendre {
+    /// The Hessian at `x` of the line of `row`.
+    fn hessian_on(&self, row: &TensorLegendreRow, x: f64) -> Hessian {
+        let u = (x - self.centre.x) / self.half.x;
+        let [xx, xy, yy] = row.row.jet(u).hessian.map(|h| h * self.scale_mm);
+        let (a, b) = (self.half.x, self.half.y);
+        Hessian { xx: xx / (a * a), xy: xy / (a * b), yy: yy / (b * b) }
+    }
+
     /// Ranges over every cell of the third derivatives of the height, x-most first.
     fn third_derivatives(&self, u: &[f64], v: &[f64]) -> [Vec<Interval>; 4] {
         let ranges = |by_y: usize| {

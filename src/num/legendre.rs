@@ -263,8 +263,11 @@ impl Row {
     #[must_use]
     pub fn jet(&self, u: f64) -> Jet {
         let (mut p, mut p0, mut d, mut d0, mut dd, mut dd0) = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        let mut hessian = [0.0; 3];
+        let (mut f, mut gradient, mut hessian) = (0.0, [0.0; 2], [0.0; 3]);
         for t in &self.terms {
+            f += t.f * p;
+            gradient[0] += t.f * d;
+            gradient[1] += t.f_v * p;
             hessian[0] += t.f * dd;
             hessian[1] += t.f_v * d;
             hessian[2] += t.f_vv * p;
@@ -272,7 +275,7 @@ impl Row {
             (d, d0) = (d0 + t.odd * p, d);
             (p, p0) = (t.grow * u * p - t.shrink * p0, p);
         }
-        Jet { hessian, ..self.gradient(u) }
+        Jet { f, gradient, hessian }
     }
 }
 

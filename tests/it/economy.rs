@@ -1,6 +1,6 @@
 //! How many triangles a tolerance costs, over the fewest that could do.
 
-use crate::support::surfaces::{ENOUGH, FORMULAS, Formula, HALF_MM, cases};
+use crate::support::surfaces::{ENOUGH, FORMULAS, Formula, HALF_MM, listed};
 use morion::internals::geom::{DVec2, Precision};
 use morion::internals::mesh::{Limits, mesh};
 
@@ -53,8 +53,9 @@ fn flat_places_get_few_triangles() {
 #[test]
 fn few_triangles_over_the_fewest() {
     let mut failures = Vec::new();
-    for case in cases() {
-        let Some(most) = case.most else { continue };
+    for listed in listed() {
+        let Some(most) = listed.most else { continue };
+        let case = listed.case();
         let name = format!("{}, {}", case.name, case.rule.name());
         let (limit, face) = case.enough().unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(
@@ -76,8 +77,8 @@ fn few_triangles_over_the_fewest() {
 /// edge are tilted twice as much, and rounding tilts them more.
 #[test]
 fn no_cone_is_refused_for_its_slivers() {
-    let cases = cases();
-    let cone = cases.iter().find(|case| case.name == "conical").expect("the cone");
+    let cone =
+        listed().into_iter().find(|listed| listed.name == "conical").expect("the cone").case();
     for limit_um in [61.204, 75.652_173_913, 80.1, 82.6, 84.8] {
         let limit = 1e-3 * limit_um;
         let face =

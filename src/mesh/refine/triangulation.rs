@@ -145,8 +145,13 @@ impl<'a, C: VertexModel> EditableTriangulation<'a, C> {
             }
         };
         let before = oversize([a, b, c]).max(oversize([b, a, d]));
-        let after = oversize([a, d, c]).max(oversize([d, b, c]));
-        (after < TUNING.flip_gain * before).then_some(pair)
+        let most = TUNING.flip_gain * before;
+        let first = oversize([a, d, c]);
+        // The other triangle cannot make up for this one.
+        if first >= most {
+            return None;
+        }
+        (first.max(oversize([d, b, c])) < most).then_some(pair)
     }
 
     /// The two triangles beside an edge, if there are two and they make a convex quadrilateral.

@@ -9,6 +9,7 @@ use morion::internals::num::quadrature::gauss_legendre;
 use morion::internals::num::{cos, sin};
 use morion::internals::optics::ImagingTask;
 use morion::internals::pipeline::load;
+use morion::internals::profile::shipped;
 
 /// Fewest triangles at which the economy is held to its targets.
 pub const ENOUGH: f64 = 1e5;
@@ -171,37 +172,57 @@ fn series(degree: [usize; 2], even: [bool; 2], f: impl Fn(f64, f64) -> f64) -> S
     Series::from_fn(degree[0] + 1, degree[1] + 1, coefficient)
 }
 
-/// A shipped profile's mirror, with its own limit of the governing error alone.
-fn shipped(name: &'static str, rule: Rule, most: Option<f64>) -> Case {
+/// The limit of the facet error for profiles that have none, pixels.
+const USUAL_PX: f64 = 1.0;
+
+/// A surface that has not been made yet, and the error that governs its mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct Listed {
+    /// Name of a formula or of a shipped profile.
+    pub name: &'static str,
+    pub rule: Rule,
+    /// Most triangles over the least, with at least `ENOUGH` of them.
+    pub most: Option<f64>,
+}
+
+impl Listed {
+    /// The surface.
+    pub fn case(self) -> Case {
+        let Self { name, rule, most } = self;
+        let formula = FORMULAS.iter().find(|formula| formula.name == name);
+        formula.map_or_else(
+            || shipped_case(name, rule, most),
+            |formula| {
+                let mirror = formula.mirror();
+                let camera = mirror.chart;
+                Case { name, mirror, camera, view: None, rule, usual_mm: 1e-3, most }
+            },
+        )
+    }
+}
+
+/// A shipped profile's mirror, with its own limit of the governing error alone, or the usual one.
+fn shipped_case(name: &'static str, rule: Rule, most: Option<f64>) -> Case {
     let profile = load(name).unwrap_or_else(|error| panic!("{error}"));
     let design = design(&profile).unwrap_or_else(|error| panic!("{error}"));
-    let limit = match rule {
-        Rule::Chord => profile.mesh.chord_um().map(|um| um * 1e-3),
-        Rule::Facet => profile.mesh.facet_px().map(|px| px * design.camera.pixel_mm),
+    let usual_mm = match rule {
+        Rule::Chord => 1e-3 * profile.mesh.chord_um().expect("a chord limit"),
+        Rule::Facet => profile.mesh.facet_px().unwrap_or(USUAL_PX) * design.camera.pixel_mm,
     };
-    let usual_mm = limit.unwrap_or_else(|| panic!("{name} has no limit for its {}", rule.name()));
     let camera = design.camera.chart;
     Case { name, mirror: design.mirror, camera, view: design.view, rule, usual_mm, most }
 }
 
-/// All surfaces.
-pub fn cases() -> Vec<Case> {
-    let given = FORMULAS.iter().map(|formula| {
-        let mirror = formula.mirror();
-        let (camera, most) = (mirror.chart, Some(formula.most));
-        let name = formula.name;
-        Case { name, mirror, camera, view: None, rule: Rule::Chord, usual_mm: 1e-3, most }
+/// All surfaces: the formulas and two shipped mirrors by their chord error, and every shipped mirror by its facet
+/// error.
+pub fn listed() -> Vec<Listed> {
+    let chord = |(name, most)| Listed { name, rule: Rule::Chord, most: Some(most) };
+    let formulas = FORMULAS.iter().map(|formula| (formula.name, formula.most));
+    let by_chord = formulas.chain([("conquistador", 1.35), ("conformal", 1.35)]).map(chord);
+    let targets = [("conquistador", 1.6), ("conformal", 1.6), ("panoramic", 1.6)];
+    let by_facet = shipped().iter().map(|profile| {
+        let most = targets.iter().find(|(name, _)| *name == profile.name).map(|(_, most)| *most);
+        Listed { name: profile.name, rule: Rule::Facet, most }
     });
-    let designed = [
-        ("conquistador", Rule::Chord, Some(1.35)),
-        ("conformal", Rule::Chord, Some(1.35)),
-        ("conquistador", Rule::Facet, Some(1.6)),
-        ("conformal", Rule::Facet, Some(1.6)),
-        ("panoramic", Rule::Facet, Some(1.6)),
-        ("parabolic", Rule::Facet, None),
-        ("hyperbolic", Rule::Facet, None),
-        ("equiangular", Rule::Facet, None),
-        ("conical", Rule::Facet, None),
-    ];
-    given.chain(designed.map(|(name, rule, most)| shipped(name, rule, most))).collect()
+    by_chord.chain(by_facet).collect()
 }

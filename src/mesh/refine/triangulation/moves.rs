@@ -57,6 +57,19 @@ impl<C: VertexModel> VertexMove<'_, '_, C> {
         self.link.edges().iter().map(|&edge| self.power(self.oversize(p, edge))).sum::<f64>()
     }
 
+    /// Whether the sum of powers around the vertex at `p` is less than `most`. They are not negative, so that a part of
+    /// the sum may be enough to say no.
+    fn is_sum_below(&self, p: &C, most: f64) -> bool {
+        let mut sum = 0.0;
+        for &edge in self.link.edges() {
+            sum += self.power(self.oversize(p, edge));
+            if sum >= most {
+                return false;
+            }
+        }
+        sum < most
+    }
+
     /// The largest oversize around the vertex where it is, and the sum of powers.
     fn now(&self) -> (f64, f64) {
         let (mut worst, mut sum) = (0.0, 0.0);
@@ -107,8 +120,8 @@ impl<C: VertexModel> VertexMove<'_, '_, C> {
         let q = self.own.q();
         let least =
             (TUNING.sliver_area * self.areas(q).sum::<f64>() / 3.0).min(self.smallest_area(q));
-        let gains =
-            |to: &C| self.sum(to) < TUNING.move_gain * here && self.smallest_area(to.q()) >= least;
+        let most = TUNING.move_gain * here;
+        let gains = |to: &C| self.smallest_area(to.q()) >= least && self.is_sum_below(to, most);
         TUNING.move_shares.into_iter().map(|share| vertex(q + step * share)).find(gains)
     }
 }
