@@ -114,6 +114,17 @@ impl Mirror {
         MirrorRow { row: self.surface.row(if reflected { -y } else { y }), reflected }
     }
 
+    /// Height and slope over one place, with the bits of [`MirrorRow::at`].
+    #[must_use]
+    pub fn at(&self, q: DVec2) -> HeightAndSlope {
+        if !self.reflects(q) {
+            return self.surface.at(q);
+        }
+        let mut point = self.surface.at(DVec2::new(q.x, -q.y));
+        point.slope.y = -point.slope.y;
+        point
+    }
+
     /// Height and slope over each of `places`, best listed in lines of equal y.
     #[must_use]
     pub fn eval_many(&self, places: &[DVec2]) -> Vec<HeightAndSlope> {
@@ -190,7 +201,7 @@ impl Mirror {
         for _ in 0..32 {
             let on_ray = camera.point(q, height);
             let (at, f) = self.chart.coordinates(on_ray);
-            let point = self.row(at.y).at(at.x);
+            let point = self.at(at);
             // Along the ray the image point drifts by the view's tangent for each mm of height, and
             // heights of the two charts grow as views shrink towards their pinholes.
             let drift = q * camera.vergence - at * self.chart.vergence;

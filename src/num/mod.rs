@@ -11,6 +11,7 @@ mod elementary;
 mod float;
 pub mod interval;
 pub mod jet;
+mod lanes;
 pub mod least_squares;
 pub mod legendre;
 pub mod monotone;
@@ -28,8 +29,9 @@ pub use dual::Dual;
 pub use elementary::*;
 pub use interval::Interval;
 pub use jet::Jet2;
+pub use lanes::Lanes;
 pub use monotone::{Inverse, MonotoneCubic};
-pub use scalar::{Base, Scalar, SmoothFn};
+pub use scalar::{Arithmetic, Base, Scalar, SmoothFn};
 
 /// The larger of two errors; one that is no number is larger than all.
 #[inline]

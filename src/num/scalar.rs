@@ -68,6 +68,31 @@ pub trait Scalar:
     fn map(self, curve: &impl SmoothFn) -> Self;
 }
 
+/// Arithmetic alone: what formulas without a choice between forms ask of a [`Scalar`], or of several
+/// numbers side by side ([`Lanes`](super::Lanes)).
+pub trait Arithmetic:
+    Copy
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// A number that depends on nothing.
+    fn number(x: f64) -> Self;
+}
+
+impl<S: Scalar> Arithmetic for S {
+    #[inline]
+    fn number(x: f64) -> Self {
+        S::constant(x)
+    }
+}
+
 /// A number that can carry derivatives: one for which a curve's slope and bend are known too.
 pub trait Base: Scalar {
     /// (f, f', f'') of a smooth function at this number.

@@ -5,6 +5,7 @@ use super::source::load;
 use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Observer, Stage};
 use crate::num::random::RandomStream;
+use crate::parallel;
 use crate::profile::Profile;
 use crate::publish::{self, sha256};
 use crate::report::Answer;
@@ -208,15 +209,21 @@ fn heading(profile: &Profile, engine: &Engine, seed: u64) -> String {
     )
 }
 
+/// Lines of a table that a thread writes at a time.
+const LINES: usize = 256;
+
 fn table(profile: &Profile, engine: &Engine, seed: u64, trials: &[Trial]) -> String {
-    let mut text = heading(profile, engine, seed);
     let adjustments = engine.adjustments().len();
-    for trial in trials {
-        let stream = RandomStream { seed, trial: trial.index };
-        let draws = engine.draw(&engine.spec.sources, &stream);
-        trial_line(&mut text, trial, adjustments, draws.into_iter().map(|(_, value)| value));
-    }
-    text
+    let lines = parallel::map_chunks(trials, LINES, |trials| {
+        let mut text = String::new();
+        for trial in trials {
+            let stream = RandomStream { seed, trial: trial.index };
+            let draws = engine.draw(&engine.spec.sources, &stream);
+            trial_line(&mut text, trial, adjustments, draws.into_iter().map(|(_, value)| value));
+        }
+        text
+    });
+    heading(profile, engine, seed) + &lines.concat()
 }
 
 /// What the stage of trials counts.

@@ -1,14 +1,13 @@
-//! From perturbed systems to displacements of the picture, in full.
+//! A designed system prepared for trials, and adjustment of their displacements.
 
 use super::compensate::{Adjustment, Compensation, DisplacementPx};
 use super::error_source::ErrorSource;
 use super::extent::{extent, reach};
 use super::form_field::{FormField, slope_modes};
 use super::linear_model::LinearModel;
-use super::model::{OpticalSystem, PartPose, PixelSample};
-use super::perturbed_system::PerturbedSystem;
+use super::model::{OpticalSystem, PixelSample};
 use super::spec::ToleranceSpec;
-use super::work_counts::{WorkCounts, WorkKind};
+use super::work_counts::WorkCounts;
 use crate::geom::DVec2;
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask};
@@ -169,35 +168,6 @@ impl Engine {
     #[must_use]
     pub fn adjustments(&self) -> &[Adjustment] {
         self.compensation.adjustments()
-    }
-
-    /// Displacements, px, x and y of each sample, of several made systems.
-    #[must_use]
-    pub fn displacements(&self, made: &[PerturbedSystem]) -> Vec<Vec<f64>> {
-        let poses: Vec<PartPose<f64>> =
-            made.iter().map(|m| PartPose::new(&m.state.misalignment)).collect();
-        let per = 1.0 / self.system.camera.pixel_mm;
-        let mut all: Vec<Vec<f64>> = made.iter().map(|_| self.base.clone()).collect();
-        let is_perfect: Vec<bool> = made.iter().map(|m| m.state.is_perfect()).collect();
-        let mut work = WorkCounts::default();
-        // Sample by sample: what belongs to one stays in the cache.
-        for (k, sample) in self.system.samples.iter().enumerate() {
-            let systems = made.iter().zip(&poses).zip(&is_perfect);
-            for (((made, pose), is_perfect), out) in systems.zip(&mut all) {
-                let noise = made.noise(k);
-                let mut moved = [0.0; 2];
-                if *is_perfect {
-                    work.count(WorkKind::Rays, [0, 1]);
-                } else {
-                    let content = self.system.content(sample, pose, &made.state, &mut work);
-                    moved = [content[0] - sample.content.x, content[1] - sample.content.y];
-                }
-                out[2 * k] += moved[0] * per + noise[0];
-                out[2 * k + 1] += moved[1] * per + noise[1];
-            }
-        }
-        self.system.counter.add(work);
-        all
     }
 
     /// Figures before and after adjustment, and how far each adjustment was moved: none is where rays

@@ -4,9 +4,8 @@
 //! degree are dropped; what that leaves is measured, and where it is not negligible a higher degree
 //! is taken, or the caller evaluates the surface itself.
 
-use crate::num::{Scalar, cos};
+use crate::num::{Arithmetic, Scalar, cos};
 use std::f64::consts::PI;
-use std::ops::Add;
 
 /// Number of terms u^i v^j with i + j up to `degree`.
 #[must_use]
@@ -14,10 +13,11 @@ pub(super) const fn terms(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// Degrees of the polynomials that are tried for form errors.
-pub(super) const FORM_DEGREES: [usize; 6] = [4, 5, 6, 7, 8, 10];
-/// Terms of the highest of them.
-pub(super) const FORM_TERMS: usize = terms(FORM_DEGREES[5]);
+/// Number of the first of them with this `i`.
+#[must_use]
+pub(super) const fn start(degree: usize, i: usize) -> usize {
+    i * (degree + 1) - i * i.saturating_sub(1) / 2
+}
 
 /// The square that a polynomial holds on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ pub(super) struct ExpansionSquare {
 impl ExpansionSquare {
     /// (u, v) of a place: within [-1, 1] inside the square.
     #[inline]
-    pub(super) fn unit<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
+    pub(super) fn unit<S: Arithmetic>(&self, [x, y]: [S; 2]) -> [S; 2] {
         [(x - self.centre[0]) / self.half, (y - self.centre[1]) / self.half]
     }
 
@@ -43,47 +43,42 @@ impl ExpansionSquare {
     }
 }
 
-/// Value and derivatives by x and y, per mm, of the polynomial with the coefficients `c` of u^i v^j
-/// in the order (0, 0), (0, 1) ... (0, degree), (1, 0) ...
+/// Value and derivatives by u and v of the polynomial with the coefficients `c` of u^i v^j in the order
+/// (0, 0), (0, 1) ... (0, degree), (1, 0) ...
 #[inline]
-pub(super) fn value<S, C>(degree: usize, c: &[C], square: &ExpansionSquare, at: [S; 2]) -> [S; 3]
-where
-    S: Scalar + Add<C, Output = S>,
-    C: Copy,
-{
-    let [u, v] = square.unit(at);
-    let zero = S::constant(0.0);
-    let (mut f, mut f_u, mut f_v): (S, S, S) = (zero, zero, zero);
+pub(super) fn value<S: Arithmetic>(degree: usize, c: &[S], [u, v]: [S; 2]) -> [S; 3] {
+    let zero = S::number(0.0);
+    let (mut f, mut f_u, mut f_v) = (zero, zero, zero);
     let mut end = terms(degree);
     for i in (0..=degree).rev() {
         let start = end - (degree + 1 - i);
-        let (mut row, mut row_v): (S, S) = (zero, zero);
+        let (mut row, mut row_v) = (zero, zero);
         for &c in c[start..end].iter().rev() {
-            row_v = Add::<S>::add(row_v * v, row);
-            row = Add::<C>::add(row * v, c);
+            row_v = row_v * v + row;
+            row = row * v + c;
         }
-        f_u = Add::<S>::add(f_u * u, f);
-        f = Add::<S>::add(f * u, row);
-        f_v = Add::<S>::add(f_v * u, row_v);
+        f_u = f_u * u + f;
+        f = f * u + row;
+        f_v = f_v * u + row_v;
         end = start;
     }
-    [f, f_u / square.half, f_v / square.half]
+    [f, f_u, f_v]
 }
 
 /// Values alone, of several polynomials at once.
 #[inline]
-pub(super) fn values<S: Scalar, const N: usize>(
+pub(super) fn values<S: Arithmetic, const N: usize>(
     degree: usize,
     c: &[[f64; N]],
     square: &ExpansionSquare,
     at: [S; 2],
 ) -> [S; N] {
     let [u, v] = square.unit(at);
-    let mut sum = [S::constant(0.0); N];
+    let mut sum = [S::number(0.0); N];
     let mut end = terms(degree);
     for i in (0..=degree).rev() {
         let start = end - (degree + 1 - i);
-        let mut row = [S::constant(0.0); N];
+        let mut row = [S::number(0.0); N];
         for c in c[start..end].iter().rev() {
             row = std::array::from_fn(|k| row[k] * v + c[k]);
         }
@@ -163,13 +158,12 @@ impl Fitter {
             .iter()
             .map(|line| values.iter().map(|values| product(line, values)).collect())
             .collect();
-        let start = |i: usize| i * (degree + 1) - i * i.saturating_sub(1) / 2;
         let mut c = vec![[0.0; N]; terms(degree)];
         for (m, line) in self.transform.iter().enumerate() {
             for (n, row) in rows.iter().enumerate().take(degree - m + 1) {
                 let size = product(line, row);
                 for (i, a) in self.monomials[m].iter().enumerate() {
-                    let out = &mut c[start(i)..];
+                    let out = &mut c[start(degree, i)..];
                     for (out, b) in out.iter_mut().zip(&self.monomials[n]) {
                         out.iter_mut().zip(size).for_each(|(out, size)| *out += size * a * b);
                     }
@@ -211,6 +205,12 @@ mod tests {
     use super::*;
     use crate::num::{Dual, exp};
 
+    /// Value and slopes, per mm, on a square.
+    fn height(degree: usize, c: &[f64], square: &ExpansionSquare, at: [f64; 2]) -> [f64; 3] {
+        let [f, f_u, f_v] = value(degree, c, square.unit(at));
+        [f, f_u / square.half, f_v / square.half]
+    }
+
     #[test]
     fn polynomials_are_met_and_smooth_functions_nearly() {
         let square = ExpansionSquare { centre: [3.0, -7.0], half: 0.4 };
@@ -231,7 +231,8 @@ mod tests {
             let fitter = Fitter::new(degree);
             let missed = |f: &dyn Fn([f64; 2]) -> [f64; 3]| {
                 let c = fitter.fit(&square, |at| [f(at)[0]]).concat();
-                let by_height = largest_difference(&square, |at| value(degree, &c, &square, at), f);
+                let by_height =
+                    largest_difference(&square, |at| height(degree, &c, &square, at), f);
                 let c = fitter.fit(&square, f);
                 let by_all = largest_difference(&square, |at| values(degree, &c, &square, at), f);
                 assert!(by_all <= by_height);
@@ -252,13 +253,14 @@ mod tests {
         let square = ExpansionSquare { centre: [1.0, 2.0], half: 0.5 };
         let c = Fitter::new(5).fit(&square, |[x, y]| [x * x * y + y * y * y * y]).concat();
         let (x, y) = (1.3, 1.7);
-        let [f, f_x, f_y] = value(5, &c, &square, [x, y]);
+        let [f, f_x, f_y] = height(5, &c, &square, [x, y]);
         assert!((f - x * x * y - y * y * y * y).abs() < 1e-13);
         assert!((f_x - 2.0 * x * y).abs() < 1e-12);
         assert!((f_y - x * x - 4.0 * y * y * y).abs() < 1e-12);
-        let dual = value(5, &c, &square, [Dual::<1>::constant(x), Dual::variable(y, 0)]);
+        let at = square.unit([Dual::<1>::constant(x), Dual::variable(y, 0)]);
+        let dual = value(5, &c.iter().map(|&c| Dual::constant(c)).collect::<Vec<_>>(), at);
         assert!((dual[0].slope[0] - f_y).abs() < 1e-13);
-        assert!((dual[1].slope[0] - 2.0 * x).abs() < 1e-12);
+        assert!((dual[1].slope[0] / square.half - 2.0 * x).abs() < 1e-12);
         assert!(
             square.holds([x, y]) && !square.holds([1.6, 2.0]) && !square.holds([1.0, f64::NAN])
         );

@@ -21,6 +21,7 @@ mod error_source;
 mod extent;
 mod footprint;
 mod form_field;
+mod full_trace;
 mod linear_model;
 mod linear_prediction;
 mod local_polynomial;

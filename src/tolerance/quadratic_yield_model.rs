@@ -6,21 +6,28 @@ use super::error_source::ErrorSource;
 use super::trials::quantile;
 use super::work_counts::{WorkCounter, WorkKind};
 use crate::num::random::RandomStream;
+use crate::num::{Arithmetic, Lanes};
 use crate::parallel;
 use crate::tolerance_terms::Perturbation;
+use std::array::from_fn;
 use std::sync::Arc;
 
 /// Mean square displacement of each of many trials as a quadratic form of factors on the sources' limits.
 #[derive(Debug, Clone)]
 pub(super) struct QuadraticYieldModel {
     sources: usize,
-    /// Coefficients of each trial, px^2: twice the mean product of each source with the displacement without
-    /// errors, then for each source its mean products with itself and (twice) with those after it.
-    forms: Vec<Vec<f64>>,
+    trials: usize,
+    /// Coefficients of the trials, px^2, several trials side by side: twice the mean product of each source with
+    /// the displacement without errors, then for each source its mean products with itself and (twice) with
+    /// those after it.
+    forms: Vec<Vec<Lanes<TOGETHER>>>,
     /// Mean square without errors, px^2.
     base: f64,
     counter: Arc<WorkCounter>,
 }
+
+/// Trials whose forms are evaluated side by side.
+const TOGETHER: usize = 8;
 
 /// Columns of derivatives after adjustment, and what quadratic forms of trials need of them.
 struct AdjustedColumns<'a> {
@@ -47,7 +54,12 @@ impl<'a> AdjustedColumns<'a> {
         let base = adjusted(&engine.base);
         let mean =
             |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / samples;
-        let row = |a: &Vec<f64>| columns.iter().map(|b| mean(a, b)).collect();
+        // The others are the same the other way round.
+        let row = |k: usize| columns[..=k].iter().map(|b| mean(&columns[k], b)).collect();
+        let half: Vec<Vec<f64>> = parallel::map(columns.len(), 1, row);
+        let product = |i: usize, j: usize| half[i.max(j)][i.min(j)];
+        let all = 0..columns.len();
+        let products = all.clone().map(|i| all.clone().map(|j| product(i, j)).collect()).collect();
         // Of the limit's square: what is finer than pixels grows faster than its limit, and full traces
         // correct that.
         let unit = |source: &ErrorSource| {
@@ -55,7 +67,7 @@ impl<'a> AdjustedColumns<'a> {
         };
         Self {
             engine,
-            products: parallel::map_slice(&columns, 1, row),
+            products,
             with_base: columns.iter().map(|a| 2.0 * mean(a, &base)).collect(),
             base: mean(&base, &base),
             units: engine.spec.sources.iter().map(unit).collect(),
@@ -102,10 +114,20 @@ impl QuadraticYieldModel {
     #[must_use]
     pub(super) fn new(engine: &Engine, seed: u64, count: u64) -> Self {
         let columns = AdjustedColumns::new(engine);
-        let form = |trial: usize| columns.form(RandomStream { seed, trial: trial as u64 });
+        let trials = count as usize;
+        let together = |group: usize| {
+            let form = |k: usize| {
+                // (What fills the last group up is not asked for.)
+                let trial = (group * TOGETHER + k).min(trials - 1) as u64;
+                columns.form(RandomStream { seed, trial })
+            };
+            let forms: [Vec<f64>; TOGETHER] = from_fn(form);
+            (0..forms[0].len()).map(|i| Lanes(from_fn(|k| forms[k][i]))).collect()
+        };
         Self {
             sources: engine.spec.sources.len(),
-            forms: parallel::map(count as usize, 1, form),
+            trials,
+            forms: parallel::map(trials.div_ceil(TOGETHER), 1, together),
             base: columns.base,
             counter: Arc::clone(&engine.system.counter),
         }
@@ -115,26 +137,30 @@ impl QuadraticYieldModel {
     /// by its one of `factors`.
     #[must_use]
     pub(super) fn squares(&self, factors: &[f64], count: usize) -> Vec<f64> {
-        let of = |form: &Vec<f64>| {
+        let of = |form: &Vec<Lanes<TOGETHER>>| {
             let (with_base, mut rest) = form.split_at(self.sources);
-            let mut sum = self.base;
-            for (s, (factor, b)) in factors.iter().zip(with_base).enumerate() {
+            let mut sum = Lanes::number(self.base);
+            for (s, (&factor, &b)) in factors.iter().zip(with_base).enumerate() {
                 let (row, others) = rest.split_at(self.sources - s);
-                let row: f64 = row.iter().zip(&factors[s..]).map(|(q, f)| q * f).sum();
-                sum += factor * (b + row);
+                let pairs = row.iter().zip(&factors[s..]);
+                let row = pairs.fold(Lanes::number(0.0), |sum, (&q, &f)| sum + q * f);
+                sum = sum + (b + row) * factor;
                 rest = others;
             }
-            sum.max(0.0)
+            sum.0.map(|sum| sum.max(0.0))
         };
-        let forms = &self.forms[..count.min(self.forms.len())];
-        self.counter.count(WorkKind::LimitTrials, [0, forms.len()]);
-        parallel::map_slice(forms, 1, of)
+        let count = count.min(self.trials);
+        self.counter.count(WorkKind::LimitTrials, [0, count]);
+        let forms = &self.forms[..count.div_ceil(TOGETHER)];
+        let mut squares = parallel::map_slice(forms, 1, of).into_flattened();
+        squares.truncate(count);
+        squares
     }
 
     /// Quantile of the RMS over all trials at the share `target`, px.
     #[must_use]
     pub(super) fn reached(&self, factors: &[f64], target: f64) -> f64 {
-        let mut squares = self.squares(factors, self.forms.len());
+        let mut squares = self.squares(factors, self.trials);
         squares.sort_unstable_by(f64::total_cmp);
         quantile(&squares, target).sqrt()
     }

@@ -2,10 +2,10 @@
 
 use super::footprint::Footprint;
 use super::form_field::FormField;
-use super::local_polynomial::{
-    ExpansionSquare, FORM_DEGREES, Fitter, largest_difference, value, values,
+use super::local_polynomial::{ExpansionSquare, Fitter, largest_difference, values};
+use super::model::{
+    BallCutter, FormBasis, OpticalSystem, PartPose, PerturbedState, PixelSample, TextureSite,
 };
-use super::model::{BallCutter, OpticalSystem, PartPose, PerturbedState, PixelSample, TextureSite};
 use super::texture::TextureShape;
 use super::work_counts::{WorkCounts, WorkKind};
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
@@ -30,10 +30,6 @@ const SMALLER: f64 = 0.25;
 /// Shares that are tried of squares that are to be wider, by every so many samples.
 const WIDER: [f64; 4] = [1.0, 0.75, 0.5, 0.3];
 const SOME: usize = 100;
-/// As [`SMOOTH`], for form errors of 1 mm; made ones have micrometres, the waves of a random slope
-/// fractions of them.
-const SMOOTH_FORM: f64 = 5e-9;
-
 /// Points that share `region` out evenly, each on a row (or circle) of its own, so that all rows are
 /// seen, however few the points; across, they follow the multiples of the golden ratio. They are as
 /// many as the Fibonacci number next to `count`: then no two come close.
@@ -88,22 +84,20 @@ impl OpticalSystem {
             sag,
             half_width,
             farthest,
+            basis: FormBasis::new(&fields, wave),
             fields,
-            form_degree: 0,
             wave,
             tool,
             map,
             counter: Arc::default(),
         };
         (system.samples, system.share) = system.sample_picture(count, reach);
-        system.expand_forms();
         system
     }
 
-    /// Number of samples near whose hits polynomials are the designed surface and the form errors.
+    /// Number of samples near whose hits polynomials are the designed surface.
     pub(super) fn expanded(&self) -> usize {
-        let smooth = |sample: &&PixelSample| sample.base.is_some() && self.form_degree > 0;
-        self.samples.iter().filter(smooth).count()
+        self.samples.iter().filter(|sample| sample.base.is_some()).count()
     }
 
     /// About `count` samples, spread evenly over the picture of the mirror, but no closer than
@@ -159,7 +153,8 @@ impl OpticalSystem {
         let fitters = DEGREES.map(Fitter::new);
         let fitted = |sample: &PixelSample, half: f64| {
             let square = ExpansionSquare { half, ..sample.square };
-            self.fitted(&fitters, sample.panel, &square, sample.hit.z).map(|base| (square, base))
+            let PixelSample { panel, hit, slope, .. } = *sample;
+            self.fitted(&fitters, panel, &square, (hit, slope)).map(|base| (square, base))
         };
         // Some tell of the others.
         let some = || self.samples.iter().step_by(SOME).filter(|s| s.base.is_some());
@@ -167,58 +162,26 @@ impl OpticalSystem {
         let wider = |half: &f64| some().all(|sample| *half > sample.square.half);
         let halves = WIDER.map(|share| share * reach).into_iter().filter(wider);
         let half = halves.into_iter().find(|half| all_fit(*half))?;
-        // (Without a copy of the form errors' many coefficients.)
-        let wider = |sample: &PixelSample| {
-            let &PixelSample { point, content, panel, hit, slope, site, .. } = sample;
-            let (square, base) = match fitted(sample, half) {
-                Some((square, base)) => (square, Some(base)),
-                None => (sample.square, sample.base.clone()),
-            };
-            PixelSample { point, content, panel, hit, slope, square, site, base, form: Vec::new() }
+        let wider = |sample: &PixelSample| match fitted(sample, half) {
+            Some((square, base)) => PixelSample { square, base: Some(base), ..sample.clone() },
+            None => sample.clone(),
         };
-        let mut wide = self.with(parallel::map_slice(&self.samples, 1, wider));
-        wide.expand_forms();
-        // Rather none so wide than none at all.
-        (wide.form_degree > 0).then_some(wide)
+        Some(self.with(parallel::map_slice(&self.samples, 1, wider)))
     }
 
     /// The system with samples that see points.
     pub(super) fn pointwise(&self) -> Self {
         let mut made = self.clone();
-        made.samples.iter_mut().for_each(|sample| sample.site.footprint = Footprint::POINT);
-        made.expand_forms();
+        for sample in &mut made.samples {
+            sample.site.footprint = Footprint::POINT;
+            sample.seen = self.seen(&Footprint::POINT);
+        }
         made
     }
 
-    /// Gives the samples polynomials of the form errors, of one degree for all.
-    pub(super) fn expand_forms(&mut self) {
-        let fields = &self.fields;
-        let expanded = |sample: &PixelSample, fitter: &Fitter| -> Option<Vec<f64>> {
-            let mut all = Vec::new();
-            for field in fields {
-                let seen = field.footprint_share(&sample.site.footprint);
-                let c = fitter.fit(&sample.square, |at| [field.at(at)[0]]).concat();
-                let found = |at| value(fitter.degree(), &c, &sample.square, at);
-                if !(largest_difference(&sample.square, found, |at| field.at(at)) <= SMOOTH_FORM) {
-                    return None;
-                }
-                all.extend(c.into_iter().map(|c| seen * c));
-            }
-            Some(all)
-        };
-        for degree in FORM_DEGREES {
-            let fitter = Fitter::new(degree);
-            // The first sample tells of most degrees that they are too low.
-            if self.samples.first().is_some_and(|sample| expanded(sample, &fitter).is_none()) {
-                continue;
-            }
-            let expanded = |k: usize| expanded(&self.samples[k], &fitter);
-            if let Some(all) = parallel::try_map(self.samples.len(), 1, expanded) {
-                self.samples.iter_mut().zip(all).for_each(|(sample, form)| sample.form = form);
-                self.form_degree = degree;
-                return;
-            }
-        }
+    /// Shares of all waves that a pixel of this footprint sees.
+    fn seen(&self, footprint: &Footprint) -> Vec<f64> {
+        self.basis.wave_vectors().map(|vector| footprint.ripple(vector)).collect()
     }
 
     /// Chart coordinates of the mirror's point that the image point `q` sees.
@@ -237,17 +200,19 @@ impl OpticalSystem {
         self.panel(self.mirror.chart.coordinates(at).0) == sample.panel
     }
 
-    /// Degree and coefficients of the designed surface, near the height `z_mm`, on a square.
+    /// Degree and coefficients of the designed surface, near the plane through `hit` of this slope, on a
+    /// square.
     fn fitted(
         &self,
         fitters: &[Fitter],
         panel: usize,
         square: &ExpansionSquare,
-        z_mm: f64,
+        (hit, slope): (DVec3, [f64; 2]),
     ) -> Option<(usize, Vec<[f64; 3]>)> {
         let calls = Cell::new(0);
-        let designed = |at| {
+        let designed = |at: [f64; 2]| {
             calls.set(calls.get() + 1);
+            let z_mm = hit.z + slope[0] * (at[0] - hit.x) + slope[1] * (at[1] - hit.y);
             self.designed(&self.panels[panel], at, z_mm)
         };
         let found = fitters.iter().find_map(|fitter| {
@@ -268,12 +233,12 @@ impl OpticalSystem {
         reach: f64,
     ) -> Option<PixelSample> {
         let panel = self.panel(place);
-        let at = self.mirror.row(place.y).at(place.x);
+        let at = self.mirror.at(place);
         let hit = self.mirror.position(place, &at);
         let slope = self.mirror.slope(place, &at).to_array();
         let of = |half: f64| ExpansionSquare { centre: [hit.x, hit.y], half };
         let fitted = [reach, SMALLER * reach].map(of).into_iter().find_map(|square| {
-            let base = self.fitted(fitters, panel, &square, hit.z)?;
+            let base = self.fitted(fitters, panel, &square, (hit, slope))?;
             Some((square, Some(base)))
         });
         let (square, base) = fitted.unwrap_or((of(reach), None));
@@ -281,9 +246,9 @@ impl OpticalSystem {
         let chart = &self.camera.chart;
         let footprint = Footprint::of(chart, self.camera.pixel_mm, point, hit, slope);
         let groove = self.groove(&self.panels[panel], hit);
-        let (site, form) = (TextureSite { groove, footprint }, Vec::new());
+        let (site, seen) = (TextureSite { groove, footprint }, self.seen(&footprint));
         let mut sample =
-            PixelSample { point, content, panel, hit, slope, square, site, base, form };
+            PixelSample { point, content, panel, hit, slope, square, site, base, seen };
         let perfect = PerturbedState::<f64>::perfect(self.fields.len());
         let pose = PartPose::new(&perfect.misalignment);
         let mut work = WorkCounts::default();

@@ -96,8 +96,9 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted.get(rank.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
 }
 
-/// Trials that a thread traces at a time: what belongs to a sample stays in the cache for all of them.
-const BATCH: u64 = 20;
+/// Trials that a thread traces at a time: what belongs to a sample stays in the cache for all of them. (A
+/// multiple of what is traced side by side.)
+const BATCH: u64 = 16;
 /// Trials between two looks at the width of the yield's interval.
 const CHECKED: u64 = 500;
 
@@ -122,7 +123,9 @@ impl Engine {
         let mut all = Vec::new();
         let mut from = range.start;
         while from < range.end {
-            let to = range.end.min(from.saturating_add(CHECKED));
+            // All at once where nobody looks.
+            let checked = if until.is_some() { CHECKED } else { u64::MAX };
+            let to = range.end.min(from.saturating_add(checked));
             all.extend(self.block(from..to, |made| self.displacements(made), sources, seed));
             from = to;
             if until.is_some_and(|until| self.yields(&all).width() <= until) {

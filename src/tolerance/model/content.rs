@@ -1,20 +1,20 @@
 //! Tracing a pixel's ray through a perturbed system to the image point of what it sees.
 
 use super::super::form_field::add_scaled;
-use super::super::local_polynomial::{FORM_TERMS, terms, value, values};
+use super::super::local_polynomial::values;
 use super::super::work_counts::{WorkCounts, WorkKind};
 use super::sample::PixelSample;
 use super::state::{PartPose, PerturbedState};
 use super::system::{OpticalSystem, is_plain};
 use crate::geom::{Chart, DVec2};
-use crate::num::{Dual, Scalar};
+use crate::num::{Arithmetic, Dual, Scalar};
 use crate::optics::stereographic;
 use crate::tolerance_terms::Misalignment;
 
 /// Steps of Newton's method at most.
-const MOST_STEPS: usize = 40;
+pub(super) const MOST_STEPS: usize = 40;
 /// Step, mm, after which the place is known to rounding.
-const LAST_STEP: f64 = 1e-8;
+pub(super) const LAST_STEP: f64 = 1e-8;
 
 impl OpticalSystem {
     /// The image point, mm, where the content belongs that the pixel of `sample` sees. Not finite
@@ -28,43 +28,10 @@ impl OpticalSystem {
         work: &mut WorkCounts,
     ) -> [S; 2] {
         work.count(WorkKind::Rays, [1, 0]);
-        let mut sum = [0.0; FORM_TERMS];
-        let count = terms(self.form_degree);
-        if sample.form.is_empty() {
-            let forms = |at: [S; 2]| self.form_errors(&state.form, &sample.site.footprint, at);
-            let zeros = state.form.iter().filter(|a| **a == 0.0).count();
-            work.count(WorkKind::Forms, [state.form.len() - zeros, zeros]);
-            return self.trace_content(sample, pose, state, work, forms);
-        }
-        let sum = &mut sum[..count];
-        // Four at a time: the sum is fetched less often.
-        let (fours, rest) = state.form.as_chunks::<4>();
-        let mut forms = sample.form.chunks_exact(4 * count);
-        let mut avoided = 0;
-        for (four @ [a, b, c, d], forms) in fours.iter().zip(&mut forms) {
-            // Most errors alone have none.
-            if *four == [0.0; 4] {
-                avoided += 4;
-                continue;
-            }
-            let (ab, cd) = forms.split_at(2 * count);
-            let ((p, q), (r, s)) = (ab.split_at(count), cd.split_at(count));
-            let columns = p.iter().zip(q).zip(r.iter().zip(s));
-            for (sum, ((p, q), (r, s))) in sum.iter_mut().zip(columns) {
-                *sum += (a * p + b * q) + (c * r + d * s);
-            }
-        }
-        for (a, form) in rest.iter().zip(forms.remainder().chunks_exact(count)) {
-            sum.iter_mut().zip(form).for_each(|(sum, c)| *sum += a * c);
-        }
-        work.count(WorkKind::Forms, [state.form.len() - avoided, avoided]);
-        let (degree, sum) = (self.form_degree, &*sum);
+        let zeros = state.form.iter().filter(|a| **a == 0.0).count();
+        work.count(WorkKind::Forms, [state.form.len() - zeros, zeros]);
         self.trace_content(sample, pose, state, work, |at| {
-            if sample.square.holds(at) {
-                value(degree, sum, &sample.square, at)
-            } else {
-                self.form_errors(&state.form, &sample.site.footprint, at)
-            }
+            self.form_errors(&state.form, &sample.site.footprint, at)
         })
     }
 
@@ -91,7 +58,8 @@ impl OpticalSystem {
         work: &mut WorkCounts,
         form: impl Fn([S; 2]) -> [S; 3],
     ) -> [S; 2] {
-        let surface = |at: [S; 2]| {
+        let surface = |[x, y, z]: [S; 3]| {
+            let at = [x, y];
             let designed = match &sample.base {
                 Some((degree, c)) if sample.square.holds(at) => {
                     work.count(WorkKind::Surface, [0, 1]);
@@ -99,7 +67,7 @@ impl OpticalSystem {
                 }
                 _ => {
                     work.count(WorkKind::Surface, [1, 0]);
-                    self.designed(&self.panels[sample.panel], at, sample.hit.z)
+                    self.designed(&self.panels[sample.panel], at, z.mid())
                 }
             };
             self.add_textures(add_scaled(designed, 1.0, form(at)), state, at, &sample.site)
@@ -108,27 +76,32 @@ impl OpticalSystem {
         if state.terraced > 0.5 {
             return [S::constant(f64::NAN); 2];
         }
-        let (origin, along) = self.ray(sample, &state.misalignment);
-        let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
-        let from = pose.to_part(from).map(|x| x / pose.scale);
-        let along = pose.to_part(along);
+        let (from, along) = self.ray_in_part(sample, &state.misalignment, pose);
         let Some((at, slope)) = meet(sample, self.farthest, (from, along), surface) else {
             return [S::constant(f64::NAN); 2];
         };
         // Of terraces the flat tops reflect.
         let slope = slope.map(|p| p * (1.0 - state.terraced));
-        // d - n (2 d . n / n . n) with n = (-slope, 1).
-        let normal = [-slope[0], -slope[1], S::constant(1.0)];
-        let across = along[2] - along[0] * slope[0] - along[1] * slope[1];
-        let twice = across * 2.0 / (slope[0].square() + slope[1].square() + 1.0);
-        let leaving = pose.to_world([0, 1, 2].map(|k| along[k] - normal[k] * twice));
-        let at = pose.to_world(at.map(|x| x * pose.scale));
-        let at: [S; 3] = std::array::from_fn(|k| at[k] + pose.shift[k]);
+        let (at, leaving) = reflected(pose, at, along, slope);
         self.image_of_reflected(sample.point, at, leaving)
     }
 
+    /// The camera's ray through the pixel in the frame of the part, before that is grown.
+    #[inline]
+    pub(super) fn ray_in_part<S: Arithmetic>(
+        &self,
+        sample: &PixelSample,
+        misalignment: &Misalignment<S>,
+        pose: &PartPose<S>,
+    ) -> ([S; 3], [S; 3]) {
+        let (origin, along) = self.ray(sample, misalignment);
+        let from: [S; 3] = std::array::from_fn(|k| origin[k] - pose.shift[k]);
+        (pose.to_part(from).map(|x| x / pose.scale), pose.to_part(along))
+    }
+
     /// The camera's ray through the pixel: a point of it and its direction, of any length.
-    pub(crate) fn ray<S: Scalar>(
+    #[inline]
+    pub(crate) fn ray<S: Arithmetic>(
         &self,
         sample: &PixelSample,
         misalignment: &Misalignment<S>,
@@ -140,13 +113,13 @@ impl OpticalSystem {
         let q_off =
             [grown * q.x + m.principal_x_mm + coma_x, grown * q.y + m.principal_y_mm + coma_y];
         let Chart { vergence: k, plane_mm } = self.camera.chart;
-        let down = S::constant(-1.0);
+        let down = S::number(-1.0);
         if k == 0.0 {
             let lean = m.telecentricity_rad / self.half_width;
-            ([q_off[0], q_off[1], S::constant(plane_mm)], [lean * q.x, lean * q.y, down])
+            ([q_off[0], q_off[1], S::number(plane_mm)], [lean * q.x, lean * q.y, down])
         } else {
-            let zero = S::constant(0.0);
-            ([zero, zero, S::constant(plane_mm + 1.0 / k)], [q_off[0] * k, q_off[1] * k, down])
+            let zero = S::number(0.0);
+            ([zero, zero, S::number(plane_mm + 1.0 / k)], [q_off[0] * k, q_off[1] * k, down])
         }
     }
 
@@ -166,6 +139,35 @@ impl OpticalSystem {
     }
 }
 
+/// Where light that comes `along` meets the made part, and its direction from there, both in the world: `at`
+/// and `slope` are those of the part before it is grown.
+#[inline]
+pub(super) fn reflected<S: Arithmetic>(
+    pose: &PartPose<S>,
+    at: [S; 3],
+    along: [S; 3],
+    slope: [S; 2],
+) -> ([S; 3], [S; 3]) {
+    // d - n (2 d . n / n . n) with n = (-slope, 1).
+    let across = along[2] - along[0] * slope[0] - along[1] * slope[1];
+    let twice = across * 2.0 / (slope[0] * slope[0] + slope[1] * slope[1] + 1.0);
+    let leaving = [along[0] + slope[0] * twice, along[1] + slope[1] * twice, along[2] - twice];
+    let at = pose.to_world(at.map(|x| x * pose.scale));
+    (std::array::from_fn(|k| at[k] + pose.shift[k]), pose.to_world(leaving))
+}
+
+/// Parameter at which a line meets the tangent plane of the designed mirror where `sample` sees it.
+#[inline]
+pub(super) fn meet_tangent<S: Arithmetic>(
+    sample: &PixelSample,
+    (from, along): ([S; 3], [S; 3]),
+) -> S {
+    let (hit, p) = (sample.hit, sample.slope);
+    let rate = along[2] - along[0] * p[0] - along[1] * p[1];
+    let below = from[2] - hit.z - (from[0] - hit.x) * p[0] - (from[1] - hit.y) * p[1];
+    -below / rate
+}
+
 /// Shift of image point `q`, mm, by a coma of 1 along X: that of a lens whose elements are decentred, which
 /// moves the chief ray as p (3 x^2 + y^2, 2 x y) (A. E. Conrady, *Decentred lens-systems*, 1919; D. C. Brown,
 /// *Decentering distortion of lenses*, 1966, his p1). It is the derivative of third-order radial distortion
@@ -175,20 +177,17 @@ fn coma_shift(q: DVec2, half_width: f64) -> [f64; 2] {
     [p * (3.0 * q.x * q.x + q.y * q.y), p * 2.0 * q.x * q.y]
 }
 
-/// Intersection of a line with `surface`, and the slope there: Newton's method from the sample's own hit, no
+/// Intersection of a line with `surface`, which is told the places of the line, and the slope there: Newton's method from the sample's own hit, no
 /// farther from that than `farthest`.
 #[inline]
 fn meet<S: Scalar>(
     sample: &PixelSample,
     farthest: f64,
     (from, along): ([S; 3], [S; 3]),
-    mut surface: impl FnMut([S; 2]) -> [S; 3],
+    mut surface: impl FnMut([S; 3]) -> [S; 3],
 ) -> Option<([S; 3], [S; 2])> {
-    let (hit, p) = (sample.hit, sample.slope);
-    // The tangent plane there.
-    let rate = along[2] - along[0] * p[0] - along[1] * p[1];
-    let below = from[2] - hit.z - (from[0] - hit.x) * p[0] - (from[1] - hit.y) * p[1];
-    let mut t = -below / rate;
+    let hit = sample.hit;
+    let mut t = meet_tangent(sample, (from, along));
     // The step before and the slope before it.
     let mut last: Option<(S, [S; 2])> = None;
     for _ in 0..MOST_STEPS {
@@ -198,7 +197,7 @@ fn meet<S: Scalar>(
         if !(near(x, hit.x) && near(y, hit.y)) {
             return None;
         }
-        let [f, f_x, f_y] = surface([x, y]);
+        let [f, f_x, f_y] = surface([x, y, z]);
         let step = (z - f) / (along[2] - along[0] * f_x - along[1] * f_y);
         t = t - step;
         if step.mid().abs() < LAST_STEP {
@@ -208,7 +207,7 @@ fn meet<S: Scalar>(
                 let more: S = step / before;
                 return Some((at, [f_x + (f_x - p) * more, f_y + (f_y - q) * more]));
             }
-            let [_, f_x, f_y] = surface([at[0], at[1]]);
+            let [_, f_x, f_y] = surface(at);
             return Some((at, [f_x, f_y]));
         }
         last = Some((step, [f_x, f_y]));

@@ -7,12 +7,16 @@
 
 mod ball_cutter;
 mod content;
+mod made_forms;
 mod sample;
+mod side_by_side;
 mod state;
 mod surface_departure;
 mod system;
 
 pub(super) use ball_cutter::BallCutter;
+pub(super) use made_forms::FormBasis;
 pub(super) use sample::{PixelSample, TextureSite};
+pub(super) use side_by_side::SideBySide;
 pub(super) use state::{PartPose, PerturbedState};
 pub(super) use system::OpticalSystem;

@@ -33,7 +33,6 @@ pub(crate) struct PixelSample {
     /// Height and slopes of the designed surface: degree and coefficients of polynomials, where
     /// these are it to rounding. (Derivatives of the height's would have its rounding magnified.)
     pub base: Option<(usize, Vec<[f64; 3]>)>,
-    /// Coefficients of the form errors, one after the other, all of the system's `form_degree`; none
-    /// where that is not enough.
-    pub form: Vec<f64>,
+    /// Shares of the form errors' waves and of the waviness that the pixel sees, in their order.
+    pub seen: Vec<f64>,
 }

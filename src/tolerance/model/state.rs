@@ -1,6 +1,6 @@
 //! The errors of a perturbed system, and the pose that they give the part.
 
-use crate::num::Scalar;
+use crate::num::{Arithmetic, Lanes, Scalar};
 use crate::tolerance_terms::Misalignment;
 
 /// Errors of a perturbed system.
@@ -74,7 +74,21 @@ impl<S: Scalar> PartPose<S> {
         ];
         Self { turn, shift: [m.shift_x_mm, m.shift_y_mm, m.shift_z_mm], scale: m.growth + 1.0 }
     }
+}
 
+impl<const L: usize> PartPose<Lanes<L>> {
+    /// Several poses side by side.
+    pub(crate) fn side_by_side(poses: [&PartPose<f64>; L]) -> Self {
+        let of = |value: &dyn Fn(&PartPose<f64>) -> f64| Lanes(poses.map(value));
+        Self {
+            turn: [0, 1, 2].map(|i| [0, 1, 2].map(|j| of(&|pose| pose.turn[i][j]))),
+            shift: [0, 1, 2].map(|k| of(&|pose| pose.shift[k])),
+            scale: of(&|pose| pose.scale),
+        }
+    }
+}
+
+impl<S: Arithmetic> PartPose<S> {
     /// A direction of the part, in the world.
     pub(crate) fn to_world(&self, v: [S; 3]) -> [S; 3] {
         self.turn.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])

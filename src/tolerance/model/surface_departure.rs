@@ -65,6 +65,18 @@ impl OpticalSystem {
             let seen = site.footprint.ripple(self.wave);
             sum = add_scaled(sum, seen, ripple(self.wave, wave, at));
         }
+        self.add_map_and_tracks(sum, state, at, site)
+    }
+
+    /// The same without the waviness.
+    #[inline]
+    pub(crate) fn add_map_and_tracks<S: Scalar>(
+        &self,
+        mut sum: [S; 3],
+        state: &PerturbedState<S>,
+        at: [S; 2],
+        site: &TextureSite,
+    ) -> [S; 3] {
         if let (Some(map), Some(share)) = (&self.map, state.map) {
             sum = add_scaled(sum, share, map_error(map, at));
         }

@@ -3,6 +3,7 @@
 use super::super::form_field::FormField;
 use super::super::work_counts::WorkCounter;
 use super::ball_cutter::BallCutter;
+use super::made_forms::FormBasis;
 use super::sample::PixelSample;
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::mirror::{BicubicSpline, Hessian, Mirror};
@@ -33,8 +34,8 @@ pub(crate) struct OpticalSystem {
     pub farthest: f64,
     /// Form errors of unit size.
     pub fields: Vec<FormField>,
-    /// Degree of the samples' polynomials of form errors; 0 where there are none.
-    pub form_degree: usize,
+    /// What they and the waviness are made of.
+    pub basis: FormBasis,
     /// Wave vector of the waviness, 1/mm.
     pub wave: [f64; 2],
     /// The cutter that leaves the tracks.
@@ -46,7 +47,7 @@ pub(crate) struct OpticalSystem {
 }
 
 impl OpticalSystem {
-    /// The system with other samples, without polynomials of the form errors.
+    /// The system with other samples.
     pub(crate) fn with(&self, samples: Vec<PixelSample>) -> Self {
         Self {
             view: self.view.clone(),
@@ -54,7 +55,7 @@ impl OpticalSystem {
             mirror: self.mirror.clone(),
             panels: self.panels.clone(),
             fields: self.fields.clone(),
-            form_degree: 0,
+            basis: self.basis.clone(),
             map: self.map.clone(),
             counter: Arc::clone(&self.counter),
             ..*self
@@ -68,7 +69,7 @@ impl OpticalSystem {
         let Some(place) = mirror.intersect_camera_ray_near(&self.sag, q, z_mm) else {
             return [S::constant(f64::NAN); 3];
         };
-        let point = mirror.row(place.y).at(place.x);
+        let point = mirror.at(place);
         let slope = mirror.slope(place, &point);
         // What Newton's method left of the way to q.
         let found = mirror.position(place, &point);
