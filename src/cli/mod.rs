@@ -2,6 +2,7 @@
 
 mod args;
 mod commands;
+mod failure;
 mod progress;
 #[cfg(unix)]
 mod signals;
@@ -15,6 +16,7 @@ use crate::report::{Answer, TextLayout, visible};
 use crate::results::Verdict;
 use args::{Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, ToleranceArgs};
 use clap::Parser;
+use failure::Failure;
 use progress::Progress;
 use serde_json::json;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -31,26 +33,43 @@ const UNABLE: u8 = 2;
 /// Runs the program: parses the arguments, does the work, and returns the exit code.
 #[must_use]
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| unreadable(&error));
     arguments.color.write_global();
     #[cfg(unix)]
     signals::watch();
     let told = || {
-        execute(&arguments).unwrap_or_else(|error| {
-            complain("error", anstyle::AnsiColor::Red, &error.to_string());
+        execute(&arguments).unwrap_or_else(|failure| {
+            if arguments.format == PrintFormat::Json {
+                // (Who cannot read it has the exit code.)
+                let _ = print(&failure.json());
+            }
+            complain("error", anstyle::AnsiColor::Red, &failure.to_string());
             UNABLE
         })
     };
     ExitCode::from(parallel::within(arguments.threads, told))
 }
 
-type Failure = Box<dyn std::error::Error>;
+/// Says why the arguments cannot be read, or what help was asked for, and ends the program.
+fn unreadable(error: &clap::Error) -> ! {
+    let arguments: Vec<String> = std::env::args().collect();
+    let as_json = arguments.iter().any(|word| word == "--format=json")
+        || arguments.windows(2).any(|words| words == ["--format", "json"]);
+    if error.use_stderr() && as_json {
+        let _ = print(&Failure::said(error.to_string()).json());
+    }
+    error.exit()
+}
 
 fn execute(arguments: &Arguments) -> Result<u8, Failure> {
     let Arguments { format, verbose, .. } = *arguments;
-    let terminal = Terminal { format, verbose, progress: Progress::new(arguments.quiet) };
+    let terminal =
+        Terminal { format, verbose, lines: false, progress: Progress::new(arguments.quiet) };
     match &arguments.command {
-        CommandArg::Build(args) => terminal.build(args),
+        CommandArg::Build(args) => {
+            let lines = args.profiles.len() > 1;
+            Terminal { lines, ..terminal }.build(args)
+        }
         CommandArg::Check(args) => terminal.check(&args.profile),
         CommandArg::Verify(args) => {
             let out = args.out.as_deref().unwrap_or(Path::new("out"));
@@ -75,6 +94,8 @@ struct Terminal {
     format: PrintFormat,
     /// Whether details are shown.
     verbose: bool,
+    /// Whether JSON is a line for each of several answers.
+    lines: bool,
     progress: Progress,
 }
 
@@ -112,10 +133,10 @@ impl Terminal {
             };
             match done {
                 Ok(concluded) => code = code.max(concluded?),
-                Err(error) => failures.push(error.to_string()),
+                Err(error) => failures.push(Failure::from(error)),
             }
         }
-        if failures.is_empty() { Ok(code) } else { Err(failures.join("\n").into()) }
+        Failure::none_of(failures).map(|()| code)
     }
 
     fn check(&self, named: &str) -> Result<u8, Failure> {
@@ -151,7 +172,9 @@ impl Terminal {
     fn profiles(&self, args: &ProfilesArgs) -> Result<u8, Failure> {
         if let Some(name) = &args.show {
             let known = shipped().iter().find(|profile| profile.name == name);
-            let missing = || format!("no profile {name} is shipped; `morion profiles` lists them");
+            let missing = || {
+                Failure::said(format!("no profile {name} is shipped; `morion profiles` lists them"))
+            };
             print(known.ok_or_else(missing)?.text)?;
             return Ok(PASSED);
         }
@@ -181,7 +204,10 @@ impl Terminal {
             details: self.verbose,
             folder: folder.as_deref(),
         };
-        self.show(|| answer.laid_out(&layout), || answer.json())?;
+        self.show(
+            || answer.laid_out(&layout),
+            || if self.lines { answer.json_line() } else { answer.json() },
+        )?;
         Ok(if head.verdict == Some(Verdict::Fail) { FAILED } else { PASSED })
     }
 
@@ -215,13 +241,14 @@ fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
     for named in named {
         match load(named) {
             Ok(profile) if profiles.iter().any(|other| other.name == profile.name) => {
-                faults.push(format!("{named}: another profile is called {} too", profile.name));
+                let same = format!("{named}: another profile is called {} too", profile.name);
+                faults.push(Failure::said(same));
             }
             Ok(profile) => profiles.push(profile),
-            Err(fault) => faults.push(fault.to_string()),
+            Err(fault) => faults.push(fault.into()),
         }
     }
-    if faults.is_empty() { Ok(profiles) } else { Err(faults.join("\n").into()) }
+    Failure::none_of(faults).map(|()| profiles)
 }
 
 /// Says a message of a kind on stderr; one that nobody can read is not worth failing for. Messages of several
@@ -252,7 +279,7 @@ fn print(text: &str) -> Result<(), Failure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(format!("cannot write to standard output: {error}").into())
+            Err(Failure::said(format!("cannot write to standard output: {error}")))
         }
         _ => Ok(()),
     }

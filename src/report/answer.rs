@@ -52,6 +52,13 @@ pub trait Answer: Serialize {
         json(self)
     }
 
+    /// The answer as JSON on one line.
+    fn json_line(&self) -> String {
+        let mut text = serde_json::to_string(self).expect("string keys and plain values only");
+        text.push('\n');
+        text
+    }
+
     /// A readable summary: a line a fact, the reasons, and the verdict last. Plain text, in which what
     /// would steer a terminal is written out.
     fn text(&self) -> String {

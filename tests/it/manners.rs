@@ -388,3 +388,41 @@ fn checks_and_lists_answer_in_json_when_asked() {
         assert!(out.contains("\"conformal\""), "{out}");
     }
 }
+
+#[test]
+fn errors_are_json_where_that_is_asked_for() {
+    let folder = folder();
+    save(folder.path(), &SMALL.replace("degree = ", "degree = -"));
+    let asked = |arguments: &[&str]| {
+        let (code, out, err) = told(&morion(folder.path(), arguments));
+        let lines =
+            out.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+        assert_eq!(code, 2, "{out}{err}");
+        assert!(!err.is_empty());
+        lines.map(|mut line| line["error"].take()).collect::<Vec<_>>()
+    };
+    let errors = asked(&["build", "small.toml", "nowhere", "--format", "json"]);
+    let [faulty, unknown] = &errors[..] else { panic!("{errors:?}") };
+    assert!(faulty["file"] == "small.toml" && faulty["line"].as_u64().unwrap() > 1, "{faulty}");
+    assert!(faulty["message"].as_str().unwrap().contains("degree"), "{faulty}");
+    assert!(unknown["line"].is_null() && unknown["message"].is_string(), "{unknown}");
+    let usage = asked(&["build", "small.toml", "--format=json", "--nonsense"]);
+    assert!(usage[0]["message"].as_str().unwrap().contains("--nonsense"), "{usage:?}");
+}
+
+#[test]
+fn several_answers_are_a_line_of_json_each() {
+    let folder = folder();
+    for name in ["one.toml", "two.toml"] {
+        std::fs::write(folder.path().join(name), SMALL).unwrap();
+    }
+    let arguments = ["build", "one.toml", "two.toml", "--dry-run", "--format", "json"];
+    let (code, out, err) = told(&morion(folder.path(), &arguments));
+    assert_eq!(code, 0, "{err}");
+    let names: Vec<String> = out
+        .lines()
+        .map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap())
+        .map(|answer| answer["profile"]["name"].as_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(names, ["one", "two"]);
+}

@@ -1,0 +1,94 @@
+//! Why a command could not be done, in words and as JSON.
+
+use crate::pipeline::SourceError;
+use crate::profile::Complaint;
+use serde_json::{Value, json};
+use std::error::Error;
+use std::fmt::{self, Display, Formatter};
+
+/// One error or several.
+pub(super) struct Failure(Vec<Box<dyn Error>>);
+
+impl Failure {
+    /// A failure that is a sentence.
+    pub(super) fn said(sentence: String) -> Self {
+        Self(vec![sentence.into()])
+    }
+
+    /// Success, or all of `failures`.
+    pub(super) fn none_of(failures: Vec<Self>) -> Result<(), Self> {
+        let all: Vec<_> = failures.into_iter().flat_map(|failure| failure.0).collect();
+        if all.is_empty() { Ok(()) } else { Err(Self(all)) }
+    }
+
+    /// A line of JSON for each error: `{"error": {"file", "line", "column", "message", "hint"}}`, null what is not
+    /// known. Every complaint about a profile is one.
+    pub(super) fn json(&self) -> String {
+        let lines = self.0.iter().flat_map(|error| match error.downcast_ref() {
+            Some(SourceError::Faulty(complaints)) => complaints.0.iter().map(complaint).collect(),
+            _ => vec![line(&json!({ "message": error.to_string() }))],
+        });
+        lines.collect()
+    }
+}
+
+fn complaint(complaint: &Complaint) -> String {
+    let Complaint { file, line: row, column, message, hint } = complaint;
+    line(&json!({ "file": file, "line": row, "column": column, "message": message, "hint": hint }))
+}
+
+/// A line of an error, with null for the keys that it has not.
+fn line(known: &Value) -> String {
+    let mut error =
+        json!({ "file": null, "line": null, "column": null, "message": null, "hint": null });
+    for (key, value) in known.as_object().into_iter().flatten() {
+        error[key] = value.clone();
+    }
+    format!("{}\n", json!({ "error": error }))
+}
+
+impl<E: Error + 'static> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self(vec![Box::new(error)])
+    }
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        for (k, error) in self.0.iter().enumerate() {
+            let end = if k == 0 { "" } else { "\n" };
+            write!(f, "{end}{error}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::profile::Complaints;
+
+    #[test]
+    fn every_complaint_is_a_line_with_its_place() {
+        let one = Complaint {
+            file: "a.toml".into(),
+            line: 3,
+            column: 7,
+            message: "no".into(),
+            hint: Some("yes".into()),
+        };
+        let two = Complaint { hint: None, line: 9, ..one.clone() };
+        let faulty = SourceError::Faulty(Complaints(vec![one, two]));
+        let all = vec![Failure::from(faulty), Failure::said("full\nof lines".into())];
+        let Err(failure) = Failure::none_of(all) else { panic!("there are two") };
+        let lines: Vec<Value> =
+            failure.json().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert_eq!(lines.len(), 3);
+        let error = |k: usize, key: &str| lines[k]["error"][key].clone();
+        assert_eq!(error(0, "file"), "a.toml");
+        assert_eq!([error(0, "line"), error(1, "line")], [json!(3), json!(9)]);
+        assert_eq!([error(0, "hint"), error(1, "hint")], [json!("yes"), Value::Null]);
+        assert_eq!([error(2, "message"), error(2, "line")], [json!("full\nof lines"), Value::Null]);
+        assert!(Failure::none_of(vec![]).is_ok());
+    }
+}
