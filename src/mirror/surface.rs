@@ -41,6 +41,14 @@ macro_rules! surfaces {
                 }
             }
 
+            /// As [`HeightField::height`].
+            #[must_use]
+            pub fn height(&self, q: DVec2) -> f64 {
+                match self {
+                    $(Self::$kind(field) => field.height(q),)+
+                }
+            }
+
             /// As [`HeightField::hessian`].
             #[must_use]
             pub fn hessian(&self, q: DVec2) -> Hessian {
