@@ -16,7 +16,7 @@ use crate::verdict;
 use std::io::{self, Write};
 
 /// A file of the mirror as designed.
-pub(super) trait CadExport {
+pub(super) trait CadExport: Sync {
     /// Its format.
     fn format(&self) -> CadFormat;
 

@@ -11,8 +11,8 @@ use crate::optics::Target;
 use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
-    CameraPicture, CameraView, Chessboard, Distance, Picture, SetupDiagram, TestWorld, TracedMesh,
-    World, reflected, reflected_centres, shaded_views,
+    CameraPicture, CameraView, Chessboard, Distance, Picture, ReflectedCentres, SetupDiagram,
+    TestWorld, TracedMesh, World, reflected, shaded_views,
 };
 use crate::results::{RenderReport, SCHEMA};
 use crate::trace::Scene;
@@ -44,10 +44,10 @@ impl Command for RenderOptions<'_> {
                 ("design", self.write_world(run, &name, &design, (CameraView::Smooth, world))?)
             }
             Scenery::World(world) => {
-                let mut centres = None;
+                let mut centres = ReflectedCentres::default();
                 let InMemoryBuild { format, scene, .. } =
                     build_in_memory(run, &design, &mut |strip, _| {
-                        centres = reflected_centres(strip);
+                        centres.add(strip);
                     })?;
                 let mesh = TracedMesh { scene, centres };
                 let view = CameraView::Mesh(&mesh);
@@ -102,6 +102,7 @@ impl RenderOptions<'_> {
 
     /// The part itself.
     fn part(&self, design: &Design, mesh: &Scene, scene: PartScene) -> Picture {
+        mesh.prepare_search();
         match scene {
             PartScene::Views => {
                 shaded_views(mesh, |at| if self.smooth { optical(design, at) } else { None })

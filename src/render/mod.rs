@@ -14,6 +14,7 @@ mod material;
 mod model;
 mod panorama;
 pub mod picture;
+mod samples;
 mod setup_diagram;
 mod shaded_views;
 mod solid_of_revolution;
@@ -22,12 +23,13 @@ mod text_distance_field;
 
 pub use crate::raster::EncodingError;
 pub(crate) use camera_view::{
-    CameraPicture, CameraView, Distance, TracedMesh, reflected, reflected_centres,
+    CameraPicture, CameraView, Distance, ReflectedCentres, TracedMesh, reflected,
 };
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
-pub use picture::{Picture, PictureRay, SampleGrid, StripPainter};
+pub use picture::{Picture, StripPainter};
+pub use samples::{EdgePixels, OneByOne, PictureRay, SampleGrid, SampleSight, Sight};
 pub use setup_diagram::SetupDiagram;
 pub use shaded_views::shaded_views;
 pub use test_world::TestWorld;

@@ -3,7 +3,7 @@
 use crate::parallel;
 
 use super::World;
-use crate::geom::{DVec3, Ray};
+use super::samples::{EdgePixels, PIECE_ROWS, PictureRay, SampleGrid, Sight, edges};
 use crate::raster::{
     EncodingError, png,
     srgb::{encode, hex},
@@ -17,46 +17,6 @@ pub const MISSED: u32 = 0x3a3a3c;
 pub const SHADOWED: u32 = 0x7a1018;
 /// sRGB code of [`Outcome::BackFace`]: magenta.
 pub const BACK_FACE: u32 = 0xff00ff;
-
-/// Difference in linear light that makes an edge: a few times what the sky changes from pixel to
-/// pixel, a fraction of a thin line.
-const EDGE: f32 = 0.06;
-
-/// End of the camera ray through one point of the picture, and the ray that leaves into the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PictureRay {
-    /// How the camera ray ends.
-    pub outcome: Outcome,
-    /// The reflected ray in the part frame, where the outcome is [`Outcome::Hit`].
-    pub leaving: Ray,
-}
-
-impl PictureRay {
-    /// A camera ray that is reflected and leaves as `leaving`.
-    #[must_use]
-    pub fn reflected(leaving: Ray) -> Self {
-        Self { outcome: Outcome::Hit, leaving }
-    }
-
-    /// A camera ray from which nothing leaves.
-    #[must_use]
-    pub const fn lost(outcome: Outcome) -> Self {
-        Self { outcome, leaving: Ray { origin: DVec3::ZERO, direction: DVec3::ZERO } }
-    }
-}
-
-/// Pixels of a picture and the samples in each.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleGrid {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Samples along each side of a pixel at edges; 0 counts as 1.
-    pub samples_per_side: u32,
-    /// Angle of the world that one pixel covers, in radians.
-    pub pixel_rad: f64,
-}
 
 /// An 8-bit sRGB picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,7 +49,11 @@ impl Picture {
     ) -> Self {
         let rows = 0..grid.height as usize;
         assert_eq!(coarse.len(), grid.width as usize * rows.len(), "one centre a pixel");
-        let (rgb, samples) = refined_rows(grid, rows, (0, coarse), |_, [x, y]| light(x, y));
+        let edges = edges(grid, rows.clone(), (0, coarse));
+        let lights = |piece| {
+            grid.samples(&edges, 0, piece).map(|(_, [x, y])| light(x, y)).collect::<Vec<_>>()
+        };
+        let (rgb, samples) = refined_rows(grid, rows, (coarse, &edges), lights);
         Self { width: grid.width, height: grid.height, rgb, samples }
     }
 
@@ -111,52 +75,36 @@ impl Picture {
 }
 
 /// Some rows of a picture, as red, green and blue of each pixel, and the number of their samples: `coarse`
-/// is the light at pixels' centres from a row on, of the neighbouring rows too where there are any, and
-/// `light` takes a pixel's number in it and a point of the pixel.
+/// is the light at their pixels' centres, and `lights` gives that of all samples of the edge pixels of some
+/// of the rows, pixel by pixel.
 fn refined_rows(
     grid: &SampleGrid,
     rows: Range<usize>,
-    (first, coarse): (usize, &[[f32; 3]]),
-    light: impl Fn(usize, [f64; 2]) -> [f32; 3] + Sync,
+    (coarse, edges): (&[[f32; 3]], &[bool]),
+    lights: impl Fn(Range<usize>) -> Vec<[f32; 3]> + Sync,
 ) -> (Vec<u8>, u64) {
-    let (width, height) = (grid.width as usize, grid.height as usize);
-    let side = grid.samples_per_side.max(1);
-    let number = |x: usize, y: usize| (y - first) * width + x;
-    let fine = |x: usize, y: usize| {
-        let mut sum = [0.0_f32; 3];
-        let place = |p: usize, k: u32| p as f64 + (f64::from(k) + 0.5) / f64::from(side);
-        for k in 0..side * side {
-            let light = light(number(x, y), [place(x, k % side), place(y, k / side)]);
-            sum = std::array::from_fn(|c| sum[c] + light[c]);
-        }
-        sum.map(|s| s / (side * side) as f32)
-    };
-    let is_edge = |x: usize, y: usize| {
-        let here = coarse[number(x, y)];
-        let differs = |x: usize, y: usize| {
-            let other = coarse[number(x, y)];
-            here.iter().zip(other).any(|(a, b)| (a - b).abs() > EDGE)
-        };
-        (x > 0 && differs(x - 1, y))
-            || (x + 1 < width && differs(x + 1, y))
-            || (y > 0 && differs(x, y - 1))
-            || (y + 1 < height && differs(x, y + 1))
+    let width = grid.width as usize;
+    let each = grid.samples_per_side.max(1).pow(2);
+    let mean = |lights: &[[f32; 3]]| {
+        let add = |sum: [f32; 3], light: &[f32; 3]| std::array::from_fn(|c| sum[c] + light[c]);
+        lights.iter().fold([0.0_f32; 3], add).map(|s| s / each as f32)
     };
     let mut rgb = vec![0; 3 * width * rows.len()];
-    let edges = parallel::map_chunks_mut(&mut rgb, (3 * width).max(3), |k, row| {
-        let (y, mut edges) = (rows.start + k, 0);
-        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-            let edge = side > 1 && is_edge(x, y);
-            edges += u64::from(edge);
-            let light = if edge { fine(x, y) } else { coarse[number(x, y)] };
+    let size = (width * PIECE_ROWS).max(1);
+    parallel::map_chunks_mut(&mut rgb, 3 * size, |piece, rgb| {
+        let first = rows.start + piece * PIECE_ROWS;
+        let lights = lights(first..(first + PIECE_ROWS).min(rows.end));
+        let mut fine = lights.chunks_exact(each as usize).map(mean);
+        let pixels = coarse[piece * size..].iter().zip(&edges[piece * size..]);
+        for (pixel, (coarse, edge)) in rgb.chunks_exact_mut(3).zip(pixels) {
+            let light = if *edge { fine.next().unwrap_or(*coarse) } else { *coarse };
             for (code, light) in pixel.iter_mut().zip(light) {
                 *code = encode(light);
             }
         }
-        edges
     });
-    let samples = edges.iter().sum::<u64>() * u64::from(side * side) + (width * rows.len()) as u64;
-    (rgb, samples)
+    let sampled = edges.iter().filter(|edge| **edge).count() as u64;
+    (rgb, sampled * u64::from(each) + (width * rows.len()) as u64)
 }
 
 /// A picture of a world that is painted strip after strip of rows, from the top, with what it takes of the
@@ -181,7 +129,7 @@ impl<'a> StripPainter<'a> {
     }
 
     /// Paints the strips of `rows`: `centres` gives the rays of the pixels' centres of one, row by row, and
-    /// `see` that of any point of a pixel whose centre's it is given. `done` gets red, green and blue of the
+    /// `sight` those of the samples of some of its pixels. `done` gets red, green and blue of the
     /// pixels of each strip; the number of samples is returned.
     ///
     /// # Errors
@@ -190,7 +138,7 @@ impl<'a> StripPainter<'a> {
         &self,
         rows: Vec<Range<usize>>,
         mut centres: impl FnMut(Range<usize>) -> Vec<PictureRay>,
-        see: impl Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync,
+        sight: &dyn Sight,
         mut done: impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<u64, E> {
         let width = self.grid.width as usize;
@@ -202,7 +150,7 @@ impl<'a> StripPainter<'a> {
             let next = rows.map(|rows| self.coarse(rows.clone(), centres(rows)));
             if let Some(strip) = waiting.take() {
                 let below = next.as_ref().map_or(&[][..], |next| &next.light[..width]);
-                let (rgb, count) = self.fine(&strip, [&above, below], &see);
+                let (rgb, count) = self.fine(&strip, [&above, below], sight);
                 done(&rgb)?;
                 samples += count;
                 above = strip.light[strip.light.len() - width..].to_vec();
@@ -222,14 +170,19 @@ impl<'a> StripPainter<'a> {
         &self,
         strip: &CoarseStrip,
         [above, below]: [&[[f32; 3]]; 2],
-        see: &(impl Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync),
+        sight: &dyn Sight,
     ) -> (Vec<u8>, u64) {
         let footprint = self.grid.pixel_rad / f64::from(self.grid.samples_per_side.max(1));
         let first = strip.rows.start - above.len() / (self.grid.width as usize).max(1);
         let coarse = [above, &strip.light, below].concat();
-        refined_rows(&self.grid, strip.rows.clone(), (first, &coarse), |pixel, at| {
-            self.light(see(&strip.centres[pixel - above.len()], at), footprint)
-        })
+        let CoarseStrip { rows, centres, light } = strip;
+        let edges = edges(&self.grid, rows.clone(), (first, &coarse));
+        let pixels = EdgePixels { grid: &self.grid, first: rows.start, centres, edges: &edges };
+        let sight = sight.samples(pixels);
+        let lights = |piece| {
+            sight(piece).into_iter().map(|ray| self.light(ray, footprint)).collect::<Vec<_>>()
+        };
+        refined_rows(&self.grid, rows.clone(), (light, &edges), lights)
     }
 
     fn light(&self, end: PictureRay, footprint: f64) -> [f32; 3] {
@@ -248,8 +201,10 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::geom::{DVec3, Ray};
     use crate::num;
     use crate::render::TestWorld;
+    use crate::render::samples::OneByOne;
 
     const WIDTH: u32 = 720;
     const SCALE: f64 = 2.0 * PI / WIDTH as f64;
@@ -279,7 +234,7 @@ mod tests {
         let Ok(samples) = StripPainter::new(*grid, world).paint::<Infallible>(
             rows,
             |rows| centres[rows.start * width..rows.end * width].to_vec(),
-            |_, [x, y]| see(x, y),
+            &OneByOne(|_: &PictureRay, [x, y]: [f64; 2]| see(x, y)),
             |strip| {
                 rgb.extend_from_slice(strip);
                 Ok(())
