@@ -88,7 +88,7 @@ impl Command for BuildOptions {
         let picture = checked.picture.clone();
         let step = exports.iter().find_map(|export| export.step_facts());
         drop(exports);
-        let about = (*form(), step, sharp().clone());
+        let about = (*form(), step, *sharp());
         let report = report(profile, &design, about, &made, checked);
         publish(run, &made, &report, &picture, inputs)?;
         Ok(report)

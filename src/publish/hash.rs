@@ -99,7 +99,7 @@ mod tests {
     impl Write for Reluctant {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.calls += 1;
-            if self.calls % 3 == 0 {
+            if self.calls.is_multiple_of(3) {
                 return Err(io::ErrorKind::Interrupted.into());
             }
             let count = bytes.len().min(self.most);
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn what_is_hashed_is_what_was_taken() {
-        let bytes: Vec<u8> = (0..5 * BESIDE).map(|k| (k * k >> 7) as u8).collect();
+        let bytes: Vec<u8> = (0..5 * BESIDE).map(|k| ((k * k) >> 7) as u8).collect();
         for most in [1000, BESIDE, 3 * BESIDE, usize::MAX] {
             let mut out = Reluctant { taken: Vec::new(), most, calls: 0 };
             let mut writer = HashingWriter::new(&mut out);

@@ -109,7 +109,7 @@ impl<'a> StlComparison<'a> {
         }
         let first = self.facets;
         self.facets += piece.len() / FACET;
-        self.equal &= piece.len() % FACET == 0 && self.facets <= facets && {
+        self.equal &= piece.len().is_multiple_of(FACET) && self.facets <= facets && {
             let found = piece.chunks_exact(FACET).map(corners);
             (first..).zip(found).all(|(t, corners)| self.mesh.corners(t) == corners)
         };
