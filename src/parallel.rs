@@ -44,9 +44,14 @@ fn both(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     rayon::join(a, b);
 }
 
+/// Threads among which work is shared out.
+pub(crate) fn threads() -> usize {
+    rayon::current_num_threads()
+}
+
 /// How many of `count` items are handled by one thread in one go: `min` or more.
 fn grain(count: usize, min: usize) -> usize {
-    match rayon::current_num_threads() {
+    match threads() {
         1 => usize::MAX,
         threads => (count / (PIECES * threads)).max(min).max(1),
     }

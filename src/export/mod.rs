@@ -10,7 +10,9 @@ mod text;
 mod threemf;
 
 pub use obj::{obj_bytes, write_obj, write_obj_bare};
-pub use read::{ImportedMesh, ReadError, ThreeMfError, read_3mf, read_obj, read_stl};
+pub use read::{
+    ImportedMesh, ReadError, StlComparison, ThreeMfError, read_3mf, read_obj, read_stl,
+};
 pub use sag::{
     SagDeviation, SagError, SagRow, compare_sag, read_sag, sag_bytes, sag_points, write_sag,
 };

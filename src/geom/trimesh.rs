@@ -1,6 +1,7 @@
 //! Triangle meshes: vertices and triangles, no promises.
 
 use super::{DVec2, DVec3};
+use crate::parallel;
 use hashbrown::hash_table::{Entry, HashTable};
 
 /// Vertices (mm) and the triples of vertex indices that are its facets, counter-clockwise seen
@@ -34,6 +35,57 @@ impl TriMesh {
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let first = *self.vertices.first()?;
         Some(self.vertices.iter().fold((first, first), |(lo, hi), &v| (lo.min(v), hi.max(v))))
+    }
+
+    /// The mesh that a [`Welder`] makes of its facets, if all vertices are finite and no two at the same place:
+    /// then only their numbers change.
+    #[must_use]
+    pub fn as_welded(&self) -> Option<Self> {
+        let (distinct, welded) = parallel::join(|| self.is_distinct(), || self.renumbered());
+        distinct.then_some(welded)
+    }
+
+    /// Whether all vertices are finite and no two at the same place.
+    fn is_distinct(&self) -> bool {
+        // Threads among which the vertices are shared out by their hashes.
+        const SHARES: usize = 2;
+        let distinct = |share: usize| {
+            let (all, places) = (&self.vertices, self.vertices.len());
+            let mut seen: HashTable<u32> = HashTable::with_capacity(places / SHARES + places / 64);
+            let hash_of = |&index: &u32| hash(all[index as usize] + DVec3::ZERO);
+            let hashed = all.iter().map(|v| hash(*v + DVec3::ZERO));
+            let mine = |hash: &u64| (hash >> 32) as usize % SHARES == share;
+            (0..).zip(hashed).filter(|(_, hash)| mine(hash)).all(|(k, hash)| {
+                let v = all[k as usize];
+                match seen.entry(hash, |&other| all[other as usize] == v, hash_of) {
+                    Entry::Occupied(_) => false,
+                    Entry::Vacant(new) => {
+                        new.insert(k);
+                        v.is_finite()
+                    }
+                }
+            })
+        };
+        parallel::map(SHARES, 1, distinct).into_iter().all(|distinct| distinct)
+    }
+
+    /// The mesh with vertices numbered in the order of their first appearance in a facet.
+    fn renumbered(&self) -> Self {
+        const NONE: u32 = u32::MAX;
+        let mut number = vec![NONE; self.vertices.len()];
+        let mut vertices = Vec::with_capacity(self.vertices.len());
+        let mut triangles = Vec::with_capacity(self.triangles.len());
+        triangles.extend(self.triangles.iter().map(|t| {
+            t.map(|v| {
+                let known = &mut number[v as usize];
+                if *known == NONE {
+                    *known = vertices.len() as u32;
+                    vertices.push(self.vertices[v as usize] + DVec3::ZERO);
+                }
+                *known
+            })
+        }));
+        Self { vertices, triangles }
     }
 
     /// The mesh with its mirror image across the plane where coordinate `axis` (0 = X, 1 = Y)
@@ -197,6 +249,26 @@ mod tests {
         let mut welder = Welder::new(2);
         (0..2).for_each(|t| welder.add(mesh.corners(t)));
         assert_eq!(welder.finish(), mesh);
+    }
+
+    #[test]
+    fn a_mesh_of_distinct_vertices_is_welded_by_numbering_them() {
+        let mesh = TriMesh {
+            vertices: (0..9).map(|k| DVec3::new(f64::from(k % 3), f64::from(k / 3), 1.0)).collect(),
+            triangles: vec![[4, 5, 8], [4, 8, 7], [0, 1, 4], [3, 0, 4]],
+        };
+        let weld = |mesh: &TriMesh| {
+            let mut welder = Welder::new(0);
+            (0..mesh.triangles.len()).for_each(|t| welder.add(mesh.corners(t)));
+            welder.finish()
+        };
+        assert_eq!(mesh.as_welded(), Some(weld(&mesh)));
+        for place in [mesh.vertices[8], -DVec3::ZERO.with_x(0.0), DVec3::splat(f64::INFINITY)] {
+            let mut other = mesh.clone();
+            other.vertices[0] = DVec3::ZERO;
+            other.vertices[4] = place;
+            assert_eq!(other.as_welded(), None, "{place}");
+        }
     }
 
     #[test]

@@ -85,6 +85,11 @@ pub trait HeightField: Sized {
         self.row(q.y).at(q.x)
     }
 
+    /// Height at one point, mm, with the bits of [`HeightRow::at`].
+    fn height(&self, q: DVec2) -> f64 {
+        self.at(q).f
+    }
+
     /// Second derivatives at one point, 1/mm.
     fn hessian(&self, q: DVec2) -> Hessian;
 

@@ -125,6 +125,12 @@ impl Mirror {
         point
     }
 
+    /// Height (mm) over `q`, with the bits of [`MirrorRow::at`].
+    #[must_use]
+    pub fn height(&self, q: DVec2) -> f64 {
+        self.surface.height(if self.reflects(q) { q * DVec2::new(1.0, -1.0) } else { q })
+    }
+
     /// Height and slope over each of `places`, best listed in lines of equal y.
     #[must_use]
     pub fn eval_many(&self, places: &[DVec2]) -> Vec<HeightAndSlope> {

@@ -41,6 +41,14 @@ macro_rules! surfaces {
                 }
             }
 
+            /// As [`HeightField::height`].
+            #[must_use]
+            pub fn height(&self, q: DVec2) -> f64 {
+                match self {
+                    $(Self::$kind(field) => field.height(q),)+
+                }
+            }
+
             /// As [`HeightField::hessian`].
             #[must_use]
             pub fn hessian(&self, q: DVec2) -> Hessian {
@@ -167,6 +175,15 @@ mod tests {
     }
 
     #[test]
+    fn heights_of_both_panels_are_those_of_rows() {
+        let roof = crate::mirror::fixtures::roof(30.0);
+        for q in [DVec2::new(0.3, 1.7), DVec2::new(0.3, -1.7), DVec2::new(-4.0, 0.0)] {
+            assert_eq!(roof.height(q).to_bits(), roof.row(q.y).at(q.x).f.to_bits(), "{q}");
+        }
+        assert!(roof.height(DVec2::new(0.0, -2.0)) > 1.0);
+    }
+
+    #[test]
     fn every_surface_keeps_the_contract() {
         let rect = Rect { min: DVec2::splat(-HALF), max: DVec2::splat(HALF) };
         let size = |surface: &Surface| surface.hessian(DVec2::ONE).norm() + 1.0;
@@ -176,13 +193,14 @@ mod tests {
             for _ in 0..200 {
                 let q = DVec2::new(r.inside([-HALF, HALF]), r.inside([-HALF, HALF]));
                 let (point, hessian) = (surface.at(q), surface.hessian(q));
-                // A row has the same bits.
+                // A row has the same bits, and the height alone.
                 let on_row = surface.row(q.y).at(q.x);
                 assert_eq!(on_row, point, "{q}");
                 let xs: Vec<f64> = (0..11).map(|k| q.x - 0.1 * f64::from(k)).collect();
                 let mut many = Vec::new();
                 surface.row(q.y).extend_at(&xs, &mut many);
                 assert!(xs.iter().map(|x| surface.row(q.y).at(*x)).eq(many), "{q}");
+                assert_eq!(surface.height(q).to_bits(), point.f.to_bits(), "{q}");
                 // The Hessian is the derivative of the slope; differences are good to their step, where a
                 // knot is between.
                 let e = 1e-5;

@@ -44,6 +44,12 @@ impl HeightField for TensorLegendre {
         HeightAndSlope { f: self.scale_mm * jet.f, slope }
     }
 
+    fn height(&self, q: DVec2) -> f64 {
+        let (u, v) =
+            ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
+        self.scale_mm * self.series.value(u, v)
+    }
+
     fn hessian(&self, q: DVec2) -> Hessian {
         self.hessian_on(&self.row(q.y), q.x)
     }

@@ -2,10 +2,10 @@
 
 use crate::design::Design;
 use crate::export::{
-    ImportedMesh, Label, MeshCounts, ReadError, obj_bytes, read_3mf, read_obj, read_stl, stl_bytes,
-    threemf_bytes, write_3mf, write_obj, write_obj_bare, write_stl,
+    ImportedMesh, Label, MeshCounts, ReadError, StlComparison, obj_bytes, read_3mf, read_obj,
+    read_stl, stl_bytes, threemf_bytes, write_3mf, write_obj, write_obj_bare, write_stl,
 };
-use crate::geom::Precision;
+use crate::geom::{Precision, TriMesh};
 use crate::mesh::Face;
 use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
 use crate::solid::Solid;
@@ -64,6 +64,11 @@ pub(crate) trait MeshCodec: Sync {
     /// [`ReadError`] when they are no such file.
     fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError>;
 
+    /// The comparison of a file with the mesh that it was written of, where that takes less time than reading it.
+    fn comparison<'a>(&self, _mesh: &'a TriMesh) -> Option<StlComparison<'a>> {
+        None
+    }
+
     /// Foresees the length of a file of a solid of this size, with a face made to these digits.
     fn bytes(&self, size: &MeshCounts, design: &Design, made: Precision, label: &Label) -> u64;
 }
@@ -96,6 +101,10 @@ impl MeshCodec for Stl {
 
     fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
         read_stl(bytes)
+    }
+
+    fn comparison<'a>(&self, mesh: &'a TriMesh) -> Option<StlComparison<'a>> {
+        Some(StlComparison::new(mesh))
     }
 
     fn bytes(&self, size: &MeshCounts, _design: &Design, _made: Precision, _label: &Label) -> u64 {

@@ -2,7 +2,7 @@
 
 use super::build_cache::{self, BuildRecord, Output};
 use super::cad_exports::{CadCheck, CadExport, cad_exports, check_export};
-use super::check_file::check_file;
+use super::check_file::{MeshSource, check_file};
 use super::dry_run::{check_room, least_bytes};
 use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
 use super::run::{Command, Run};
@@ -11,15 +11,16 @@ use crate::design::Design;
 use crate::export::Label;
 use crate::geom::Precision;
 use crate::mirror::{Form, Surface};
-use crate::part::{SizeWarnings, left_out};
+use crate::parallel;
+use crate::part::{self, SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
-use crate::render::{
-    CameraPicture, CameraView, Distance, TestWorld, TracedMesh, reflected_centres,
-};
+use crate::render::{CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh};
 use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts, StepFacts};
+use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// How much of a build's work is done: it writes every file that the profile asks for into NAME, with
 /// `preview.png`, `report.html`, `report.json` and `timings.json`.
@@ -66,10 +67,20 @@ impl Command for BuildOptions {
         run.files.ensure_space(least_bytes(run.profile))?;
         let design = run.design()?;
         count_unknowns(run, &design);
-        let form = Form::of(&design.mirror);
-        let exports = cad_exports(run.profile, &design, &form)?;
+        let form = OnceLock::new();
+        let form = || form.get_or_init(|| Form::of(&design.mirror));
+        let exports = match part::cad(run.profile).next() {
+            Some(_) => cad_exports(run.profile, &design, form())?,
+            None => Vec::new(),
+        };
         check_room(run, &design, &exports)?;
-        let made = Made::written(run, &design, &exports)?;
+        let (profile, sharp) = (run.profile, OnceLock::new());
+        let sharp = || sharp.get_or_init(|| sharpness(profile, &design));
+        let about_design = || {
+            form();
+            sharp();
+        };
+        let mut made = Made::written(run, &design, &exports, &about_design)?;
         let checked = made.checked(run, &design, &exports)?;
         // What the disk made of the bytes may be otherwise the next time.
         let altered = checked.meshes.iter().any(|check| check.altered);
@@ -77,7 +88,8 @@ impl Command for BuildOptions {
         let picture = checked.picture.clone();
         let step = exports.iter().find_map(|export| export.step_facts());
         drop(exports);
-        let report = report(run.profile, &design, form, step, &made, checked);
+        let about = (*form(), step, *sharp());
+        let report = report(profile, &design, about, &made, checked);
         publish(run, &made, &report, &picture, inputs)?;
         Ok(report)
     }
@@ -102,13 +114,15 @@ struct Made {
 }
 
 impl Made {
-    /// Meshes the mirror, and writes all its files.
+    /// Meshes the mirror, and writes all its files; `beside` the mesh something else is done.
     fn written(
         run: &mut Run,
         design: &Design,
         exports: &[Box<dyn CadExport + '_>],
+        beside: &(dyn Fn() + Sync),
     ) -> Result<Self, Error> {
-        let face = match run.stage(Stage::Mesh, || meshed(run, design)) {
+        let mesh = || parallel::join(|| meshed(run, design), beside).0;
+        let face = match run.stage(Stage::Mesh, mesh) {
             Ok(face) => Ok(face),
             Err(Error::Mesh { source, .. }) => {
                 let left_out = left_out(run.profile, source.into());
@@ -130,28 +144,29 @@ impl Made {
     /// Reads, checks and traces the files as they are on the disk: one at a time, so that memory does not
     /// grow with their number.
     fn checked(
-        &self,
+        &mut self,
         run: &Run,
         design: &Design,
         exports: &[Box<dyn CadExport + '_>],
     ) -> Result<Checked, Error> {
         let (mut meshes, mut picture) = (Vec::new(), None);
-        if let Ok(made) = &self.meshes {
-            for &format in &made.formats {
+        if let Ok(made) = &mut self.meshes {
+            for format in made.formats.clone() {
+                let written = made.take_written(format);
                 let staged = run.files.staged(format.file_name())?;
-                let mut centres = None;
+                let mut centres = ReflectedCentres::default();
                 let mut check = check_file(
                     run,
                     design,
                     format,
-                    staged.read()?,
+                    MeshSource::Staged(staged, written),
                     made.promise,
                     &mut |strip, _| {
                         if picture.is_none() {
-                            centres = reflected_centres(strip);
+                            centres.add(strip);
                         }
                     },
-                );
+                )?;
                 check.altered = check.file.sha256 != staged.sha256();
                 // A mesh that is made for the rays alone is no file.
                 if !is_asked(run.profile, FileFormat::Mesh(format)) {
@@ -230,12 +245,11 @@ fn count_unknowns(run: &Run, design: &Design) {
 fn report(
     profile: &Profile,
     design: &Design,
-    form: Form,
-    step: Option<StepFacts>,
+    (form, step, sharpness): (Form, Option<StepFacts>, Option<SharpnessFacts>),
     made: &Made,
     checked: Checked,
 ) -> BuildReport {
-    let findings = Findings::new(profile, design, checked.meshes);
+    let findings = Findings::beside(profile, design, checked.meshes, sharpness);
     let refused = match &made.meshes {
         Ok(meshes) => meshes.refused.as_ref(),
         Err(refused) => Some(refused),

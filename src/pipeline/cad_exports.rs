@@ -15,7 +15,7 @@ use crate::results::{FileFacts, FileFault, SagFacts, StepFacts};
 use std::io::{self, Write};
 
 /// A file of the mirror as designed.
-pub(super) trait CadExport {
+pub(super) trait CadExport: Sync {
     /// Its format.
     fn format(&self) -> CadFormat;
 

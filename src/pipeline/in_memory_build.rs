@@ -1,6 +1,6 @@
 //! A build up to the ray trace, in memory: what would be written is read back and traced.
 
-use super::check_file::check_file;
+use super::check_file::{MeshSource, check_file};
 use super::mesh_files::{close, label, meshed};
 use super::run::Run;
 use super::{Error, Stage};
@@ -47,7 +47,7 @@ pub(crate) fn build_in_memory(
     })?;
     let promise = Promise::of_face(run.profile, design, &face.made);
     drop((face, solid));
-    let found = check_file(run, design, format, bytes, promise, each);
+    let found = check_file(run, design, format, MeshSource::Bytes(bytes), promise, each)?;
     match (found.scene, found.unreadable) {
         (Some(scene), _) => {
             let pixel_error_px = found.trace.and_then(|trace| trace.errors.pixel_error_px);

@@ -1,7 +1,7 @@
 //! `morion machining`: what a ball cutter makes of a profile's mirror: the survey, the map of where the ball
 //! does not fit, and the as-cut part, written, read back and traced.
 
-use super::check_file::check_file;
+use super::check_file::{MeshSource, check_file};
 use super::mesh_files::labelled;
 use super::run::{Command, Run};
 use super::{Error, Stage};
@@ -161,7 +161,14 @@ fn check_as_cut(
     let staged = run.files.staged(FILE)?;
     // What is cut ends at the mirror's rim.
     let bytes = staged.read()?;
-    let mut check = check_file(run, design, FORMAT, bytes, Promise::exact(), &mut |_, _| {});
+    let mut check = check_file(
+        run,
+        design,
+        FORMAT,
+        MeshSource::Bytes(bytes),
+        Promise::exact(),
+        &mut |_, _| {},
+    )?;
     check.rename(FILE.to_owned());
     check.altered = check.file.sha256 != staged.sha256();
     let found = &mut survey.found;

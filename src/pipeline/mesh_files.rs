@@ -28,6 +28,18 @@ pub(super) struct MeshFiles {
     pub formats: Vec<MeshFormat>,
     /// Why others are not written.
     pub refused: Option<Refusal>,
+    /// The solid that the file in the format [`GUESSED`] was written of, until that is read.
+    written: Option<Solid>,
+}
+
+/// The format that is read in less time where its solid is at hand.
+const GUESSED: MeshFormat = MeshFormat::Stl;
+
+impl MeshFiles {
+    /// Takes the solid that the file in a format was written of, if it is at hand.
+    pub(super) fn take_written(&mut self, format: MeshFormat) -> Option<Solid> {
+        self.written.take_if(|_| format == GUESSED)
+    }
 }
 
 /// Closes the face and writes a file in each of its formats: with one solid in memory at a time.
@@ -64,7 +76,12 @@ pub(super) fn write_meshes(
     }
     let promise = Promise::of_face(run.profile, design, &face.made);
     let AtPrecision { precision, formats, refused, .. } = face;
-    Ok(MeshFiles { facts, promise, precision, formats, refused })
+    // (The last solid alone: there is never more than one in memory.)
+    let is_guessed = |(digits, _): &(Precision, Solid)| {
+        formats.contains(&GUESSED) && *digits == codec(GUESSED).precision()
+    };
+    let written = closed.filter(is_guessed).map(|(_, solid)| solid);
+    Ok(MeshFiles { facts, promise, precision, formats, refused, written })
 }
 
 /// The face that the profile asks for, with a note for the observer. Unless shortcuts are allowed, every

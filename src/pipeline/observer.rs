@@ -76,7 +76,7 @@ pub trait Observer: Sync {
     fn begin(&self, _stage: Stage) {}
     /// A stage is done; `note` says in a few words what came of it.
     fn end(&self, _stage: Stage, _took: Duration, _note: &str) {}
-    /// A file has been written and flushed under a temporary name, and is read back next.
+    /// A file has been written under a temporary name, and is read back next.
     fn written(&self, _path: &Path) {}
     /// The files in this folder are what the build would write again; it ends here.
     fn unchanged(&self, _folder: &Path) {}

@@ -11,8 +11,8 @@ use crate::optics::{Target, ThinnedFrame};
 use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
-    CameraPicture, CameraView, Chessboard, Distance, Picture, SetupDiagram, TestWorld, TracedMesh,
-    World, pixel_errors, reflected, reflected_centres, shaded_views,
+    CameraPicture, CameraView, Chessboard, Distance, Picture, ReflectedCentres, SetupDiagram,
+    TestWorld, TracedMesh, World, pixel_errors, reflected, shaded_views,
 };
 use crate::report::pixel_error_picture;
 use crate::results::{RenderReport, SCHEMA};
@@ -58,10 +58,10 @@ impl Command for RenderOptions<'_> {
                 ("design", self.write_world(run, &name, &design, (CameraView::Smooth, world))?)
             }
             Scenery::World(world) => {
-                let mut centres = None;
+                let mut centres = ReflectedCentres::default();
                 let InMemoryBuild { format, scene, .. } =
                     build_in_memory(run, &design, &mut |strip, _| {
-                        centres = reflected_centres(strip);
+                        centres.add(strip);
                     })?;
                 let mesh = TracedMesh { scene, centres };
                 let view = CameraView::Mesh(&mesh);
@@ -140,6 +140,7 @@ impl RenderOptions<'_> {
 
     /// The part itself.
     fn part(&self, design: &Design, mesh: &Scene, scene: PartScene) -> Picture {
+        mesh.prepare_search();
         match scene {
             PartScene::Views => {
                 shaded_views(mesh, |at| if self.smooth { optical(design, at) } else { None })

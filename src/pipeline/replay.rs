@@ -297,7 +297,7 @@ fn witnessed(
         (reread.mesh, solid)
     };
     let staged = run.files.staged(format.file_name())?;
-    let (file, read) = open(run, format, staged.read()?, read);
+    let (file, read) = open(run, format, staged.read()?, read)?;
     let name = file.name.clone();
     let mut reasons: Vec<Reason> = Vec::new();
     if file.sha256 != staged.sha256() {

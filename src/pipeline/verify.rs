@@ -176,7 +176,7 @@ impl Verify<'_> {
                 false => in_millimetres(&mut reread, size, self.options.units),
             };
             (reread, found)
-        });
+        })?;
         let (mut reread, units) = match read {
             Ok(read) => read,
             Err(error) => {
@@ -194,7 +194,7 @@ impl Verify<'_> {
         };
         let far = leave_far(&mut reread, design);
         let mut map = FormMapBuilder::new(&design.mirror, &design.camera);
-        let checked = CheckedMesh::new(design, reread);
+        let checked = CheckedMesh::new(design, reread, None);
         let mut check = witness(run, design, (file, format), checked, promise, &mut |strip, _| {
             if self.options.align {
                 map.add(strip.rows.clone(), |[column, row]| {

@@ -9,6 +9,6 @@ mod transaction;
 
 pub use error::FileError;
 pub use folder::abandon;
-pub use hash::{HashingWriter, sha256};
+pub use hash::{HashingWriter, hash_pieces, sha256};
 pub use read::{read, read_at_most, read_below, read_named};
 pub use transaction::{OutputFile, StagedFile, Transaction};

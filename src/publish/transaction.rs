@@ -2,8 +2,10 @@
 
 use super::folder::Folder;
 use super::{FileError, HashingWriter};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
+use std::thread::{Builder, JoinHandle};
 use tempfile::NamedTempFile;
 
 /// Files of one command, published together or not at all.
@@ -32,12 +34,14 @@ pub struct OutputFile {
     pub bytes: Vec<u8>,
 }
 
-/// A file that is whole and flushed, but not published yet.
+/// A file that is whole, but not published yet.
 #[derive(Debug)]
 pub struct StagedFile {
     name: String,
     sha256: String,
     content: Content,
+    /// The thread that synchronises it to the disk.
+    synchronised: Option<JoinHandle<io::Result<()>>>,
 }
 
 #[derive(Debug)]
@@ -92,7 +96,8 @@ impl Transaction {
         self.folder.as_ref().map_or(Ok(()), |folder| folder.ensure_space(bytes))
     }
 
-    /// Adds the file that `write` makes, down to the disk: a full disk is an error here.
+    /// Adds the file that `write` makes. A full disk is an error here, or of [`Self::commit`], which waits until
+    /// all bytes are on the disk.
     ///
     /// # Errors
     /// [`FileError`] when it cannot be written.
@@ -156,6 +161,7 @@ impl Transaction {
     /// # Errors
     /// [`FileError`] when the disk refuses.
     pub fn commit(&mut self) -> Result<(), FileError> {
+        self.staged.iter_mut().chain(&mut self.report).try_for_each(StagedFile::synchronise)?;
         let files: Vec<StagedFile> = self.staged.drain(..).chain(self.report.take()).collect();
         let stale = std::mem::take(&mut self.stale);
         let Some(folder) = &self.folder else {
@@ -191,6 +197,19 @@ impl Drop for Transaction {
     }
 }
 
+/// Synchronises a file to the disk, on a thread of its own if one can be started: for the disk the processor need
+/// not wait. File systems may take the bytes of a file and find no room for them later; and a renamed file must
+/// not be empty after a power cut.
+fn synchronise(file: &File) -> io::Result<Option<JoinHandle<io::Result<()>>>> {
+    /// Bytes of its stack: what it needs is little, and memory may be short.
+    const STACK: usize = 1 << 16;
+    let spawn = |own: File| Builder::new().stack_size(STACK).spawn(move || own.sync_all());
+    match file.try_clone().and_then(spawn) {
+        Ok(thread) => Ok(Some(thread)),
+        Err(_) => file.sync_all().map(|()| None),
+    }
+}
+
 impl StagedFile {
     fn new(
         folder: Option<&Folder>,
@@ -198,13 +217,13 @@ impl StagedFile {
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<Self, FileError> {
         let target = folder.map_or(PathBuf::from(name), |folder| folder.path().join(name));
-        let run = || -> io::Result<(Content, String)> {
+        let run = || -> io::Result<(Content, String, Option<_>)> {
             let Some(folder) = folder else {
                 let mut bytes = Vec::new();
                 let mut out = HashingWriter::new(&mut bytes);
                 write(&mut out)?;
                 let sha256 = out.sha256();
-                return Ok((Content::Memory(bytes), sha256));
+                return Ok((Content::Memory(bytes), sha256, None));
             };
             // Renaming would find this out too, when other files have their names already.
             if target.is_dir() {
@@ -216,13 +235,22 @@ impl StagedFile {
             write(&mut out)?;
             let hashing = out.into_inner().map_err(io::IntoInnerError::into_error)?;
             let sha256 = hashing.sha256();
-            // File systems may take the bytes now and find no room for them later; and a renamed
-            // file must not be empty after a power cut.
-            file.as_file().sync_all()?;
-            Ok((Content::Temporary(file, target.clone()), sha256))
+            let synchronised = synchronise(file.as_file())?;
+            Ok((Content::Temporary(file, target.clone()), sha256, synchronised))
         };
-        let (content, sha256) = run().map_err(FileError::new("write", &target))?;
-        Ok(Self { name: name.to_owned(), sha256, content })
+        let (content, sha256, synchronised) = run().map_err(FileError::new("write", &target))?;
+        Ok(Self { name: name.to_owned(), sha256, content, synchronised })
+    }
+
+    /// Waits until all of its bytes are on the disk.
+    fn synchronise(&mut self) -> Result<(), FileError> {
+        let (Some(thread), Content::Temporary(_, target)) =
+            (self.synchronised.take(), &self.content)
+        else {
+            return Ok(());
+        };
+        let done = thread.join().unwrap_or_else(|_| Err(ErrorKind::Other.into()));
+        done.map_err(FileError::new("write", target))
     }
 
     /// Where it is now; none in memory.
@@ -253,6 +281,28 @@ impl StagedFile {
                 std::fs::read(file.path()).map_err(FileError::new("read back", target))
             }
             Content::Memory(bytes) => Ok(bytes.clone()),
+        }
+    }
+
+    /// Its bytes as [`Self::read`] has them, to be read one after the other.
+    ///
+    /// # Errors
+    /// [`FileError`] when it cannot be opened.
+    pub fn open(&self) -> Result<Box<dyn Read + Send + '_>, FileError> {
+        match &self.content {
+            Content::Temporary(file, target) => match File::open(file.path()) {
+                Ok(file) => Ok(Box::new(file)),
+                Err(error) => Err(FileError::new("read back", target)(error)),
+            },
+            Content::Memory(bytes) => Ok(Box::new(&bytes[..])),
+        }
+    }
+
+    /// That it cannot be read back.
+    pub fn unreadable(&self, error: io::Error) -> FileError {
+        match &self.content {
+            Content::Temporary(_, target) => FileError::new("read back", target)(error),
+            Content::Memory(_) => FileError::new("read back", Path::new(&self.name))(error),
         }
     }
 

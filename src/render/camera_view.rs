@@ -1,15 +1,18 @@
 //! Sight: where the camera's rays go, by a mesh that was read back or by the designed mirror, and the
 //! picture of a world that they give.
 
-use super::picture::SampleGrid;
-use super::{Picture, PictureRay, StripPainter, World};
+use super::picture::StripPainter;
+use super::samples::{EdgePixels, LineByLine, OneByOne, SampleGrid, SampleSight, Sight};
+use super::{Picture, PictureRay, World};
 use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Outline, Ray};
 use crate::mirror::HeightAndSlope;
 use crate::optics::{Camera, reflect};
-use crate::parallel;
+use crate::parallel::{self, ScratchPool};
 use crate::raster::png;
-use crate::trace::{CameraTrace, Outcome, PixelTrace, Scene, TraceStrip};
+use crate::trace::{
+    CameraTrace, Outcome, PixelTrace, RayEnd, SampleRays, SampleTrace, Scene, TraceStrip,
+};
 use std::convert::Infallible;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -18,18 +21,29 @@ use std::ops::Range;
 pub(crate) struct TracedMesh {
     /// The mesh.
     pub scene: Scene,
-    /// The rays that the pixels' centres have reflected, row by row, of a frame that is traced in one strip.
-    pub centres: Option<Vec<PictureRay>>,
+    /// The rays that the pixels' centres have reflected, row by row.
+    pub centres: ReflectedCentres,
 }
 
-/// The rays that the pixels' centres reflect, if the strip is the whole frame.
-pub(crate) fn reflected_centres(strip: &TraceStrip) -> Option<Vec<PictureRay>> {
-    let ray = |pixel: &PixelTrace| PictureRay {
-        outcome: pixel.outcome,
-        leaving: Ray { origin: pixel.hit_point, direction: pixel.direction },
-    };
-    let is_whole = strip.rows.len() == strip.frame[1];
-    is_whole.then(|| parallel::map_slice(&strip.traced.pixels, 4096, ray))
+/// The rays that the pixels' centres of a frame reflect, as long as they are few enough to be kept.
+#[derive(Default)]
+pub(crate) struct ReflectedCentres(Vec<PictureRay>);
+
+impl ReflectedCentres {
+    /// Adds those of the next strip.
+    pub(crate) fn add(&mut self, strip: &TraceStrip) {
+        let [columns, rows] = strip.frame;
+        if columns * rows > CameraTrace::STRIP_PIXELS {
+            return;
+        }
+        let (first, pixels) = (self.0.len(), &strip.traced.pixels);
+        self.0.reserve_exact(columns * rows - first);
+        self.0.resize(first + pixels.len(), MISSED);
+        parallel::for_each_mut(&mut self.0[first..], 4096, |k, ray| {
+            let PixelTrace { outcome, hit_point, direction, .. } = pixels[k];
+            *ray = PictureRay { outcome, leaving: Ray { origin: hit_point, direction } };
+        });
+    }
 }
 
 /// What reflects the camera's rays.
@@ -126,6 +140,10 @@ impl<'a> CameraPicture<'a> {
         let [width, height] = self.camera.pixels;
         let painter = StripPainter::new(self.grid(), world);
         let all = height as usize;
+        let sensor = |[x, y]: [f64; 2]| match self.turned {
+            true => [f64::from(width) - x, f64::from(height) - y],
+            false => [x, y],
+        };
         // The rows of the sensor that are some of the picture's, and their rays in the picture's order.
         let rows_of = |rows: Range<usize>| match self.turned {
             true => all - rows.end..all - rows.start,
@@ -159,23 +177,31 @@ impl<'a> CameraPicture<'a> {
                 _ => vec![MISSED; width as usize * rows.len()],
             })
         };
-        // A place of the picture on the sensor.
-        let on_sensor = |size: u32, x: f64| if self.turned { f64::from(size) - x } else { x };
-        let see = |points: &[(&PictureRay, f64)], y: f64| {
-            let (column, y) = (|x: f64| on_sensor(width, x), on_sensor(height, y));
+        let see = |centre: &PictureRay, at: [f64; 2]| {
+            let [x, y] = sensor(at);
             match self.view {
-                CameraView::Mesh(mesh) => points
-                    .iter()
-                    .map(|(centre, x)| self.on_mesh_at(&mesh.scene, centre, [column(*x), y]))
-                    .collect(),
-                CameraView::Smooth => {
-                    let columns: Vec<f64> = points.iter().map(|(_, x)| column(*x)).collect();
-                    self.on_mirror(&columns, y)
-                }
-                CameraView::Shut => vec![MISSED; points.len()],
+                CameraView::Mesh(mesh) => self.on_mesh_at(&mesh.scene, centre, [x, y]),
+                CameraView::Smooth | CameraView::Shut => MISSED,
             }
         };
-        painter.paint(strips, centres, see, done)
+        let one_by_one = OneByOne(see);
+        if let CameraView::Smooth = self.view {
+            let line = LineByLine(|columns: &[f64], y: f64| {
+                let columns: Vec<f64> = columns.iter().map(|x| sensor([*x, 0.0])[0]).collect();
+                self.on_mirror(&columns, sensor([0.0, y])[1])
+            });
+            return painter.paint(strips, centres, &line, done);
+        }
+        if let (CameraView::Mesh(mesh), false) = (self.view, self.turned) {
+            let side = self.samples_per_side.max(1);
+            let rays = SampleRays::new(&self.camera, mesh.scene.above_mm(), side);
+            let sight = MeshSight { picture: self, scene: &mesh.scene, rays, one_by_one };
+            return painter.paint(strips, centres, &sight, done);
+        }
+        if let CameraView::Mesh(mesh) = self.view {
+            mesh.scene.prepare_search();
+        }
+        painter.paint(strips, centres, &one_by_one, done)
     }
 
     /// Its pixels and samples.
@@ -197,10 +223,10 @@ impl<'a> CameraPicture<'a> {
         rows: Range<usize>,
     ) -> Vec<PictureRay> {
         let width = self.camera.pixels[0] as usize;
-        let whole = rows.len() == self.camera.pixels[1] as usize;
-        if let (Some(centres), true, true) =
-            (&mesh.centres, whole, self.camera == self.design.camera)
-        {
+        let centres = &mesh.centres.0;
+        let known = centres.len() == width * self.camera.pixels[1] as usize;
+        if known && self.camera == self.design.camera {
+            let centres = &centres[rows.start * width..rows.end * width];
             return parallel::map_slice(centres, 4096, |end| {
                 self.on_mesh(end.outcome, end.leaving.origin, end.leaving.direction)
             });
@@ -256,6 +282,51 @@ impl<'a> CameraPicture<'a> {
         let painted =
             |end: Option<Ray>| end.map_or(MISSED, |ray| self.leaving(ray.origin, ray.direction));
         reflected(self.design, &points).into_iter().map(painted).collect()
+    }
+}
+
+/// What the camera sees in a mesh at the samples of pixels: their rays are rasterized, and where that cannot be
+/// searched for.
+struct MeshSight<'a, F> {
+    picture: &'a CameraPicture<'a>,
+    scene: &'a Scene,
+    rays: SampleRays,
+    one_by_one: OneByOne<F>,
+}
+
+impl<F: Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync> Sight for MeshSight<'_, F> {
+    fn samples<'a>(&'a self, pixels: EdgePixels<'a>) -> SampleSight<'a> {
+        let EdgePixels { grid, first, centres, edges } = pixels;
+        let (width, side) = (grid.width as usize, grid.samples_per_side.max(1) as usize);
+        let strip = first..first + centres.len() / width.max(1);
+        let wanted = self.rays.wanted(edges);
+        let Some(trace) = SampleTrace::new(self.scene, &self.rays, strip, wanted) else {
+            self.scene.prepare_search();
+            return self.one_by_one.samples(pixels);
+        };
+        let scratch: ScratchPool<Vec<RayEnd>> = ScratchPool::default();
+        let columns = width * side;
+        let see =
+            move |ends: &[RayEnd], rows: &Range<usize>, (pixel, [x, y]): (usize, [f64; 2])| {
+                let centre = &centres[pixel];
+                if let Outcome::Shadowed(_) = centre.outcome {
+                    return *centre;
+                }
+                let (column, row) = ((x * side as f64) as usize, (y * side as f64) as usize);
+                let end = &ends[(row - rows.start * side) * columns + column];
+                let hit_point = end.hit_point(&self.rays.at(column, row));
+                self.picture.on_mesh(end.outcome, hit_point, end.direction)
+            };
+        Box::new(move |rows| {
+            let sampled = &edges[(rows.start - first) * width..(rows.end - first) * width];
+            let count = sampled.iter().filter(|edge| **edge).count() * side * side;
+            let mut rays = Vec::with_capacity(count);
+            scratch.with(|ends| {
+                trace.ends_into(rows.clone(), ends);
+                rays.extend(pixels.samples(rows.clone()).map(|sample| see(ends, &rows, sample)));
+            });
+            rays
+        })
     }
 }
 

@@ -15,25 +15,25 @@ mod model;
 mod panorama;
 pub mod picture;
 mod pixel_errors;
+mod samples;
 mod setup_diagram;
 mod shaded_views;
 mod solid_of_revolution;
-mod strip_painter;
 pub mod test_world;
 mod text_distance_field;
 
 pub use crate::raster::EncodingError;
 pub(crate) use camera_view::{
-    CameraPicture, CameraView, Distance, TracedMesh, reflected, reflected_centres,
+    CameraPicture, CameraView, Distance, ReflectedCentres, TracedMesh, reflected,
 };
 pub use chessboard::Chessboard;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
-pub use picture::{Picture, PictureRay, SampleGrid};
+pub use picture::{Picture, StripPainter};
 pub use pixel_errors::pixel_errors;
+pub use samples::{EdgePixels, LineByLine, OneByOne, PictureRay, SampleGrid, SampleSight, Sight};
 pub use setup_diagram::SetupDiagram;
 pub use shaded_views::shaded_views;
-pub use strip_painter::StripPainter;
 pub use test_world::TestWorld;
 
 use crate::geom::Ray;

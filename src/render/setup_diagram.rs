@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use crate::parallel;
 
 use super::material::{Lighting, Material};
-use super::picture::{Picture, SampleGrid};
+use super::picture::Picture;
+use super::samples::SampleGrid;
 use super::shaded_views::DistantView;
 use super::solid_of_revolution::SolidOfRevolution;
 use super::test_world::TestWorld;

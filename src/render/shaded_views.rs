@@ -3,7 +3,8 @@
 use crate::parallel;
 
 use super::material::{Lighting, Material};
-use super::picture::{Picture, SampleGrid};
+use super::picture::Picture;
+use super::samples::SampleGrid;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::trace::Scene;

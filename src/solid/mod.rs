@@ -8,6 +8,7 @@ pub use check::check;
 pub use defect::{Defect, OpenBoundary, SolidCheck};
 
 use crate::geom::{Border, DVec2, DVec3, Precision, TriMesh};
+use crate::parallel;
 use thiserror::Error;
 
 /// A closed, oriented 2-manifold of one piece with positive volume, whose facets all have an area.
@@ -89,8 +90,22 @@ impl Solid {
         if !(lowest_mm > top_mm) {
             return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
-        let BoundaryLoops { outer, hole } = boundary_loops(face)?;
-        let mut mesh = face.clone();
+        // A solid shows that no edge of the rim is missing.
+        let likely = || Self::on_rim(check::likely_open_edges(face), face, stock, precision);
+        likely().or_else(|_| Self::on_rim(check::open_edges(face), face, stock, precision))
+    }
+
+    /// The same with a rim of these edges.
+    fn on_rim(
+        rim_edges: Vec<(u32, u32)>,
+        face: &TriMesh,
+        stock: Option<&Border>,
+        precision: Precision,
+    ) -> Result<Self, SolidError> {
+        let top_mm = stock.map_or(0.0, |stock| stock.top_mm);
+        let BoundaryLoops { outer, hole } = boundary_loops(face, rim_edges)?;
+        let mut mesh =
+            with_room(face, added(outer.len(), hole.as_ref().map_or(0, Vec::len), stock));
         let land = stock.and_then(|stock| stock.land.as_ref());
         let mut bores = Vec::new();
         if let (Some(hole), Some(land)) = (&hole, land) {
@@ -112,7 +127,7 @@ impl Solid {
             }
             Some(stock) => border_facets::close(&mut mesh, &feet, stock, bores, precision)?,
         }
-        mesh.vertices.iter_mut().for_each(|v| *v = rounded(*v, precision));
+        parallel::for_each_mut(&mut mesh.vertices, 1 << 14, |_, v| *v = rounded(*v, precision));
         let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
         if check.is_solid() {
             Ok(Self { mesh, check, optical: face.triangles.len() })
@@ -163,6 +178,17 @@ pub fn added(outer: usize, hole: usize, stock: Option<&Border>) -> usize {
     3 * outer + hole + stock.map_or(0, border_facets::added_facets)
 }
 
+/// A copy of `face` with room for so many more facets, and the vertices that they may have.
+fn with_room(face: &TriMesh, more: usize) -> TriMesh {
+    let mut mesh = TriMesh {
+        vertices: Vec::with_capacity(face.vertices.len() + more),
+        triangles: Vec::with_capacity(face.triangles.len() + more),
+    };
+    mesh.vertices.extend_from_slice(&face.vertices);
+    mesh.triangles.extend_from_slice(&face.triangles);
+    mesh
+}
+
 /// What a file of this precision keeps of a place: only +0.0, for it must not hold one place in two
 /// spellings.
 fn rounded(v: DVec3, precision: Precision) -> DVec3 {
@@ -191,7 +217,7 @@ fn wall(mesh: &mut TriMesh, upper: &[u32], lower: &[u32]) {
 /// # Errors
 /// [`SolidError::BoundaryLoops`] when its rim is not of one loop or two.
 pub fn rim(face: &TriMesh) -> Result<[usize; 2], SolidError> {
-    let BoundaryLoops { outer, hole } = boundary_loops(face)?;
+    let BoundaryLoops { outer, hole } = boundary_loops(face, check::open_edges(face))?;
     Ok([outer.len(), hole.map_or(0, |hole| hole.len())])
 }
 
@@ -207,8 +233,9 @@ struct BoundaryLoops {
     hole: Option<Vec<u32>>,
 }
 
-fn boundary_loops(face: &TriMesh) -> Result<BoundaryLoops, SolidError> {
-    let mut loops = loops(face)?;
+/// The loops of the edges of the rim of `face`.
+fn boundary_loops(face: &TriMesh, rim_edges: Vec<(u32, u32)>) -> Result<BoundaryLoops, SolidError> {
+    let mut loops = loops(face, rim_edges)?;
     let area = |vertices: &Vec<u32>| -> f64 {
         let at = |v: u32| face.vertices[v as usize].truncate();
         sides(vertices).map(|[v, next]| 0.5 * at(v).perp_dot(at(next))).sum()
@@ -227,13 +254,13 @@ fn boundary_loops(face: &TriMesh) -> Result<BoundaryLoops, SolidError> {
     }
 }
 
-/// The closed loops of edges that have a facet on one side only, in the order of their least
+/// The closed loops of the edges that have a facet on one side only, in the order of their least
 /// vertices.
-fn loops(face: &TriMesh) -> Result<Vec<Vec<u32>>, SolidError> {
+fn loops(face: &TriMesh, rim_edges: Vec<(u32, u32)>) -> Result<Vec<Vec<u32>>, SolidError> {
     let broken = |reason: String| SolidError::BoundaryLoops { reason };
     const NONE: u32 = u32::MAX;
     let mut next = vec![NONE; face.vertices.len()];
-    for (from, to) in check::open_edges(face) {
+    for (from, to) in rim_edges {
         let known = std::mem::replace(&mut next[from as usize], to);
         if known != NONE {
             return Err(broken(format!("vertex {from} begins two rim edges")));

@@ -25,6 +25,18 @@ impl CameraRays {
         Self { camera: *camera, top_mm, centres }
     }
 
+    /// Rays through `side` x `side` samples of each pixel of `camera`, those of a camera with so many times as
+    /// many pixels to rounding.
+    pub(super) fn through_samples(camera: &Camera, top_mm: f64, side: u32) -> Self {
+        let place = |k: u32| f64::from(k / side) + (f64::from(k % side) + 0.5) / f64::from(side);
+        let [columns, rows] = camera.pixels.map(|n| (0..n * side).map(place));
+        let centres = [
+            columns.map(|x| camera.image_point(x, 0.0).x).collect(),
+            rows.map(|y| camera.image_point(0.0, y).y).collect(),
+        ];
+        Self { camera: camera.with_pixels(camera.pixels.map(|n| n * side)), top_mm, centres }
+    }
+
     /// Image point of a pixel's centre, mm.
     #[inline]
     pub(super) fn image_point(&self, column: usize, row: usize) -> DVec2 {

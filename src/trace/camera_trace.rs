@@ -9,7 +9,7 @@ use super::camera_rays::CameraRays;
 use super::occlusion::{OcclusionProof, RayPacket};
 use super::rasterizer::{PixelHit, Rasterizer};
 use super::ray_end::{Outcome, RayEnd, reflect_at_facet};
-use super::scene::Scene;
+use super::scene::{LeavingRay, Scene};
 use crate::geom::Ray;
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
@@ -110,20 +110,28 @@ impl<'a> CameraTrace<'a> {
 
     /// Ends of all rays into `ends`, row by row: one entry a pixel.
     pub fn run_into(&self, ends: &mut [RayEnd]) -> TraceCounts {
-        let tracer = Tracer::new(self, 0..self.pixels()[1] as usize);
-        let band = self.band_pixels();
-        let counts = parallel::map_chunks_mut(ends, band, |number, ends| {
-            tracer.trace_band(number * BAND_ROWS, ends)
-        });
-        counts.into_iter().fold(TraceCounts::default(), Add::add)
+        self.run_rows_into(0..self.pixels()[1] as usize, ends)
     }
 
     /// Ends of the rays of `rows`, one of [`Self::strips`], with the counts of how they were traced.
     #[must_use]
     pub fn run_rows(&self, rows: Range<usize>) -> (Vec<RayEnd>, TraceCounts) {
         let mut ends = vec![RayEnd::MISSED; self.pixels()[0] as usize * rows.len()];
-        let (counts, _) = self.bands(rows, &mut ends, |_, found, ends| ends.copy_from_slice(found));
+        let counts = self.run_rows_into(rows, &mut ends);
         (ends, counts)
+    }
+
+    fn run_rows_into(&self, rows: Range<usize>, ends: &mut [RayEnd]) -> TraceCounts {
+        let first = rows.start;
+        let tracer = Tracer::new(self, rows);
+        let found = parallel::map_chunks_mut(ends, self.band_pixels(), |number, ends| {
+            tracer.trace_band(first + number * BAND_ROWS, ends)
+        });
+        let (counts, undecided) = gathered(found);
+        for (pixel, outcome) in self.occluded(first, &undecided) {
+            ends[pixel].outcome = outcome;
+        }
+        counts
     }
 
     /// The rows of the frame in strips, each of whole bands: all in one where they are few pixels. Memory for
@@ -141,29 +149,71 @@ impl<'a> CameraTrace<'a> {
     /// Bands of a strip at the least: each is a thread's.
     const LEAST_BANDS: usize = 2;
 
-    /// Traces the bands of `rows`, a strip of the frame, side by side. `each` gets the number of the first
-    /// row, the ends of the band's rays, and its share of `out`, which has one entry a pixel; what it returns
-    /// is returned in the order of the bands.
+    /// The rows of a strip in slices, each of whole bands, that are traced one after the other: what is kept
+    /// of a slice's pixels stays in the processor's cache and its memory is used again.
+    pub(super) fn slices(&self, rows: Range<usize>) -> Vec<Range<usize>> {
+        let bands = Self::SLICE_PIXELS / self.band_pixels();
+        let step = bands.max(Self::LEAST_SLICE).max(2 * parallel::threads()) * BAND_ROWS;
+        rows.clone().step_by(step).map(|first| first..(first + step).min(rows.end)).collect()
+    }
+
+    /// Most pixels of a slice, unless its least number of bands has more: what is kept of them takes 10 MB.
+    const SLICE_PIXELS: usize = 1 << 16;
+    const LEAST_SLICE: usize = 4;
+
+    /// What is needed to trace the rows of a strip.
+    pub(super) fn tracer(&self, rows: Range<usize>) -> Tracer<'_> {
+        Tracer::new(self, rows)
+    }
+
+    /// Traces the bands of `rows`, a slice of the strip of `tracer`, side by side. `each` gets the number of the
+    /// first row, the ends of the band's rays, and its share of `out`, which has one entry a pixel; what it
+    /// returns is returned in the order of the bands, with the pixels, counted from the slice's first, whose
+    /// reflected rays are occluded although their ends said that they were not.
     pub(super) fn bands<T: Send, U: Send>(
         &self,
+        tracer: &Tracer,
         rows: Range<usize>,
         out: &mut [T],
         each: impl Fn(usize, &[RayEnd], &mut [T]) -> U + Sync,
-    ) -> (TraceCounts, Vec<U>) {
+    ) -> (TraceCounts, Vec<U>, Vec<(usize, Outcome)>) {
         let first_row = rows.start;
-        let tracer = Tracer::new(self, rows);
         let scratch = ScratchPool::default();
         let band = |number: usize, out: &mut [T], ends: &mut Vec<RayEnd>| {
             ends.resize(out.len(), RayEnd::MISSED);
             let first = first_row + number * BAND_ROWS;
-            let counts = tracer.trace_band(first, ends);
-            (counts, each(first, ends, out))
+            let found = tracer.trace_band(first, ends);
+            (found, each(first, ends, out))
         };
         let made = parallel::map_chunks_mut(out, self.band_pixels(), |number, out| {
             scratch.with(|ends| band(number, out, ends))
         });
-        let (counts, made): (Vec<TraceCounts>, Vec<U>) = made.into_iter().unzip();
-        (counts.into_iter().fold(TraceCounts::default(), Add::add), made)
+        let (found, made): (Vec<_>, Vec<U>) = made.into_iter().unzip();
+        let (counts, undecided) = gathered(found);
+        (counts, made, self.occluded(first_row, &undecided))
+    }
+
+    /// The occluded ones of reflected rays that were neither proven unoccluded nor followed, as the scene has
+    /// no grid yet: it is made where there are more than a few, or one is occluded.
+    fn occluded(&self, first_row: usize, undecided: &[Undecided]) -> Vec<(usize, Outcome)> {
+        /// Rays up to which holding each against the facets is faster than making the grid.
+        const FEW: usize = 256;
+        if undecided.is_empty() {
+            return Vec::new();
+        }
+        let columns = self.pixels()[0] as usize;
+        let ray = |pixel: usize| self.rays.at(pixel % columns, first_row + pixel / columns);
+        if undecided.len() <= FEW {
+            let leave = |(pixel, end): &Undecided| LeavingRay::new(&ray(*pixel), end);
+            let leaving: Vec<LeavingRay> = undecided.iter().map(leave).collect();
+            if !self.scene.blocks_any(&leaving) {
+                return Vec::new();
+            }
+        }
+        self.scene.prepare_search();
+        let follow = |(pixel, end): &Undecided| (*pixel, self.scene.occlusion(&ray(*pixel), end));
+        let outcomes = parallel::map_slice(undecided, 64, follow);
+        outcomes.into_iter().filter(|(_, outcome)| *outcome != Outcome::Hit).collect()
     }
 
     /// Pixels of a band of rows.
@@ -183,8 +233,31 @@ impl<'a> CameraTrace<'a> {
     }
 }
 
+/// A pixel, counted from the first of some rows, and the end of its ray, whose reflected ray has still to be
+/// followed.
+type Undecided = (usize, RayEnd);
+
+/// The counts of bands, one after the other, and their undecided pixels, counted from the first of the first.
+fn gathered(bands: Vec<BandTrace>) -> (TraceCounts, Vec<Undecided>) {
+    let (mut counts, mut undecided, mut pixels) = (TraceCounts::default(), Vec::new(), 0);
+    for band in bands {
+        counts = counts + band.counts;
+        undecided.extend(band.undecided.into_iter().map(|(pixel, end)| (pixels + pixel, end)));
+        pixels += band.pixels;
+    }
+    (counts, undecided)
+}
+
+/// What is told of the trace of a band.
+#[derive(Default)]
+pub(super) struct BandTrace {
+    counts: TraceCounts,
+    pixels: usize,
+    undecided: Vec<Undecided>,
+}
+
 /// Rays, scene and the shortcuts that may be taken.
-struct Tracer<'a> {
+pub(super) struct Tracer<'a> {
     scene: &'a Scene,
     rays: &'a CameraRays,
     /// Without one, every facet is searched for.
@@ -197,16 +270,24 @@ impl<'a> Tracer<'a> {
     fn new(trace: &'a CameraTrace, rows: Range<usize>) -> Self {
         let CameraTrace { scene, ref rays, shortcuts, .. } = *trace;
         if !shortcuts {
+            scene.prepare_search();
             return Self { scene, rays, rasterizer: None, proof: None };
         }
         let proof = if trace.starts_outside() { scene.occlusion_proof() } else { None };
-        Self { scene, rays, rasterizer: Rasterizer::new(scene, rays, rows), proof }
+        let rasterizer = Rasterizer::new(scene, rays, rows, None);
+        // Without the one all camera rays are searched for, without the other all reflected ones.
+        if rasterizer.is_none() || proof.is_none() {
+            scene.prepare_search();
+        }
+        Self { scene, rays, rasterizer, proof }
     }
 
-    /// Traces the rays of the band from row `first` on.
-    fn trace_band(&self, first: usize, ends: &mut [RayEnd]) -> TraceCounts {
+    /// Traces the rays of the band from row `first` on. Where the scene has no grid, reflected rays that are
+    /// not proven unoccluded are told of and not followed.
+    fn trace_band(&self, first: usize, ends: &mut [RayEnd]) -> BandTrace {
         let columns = self.rays.camera.pixels[0] as usize;
-        let mut counts = TraceCounts::default();
+        let mut band = BandTrace { pixels: ends.len(), ..BandTrace::default() };
+        let counts = &mut band.counts;
         if let Some(rasterizer) = &self.rasterizer {
             counts.rasterized = ends.len();
             rasterizer.draw(first, ends, |PixelHit { column, row, t, facet, normal }| {
@@ -221,8 +302,8 @@ impl<'a> Tracer<'a> {
                 *end = self.scene.trace_primary(&ray);
             }
         }
-        OcclusionPass { tracer: self, columns, first, ends, counts: &mut counts }.run();
-        counts
+        OcclusionPass { tracer: self, columns, first, ends, band: &mut band }.run();
+        band
     }
 }
 
@@ -233,7 +314,7 @@ struct OcclusionPass<'a, 'b> {
     /// The band's first row.
     first: usize,
     ends: &'b mut [RayEnd],
-    counts: &'b mut TraceCounts,
+    band: &'b mut BandTrace,
 }
 
 impl OcclusionPass<'_, '_> {
@@ -254,7 +335,7 @@ impl OcclusionPass<'_, '_> {
         }
         let proof = self.tracer.proof;
         if proof.is_some_and(|proof| proof.is_unoccluded(&packet)) {
-            self.counts.proven += reflected;
+            self.band.counts.proven += reflected;
             return;
         }
         let side = (right - left).max(lower - upper);
@@ -294,12 +375,17 @@ impl OcclusionPass<'_, '_> {
     /// Follows the reflected rays of a square of pixels one by one.
     fn follow(&mut self, [left, upper]: [usize; 2], [right, lower]: [usize; 2]) {
         let (Tracer { scene, rays, .. }, columns) = (self.tracer, self.columns);
+        let search = scene.has_search();
         for k in (upper..lower).flat_map(|row| row * columns + left..row * columns + right) {
             let end = &mut self.ends[k];
             if end.outcome == Outcome::Hit {
-                let ray = rays.at(k % columns, self.first + k / columns);
-                end.outcome = scene.occlusion(&ray, end);
-                self.counts.followed += 1;
+                self.band.counts.followed += 1;
+                if search {
+                    let ray = rays.at(k % columns, self.first + k / columns);
+                    end.outcome = scene.occlusion(&ray, end);
+                } else {
+                    self.band.undecided.push((k, *end));
+                }
             }
         }
     }

@@ -160,8 +160,9 @@ pub(super) struct OcclusionProof {
 }
 
 impl OcclusionProof {
-    /// The quadtree over `mesh`; `None` where that is not closed, for then the argument fails.
-    pub(super) fn new(mesh: &TriMesh) -> Option<Self> {
+    /// The quadtree over `mesh`, which may be known to be `closed`; `None` where it is not, for then the argument
+    /// fails.
+    pub(super) fn new(mesh: &TriMesh, closed: bool) -> Option<Self> {
         let (lo, hi) = mesh.bounds()?;
         let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
         let wanted = (mesh.triangles.len() as f64 / FACETS_PER_CELL).clamp(CELLS[0], CELLS[1]);
@@ -172,8 +173,10 @@ impl OcclusionProof {
         if !(cell > 0.0 && margin.is_finite()) {
             return None;
         }
-        let (levels, closed) =
-            parallel::join(|| levels(mesh, origin, cell, hi.truncate()), || is_closed(mesh));
+        let (levels, closed) = parallel::join(
+            || levels(mesh, origin, cell, hi.truncate()),
+            || closed || is_closed(mesh),
+        );
         closed.then_some(Self { origin, levels, margin })
     }
 

@@ -122,6 +122,8 @@ pub(super) struct Rasterizer<'a> {
     margins: [f64; 2],
     /// Pixel span of each vertex.
     spans: Vec<PixelSpan>,
+    /// The pixels of the rows that are asked for; all without.
+    wanted: Option<Vec<bool>>,
     chunks: Vec<ChunkHits>,
 }
 
@@ -142,9 +144,14 @@ fn depth_test(
 }
 
 impl<'a> Rasterizer<'a> {
-    /// Intersects `rays` of the rows of some bands with the facets of `scene`. `None` where they start beside
-    /// or below facets: such facets have no picture.
-    pub(super) fn new(scene: &'a Scene, rays: &'a CameraRays, rows: Range<usize>) -> Option<Self> {
+    /// Intersects `rays` of the rows of some bands, or of the `wanted` ones of their pixels, with the facets of
+    /// `scene`. `None` where they start beside or below facets: such facets have no picture.
+    pub(super) fn new(
+        scene: &'a Scene,
+        rays: &'a CameraRays,
+        rows: Range<usize>,
+        wanted: Option<Vec<bool>>,
+    ) -> Option<Self> {
         let (lo, hi) = scene.bounds()?;
         let CameraRays { camera, top_mm, .. } = *rays;
         let chart = camera.chart;
@@ -170,6 +177,7 @@ impl<'a> Rasterizer<'a> {
             start,
             margins: [margin, 1e-9 * extent],
             spans: vec![],
+            wanted,
             chunks: vec![],
         };
         rasterizer.spans = parallel::map_slice(&mesh.vertices, CHUNK, |&v| rasterizer.span(v));
@@ -194,6 +202,15 @@ impl<'a> Rasterizer<'a> {
         };
         let scratch = ScratchPool::default();
         parallel::map_slice(&chunks, 1, |chunk| scratch.with(|buffers| hits(buffers, chunk)))
+    }
+
+    /// Whether a pixel's ray is asked for.
+    #[inline]
+    fn wants(&self, fragment: Fragment) -> bool {
+        let Some(wanted) = &self.wanted else { return true };
+        let (_, column, row) = fragment.parts();
+        let columns = self.rays.camera.pixels[0] as usize;
+        wanted[(usize::from(row) - self.rows[0]) * columns + usize::from(column)]
     }
 
     /// Position of a point in the picture, pixels from the upper left corner.
@@ -244,6 +261,9 @@ impl<'a> Rasterizer<'a> {
                 hits.resize(2 * count + fragments.len(), Default::default());
             }
             for &fragment in &fragments[..tries] {
+                if !self.wants(fragment) {
+                    continue;
+                }
                 let (facet, column, row) = fragment.parts();
                 let triangle = triangles[(facet - first) as usize];
                 let ray = ray(xs[usize::from(column)], ys[usize::from(row)]);
@@ -304,7 +324,7 @@ impl<'a> Rasterizer<'a> {
     }
 
     /// Resolves a band from row `first` on: `ends`, one entry a pixel, become what `shade` makes of
-    /// the nearest hits.
+    /// the nearest hits. Nothing is drawn over pixels that are not asked for.
     pub(super) fn draw(
         &self,
         first: usize,
@@ -313,6 +333,13 @@ impl<'a> Rasterizer<'a> {
     ) {
         let columns = self.rays.camera.pixels[0] as usize;
         ends.fill(RayEnd::MISSED);
+        if let Some(wanted) = &self.wanted {
+            // (Nothing is nearer.)
+            let nearest = RayEnd { t: f64::NEG_INFINITY, ..RayEnd::MISSED };
+            let wanted = &wanted[(first - self.rows[0]) * columns..];
+            let unwanted = ends.iter_mut().zip(wanted).filter(|(_, wanted)| !**wanted);
+            unwanted.for_each(|(end, _)| *end = nearest);
+        }
         for chunk in &self.chunks {
             for hit in chunk.band((first - self.rows[0]) / BAND_ROWS) {
                 depth_test(hit, columns, ends, &shade);

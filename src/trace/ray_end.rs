@@ -1,6 +1,6 @@
 //! One ray's end: its nearest facet, the reflection there, and occlusion by the mesh itself.
 
-use super::scene::Scene;
+use super::scene::{LeavingRay, Scene};
 use crate::geom::{DVec3, Ray};
 use crate::optics::reflect;
 
@@ -70,10 +70,18 @@ impl Scene {
 
     /// Outcome of a ray that `end` says to be reflected: occluded by a facet, or not.
     pub(super) fn occlusion(&self, ray: &Ray, end: &RayEnd) -> Outcome {
+        let LeavingRay { ray, from, clear } = LeavingRay::new(ray, end);
+        self.occluder(&ray, from, clear).map_or(Outcome::Hit, Outcome::Shadowed)
+    }
+}
+
+impl LeavingRay {
+    /// The reflected ray of `ray`, which ends as `end`.
+    pub(super) fn new(ray: &Ray, end: &RayEnd) -> Self {
         let leaving = Ray { origin: ray.at(end.t), direction: end.direction };
         // The origin is rounded: neighbours of the facet may seem to lie a few ulps ahead of it.
         let clear = 1e-12 * (leaving.origin.abs().max_element() + end.t);
-        self.occluder(&leaving, end.facet, clear).map_or(Outcome::Hit, Outcome::Shadowed)
+        Self { ray: leaving, from: end.facet, clear }
     }
 }
 

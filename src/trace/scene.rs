@@ -4,6 +4,7 @@ use super::hierarchical_grid::HierarchicalGrid;
 use super::occlusion::OcclusionProof;
 use super::sheared_ray::{Shear, ShearedRay, ShearedVertex, barycentric, intersect};
 use crate::geom::{DVec3, Ray, TriMesh};
+use crate::parallel;
 use std::sync::OnceLock;
 
 /// Intersection of a ray with a facet.
@@ -17,14 +18,49 @@ pub struct Hit {
     pub barycentric: [f64; 3],
 }
 
+/// Facets whose box is held against rays at once: neighbours in a file are near each other.
+const PIECE: usize = 256;
+
+/// A reflected ray that may be blocked.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LeavingRay {
+    /// The ray.
+    pub ray: Ray,
+    /// The facet that it leaves.
+    pub from: u32,
+    /// Distance from its origin within which nothing counts, mm.
+    pub clear: f64,
+}
+
+/// Whether a ray may enter a box: NaN says that it may.
+fn may_enter(ray: &Ray, [lo, hi]: [DVec3; 2]) -> bool {
+    let (mut first, mut last) = (0.0f64, f64::INFINITY);
+    for axis in 0..3 {
+        let (from, along) = (ray.origin[axis], ray.direction[axis]);
+        if along == 0.0 {
+            if from < lo[axis] || from > hi[axis] {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = ((lo[axis] - from) / along, (hi[axis] - from) / along);
+        first = first.max(a.min(b));
+        last = last.min(a.max(b));
+    }
+    !(first > last)
+}
+
 /// A triangle mesh with the grid that finds the facets a ray meets.
 #[derive(Debug, Clone)]
 pub struct Scene {
     mesh: TriMesh,
     bounds: Option<(DVec3, DVec3)>,
-    grid: HierarchicalGrid,
-    /// Made when it is first asked for: never from within a trace, whose threads would wait for it
-    /// while it waits for them.
+    /// Whether the mesh is known to be closed, as `is_closed` has it; no: not yet looked at.
+    closed: bool,
+    /// Made when it is first needed: never from within a trace, whose threads would wait for it
+    /// while it waits for them. Without it rays are held against every facet.
+    grid: OnceLock<HierarchicalGrid>,
+    /// Likewise.
     occlusion_proof: OnceLock<Option<OcclusionProof>>,
 }
 
@@ -32,8 +68,31 @@ impl Scene {
     /// A scene of `mesh`, which need be neither closed nor consistent.
     #[must_use]
     pub fn new(mesh: TriMesh) -> Self {
-        let (bounds, grid) = (mesh.bounds(), HierarchicalGrid::new(&mesh));
-        Self { mesh, bounds, grid, occlusion_proof: OnceLock::new() }
+        let scene = Self::for_cameras(mesh, false);
+        scene.prepare_search();
+        scene
+    }
+
+    /// A scene of `mesh`, which is known to be `closed` or not known to be, for [`CameraTrace`]: the grid is
+    /// made when more than a few rays have to be searched for. Call [`Self::prepare_search`] before any single
+    /// ray.
+    ///
+    /// [`CameraTrace`]: super::CameraTrace
+    #[must_use]
+    pub fn for_cameras(mesh: TriMesh, closed: bool) -> Self {
+        let bounds = mesh.bounds();
+        Self { mesh, bounds, closed, grid: OnceLock::new(), occlusion_proof: OnceLock::new() }
+    }
+
+    /// Makes the grid that searches for single rays, unless it is there. It must not be called from work that
+    /// is shared out among threads.
+    pub fn prepare_search(&self) {
+        self.grid.get_or_init(|| HierarchicalGrid::new(&self.mesh));
+    }
+
+    /// Whether single rays are searched for in the grid.
+    pub(super) fn has_search(&self) -> bool {
+        self.grid.get().is_some()
     }
 
     /// The triangles.
@@ -56,7 +115,7 @@ impl Scene {
 
     /// Proof that reflected rays are unoccluded; `None` for a mesh that is not closed.
     pub(super) fn occlusion_proof(&self) -> Option<&OcclusionProof> {
-        self.occlusion_proof.get_or_init(|| OcclusionProof::new(&self.mesh)).as_ref()
+        self.occlusion_proof.get_or_init(|| OcclusionProof::new(&self.mesh, self.closed)).as_ref()
     }
 
     /// Nearest intersection ahead of the ray's origin; of two at the same distance (a ray through an
@@ -65,7 +124,7 @@ impl Scene {
     pub fn nearest_hit(&self, ray: &Ray) -> Option<Hit> {
         let line = ShearedRay::new(ray);
         let mut nearest: Option<(f64, u32)> = None;
-        self.grid.walk(ray, |facets| {
+        self.walk(ray, |facets| {
             for &facet in facets {
                 if let Some(t) = self.intersect(&line, facet) {
                     let nearer = nearest.is_none_or(|nearest| (t, facet) < nearest);
@@ -85,7 +144,7 @@ impl Scene {
     pub fn occluder(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
         let line = ShearedRay::new(ray);
         let mut found = None;
-        self.grid.walk(ray, |facets| {
+        self.walk(ray, |facets| {
             let blocks = |&&facet: &&u32| {
                 facet != from && self.intersect(&line, facet).is_some_and(|t| t > clear)
             };
@@ -93,6 +152,45 @@ impl Scene {
             if found.is_some() { 0.0 } else { f64::INFINITY }
         });
         found
+    }
+
+    /// Visits the facets that a ray may meet, as [`HierarchicalGrid::walk`] does.
+    #[inline]
+    fn walk(&self, ray: &Ray, mut visit: impl FnMut(&[u32]) -> f64) {
+        if let Some(grid) = self.grid.get() {
+            grid.walk(ray, visit);
+        } else {
+            (0..self.mesh.triangles.len() as u32).for_each(|facet| {
+                visit(&[facet]);
+            });
+        }
+    }
+
+    /// Whether a facet other than the ray's own blocks any of `rays` further than `clear` mm from its origin:
+    /// each facet near a ray is tried, without the grid.
+    pub(super) fn blocks_any(&self, rays: &[LeavingRay]) -> bool {
+        let margin =
+            self.bounds.map_or(0.0, |(lo, hi)| 1e-9 * lo.abs().max(hi.abs()).max_element());
+        let blocks = |first: usize, facets: &[[u32; 3]]| {
+            let corners = facets.iter().flatten().map(|&v| self.mesh.vertices[v as usize]);
+            let none = [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)];
+            let [lo, hi] = corners.fold(none, |[lo, hi], v| [lo.min(v), hi.max(v)]);
+            let [lo, hi] = [lo - DVec3::splat(margin), hi + DVec3::splat(margin)];
+            rays.iter().filter(|leaving| may_enter(&leaving.ray, [lo, hi])).any(|leaving| {
+                let line = ShearedRay::new(&leaving.ray);
+                (first as u32..).take(facets.len()).any(|facet| {
+                    facet != leaving.from
+                        && self.intersect(&line, facet).is_some_and(|t| t > leaving.clear)
+                })
+            })
+        };
+        let pieces = self.mesh.triangles.len().div_ceil(PIECE);
+        let piece = |k: usize| {
+            let first = k * PIECE;
+            let end = self.mesh.triangles.len().min(first + PIECE);
+            blocks(first, &self.mesh.triangles[first..end])
+        };
+        parallel::map(pieces, 64, piece).contains(&true)
     }
 
     /// Barycentric coordinates in `facet` where the ray's line meets its plane.
@@ -222,7 +320,7 @@ mod tests {
             mesh.vertices.iter_mut().for_each(|v| *v *= width);
             let scene = Scene::new(mesh);
             let inside = |x: &f64| (0.5 * width..23.5 * width).contains(x);
-            for border in scene.grid.borders().into_iter().filter(inside) {
+            for border in scene.grid.get().unwrap().borders().into_iter().filter(inside) {
                 for (ulps, other) in (-6..=6).flat_map(|u| [3.3, 20.1].map(|o| (u, o * width))) {
                     let x = nudge(border, ulps);
                     for direction in [DVec3::NEG_Z, DVec3::new(1e-17, -1e-17, -1.0)] {

@@ -1,6 +1,7 @@
 //! One ray per pixel: its end, its reflected direction, and how far that is from the expected one.
 
-use super::camera_trace::{CameraTrace, TraceCounts};
+use super::band_depths::BAND_ROWS;
+use super::camera_trace::{CameraTrace, TraceCounts, Tracer};
 use super::digest::Digest;
 use super::pixel_trace::{PixelTrace, RayErrors};
 use super::ray_end::{Outcome, RayEnd};
@@ -41,7 +42,8 @@ impl TraceResult {
         let comparison = Comparison::new(trace, normals, task);
         let mut pixels = Vec::new();
         let rows = 0..trace.pixels()[1] as usize;
-        let (counts, _) = comparison.trace(trace, rows, &table, &mut pixels);
+        let tracer = trace.tracer(rows.clone());
+        let (counts, _) = comparison.trace((trace, &tracer), rows, &table, &mut pixels);
         (Self { pixels }, counts)
     }
 
@@ -110,13 +112,17 @@ impl TraceStrip {
         };
         let (mut counts, mut pixels) = (TraceCounts::default(), Vec::new());
         for rows in trace.strips() {
-            let (of_strip, digests) = comparison.trace(trace, rows.clone(), &table, &mut pixels);
-            counts = counts + of_strip;
-            let aimed_beside = [aimed(rows.start.checked_sub(1)), aimed(Some(rows.end))];
-            let traced = TraceResult { pixels };
-            let strip = Self { frame, rows, traced, digests, aimed_beside };
-            each(&strip);
-            pixels = strip.traced.pixels;
+            let tracer = trace.tracer(rows.clone());
+            for rows in trace.slices(rows) {
+                let with = (trace, &tracer);
+                let (found, digests) = comparison.trace(with, rows.clone(), &table, &mut pixels);
+                counts = counts + found;
+                let aimed_beside = [aimed(rows.start.checked_sub(1)), aimed(Some(rows.end))];
+                let traced = TraceResult { pixels };
+                let strip = Self { frame, rows, traced, digests, aimed_beside };
+                each(&strip);
+                pixels = strip.traced.pixels;
+            }
         }
         counts
     }
@@ -162,7 +168,7 @@ impl<'a> Comparison<'a> {
     /// Traces the pixels of some rows into `pixels`, whatever is in there.
     fn trace(
         &self,
-        trace: &CameraTrace,
+        (trace, tracer): (&CameraTrace, &Tracer),
         rows: Range<usize>,
         table: &(impl Fn(u32) -> Vec<ExpectedRay> + Sync),
         pixels: &mut Vec<PixelTrace>,
@@ -170,10 +176,12 @@ impl<'a> Comparison<'a> {
         let rays = trace.rays();
         let columns = trace.pixels()[0] as usize;
         pixels.resize(columns * rows.len(), PixelTrace::MISSED);
-        trace.bands(rows, pixels, |first, ends, pixels| {
+        let room = |pixels: usize| {
+            Digest::with_room_for(pixels, self.task.is_some(), self.normals.is_some())
+        };
+        let band = |first: usize, ends: &[RayEnd], pixels: &mut [PixelTrace]| {
             let rows = pixels.chunks_mut(columns).zip(ends.chunks(columns));
-            let mut digest =
-                Digest::with_room_for(ends.len(), self.task.is_some(), self.normals.is_some());
+            let mut digest = room(ends.len());
             for (row, (pixels, ends)) in (first..).zip(rows) {
                 let expected = table(row as u32);
                 for (column, (pixel, expected)) in pixels.iter_mut().zip(&expected).enumerate() {
@@ -184,7 +192,20 @@ impl<'a> Comparison<'a> {
                 digest.add(pixels);
             }
             digest
-        })
+        };
+        let (counts, mut digests, occluded) = trace.bands(tracer, rows, pixels, band);
+        let size = columns * BAND_ROWS;
+        for of_band in occluded.chunk_by(|(a, _), (b, _)| a / size == b / size) {
+            for &(pixel, outcome) in of_band {
+                let pixel = &mut pixels[pixel];
+                *pixel = PixelTrace { outcome, errors: None, smooth: None, ..*pixel };
+            }
+            let number = of_band[0].0 / size;
+            let band = &pixels[number * size..pixels.len().min((number + 1) * size)];
+            digests[number] = room(band.len());
+            digests[number].add(band);
+        }
+        (counts, digests)
     }
 
     /// Trace of the pixel of a column whose ray, with its image point, ended as `end`.

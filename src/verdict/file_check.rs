@@ -10,7 +10,7 @@ use crate::optics::reflect;
 use crate::part::Promise;
 use crate::profile::{MeshFormat, Profile};
 use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
-use crate::solid::check;
+use crate::solid::{SolidCheck, check};
 use crate::trace::{
     CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Outcome, PixelClass, Scene, TraceCounts,
     TraceResult, TraceStrip, TraceSummary, classify_pixels,
@@ -76,7 +76,8 @@ impl FileCheck {
     ) -> (Self, TraceCounts) {
         let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
         let camera = &design.camera;
-        let scene = Scene::new(mesh);
+        let closed = solid.check.closed && solid.check.oriented && solid.check.manifold;
+        let scene = Scene::for_cameras(mesh, closed);
         let table = expected_rays(design, promise.chord_mm);
         let trace = CameraTrace::new(&scene, camera, scene.above_mm());
         let trace = if shortcuts { trace } else { trace.without_shortcuts() };
@@ -130,9 +131,10 @@ pub(crate) struct CheckedMesh {
 }
 
 impl CheckedMesh {
-    /// The checks of a mesh as a solid, and of its vertices against `design`.
-    pub(crate) fn new(design: &Design, reread: ImportedMesh) -> Self {
-        let check = check(&reread.mesh).through(design.holes());
+    /// The checks of a mesh as a solid, and of its vertices against `design`; what it is as a solid may be
+    /// proven already.
+    pub(crate) fn new(design: &Design, reread: ImportedMesh, proven: Option<SolidCheck>) -> Self {
+        let check = proven.unwrap_or_else(|| check(&reread.mesh)).through(design.holes());
         let solid = SolidFacts::new(&check, design.volume());
         let vertex = worst_vertex(design, &reread.mesh.vertices);
         let vertex = vertex.map(|(vertex, off)| {

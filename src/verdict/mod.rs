@@ -55,10 +55,19 @@ pub(crate) struct Findings {
 impl Findings {
     /// The findings of `checks`, each held to what was promised of it and to what the profile accepts.
     pub(crate) fn new(profile: &Profile, design: &Design, checks: Vec<FileCheck>) -> Self {
+        Self::beside(profile, design, checks, sharpness::sharpness(profile, design))
+    }
+
+    /// The same beside the `sharpness` of the picture that `design` gives.
+    pub(crate) fn beside(
+        profile: &Profile,
+        design: &Design,
+        checks: Vec<FileCheck>,
+        sharpness: Option<SharpnessFacts>,
+    ) -> Self {
         let mut reasons: Vec<Reason> =
             checks.iter().flat_map(|check| of_file(profile, design, check)).collect();
         remedy::add(profile, design, &mut reasons);
-        let sharpness = sharpness::sharpness(profile, design);
         reasons.extend(sharpness::reason(profile, sharpness.as_ref()));
         let frame = checks.iter().find_map(|check| check.frame.clone());
         let held = design.view.is_some() && checks.iter().all(|check| !check.measured);

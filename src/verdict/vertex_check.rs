@@ -3,7 +3,7 @@
 
 use crate::design::Design;
 use crate::geom::{Border, DVec2, DVec3, Outline};
-use crate::mirror::{Mirror, MirrorRow};
+use crate::mirror::Mirror;
 use crate::num::{cos, sin};
 use crate::parallel;
 use std::f64::consts::TAU;
@@ -19,21 +19,27 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
     let land = land(mirror);
     let chunks: Vec<_> = vertices.chunks(CHUNK).enumerate().collect();
     let worst = parallel::map_slice(&chunks, 1, |&(chunk, vertices)| {
-        let mut row = (0.0, mirror.row(0.0));
-        let mut worst = (chunk * CHUNK, 0.0);
-        for (k, &v) in vertices.iter().enumerate() {
-            let q = mirror.chart.coordinates(v).0;
-            // Meshes list rows of equal Y together, and a row is costly to begin.
-            if row.0 != q.y {
-                row = (q.y, mirror.row(q.y));
+        let places: Vec<DVec2> = vertices.iter().map(|&v| mirror.chart.coordinates(v).0).collect();
+        let (mut k, mut worst) = (chunk * CHUNK, (chunk * CHUNK, 0.0));
+        for line in places.chunk_by(|a, b| a.y == b.y) {
+            // Some meshes list rows of equal Y together; for one vertex a row is costly to begin.
+            let row = (line.len() > SHORT).then(|| mirror.row(line[0].y));
+            for &q in line {
+                let f = row.as_ref().map_or_else(|| mirror.height(q), |row| row.at(q.x).f);
+                let on_mirror = mirror.chart.point(q, f);
+                let v = vertices[k - chunk * CHUNK];
+                let off = distance(mirror, on_mirror, q, v, land, stock.as_ref());
+                worst = farther(worst, (k, off));
+                k += 1;
             }
-            let off = distance(mirror, &row.1, q, v, land, stock.as_ref());
-            worst = farther(worst, (chunk * CHUNK + k, off));
         }
         worst
     });
     worst.into_iter().reduce(farther)
 }
+
+/// Vertices of equal Y for which a row is not begun.
+const SHORT: usize = 4;
 
 /// Directions in which a land's rim is looked at.
 const WAYS: usize = 64;
@@ -57,16 +63,18 @@ fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
     mirror.position(q, &mirror.row(q.y).at(q.x))
 }
 
+/// Distance of the vertex `v`, which is at `q` in the chart, from the part's surface, mm; `over` is the mirror's
+/// point there.
 fn distance(
     mirror: &Mirror,
-    row: &MirrorRow,
+    over: DVec3,
     q: DVec2,
     v: DVec3,
     land: Option<(f64, [f64; 2])>,
     stock: Option<&Border>,
 ) -> f64 {
     let outline = mirror.full_outline();
-    let on_mirror = (mirror.position(q, &row.at(q.x)) - v).length();
+    let on_mirror = (over - v).length();
     // How far inside the outline, along X or Y or the radius, in the chart.
     let inside = match outline {
         Outline::Rect(rect) => (q - rect.min).min(rect.max - q).min_element(),

@@ -34,6 +34,12 @@ fn compared(what: &str, scene: &Scene, camera: &Camera) -> (Vec<RayEnd>, TraceCo
     let reflected = |seen: &&RayEnd| matches!(seen.outcome, Outcome::Hit | Outcome::Shadowed(_));
     assert_eq!(counts.proven + counts.followed, found.iter().filter(reflected).count(), "{what}");
     assert_eq!(counts.rasterized + counts.searched, found.len(), "{what}");
+    // Without a grid, and with one once it is needed.
+    let bare = Scene::for_cameras(scene.mesh().clone(), false);
+    assert!(
+        CameraTrace::new(&bare, camera, above(scene)).run() == (found.clone(), counts),
+        "{what}"
+    );
     (found, counts)
 }
 

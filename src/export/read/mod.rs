@@ -1,5 +1,6 @@
 //! Reading meshes back, as a stranger would: nothing is taken from the writer but the file.
 
+mod plain_obj;
 mod threemf;
 
 pub use threemf::{ThreeMfError, read_3mf};
@@ -60,15 +61,72 @@ pub enum ReadError {
     Empty,
 }
 
+/// Bytes before the first facet of a binary STL, and of each facet.
+const HEAD: usize = 84;
+const FACET: usize = 50;
+/// Facets that a thread reads at a time.
+const PART: usize = 1 << 15;
+
+/// The corners of a facet of a binary STL.
+#[inline]
+fn corners(facet: &[u8]) -> [DVec3; 3] {
+    let number = |at: &[u8]| f64::from(f32::from_le_bytes([at[0], at[1], at[2], at[3]]));
+    let corner = |at: &[u8]| DVec3::new(number(at), number(&at[4..]), number(&at[8..]));
+    [corner(&facet[12..]), corner(&facet[24..]), corner(&facet[36..])]
+}
+
+/// Comparison of the bytes of a binary STL with a mesh whose vertices are at places of their own: if all corners
+/// agree, it is known without a search which of them are the same.
+#[derive(Debug)]
+pub struct StlComparison<'a> {
+    mesh: &'a TriMesh,
+    /// Pieces and facets so far.
+    pieces: usize,
+    facets: usize,
+    equal: bool,
+}
+
+impl<'a> StlComparison<'a> {
+    /// Lengths of the first piece of the bytes, and of the others but for the last.
+    pub const PIECES: [usize; 2] = [HEAD, PART * FACET];
+
+    /// The comparison with `mesh`, before the first piece.
+    #[must_use]
+    pub fn new(mesh: &'a TriMesh) -> Self {
+        Self { mesh, pieces: 0, facets: 0, equal: true }
+    }
+
+    /// Adds the next of the [`Self::PIECES`].
+    pub fn add(&mut self, piece: &[u8]) {
+        let facets = self.mesh.triangles.len();
+        self.pieces += 1;
+        if self.pieces == 1 {
+            // (What begins so may be text.)
+            self.equal = piece.len() == HEAD
+                && !piece.starts_with(b"solid")
+                && u32::try_from(facets).is_ok_and(|count| piece[80..] == count.to_le_bytes());
+            return;
+        }
+        let first = self.facets;
+        self.facets += piece.len() / FACET;
+        self.equal &= piece.len().is_multiple_of(FACET) && self.facets <= facets && {
+            let found = piece.chunks_exact(FACET).map(corners);
+            (first..).zip(found).all(|(t, corners)| self.mesh.corners(t) == corners)
+        };
+    }
+
+    /// Whether the file holds the facets of the mesh and nothing else.
+    #[must_use]
+    pub fn is_equal(&self) -> bool {
+        self.equal && self.facets > 0 && self.facets == self.mesh.triangles.len()
+    }
+}
+
 /// Reads binary or text STL.
 ///
 /// # Errors
 /// [`ReadError`].
 pub fn read_stl(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
-    const HEAD: usize = 84;
-    const FACET: usize = 50;
-    // Facets that a thread reads at a time.
-    const PART: usize = 1 << 15;
     if bytes.starts_with(b"solid") || bytes.len() < HEAD {
         return read_text_stl(bytes);
     }
@@ -78,13 +136,10 @@ pub fn read_stl(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
         return Err(ReadError::Length { facets, expected, found });
     }
     // `stl_io` reads one number after another.
-    let number = |at: &[u8]| f64::from(f32::from_le_bytes([at[0], at[1], at[2], at[3]]));
-    let corner = |at: &[u8]| DVec3::new(number(at), number(&at[4..]), number(&at[8..]));
     let part = |&(k, part): &(usize, &[u8])| {
         let mut welder = Welder::new(PART);
         for (index, facet) in part.chunks_exact(FACET).enumerate() {
-            let corners = [corner(&facet[12..]), corner(&facet[24..]), corner(&facet[36..])];
-            add_finite(&mut welder, k * PART + index, corners)?;
+            add_finite(&mut welder, k * PART + index, corners(facet))?;
         }
         Ok(welder.finish())
     };
@@ -112,6 +167,11 @@ fn read_text_stl(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
 /// # Errors
 /// [`ReadError`].
 pub fn read_obj(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
+    plain_obj::read_plain_obj(bytes).map_or_else(|| read_any_obj(bytes), Ok)
+}
+
+/// Reads OBJ of any kind.
+fn read_any_obj(bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -184,6 +244,42 @@ mod tests {
         let bytes = stl();
         assert!(bytes.starts_with(b"Morion solid?of a long name "));
         assert_eq!(bytes.len() as u64 - 84, 50 * u64::from(bytes[80]));
+    }
+
+    #[test]
+    fn a_file_that_compares_equal_is_read_as_the_mesh_welded() {
+        let bytes = stl();
+        let read = read_stl(&bytes).unwrap().mesh;
+        let compared = |bytes: &[u8], mesh: &TriMesh| {
+            let mut comparison = StlComparison::new(mesh);
+            comparison.add(&bytes[..HEAD.min(bytes.len())]);
+            bytes[HEAD.min(bytes.len())..].chunks(3 * FACET).for_each(|b| comparison.add(b));
+            comparison.is_equal()
+        };
+        assert!(compared(&bytes, &read) && read.as_welded().as_ref() == Some(&read));
+        let mut turned = read.clone();
+        turned.triangles[2].rotate_left(1);
+        assert!(!compared(&bytes, &turned));
+        let mut fewer = read.clone();
+        fewer.triangles.pop();
+        assert!(!compared(&bytes, &fewer));
+        for length in [0, 5, HEAD, HEAD + FACET, bytes.len() - 1] {
+            assert!(!compared(&bytes[..length], &read), "{length}");
+        }
+        // Every bit of a corner counts, but for the sign of zero, and that of no normal.
+        let mut accepted = 0;
+        for at in 80..bytes.len() {
+            for bit in 0..8 {
+                let mut altered = bytes.clone();
+                altered[at] ^= 1 << bit;
+                let searched = read_stl(&altered).is_ok_and(|found| found.mesh == read);
+                assert_eq!(compared(&altered, &read), searched, "bit {bit} of byte {at}");
+                let in_corner = at >= HEAD && (12..48).contains(&((at - HEAD) % FACET));
+                accepted += usize::from(searched && in_corner);
+            }
+        }
+        let corners = bytes[HEAD..].chunks(FACET).flat_map(|facet| facet[12..48].chunks(4));
+        assert_eq!(accepted, corners.filter(|number| **number == [0; 4]).count());
     }
 
     #[test]

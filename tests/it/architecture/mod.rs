@@ -21,7 +21,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("raster", &["num"]),
     ("optics", &["geom", "num"]),
     ("profile", &["tolerance_terms", "optics", "geom", "num"]),
-    ("publish", &["profile"]),
+    ("publish", &["profile", "parallel"]),
     ("mirror", &["geom", "num", "parallel"]),
     ("design", &["profile", "optics", "mirror", "num", "geom", "parallel"]),
     ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),

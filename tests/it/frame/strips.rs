@@ -1,13 +1,14 @@
 //! A frame is traced strip by strip, and no answer shows where the strips end.
 
-use crate::support::{designed, meshed, shipped_but};
+use crate::support::{designed, meshed, profile, shipped_but};
 use morion::internals::design::Design;
 use morion::internals::geom::{DVec2, Precision};
 use morion::internals::optics::reflect;
+use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
-    CameraTrace, Coverage, CoverageBuilder, ExpectedRay, FrameFill, FrameFillBuilder, PixelClass,
-    PixelTrace, Scene, TraceCounts, TraceStrip, TraceSummary, classify_pixels,
+    CameraTrace, Coverage, CoverageBuilder, ExpectedRay, FrameFill, FrameFillBuilder, Outcome,
+    PixelClass, PixelTrace, Scene, TraceCounts, TraceStrip, TraceSummary, classify_pixels,
 };
 
 /// A tolerance under which some pixels are lost by their content.
@@ -16,9 +17,12 @@ const TOLERANCE_PX: f64 = 2.0;
 /// The part of a profile, and its design with a camera of so many pixels.
 fn part(name: &str, facet_px: &str, pixels: [u32; 2]) -> (Design, Scene) {
     let edits = [("facet_px = 1", facet_px), ("pixels = [640, 480]", "pixels = [160, 120]")];
-    let profile = shipped_but(name, &edits);
-    let mut design = designed(&profile);
-    let face = meshed(&profile, &design).unwrap();
+    part_of(&shipped_but(name, &edits), pixels)
+}
+
+fn part_of(profile: &Profile, pixels: [u32; 2]) -> (Design, Scene) {
+    let mut design = designed(profile);
+    let face = meshed(profile, &design).unwrap();
     let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single).unwrap();
     design.camera.pixel_mm *= 160.0 / f64::from(pixels[0]);
     design.camera.pixels = pixels;
@@ -93,4 +97,27 @@ fn no_answer_depends_on_the_strips() {
         lost += whole.3.lost.rim + whole.3.lost.content;
     }
     assert!(lost > 0);
+}
+
+/// Of the rays of a ridge that is a valley many are shadowed, of a bulging mirror few are in doubt.
+#[test]
+fn no_answer_depends_on_when_the_grid_is_made() {
+    let valley = "layout.conquistador = { fill_frame = true, ridge = \"valley\" }";
+    let (design, scene) = part_of(&profile(&[("layout.strip = {}", valley)]), [161, 203]);
+    for (part, shadow) in
+        [((design, scene), true), (part("conquistador", "facet_px = 5", [161, 203]), false)]
+    {
+        let (design, scene) = part;
+        let (searched, _) = found(&design, &scene, usize::MAX);
+        for (closed, strip_pixels) in [(false, usize::MAX), (true, usize::MAX), (true, 1)] {
+            let bare = Scene::for_cameras(scene.mesh().clone(), closed);
+            let (first, _) = found(&design, &bare, strip_pixels);
+            assert!(first == searched, "first, {closed}, {strip_pixels}");
+            let (again, _) = found(&design, &bare, strip_pixels);
+            assert!(again == searched, "again, {closed}, {strip_pixels}");
+        }
+        let shadowed = |pixel: &&PixelTrace| matches!(pixel.outcome, Outcome::Shadowed(_));
+        assert_eq!(searched.0.iter().filter(shadowed).count() > 100, shadow);
+        assert!(searched.2.followed > 0);
+    }
 }

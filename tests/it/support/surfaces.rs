@@ -188,21 +188,21 @@ pub struct Listed {
 impl Listed {
     /// The surface.
     pub fn case(self) -> Case {
-        let Self { name, rule, most } = self;
+        let Self { name, rule, .. } = self;
         let formula = FORMULAS.iter().find(|formula| formula.name == name);
         formula.map_or_else(
-            || shipped_case(name, rule, most),
+            || shipped_case(name, rule),
             |formula| {
                 let mirror = formula.mirror();
                 let camera = mirror.chart;
-                Case { name, mirror, camera, view: None, rule, usual_mm: 1e-3, most }
+                Case { name, mirror, camera, view: None, rule, usual_mm: 1e-3 }
             },
         )
     }
 }
 
 /// A shipped profile's mirror, with its own limit of the governing error alone, or the usual one.
-fn shipped_case(name: &'static str, rule: Rule, most: Option<f64>) -> Case {
+fn shipped_case(name: &'static str, rule: Rule) -> Case {
     let profile = load(name).unwrap_or_else(|error| panic!("{error}"));
     let design = design(&profile).unwrap_or_else(|error| panic!("{error}"));
     let usual_mm = match rule {
@@ -210,7 +210,7 @@ fn shipped_case(name: &'static str, rule: Rule, most: Option<f64>) -> Case {
         Rule::Facet => profile.mesh.facet_px().unwrap_or(USUAL_PX) * design.camera.pixel_mm,
     };
     let camera = design.camera.chart;
-    Case { name, mirror: design.mirror, camera, view: design.view, rule, usual_mm, most }
+    Case { name, mirror: design.mirror, camera, view: design.view, rule, usual_mm }
 }
 
 /// All surfaces: the formulas and two shipped mirrors by their chord error, and every shipped mirror by its facet
