@@ -53,7 +53,7 @@ impl Mirror {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixtures::quadric;
+    use super::super::fixtures::{quadric, roof};
     use super::*;
 
     #[test]
@@ -83,5 +83,15 @@ mod tests {
         let q = DVec2::new(4.7, -4.3);
         let exact = -0.06 * q.x * q.x + 0.02 * q.x * q.y + 0.05 * q.y * q.y + 7.0;
         assert!((mirror.extended_surface(q).at.z - exact).abs() < 1e-12);
+    }
+
+    #[test]
+    fn single_places_have_the_bits_of_rows_on_both_panels() {
+        for mirror in [quadric([-0.06, 0.02, 0.05], 0.03), roof(17.0)] {
+            for q in [[1.3, -2.1], [-3.0, 0.4], [0.7, 0.0], [2.0, 3.9], [2.0, -3.9]] {
+                let q = DVec2::from_array(q);
+                assert_eq!(mirror.at(q), mirror.row(q.y).at(q.x), "{q}");
+            }
+        }
     }
 }

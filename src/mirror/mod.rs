@@ -202,6 +202,20 @@ impl Mirror {
         if *camera == self.chart {
             return Some(q);
         }
+        self.point_on_camera_ray(camera, q, z_mm).map(|(at, _)| at)
+    }
+
+    /// The same with the mirror's height and slope there.
+    #[must_use]
+    pub fn point_on_camera_ray(
+        &self,
+        camera: &Chart,
+        q: DVec2,
+        z_mm: f64,
+    ) -> Option<(DVec2, HeightAndSlope)> {
+        if *camera == self.chart {
+            return Some((q, self.at(q)));
+        }
         let size = self.outline.bounds().size().max_element();
         let (_, mut height) = camera.coordinates(DVec3::new(0.0, 0.0, z_mm));
         for _ in 0..32 {
@@ -215,7 +229,7 @@ impl Mirror {
             let step = growth * (point.f - f) / (1.0 + point.slope.dot(drift));
             height += step;
             if step.abs() <= 1e-13 * size {
-                return Some(at);
+                return Some((at, point));
             }
         }
         None

@@ -185,14 +185,28 @@ impl Series {
                 [grow * v * p - shrink * before[0], before[1] + odd * p, before[2] + odd * d];
             (now, before) = (next, [p, d, dd]);
         }
-        for (i, row) in self.coefficients.chunks_exact(self.columns).enumerate() {
+        // Two rows at a time: the additions of one do not wait for those of the other.
+        let mut pairs = self.coefficients.chunks_exact(2 * self.columns);
+        for (i, pair) in pairs.by_ref().enumerate() {
+            let (first, second) = pair.split_at(self.columns);
+            let mut sums = [[0.0; N]; 2];
+            for ((c, d), basis) in first.iter().zip(second).zip(&*basis) {
+                for (k, basis) in basis.iter().enumerate() {
+                    sums[0][k] += c * basis;
+                    sums[1][k] += d * basis;
+                }
+            }
+            take(2 * i, sums[0]);
+            take(2 * i + 1, sums[1]);
+        }
+        if self.rows % 2 == 1 {
             let mut sums = [0.0; N];
-            for (c, basis) in row.iter().zip(&*basis) {
+            for (c, basis) in pairs.remainder().iter().zip(&*basis) {
                 for (sum, basis) in sums.iter_mut().zip(basis) {
                     *sum += c * basis;
                 }
             }
-            take(i, sums);
+            take(self.rows - 1, sums);
         }
     }
 

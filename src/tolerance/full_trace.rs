@@ -90,7 +90,7 @@ impl<'a> Traced<'a> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::design::design;
     use crate::num::random::RandomStream;
@@ -102,7 +102,8 @@ mod tests {
 
     const STREAM: RandomStream = RandomStream { seed: 2, trial: 5 };
 
-    fn engine(name: &str) -> Engine {
+    /// An engine of all error sources but a measured one, for a shipped profile.
+    pub(in crate::tolerance) fn engine(name: &str) -> Engine {
         let design = design(&load(name).unwrap()).unwrap();
         let process = Process::of(ProcessPreset::PrecisionCnc);
         let source = |kind: Perturbation| {
@@ -192,6 +193,28 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Where errors move hits out of the squares that polynomials are made for, wider ones need not ask the
+    /// mirror itself, and show the same.
+    #[test]
+    fn wider_polynomials_show_what_the_mirror_does_where_hits_go_far() {
+        let engine = engine("conquistador");
+        let wider = |source: &ErrorSource| ErrorSource { limit: 4.0 * source.limit, ..*source };
+        let sources: Vec<ErrorSource> = engine.spec.sources.iter().map(wider).collect();
+        let made: Vec<PerturbedSystem> = (0..9).map(|k| engine.trial(&sources, 1, k)).collect();
+        let evaluated = |engine: &Engine| {
+            let _ = engine.worked();
+            let found = engine.displacements(&made).concat();
+            let surface = engine.worked().kinds().find(|(kind, _)| *kind == WorkKind::Surface);
+            (found, surface.map_or(0, |(_, [evaluated, _])| evaluated))
+        };
+        let (found, many) = evaluated(&engine);
+        let (wide, few) = evaluated(&engine.widened(&sources).unwrap());
+        assert!(10 * few < many, "{few} {many}");
+        for (a, b) in found.iter().zip(&wide) {
+            assert!((a - b).abs() < 1e-8, "{a} {b}");
         }
     }
 }

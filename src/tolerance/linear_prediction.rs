@@ -137,16 +137,12 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::design::design;
     use crate::geom::DVec2;
     use crate::num::max_or_nan;
-    use crate::pipeline::load;
+    use crate::tolerance::full_trace::tests::engine;
     use crate::tolerance::linear_model::LinearModel;
     use crate::tolerance::model::{OpticalSystem, PartPose, PixelSample};
-    use crate::tolerance::spec::ToleranceSpec;
     use crate::tolerance::work_counts::WorkCounts;
-    use crate::tolerance::{Criterion, FormMeasure, Process, ProcessPreset, Reference};
 
     fn length(field: &[f64]) -> f64 {
         field.iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -156,29 +152,7 @@ mod tests {
     /// polynomials for the mirror and the form errors from those of the mirror's own derivatives.
     /// Columns shorter than the share `floor` of the longest are rounding.
     fn polynomials_against_the_mirror(name: &str, floor: f64) -> [f64; 2] {
-        let design = design(&load(name).unwrap()).unwrap();
-        let view = design.view.as_ref().unwrap();
-        let process = Process::of(ProcessPreset::PrecisionCnc);
-        let source = |kind: Perturbation| {
-            let (limit, distribution) = process.usual(kind);
-            ErrorSource { kind, limit, distribution, weight: 1.0 }
-        };
-        let kinds =
-            Perturbation::all().filter(|k| !matches!(k, Perturbation::Map | Perturbation::Facets));
-        let spec = ToleranceSpec {
-            sources: kinds.map(source).collect(),
-            form: FormMeasure::Pv,
-            texture: process.texture,
-            map: None,
-            compensators: Vec::new(),
-            criterion: Criterion::Rms,
-            reference: Reference::Design,
-            budget_px: 1.0,
-            budget_blur_px: 1.0,
-            target_yield: 0.9,
-            samples: 40,
-        };
-        let engine = Engine::new(&design.mirror, &design.camera, view, spec).unwrap();
+        let engine = engine(name);
         assert_eq!(engine.expanded(), engine.samples(), "{name}");
         let mut plain = engine.system.clone();
         for sample in &mut plain.samples {

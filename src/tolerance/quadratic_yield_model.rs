@@ -165,3 +165,33 @@ impl QuadraticYieldModel {
         quantile(&squares, target).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tolerance::full_trace::tests::engine;
+
+    #[test]
+    fn quadratic_forms_are_the_mean_squares_of_first_derivatives() {
+        let mut engine = engine("hyperbolic");
+        // What is independent from sample to sample has a mean square alone.
+        engine.spec.sources.retain(|source| !source.kind.is_fine());
+        let sources = engine.spec.sources.clone();
+        let model = QuadraticYieldModel::new(&engine, 4, 21);
+        let factors: Vec<f64> = (0..sources.len()).map(|k| 0.3 + 0.2 * (k % 7) as f64).collect();
+        let squares = model.squares(&factors, 100);
+        assert_eq!(squares.len(), 21);
+        let scaled = sources.iter().zip(&factors);
+        let scaled: Vec<ErrorSource> =
+            scaled.map(|(s, factor)| ErrorSource { limit: factor * s.limit, ..*s }).collect();
+        for (trial, square) in engine.linear_trials(&scaled, 4, 0..21).iter().zip(&squares) {
+            let exact = trial.after.rms_px * trial.after.rms_px;
+            assert!((square / exact - 1.0).abs() < 1e-9, "{}: {square} {exact}", trial.index);
+        }
+        let first = model.squares(&factors, 13);
+        assert!(first.iter().eq(&squares[..13]));
+        let mut sorted = squares.clone();
+        sorted.sort_by(f64::total_cmp);
+        assert_eq!(model.reached(&factors, 0.5), quantile(&sorted, 0.5).sqrt());
+    }
+}

@@ -151,18 +151,23 @@ impl OpticalSystem {
     /// surface on them; none where they are not.
     pub(super) fn widened(&self, reach: f64) -> Option<Self> {
         let fitters = DEGREES.map(Fitter::new);
-        let fitted = |sample: &PixelSample, half: f64| {
+        let fitted = |fitters: &[Fitter], sample: &PixelSample, half: f64| {
             let square = ExpansionSquare { half, ..sample.square };
             let PixelSample { panel, hit, slope, .. } = *sample;
-            self.fitted(&fitters, panel, &square, (hit, slope)).map(|base| (square, base))
+            self.fitted(fitters, panel, &square, (hit, slope)).map(|base| (square, base))
         };
-        // Some tell of the others.
+        // Some tell of the others, of the degree too.
         let some = || self.samples.iter().step_by(SOME).filter(|s| s.base.is_some());
-        let all_fit = |half: f64| some().all(|sample| fitted(sample, half).is_some());
+        let degree = |half: &f64| -> Option<usize> {
+            let degrees: Option<Vec<usize>> =
+                some().map(|sample| Some(fitted(&fitters, sample, *half)?.1.0)).collect();
+            degrees?.into_iter().min()
+        };
         let wider = |half: &f64| some().all(|sample| *half > sample.square.half);
-        let halves = WIDER.map(|share| share * reach).into_iter().filter(wider);
-        let half = halves.into_iter().find(|half| all_fit(*half))?;
-        let wider = |sample: &PixelSample| match fitted(sample, half) {
+        let mut halves = WIDER.map(|share| share * reach).into_iter().filter(wider);
+        let (half, degree) = halves.find_map(|half| Some((half, degree(&half)?)))?;
+        let lower = DEGREES.iter().filter(|lower| **lower < degree).count();
+        let wider = |sample: &PixelSample| match fitted(&fitters[lower..], sample, half) {
             Some((square, base)) => PixelSample { square, base: Some(base), ..sample.clone() },
             None => sample.clone(),
         };

@@ -66,10 +66,9 @@ impl OpticalSystem {
     /// part, near the height `z_mm`, with derivatives as the mirror itself has them.
     pub(crate) fn designed<S: Scalar>(&self, mirror: &Mirror, at: [S; 2], z_mm: f64) -> [S; 3] {
         let q = DVec2::new(at[0].mid(), at[1].mid());
-        let Some(place) = mirror.intersect_camera_ray_near(&self.sag, q, z_mm) else {
+        let Some((place, point)) = mirror.point_on_camera_ray(&self.sag, q, z_mm) else {
             return [S::constant(f64::NAN); 3];
         };
-        let point = mirror.at(place);
         let slope = mirror.slope(place, &point);
         // What Newton's method left of the way to q.
         let found = mirror.position(place, &point);
