@@ -7,9 +7,9 @@ use std::error::Error;
 use std::fmt::{self, Display, Formatter};
 
 /// One error or several.
-pub(super) struct Failure(Vec<Box<dyn Error>>);
+pub(super) struct CommandFailure(Vec<Box<dyn Error>>);
 
-impl Failure {
+impl CommandFailure {
     /// A failure that is a sentence.
     pub(super) fn said(sentence: String) -> Self {
         Self(vec![sentence.into()])
@@ -47,13 +47,13 @@ fn line(known: &Value) -> String {
     format!("{}\n", json!({ "error": error }))
 }
 
-impl<E: Error + 'static> From<E> for Failure {
+impl<E: Error + 'static> From<E> for CommandFailure {
     fn from(error: E) -> Self {
         Self(vec![Box::new(error)])
     }
 }
 
-impl Display for Failure {
+impl Display for CommandFailure {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for (k, error) in self.0.iter().enumerate() {
             let end = if k == 0 { "" } else { "\n" };
@@ -79,8 +79,8 @@ mod tests {
         };
         let two = Complaint { hint: None, line: 9, ..one.clone() };
         let faulty = SourceError::Faulty(Complaints(vec![one, two]));
-        let all = vec![Failure::from(faulty), Failure::said("full\nof lines".into())];
-        let Err(failure) = Failure::none_of(all) else { panic!("there are two") };
+        let all = vec![CommandFailure::from(faulty), CommandFailure::said("full\nof lines".into())];
+        let Err(failure) = CommandFailure::none_of(all) else { panic!("there are two") };
         let lines: Vec<Value> =
             failure.json().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(lines.len(), 3);
@@ -89,6 +89,6 @@ mod tests {
         assert_eq!([error(0, "line"), error(1, "line")], [json!(3), json!(9)]);
         assert_eq!([error(0, "hint"), error(1, "hint")], [json!("yes"), Value::Null]);
         assert_eq!([error(2, "message"), error(2, "line")], [json!("full\nof lines"), Value::Null]);
-        assert!(Failure::none_of(vec![]).is_ok());
+        assert!(CommandFailure::none_of(vec![]).is_ok());
     }
 }

@@ -16,7 +16,7 @@ use crate::report::{Answer, TextLayout, visible};
 use crate::results::Verdict;
 use args::{Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, ToleranceArgs};
 use clap::Parser;
-use failure::Failure;
+use failure::CommandFailure;
 use progress::Progress;
 use serde_json::json;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -56,12 +56,12 @@ fn unreadable(error: &clap::Error) -> ! {
     let as_json = arguments.iter().any(|word| word == "--format=json")
         || arguments.windows(2).any(|words| words == ["--format", "json"]);
     if error.use_stderr() && as_json {
-        let _ = print(&Failure::said(error.to_string()).json());
+        let _ = print(&CommandFailure::said(error.to_string()).json());
     }
     error.exit()
 }
 
-fn execute(arguments: &Arguments) -> Result<u8, Failure> {
+fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
     let Arguments { format, verbose, .. } = *arguments;
     let terminal =
         Terminal { format, verbose, lines: false, progress: Progress::new(arguments.quiet) };
@@ -101,7 +101,12 @@ struct Terminal {
 
 impl Terminal {
     /// Runs a command on one profile, with its files below `out`, and prints its report.
-    fn publish<C: Command>(&self, command: &C, named: &str, out: &Path) -> Result<u8, Failure>
+    fn publish<C: Command>(
+        &self,
+        command: &C,
+        named: &str,
+        out: &Path,
+    ) -> Result<u8, CommandFailure>
     where
         C::Report: Answer,
     {
@@ -111,7 +116,7 @@ impl Terminal {
     }
 
     /// Runs a command on one profile that writes no files, and prints its report.
-    fn in_memory<C: Command>(&self, command: &C, named: &str) -> Result<u8, Failure>
+    fn in_memory<C: Command>(&self, command: &C, named: &str) -> Result<u8, CommandFailure>
     where
         C::Report: Answer,
     {
@@ -119,7 +124,7 @@ impl Terminal {
     }
 
     /// Builds every profile; what could not be built is told at the end.
-    fn build(&self, args: &BuildArgs) -> Result<u8, Failure> {
+    fn build(&self, args: &BuildArgs) -> Result<u8, CommandFailure> {
         let (mut code, mut failures) = (PASSED, Vec::new());
         for source in &load_all(&args.profiles)? {
             let done = if args.dry_run {
@@ -133,13 +138,13 @@ impl Terminal {
             };
             match done {
                 Ok(concluded) => code = code.max(concluded?),
-                Err(error) => failures.push(Failure::from(error)),
+                Err(error) => failures.push(CommandFailure::from(error)),
             }
         }
-        Failure::none_of(failures).map(|()| code)
+        CommandFailure::none_of(failures).map(|()| code)
     }
 
-    fn check(&self, named: &str) -> Result<u8, Failure> {
+    fn check(&self, named: &str) -> Result<u8, CommandFailure> {
         let Profile { name, sha256, .. } = load(named)?;
         self.show(
             || visible(&format!("{name}: valid ({sha256})\n")),
@@ -148,7 +153,7 @@ impl Terminal {
         Ok(PASSED)
     }
 
-    fn tolerance(&self, args: &ToleranceArgs) -> Result<u8, Failure> {
+    fn tolerance(&self, args: &ToleranceArgs) -> Result<u8, CommandFailure> {
         let Some(named) = &args.profile else {
             return self.conclude(&merge(&args.merge, &args.out, &self.progress)?, None);
         };
@@ -159,7 +164,7 @@ impl Terminal {
         }
     }
 
-    fn bench(&self, args: &BenchArgs) -> Result<u8, Failure> {
+    fn bench(&self, args: &BenchArgs) -> Result<u8, CommandFailure> {
         let BenchArgs { profiles, quick, suggest, out } = args;
         let options =
             BenchOptions { profiles: profiles.clone(), quick: *quick, suggest_px: *suggest };
@@ -169,11 +174,13 @@ impl Terminal {
         Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
     }
 
-    fn profiles(&self, args: &ProfilesArgs) -> Result<u8, Failure> {
+    fn profiles(&self, args: &ProfilesArgs) -> Result<u8, CommandFailure> {
         if let Some(name) = &args.show {
             let known = shipped().iter().find(|profile| profile.name == name);
             let missing = || {
-                Failure::said(format!("no profile {name} is shipped; `morion profiles` lists them"))
+                CommandFailure::said(format!(
+                    "no profile {name} is shipped; `morion profiles` lists them"
+                ))
             };
             print(known.ok_or_else(missing)?.text)?;
             return Ok(PASSED);
@@ -194,7 +201,7 @@ impl Terminal {
 
     /// Prints an answer, whose files are in `folder`, its warnings to stderr, and turns its verdict into an exit
     /// code.
-    fn conclude(&self, answer: &impl Answer, folder: Option<&Path>) -> Result<u8, Failure> {
+    fn conclude(&self, answer: &impl Answer, folder: Option<&Path>) -> Result<u8, CommandFailure> {
         let head = answer.head();
         let warn = |warning: &String| complain("warning", anstyle::AnsiColor::Yellow, warning);
         head.warnings.iter().for_each(warn);
@@ -212,7 +219,12 @@ impl Terminal {
     }
 
     /// Makes the trials of a part of a run.
-    fn part(&self, options: ToleranceOptions, named: &str, out: &Path) -> Result<u8, Failure> {
+    fn part(
+        &self,
+        options: ToleranceOptions,
+        named: &str,
+        out: &Path,
+    ) -> Result<u8, CommandFailure> {
         let part = TrialsPart(options).publish(&load(named)?, out, &self.progress)?;
         let (path, trials) = (part.path.display().to_string(), part.trials);
         self.show(
@@ -227,7 +239,7 @@ impl Terminal {
         &self,
         text: impl FnOnce() -> String,
         json: impl FnOnce() -> String,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), CommandFailure> {
         print(&match self.format {
             PrintFormat::Text => styles::styled(&text()),
             PrintFormat::Json => json(),
@@ -236,19 +248,19 @@ impl Terminal {
 }
 
 /// All profiles, or all their faults; two of one name would overwrite each other.
-fn load_all(named: &[String]) -> Result<Vec<Profile>, Failure> {
+fn load_all(named: &[String]) -> Result<Vec<Profile>, CommandFailure> {
     let (mut profiles, mut faults) = (Vec::<Profile>::new(), Vec::new());
     for named in named {
         match load(named) {
             Ok(profile) if profiles.iter().any(|other| other.name == profile.name) => {
                 let same = format!("{named}: another profile is called {} too", profile.name);
-                faults.push(Failure::said(same));
+                faults.push(CommandFailure::said(same));
             }
             Ok(profile) => profiles.push(profile),
             Err(fault) => faults.push(fault.into()),
         }
     }
-    Failure::none_of(faults).map(|()| profiles)
+    CommandFailure::none_of(faults).map(|()| profiles)
 }
 
 /// Says a message of a kind on stderr; one that nobody can read is not worth failing for. Messages of several
@@ -275,11 +287,11 @@ fn line(value: &serde_json::Value) -> String {
 }
 
 /// Prints to stdout; a reader that has gone away is no error.
-fn print(text: &str) -> Result<(), Failure> {
+fn print(text: &str) -> Result<(), CommandFailure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::said(format!("cannot write to standard output: {error}")))
+            Err(CommandFailure::said(format!("cannot write to standard output: {error}")))
         }
         _ => Ok(()),
     }

@@ -48,8 +48,6 @@ pub struct Case {
     pub rule: Rule,
     /// A usual limit, mm on the mirror.
     pub usual_mm: f64,
-    /// Most triangles over the least, with at least `ENOUGH` of them.
-    pub most: Option<f64>,
 }
 
 impl Case {
