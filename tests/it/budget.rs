@@ -208,7 +208,7 @@ fn a_build_tells_the_tolerances_that_it_reached() {
     let folder = folder();
     let home = folder.path();
     save(home, &small_but("chord_um = 20\nfacet_px = 3\n", "max_triangles = 20000\n"));
-    let (code, out, err) = told(&morion(home, &["build", "small.toml", "--quiet"]));
+    let (code, out, err) = told(&morion(home, &["build", "small.toml", "--quiet", "--verbose"]));
     assert_eq!((code, &*err), (0, ""), "{out}");
     assert!(out.contains(" in all, of at most 20000); chord "), "{out}");
     let made = files(&home.join("out/small"));
