@@ -149,9 +149,9 @@ impl ToRows for PlainPicture<'_> {
         if let Some(frame) = self.frame {
             let [width, height] = frame.pixels;
             let range = |[lo, hi]: [f64; 2]| format!("{lo:.1} to {hi:.1} deg");
-            // (Between the centres of the outermost pixels.)
+            // (Half a pixel and the mirror's error are missing at both ends.)
             let around = |[lo, hi]: [f64; 2]| match hi - lo {
-                359.0.. => "360 deg around".to_owned(),
+                356.0.. => "360 deg around".to_owned(),
                 _ => format!("azimuth {}", range([lo, hi])),
             };
             let azimuth = frame.azimuth_deg.map_or("nothing seen".into(), around);

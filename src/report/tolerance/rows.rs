@@ -167,7 +167,7 @@ impl ToleranceReport {
     }
 
     fn add_trials(&self, rows: &mut AnswerRows) {
-        let Study { as_made, adjusted, adjustments, lost_trials, trials, .. } = &self.study;
+        let Study { as_made, adjusted, adjustments, .. } = &self.study;
         let figures =
             |s: &Statistics| statistics(s).map(|(name, x)| format!("{name} {x}")).join(", ");
         rows.terminal("as made", format!("{} px", figures(as_made)));
@@ -183,6 +183,10 @@ impl ToleranceReport {
                 ),
             );
         }
+    }
+
+    fn add_yield_share(&self, rows: &mut AnswerRows) {
+        let Study { yields, lost_trials, trials, .. } = &self.study;
         if *lost_trials > 0 {
             rows.terminal(
                 "lost",
@@ -192,10 +196,6 @@ impl ToleranceReport {
                 ),
             );
         }
-    }
-
-    fn add_yield_share(&self, rows: &mut AnswerRows) {
-        let yields = &self.study.yields;
         let [share, low, high] = [yields.share, yields.low, yields.high].map(|x| 100.0 * x);
         let budget = self.study.budget_px;
         rows.terminal(

@@ -124,7 +124,7 @@ fn the_page_stands_alone_and_holds_what_the_report_holds() {
     let name = "a<b>&\"c";
     std::fs::write(home.join(format!("{name}.toml")), small()).unwrap();
     let file = format!("{name}.toml");
-    let (code, out, _) = told(&morion(home, &["tolerance", &file, "--trials", "30", "-q"]));
+    let (code, out, _) = told(&morion(home, &["tolerance", &file, "--trials", "30", "-q", "-v"]));
     assert_eq!(code, 1);
     let made = files(&home.join("out").join(name));
     let text = |name: &str| String::from_utf8(made[name].clone()).unwrap();
@@ -264,7 +264,8 @@ fn little_to_go_by_leaves_no_odd_figures() {
                  compensators = [\"shift\", \"rotation\", \"magnification\", \"tilt\", \"despace\"]\n[export]";
     for pixels in ["[16, 12]", "[4, 3]", "[3, 2]"] {
         save(home, &edited(SMALL, &[("[160, 120]", pixels), ("[export]", table)]));
-        let (code, out, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "1"]));
+        let (code, out, err) =
+            told(&morion(home, &["tolerance", "small.toml", "--trials", "1", "-v"]));
         if code == 2 {
             assert!(pixels == "[3, 2]" && err.contains("take a camera of more pixels"), "{err}");
             continue;
@@ -284,7 +285,8 @@ fn facets_are_of_the_mesh_that_the_part_is_made_from() {
     let home = folder.path();
     let run = |text: &str| -> (serde_json::Value, String) {
         save(home, text);
-        let (_, out, err) = told(&morion(home, &["tolerance", "small.toml", "--trials", "3"]));
+        let arguments = ["tolerance", "small.toml", "--trials", "3", "--verbose"];
+        let (_, out, err) = told(&morion(home, &arguments));
         let report = std::fs::read_to_string(home.join("out/small/tolerance.json")).expect(&err);
         (serde_json::from_str(&report).unwrap(), out)
     };
