@@ -74,9 +74,9 @@ impl<'a> CoarseCandidate<'a> {
         limits: Limits,
     ) -> Result<CoarseMesh<'a>, MeshError> {
         let Self { mut frames, domain, copies, first } = self;
-        let draw = |frames: &FrameField<'a>| {
+        let draw = |frames: &FrameField<'a>, known: &CoarseMesh<'a>| {
             let mesh = CoarseMesh::new(bounder.mirror(), domain, frames.clone())?;
-            Ok::<_, MeshError>(mesh.estimate_growth(bounder, limits))
+            Ok::<_, MeshError>(mesh.estimate_growth_beside(known, bounder, limits))
         };
         let first = first.estimate_growth(bounder, limits);
         let is_whole = first.frames.parts == frames.parts;
@@ -85,9 +85,9 @@ impl<'a> CoarseCandidate<'a> {
         }
         let strain = if is_whole { 1.0 } else { TUNING.halved_strain };
         let size = mean(first.frames.fitted_size()) * first.estimate.best_scale * strain;
-        drop(first);
         frames.rescale(size);
-        let mut best = draw(&frames)?;
+        let mut best = draw(&frames, &first)?;
+        drop(first);
         let mut estimate = best.estimate;
         for _ in 0..TUNING.redraws {
             if estimate.is_near_best() {
@@ -99,7 +99,7 @@ impl<'a> CoarseCandidate<'a> {
             if frames.fitted_size().abs_diff_eq(before, SAME_SIZE) {
                 break;
             }
-            let next = draw(&frames)?;
+            let next = draw(&frames, &best)?;
             estimate = next.estimate;
             if next.proposed() * estimate.cost < best.proposed() * best.estimate.cost {
                 best = next;

@@ -71,6 +71,7 @@ pub(crate) struct CoarseMesh<'a> {
 }
 
 /// One facet of a coarse mesh.
+#[derive(Debug, Clone, Copy)]
 struct FacetSample {
     /// Its corners in the chart, mm.
     corners: [DVec2; 3],
@@ -129,6 +130,26 @@ impl<'a> CoarseMesh<'a> {
         shrinkages.sort_by(f64::total_cmp);
         self.estimate = GrowthEstimate::new(&shrinkages);
         self
+    }
+
+    /// The same where `known` may have the same facets, whose samples then serve for both.
+    pub(crate) fn estimate_growth_beside(
+        self,
+        known: &CoarseMesh,
+        bounder: &ErrorBounder,
+        limits: Limits,
+    ) -> Self {
+        if self.has_facets_of(known) {
+            return Self { estimate: known.estimate, samples: known.samples.clone(), ..self };
+        }
+        self.estimate_growth(bounder, limits)
+    }
+
+    /// Whether both are cut into the same facets: where cells are as large as they may be, other sizes change nothing.
+    fn has_facets_of(&self, other: &CoarseMesh) -> bool {
+        self.frames.parts == other.frames.parts
+            && self.net.triangles == other.net.triangles
+            && self.net.vertices == other.net.vertices
     }
 
     /// Checks that refinement meets the limits without too many facets, if many facets would have to be split; the mesh
@@ -224,5 +245,46 @@ impl<'a> CoarseMesh<'a> {
             let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
             corners.map(|p| centre + (p - centre) * share)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{Chart, Outline, Precision};
+    use crate::mesh::bound::imaging_problem::ImagingProblem;
+    use crate::mesh::sizing::field::SizingField;
+    use crate::mirror::{Surface, TensorLegendre};
+    use crate::num::legendre::Series;
+
+    #[test]
+    fn cells_as_large_as_they_may_be_make_the_same_facets_at_any_size() {
+        let half = DVec2::splat(10.0);
+        let series = Series::from_fn(3, 3, |i, j| if i + j == 2 { 0.01 } else { 0.0 });
+        let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
+        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let outline = Outline::Rect(Rect { min: -half, max: half });
+        let surface = Surface::Tensor(sheet);
+        let mirror =
+            Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
+        let problem = ImagingProblem { mirror: &mirror, camera: chart, view: None };
+        let domain = outline.bounds();
+        for (chord_mm, same) in [(10.0, true), (1e-4, false)] {
+            let precision = Precision::Double;
+            let limits = Limits { chord_mm: Some(chord_mm), facet_mm: None, precision };
+            let bounder = ErrorBounder::for_part(domain, problem, precision);
+            let sizing = SizingField::new(&problem, domain, limits);
+            let drawn = |size: f64| {
+                let frames = FrameField::new(&sizing, &outline, size, TUNING.triangles);
+                CoarseMesh::new(&mirror, domain, frames).unwrap()
+            };
+            let first = drawn(1.0).estimate_growth(&bounder, limits);
+            let other = drawn(0.8);
+            assert_eq!(other.has_facets_of(&first), same, "{chord_mm}");
+            let known = other.estimate_growth_beside(&first, &bounder, limits);
+            let afresh = drawn(0.8).estimate_growth(&bounder, limits);
+            assert_eq!(known.estimate.best_scale, afresh.estimate.best_scale);
+            assert_eq!(known.samples.len(), afresh.samples.len());
+        }
     }
 }

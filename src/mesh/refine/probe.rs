@@ -55,7 +55,7 @@ impl<'a> RefinementProbe<'a> {
             return (oversize, None);
         }
         // Bounds of facets that are far too large may be anything.
-        let outcome = self.probe(facet);
+        let outcome = self.probe_from(facet, oversize);
         let by = match outcome {
             ProbeOutcome::Converges(facets) => facets.sqrt(),
             ProbeOutcome::Diverges | ProbeOutcome::Unknown => {
@@ -86,10 +86,16 @@ impl<'a> RefinementProbe<'a> {
 
     /// Bounds a facet as it is halved again and again.
     pub(crate) fn probe(&self, facet: [DVec2; 3]) -> ProbeOutcome {
+        self.probe_from(facet, self.oversize(facet, 1.0))
+    }
+
+    /// The same where the oversize of the whole facet is known.
+    fn probe_from(&self, facet: [DVec2; 3], whole: f64) -> ProbeOutcome {
         let (mut least, mut rises) = (f64::INFINITY, 0);
         for halvings in 0..=TUNING.probe_halvings {
             let parts = f64::from(1 << halvings);
-            let mut oversize = self.oversize(facet, 1.0 / parts);
+            let mut oversize =
+                if halvings == 0 { whole } else { self.oversize(facet, 1.0 / parts) };
             if oversize > 1.0 && self.is_proven(facet, 1.0 / parts) {
                 oversize = 1.0;
             }

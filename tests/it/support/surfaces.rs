@@ -107,7 +107,7 @@ pub const FORMULAS: [Formula; 4] = [
         z: |x, y| (x * x + y * y) / 1000.0,
         degree: [2, 2],
         even: [true, true],
-        most: 1.35,
+        most: 1.20,
     },
     Formula {
         name: "saddle",
@@ -121,7 +121,7 @@ pub const FORMULAS: [Formula; 4] = [
         z: |x, y| x * x / 250.0 + y * y / 4000.0,
         degree: [2, 2],
         even: [true, true],
-        most: 1.40,
+        most: 1.20,
     },
     Formula {
         name: "mixed",
@@ -133,7 +133,7 @@ pub const FORMULAS: [Formula; 4] = [
         },
         degree: [19, 16],
         even: [false, true],
-        most: 1.8,
+        most: 1.25,
     },
 ];
 
@@ -216,8 +216,8 @@ fn shipped_case(name: &'static str, rule: Rule) -> Case {
 pub fn listed() -> Vec<Listed> {
     let chord = |(name, most)| Listed { name, rule: Rule::Chord, most: Some(most) };
     let formulas = FORMULAS.iter().map(|formula| (formula.name, formula.most));
-    let by_chord = formulas.chain([("conquistador", 1.35), ("conformal", 1.35)]).map(chord);
-    let targets = [("conquistador", 1.6), ("conformal", 1.6), ("panoramic", 1.6)];
+    let by_chord = formulas.chain([("conquistador", 1.35), ("conformal", 1.26)]).map(chord);
+    let targets = [("conquistador", 1.5), ("conformal", 1.5), ("panoramic", 1.55)];
     let by_facet = shipped().iter().map(|profile| {
         let most = targets.iter().find(|(name, _)| *name == profile.name).map(|(_, most)| *most);
         Listed { name: profile.name, rule: Rule::Facet, most }
