@@ -1,7 +1,7 @@
 //! Same profile, same bytes: on any number of threads, from any folder, into any folder.
 
 use crate::support::builds::{self, SMALL, edited, files, folder, lasting, morion, save, told};
-use crate::support::{small_but, small_strip};
+use crate::support::{placeless, small_but, small_strip};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -91,7 +91,7 @@ fn where_it_is_built_leaves_no_trace() {
     let made = runs.map(|(from, profile, out, to)| {
         let (code, text, err) = told(&morion(from, &["build", profile, "--out", out]));
         assert_eq!(code, 0, "{err}");
-        (builds::placeless(&text), lasting(files(&to.join("small"))))
+        (placeless(&text), lasting(files(&to.join("small"))))
     });
     for (text, files) in &made[1..] {
         assert_eq!(text, &made[0].0);

@@ -2,7 +2,7 @@
 //! forms that are written down here.
 
 use crate::support::builds::{self, edited, files, folder, lasting, morion, save, told};
-use crate::support::unlimited;
+use crate::support::{placeless, unlimited};
 use morion::internals::design::{Design, design};
 use morion::internals::export::{read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3};
@@ -393,7 +393,7 @@ fn one_thread_and_two_write_the_same_bytes() {
             let arguments = ["build", "profile/small.toml", "--out", n, "--threads", n];
             let (code, out, err) = told(&morion(folder.path(), &arguments));
             assert_eq!(code, 0, "{out}{err}");
-            (builds::placeless(&out), lasting(files(&folder.path().join(n).join("small"))))
+            (placeless(&out), lasting(files(&folder.path().join(n).join("small"))))
         });
         assert_eq!(made[0].0, made[1].0);
         builds::assert_same(&made[0].1, &made[1].1, "1 thread and 2");

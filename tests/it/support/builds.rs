@@ -123,8 +123,3 @@ pub fn lasting(mut files: BTreeMap<String, Vec<u8>>) -> BTreeMap<String, Vec<u8>
     assert!(files.remove("timings.json").is_some(), "no timings.json");
     files
 }
-
-/// What a command printed, without the folder that it names.
-pub fn placeless(text: &str) -> String {
-    text.split_inclusive('\n').filter(|line| !line.starts_with("  folder ")).collect()
-}

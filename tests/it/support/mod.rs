@@ -43,6 +43,11 @@ pub fn small_strip() -> String {
     edited(SMALL, &[(conquistador, "[layout.strip]\n"), ("frame_filled = 0.99\n", "")])
 }
 
+/// What a command printed, without the folder that it names.
+pub fn placeless(text: &str) -> String {
+    text.split_inclusive('\n').filter(|line| !line.starts_with("  folder ")).collect()
+}
+
 /// Asserts that the program, run in `folder`, ends in one error that says all of `words`.
 #[track_caller]
 pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
