@@ -116,7 +116,7 @@ pub struct EdgePixels<'a> {
     pub edges: &'a [bool],
 }
 
-/// What gives the rays of the samples of the edge pixels of some rows, [`PIECE_ROWS`] at the most: in the order of
+/// What gives the rays of the samples of the edge pixels of some rows, `PIECE_ROWS` at the most: in the order of
 /// [`EdgePixels::samples`].
 pub type SampleSight<'a> = Box<dyn Fn(Range<usize>) -> Vec<PictureRay> + Sync + 'a>;
 
