@@ -86,3 +86,19 @@ fn under_every_limit_of_memory_above_60_megabytes_the_program_begins() {
         assert!(output.status.success(), "{limit}: {output:?}");
     }
 }
+
+/// The thread that waits for signals is not started where its own first memory could be refused, which would end
+/// the program.
+#[test]
+fn where_memory_is_short_the_program_does_without_its_thread() {
+    let folder = folder();
+    save(folder.path(), SMALL);
+    for megabytes in (70..=160).step_by(10) {
+        for _ in 0..times(4, 50) {
+            let limit = format!("--as={megabytes}000000");
+            let arguments = ["check", "small.toml", "--threads", "1"];
+            let output = limited(folder.path(), &limit, &arguments);
+            assert!(output.status.success(), "{megabytes} MB: {output:?}");
+        }
+    }
+}
