@@ -2,7 +2,8 @@
 
 use crate::pipeline::SourceError;
 use crate::profile::Complaint;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
 
@@ -24,27 +25,28 @@ impl CommandFailure {
     /// A line of JSON for each error: `{"error": {"file", "line", "column", "message", "hint"}}`, null what is not
     /// known. Every complaint about a profile is one.
     pub(super) fn json(&self) -> String {
-        let lines = self.0.iter().flat_map(|error| match error.downcast_ref() {
+        let told = self.0.iter().flat_map(|error| match error.downcast_ref() {
             Some(SourceError::Faulty(complaints)) => complaints.0.iter().map(complaint).collect(),
-            _ => vec![line(&json!({ "message": error.to_string() }))],
+            _ => vec![ToldError { message: error.to_string(), ..ToldError::default() }],
         });
-        lines.collect()
+        told.map(|error| format!("{}\n", json!({ "error": error }))).collect()
     }
 }
 
-fn complaint(complaint: &Complaint) -> String {
-    let Complaint { file, line: row, column, message, hint } = complaint;
-    line(&json!({ "file": file, "line": row, "column": column, "message": message, "hint": hint }))
+/// An error, as far as its place is known.
+#[derive(Default, Serialize)]
+struct ToldError<'a> {
+    file: Option<&'a str>,
+    line: Option<usize>,
+    column: Option<usize>,
+    message: String,
+    hint: Option<&'a str>,
 }
 
-/// A line of an error, with null for the keys that it has not.
-fn line(known: &Value) -> String {
-    let mut error =
-        json!({ "file": null, "line": null, "column": null, "message": null, "hint": null });
-    for (key, value) in known.as_object().into_iter().flatten() {
-        error[key] = value.clone();
-    }
-    format!("{}\n", json!({ "error": error }))
+fn complaint(complaint: &Complaint) -> ToldError<'_> {
+    let Complaint { file, line, column, message, hint } = complaint;
+    let (line, column) = (Some(*line), Some(*column));
+    ToldError { file: Some(file), line, column, message: message.clone(), hint: hint.as_deref() }
 }
 
 impl<E: Error + 'static> From<E> for CommandFailure {
@@ -67,6 +69,7 @@ impl Display for CommandFailure {
 mod tests {
     use super::*;
     use crate::profile::Complaints;
+    use serde_json::Value;
 
     #[test]
     fn every_complaint_is_a_line_with_its_place() {

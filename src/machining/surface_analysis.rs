@@ -5,7 +5,7 @@ use super::{BallRaster, MachiningError, Scallop, clears_ridge};
 use crate::geom::{DVec2, Outline};
 use crate::mirror::{LocalSurface, Mirror};
 use crate::num::stats::Summary;
-use crate::num::{Dual, Scalar, degrees, radians};
+use crate::num::{Arithmetic, Dual, degrees, radians};
 use crate::optics::{Camera, ImagingTask};
 use crate::parallel;
 use serde::Serialize;

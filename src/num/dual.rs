@@ -2,7 +2,7 @@
 //! differentiation).
 
 use super::elementary as m;
-use super::{Scalar, SmoothFn};
+use super::{Arithmetic, Scalar, SmoothFn};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its gradient.
@@ -176,11 +176,14 @@ fn atan_over_root_slope(x: f64, g: f64) -> f64 {
     -sum
 }
 
-impl<const N: usize> Scalar for Dual<N> {
+impl<const N: usize> Arithmetic for Dual<N> {
     #[inline]
     fn constant(x: f64) -> Self {
         Self { value: x, slope: [0.0; N] }
     }
+}
+
+impl<const N: usize> Scalar for Dual<N> {
     #[inline]
     fn mid(self) -> f64 {
         self.value

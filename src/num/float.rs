@@ -1,14 +1,17 @@
 //! `f64` as a [`Scalar`]: plain values.
 
 use super::elementary as f;
-use super::scalar::{Base, Scalar, SmoothFn};
+use super::scalar::{Arithmetic, Base, Scalar, SmoothFn};
 use super::special::{AtanOverRoot, TanOverRoot};
 
-impl Scalar for f64 {
+impl Arithmetic for f64 {
     #[inline]
     fn constant(x: f64) -> Self {
         x
     }
+}
+
+impl Scalar for f64 {
     #[inline]
     fn mid(self) -> f64 {
         self

@@ -4,7 +4,7 @@
 //! up for it; `libm`'s functions are good to under two units in the last place, and their ends
 //! move by more than that. What is not defined somewhere on its argument is the whole line.
 
-use super::scalar::{Base, Scalar, SmoothFn};
+use super::scalar::{Arithmetic, Base, Scalar, SmoothFn};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -268,10 +268,13 @@ impl Mul<f64> for Interval {
     }
 }
 
-impl Scalar for Interval {
+impl Arithmetic for Interval {
     fn constant(x: f64) -> Self {
         Self::point(x)
     }
+}
+
+impl Scalar for Interval {
     fn mid(self) -> f64 {
         let (lo, hi) = (self.lo.max(f64::MIN), self.hi.min(f64::MAX));
         (0.5 * lo + 0.5 * hi).clamp(lo.min(hi), hi.max(lo)).clamp(f64::MIN, f64::MAX)

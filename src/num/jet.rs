@@ -1,6 +1,6 @@
 //! Exact first and second derivatives in two variables.
 
-use super::scalar::{Base, Scalar, SmoothFn};
+use super::scalar::{Arithmetic, Base, Scalar, SmoothFn};
 use super::special::{AtanOverRoot, Ln1pOverX, OneMinusExpOverX, TanOverRoot};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -172,11 +172,14 @@ impl<T: Base> Div<f64> for Jet2<T> {
     }
 }
 
-impl<T: Base> Scalar for Jet2<T> {
+impl<T: Base> Arithmetic for Jet2<T> {
     #[inline]
     fn constant(x: f64) -> Self {
         Self::flat(T::constant(x))
     }
+}
+
+impl<T: Base> Scalar for Jet2<T> {
     #[inline]
     fn mid(self) -> f64 {
         self.value.mid()

@@ -41,7 +41,7 @@ impl<const L: usize> Neg for Lanes<L> {
 
 impl<const L: usize> Arithmetic for Lanes<L> {
     #[inline]
-    fn number(x: f64) -> Self {
+    fn constant(x: f64) -> Self {
         Self([x; L])
     }
 }
@@ -135,6 +135,6 @@ mod tests {
             let exact = [x + y, x - y, x * y, x / y, -x, x * 3.0, x - 0.7];
             assert_eq!(found.map(|found| found.0[k].to_bits()), exact.map(f64::to_bits));
         }
-        assert_eq!(Lanes::number(2.0), Lanes([2.0; 3]));
+        assert_eq!(Lanes::constant(2.0), Lanes([2.0; 3]));
     }
 }

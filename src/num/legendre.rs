@@ -3,6 +3,8 @@
 //! A series is f(u, v) = sum of c_ij P_i(u) P_j(v) on the square [-1, 1]^2. Arguments a rounding
 //! error outside the square are welcome; far outside it the terms grow without bound.
 
+use super::{Arithmetic, Lanes};
+
 /// Coefficients c_ij of a tensor Legendre series, `rows` of u-degree by `columns` of v-degree.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -255,15 +257,7 @@ impl Row {
     #[inline]
     #[must_use]
     pub fn gradient(&self, u: f64) -> Jet {
-        let (mut p, mut p0, mut d, mut d0) = (1.0, 0.0, 0.0, 0.0);
-        let (mut f, mut f_u, mut f_v) = (0.0, 0.0, 0.0);
-        for t in &self.terms {
-            f += t.f * p;
-            f_u += t.f * d;
-            f_v += t.f_v * p;
-            (d, d0) = (d0 + t.odd * p, d);
-            (p, p0) = (t.grow * u * p - t.shrink * p0, p);
-        }
+        let [f, f_u, f_v] = self.sums(u);
         Jet { f, gradient: [f_u, f_v], hessian: [0.0; 3] }
     }
 
@@ -271,18 +265,22 @@ impl Row {
     #[inline]
     #[must_use]
     pub fn gradients<const N: usize>(&self, u: [f64; N]) -> [Jet; N] {
-        let (mut p, mut p0, mut d, mut d0) = ([1.0; N], [0.0; N], [0.0; N], [0.0; N]);
-        let (mut f, mut f_u, mut f_v) = ([0.0; N], [0.0; N], [0.0; N]);
-        for t in &self.terms {
-            for k in 0..N {
-                f[k] += t.f * p[k];
-                f_u[k] += t.f * d[k];
-                f_v[k] += t.f_v * p[k];
-                (d[k], d0[k]) = (d0[k] + t.odd * p[k], d[k]);
-                (p[k], p0[k]) = (t.grow * u[k] * p[k] - t.shrink * p0[k], p[k]);
-            }
-        }
+        let [f, f_u, f_v] = self.sums(Lanes(u)).map(|sum| sum.0);
         std::array::from_fn(|k| Jet { f: f[k], gradient: [f_u[k], f_v[k]], hessian: [0.0; 3] })
+    }
+
+    /// (f, f_u, f_v) at `u`.
+    #[inline]
+    fn sums<A: Arithmetic>(&self, u: A) -> [A; 3] {
+        let [one, zero] = [1.0, 0.0].map(A::constant);
+        let (mut p, mut p0, mut d, mut d0) = (one, zero, zero, zero);
+        let mut sums = [zero; 3];
+        for t in &self.terms {
+            sums = [sums[0] + p * t.f, sums[1] + d * t.f, sums[2] + p * t.f_v];
+            (d, d0) = (d0 + p * t.odd, d);
+            (p, p0) = (u * t.grow * p - p0 * t.shrink, p);
+        }
+        sums
     }
 
     /// Value, gradient and Hessian at `u`; value and gradient have the bits of [`Row::gradient`].

@@ -2,7 +2,7 @@
 
 use super::interval::Interval;
 use super::piecewise_cubic::{PiecewiseCubic, chords, cubic, fit_to_use, hulls};
-use super::scalar::{Scalar, SmoothFn};
+use super::scalar::{Arithmetic, Scalar, SmoothFn};
 
 /// A knot's slope is at most this many times either chord's. Up to 3 the piece is monotone; with
 /// less, its least slope is above 0.

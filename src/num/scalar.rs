@@ -3,9 +3,9 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the optics' formulas ask of a number. `f64` gives values, `Jet2` over `f64` values with
-/// first and second derivatives, `Jet2` over `Interval` bounds of them all over a box.
-pub trait Scalar:
+/// Arithmetic alone: what formulas without a choice between forms ask of a [`Scalar`], or of several
+/// numbers side by side ([`Lanes`](super::Lanes)).
+pub trait Arithmetic:
     Copy
     + Debug
     + Neg<Output = Self>
@@ -20,6 +20,11 @@ pub trait Scalar:
 {
     /// A number that depends on nothing.
     fn constant(x: f64) -> Self;
+}
+
+/// What the optics' formulas ask of a number. `f64` gives values, `Jet2` over `f64` values with
+/// first and second derivatives, `Jet2` over `Interval` bounds of them all over a box.
+pub trait Scalar: Arithmetic {
     /// A plain number near this one, to choose between forms of a formula by. (All forms hold
     /// everywhere; they differ in rounding.)
     fn mid(self) -> f64;
@@ -66,31 +71,6 @@ pub trait Scalar:
     /// The value of a smooth function at this number.
     #[must_use]
     fn map(self, curve: &impl SmoothFn) -> Self;
-}
-
-/// Arithmetic alone: what formulas without a choice between forms ask of a [`Scalar`], or of several
-/// numbers side by side ([`Lanes`](super::Lanes)).
-pub trait Arithmetic:
-    Copy
-    + Neg<Output = Self>
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Add<f64, Output = Self>
-    + Sub<f64, Output = Self>
-    + Mul<f64, Output = Self>
-    + Div<f64, Output = Self>
-{
-    /// A number that depends on nothing.
-    fn number(x: f64) -> Self;
-}
-
-impl<S: Scalar> Arithmetic for S {
-    #[inline]
-    fn number(x: f64) -> Self {
-        S::constant(x)
-    }
 }
 
 /// A number that can carry derivatives: one for which a curve's slope and bend are known too.

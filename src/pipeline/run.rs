@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::observer::{Observer, Stage, StageTimer};
-use crate::design::{Design, design, design_unmeasured};
+use crate::design::{Design, DesignError, design, design_unmeasured};
 use crate::profile::Profile;
 use crate::publish::{OutputFile, StagedFile, Transaction};
 use crate::render::Picture;
@@ -99,7 +99,7 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`Error::Design`] when it has no answer.
     pub fn design(&self) -> Result<Design, Error> {
-        self.designed_by(designed)
+        self.designed_by(design)
     }
 
     /// Designs the mirror without measuring it: for what asks for its shape alone.
@@ -107,15 +107,15 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`Error::Design`] when it has no answer.
     pub fn design_unmeasured(&self) -> Result<Design, Error> {
-        self.designed_by(|profile| {
-            let fail = |source| Error::Design { profile: profile.name.clone(), source };
-            design_unmeasured(profile).map_err(fail)
-        })
+        self.designed_by(design_unmeasured)
     }
 
-    fn designed_by(&self, design: fn(&Profile) -> Result<Design, Error>) -> Result<Design, Error> {
+    fn designed_by(
+        &self,
+        design: fn(&Profile) -> Result<Design, DesignError>,
+    ) -> Result<Design, Error> {
         self.stage(Stage::Design, || {
-            let design = design(self.profile)?;
+            let design = designed_by(self.profile, design)?;
             let note = design.facts.method.to_owned();
             Ok((design, note))
         })
@@ -189,5 +189,12 @@ impl<'a> Run<'a> {
 /// # Errors
 /// [`Error::Design`] when it has no answer.
 pub(crate) fn designed(profile: &Profile) -> Result<Design, Error> {
+    designed_by(profile, design)
+}
+
+fn designed_by(
+    profile: &Profile,
+    design: fn(&Profile) -> Result<Design, DesignError>,
+) -> Result<Design, Error> {
     design(profile).map_err(|source| Error::Design { profile: profile.name.clone(), source })
 }

@@ -140,10 +140,6 @@ impl<'a> CameraPicture<'a> {
         let [width, height] = self.camera.pixels;
         let painter = StripPainter::new(self.grid(), world);
         let all = height as usize;
-        let sensor = |[x, y]: [f64; 2]| match self.turned {
-            true => [f64::from(width) - x, f64::from(height) - y],
-            false => [x, y],
-        };
         // The rows of the sensor that are some of the picture's, and their rays in the picture's order.
         let rows_of = |rows: Range<usize>| match self.turned {
             true => all - rows.end..all - rows.start,
@@ -177,31 +173,46 @@ impl<'a> CameraPicture<'a> {
                 _ => vec![MISSED; width as usize * rows.len()],
             })
         };
-        let see = |centre: &PictureRay, at: [f64; 2]| {
-            let [x, y] = sensor(at);
-            match self.view {
-                CameraView::Mesh(mesh) => self.on_mesh_at(&mesh.scene, centre, [x, y]),
-                CameraView::Smooth | CameraView::Shut => MISSED,
+        self.paint_samples(&painter, strips, centres, done)
+    }
+
+    /// Paints strips of which `centres` gives the rays of the pixels' centres, with the samples that the view sees.
+    fn paint_samples<E>(
+        &self,
+        painter: &StripPainter,
+        strips: Vec<Range<usize>>,
+        centres: impl FnMut(Range<usize>) -> Vec<PictureRay>,
+        done: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<u64, E> {
+        let size = self.camera.pixels.map(f64::from);
+        // A place of the picture on the sensor.
+        let on_sensor = |axis: usize, x: f64| if self.turned { size[axis] - x } else { x };
+        match self.view {
+            CameraView::Mesh(TracedMesh { scene, .. }) => {
+                let one_by_one = OneByOne(|centre: &PictureRay, [x, y]: [f64; 2]| {
+                    self.on_mesh_at(scene, centre, [on_sensor(0, x), on_sensor(1, y)])
+                });
+                if self.turned {
+                    scene.prepare_search();
+                    return painter.paint(strips, centres, &one_by_one, done);
+                }
+                let side = self.samples_per_side.max(1);
+                let rays = SampleRays::new(&self.camera, scene.above_mm(), side);
+                let sight = MeshSight { picture: self, scene, rays, one_by_one };
+                painter.paint(strips, centres, &sight, done)
             }
-        };
-        let one_by_one = OneByOne(see);
-        if let CameraView::Smooth = self.view {
-            let line = LineByLine(|columns: &[f64], y: f64| {
-                let columns: Vec<f64> = columns.iter().map(|x| sensor([*x, 0.0])[0]).collect();
-                self.on_mirror(&columns, sensor([0.0, y])[1])
-            });
-            return painter.paint(strips, centres, &line, done);
+            CameraView::Smooth => {
+                let line_by_line = LineByLine(|columns: &[f64], y: f64| {
+                    let columns: Vec<f64> = columns.iter().map(|x| on_sensor(0, *x)).collect();
+                    self.on_mirror(&columns, on_sensor(1, y))
+                });
+                painter.paint(strips, centres, &line_by_line, done)
+            }
+            CameraView::Shut => {
+                let nothing = LineByLine(|columns: &[f64], _: f64| vec![MISSED; columns.len()]);
+                painter.paint(strips, centres, &nothing, done)
+            }
         }
-        if let (CameraView::Mesh(mesh), false) = (self.view, self.turned) {
-            let side = self.samples_per_side.max(1);
-            let rays = SampleRays::new(&self.camera, mesh.scene.above_mm(), side);
-            let sight = MeshSight { picture: self, scene: &mesh.scene, rays, one_by_one };
-            return painter.paint(strips, centres, &sight, done);
-        }
-        if let CameraView::Mesh(mesh) = self.view {
-            mesh.scene.prepare_search();
-        }
-        painter.paint(strips, centres, &one_by_one, done)
     }
 
     /// Its pixels and samples.

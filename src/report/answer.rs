@@ -101,7 +101,7 @@ pub trait ToRows {
 }
 
 /// A fact in words.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 struct Row {
     /// Its name at the left of the terminal's line, empty where it goes on with the fact above; none of a
     /// fact for the page alone.
@@ -145,7 +145,7 @@ impl AnswerRows {
     }
 
     fn push(&mut self, label: Option<&'static str>, heading: Option<String>, sentence: String) {
-        self.rows.push(Row { label, heading, sentence, is_detail: false, is_fixed: false });
+        self.rows.push(Row { label, heading, sentence, ..Row::default() });
     }
 
     /// Adds a fact that has one name in the terminal and on the page.
@@ -170,8 +170,8 @@ impl AnswerRows {
 
     /// Adds a line of the terminal's tables, which stays as it is.
     pub fn line(&mut self, text: impl Into<String>) {
-        self.push(None, None, text.into());
-        self.rows.iter_mut().last().expect("a row was added").is_fixed = true;
+        let sentence = text.into();
+        self.rows.push(Row { sentence, is_fixed: true, ..Row::default() });
     }
 
     /// Adds a remark for the terminal, which has no name.

@@ -47,7 +47,7 @@ impl ExpansionSquare {
 /// (0, 0), (0, 1) ... (0, degree), (1, 0) ...
 #[inline]
 pub(super) fn value<S: Arithmetic>(degree: usize, c: &[S], [u, v]: [S; 2]) -> [S; 3] {
-    let zero = S::number(0.0);
+    let zero = S::constant(0.0);
     let (mut f, mut f_u, mut f_v) = (zero, zero, zero);
     let mut end = terms(degree);
     for i in (0..=degree).rev() {
@@ -74,11 +74,11 @@ pub(super) fn values<S: Arithmetic, const N: usize>(
     at: [S; 2],
 ) -> [S; N] {
     let [u, v] = square.unit(at);
-    let mut sum = [S::number(0.0); N];
+    let mut sum = [S::constant(0.0); N];
     let mut end = terms(degree);
     for i in (0..=degree).rev() {
         let start = end - (degree + 1 - i);
-        let mut row = [S::number(0.0); N];
+        let mut row = [S::constant(0.0); N];
         for c in c[start..end].iter().rev() {
             row = std::array::from_fn(|k| row[k] * v + c[k]);
         }

@@ -139,11 +139,11 @@ impl QuadraticYieldModel {
     pub(super) fn squares(&self, factors: &[f64], count: usize) -> Vec<f64> {
         let of = |form: &Vec<Lanes<TOGETHER>>| {
             let (with_base, mut rest) = form.split_at(self.sources);
-            let mut sum = Lanes::number(self.base);
+            let mut sum = Lanes::constant(self.base);
             for (s, (&factor, &b)) in factors.iter().zip(with_base).enumerate() {
                 let (row, others) = rest.split_at(self.sources - s);
                 let pairs = row.iter().zip(&factors[s..]);
-                let row = pairs.fold(Lanes::number(0.0), |sum, (&q, &f)| sum + q * f);
+                let row = pairs.fold(Lanes::constant(0.0), |sum, (&q, &f)| sum + q * f);
                 sum = sum + (b + row) * factor;
                 rest = others;
             }

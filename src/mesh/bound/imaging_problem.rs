@@ -11,7 +11,7 @@ use super::region::RegionBounds;
 use super::tuning::TUNING;
 use crate::geom::{Chart, DVec2, Outline};
 use crate::mirror::{DerivativeBounds, Mirror, UnionBound};
-use crate::num::{Interval, Scalar, exp};
+use crate::num::{Arithmetic, Interval, Scalar, exp};
 use crate::optics::{ImagingTask, Target};
 
 /// Share of the mirror's size that no rounding to single precision moves a vertex by: its step is 6e-8.

@@ -251,22 +251,15 @@ impl<'a> CoarseMesh<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Chart, Outline, Precision};
+    use crate::geom::Precision;
     use crate::mesh::bound::imaging_problem::ImagingProblem;
     use crate::mesh::sizing::field::SizingField;
-    use crate::mirror::{Surface, TensorLegendre};
-    use crate::num::legendre::Series;
+    use crate::mirror::fixtures::quadric;
 
     #[test]
     fn cells_as_large_as_they_may_be_make_the_same_facets_at_any_size() {
-        let half = DVec2::splat(10.0);
-        let series = Series::from_fn(3, 3, |i, j| if i + j == 2 { 0.01 } else { 0.0 });
-        let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-        let outline = Outline::Rect(Rect { min: -half, max: half });
-        let surface = Surface::Tensor(sheet);
-        let mirror =
-            Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
+        let mirror = quadric([0.01, 0.0, 0.01], 0.0);
+        let (chart, outline) = (mirror.chart, mirror.outline);
         let problem = ImagingProblem { mirror: &mirror, camera: chart, view: None };
         let domain = outline.bounds();
         for (chord_mm, same) in [(10.0, true), (1e-4, false)] {

@@ -3,7 +3,7 @@
 use crate::geom::{Chart, DVec2, Outline};
 use crate::mirror::{HeightAndSlope, Hessian, Mirror};
 use crate::num::quadrature::gauss_legendre;
-use crate::num::{Dual, Scalar, cos, exp, sin};
+use crate::num::{Arithmetic, Dual, cos, exp, sin};
 use crate::optics::ImagingTask;
 use std::f64::consts::PI;
 

@@ -113,13 +113,13 @@ impl OpticalSystem {
         let q_off =
             [grown * q.x + m.principal_x_mm + coma_x, grown * q.y + m.principal_y_mm + coma_y];
         let Chart { vergence: k, plane_mm } = self.camera.chart;
-        let down = S::number(-1.0);
+        let down = S::constant(-1.0);
         if k == 0.0 {
             let lean = m.telecentricity_rad / self.half_width;
-            ([q_off[0], q_off[1], S::number(plane_mm)], [lean * q.x, lean * q.y, down])
+            ([q_off[0], q_off[1], S::constant(plane_mm)], [lean * q.x, lean * q.y, down])
         } else {
-            let zero = S::number(0.0);
-            ([zero, zero, S::number(plane_mm + 1.0 / k)], [q_off[0] * k, q_off[1] * k, down])
+            let zero = S::constant(0.0);
+            ([zero, zero, S::constant(plane_mm + 1.0 / k)], [q_off[0] * k, q_off[1] * k, down])
         }
     }
 

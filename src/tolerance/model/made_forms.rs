@@ -134,13 +134,13 @@ impl<const L: usize> MadeForms<L> {
     pub(super) fn new(basis: &FormBasis, states: [&PerturbedState<f64>; L]) -> Self {
         let form = |k: usize| Lanes(states.map(|state| state.form[k]));
         let polynomial = |frame: &PolynomialFrame| {
-            let mut c = vec![Lanes::number(0.0); terms(basis.degree)];
+            let mut c = vec![Lanes::constant(0.0); terms(basis.degree)];
             for (k, terms) in &frame.forms {
                 let amplitude = form(*k);
                 c.iter_mut().zip(terms).for_each(|(sum, c)| *sum = *sum + amplitude * *c);
             }
             let &PolynomialFrame { centre, half, .. } = frame;
-            let acts = c.iter().any(|c| *c != Lanes::number(0.0));
+            let acts = c.iter().any(|c| *c != Lanes::constant(0.0));
             acts.then_some(MadePolynomial { centre, half, c })
         };
         let wave = |(number, &Wave { vector, forms }): (usize, &Wave)| {
@@ -148,7 +148,7 @@ impl<const L: usize> MadeForms<L> {
                 Some(forms) => forms.map(form),
                 None => [0, 1].map(|k| Lanes(states.map(|s| s.wave.unwrap_or_default()[k]))),
             };
-            let acts = amplitudes != [Lanes::number(0.0); 2];
+            let acts = amplitudes != [Lanes::constant(0.0); 2];
             acts.then_some(MadeWave { number, vector, amplitudes })
         };
         Self {
@@ -162,7 +162,7 @@ impl<const L: usize> MadeForms<L> {
     /// Height and slopes of the polynomials.
     #[inline]
     pub(super) fn polynomials(&self, at: [Lanes<L>; 2]) -> [Lanes<L>; 3] {
-        let mut sum = [Lanes::number(0.0); 3];
+        let mut sum = [Lanes::constant(0.0); 3];
         for MadePolynomial { centre, half, c } in &self.polynomials {
             let unit = [0, 1].map(|k| (at[k] - centre[k]) / half[k]);
             let [f, f_u, f_v] = value(self.degree, c, unit);
@@ -183,7 +183,7 @@ impl<const L: usize> MadeForms<L> {
         open: &[bool; L],
     ) -> [Lanes<L>; 3] {
         if self.waves.is_empty() {
-            return [Lanes::number(0.0); 3];
+            return [Lanes::constant(0.0); 3];
         }
         let held = about.map(|about| {
             let near = |k: usize, i: usize| (at[i].0[k] - about.at[i].0[k]).abs() <= self.reach_mm;
@@ -199,7 +199,7 @@ impl<const L: usize> MadeForms<L> {
     }
 
     fn expanded(&self, seen: &[f64], at: [Lanes<L>; 2]) -> WaveExpansion<L> {
-        let mut sums = [Lanes::number(0.0); 6];
+        let mut sums = [Lanes::constant(0.0); 6];
         for &MadeWave { number, vector: [k, l], amplitudes: [a, b] } in &self.waves {
             let [sine, cosine] = (at[0] * k + at[1] * l).sin_cos();
             let height = (a * cosine + b * sine) * seen[number];

@@ -140,7 +140,7 @@ impl OpticalSystem {
         let alone = |k: usize| at.map(|x| x.0[k]);
         let mut sum = match &sample.base {
             Some((degree, c)) => values(*degree, c, &sample.square, at),
-            None => [Lanes::number(0.0); 3],
+            None => [Lanes::constant(0.0); 3],
         };
         for k in (0..L).filter(|&k| open[k]) {
             let expanded = sample.base.is_some() && sample.square.holds(alone(k));
@@ -167,7 +167,7 @@ impl OpticalSystem {
 impl<const L: usize> Meeting<L> {
     /// No meeting yet of lines in this direction.
     fn new(along: [Lanes<L>; 3]) -> Self {
-        let none = Lanes::number(f64::NAN);
+        let none = Lanes::constant(f64::NAN);
         let (met, evaluated) = ([false; L], [[0; 2]; L]);
         Self { along, at: [none; 3], slope: [none; 2], met, evaluated }
     }
