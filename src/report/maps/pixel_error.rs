@@ -36,7 +36,7 @@ pub fn pixel_error_picture(
         title,
         ramp: viridis,
         ticks: vec!["0".into(), (0.5 * top).to_string(), format!("{beyond}{top}")],
-        keys: vec![(NO_MIRROR, "no mirror, or no place in the image".into())],
+        keys: vec![(NO_MIRROR, "no mirror, in its own shadow, or no place in the image".into())],
         pixel_mm: None,
     };
     map.png()
