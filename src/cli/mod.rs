@@ -3,6 +3,7 @@
 mod args;
 mod commands;
 mod failure;
+mod memory;
 mod progress;
 #[cfg(unix)]
 mod signals;
@@ -17,6 +18,7 @@ use crate::results::Verdict;
 use args::{Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, ToleranceArgs};
 use clap::Parser;
 use failure::CommandFailure;
+use memory::threads_with_room;
 use progress::Progress;
 use serde_json::json;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -47,7 +49,7 @@ pub fn run() -> ExitCode {
             UNABLE
         })
     };
-    ExitCode::from(parallel::within(arguments.threads, told))
+    ExitCode::from(parallel::within(threads_with_room(arguments.threads), told))
 }
 
 /// Says why the arguments cannot be read, or what help was asked for, and ends the program.

@@ -1,5 +1,6 @@
 //! Signals that end the program: what it was writing goes first, and the exit code tells the signal.
 
+use super::memory::has_room_for;
 use crate::pipeline::abandon;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
@@ -11,15 +12,11 @@ use std::thread::Builder;
 /// Where Linux tells which signals this process was started to ignore.
 const STATUS: &str = "/proc/self/status";
 
-/// Room in memory without which a thread may not get what it begins with, and would end the program: its stack,
-/// and the allocator's segment for it, 32 MiB that begin at a multiple of 32 MiB.
-const ROOM: usize = 72 << 20;
-
 /// Ends the program with 128 and the signal's number on SIGINT, SIGTERM and SIGHUP, unless it was
 /// started to ignore them (nohup, jobs in the background). Where no thread can be started, memory is short for
 /// one, or what is ignored is not known, signals do what they do by default.
 pub(super) fn watch() {
-    let Some(ignored) = ignored().filter(|_| has_room()) else { return };
+    let Some(ignored) = ignored().filter(|_| has_room_for(1)) else { return };
     let ends: Vec<i32> =
         [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !is_in(ignored, *signal)).collect();
     // A file over the shell's limit (ulimit -f) is then an error of writing it.
@@ -38,15 +35,6 @@ pub(super) fn watch() {
     if Builder::new().name("signals".to_owned()).spawn(wait).is_ok() {
         let _ = watched.recv();
     }
-}
-
-/// Whether memory would give [`ROOM`], which is not touched.
-fn has_room() -> bool {
-    let mut room: Vec<u8> = Vec::new();
-    let found = room.try_reserve_exact(ROOM).is_ok();
-    // Asked for, although nothing is done with it.
-    std::hint::black_box(&mut room);
-    found
 }
 
 /// The signals that are ignored, one bit each.

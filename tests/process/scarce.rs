@@ -87,18 +87,18 @@ fn under_every_limit_of_memory_above_60_megabytes_the_program_begins() {
     }
 }
 
-/// The thread that waits for signals is not started where its own first memory could be refused, which would end
-/// the program.
+/// No thread is started where its own first memory, or the next of the thread that goes on, could be refused, which
+/// would end the program.
 #[test]
-fn where_memory_is_short_the_program_does_without_its_thread() {
+fn where_memory_is_short_the_program_does_without_its_threads() {
     let folder = folder();
     save(folder.path(), SMALL);
-    for megabytes in (70..=160).step_by(10) {
-        for _ in 0..times(4, 50) {
+    for megabytes in (70..=160).step_by(10).chain((200..=600).step_by(50)) {
+        for (_, threads) in (0..times(2, 25)).flat_map(|k| [(k, "1"), (k, "2")]) {
             let limit = format!("--as={megabytes}000000");
-            let arguments = ["check", "small.toml", "--threads", "1"];
+            let arguments = ["check", "small.toml", "--threads", threads];
             let output = limited(folder.path(), &limit, &arguments);
-            assert!(output.status.success(), "{megabytes} MB: {output:?}");
+            assert!(output.status.success(), "{threads} in {megabytes} MB: {output:?}");
         }
     }
 }
