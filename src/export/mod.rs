@@ -1,6 +1,7 @@
-//! Files: solid -> STL, OBJ and 3MF bytes; mirror -> STEP and sag table; how many bytes; the bytes of
+//! Files: solid -> STL, OBJ, 3MF and GLB bytes; mirror -> STEP and sag table; how many bytes; the bytes of
 //! a mesh or a table -> triangles or rows.
 
+mod glb;
 mod obj;
 mod read;
 mod sag;
@@ -9,6 +10,7 @@ mod stl;
 mod text;
 mod threemf;
 
+pub use glb::{glb_bytes, write_glb};
 pub use obj::{obj_bytes, write_obj, write_obj_bare};
 pub use read::{
     ImportedMesh, ReadError, StlComparison, ThreeMfError, read_3mf, read_obj, read_stl,
