@@ -99,8 +99,9 @@ pub(super) struct VerifyArgs {
     /// Unit of the file's coordinates [default: by its size]
     #[arg(long, value_enum, value_name = "UNIT")]
     pub units: Option<UnitArg>,
-    /// Folder for the form error's map and the report, in DIR/NAME-verify/ [default: out]
-    #[arg(long, value_name = "DIR", requires = "align")]
+    /// Folder for the report and its page, in DIR/NAME-verify/; with --align also for the form error's map
+    /// [default: none; with --align: out]
+    #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 

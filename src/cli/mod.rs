@@ -75,7 +75,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Check(args) => terminal.check(&args.profile),
         CommandArg::Verify(args) => {
             let out = args.out.as_deref().unwrap_or(Path::new("out"));
-            match args.align {
+            match args.align || args.out.is_some() {
                 true => terminal.publish(&args.command(), &args.profile, out),
                 false => terminal.in_memory(&args.command(), &args.profile),
             }

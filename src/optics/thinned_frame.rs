@@ -16,7 +16,13 @@ impl ThinnedFrame {
     /// The pixels of a map of `frame`, columns and rows.
     #[must_use]
     pub fn new(frame: [u32; 2]) -> Self {
-        Self { frame, step: frame[0].div_ceil(Self::MOST_COLUMNS).max(1) as usize }
+        Self::at_most(frame, Self::MOST_COLUMNS)
+    }
+
+    /// The pixels of a map of `frame` with so many columns at most.
+    #[must_use]
+    pub fn at_most(frame: [u32; 2], columns: u32) -> Self {
+        Self { frame, step: frame[0].div_ceil(columns).max(1) as usize }
     }
 
     /// Columns and rows of the map.

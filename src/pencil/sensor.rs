@@ -41,24 +41,23 @@ fn pencil(
     Pencil::new(&camera.chart, view, image, &mirror.local_surface(place))
 }
 
-/// Values of `each` for the pencils of pixels spread evenly over the sensor, at most `most` along each
-/// side.
+/// Values of `each` for the pencils of `counts` columns and rows of pixels spread evenly over the sensor, row by row;
+/// none where there is no pencil.
 #[must_use]
 pub fn map_pencils_sparsely<T: Send>(
     mirror: &Mirror,
     camera: &Camera,
     view: Option<&ImagingTask>,
-    most: u32,
+    counts: [u32; 2],
     each: impl Fn(&Pencil) -> T + Sync,
-) -> Vec<T> {
-    let counts = camera.pixels.map(|pixels| pixels.min(most));
+) -> Vec<Option<T>> {
     let place = |k: u32, axis: usize| {
         let step = f64::from(camera.pixels[axis]) / f64::from(counts[axis]);
         ((f64::from(k) + 0.5) * step) as u32
     };
     let row = |j: u32| {
         let at = |i: u32| pencil(mirror, camera, view, [place(i, 0), place(j, 1)]);
-        (0..counts[0]).filter_map(at).map(|p| each(&p)).collect::<Vec<T>>()
+        (0..counts[0]).map(|i| at(i).map(|pencil| each(&pencil))).collect::<Vec<_>>()
     };
     parallel::gather(counts[1] as usize, 1, |part| part.flat_map(|k| row(k as u32)).collect())
 }

@@ -11,7 +11,7 @@ use crate::results::Aperture;
 use crate::results::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
 use crate::verdict::sharpness;
 
-/// How the blur is worked out: writes `blur.json` and `blur.png` into NAME.
+/// How the blur is worked out: writes `blur.json`, `blur.html` and `blur.png` into NAME.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BlurOptions {
     /// How wide the lens is open; none: as the profile says.
@@ -48,9 +48,12 @@ impl Command for BlurOptions {
             let note = format!("{:.3} px p95", report.spots.length_px.p95);
             Ok(((report, lengths), note))
         })?;
-        let png = run.picture(|| report.png(&lengths))?;
+        let map = report.map(&lengths);
+        let png = run.picture(|| map.png())?;
+        let page = report.html(&map).map_err(|error| Error::Picture(error.to_string()))?;
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("blur.png", &png)?;
+            files.add_bytes("blur.html", page.as_bytes())?;
             files.add_report("blur.json", &report.json())?;
             Ok(())
         })?;

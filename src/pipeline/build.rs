@@ -5,6 +5,7 @@ use super::cad_exports::{CadCheck, CadExport, cad_exports, check_export};
 use super::check_file::{MeshSource, check_file};
 use super::dry_run::{check_room, least_bytes};
 use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
+use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS, part_figures, sharpness_map};
 use super::run::{Command, Run};
 use super::{Error, Observer, Stage};
 use crate::design::Design;
@@ -16,6 +17,7 @@ use crate::part::{self, SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
 use crate::render::{CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh};
+use crate::report::BuildFigures;
 use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts, StepFacts};
 use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
@@ -85,12 +87,11 @@ impl Command for BuildOptions {
         // What the disk made of the bytes may be otherwise the next time.
         let altered = checked.meshes.iter().any(|check| check.altered);
         let inputs = if altered { String::new() } else { inputs };
-        let picture = checked.picture.clone();
         let step = exports.iter().find_map(|export| export.step_facts());
         drop(exports);
         let about = (*form(), step, *sharp());
-        let report = report(profile, &design, about, &made, checked);
-        publish(run, &made, &report, &picture, inputs)?;
+        let (report, seen) = report(profile, &design, about, &made, checked);
+        publish(run, (&made, &design), (&report, &seen), inputs)?;
         Ok(report)
     }
 }
@@ -150,6 +151,7 @@ impl Made {
         exports: &[Box<dyn CadExport + '_>],
     ) -> Result<Checked, Error> {
         let (mut meshes, mut picture) = (Vec::new(), None);
+        let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
         if let Ok(made) = &mut self.meshes {
             for format in made.formats.clone() {
                 let written = made.take_written(format);
@@ -164,6 +166,7 @@ impl Made {
                     &mut |strip, _| {
                         if picture.is_none() {
                             centres.add(strip);
+                            errors.add(strip);
                         }
                     },
                 )?;
@@ -191,7 +194,8 @@ impl Made {
             Some(picture) => picture,
             None => painted(run, design, view)?,
         };
-        Ok(Checked { meshes, cad, picture })
+        let errors = errors.finish_or_smooth(design);
+        Ok(Checked { meshes, cad, seen: Seen { picture, errors } })
     }
 
     /// Whether a file of this format is published.
@@ -217,8 +221,15 @@ fn is_asked(profile: &Profile, format: FileFormat) -> bool {
 struct Checked {
     meshes: Vec<FileCheck>,
     cad: Vec<CadCheck>,
-    /// What the camera sees of the test world, as PNG.
+    seen: Seen,
+}
+
+/// What the camera sees in the first mesh file that could be read, or else in the designed mirror.
+struct Seen {
+    /// The test world, as PNG.
     picture: Vec<u8>,
+    /// Pixel errors over the frame.
+    errors: ErrorMap,
 }
 
 /// Most pixels in a row of `preview.png`.
@@ -248,7 +259,7 @@ fn report(
     (form, step, sharpness): (Form, Option<StepFacts>, Option<SharpnessFacts>),
     made: &Made,
     checked: Checked,
-) -> BuildReport {
+) -> (BuildReport, Seen) {
     let findings = Findings::beside(profile, design, checked.meshes, sharpness);
     let refused = match &made.meshes {
         Ok(meshes) => meshes.refused.as_ref(),
@@ -272,7 +283,7 @@ fn report(
     warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh)));
     let blurred = findings.sharpness.as_ref().and_then(SharpnessFacts::warning);
     warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
-    BuildReport {
+    let report = BuildReport {
         schema: SCHEMA,
         profile: profile.into(),
         layout: Some(design.mounting),
@@ -290,21 +301,41 @@ fn report(
         verdict: verdict::of(&reasons),
         reasons,
         warnings,
-    }
+    };
+    (report, checked.seen)
+}
+
+/// The page of the report.
+fn page(
+    run: &Run,
+    design: &Design,
+    (label, report, seen): (&Label, &BuildReport, &Seen),
+) -> Result<String, Error> {
+    run.stage(Stage::Report, || {
+        let (part, spots) = parallel::join(
+            || part_figures(design, label),
+            || sharpness_map(design, report.sharpness.as_ref()),
+        );
+        let figures =
+            BuildFigures { part, preview: &seen.picture, errors: seen.errors.drawn(design), spots };
+        let page = report.html(&run.profile.summary, &figures);
+        let page = page.map_err(|error| Error::Picture(error.to_string()))?;
+        let note = format!("page of {} kB", page.len() / 1000);
+        Ok((page, note))
+    })
 }
 
 /// Adds the pages and the record of the build, and publishes everything.
 fn publish(
     run: &mut Run,
-    made: &Made,
-    report: &BuildReport,
-    picture: &[u8],
+    (made, design): (&Made, &Design),
+    (report, seen): (&BuildReport, &Seen),
     inputs: String,
 ) -> Result<(), Error> {
     let profile = run.profile;
+    let page = page(run, design, (&made.label, report, seen))?;
     run.publish(Stage::Report, |files, timer| {
-        files.add_bytes("preview.png", picture)?;
-        let page = report.html(&profile.summary, "preview.png");
+        files.add_bytes("preview.png", &seen.picture)?;
         files.add_bytes("report.html", page.as_bytes())?;
         files.add_report("report.json", &report.json())?;
         // A file of a format that is not written now would be another profile's.

@@ -16,7 +16,7 @@ use crate::verdict;
 use std::ops::Range;
 
 /// How the frame's filling is checked: designs, meshes, closes, writes in memory, reads back and traces the
-/// mirror, and writes `frame.json`, `frame.csv` and `frame.png` into NAME.
+/// mirror, and writes `frame.json`, `frame.html`, `frame.csv` and `frame.png` into NAME.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FrameOptions {
     /// The least share of filled pixels; none: the one that a build is held to.
@@ -72,9 +72,12 @@ impl Command for FrameOptions {
             verdict: verdict::of(&reasons),
             reasons,
         };
-        let png = run.picture(|| report.png(thinned.pixels(), &map, &map_usr))?;
+        let map = report.map(thinned.pixels(), &map, &map_usr);
+        let png = run.picture(|| map.png())?;
+        let page = report.html(&map).map_err(|error| Error::Picture(error.to_string()))?;
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("frame.png", &png)?;
+            files.add_bytes("frame.html", page.as_bytes())?;
             files.add_bytes("frame.csv", report.csv().as_bytes())?;
             files.add_report("frame.json", &report.json())?;
             Ok(())

@@ -17,7 +17,8 @@ use crate::num::rounding::ceil_two_digits;
 use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::publish::sha256;
-use crate::report::{Answer, gouge_picture};
+use crate::raster::EncodingError;
+use crate::report::{Answer, gouge_map};
 use crate::results::{AsCutFacts, FileFacts, MachiningReport, RayFault, Reason, ShapeFault};
 use crate::solid::Solid;
 use crate::verdict::{self, CutterSurvey, FileCheck, MachiningOptions};
@@ -61,8 +62,9 @@ impl Command for MachiningOptions {
         let CutterSurvey { gouge, mut found, .. } = survey;
         found.verdict = verdict::of(&found.reasons);
         run.publish(Stage::Report, |files, _| {
-            let png = gouge_picture(&gouge, self.ball_mm)
-                .map_err(|error| Error::Picture(error.to_string()))?;
+            let map = gouge_map(&gouge, self.ball_mm);
+            let picture = |error: EncodingError| Error::Picture(error.to_string());
+            let png = map.png().map_err(picture)?;
             found.files.push(FileFacts {
                 name: "gouge.png".to_owned(),
                 format: "png".into(),
@@ -70,6 +72,7 @@ impl Command for MachiningOptions {
                 sha256: sha256(&png),
             });
             files.add_bytes("gouge.png", &png)?;
+            files.add_bytes("machining.html", found.html(&map).map_err(picture)?.as_bytes())?;
             files.add_report("machining.json", &found.json())?;
             if found.as_cut.is_none() {
                 files.remove(FILE);

@@ -1,6 +1,7 @@
 //! `morion render`: a picture of a scene in the mirror.
 
 use super::in_memory_build::{InMemoryBuild, build_in_memory};
+use super::page_figures::ErrorMapBuilder;
 use super::run::{Command, Run};
 use super::scenery::{PartScene, RenderOptions, SceneName, Scenery, WorldScene, stem};
 use super::{Error, Stage};
@@ -12,11 +13,11 @@ use crate::profile::Profile;
 use crate::publish::FileError;
 use crate::render::{
     CameraPicture, CameraView, Chessboard, Distance, Picture, ReflectedCentres, SetupDiagram,
-    TestWorld, TracedMesh, World, pixel_errors, reflected, shaded_views,
+    TestWorld, TracedMesh, World, optical_normal, pixel_errors, reflected, shaded_views,
 };
-use crate::report::pixel_error_picture;
+use crate::report::pixel_error_map;
 use crate::results::{RenderReport, SCHEMA};
-use crate::trace::{PixelTrace, Scene};
+use crate::trace::Scene;
 
 /// Samples along each side of a pixel at edges.
 const SAMPLES: u32 = 4;
@@ -50,7 +51,7 @@ impl Command for RenderOptions<'_> {
             Scenery::Errors => {
                 let (traced, errors) = self.errors(run, &design)?;
                 let pixels = ThinnedFrame::new(design.camera.pixels).pixels();
-                let png = run.picture(|| pixel_error_picture(pixels, &errors))?;
+                let png = run.picture(|| pixel_error_map(pixels, &errors).png())?;
                 run.files.add_bytes(&name, &png)?;
                 (traced, (pixels, errors.len() as u64))
             }
@@ -126,16 +127,9 @@ impl RenderOptions<'_> {
                 run.timer.always(Stage::Trace, || (pixel_errors(design, thinned), String::new()));
             return Ok(("design", errors));
         }
-        let mut errors = Vec::new();
-        let pixel_mm = design.camera.pixel_mm;
-        let found = build_in_memory(run, design, &mut |strip, _| {
-            let error = |pixel: &PixelTrace| {
-                Some(pixel.errors?.image_mm / pixel_mm).filter(|px| px.is_finite())
-            };
-            let line: Vec<Option<f64>> = strip.traced.pixels.iter().map(error).collect();
-            errors.extend(thinned.thin(strip.rows.clone(), &line));
-        })?;
-        Ok((found.format.name(), errors))
+        let mut errors = ErrorMapBuilder::new(design, ThinnedFrame::MOST_COLUMNS);
+        let found = build_in_memory(run, design, &mut |strip, _| errors.add(strip))?;
+        Ok((found.format.name(), errors.finish().errors))
     }
 
     /// The part itself.
@@ -143,7 +137,7 @@ impl RenderOptions<'_> {
         mesh.prepare_search();
         match scene {
             PartScene::Views => {
-                shaded_views(mesh, |at| if self.smooth { optical(design, at) } else { None })
+                shaded_views(mesh, |at| if self.smooth { optical_normal(design, at) } else { None })
             }
             PartScene::Cylinder => cylinder(design, mesh),
         }
@@ -208,14 +202,4 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     let setup = SetupDiagram { scene, half_mm, image_mm, radius_mm, heights_mm, rays };
     let shown = |q: DVec2| reflected(design, &[q / shrink])[0].map(|ray| ray.direction);
     setup.picture(shown)
-}
-
-/// The designed mirror's unit normal at a place of its optical face.
-fn optical(design: &Design, at: DVec3) -> Option<DVec3> {
-    let mirror = &design.mirror;
-    let (place, height) = mirror.chart.coordinates(at);
-    let point = mirror.row(place.y).at(place.x);
-    let near = 1e-3 * mirror.outline.bounds().size().max_element();
-    let on_face = mirror.full_outline().contains(place) && (height - point.f).abs() < near;
-    on_face.then(|| mirror.normal(place, &point).normalize())
 }

@@ -1,6 +1,7 @@
 //! `morion verify`: files of unknown making: CAM exports, and scans of parts that were made.
 
 use super::check_file::{open, witness};
+use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
@@ -11,13 +12,14 @@ use crate::mirror::Form;
 use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
 use crate::publish;
-use crate::report::form_picture;
+use crate::raster::{EncodingError, FalseColourMap};
+use crate::report::form_map;
 use crate::results::{AlignmentFacts, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport};
 use crate::trace::Outcome;
 use crate::verdict::{self, CheckedMesh, FileCheck, Findings};
 use std::path::{Path, PathBuf};
 
-/// A file of unknown making, and how it is looked at.
+/// A file of unknown making, and how it is looked at: writes `report.json` and `report.html` into NAME-verify.
 #[derive(Debug, Clone, Copy)]
 pub struct Verify<'a> {
     /// The file: an STL, OBJ or 3MF.
@@ -31,8 +33,7 @@ pub struct Verify<'a> {
 pub struct VerifyOptions {
     /// The unit of its coordinates; none: by its size.
     pub units: Option<LengthUnit>,
-    /// Fit its pose first, judge it as a measured part, and write the form error's map and the report
-    /// into NAME-verify. Otherwise nothing is written.
+    /// Fit its pose first, and judge it as a measured part: its files have the form error's map too.
     pub align: bool,
 }
 
@@ -123,8 +124,9 @@ impl Command for Verify<'_> {
             reasons,
             warnings,
         };
-        if measured {
-            publish_map(run, map, &report)?;
+        if measured || run.files.folder().is_some() {
+            let errors = found.errors.and_then(|errors| errors.drawn(&design));
+            publish_maps(run, (map, errors.as_ref()), &report)?;
         }
         Ok(report)
     }
@@ -148,6 +150,8 @@ struct Found {
     oversize: Option<(f64, Option<LengthUnit>)>,
     /// Form error of a measured part over the frame.
     map: Option<FormMap>,
+    /// Pixel errors over the frame; none of a file that could not be read.
+    errors: Option<ErrorMap>,
 }
 
 impl Verify<'_> {
@@ -184,7 +188,8 @@ impl Verify<'_> {
                 check.measured = self.options.align;
                 check.rename(self.name());
                 let (units, alignment, oversize, map) = (None, None, None, None);
-                return Ok(Found { check, units, alignment, far: 0, oversize, map });
+                let errors = None;
+                return Ok(Found { check, units, alignment, far: 0, oversize, map, errors });
             }
         };
         let oversize = size.size_factor(&reread.mesh);
@@ -195,7 +200,9 @@ impl Verify<'_> {
         let far = leave_far(&mut reread, design);
         let mut map = FormMapBuilder::new(&design.mirror, &design.camera);
         let checked = CheckedMesh::new(design, reread, None);
+        let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
         let mut check = witness(run, design, (file, format), checked, promise, &mut |strip, _| {
+            errors.add(strip);
             if self.options.align {
                 map.add(strip.rows.clone(), |[column, row]| {
                     let pixel = (row - strip.rows.start) * strip.frame[0] + column;
@@ -207,7 +214,8 @@ impl Verify<'_> {
         check.measured = self.options.align;
         check.rename(self.name());
         let map = self.options.align.then(|| map.finish());
-        Ok(Found { check, units: Some(units), alignment, far, oversize, map })
+        let errors = Some(errors.finish());
+        Ok(Found { check, units: Some(units), alignment, far, oversize, map, errors })
     }
 
     /// Brings a measured part into the part frame.
@@ -301,17 +309,23 @@ fn place(reread: &mut ImportedMesh, alignment: &Alignment) {
     }
 }
 
-/// Writes the form error's map and the report.
-fn publish_map(run: &mut Run, map: Option<&FormMap>, report: &VerifyReport) -> Result<(), Error> {
+/// Writes the report, its page, and the form error's map of a measured part.
+fn publish_maps(
+    run: &mut Run,
+    (map, errors): (Option<&FormMap>, Option<&FalseColourMap>),
+    report: &VerifyReport,
+) -> Result<(), Error> {
+    let picture = |error: EncodingError| Error::Picture(error.to_string());
     run.publish(Stage::Report, |files, _| {
-        match map {
+        let map = map.map(|map| form_map(map, report.form_error_um.as_ref()));
+        match &map {
             Some(map) => {
-                let png = form_picture(map, report.form_error_um.as_ref())
-                    .map_err(|error| Error::Picture(error.to_string()))?;
-                files.add_bytes(MAP, &png)?;
+                files.add_bytes(MAP, &map.png().map_err(picture)?)?;
             }
             None => files.remove(MAP),
         }
+        let page = report.html(errors, map.as_ref()).map_err(picture)?;
+        files.add_bytes("report.html", page.as_bytes())?;
         files.add_report("report.json", &report.json())?;
         Ok(())
     })

@@ -74,6 +74,19 @@ impl FalseColourMap {
         canvas.png()
     }
 
+    /// The map alone, a dot a pixel, for pages that have their own scale and key.
+    ///
+    /// # Errors
+    /// What the encoder reports.
+    pub fn bare_png(&self) -> Result<Vec<u8>, EncodingError> {
+        let [width, height] = self.pixels;
+        let mut canvas = Canvas::new(width, height);
+        for (k, colour) in self.colours.iter().enumerate() {
+            canvas.fill(k as u32 % width, k as u32 / width, [1; 2], *colour);
+        }
+        canvas.png()
+    }
+
     fn draw_scale(&self, canvas: &mut Canvas, top: u32) {
         let [width, height] = BAR;
         let left = MARGIN + LETTER * 4;

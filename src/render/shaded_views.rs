@@ -5,14 +5,19 @@ use crate::parallel;
 use super::material::{Lighting, Material};
 use super::picture::Picture;
 use super::samples::SampleGrid;
+use crate::design::Design;
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::num::{cos, radians, sin};
 use crate::trace::Scene;
 
 /// Pixels of one view, across and down.
 pub(super) const TILE: [u32; 2] = [480, 360];
+/// Pixels of a still picture of the part, across and down.
+const STILL_TILE: [u32; 2] = [480, 360];
 /// Samples along each side of a pixel at edges.
 const SAMPLES: u32 = 4;
+/// The same of a still picture.
+const STILL_SAMPLES: u32 = 2;
 /// Share of a tile that the part fills at most.
 const FILL: f64 = 0.92;
 /// Where the eye is, degrees: to the right of the picture's foot, and over the base plane.
@@ -57,18 +62,39 @@ impl DistantView {
 /// knows a normal at a place of the mesh, that is taken instead.
 #[must_use]
 pub fn shaded_views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> Picture {
-    let eyes = EYES_DEG.map(DistantView::new);
+    tiles(scene, &EYES_DEG, TILE, SAMPLES, &normal)
+}
+
+/// One view of the mesh, from three quarters.
+#[must_use]
+pub fn shaded_view(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> Picture {
+    tiles(scene, &EYES_DEG[2..], STILL_TILE, STILL_SAMPLES, &normal)
+}
+
+/// A normal at a place of a mesh, where it is known.
+type KnownNormal<'a> = &'a (dyn Fn(DVec3) -> Option<DVec3> + Sync);
+
+/// Views by `eyes` side by side on white, all to one scale.
+fn tiles(
+    scene: &Scene,
+    eyes: &[[f64; 2]],
+    tile: [u32; 2],
+    samples: u32,
+    normal: KnownNormal,
+) -> Picture {
+    let eyes: Vec<DistantView> = eyes.iter().copied().map(DistantView::new).collect();
     let vertices = &scene.mesh().vertices;
-    let spans = eyes.map(|eye| {
+    let span = |eye: &DistantView| {
         let nothing = [DVec2::INFINITY, DVec2::NEG_INFINITY];
         vertices.iter().map(|&v| eye.project(v)).fold(nothing, |[lo, hi], p| [lo.min(p), hi.max(p)])
-    });
-    let [columns, rows] = TILE.map(f64::from);
-    let fit = spans.map(|[lo, hi]| {
+    };
+    let spans: Vec<[DVec2; 2]> = eyes.iter().map(span).collect();
+    let [columns, rows] = tile.map(f64::from);
+    let fit = spans.iter().map(|[lo, hi]| {
         let size = (hi - lo).max(DVec2::splat(f64::MIN_POSITIVE));
         (columns / size.x).min(rows / size.y)
     });
-    let pixels_per_mm = FILL * fit.into_iter().fold(f64::INFINITY, f64::min);
+    let pixels_per_mm = FILL * fit.fold(f64::INFINITY, f64::min);
     let reach =
         scene.mesh().bounds().map_or(1.0, |(lo, hi)| 2.0 * (lo.abs().max(hi.abs())).length());
     let matter = Material::new(0x9fb3c8, 0.35);
@@ -84,18 +110,25 @@ pub fn shaded_views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Syn
         let outward = normal(ray.at(hit.t)).unwrap_or_else(facet);
         eye.lights().shade(&matter, outward, ray.direction, true)
     };
-    let grid = SampleGrid {
-        width: TILE[0] * eyes.len() as u32,
-        height: TILE[1],
-        samples_per_side: SAMPLES,
-        pixel_rad: 0.0,
-    };
-    let centre = |k| [k % grid.width, k / grid.width].map(|n| f64::from(n) + 0.5);
-    let coarse = parallel::map((grid.width * grid.height) as usize, 1, |k| {
+    let [width, height] = [tile[0] * eyes.len() as u32, tile[1]];
+    let grid = SampleGrid { width, height, samples_per_side: samples, pixel_rad: 0.0 };
+    let centre = |k| [k % width, k / width].map(|n| f64::from(n) + 0.5);
+    let coarse = parallel::map((width * height) as usize, 1, |k| {
         let [x, y] = centre(k as u32);
         light(x, y)
     });
     Picture::refined(&grid, &coarse, light)
+}
+
+/// The designed mirror's unit normal at a place of its optical face.
+#[must_use]
+pub(crate) fn optical_normal(design: &Design, at: DVec3) -> Option<DVec3> {
+    let mirror = &design.mirror;
+    let (place, height) = mirror.chart.coordinates(at);
+    let point = mirror.row(place.y).at(place.x);
+    let near = 1e-3 * mirror.outline.bounds().size().max_element();
+    let on_face = mirror.full_outline().contains(place) && (height - point.f).abs() < near;
+    on_face.then(|| mirror.normal(place, &point).normalize())
 }
 
 #[cfg(test)]

@@ -205,6 +205,17 @@ impl AnswerRows {
         self.rows.iter().filter(|row| layout.details || !row.is_detail).filter_map(line).collect()
     }
 
+    /// Names and sentences of the facts that the terminal shows without being asked for details.
+    pub fn plain(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let plain = self.rows.iter().filter(|row| !row.is_detail && !row.is_fixed);
+        plain.filter_map(|row| Some((row.label?, &*row.sentence)))
+    }
+
+    /// Lines of the terminal's tables.
+    pub fn table_lines(&self) -> impl Iterator<Item = &str> {
+        self.rows.iter().filter(|row| row.is_fixed).map(|row| &*row.sentence)
+    }
+
     /// Names and sentences of the page's facts.
     pub fn of_page(&self) -> impl Iterator<Item = (&str, &str)> {
         self.rows.iter().filter_map(|row| Some((row.heading.as_deref()?, &*row.sentence)))

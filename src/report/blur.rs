@@ -1,9 +1,32 @@
 //! The blur's results as JSON and text.
 
 use super::answer::{Answer, AnswerRows, Head};
+use super::page::{map_figure, page_of};
 use crate::pencil::Quantiles;
 use crate::profile::Aperture;
+use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{BlurReport, FocusPlane, digits, three_digits};
+
+impl BlurReport {
+    /// `blur.html`, with the map of the spots.
+    ///
+    /// # Errors
+    /// What the encoder of pictures reports.
+    pub fn html(&self, map: &FalseColourMap) -> Result<String, EncodingError> {
+        let caption = format!(
+            "Full length of the spot that a point of the world makes at each pixel, by the mirror's shape alone. 95 % \
+             are at most {} px long, the longest {} px.",
+            three_digits(self.spots.length_px.p95),
+            three_digits(self.spots.length_px.max)
+        );
+        Ok(page_of(
+            self,
+            ["blur.html", "sharpness"],
+            [map_figure("Length of the spots, px", map, caption)?],
+            &[],
+        ))
+    }
+}
 
 impl Answer for BlurReport {
     fn head(&self) -> Head<'_> {

@@ -1,11 +1,13 @@
 //! Answers of a build and of a verification.
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
+use super::build_figures::{BuildFigures, about_errors};
 use super::fact_rows::{PlainPicture, TracesWithFrame};
-use super::page::{Page, escaped};
+use super::page::{Page, map_figure, page_of};
 use super::sharpness::PlainSharpness;
 use crate::profile::AcceptanceLimits;
-use crate::results::{BuildReport, FileFacts, TraceFacts, VerifyReport};
+use crate::raster::{EncodingError, FalseColourMap};
+use crate::results::{BuildReport, TraceFacts, VerifyReport, percent, three_digits};
 use crate::trace::FrameFill;
 
 impl Answer for BuildReport {
@@ -14,10 +16,9 @@ impl Answer for BuildReport {
     }
 
     fn rows(&self) -> AnswerRows {
-        let Self { layout, design, form, mesh, solid, files, step, sag, .. } = self;
+        let Self { design, form, mesh, solid, files, step, sag, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
-        let mut rows = AnswerRows::of(&[layout, &plain_picture(trace, frame, accepted)]);
-        sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
+        let mut rows = self.plain_rows();
         files.add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         rows.details(|rows| {
@@ -43,18 +44,52 @@ impl BuildReport {
         Answer::text(self)
     }
 
-    /// `report.html`: a page that needs nothing but `picture` (a file name) beside it.
-    #[must_use]
-    pub fn html(&self, summary: &str, picture: &str) -> String {
+    /// `report.html`: a page that needs nothing beside it.
+    ///
+    /// # Errors
+    /// What an encoder of pictures reports.
+    pub fn html(&self, summary: &str, figures: &BuildFigures) -> Result<String, EncodingError> {
         let mut page = Page::new(self, "");
+        page.paragraph(&self.conclusion());
         page.paragraph(summary);
         page.list(&self.head().reasons);
-        page.list(&self.warnings);
-        let alt = "What the camera sees of a world marked every 15 degrees";
-        page.raw(&format!("<p><img src=\"{picture}\" alt=\"{alt}\"></p>"));
-        let files: Vec<String> = self.files.iter().map(file_row).collect();
-        page.facts(&self.page_rows(), &files.concat());
-        page.finish()
+        page.warnings(&self.warnings);
+        page.plain_facts(&self.plain_rows());
+        page.figures(figures.on_page(
+            &self.trace,
+            self.sharpness.as_ref(),
+            self.layout.as_ref(),
+        )?);
+        page.files(&self.files);
+        page.folded_facts("All figures, and what each means", &self.page_rows());
+        page.links("report.html", &self.profile.name);
+        Ok(page.finish())
+    }
+
+    /// What the verdict rests on, in three numbers.
+    fn conclusion(&self) -> String {
+        let errors = self.trace.iter().filter_map(|trace| trace.errors.pixel_error_px);
+        let worst = errors.max_by(|a, b| a.max.total_cmp(&b.max));
+        let (Some(found), Some(allowed), Some(frame)) = (worst, &self.accepted, &self.frame) else {
+            return "Without a projection nothing is said of what the picture shows.".into();
+        };
+        let [rms, max] = [found.rms, found.max].map(three_digits);
+        format!(
+            "The picture is off by {rms} px RMS (allowed {}) and by {max} px at most (allowed {}); {} % of the frame \
+             is filled (asked {} %).",
+            allowed.pixel_error_rms_px.value,
+            allowed.pixel_error_max_px.value,
+            (1e3 * frame.filled).floor() / 10.0,
+            percent(allowed.frame_filled.value),
+        )
+    }
+
+    /// Its facts in plain words.
+    fn plain_rows(&self) -> AnswerRows {
+        let Self { layout, trace, frame, sharpness, accepted, .. } = self;
+        let mut rows = AnswerRows::of(&[layout, &plain_picture(trace, frame, accepted)]);
+        sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
+        rows
     }
 
     /// Its facts in the order of the page.
@@ -69,12 +104,6 @@ impl BuildReport {
         ]));
         rows
     }
-}
-
-/// A file with its hash, as a row of HTML.
-fn file_row(FileFacts { name, bytes, sha256, .. }: &FileFacts) -> String {
-    let name = escaped(name);
-    format!("<tr><th>{name}</th><td>{bytes} bytes<br><code>sha256 {sha256}</code></td></tr>\n")
 }
 
 fn plain_picture<'a>(
@@ -110,6 +139,27 @@ impl VerifyReport {
     #[must_use]
     pub fn json(&self) -> String {
         Answer::json(self)
+    }
+
+    /// `report.html`, with maps of what was found.
+    ///
+    /// # Errors
+    /// What an encoder of pictures reports.
+    pub fn html(
+        &self,
+        errors: Option<&FalseColourMap>,
+        form: Option<&FalseColourMap>,
+    ) -> Result<String, EncodingError> {
+        let mut figures = Vec::new();
+        if let Some(map) = form {
+            let caption = "Distance of the measured part from its design along the normal, as the camera sees it: \
+                           red where there is too much material, blue where there is too little.";
+            figures.push(map_figure("Form error, um", map, caption.into())?);
+        }
+        if let Some(map) = errors {
+            figures.push(map_figure("Pixel error, px", map, about_errors(&self.trace))?);
+        }
+        Ok(page_of(self, ["", "verification"], figures, &self.files))
     }
 
     /// A readable summary: a line a fact, the reasons, and the verdict last. Plain text, in which what

@@ -1,6 +1,8 @@
 //! The frame-fill check's results as JSON, CSV and text.
 
 use super::answer::{Answer, AnswerRows, Head};
+use super::page::{map_figure, page_of};
+use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{FrameReport, digits};
 use crate::trace::{Coverage, FrameFill};
 use std::fmt::Write;
@@ -30,6 +32,26 @@ impl FrameReport {
             let _ = writeln!(out, "{k},{},{lowest},{highest}", column.filled);
         }
         out
+    }
+}
+
+impl FrameReport {
+    /// `frame.html`, with the map of the frame.
+    ///
+    /// # Errors
+    /// What the encoder of pictures reports.
+    pub fn html(&self, map: &FalseColourMap) -> Result<String, EncodingError> {
+        let caption = format!(
+            "Every pixel of the frame: grey where it shows what it should, lighter where it covers more of the world \
+             (coarser there), in colour where it is lost. {:.3} % are filled.",
+            100.0 * self.frame.filled
+        );
+        Ok(page_of(
+            self,
+            ["frame.html", "frame"],
+            [map_figure("Solid angle of a pixel, microsteradian", map, caption)?],
+            &[],
+        ))
     }
 }
 

@@ -2,12 +2,31 @@
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::fact_rows::{errors_sentence, ray_counts, solid_sentence};
+use super::page::{map_figure, page_of};
 use crate::machining::{Fillet, RasterDirection, ScallopFigures};
 use crate::num::rounding::floor_four_digits;
+use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
     coordinate, digits, figures,
 };
+
+impl MachiningReport {
+    /// `machining.html`, with the map of what the cutter leaves.
+    ///
+    /// # Errors
+    /// What the encoder of pictures reports.
+    pub fn html(&self, map: &FalseColourMap) -> Result<String, EncodingError> {
+        let caption = format!(
+            "The face from above, each square {} mm wide: what a ball of {} mm radius cannot reach. Grey is where it \
+             fits everywhere.",
+            map.pixel_mm.map_or("0".into(), digits),
+            self.ball_mm
+        );
+        let figures = [map_figure("Left by the cutter, um", map, caption)?];
+        Ok(page_of(self, ["machining.html", "machining"], figures, &self.files))
+    }
+}
 
 impl Answer for MachiningReport {
     fn head(&self) -> Head<'_> {

@@ -6,11 +6,13 @@
 mod answer;
 mod blur;
 mod build;
+mod build_figures;
 mod build_forecast;
 mod fact_rows;
 mod frame;
 mod machining;
 mod maps;
+mod meanings;
 mod measured;
 mod page;
 mod plot;
@@ -23,7 +25,8 @@ mod unwrap;
 mod visible;
 
 pub use answer::{Answer, AnswerRows, Head, ToRows};
-pub use maps::{form_picture, gouge_picture, pixel_error_picture};
+pub use build_figures::{BuildFigures, PartFigures};
+pub use maps::{form_map, gouge_map, pixel_error_map, spot_map};
 pub(crate) use plot::{Failure, svg};
 pub use text_layout::TextLayout;
 pub use visible::visible;

@@ -14,7 +14,7 @@ use crate::results::{
     StockFacts,
 };
 
-/// How a mirror is cut: writes `gouge.png`, `machining.json` and, where the ball fits, `as-cut.stl` into NAME.
+/// How a mirror is cut: writes `gouge.png`, `machining.json`, `machining.html` and, where the ball fits, `as-cut.stl` into NAME.
 /// (A ball that does not fit and a budget that is not kept are negative verdicts.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachiningOptions {

@@ -2,7 +2,7 @@
 
 use crate::design::Design;
 use crate::num::{asin, atan, sin, tan};
-use crate::pencil::{self, BlurEllipse, best_focus, map_pencils_sparsely};
+use crate::pencil::{self, BlurEllipse, Quantiles, best_focus, map_pencils_sparsely, quantiles};
 use crate::profile::{Aperture, Profile};
 use crate::results::{ApertureFacts, PictureFault, Reason, SharpnessFacts};
 
@@ -31,12 +31,47 @@ pub(crate) fn least_focus(design: &Design) -> f64 {
     if design.camera.chart.vergence == 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
 
-/// How sharp the picture of `design` is; none where no pixel has a spot.
-pub(crate) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
+/// Blur ellipses of pixels spread over the frame for an aperture radius of 1, px; none where there is no mirror.
+fn some_spots(design: &Design, pixels: [u32; 2]) -> Vec<Option<BlurEllipse>> {
     let Design { mirror, camera, view, .. } = design;
     let unit = 1.0 / camera.pixel_mm;
     let spot = |pencil: &pencil::Pencil| BlurEllipse::new(pencil).scaled(unit);
-    let spots = map_pencils_sparsely(mirror, camera, view.as_ref(), SOME, spot);
+    map_pencils_sparsely(mirror, camera, view.as_ref(), pixels, spot)
+}
+
+/// Sizes of the spots of pixels spread over the frame.
+pub(crate) struct SpotSizes {
+    /// Columns and rows of the pixels.
+    pub pixels: [u32; 2],
+    /// Root of the sum of squares of ellipse, Airy disc and pixel, px; none where there is no mirror.
+    pub sizes_px: Vec<Option<f64>>,
+    /// Their quantiles.
+    pub quantiles: Quantiles,
+}
+
+/// Sizes of the spots in the best focus, through the profile's lens or else the aperture at which they are least.
+pub(crate) fn spot_sizes(design: &Design, facts: &SharpnessFacts) -> Option<SpotSizes> {
+    let lens = facts.given.as_ref().unwrap_or(&facts.best);
+    let [columns, rows] = design.camera.pixels;
+    // As many along the shorter side as make squares of them.
+    let share = |side: u32| (SOME * side / columns.max(rows)).clamp(1, side);
+    let pixels = [share(columns), share(rows)];
+    let spots = some_spots(design, pixels);
+    let seen: Vec<BlurEllipse> = spots.iter().copied().flatten().collect();
+    let (phi, radius) = (best_focus(&seen, least_focus(design))?, radius(lens.aperture));
+    let size = |spot: BlurEllipse| {
+        let [ellipse, airy] = [spot.length(phi) * radius, lens.sharp.diffraction_px];
+        (ellipse * ellipse + airy * airy + 1.0).sqrt()
+    };
+    let sizes_px: Vec<Option<f64>> = spots.into_iter().map(|spot| spot.map(size)).collect();
+    let quantiles = quantiles(sizes_px.iter().copied().flatten().collect())?;
+    Some(SpotSizes { pixels, sizes_px, quantiles })
+}
+
+/// How sharp the picture of `design` is; none where no pixel has a spot.
+pub(crate) fn sharpness(profile: &Profile, design: &Design) -> Option<SharpnessFacts> {
+    let pixels = design.camera.pixels.map(|side| side.min(SOME));
+    let spots: Vec<BlurEllipse> = some_spots(design, pixels).into_iter().flatten().collect();
     let best = best_focus(&spots, least_focus(design))?;
     of(profile, design, &spots, [best; 2], profile.lens.aperture)
 }

@@ -2,6 +2,8 @@
 
 use crate::support::builds::{SMALL, edited, files, folder, morion, parsed, save, told};
 use crate::support::{small_but, small_strip};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use morion::internals::design::{Design, design};
 use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::{DVec2, DVec3, TriMesh, angle};
@@ -283,8 +285,55 @@ fn verdict_reasons_exit_code_and_page_agree() {
         assert!(reasons.contains(&listed.len()), "{listed:?}");
         let page = String::from_utf8(made["report.html"].clone()).unwrap();
         assert!(page.contains(&format!("<span class=\"{verdict}\">{verdict}</span>")));
-        assert!(page.contains("\"preview.png\""));
+        let preview =
+            format!("data:image/png;base64,{}", BASE64_STANDARD.encode(&made["preview.png"]));
+        assert!(page.contains(&preview));
         assert!(listed.iter().all(|reason| page.contains(reason.as_str().unwrap())));
+    }
+}
+
+/// Every picture and script is in the page; what it links to are files of its own folder.
+#[test]
+fn the_page_needs_no_network_and_nothing_beside_it() {
+    let page = String::from_utf8(built(SMALL).files["report.html"].clone()).unwrap();
+    // The library that draws the part names addresses in its messages, and fetches none.
+    let (before, library) = page.split_once("<script>/*! three.js").unwrap();
+    let (_, after) = library.split_once("</script>").unwrap();
+    for own in [before, after] {
+        let sources: Vec<&str> = own.split("src=\"").skip(1).collect();
+        assert!(sources.iter().all(|rest| rest.starts_with("data:image/png;base64,")));
+        for rest in own.split("href=\"").skip(1) {
+            let name = rest.split('"').next().unwrap();
+            assert!(!name.contains(['/', ':']), "{name}");
+        }
+        assert!(!own.contains("http:") && !own.contains("https:") && !own.contains("@import"));
+    }
+    assert!(before.matches("<img").count() >= 4 && before.contains("id=\"part-glb\""));
+    for title in ["Part", "What the camera sees", "Pixel error, px", "Size of the spots, px"] {
+        assert!(
+            before.contains(&format!("<h2>{title}</h2>"))
+                || after.contains(&format!("<h2>{title}</h2>"))
+        );
+    }
+    for title in ["Side view", "Cross-sections", "Files"] {
+        assert!(after.contains(&format!("<h2>{title}</h2>")), "{title}");
+    }
+}
+
+/// The page's part is the part: its coarse mesh fills the box that the report tells.
+#[test]
+fn the_pages_part_has_the_size_of_the_part() {
+    let built = built(SMALL);
+    let page = String::from_utf8(built.files["report.html"].clone()).unwrap();
+    let (_, rest) = page.split_once("type=\"application/octet-stream\">").unwrap();
+    let glb = BASE64_STANDARD.decode(rest.split_once('<').unwrap().0).unwrap();
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    let size = built.report.layout.unwrap().size_mm;
+    let places = &json["accessors"][0];
+    for axis in 0..3 {
+        let [low, high] = ["min", "max"].map(|end| places[end][axis].as_f64().unwrap());
+        assert!((high - low - size[axis]).abs() < 1e-2 * size[axis], "{axis}: {low} to {high}");
     }
 }
 
@@ -495,7 +544,8 @@ fn the_summary_names_no_file_that_is_not_there() {
     let shown = report.laid_out(&layout);
     assert!(!shown.contains("mirror.obj"), "{shown}");
     assert!(shown.contains("witness  a mesh that was not kept: "), "{shown}");
-    assert!(!report.html("", "preview.png").contains("mirror.obj"));
+    let page = std::fs::read_to_string(folder.path().join("small/report.html")).unwrap();
+    assert!(!page.contains("mirror.obj"));
     // Nor does the report itself, nor a reason.
     assert!(!report.json().contains("mirror.obj"), "{}", report.json());
 }

@@ -3,18 +3,16 @@
 use crate::align::{FormError, FormMap};
 use crate::num::rounding::ceil_125;
 use crate::raster::palette::diverging;
-use crate::raster::{EncodingError, FalseColourMap, Srgb};
+use crate::raster::{FalseColourMap, Srgb};
 use crate::results::digits;
 
 /// Where nothing is known.
 const NOTHING: Srgb = [110, 110, 114];
 
-/// The map of the form error as the camera would see it, as PNG: red above the design, blue below,
+/// The map of the form error as the camera would see it: red above the design, blue below,
 /// grey where nothing is known, with a scale that reaches as far as the map does without outliers.
-///
-/// # Errors
-/// A sensor without pixels cannot be drawn.
-pub fn form_picture(map: &FormMap, error: Option<&FormError>) -> Result<Vec<u8>, EncodingError> {
+#[must_use]
+pub fn form_map(map: &FormMap, error: Option<&FormError>) -> FalseColourMap {
     let limit = error.map_or(1.0, limit);
     let colour = |mm: &f64| {
         if mm.is_nan() { NOTHING } else { diverging(0.5 + 0.5e3 * mm / limit) }
@@ -24,7 +22,7 @@ pub fn form_picture(map: &FormMap, error: Option<&FormError>) -> Result<Vec<u8>,
         let [pv, rms] = [error.all.pv, error.all.rms].map(digits);
         format!("form error, um: {pv} PV, {rms} rms")
     });
-    let map = FalseColourMap {
+    FalseColourMap {
         pixels: map.pixels,
         colours: map.mm.iter().map(colour).collect(),
         title,
@@ -32,8 +30,7 @@ pub fn form_picture(map: &FormMap, error: Option<&FormError>) -> Result<Vec<u8>,
         ticks: [-1.0, -0.5, 0.0, 0.5, 1.0].map(tick).to_vec(),
         keys: vec![(NOTHING, "nothing known".into())],
         pixel_mm: None,
-    };
-    map.png()
+    }
 }
 
 /// The next round number, um, that is not less than any departure but the outliers'.
@@ -60,12 +57,12 @@ mod tests {
     #[test]
     fn the_picture_holds_the_map_and_a_scale() {
         let map = FormMap { pixels: [2, 1], mm: vec![1e-3, f64::NAN] };
-        let (width, _, rgb) = decoded(&form_picture(&map, map.error().as_ref()).unwrap());
+        let (width, _, rgb) = decoded(&form_map(&map, map.error().as_ref()).png().unwrap());
         // Each pixel a square; the first as high as it gets, the second unknown.
         let middle = |k: usize| 3 * (width as usize * (2 * k + 1) / 4);
         assert_eq!(width, 640);
         assert_eq!(rgb[middle(0)..][..3], diverging(1.0));
         assert_eq!(rgb[middle(1)..][..3], NOTHING);
-        assert!(form_picture(&FormMap { pixels: [2, 1], mm: vec![f64::NAN; 2] }, None).is_ok());
+        assert!(form_map(&FormMap { pixels: [2, 1], mm: vec![f64::NAN; 2] }, None).png().is_ok());
     }
 }

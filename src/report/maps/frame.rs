@@ -1,7 +1,7 @@
 //! `frame.png`: which pixels are filled, how large they are in the world, and why the others are not.
 
 use crate::raster::palette::grey;
-use crate::raster::{EncodingError, FalseColourMap, Srgb};
+use crate::raster::{FalseColourMap, Srgb};
 use crate::report::frame::LOST;
 use crate::results::{FrameReport, digits};
 use crate::trace::{MinMeanMax, PixelClass};
@@ -18,20 +18,18 @@ const COLOURS: [Srgb; 7] = [
 ];
 
 impl FrameReport {
-    /// `frame.png`: filled pixels grey by solid angle (`usr`, one a pixel), the others in the colour
+    /// The map of the frame: filled pixels grey by solid angle (`usr`, one a pixel), the others in the colour
     /// of their cause; a map of so many columns and rows of the frame's pixels.
-    ///
-    /// # Errors
-    /// What the encoder reports.
     ///
     /// # Panics
     /// When `classes` or `usr` have not one entry a pixel of the map.
-    pub fn png(
+    #[must_use]
+    pub fn map(
         &self,
         pixels: [u32; 2],
         classes: &[PixelClass],
         usr: &[Option<f64>],
-    ) -> Result<Vec<u8>, EncodingError> {
+    ) -> FalseColourMap {
         assert_eq!(classes.len(), usr.len(), "one entry a pixel");
         let MinMeanMax { min, mean, max } =
             self.resolution.pixel_usr.unwrap_or(MinMeanMax { min: 0.0, mean: 0.0, max: 0.0 });
@@ -45,7 +43,8 @@ impl FrameReport {
             }
         };
         let keys = COLOURS.into_iter().zip(LOST).zip(self.frame.lost.counts());
-        let map = FalseColourMap {
+        let keys = keys.filter(|(_, count)| *count > 0);
+        FalseColourMap {
             pixels,
             colours: classes.iter().zip(usr).map(colour).collect(),
             title: "solid angle of a pixel, usr".into(),
@@ -57,7 +56,6 @@ impl FrameReport {
             },
             keys: keys.map(|((c, name), n)| (c, format!("{n} {name}"))).collect(),
             pixel_mm: None,
-        };
-        map.png()
+        }
     }
 }

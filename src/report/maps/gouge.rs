@@ -3,18 +3,15 @@
 use crate::machining::{FLOOR_MM, Gouge};
 use crate::num::log;
 use crate::raster::palette::viridis;
-use crate::raster::{EncodingError, FalseColourMap, Srgb};
+use crate::raster::{FalseColourMap, Srgb};
 
 /// Where there is no mirror, and where the ball leaves nothing.
 const NO_MIRROR: Srgb = [255; 3];
 const FITS: Srgb = [200, 200, 204];
 
-/// `gouge.png`: what a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from
-/// [`FLOOR_MM`].
-///
-/// # Errors
-/// What the encoder reports.
-pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingError> {
+/// What a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from [`FLOOR_MM`].
+#[must_use]
+pub fn gouge_map(gouge: &Gouge, ball_mm: f64) -> FalseColourMap {
     let [columns, rows] = gouge.size;
     let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
     let most = gouge.rest_mm.iter().flatten().copied().fold(FLOOR_MM, f64::max);
@@ -27,7 +24,7 @@ pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingErr
     let row = |row: usize| gouge.rest_mm[row * columns..][..columns].iter();
     // In um: tenths of a power of ten are exact.
     let powers = std::iter::successors(Some(1e4 * FLOOR_MM), |power| Some(10.0 * power));
-    let map = FalseColourMap {
+    FalseColourMap {
         pixels: [columns as u32, rows as u32],
         colours: (0..rows).rev().flat_map(row).map(|left| colour(*left)).collect(),
         title: format!("left by a ball of {ball_mm} mm radius, um"),
@@ -35,8 +32,7 @@ pub fn gouge_picture(gouge: &Gouge, ball_mm: f64) -> Result<Vec<u8>, EncodingErr
         ticks: powers.take(decades as usize + 1).map(|um| (0.1 * um).to_string()).collect(),
         keys: vec![(FITS, format!("fits: less than {} um", 1e3 * FLOOR_MM))],
         pixel_mm: Some(gouge.step),
-    };
-    map.png()
+    }
 }
 
 #[cfg(test)]
@@ -56,7 +52,7 @@ mod tests {
             largest: None,
             largest_outside_fillet: None,
         };
-        let (width, _, rgb) = decoded(&gouge_picture(&gouge, 3.0).unwrap());
+        let (width, _, rgb) = decoded(&gouge_map(&gouge, 3.0).png().unwrap());
         let (width, cell) = (width as usize, 320);
         let at = |x: usize, y: usize| {
             let start = 3 * ((y * cell + cell / 2) * width + x * cell + cell / 2);

@@ -1,4 +1,4 @@
-//! Pictures of a figure over the sensor or over the part, as PNG.
+//! Maps of a figure over the sensor or over the part.
 
 mod blur;
 mod form_error;
@@ -6,6 +6,7 @@ mod frame;
 mod gouge;
 mod pixel_error;
 
-pub use form_error::form_picture;
-pub use gouge::gouge_picture;
-pub use pixel_error::pixel_error_picture;
+pub use blur::spot_map;
+pub use form_error::form_map;
+pub use gouge::gouge_map;
+pub use pixel_error::pixel_error_map;

@@ -1,23 +1,14 @@
 //! `tolerance.html`: a study of tolerances as one page that needs nothing beside it.
 
-use super::plots::plots;
+use super::plots::{Plot, plots};
 use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, or_dash, reference, statistics, unmet,
 };
 use crate::report::answer::{Answer, AnswerRows};
-use crate::report::page::{Page, escaped};
+use crate::report::page::{Figure, Page, escaped};
 use crate::report::plot::Failure;
 use crate::results::{ToleranceReport, displacement, percent};
 use crate::tolerance::{AdjustmentFacts, FormMeasure, PlotData, SourceFacts, Statistics};
-
-/// Looks beside those of all pages: numbers to the right, two plots side by side, pages of A4.
-const STYLE: &str = "body{max-width:64rem}h2{font-size:1.15rem;margin:1.4rem 0 .3rem}\
-table.n td,table.n thead th{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
-table.n th{width:auto}table.n{font-size:.87em}table.n tr>:first-child{text-align:left}\
-.plots{display:grid;grid-template-columns:1fr 1fr;gap:1rem}figure{margin:0;break-inside:avoid}\
-figure svg{width:100%;height:auto}figcaption{font-size:.85em}tr{break-inside:avoid}\
-@page{size:A4;margin:14mm}@media print{body{max-width:none;margin:0;padding:0;font-size:10pt}\
-h2{break-after:avoid}h2.next{break-before:page}table.n{font-size:7.6pt}th,td{padding:.15rem .4rem}}";
 
 impl ToleranceReport {
     /// `tolerance.html`.
@@ -25,23 +16,23 @@ impl ToleranceReport {
     /// # Errors
     /// What the drawing library reports.
     pub fn html(&self, data: &PlotData) -> Result<String, Failure> {
-        let mut page = Page::new(self, STYLE);
+        let mut page = Page::new(self, "tolerances");
         self.add_yield(&mut page);
         for reason in self.head().reasons {
             page.raw(&format!("<p class=\"fail\">{}</p>", escaped(&reason)));
         }
-        page.raw("<div class=\"plots\">");
-        for plot in plots(&self.study, data)? {
-            let (svg, caption) = (plot.svg.trim_end(), escaped(&plot.caption));
-            page.raw(&format!("<figure>{svg}\n<figcaption>{caption}</figcaption></figure>"));
-        }
-        page.raw("</div>");
-        page.facts(&self.page_rows(), "");
+        let figure = |Plot { title, svg, caption }: Plot| {
+            let body = format!("<div class=\"plot\">{}</div>", svg.trim_end());
+            Figure { title: title.into(), body, caption }
+        };
+        page.figures(plots(&self.study, data)?.map(figure));
+        page.facts(&self.page_rows());
         self.add_sensitivities(&mut page);
         self.add_limits(&mut page);
         self.add_statistics(&mut page);
         self.add_adjustments(&mut page);
         self.add_machining(&mut page);
+        page.links("tolerance.html", &self.profile.name);
         Ok(page.finish())
     }
 
@@ -133,7 +124,7 @@ impl ToleranceReport {
         if self.study.adjustments.is_empty() {
             return;
         }
-        page.raw("<h2>Adjustments</h2>");
+        page.heading("Adjustments");
         let names = ["adjustment", "unit", "sigma", "95 % within", "farthest"];
         let row = |a: &AdjustmentFacts| {
             let [p95, far] = [a.p95, a.farthest].map(displacement);
@@ -144,9 +135,9 @@ impl ToleranceReport {
 
     fn add_machining(&self, page: &mut Page) {
         let Some(machining) = &self.machining else { return };
-        page.raw("<h2>Machining, unpolished</h2>");
+        page.heading("Machining, unpolished");
         let mut rows: AnswerRows = machining.rows();
         machining.reasons.iter().for_each(|reason| rows.page("", reason.to_string()));
-        page.facts(&rows, "");
+        page.facts(&rows);
     }
 }

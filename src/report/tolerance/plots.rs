@@ -8,7 +8,6 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Two side by side on A4 have letters of 6 points.
 const SIZE: (u32, u32) = (720, 540);
-const TITLE: i32 = 26;
 const LABEL: i32 = 23;
 const TICK: i32 = 22;
 /// Sources with bars of their own.
@@ -19,6 +18,8 @@ const HEADROOM: f64 = 1.4;
 
 /// A plot with what it shows in words.
 pub(super) struct Plot {
+    /// Its title.
+    pub title: &'static str,
     /// The drawing.
     pub svg: String,
     /// What it shows.
@@ -30,8 +31,8 @@ pub(super) struct Plot {
 /// # Errors
 /// What the drawing library reports.
 pub(super) fn plots(study: &Study, points: &PlotData) -> Result<[Plot; 4], Failure> {
-    let plot = |caption: String, draw: &dyn Fn(&Area) -> Result<(), Failure>| {
-        Ok::<_, Failure>(Plot { svg: svg(SIZE, draw)?, caption })
+    let plot = |title, caption: String, draw: &dyn Fn(&Area) -> Result<(), Failure>| {
+        Ok::<_, Failure>(Plot { title, svg: svg(SIZE, draw)?, caption })
     };
     let figure = figure(study);
     let lost = points.figures.iter().filter(|x| !x.is_finite()).count();
@@ -39,13 +40,17 @@ pub(super) fn plots(study: &Study, points: &PlotData) -> Result<[Plot; 4], Failu
     let percent = percent(study.target_yield);
     Ok([
         plot(
+            "Shares of the variance",
             "What makes the variance after adjustment, by first derivatives, and its sum.".into(),
             &|area| pareto(area, study),
         )?,
-        plot(format!("{} trials: {figure}, and the share below.{lost}", study.trials), &|area| {
-            histogram(area, study, points)
-        })?,
         plot(
+            "Monte Carlo, full traces",
+            format!("{} trials: {figure}, and the share below.{lost}", study.trials),
+            &|area| histogram(area, study, points),
+        )?,
+        plot(
+            "Linear model against full trace",
             format!(
                 "First derivatives against the full trace, {} trials; on the line both agree.",
                 points.pairs.len()
@@ -53,6 +58,7 @@ pub(super) fn plots(study: &Study, points: &PlotData) -> Result<[Plot; 4], Failu
             &|area| scatter(area, study, points),
         )?,
         plot(
+            "Yield against budget",
             format!(
                 "Yield against budget, with its 95 % interval. Asked: {percent} % within {} px.",
                 study.budget_px
@@ -96,14 +102,9 @@ fn percents(share: &f64) -> String {
     tick(&(100.0 * share))
 }
 
-fn builder<'a, 'b>(area: &'a Area<'b>, title: &str) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+fn builder<'a, 'b>(area: &'a Area<'b>) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
     let mut builder = ChartBuilder::on(area);
-    builder
-        .caption(title, font(TITLE))
-        .margin(14)
-        .margin_right(30)
-        .x_label_area_size(60)
-        .y_label_area_size(85);
+    builder.margin(14).margin_right(30).x_label_area_size(60).y_label_area_size(85);
     builder
 }
 
@@ -143,7 +144,7 @@ fn pareto(area: &Area, study: &Study) -> Result<(), Failure> {
         }
         _ => String::new(),
     };
-    let mut chart = builder(area, "Shares of the variance")
+    let mut chart = builder(area)
         .y_label_area_size(205)
         .build_cartesian_2d(0.0..1.0, (0..count - 1).into_segmented())?;
     chart
@@ -214,7 +215,7 @@ fn histogram(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failur
     }
     let top = HEADROOM * bins.iter().copied().fold(0.0, f64::max).max(0.01);
     let xs = least - room..most + room;
-    let mut chart = builder(area, "Monte Carlo, full traces")
+    let mut chart = builder(area)
         .right_y_label_area_size(80)
         .margin_right(14)
         .build_cartesian_2d(xs.clone(), 0.0..top)?
@@ -269,8 +270,7 @@ fn scatter(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failure>
     let (lo, hi) = if lo <= hi { (lo, hi) } else { (0.0, study.budget_px) };
     let room = room(lo, hi, study);
     let range = lo - room..hi + room;
-    let mut chart = builder(area, "Linear model against full trace")
-        .build_cartesian_2d(range.clone(), range)?;
+    let mut chart = builder(area).build_cartesian_2d(range.clone(), range)?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -292,7 +292,7 @@ fn yields(area: &Area, study: &Study, points: &PlotData) -> Result<(), Failure> 
     let least = points.yields.first().map_or(0.0, |first| first.0);
     let most = points.yields.last().map_or(study.budget_px, |last| last.0);
     let xs = least..most;
-    let mut chart = builder(area, "Yield against budget").build_cartesian_2d(xs, 0.0..1.0)?;
+    let mut chart = builder(area).build_cartesian_2d(xs, 0.0..1.0)?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)

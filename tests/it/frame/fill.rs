@@ -30,7 +30,7 @@ fn the_papers_folded_mirror_and_the_conformal_one_fill_the_frame() {
         assert!(out.contains("+69.8 % against a disc"), "{out}");
         let made = files(&folder.path().join("out").join(name));
         assert!(
-            made.keys().eq(["frame.csv", "frame.json", "frame.png"].iter()),
+            made.keys().eq(["frame.csv", "frame.html", "frame.json", "frame.png"].iter()),
             "{:?}",
             made.keys()
         );

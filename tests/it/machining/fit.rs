@@ -82,7 +82,7 @@ fn a_ball_too_large_for_a_hollow_is_a_negative_verdict_and_leaves_no_part() {
     assert_eq!(code, 1, "{err}");
     assert!(err.contains("the as-cut part was not made: the ball of 12 mm does not fit"), "{err}");
     let made = files(&home.join("out/small"));
-    assert_eq!(made.keys().collect::<Vec<_>>(), ["gouge.png", "machining.json"]);
+    assert_eq!(made.keys().collect::<Vec<_>>(), ["gouge.png", "machining.html", "machining.json"]);
     let json: Value = serde_json::from_slice(&made["machining.json"]).unwrap();
     assert!((json["least_hollow_mm"]["value"].as_f64().unwrap() - 10.0).abs() < 1e-6);
     // A paraboloid z = r^2 / 2a keeps a ball of R > a off its bottom by (R - a)^2 / 2a.
@@ -119,7 +119,10 @@ fn a_ball_that_fits_nowhere_is_a_negative_verdict_with_its_map() {
             assert!(out.contains(words), "no {words:?} in {out}");
         }
         let made = files(&home.join("out/small"));
-        assert_eq!(made.keys().collect::<Vec<_>>(), ["gouge.png", "machining.json"]);
+        assert_eq!(
+            made.keys().collect::<Vec<_>>(),
+            ["gouge.png", "machining.html", "machining.json"]
+        );
         let json: Value = serde_json::from_slice(&made["machining.json"]).unwrap();
         let nothing = json.get("scallop_um").is_some_and(Value::is_null);
         assert!(nothing && json["gouge"]["fits"] == false, "{json}");

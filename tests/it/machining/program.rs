@@ -64,7 +64,7 @@ fn the_json_is_the_file_and_no_thread_shows_in_it() {
     assert!(one.0 == three.0 && one.0.as_bytes() == one.1["machining.json"]);
     builds::assert_same(&one.1, &three.1, "threads");
     let names: Vec<&str> = one.1.keys().map(String::as_str).collect();
-    assert_eq!(names, ["as-cut.stl", "gouge.png", "machining.json"]);
+    assert_eq!(names, ["as-cut.stl", "gouge.png", "machining.html", "machining.json"]);
     let json: Value = serde_json::from_str(&one.0).unwrap();
     assert_eq!((&json["schema"], &json["verdict"]), (&1.into(), &"pass".into()));
     for path in [

@@ -1,0 +1,101 @@
+//! What the pages of a build and of a verification show of the part.
+
+use crate::design::Design;
+use crate::export::{Label, write_glb};
+use crate::geom::{DVec3, Precision};
+use crate::mesh::Face;
+use crate::optics::ThinnedFrame;
+use crate::part::coarse_face;
+use crate::raster::FalseColourMap;
+use crate::render::{AxialPlane, PartSection, SideView, optical_normal, pixel_errors, shaded_view};
+use crate::report::{PartFigures, pixel_error_map, spot_map};
+use crate::results::SharpnessFacts;
+use crate::solid::Solid;
+use crate::trace::{PixelTrace, Scene, TraceStrip};
+use crate::verdict::sharpness::spot_sizes;
+
+/// Most triangles of the part on a page.
+const TRIANGLES: usize = 16_000;
+
+/// The part's figures from a coarse mesh of its own; none where it has none.
+pub(super) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
+    let face = coarse_face(design, TRIANGLES)?;
+    let solid = closed(design, &face)?;
+    let mut glb = Vec::new();
+    write_glb(&mut glb, &solid, label).ok()?;
+    let mesh = solid.mesh();
+    let sections = [AxialPlane::X0, AxialPlane::Y0].map(|plane| PartSection::new(mesh, plane));
+    let side_view = SideView::new(design, mesh);
+    let scene = Scene::new(mesh.clone());
+    let still = shaded_view(&scene, |at: DVec3| optical_normal(design, at)).to_png().ok()?;
+    Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
+}
+
+fn closed(design: &Design, face: &Face) -> Option<Solid> {
+    Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single).ok()
+}
+
+/// Most columns of a map on a page.
+pub(super) const MAP_COLUMNS: u32 = 400;
+
+/// Pixel errors of the pixels of a map, px; none where nothing is seen.
+pub(super) struct ErrorMap {
+    /// Columns and rows.
+    pub pixels: [u32; 2],
+    /// One a pixel; empty where nothing was traced.
+    pub errors: Vec<Option<f64>>,
+}
+
+impl ErrorMap {
+    /// The map; none without a projection.
+    pub(super) fn drawn(&self, design: &Design) -> Option<FalseColourMap> {
+        let is_known = design.view.is_some() && !self.errors.is_empty();
+        is_known.then(|| pixel_error_map(self.pixels, &self.errors))
+    }
+}
+
+/// The pixel errors of a traced frame, thinned to a map.
+pub(super) struct ErrorMapBuilder {
+    thinned: ThinnedFrame,
+    pixel_mm: f64,
+    errors: Vec<Option<f64>>,
+}
+
+impl ErrorMapBuilder {
+    /// Of the frame of the camera of `design`, with so many columns at most.
+    pub(super) fn new(design: &Design, columns: u32) -> Self {
+        let thinned = ThinnedFrame::at_most(design.camera.pixels, columns);
+        Self { thinned, pixel_mm: design.camera.pixel_mm, errors: Vec::new() }
+    }
+
+    /// Adds a strip.
+    pub(super) fn add(&mut self, strip: &TraceStrip) {
+        let error = |pixel: &PixelTrace| {
+            Some(pixel.errors?.image_mm / self.pixel_mm).filter(|px| px.is_finite())
+        };
+        let line: Vec<Option<f64>> = strip.traced.pixels.iter().map(error).collect();
+        self.errors.extend(self.thinned.thin(strip.rows.clone(), &line));
+    }
+
+    /// The errors, or, where nothing was traced, those of the designed mirror.
+    pub(super) fn finish_or_smooth(mut self, design: &Design) -> ErrorMap {
+        if self.errors.is_empty() && design.view.is_some() {
+            self.errors = pixel_errors(design, self.thinned);
+        }
+        self.finish()
+    }
+
+    /// The errors.
+    pub(super) fn finish(self) -> ErrorMap {
+        ErrorMap { pixels: self.thinned.pixels(), errors: self.errors }
+    }
+}
+
+/// The map of the spots' sizes over the frame; none where no pixel has one.
+pub(super) fn sharpness_map(
+    design: &Design,
+    sharpness: Option<&SharpnessFacts>,
+) -> Option<FalseColourMap> {
+    let found = spot_sizes(design, sharpness?)?;
+    Some(spot_map(found.pixels, &found.sizes_px, &found.quantiles, "size of the spots, px"))
+}

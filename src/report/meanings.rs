@@ -1,0 +1,79 @@
+//! What the figures of the pages mean.
+
+/// Headings of the pages' tables by how they end, and what each figure means.
+const MEANINGS: [(&str, &str); 32] = [
+    ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
+    ("part", "Size over all, along X, Y and Z."),
+    ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
+    ("world", "How azimuth and elevation are counted, and where the target is."),
+    ("method", "How the mirror's shape was solved for."),
+    (
+        "condition of the fit",
+        "By how much the fit may magnify rounding; under 1e6 it does not matter.",
+    ),
+    (
+        "gradient residual",
+        "How far the normals of the surface are from those asked for, as a slope.",
+    ),
+    (
+        "curl of the field",
+        "How far the normals asked for are from those of any surface; 0 is an exact mirror.",
+    ),
+    (
+        "design: ray error, mrad",
+        "Angle between what a pixel of the designed mirror sees and what it should.",
+    ),
+    ("design: pixel error, px", "The same as a distance in the picture."),
+    (
+        "best-fit sphere and plane",
+        "How far the face is from the nearest sphere and plane: what a shop asks first.",
+    ),
+    ("triangles", "Flat facets of the mesh files."),
+    ("chord", "Largest distance between facets and mirror, proven for every facet."),
+    ("facet", "By how much flat facets move the picture at most, proven for every facet."),
+    (
+        "over the least possible",
+        "Triangles over the least number that any mesh within the limits needs.",
+    ),
+    (
+        "STEP splines",
+        "Control points of the STEP file's surface, and how near it is to the design.",
+    ),
+    ("sag table", "Rows of X, Y, Z and normal, and how near they are to the design."),
+    ("solid", "Whether the file is one closed body, and its volume beside the design's."),
+    (": rays", "What became of one ray from every pixel of the file's own trace."),
+    (": solid", "Whether the file, as it was read back, is one closed body."),
+    (": ray error, mrad", "Angle between what a pixel sees in the file and what it should."),
+    (": pixel error, px", "The same as a distance in the picture: design and facets together."),
+    (
+        ": facet error, px",
+        "The picture of the file against that of the designed mirror: facets alone.",
+    ),
+    (", its normals, mrad", "The same by the normals that the file has."),
+    (", its normals, px", "The same by the normals that the file has."),
+    (
+        "sharp",
+        "Size of the spot that a point makes in the picture: mirror, diffraction and pixel together.",
+    ),
+    ("sharpest", "The opening of the lens at which spots are least."),
+    ("allowed", "Limits to which the verdict holds the picture."),
+    (
+        "frame filled",
+        "Share of the pixels that see what they should within the largest error allowed.",
+    ),
+    (
+        "gain over a disc",
+        "Filled pixels against those that a round mirror inscribed in the frame fills.",
+    ),
+    ("form error", "Distance of the measured part from its design along the normal."),
+    ("unit", "Unit of the file's coordinates, and how it was found."),
+];
+
+/// What the figure under a heading means; none where the heading says it.
+pub(super) fn meaning(heading: &str) -> Option<&'static str> {
+    let is_of = |(end, _): &&(&str, &str)| match end.starts_with([':', ',']) {
+        true => heading.ends_with(end),
+        false => heading == *end,
+    };
+    MEANINGS.iter().find(is_of).map(|(_, meaning)| *meaning)
+}

@@ -1,0 +1,27 @@
+//! The part to turn by WebGL, and a still picture of it where there is none and on paper.
+
+use super::{Figure, image};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+
+/// What is used of three.js; see `assets/three`.
+const THREE: &str = include_str!("assets/three/three.min.js");
+/// The viewer.
+const VIEWER: &str = include_str!("assets/viewer.js");
+
+/// The part of `glb`, a file in that format, to be turned; `still` is a PNG of it.
+pub(in crate::report) fn part_figure(glb: &[u8], still: &[u8], size: &str) -> Figure {
+    let still =
+        image(still, "still", "The part seen from above and to the right of the picture's foot");
+    let glb = BASE64_STANDARD.encode(glb);
+    let body = format!(
+        "<div id=\"part3d\" class=\"part3d\">{still}</div>\n\
+         <script id=\"part-glb\" type=\"application/octet-stream\">{glb}</script>\n\
+         <script>/*! three.js, (c) three.js authors, MIT licence */\n{THREE}</script>\n<script>\n{VIEWER}</script>"
+    );
+    let caption = format!(
+        "The part, {size}. Drag, or use the arrow keys, to turn it; wheel, pinch, + and - bring it nearer or \
+         farther; Home brings it back. Drawn with fewer facets than the files have."
+    );
+    Figure { title: "Part".into(), body, caption }
+}
