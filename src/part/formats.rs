@@ -2,8 +2,9 @@
 
 use crate::design::Design;
 use crate::export::{
-    ImportedMesh, Label, MeshCounts, ReadError, StlComparison, obj_bytes, read_3mf, read_obj,
-    read_stl, stl_bytes, threemf_bytes, write_3mf, write_obj, write_obj_bare, write_stl,
+    ImportedMesh, Label, MeshCounts, ReadError, StlComparison, glb_bytes, obj_bytes, read_3mf,
+    read_glb, read_obj, read_stl, stl_bytes, threemf_bytes, write_3mf, write_glb, write_obj,
+    write_obj_bare, write_stl,
 };
 use crate::geom::{Precision, TriMesh};
 use crate::mesh::Face;
@@ -79,6 +80,7 @@ pub(crate) fn codec(format: MeshFormat) -> &'static dyn MeshCodec {
         MeshFormat::Stl => &Stl,
         MeshFormat::Obj => &Obj,
         MeshFormat::ThreeMf => &ThreeMf,
+        MeshFormat::Glb => &Glb,
     }
 }
 
@@ -174,5 +176,35 @@ impl MeshCodec for ThreeMf {
 
     fn bytes(&self, size: &MeshCounts, _design: &Design, _made: Precision, _label: &Label) -> u64 {
         threemf_bytes(size)
+    }
+}
+
+struct Glb;
+
+impl MeshCodec for Glb {
+    fn precision(&self) -> Precision {
+        Precision::Single
+    }
+
+    fn declares_unit(&self) -> bool {
+        true
+    }
+
+    fn write(
+        &self,
+        mut out: &mut dyn Write,
+        solid: &Solid,
+        _face: Option<(&Face, &Design)>,
+        label: &Label,
+    ) -> io::Result<()> {
+        write_glb(&mut out, solid, label)
+    }
+
+    fn read(&self, bytes: &[u8]) -> Result<ImportedMesh, ReadError> {
+        read_glb(bytes)
+    }
+
+    fn bytes(&self, size: &MeshCounts, _design: &Design, _made: Precision, label: &Label) -> u64 {
+        glb_bytes(size, label)
     }
 }

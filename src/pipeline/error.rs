@@ -186,7 +186,7 @@ pub enum Error {
         source: AlignError,
     },
     /// A file that names its own unit is given another.
-    #[error("{path}: a 3MF says what its unit is; leave --units out")]
+    #[error("{path}: a file of this format says what its unit is; leave --units out")]
     Declared {
         /// The file.
         path: String,

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// A file of unknown making, and how it is looked at: writes `report.json` and `report.html` into NAME-verify.
 #[derive(Debug, Clone, Copy)]
 pub struct Verify<'a> {
-    /// The file: an STL, OBJ or 3MF.
+    /// The file: an STL, OBJ, 3MF or GLB.
     pub path: &'a Path,
     /// How it is looked at.
     pub options: VerifyOptions,
@@ -69,7 +69,7 @@ impl Command for Verify<'_> {
         PathBuf::from(format!("{}-verify", profile.name))
     }
 
-    /// Reads an STL, OBJ or 3MF of any making, checks it and traces it against what the profile asks for.
+    /// Reads an STL, OBJ, 3MF or GLB of any making, checks it and traces it against what the profile asks for.
     fn run(&self, run: &mut Run) -> Result<VerifyReport, Error> {
         let bytes = publish::read(self.path)?;
         let design = run.design()?;

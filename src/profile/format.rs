@@ -20,6 +20,8 @@ pub enum MeshFormat {
     Obj,
     /// 3MF, compressed, single precision.
     ThreeMf,
+    /// Binary glTF 2.0, single precision.
+    Glb,
 }
 
 /// A format of the designed mirror.
@@ -33,7 +35,7 @@ pub enum CadFormat {
 
 impl MeshFormat {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Stl, Self::Obj, Self::ThreeMf];
+    pub const ALL: [Self; 4] = [Self::Stl, Self::Obj, Self::ThreeMf, Self::Glb];
 
     /// Endings of files, as a sentence has them.
     pub fn endings() -> String {
@@ -47,6 +49,7 @@ impl MeshFormat {
             Self::Stl => ("stl", "mirror.stl"),
             Self::Obj => ("obj", "mirror.obj"),
             Self::ThreeMf => ("3mf", "mirror.3mf"),
+            Self::Glb => ("glb", "mirror.glb"),
         }
     }
 

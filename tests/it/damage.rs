@@ -11,6 +11,7 @@ use std::path::Path;
 
 const STL: &str = "formats = [\"stl\"]";
 const OBJ: &str = "formats = [\"obj\"]";
+const GLB: &str = "formats = [\"glb\"]";
 /// Length of an STL before its first facet.
 const HEAD: usize = 84;
 /// Length of a facet in an STL.
@@ -152,7 +153,7 @@ fn exceeds_the_facet_limit(report: &BuildReport) {
 
 #[test]
 fn undamaged_files_pass() {
-    for formats in [STL, OBJ] {
+    for formats in [STL, OBJ, GLB] {
         let report = damaged(formats, |bytes| bytes);
         assert_eq!((report.verdict, &report.reasons[..]), (Verdict::Pass, &[][..]));
         assert_eq!(report.trace.len(), 1);
@@ -274,7 +275,7 @@ fn a_coordinate_that_is_no_number_is_named_by_its_facet() {
 
 #[test]
 fn an_emptied_file_is_unreadable() {
-    for formats in [STL, OBJ] {
+    for formats in [STL, OBJ, GLB] {
         let report = damaged(formats, |_| Vec::new());
         reason(&report, &[&report.files[0].name]);
         assert!(report.trace.is_empty() && report.files[0].bytes == 0);
@@ -318,19 +319,21 @@ fn only_one_damaged_file_of_two_is_blamed() {
 }
 
 #[test]
-fn an_obj_cut_off_anywhere_never_passes() {
-    let whole = whole(OBJ);
-    let folder = folder();
-    let path = folder.path().join("cut.obj");
-    let length = whole.len();
-    // The last byte is a line feed, which no one misses; all before it matter.
-    let ends = (2..30).map(|cut| length - cut);
-    let spread = (0..12).map(|k| k * length / 12);
-    for keep in spread.chain(ends) {
-        std::fs::write(&path, &whole[..keep]).unwrap();
-        let report = verify(&small(OBJ), &path, &Silent).unwrap();
-        assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");
-        reason_of(&report.reasons, &["cut.obj: ", ": "]);
+fn an_obj_or_a_glb_cut_off_anywhere_never_passes() {
+    // The last byte of an OBJ is a line feed, which no one misses; all before it matter.
+    for (formats, name, least) in [(OBJ, "cut.obj", 2), (GLB, "cut.glb", 1)] {
+        let whole = whole(formats);
+        let folder = folder();
+        let path = folder.path().join(name);
+        let length = whole.len();
+        let ends = (least..30).map(|cut| length - cut);
+        let spread = (0..12).map(|k| k * length / 12);
+        for keep in spread.chain(ends) {
+            std::fs::write(&path, &whole[..keep]).unwrap();
+            let report = verify(&small(formats), &path, &Silent).unwrap();
+            assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");
+            reason_of(&report.reasons, &[name, ": ", ": "]);
+        }
     }
 }
 
@@ -416,7 +419,7 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
 
     std::fs::write(home.join("mirror.step"), &stl).unwrap();
     for (file, why) in [
-        ("mirror.step", "the name must end in .stl, .obj or .3mf"),
+        ("mirror.step", "the name must end in .stl, .obj, .3mf or .glb"),
         ("nowhere.stl", "cannot read nowhere.stl"),
     ] {
         let (code, out, err) = verify(file);

@@ -27,11 +27,12 @@ fn assert_same(a: &Made, b: &Made, what: &str) {
 #[track_caller]
 fn the_thread_count_leaves_no_trace(text: &str, code: i32) {
     let folder = folder();
-    let text = edited(text, &[("[\"stl\", \"obj\"]", "[\"stl\", \"obj\", \"3mf\", \"csv\"]")]);
+    let text =
+        edited(text, &[("[\"stl\", \"obj\"]", "[\"stl\", \"obj\", \"3mf\", \"glb\", \"csv\"]")]);
     let one = build(&folder.path().join("1"), &text, "1");
     assert_eq!(one.0, code, "{}", one.1);
     let names: Vec<&str> = one.2.keys().map(String::as_str).collect();
-    let meshes = ["mirror.3mf", "mirror.obj", "mirror.stl"];
+    let meshes = ["mirror.3mf", "mirror.glb", "mirror.obj", "mirror.stl"];
     let pages = ["preview.png", "report.html", "report.json", "sag.csv"];
     assert_eq!(names, [&meshes[..], &pages].concat());
     for threads in ["2", "7"] {

@@ -2,6 +2,8 @@
 
 #[path = "../../fuzz/properties/csv.rs"]
 mod csv;
+#[path = "../../fuzz/properties/glb.rs"]
+pub(crate) mod glb;
 #[path = "../../fuzz/properties/mesh.rs"]
 mod mesh;
 #[path = "../../fuzz/properties/obj.rs"]
@@ -54,6 +56,11 @@ fn stl_files_of_the_fuzzer_come_to_a_verdict() {
 #[test]
 fn obj_files_of_the_fuzzer_come_to_a_verdict() {
     replay("obj", |bytes| obj::holds(bytes, 0));
+}
+
+#[test]
+fn glb_files_of_the_fuzzer_come_to_a_verdict() {
+    replay("glb", |bytes| glb::holds(bytes, 0));
 }
 
 #[test]

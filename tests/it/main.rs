@@ -22,6 +22,7 @@ mod fingerprint;
 mod frame;
 mod fuzzed;
 mod given_mirrors;
+mod glb;
 mod machining;
 mod manners;
 mod mesh_advice;

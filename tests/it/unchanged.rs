@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 /// Formats of every kind.
-const ALL: &str = "[\"stl\", \"obj\", \"3mf\", \"step\", \"csv\"]";
+const ALL: &str = "[\"stl\", \"obj\", \"3mf\", \"glb\", \"step\", \"csv\"]";
 const LINE: &str = "unchanged  made/small: profile, program and files are as the last build left \
                     them; --force builds again\n";
 

@@ -1,8 +1,10 @@
 //! Reading meshes back, as a stranger would: nothing is taken from the writer but the file.
 
+mod glb;
 mod plain_obj;
 mod threemf;
 
+pub use glb::{GlbError, read_glb};
 pub use threemf::{ThreeMfError, read_3mf};
 
 use crate::geom::{DVec3, TriMesh, Welder};
@@ -42,6 +44,9 @@ pub enum ReadError {
     /// Not a 3MF.
     #[error("not a readable 3MF: {0}")]
     ThreeMf(#[from] ThreeMfError),
+    /// Not a GLB.
+    #[error("not a readable GLB: {0}")]
+    Glb(#[from] GlbError),
     /// A coordinate is not a finite number.
     #[error("facet {facet} has a coordinate that is not a finite number")]
     NotFinite {

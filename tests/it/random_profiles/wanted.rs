@@ -45,7 +45,7 @@ const RADIAL_LAWS: [&str; 9] = [
     "equi-areal",
     "cylinder",
 ];
-const FORMATS: [&str; 5] = ["stl", "obj", "3mf", "step", "csv"];
+const FORMATS: [&str; 6] = ["stl", "obj", "3mf", "glb", "step", "csv"];
 const PRESETS: [&str; 3] = ["precision-cnc", "spdt", "sla-print"];
 
 /// What the parts of a profile have to know of each other.
