@@ -30,6 +30,9 @@ pub struct Face {
     pub optimum: Optimum,
     /// Digits for which the limits were kept.
     pub precision: Precision,
+    /// Number of triangles, closed, of the mesh within the next finer limit that was tried for a budget and did not
+    /// fit it; none where no such mesh was made.
+    pub next_finer: Option<usize>,
 }
 
 /// Forecast of the size of a mesh.
@@ -75,7 +78,8 @@ impl<'a> Mesher<'a> {
         if mirror.folded {
             mesh = mesh.with_reflection(1);
         }
-        Ok(Face { mesh, designed, bound, optimum, precision: limits.precision })
+        let precision = limits.precision;
+        Ok(Face { mesh, designed, bound, optimum, precision, next_finer: None })
     }
 
     /// See [`forecast`](super::forecast).

@@ -68,13 +68,17 @@ impl SizeWarnings<'_> {
         warnings
     }
 
-    /// The warning of a budget of which less than [`ENOUGH`] is used: what stands against a finer mesh.
-    pub(crate) fn unspent(&self, made: &MeshFacts) -> Option<String> {
+    /// The warning of a budget of which less than [`ENOUGH`] is used: what stands against a finer mesh, the next of
+    /// which has been made already or not.
+    pub(crate) fn unspent(&self, made: &MeshFacts, next_finer: Option<usize>) -> Option<String> {
         let most = made.max_triangles?;
         if made.triangles as f64 >= ENOUGH * most as f64 {
             return None;
         }
-        let why = self.finer(made, most);
+        let why = match next_finer {
+            Some(count) => format!("finer limits come to {count}"),
+            None => self.finer(made, most),
+        };
         Some(format!(
             "{}: {} of max_triangles = {most} are used; {why}",
             self.profile.name, made.triangles

@@ -280,7 +280,8 @@ fn report(
     let size = SizeWarnings { profile, design, precision };
     let lengths: Vec<(&str, u64)> = files.iter().map(|f| (&*f.name, f.bytes)).collect();
     let mut warnings = size.on(mesh.map_or(0, |mesh| mesh.triangles), &lengths);
-    warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh)));
+    let next_finer = made.meshes.as_ref().ok().and_then(|meshes| meshes.next_finer);
+    warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh, next_finer)));
     let blurred = findings.sharpness.as_ref().and_then(SharpnessFacts::warning);
     warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));
     let report = BuildReport {

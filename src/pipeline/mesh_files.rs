@@ -20,6 +20,8 @@ const SHARED: &str = "files with as many digits share one";
 pub(super) struct MeshFiles {
     /// Figures of the mesh and the first solid.
     pub facts: Option<(MeshFacts, SolidFacts)>,
+    /// [`Face::next_finer`].
+    pub next_finer: Option<usize>,
     /// The errors that they may have.
     pub promise: Promise,
     /// Their digits.
@@ -75,13 +77,14 @@ pub(super) fn write_meshes(
         closed = Some((codec(format).precision(), solid));
     }
     let promise = Promise::of_face(run.profile, design, &face.made);
+    let next_finer = face.made.next_finer;
     let AtPrecision { precision, formats, refused, .. } = face;
     // (The last solid alone: there is never more than one in memory.)
     let is_guessed = |(digits, _): &(Precision, Solid)| {
         formats.contains(&GUESSED) && *digits == codec(GUESSED).precision()
     };
     let written = closed.filter(is_guessed).map(|(_, solid)| solid);
-    Ok(MeshFiles { facts, promise, precision, formats, refused, written })
+    Ok(MeshFiles { facts, next_finer, promise, precision, formats, refused, written })
 }
 
 /// The face that the profile asks for, with a note for the observer. Unless shortcuts are allowed, every

@@ -211,6 +211,13 @@ impl AnswerRows {
         plain.filter_map(|row| Some((row.label?, &*row.sentence)))
     }
 
+    /// The details alone.
+    #[must_use]
+    pub fn into_details(mut self) -> Self {
+        self.rows.retain(|row| row.is_detail);
+        self
+    }
+
     /// Lines of the terminal's tables.
     pub fn table_lines(&self) -> impl Iterator<Item = &str> {
         self.rows.iter().filter(|row| row.is_fixed).map(|row| &*row.sentence)

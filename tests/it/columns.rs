@@ -37,6 +37,17 @@ fn summaries_of_shipped_profiles_fit_a_terminal() {
 }
 
 #[test]
+fn pages_say_what_each_figure_means() {
+    for shipped in shipped() {
+        let page = shipped_builds::folder().join(shipped.name).join("report.html");
+        let page = std::fs::read_to_string(page).unwrap();
+        let rows = page.split("<tr>").filter(|row| row.contains("class=\"meaning\""));
+        let silent: Vec<&str> = rows.filter(|row| row.contains("meaning\"></td>")).collect();
+        assert!(silent.is_empty(), "{}: {silent:?}", shipped.name);
+    }
+}
+
+#[test]
 fn every_command_fits_a_terminal() {
     let folder = folder();
     save(folder.path(), SMALL);

@@ -63,6 +63,8 @@ struct BudgetSearch<'a> {
     refusals: usize,
     /// The fewest triangles of any mesh.
     least: usize,
+    /// Limits whose meshes did not fit, mm, and the numbers of their triangles.
+    too_fine: Vec<(f64, usize)>,
 }
 
 impl<'a> BudgetSearch<'a> {
@@ -74,6 +76,7 @@ impl<'a> BudgetSearch<'a> {
             best: None,
             refusals: 0,
             least: usize::MAX,
+            too_fine: Vec::new(),
         }
     }
 
@@ -88,6 +91,8 @@ impl<'a> BudgetSearch<'a> {
                     self.keep_if_best(face);
                 } else if limit >= self.bracket.loosest() {
                     return Err(MeshError::BudgetTooSmall { most, least: self.least });
+                } else {
+                    self.too_fine.push((limit, count));
                 }
                 count as f64
             }
@@ -171,7 +176,10 @@ impl Budget<'_> {
         let limit = search.bracket.next(aim, aim);
         search.run(limit)?;
         search.try_finer();
-        Ok(search.best.expect("a bracket closes on a limit that fitted"))
+        let best = search.best.expect("a bracket closes on a limit that fitted");
+        let finer = search.too_fine.into_iter().filter(|(limit, _)| *limit < self.error(&best));
+        let next_finer = finer.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, count)| count);
+        Ok(Face { next_finer, ..best })
     }
 
     /// The error that the budget is spent on, mm.

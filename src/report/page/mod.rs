@@ -229,8 +229,9 @@ pub(super) fn page_of(
     page.figures(figures);
     page.table_lines(&rows);
     page.files(files);
-    if rows.of_page().next().is_some() {
-        page.folded_facts("All figures, and what each means", &rows);
+    let details = rows.into_details();
+    if details.of_page().next().is_some() {
+        page.folded_facts("All figures, and what each means", &details);
     }
     page.links(own, head.profile.map_or("", |profile| &profile.name));
     page.finish()

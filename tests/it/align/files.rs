@@ -1,7 +1,7 @@
 //! Files of other makers through the whole program: units, form error, verdict, files, exit codes.
 
 use super::copies::{Part, kept, moved, profile_text};
-use crate::support::builds::{folder, morion, told};
+use crate::support::builds::{files, folder, morion, told};
 use crate::support::draws::Draws;
 use crate::support::refused;
 use morion::internals::geom::TriMesh;
@@ -317,7 +317,10 @@ fn the_program_aligns_and_says_what_it_cannot() {
     assert!(!home.join("new").exists());
     unable(&["verify", "scan.stl", "--align", "--units", "um"], &["cannot align scan.stl: "]);
     assert!(first == ["report.json", "form_error.png"].map(made));
-    unable(&["verify", "scan.stl", "--out", "new"], &["--align"]);
+    // In the part's frame it is no part; that is written down where it is asked for.
+    assert_eq!(morion(&["verify", "scan.stl", "--out", "new", "-q"]).0, 1);
+    let written = files(&home.join("new/small-verify"));
+    assert_eq!(written.keys().collect::<Vec<_>>(), ["report.html", "report.json"]);
     unable(&["verify", "scan.stl", "--units", "ell"], &["--units", "mm"]);
     // What is no mesh is a verdict, and no map of another file stays beside it.
     std::fs::write(home.join("empty.stl"), stl(&TriMesh::default(), 1.0)).unwrap();

@@ -219,7 +219,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
         files(&home.join(threads).join("small"))
     };
     let one = run("1");
-    assert_eq!(one.len(), 5);
+    assert_eq!(one.len(), 7);
     builds::assert_same(&one, &run("3"), "threads");
 }
 
