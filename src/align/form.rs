@@ -5,6 +5,7 @@ use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ThinnedFrame};
 use crate::parallel;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -19,7 +20,7 @@ pub struct FormMap {
 }
 
 /// Statistics of the departures: peak to valley, RMS and extremes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct FormStatistics {
     /// Highest less lowest.
     pub pv: f64,
@@ -32,7 +33,7 @@ pub struct FormStatistics {
 }
 
 /// Form error of a part, um, with and without outliers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct FormError {
     /// Over all pixels.
     #[serde(flatten)]

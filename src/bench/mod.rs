@@ -13,7 +13,7 @@ mod trials;
 mod witness;
 
 pub use results::{
-    BenchReport, BenchRun, BenchSweep, ConvergenceOrder, SuggestedSettings, Suggestion,
+    BenchReport, BenchRun, BenchSweep, ConvergenceOrder, SCHEMA, SuggestedSettings, Suggestion,
 };
 
 use crate::design::Design;
@@ -139,7 +139,7 @@ pub fn bench(
             suggestions.push(suggestion);
         }
     }
-    let bench = BenchReport { schema: 2, sweeps, suggestions };
+    let bench = BenchReport { schema: SCHEMA, sweeps, suggestions };
     clock.stage(Stage::Report, || {
         add_files(&bench, &mut files)?;
         files.commit()?;

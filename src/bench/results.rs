@@ -2,44 +2,49 @@
 
 use crate::report::{Answer, AnswerRows, Head, ToRows};
 use crate::results::digits;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// One run: what a setting costs, and how far from the truth it leaves the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BenchRun {
     /// Profile.
     pub profile: String,
     /// What else tells curves apart, such as the method.
     pub series: String,
-    /// In the unit of [`BenchSweep::setting`].
+    /// The setting, in the unit of its sweep.
     pub setting: f64,
     /// Run time, ms.
     pub time_ms: f64,
-    /// In the unit of [`BenchSweep::error`].
+    /// The error, in the unit of its sweep.
+    #[schemars(with = "Option<f64>")]
     pub error: f64,
     /// Whether no other run of its curves' profile is both faster and nearer.
     pub pareto: bool,
     /// More figures, with their units in the keys.
+    #[schemars(with = "BTreeMap<String, Option<f64>>")]
     pub figures: BTreeMap<&'static str, f64>,
 }
 
 /// How one quantity goes with another, y ~ x^p within each curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ConvergenceOrder {
     /// y against x.
     pub of: &'static str,
     /// p, fitted to all curves at once.
+    #[schemars(with = "Option<f64>")]
     pub order: f64,
     /// Its standard error.
+    #[schemars(with = "Option<f64>")]
     pub sigma: f64,
     /// What theory says.
     pub theory: f64,
 }
 
 /// Runs that differ in one setting.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BenchSweep {
     /// File name without ending.
     pub name: &'static str,
@@ -56,7 +61,7 @@ pub struct BenchSweep {
 }
 
 /// The cheapest settings that reach a pixel error.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Suggestion {
     /// Profile.
     pub profile: String,
@@ -69,7 +74,7 @@ pub struct Suggestion {
 }
 
 /// Settings of a profile, and what came of them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SuggestedSettings {
     /// Method.
     pub method: String,
@@ -89,8 +94,11 @@ pub struct SuggestedSettings {
     pub file: String,
 }
 
+/// Version of the keys of `bench.json`.
+pub const SCHEMA: u32 = 2;
+
 /// `bench.json`, schema 2.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BenchReport {
     /// Version of these keys.
     pub schema: u32,

@@ -55,6 +55,8 @@ pub(super) enum CommandArg {
     Bench(BenchArgs),
     /// List the shipped profiles
     Profiles(ProfilesArgs),
+    /// List the JSON outputs, or print the JSON Schema of one
+    Schema(SchemaArgs),
 }
 
 // Arguments of `morion build`.
@@ -284,6 +286,13 @@ pub(super) struct ProfilesArgs {
     /// Print this one, to start from
     #[arg(long, value_name = "NAME")]
     pub show: Option<String>,
+}
+
+// Arguments of `morion schema`.
+#[derive(Debug, Args)]
+pub(super) struct SchemaArgs {
+    /// Print the JSON Schema (draft 2020-12) of this output
+    pub name: Option<String>,
 }
 
 /// Formats of a map.

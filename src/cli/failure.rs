@@ -2,7 +2,7 @@
 
 use crate::pipeline::SourceError;
 use crate::profile::Complaint;
-use serde::Serialize;
+use crate::results::{ErrorLine, ToldError};
 use serde_json::json;
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
@@ -29,18 +29,8 @@ impl CommandFailure {
             Some(SourceError::Faulty(complaints)) => complaints.0.iter().map(complaint).collect(),
             _ => vec![ToldError { message: error.to_string(), ..ToldError::default() }],
         });
-        told.map(|error| format!("{}\n", json!({ "error": error }))).collect()
+        told.map(|error| format!("{}\n", json!(ErrorLine { error }))).collect()
     }
-}
-
-/// An error, as far as its place is known.
-#[derive(Default, Serialize)]
-struct ToldError<'a> {
-    file: Option<&'a str>,
-    line: Option<usize>,
-    column: Option<usize>,
-    message: String,
-    hint: Option<&'a str>,
 }
 
 fn complaint(complaint: &Complaint) -> ToldError<'_> {

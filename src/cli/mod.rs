@@ -5,6 +5,7 @@ mod commands;
 mod failure;
 mod memory;
 mod progress;
+mod schemas;
 #[cfg(unix)]
 mod signals;
 mod styles;
@@ -14,12 +15,16 @@ use crate::parallel;
 use crate::pipeline::{Command, ToleranceOptions, TrialsPart, dry_run, load, merge};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, TextLayout, visible};
-use crate::results::Verdict;
-use args::{Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, ToleranceArgs};
+use crate::results::{NamedOutput, PartTrials, ProfileCheck, ShippedProfile, Verdict};
+use args::{
+    Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, SchemaArgs,
+    ToleranceArgs,
+};
 use clap::Parser;
 use failure::CommandFailure;
 use memory::threads_with_room;
 use progress::Progress;
+use serde::Serialize;
 use serde_json::json;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
@@ -88,6 +93,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Bench(args) => terminal.bench(args),
         CommandArg::Profiles(args) => terminal.profiles(args),
+        CommandArg::Schema(args) => terminal.schema(args),
     }
 }
 
@@ -147,11 +153,9 @@ impl Terminal {
     }
 
     fn check(&self, named: &str) -> Result<u8, CommandFailure> {
-        let Profile { name, sha256, .. } = load(named)?;
-        self.show(
-            || visible(&format!("{name}: valid ({sha256})\n")),
-            || line(&json!({ "name": name, "sha256": sha256 })),
-        )?;
+        let valid = ProfileCheck::from(&load(named)?);
+        let ProfileCheck { name, sha256 } = &valid;
+        self.show(|| visible(&format!("{name}: valid ({sha256})\n")), || line(&valid))?;
         Ok(PASSED)
     }
 
@@ -189,13 +193,32 @@ impl Terminal {
         }
         for Shipped { name, text } in shipped() {
             let summary = Profile::parse(name, name, text.as_bytes())?.summary;
+            let shipped = ShippedProfile { name: (*name).into(), summary };
             self.show(
                 || {
                     let columns = columns(&std::io::stdout());
                     let layout = TextLayout { columns, ..TextLayout::default() };
-                    layout.lines(&format!("{name:21} "), &summary, 22)
+                    layout.lines(&format!("{name:21} "), &shipped.summary, 22)
                 },
-                || line(&json!({ "name": name, "summary": summary })),
+                || line(&shipped),
+            )?;
+        }
+        Ok(PASSED)
+    }
+
+    /// Prints the JSON Schema of an output, or lists the outputs.
+    fn schema(&self, args: &SchemaArgs) -> Result<u8, CommandFailure> {
+        if let Some(name) = &args.name {
+            print(&schemas::named(name)?)?;
+            return Ok(PASSED);
+        }
+        let columns = columns(&std::io::stdout());
+        let layout = TextLayout { columns, ..TextLayout::default() };
+        for output in schemas::outputs() {
+            let NamedOutput { name, what, from } = output;
+            self.show(
+                || layout.lines(&format!("{name:18} "), &format!("{what}: {from}"), 19),
+                || line(&output),
             )?;
         }
         Ok(PASSED)
@@ -228,11 +251,9 @@ impl Terminal {
         out: &Path,
     ) -> Result<u8, CommandFailure> {
         let part = TrialsPart(options).publish(&load(named)?, out, &self.progress)?;
-        let (path, trials) = (part.path.display().to_string(), part.trials);
-        self.show(
-            || visible(&format!("{path}: {trials} trials\n")),
-            || line(&json!({ "part": path, "trials": trials })),
-        )?;
+        let made = PartTrials { part: part.path.display().to_string(), trials: part.trials };
+        let PartTrials { part, trials } = &made;
+        self.show(|| visible(&format!("{part}: {trials} trials\n")), || line(&made))?;
         Ok(PASSED)
     }
 
@@ -284,8 +305,8 @@ fn columns(stream: &impl IsTerminal) -> Option<usize> {
 }
 
 /// A JSON value on a line of its own.
-fn line(value: &serde_json::Value) -> String {
-    format!("{value}\n")
+fn line(answer: &impl Serialize) -> String {
+    format!("{}\n", json!(answer))
 }
 
 /// Prints to stdout; a reader that has gone away is no error.

@@ -8,6 +8,7 @@ use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::optics::{Camera, CurlBounds, ImagingTask, reflect};
 use crate::parallel;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Samples per side of the panel, or along each of as many radii; the rim is sampled too, where the
@@ -15,16 +16,20 @@ use serde::{Deserialize, Serialize, Serializer};
 pub(super) const SAMPLES: usize = 200;
 
 /// W . curl W / |W|^2 over the panel, paper's units (1/rad): zero where an exact mirror exists.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CurlFacts {
     /// Area-weighted root mean square.
+    #[schemars(with = "Option<f64>")]
     pub rms: f64,
     /// Largest magnitude.
+    #[schemars(with = "Option<f64>")]
     pub max: f64,
     /// Largest condition: factor from relative errors of the field's derivatives to errors of the curl, the
     /// sum of the derivatives' magnitudes.
+    #[schemars(with = "Option<f64>")]
     pub condition: f64,
     /// Proven bound of the curl's rounding error, by intervals.
+    #[schemars(with = "Option<f64>")]
     pub rounding: f64,
 }
 
@@ -32,7 +37,7 @@ pub struct CurlFacts {
 const NO_ERROR: FailureCause = FailureCause::NotFinite { what: "image error" };
 
 /// Figures of merit of a design.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignFacts {
     /// Name of the method, as in the profile, or "given".
     pub method: String,
@@ -51,12 +56,15 @@ pub struct DesignFacts {
     pub gradient_residual: Option<f64>,
     /// Whether an exact mirror exists.
     #[serde(serialize_with = "curl_or_null", deserialize_with = "unless_null")]
+    #[schemars(with = "CurlFacts")]
     pub curl: Option<CurlFacts>,
     /// Angle between the direction seen and the direction wanted, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    #[schemars(with = "Summary")]
     pub ray_error_mrad: Option<Summary>,
     /// Ray error carried back to the image, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    #[schemars(with = "Summary")]
     pub pixel_error_px: Option<Summary>,
 }
 

@@ -8,10 +8,11 @@ use super::border;
 use crate::geom::{Border, Contour, DVec2};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Places and sizes in the part's frame, mm.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Mounting {
     /// Entrance pupil of the lens, which looks along -Z; none for a telecentric camera.
     pub pupil_mm: Option<[f64; 3]>,

@@ -3,6 +3,7 @@
 use crate::geom::DVec2;
 use crate::mirror::{LocalSurface, Mirror};
 use crate::optics::Camera;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Whether a ball that touches the mirror at `place` stays on its own side of the ridge of a folded
@@ -21,7 +22,7 @@ fn ridge_clearance(mirror: &Mirror, place: &LocalSurface, ball_mm: f64) -> f64 {
 
 /// What the ball leaves of the valley of a folded mirror: a hollow edge becomes a fillet of the ball's
 /// radius between the places where it touches both panels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Fillet {
     /// Width where it is widest, in the plan, mm.
     pub width_max_mm: f64,

@@ -1,10 +1,11 @@
 //! The last build in a folder: whether the next one would only repeat it.
 
-use super::observer::{StageTimer, Work};
+use super::observer::{StageTimer, Timings, Work};
 use crate::profile::FileFormat;
 use crate::profile::Profile;
 use crate::publish::HashingWriter;
 use crate::results::BuildReport;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -15,7 +16,7 @@ use std::time::UNIX_EPOCH;
 const UNCHANGED: &str = "nothing has changed since the last build in this folder";
 
 /// What a build was made of and what it left, for the next one: part of `timings.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub(super) struct BuildRecord {
     /// SHA-256 of all that its files depend on.
     pub inputs: String,
@@ -27,21 +28,32 @@ pub(super) struct BuildRecord {
 
 impl BuildRecord {
     /// `timings.json`: with the times of the build that this is of.
-    pub(super) fn json(&self, clock: &StageTimer) -> String {
-        let mut all = clock.timings(&self.work);
-        all["inputs"] = self.inputs.as_str().into();
-        all["outputs"] = serde_json::json!(self.outputs);
-        format!("{all:#}\n")
+    pub(super) fn json(self, clock: &StageTimer) -> String {
+        let Self { inputs, outputs, work } = self;
+        let all = BuildTimings { inputs, outputs, times: clock.timings(work) };
+        format!("{:#}\n", serde_json::json!(all))
     }
+}
+
+/// `timings.json`: run times and work of a build, and what the next one compares.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct BuildTimings {
+    /// SHA-256 of all that the files of the build depend on, hexadecimal.
+    pub inputs: String,
+    /// The files but for `timings.json` itself.
+    pub outputs: Vec<Output>,
+    /// Run times and work.
+    #[serde(flatten)]
+    pub times: Timings,
 }
 
 /// A file as it was published. One of the same length and time of change is taken for the same, as
 /// `make` does.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Output {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Output {
     /// Name in its folder.
     pub name: String,
-    /// Length.
+    /// Length, bytes.
     pub bytes: u64,
     /// When it was written, ns since 1970.
     pub written_ns: u64,

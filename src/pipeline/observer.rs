@@ -2,8 +2,9 @@
 
 use crate::tolerance;
 use crate::trace::TraceCounts;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -89,18 +90,29 @@ pub struct Silent;
 impl Observer for Silent {}
 
 /// What a stage did of one kind, and what it could leave undone.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Work {
-    /// [`Stage::name`].
+    /// Name of the stage.
     pub stage: String,
     /// What is counted.
     pub what: String,
-    /// How many were needed.
+    /// Number of those that were needed.
     pub done: u64,
-    /// How many were not.
+    /// Number of those that were left undone.
     pub avoided: u64,
-    /// Why not.
+    /// Why they could be left undone.
     pub why: String,
+}
+
+/// Run times of a command: `tolerance-timings.json`, and the part of `timings.json` that every build has.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Timings {
+    /// Run time of each stage that ran, s.
+    pub seconds: BTreeMap<&'static str, f64>,
+    /// Run time of all, s.
+    pub total_s: f64,
+    /// Work of the stages.
+    pub work: Vec<Work>,
 }
 
 /// Times the stages for an observer, and counts their work.
@@ -211,14 +223,12 @@ impl<'a> StageTimer<'a> {
         }
     }
 
-    /// Seconds per stage, in order, and in all so far, and `work`.
-    pub fn timings(&self, work: &[Work]) -> Value {
-        let mut stages = Map::new();
-        for (name, seconds) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
-            let before = stages.get(name).and_then(Value::as_f64).unwrap_or(0.0);
-            stages.insert(name.into(), (before + seconds).into());
+    /// Seconds per stage, and in all so far, and `work`.
+    pub fn timings(&self, work: Vec<Work>) -> Timings {
+        let mut seconds = BTreeMap::new();
+        for (name, took) in self.stages.lock().map(|s| s.clone()).unwrap_or_default() {
+            *seconds.entry(name).or_insert(0.0) += took;
         }
-        let total = self.start.elapsed().as_secs_f64();
-        serde_json::json!({ "seconds": stages, "total_s": total, "work": work })
+        Timings { seconds, total_s: self.start.elapsed().as_secs_f64(), work }
     }
 }

@@ -200,10 +200,10 @@ impl<'a> ImperfectPart<'a> {
             profile,
             seed,
             trial,
-            part: of(|acts_on| matches!(acts_on, ActsOn::Mounting(_))),
+            part: of(ActsOn::is_mounting),
             world_from_file: engine.placing(&self.made),
-            camera: of(|acts_on| matches!(acts_on, ActsOn::Camera(_))),
-            in_the_files: of(|acts_on| acts_on == ActsOn::Size),
+            camera: of(ActsOn::is_camera),
+            in_the_files: of(ActsOn::is_size),
             growth: engine.growth(&self.made),
         }
     }

@@ -267,7 +267,7 @@ fn concluded(
         files.add_bytes("trials.csv", table(profile, engine, seed, trials).as_bytes())?;
         files.add_report("tolerance.json", &report.json())?;
         files.add_bytes("tolerance.html", page.as_bytes())?;
-        let timings = format!("{:#}\n", timer.timings(&timer.work()));
+        let timings = format!("{:#}\n", serde_json::json!(timer.timings(timer.work())));
         files.add_bytes("tolerance-timings.json", timings.as_bytes())?;
         Ok(())
     })?;

@@ -1,6 +1,7 @@
 //! Acceptance limits of a finished mirror: those of the profile, and usual ones in their place.
 
 use super::{Layout, Profile};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The limits that a profile names; a usual one stands in for each that is absent.
@@ -17,7 +18,7 @@ pub struct AcceptanceSpec {
 }
 
 /// A limit, and whether it stands there because the profile names none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AcceptanceLimit {
     /// In the limit's unit.
     pub value: f64,
@@ -26,7 +27,7 @@ pub struct AcceptanceLimit {
 }
 
 /// The limits that a mirror with a projection is held to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AcceptanceLimits {
     /// Root-mean-square pixel error, in pixels.
     pub pixel_error_rms_px: AcceptanceLimit,

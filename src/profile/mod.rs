@@ -24,6 +24,7 @@ mod words;
 
 use crate::geom::ScanPattern;
 use crate::optics::CameraModel;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
@@ -98,12 +99,12 @@ impl LensSpec {
 }
 
 /// Aperture of a lens.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Aperture {
     /// The diameter of a pinhole camera's entrance pupil.
     Pupil {
-        /// mm.
+        /// Diameter, mm.
         pupil_mm: f64,
     },
     /// The numerical aperture of a telecentric lens on the mirror's side.

@@ -2,16 +2,18 @@
 
 use super::ProfileId;
 use super::SharpnessFacts;
+use crate::num::stats::finite_or_null;
 use crate::pencil::Quantiles;
 use crate::profile::Aperture;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// `blur.json`, schema 1.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BlurReport {
     /// Version of these keys.
     pub schema: u32,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// Columns and rows of the sensor.
     pub pixels: [u32; 2],
@@ -33,33 +35,35 @@ pub struct BlurReport {
 }
 
 /// The plane in focus, across the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct FocusPlane {
-    /// Its Z in the part frame; none infinitely far away.
+    /// Its Z in the part frame, mm; null infinitely far away.
+    #[schemars(with = "Option<f64>")]
     pub z_mm: f64,
-    /// Its distance from the entrance pupil, of a pinhole camera.
+    /// Its distance from the entrance pupil, mm; null infinitely far away, absent of a telecentric camera.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "finite_or_null")]
     pub distance_mm: Option<f64>,
 }
 
 /// Blur with one focus.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct SpotFacts {
-    /// Which.
+    /// The plane in focus.
     pub focus: FocusPlane,
-    /// Full length of a pixel's blur ellipse.
+    /// Full length of a pixel's blur ellipse, px.
     pub length_px: Quantiles,
-    /// Twice the root mean square distance of its rays from the chief ray.
+    /// Twice the root mean square distance of its rays from the chief ray, px.
     pub rms_diameter_px: Quantiles,
     /// The aperture with which 95 % of the lengths are at most one pixel.
     pub largest: Aperture,
 }
 
 /// Where the virtual images lie.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct VirtualImages {
     /// The farthest from the camera and the nearest line image of any pixel.
     pub range: [FocusPlane; 2],
-    /// Distance along the axis between a pixel's two line images.
+    /// Distance along the axis between a pixel's two line images, mm.
     pub astigmatism_mm: Quantiles,
 }

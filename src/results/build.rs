@@ -11,10 +11,11 @@ use crate::design::{DesignFacts, Mounting};
 use crate::mirror::Form;
 use crate::profile::AcceptanceLimits;
 use crate::trace::FrameFill;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Results of a build, in the shape of `report.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BuildReport {
     /// Version of these keys.
     pub schema: u32,
@@ -61,7 +62,7 @@ pub struct BuildReport {
 }
 
 /// Results of the verification of a file of unknown making, in the shape of `report.json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct VerifyReport {
     /// Version of these keys.
     pub schema: u32,

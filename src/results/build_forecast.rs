@@ -1,16 +1,17 @@
 //! What a build would make, foreseen without making it.
 
 use super::{ProfileId, SCHEMA};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What a build of one profile would come to. Numbers are forecasts.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BuildForecast {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
     /// Nothing was written.
     pub dry_run: bool,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// The mesh; none where the build would go on without one.
     pub mesh: Option<MeshForecast>,
@@ -23,7 +24,7 @@ pub struct BuildForecast {
 }
 
 /// The mesh that is foreseen.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct MeshForecast {
     /// Facets of the optical face.
     pub optical_triangles: usize,
@@ -39,7 +40,7 @@ pub struct MeshForecast {
 }
 
 /// A limit asked for, and what is foreseen for a number of triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ForecastLimit {
     /// Asked for; none when the profile sets none.
     pub limit: Option<f64>,
@@ -48,7 +49,7 @@ pub struct ForecastLimit {
 }
 
 /// A mesh file that is foreseen.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct FileForecast {
     /// Name in the output folder.
     pub name: String,

@@ -3,13 +3,14 @@
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::profile::Profile;
 use crate::solid::SolidCheck;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the report's schema: keys may be added, never changed.
 pub const SCHEMA: u32 = 1;
 
 /// Name and fingerprint of a profile.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ProfileId {
     /// Its name.
     pub name: String,
@@ -24,7 +25,7 @@ impl From<&Profile> for ProfileId {
 }
 
 /// Pass or fail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The part does what the profile asks.
@@ -45,7 +46,7 @@ impl Verdict {
 }
 
 /// A file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct FileFacts {
     /// Name in the output folder.
     pub name: String,
@@ -58,7 +59,7 @@ pub struct FileFacts {
 }
 
 /// A limit asked for and the bound proven.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Limited {
     /// Asked for; none when the profile sets none.
     pub limit: Option<f64>,
@@ -68,7 +69,7 @@ pub struct Limited {
 
 /// Numbers of triangles over the least possible, for the limits that are set; none where the mirror
 /// bends in one direction alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OverOptimum {
     /// Against the chord limit.
     pub chord: Option<f64>,
@@ -77,7 +78,7 @@ pub struct OverOptimum {
 }
 
 /// What the mesh reached.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeshFacts {
     /// Facets of the optical face.
     pub optical_triangles: usize,
@@ -99,7 +100,7 @@ pub struct MeshFacts {
 }
 
 /// The check of a solid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SolidFacts {
     /// What was found.
     #[serde(flatten)]
@@ -119,7 +120,7 @@ impl SolidFacts {
 }
 
 /// What a sag table holds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SagFacts {
     /// Rows of X, Y, Z and normal.
     pub rows: usize,
@@ -130,7 +131,7 @@ pub struct SagFacts {
 }
 
 /// The splines of a STEP file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StepFacts {
     /// Largest distance from the design, nm.
     pub fit_error_nm: f64,
@@ -139,7 +140,7 @@ pub struct StepFacts {
 }
 
 /// What the witness saw in one file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TraceFacts {
     /// Name in the output folder.
     pub file: String,
@@ -166,7 +167,7 @@ pub struct TraceFacts {
 }
 
 /// A vertex and how far it is from where the part has its surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VertexFacts {
     /// X, Y, Z, mm.
     pub at_mm: [f64; 3],
@@ -175,15 +176,18 @@ pub struct VertexFacts {
 }
 
 /// Errors over the rays that hit; absent when none did.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorFacts {
     /// Angle between the direction seen and the projection's, mrad.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    #[schemars(with = "Summary")]
     pub ray_error_mrad: Option<Summary>,
     /// The same carried back to the image, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    #[schemars(with = "Summary")]
     pub pixel_error_px: Option<Summary>,
     /// Image displacement against the designed mirror, pixels.
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
+    #[schemars(with = "Summary")]
     pub facet_error_px: Option<Summary>,
 }

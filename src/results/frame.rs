@@ -2,14 +2,15 @@
 
 use super::{ProfileId, Reason, Verdict};
 use crate::trace::{Coverage, FrameFill, MinMeanMax};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// `frame.json`, schema 1.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FrameReport {
     /// Version of these keys.
     pub schema: u32,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// The witness's count, as in `report.json`.
     pub frame: FrameFill,
@@ -28,7 +29,7 @@ pub struct FrameReport {
 }
 
 /// How evenly a mirror spends its pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct PixelSolidAngle {
     /// Pixels whose centres are aimed at the mirror.
     pub pixels: u64,
@@ -41,7 +42,7 @@ pub struct PixelSolidAngle {
 }
 
 /// A round mirror on the sensor.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RoundMirror {
     /// Shipped profile.
     pub profile: String,

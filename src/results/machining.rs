@@ -3,14 +3,15 @@
 use super::{FileFacts, ProfileId, Reason, TraceFacts, Verdict};
 use crate::machining::{Extreme, Fillet, RasterDirection, ScallopFigures};
 use crate::num::stats::{Summary, or_null};
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 /// `machining.json`, schema 1.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MachiningReport {
     /// The version of the report's schema, whose rules hold for these keys too.
     pub schema: u32,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// Radius of the ball, mm.
     pub ball_mm: f64,
@@ -28,9 +29,11 @@ pub struct MachiningReport {
     pub fillet: Option<Fillet>,
     /// Scallops of the unpolished face, where the ball fits; none where it fits nowhere.
     #[serde(flatten, serialize_with = "or_nulls")]
+    #[schemars(with = "ScallopFigures")]
     pub scallops: Option<ScallopFigures>,
     /// The designed mirror against the projection, pixels.
     #[serde(serialize_with = "or_null")]
+    #[schemars(with = "Summary")]
     pub design_pixel_error_px: Option<Summary>,
     /// Directions of the raster.
     pub best: BestFacts,
@@ -74,7 +77,7 @@ fn or_nulls<S: Serializer>(
 }
 
 /// Where the ball does not fit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct GougeFacts {
     /// Whether it fits everywhere, in a valley too.
     pub fits: bool,
@@ -89,7 +92,7 @@ pub struct GougeFacts {
 }
 
 /// The best directions of the raster.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct BestFacts {
     /// For the root mean square of the pixel error; none without a projection.
     pub pixels: Option<RasterDirection>,
@@ -98,7 +101,7 @@ pub struct BestFacts {
 }
 
 /// Budgets and the stepovers that keep them, at the raster's direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct BudgetFacts {
     /// Pixel error that 95 % of the unpolished face may not exceed.
     pub p95_px: Option<f64>,
@@ -111,7 +114,7 @@ pub struct BudgetFacts {
 }
 
 /// How deep the tool goes from the mirror's highest place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ReachFacts {
     /// To the lowest place of the face, mm.
     pub face_mm: f64,
@@ -120,7 +123,7 @@ pub struct ReachFacts {
 }
 
 /// The box that the part is cut from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct StockFacts {
     /// Along X, Y and Z, mm, with the allowance.
     pub size_mm: [f64; 3],
@@ -135,7 +138,7 @@ pub struct StockFacts {
 }
 
 /// The as-cut part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct AsCutFacts {
     /// Facets of its optical face.
     pub optical_triangles: usize,

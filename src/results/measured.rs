@@ -2,10 +2,11 @@
 
 use crate::align::{Alignment, FreeMotion, LengthUnit};
 use crate::num::degrees;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The unit of a file's coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct UnitFacts {
     /// Its symbol.
     pub name: &'static str,
@@ -25,13 +26,13 @@ impl UnitFacts {
 }
 
 /// How a file was brought into the part frame: place in mm -> turned about the origin -> shifted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct AlignmentFacts {
     /// Axis of the turn times its angle, degrees.
     pub turn_deg: [f64; 3],
     /// The same turn as a unit quaternion.
     pub quaternion_xyzw: [f64; 4],
-    /// mm.
+    /// Shift after the turn, mm.
     pub shift_mm: [f64; 3],
     /// Whether the facets showed the camera their backs.
     pub turned_over: bool,

@@ -1,6 +1,7 @@
 //! Results of commands as plain data, whose fields are the keys of their JSON. Verdicts are found in them, and
 //! reports say them in words.
 
+mod answers;
 mod blur;
 mod build;
 mod build_forecast;
@@ -19,6 +20,7 @@ mod unwrap;
 mod wording;
 
 pub use crate::profile::Aperture;
+pub use answers::{ErrorLine, NamedOutput, PartTrials, ProfileCheck, ShippedProfile, ToldError};
 pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
 pub use build::{BuildReport, VerifyReport};
 pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};

@@ -2,6 +2,7 @@
 
 use super::faults::{FileFault, PictureFault, RayFault, Refusal, ShapeFault};
 use super::study_faults::{CuttingFault, ReplayFault, StudyFault};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::{self, Display, Formatter};
 
@@ -38,7 +39,7 @@ pub enum ReasonKind {
 }
 
 /// Why a verdict is negative: what files hold of it is one sentence.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(into = "String", from = "String")]
 pub struct Reason {
     /// What it is about.

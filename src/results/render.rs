@@ -1,14 +1,15 @@
 //! A picture that was rendered.
 
 use super::ProfileId;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A picture of a scene in a mirror, or of the mirror.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct RenderReport {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// The scene's name or file, as asked for.
     pub scene: String,

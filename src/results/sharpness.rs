@@ -3,10 +3,11 @@
 use super::{digits, three_digits};
 use crate::pencil::ApertureSharpness;
 use crate::profile::Aperture;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How sharp the picture of a mirror is through the profile's lens and at best.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SharpnessFacts {
     /// Wavelength, nm.
     pub wavelength_nm: f64,
@@ -18,9 +19,9 @@ pub struct SharpnessFacts {
 }
 
 /// A lens, open so far.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ApertureFacts {
-    /// How far.
+    /// The aperture.
     #[serde(flatten)]
     pub aperture: Aperture,
     /// Focal length over entrance pupil; absent where the profile has no focal length in mm.

@@ -3,14 +3,15 @@
 use super::MachiningReport;
 use super::{ProfileId, Reason, SCHEMA, StudyFault, Verdict};
 use crate::tolerance::{Offender, Study};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// `tolerance.json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ToleranceReport {
     /// Version of these keys.
     pub schema: u32,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// The answers.
     #[serde(flatten)]
@@ -30,7 +31,7 @@ pub struct ToleranceReport {
 }
 
 /// Where the limit of the facets' displacement comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FacetsFrom {
     /// The profile's `tolerance.limits`.

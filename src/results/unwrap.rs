@@ -2,14 +2,15 @@
 
 use super::{FileFacts, ProfileId};
 use crate::num::stats::{Summary, or_null};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A photo through a mirror, unwrapped.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct UnwrapReport {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
-    /// Which profile.
+    /// Name and fingerprint of the profile.
     pub profile: ProfileId,
     /// The photo.
     pub photo: PhotoFacts,
@@ -23,7 +24,7 @@ pub struct UnwrapReport {
 }
 
 /// A photo.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PhotoFacts {
     /// As it was named.
     pub name: String,
@@ -34,7 +35,7 @@ pub struct PhotoFacts {
 }
 
 /// A panorama.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PanoramaFacts {
     /// "remap" or "cuts".
     pub way: &'static str,
@@ -49,11 +50,12 @@ pub struct PanoramaFacts {
 }
 
 /// A table of places.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct UnwrapMapFacts {
     /// Share of the panorama's pixels that the photo shows.
     pub seen: f64,
     /// Distance on the sensor between where things are seen and where the projection has them.
     #[serde(serialize_with = "or_null")]
+    #[schemars(with = "Summary")]
     pub distortion_px: Option<Summary>,
 }

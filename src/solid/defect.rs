@@ -1,6 +1,7 @@
 //! What a check can find, in words.
 
 use crate::geom::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -77,7 +78,7 @@ impl fmt::Display for Defect {
 }
 
 /// Boundary of a mesh that is not closed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct OpenBoundary {
     /// Edges without a second facet.
     pub edges: usize,
@@ -86,7 +87,7 @@ pub struct OpenBoundary {
 }
 
 /// Result of checking a mesh as a boundary of a solid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SolidCheck {
     /// Every edge has a facet on both sides.
     pub closed: bool,

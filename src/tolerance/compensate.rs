@@ -3,6 +3,7 @@
 
 use crate::num::max_or_nan;
 use crate::tolerance_terms::Criterion;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 
 /// One direction of adjustment.
@@ -94,13 +95,15 @@ impl Compensation {
 }
 
 /// RMS and P95 of a displacement over the samples, px. Infinite where a ray is lost.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct DisplacementPx {
     /// Root of the mean square.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub rms_px: f64,
     /// 95th percentile over the samples.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub p95_px: f64,
 }
 
@@ -110,6 +113,11 @@ pub struct DisplacementPx {
 /// Whatever the serializer returns.
 pub(super) fn or_lost<S: Serializer>(figure: &f64, out: S) -> Result<S::Ok, S::Error> {
     if figure.is_finite() { out.serialize_f64(*figure) } else { out.serialize_str("lost") }
+}
+
+/// The JSON Schema of what [`or_lost`] writes.
+pub(super) fn figure_or_lost(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "anyOf": [{ "type": "number" }, { "const": "lost" }] })
 }
 
 impl DisplacementPx {

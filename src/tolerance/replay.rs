@@ -13,10 +13,11 @@ use crate::optics::reflect;
 use crate::parallel;
 use crate::tolerance_terms::Perturbation;
 use crate::trace::{Outcome, Scene};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Displacement of the picture, px, as made and after adjustment.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Displacement {
     /// Figures as made.
     pub as_made: DisplacementPx,
@@ -26,7 +27,7 @@ pub struct Displacement {
 
 /// Displacement that a file of a made part shows, by the camera's ray of each sample, its nearest facet
 /// and the reflection by that.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Witnessed {
     /// Rays.
     pub rays: usize,
@@ -45,15 +46,16 @@ pub struct Witnessed {
     /// Displacement by the facets' own slopes, px: reflection by the facet against that by the made
     /// surface at the same place. None when no ray hits.
     #[serde(serialize_with = "or_null")]
+    #[schemars(with = "Summary")]
     pub facet_error_px: Option<Summary>,
 }
 
 /// Rotation and shift from the part to the world: world = R part + t.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct RigidTransform {
-    /// Rows of R.
+    /// Rows of the rotation matrix R.
     pub turn: [[f64; 3]; 3],
-    /// t, mm.
+    /// The shift t, mm.
     pub shift_mm: [f64; 3],
 }
 

@@ -2,16 +2,17 @@
 
 use super::allocation::{AllocatedLimits, AllocationError};
 use super::blur::BlurAndScatter;
-use super::compensate::{DisplacementPx, or_lost};
+use super::compensate::{DisplacementPx, figure_or_lost, or_lost};
 use super::engine::Engine;
 use super::trials::{Statistics, Trial, deviation, quantile};
 use super::yields::Yield;
 use crate::parallel;
 use crate::tolerance_terms::{Criterion, Distribution, FormMeasure, Reference};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Results of a tolerance study. Figures in px are those of the criterion, over the samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Study {
     /// Seed of the trials.
     pub seed: u64,
@@ -54,6 +55,7 @@ pub struct Study {
     pub rss_px: f64,
     /// Root of the mean square of the trials' RMS, which it predicts; of those that lose no rays.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub rms_px: f64,
     /// Trials in which a sampled ray does not meet the mirror. They do not keep the budget.
     pub lost_trials: u64,
@@ -75,7 +77,7 @@ pub struct Study {
 }
 
 /// Results of one error source.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SourceFacts {
     /// Its key in the profile, with the unit of its limits.
     pub source: String,
@@ -91,15 +93,19 @@ pub struct SourceFacts {
     pub systematic: bool,
     /// Displacement by it alone at the negative limit, as made, px.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub minus_px: f64,
     /// At the positive limit.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub plus_px: f64,
     /// At the negative limit, after adjustment.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub minus_adjusted_px: f64,
     /// At the positive limit.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub plus_adjusted_px: f64,
     /// Blur and scatter at its limit; of textures, others do neither.
     #[serde(flatten)]
@@ -151,20 +157,22 @@ impl SourceFacts {
 }
 
 /// First derivatives against the full trace, over the same trials.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct LinearityGap {
     /// Over so many trials, those that lose no rays.
     pub trials: u64,
     /// Root of the mean square of the difference, px; lost without such trials.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub rms_px: f64,
     /// The same against the mean of the full trace.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub relative: f64,
 }
 
 /// Motion of an adjustment in the trials that lose no rays.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct AdjustmentFacts {
     /// Its name.
     pub name: &'static str,
@@ -175,9 +183,11 @@ pub struct AdjustmentFacts {
     pub sigma: Option<f64>,
     /// 95th percentile of its size.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub p95: f64,
     /// The farthest.
     #[serde(serialize_with = "or_lost")]
+    #[schemars(schema_with = "figure_or_lost")]
     pub farthest: f64,
 }
 

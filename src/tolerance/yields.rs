@@ -1,9 +1,10 @@
 //! The share of good parts, and how well a number of trials knows it.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A share with its 95 % confidence interval: E. Wilson's, 1927.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Yield {
     /// Good ones among the trials.
     pub share: f64,

@@ -96,6 +96,24 @@ impl ActsOn {
         }
     }
 
+    /// Whether it is the part's pose.
+    #[must_use]
+    pub fn is_mounting(self) -> bool {
+        matches!(self, Mounting(_))
+    }
+
+    /// Whether it is the camera's ray of an image point.
+    #[must_use]
+    pub fn is_camera(self) -> bool {
+        matches!(self, Camera(_))
+    }
+
+    /// Whether it is the part's size.
+    #[must_use]
+    pub fn is_size(self) -> bool {
+        self == Size
+    }
+
     /// Whether it differs in a pattern from part to part.
     #[must_use]
     pub fn is_texture(self) -> bool {

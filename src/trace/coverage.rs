@@ -13,6 +13,7 @@ use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::optics::{Camera, Fold, ImagingTask, Projection};
 use crate::parallel;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -23,7 +24,7 @@ const NEAREST: usize = 8;
 const ROUNDING_GAP: f64 = 1e-9;
 
 /// Azimuths and elevations covered by the filled pixels, as directions from the target's origin.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Coverage {
     /// Azimuth that at least one pixel sees, degrees, 360 for all around.
     pub azimuth_deg: f64,
@@ -41,7 +42,7 @@ pub struct Coverage {
 }
 
 /// Two edges of the picture that show the same azimuth.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Seam {
     /// The edges of the picture that meet: of a strip its left and its right one, of a folded mirror
     /// those of both panels on one side.
@@ -54,7 +55,7 @@ pub struct Seam {
 }
 
 /// Least, mean and greatest of some values.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct MinMeanMax {
     /// Least.
     pub min: f64,

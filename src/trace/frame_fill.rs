@@ -6,11 +6,12 @@ use super::trace_result::{TraceResult, TraceStrip};
 use crate::geom::DVec3;
 use crate::num::{asin, atan2, degrees, wrap_turn};
 use crate::parallel;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// Share of filled pixels, their field of view, and the numbers of lost pixels by cause.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrameFill {
     /// Columns and rows.
     pub pixels: [u32; 2],
@@ -66,21 +67,21 @@ impl PixelClass {
 }
 
 /// Numbers of lost pixels by cause.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct LostPixels {
-    /// [`PixelClass::Beyond`].
+    /// Pixels where the designed mirror is not under the ray.
     pub beyond: usize,
-    /// [`PixelClass::Rim`].
+    /// Pixels lost within a pixel of where the mirror ends.
     pub rim: usize,
-    /// [`PixelClass::Ridge`].
+    /// Pixels lost within a pixel of the ridge.
     pub ridge: usize,
-    /// [`PixelClass::Shadow`].
+    /// Pixels whose reflected ray meets the part.
     pub shadow: usize,
-    /// [`PixelClass::Content`].
+    /// Pixels whose content is farther off than the tolerance.
     pub content: usize,
-    /// [`PixelClass::BackFace`].
+    /// Pixels to which the nearest facet shows its back.
     pub back_face: usize,
-    /// [`PixelClass::Missed`].
+    /// Pixels whose ray meets nothing, far from the rim.
     pub missed: usize,
 }
 

@@ -2,6 +2,7 @@
 
 mod code_names;
 mod report_keys;
+mod schema_keys;
 
 use morion::internals::profile::Profile;
 use std::collections::BTreeMap;

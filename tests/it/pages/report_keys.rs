@@ -5,9 +5,9 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-const REPORT: &str = include_str!("../../../docs/report.md");
-const STUDIES: &str = include_str!("../../../docs/report-studies.md");
-const TOLERANCE: &str = include_str!("../../../docs/report-tolerance.md");
+pub(super) const REPORT: &str = include_str!("../../../docs/report.md");
+pub(super) const STUDIES: &str = include_str!("../../../docs/report-studies.md");
+pub(super) const TOLERANCE: &str = include_str!("../../../docs/report-tolerance.md");
 
 /// The round mirror under a pinhole.
 const ROUND: &str = "\
@@ -83,7 +83,7 @@ impl Runs {
 }
 
 /// The keys of the tables below `heading` of a page. Brackets at the end tell of arrays.
-fn documented(page: &str, heading: &str) -> BTreeSet<String> {
+pub(super) fn documented(page: &str, heading: &str) -> BTreeSet<String> {
     let (_, after) = page.split_once(heading).unwrap_or_else(|| panic!("no {heading:?}"));
     let section = after.find("\n#").map_or(after, |end| &after[..end]);
     let rows = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));

@@ -1,0 +1,59 @@
+//! Answers of a line: small results that are printed as JSON only.
+
+use super::ProfileId;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A valid profile: the answer of `morion check`.
+pub type ProfileCheck = ProfileId;
+
+/// A shipped profile: a line of `morion profiles`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct ShippedProfile {
+    /// Its name.
+    pub name: String,
+    /// What it is for, in a sentence.
+    pub summary: String,
+}
+
+/// The trials of a part of a run: the answer of `morion tolerance --part`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct PartTrials {
+    /// Path of the file that holds them.
+    pub part: String,
+    /// Number of trials in it.
+    pub trials: u64,
+}
+
+/// A JSON output of the program: a line of `morion schema`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct NamedOutput {
+    /// Name by which `morion schema NAME` prints its JSON Schema.
+    pub name: &'static str,
+    /// What it is.
+    pub what: &'static str,
+    /// Commands that print or write it.
+    pub from: &'static str,
+}
+
+/// Why a command could not be done: a line on standard output for each error.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct ErrorLine<'a> {
+    /// The error.
+    pub error: ToldError<'a>,
+}
+
+/// An error, as far as its place is known.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct ToldError<'a> {
+    /// Profile with the fault, as it was named; null where the error is about no profile's text.
+    pub file: Option<&'a str>,
+    /// Line of the fault, from 1; null without a place.
+    pub line: Option<usize>,
+    /// Column of the fault, from 1; null without a place.
+    pub column: Option<usize>,
+    /// What is wrong, with figures.
+    pub message: String,
+    /// A way out; null where none is known.
+    pub hint: Option<&'a str>,
+}
