@@ -4,6 +4,7 @@
 STL, OBJ  trimesh: one closed body without handles, as it loads by default; STL: Manifold too
 3MF       lib3mf, in its strict mode: no warning, a manifold and oriented mesh, our metadata; at most
           30 % of the bytes of the STL beside it
+GLB       trimesh: the same body, in metres with Y up, as the STL beside it
 CSV       numpy: unit normals, square to the steps from row to row
 
 How many holes a part has is what the report.json beside its files says; none without one.
@@ -81,6 +82,31 @@ def of_3mf(path):
     return f"{facets} facets, {100 * share:.1f} % of the STL", wrong
 
 
+def of_glb(path):
+    # Metres with Y up: back to the frame of the STL.
+    scene = trimesh.load_scene(path)
+    mesh = scene.to_mesh()
+    mesh.apply_transform([[1000, 0, 0, 0], [0, 0, -1000, 0], [0, 1000, 0, 0], [0, 0, 0, 1]])
+    # The primitives share their vertices, which trimesh takes apart.
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    stl = trimesh.load_mesh(path.with_suffix(".stl"))
+    found = {
+        "geometries": (len(scene.geometry), 2),
+        "facets": (len(mesh.faces), len(stl.faces)),
+        "watertight": (mesh.is_watertight, True),
+        "volume": (mesh.is_volume, True),
+        "euler number": (mesh.euler_number, euler_number(path)),
+        "bodies": (mesh.body_count, 1),
+    }
+    wrong = [f"{name} {got}, not {want}" for name, (got, want) in found.items() if got != want]
+    # Trimesh multiplies by the node's matrix and back in double precision.
+    share = abs(mesh.volume / stl.volume - 1)
+    off = np.abs(mesh.bounds - stl.bounds).max()
+    if not (share <= 1e-12 and off <= 1e-12 * np.abs(stl.bounds).max()):
+        wrong.append(f"volume {share:.1e} and bounds {off:.1e} mm off the STL's")
+    return f"{len(mesh.faces)} facets, volume within {share:.1e} of the STL's", wrong
+
+
 def of_table(path):
     text = [line for line in path.read_text().splitlines() if not line.startswith("#")]
     rows = np.loadtxt(text[1:], delimiter=",")
@@ -102,7 +128,7 @@ def of_table(path):
 
 def complaints(path):
     """The file's figures in short, and what is wrong with it."""
-    kinds = {".3mf": of_3mf, ".csv": of_table}
+    kinds = {".3mf": of_3mf, ".glb": of_glb, ".csv": of_table}
     return kinds.get(path.suffix.lower(), of_mesh)(path)
 
 
