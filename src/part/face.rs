@@ -39,10 +39,6 @@ pub(crate) enum FaceError {
     Single(String),
 }
 
-/// Meshes that are made at most for a coarse face, and how much looser the limits of each are.
-const COARSE_TRIES: usize = 4;
-const LOOSER: f64 = 1.3;
-
 /// The face that the profile asks for.
 ///
 /// # Errors
@@ -57,23 +53,6 @@ pub(crate) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Fac
             mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision))
         }
     })
-}
-
-/// A face of at most `most` triangles in single precision, for pictures of the part; none where there is none.
-pub(crate) fn coarse_face(design: &Design, most: usize) -> Option<Face> {
-    let Design { mirror, camera, view, .. } = design;
-    let (camera, view) = (&camera.chart, view.as_ref());
-    let plan = ClosingCount::new(design).budget(most, Precision::Single).foresee().ok()?;
-    let mut limits = plan.limits;
-    for _ in 0..COARSE_TRIES {
-        let face = mesh(mirror, camera, view, limits).ok()?;
-        if face.mesh.triangles.len() + ClosingCount::new(design).counted(&face) <= most {
-            return Some(face);
-        }
-        limits.chord_mm = limits.chord_mm.map(|mm| LOOSER * mm);
-        limits.facet_mm = limits.facet_mm.map(|mm| LOOSER * mm);
-    }
-    None
 }
 
 /// What is foreseen of that face.

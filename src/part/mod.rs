@@ -6,9 +6,7 @@ mod formats;
 mod promise;
 mod size_warnings;
 
-pub(crate) use face::{
-    AtPrecision, FaceError, added_to, coarse_face, face, left_out, limits, plan,
-};
+pub(crate) use face::{AtPrecision, FaceError, added_to, face, left_out, limits, plan};
 pub(crate) use formats::{MeshCodec, cad, codec, meshes};
 pub(crate) use promise::Promise;
 pub(crate) use size_warnings::SizeWarnings;

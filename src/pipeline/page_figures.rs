@@ -2,37 +2,28 @@
 
 use crate::design::Design;
 use crate::export::{Label, write_glb};
-use crate::geom::{DVec3, Precision};
-use crate::mesh::Face;
+use crate::geom::Precision;
 use crate::optics::ThinnedFrame;
-use crate::part::coarse_face;
 use crate::raster::FalseColourMap;
-use crate::render::{AxialPlane, PartSection, SideView, optical_normal, pixel_errors, shaded_view};
+use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors, shaded_view};
 use crate::report::{PartFigures, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
 use crate::trace::{PixelTrace, Scene, TraceStrip};
 use crate::verdict::sharpness::spot_sizes;
 
-/// Most triangles of the part on a page.
-const TRIANGLES: usize = 16_000;
-
 /// The part's figures from a coarse mesh of its own; none where it has none.
 pub(super) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
-    let face = coarse_face(design, TRIANGLES)?;
-    let solid = closed(design, &face)?;
+    let face = coarse_mesh(&design.mirror);
+    let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;
     let mut glb = Vec::new();
     write_glb(&mut glb, &solid, label).ok()?;
     let mesh = solid.mesh();
     let sections = [AxialPlane::X0, AxialPlane::Y0].map(|plane| PartSection::new(mesh, plane));
     let side_view = SideView::new(design, mesh);
     let scene = Scene::new(mesh.clone());
-    let still = shaded_view(&scene, |at: DVec3| optical_normal(design, at)).to_png().ok()?;
+    let still = shaded_view(&scene).to_png().ok()?;
     Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
-}
-
-fn closed(design: &Design, face: &Face) -> Option<Solid> {
-    Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single).ok()
 }
 
 /// Most columns of a map on a page.

@@ -9,6 +9,7 @@ mod angle_tables;
 mod camera_view;
 mod chess_pieces;
 mod chessboard;
+mod coarse_mesh;
 mod graticule;
 mod material;
 mod model;
@@ -29,6 +30,7 @@ pub(crate) use camera_view::{
     CameraPicture, CameraView, Distance, ReflectedCentres, TracedMesh, reflected,
 };
 pub use chessboard::Chessboard;
+pub use coarse_mesh::coarse_mesh;
 pub use model::{Model, ModelError};
 pub use panorama::PanoramaWorld;
 pub use picture::{Picture, StripPainter};

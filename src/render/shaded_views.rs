@@ -13,7 +13,7 @@ use crate::trace::Scene;
 /// Pixels of one view, across and down.
 pub(super) const TILE: [u32; 2] = [480, 360];
 /// Pixels of a still picture of the part, across and down.
-const STILL_TILE: [u32; 2] = [480, 360];
+const STILL_TILE: [u32; 2] = [400, 300];
 /// Samples along each side of a pixel at edges.
 const SAMPLES: u32 = 4;
 /// The same of a still picture.
@@ -65,10 +65,10 @@ pub fn shaded_views(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Syn
     tiles(scene, &EYES_DEG, TILE, SAMPLES, &normal)
 }
 
-/// One view of the mesh, from three quarters.
+/// One view of the mesh, from three quarters, with flat facets.
 #[must_use]
-pub fn shaded_view(scene: &Scene, normal: impl Fn(DVec3) -> Option<DVec3> + Sync) -> Picture {
-    tiles(scene, &EYES_DEG[2..], STILL_TILE, STILL_SAMPLES, &normal)
+pub fn shaded_view(scene: &Scene) -> Picture {
+    tiles(scene, &EYES_DEG[2..], STILL_TILE, STILL_SAMPLES, &|_| None)
 }
 
 /// A normal at a place of a mesh, where it is known.
