@@ -31,15 +31,15 @@ pub struct BenchRun {
 /// How one quantity goes with another, y ~ x^p within each curve.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ConvergenceOrder {
-    /// y against x.
+    /// The two quantities, as y against x.
     pub of: &'static str,
-    /// p, fitted to all curves at once.
+    /// Exponent p, fitted to all curves at once.
     #[schemars(with = "Option<f64>")]
     pub order: f64,
-    /// Its standard error.
+    /// Standard error of the exponent.
     #[schemars(with = "Option<f64>")]
     pub sigma: f64,
-    /// What theory says.
+    /// Exponent by theory.
     pub theory: f64,
 }
 
@@ -54,9 +54,9 @@ pub struct BenchSweep {
     pub setting: &'static str,
     /// The error, with its unit.
     pub error: &'static str,
-    /// Curve by curve.
+    /// Runs, curve by curve.
     pub runs: Vec<BenchRun>,
-    /// What was fitted.
+    /// Orders of convergence that were fitted.
     pub orders: Vec<ConvergenceOrder>,
 }
 
@@ -97,14 +97,14 @@ pub struct SuggestedSettings {
 /// Version of the keys of `bench.json`.
 pub const SCHEMA: u32 = 2;
 
-/// `bench.json`, schema 2.
+/// Run times against errors, setting by setting: `bench.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BenchReport {
     /// Version of these keys.
     pub schema: u32,
     /// What was swept.
     pub sweeps: Vec<BenchSweep>,
-    /// What was asked for.
+    /// Suggested settings, where they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub suggestions: Vec<Suggestion>,
 }

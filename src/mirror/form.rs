@@ -40,7 +40,7 @@ pub struct BestFitSphere {
 pub struct BestFitPlane {
     /// Z on the axis, mm.
     pub height_mm: f64,
-    /// (Z_X, Z_Y).
+    /// Slopes dZ/dX and dZ/dY.
     pub slope: [f64; 2],
     /// How far off.
     #[serde(flatten)]

@@ -20,7 +20,7 @@ pub struct AcceptanceSpec {
 /// A limit, and whether it stands there because the profile names none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AcceptanceLimit {
-    /// In the limit's unit.
+    /// The limit, in the unit of its key.
     pub value: f64,
     /// Whether the profile does not name it.
     pub usual: bool,

@@ -8,7 +8,7 @@ use crate::profile::Aperture;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// `blur.json`, schema 1.
+/// Blur of a mirror through an open lens: `blur.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BlurReport {
     /// Version of these keys.

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct BuildForecast {
     /// The version of the report's schema whose keys these are.
     pub schema: u32,
-    /// Nothing was written.
+    /// Whether nothing was written: always true.
     pub dry_run: bool,
     /// Name and fingerprint of the profile.
     pub profile: ProfileId,
@@ -42,9 +42,9 @@ pub struct MeshForecast {
 /// A limit asked for, and what is foreseen for a number of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ForecastLimit {
-    /// Asked for; none when the profile sets none.
+    /// Limit asked for; null where the profile sets none.
     pub limit: Option<f64>,
-    /// What the number of triangles will be good for; none where limits rule.
+    /// Limit that the number of triangles is foreseen to keep; null where limits rule.
     pub foreseen: Option<f64>,
 }
 
@@ -53,9 +53,9 @@ pub struct ForecastLimit {
 pub struct FileForecast {
     /// Name in the output folder.
     pub name: String,
-    /// Its format's name.
+    /// Name of its format.
     pub format: &'static str,
-    /// Length.
+    /// Length, bytes.
     pub bytes: u64,
 }
 

@@ -12,7 +12,7 @@ pub const SCHEMA: u32 = 1;
 /// Name and fingerprint of a profile.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ProfileId {
-    /// Its name.
+    /// Name of the profile.
     pub name: String,
     /// SHA-256 of its text, hexadecimal.
     pub sha256: String,
@@ -50,20 +50,20 @@ impl Verdict {
 pub struct FileFacts {
     /// Name in the output folder.
     pub name: String,
-    /// Its format's name.
+    /// Name of its format.
     pub format: String,
-    /// Length.
+    /// Length, bytes.
     pub bytes: u64,
-    /// SHA-256, hexadecimal.
+    /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
 }
 
 /// A limit asked for and the bound proven.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Limited {
-    /// Asked for; none when the profile sets none.
+    /// Limit asked for; null where the profile sets none.
     pub limit: Option<f64>,
-    /// Proven over every facet.
+    /// Bound proven over every facet.
     pub bound: f64,
 }
 
@@ -71,9 +71,9 @@ pub struct Limited {
 /// bends in one direction alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OverOptimum {
-    /// Against the chord limit.
+    /// Triangles over the least number for the chord limit.
     pub chord: Option<f64>,
-    /// Against the facet limit.
+    /// Triangles over the least number for the facet limit.
     pub facet: Option<f64>,
 }
 
@@ -144,15 +144,15 @@ pub struct StepFacts {
 pub struct TraceFacts {
     /// Name in the output folder.
     pub file: String,
-    /// Camera rays aimed at the mirror.
+    /// Number of camera rays aimed at the mirror.
     pub rays: usize,
-    /// Of these, reflected into the world.
+    /// Number of rays that are reflected into the world.
     pub hit: usize,
-    /// Meeting nothing.
+    /// Number of rays that meet nothing.
     pub missed: usize,
-    /// Reflected against the part itself.
+    /// Number of rays whose reflection meets the part.
     pub shadowed: usize,
-    /// Meeting the back of a facet.
+    /// Number of rays that meet the back of a facet.
     pub back_face: usize,
     /// Against the projection and the designed mirror, by facet normals.
     #[serde(flatten)]
@@ -169,7 +169,7 @@ pub struct TraceFacts {
 /// A vertex and how far it is from where the part has its surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VertexFacts {
-    /// X, Y, Z, mm.
+    /// X, Y and Z of the vertex, mm.
     pub at_mm: [f64; 3],
     /// Distance, mm: along Z from the mirror or the base, or across from the outline.
     pub off_mm: f64,

@@ -5,7 +5,7 @@ use crate::trace::{Coverage, FrameFill, MinMeanMax};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// `frame.json`, schema 1.
+/// Filling of the frame by a mirror: `frame.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FrameReport {
     /// Version of these keys.
@@ -22,9 +22,9 @@ pub struct FrameReport {
     pub round_mirrors: Vec<RoundMirror>,
     /// Least share of the pixels that must be filled.
     pub min: f64,
-    /// Whether it is.
+    /// Pass or fail.
     pub verdict: Verdict,
-    /// Why not.
+    /// Reasons of a fail, each with figures; empty for a pass.
     pub reasons: Vec<Reason>,
 }
 
@@ -37,14 +37,14 @@ pub struct PixelSolidAngle {
     pub pixel_usr: Option<MinMeanMax>,
     /// The largest over the smallest.
     pub ratio: Option<f64>,
-    /// All pixels together, sr.
+    /// Solid angle of all pixels together, sr.
     pub total_sr: f64,
 }
 
 /// A round mirror on the sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RoundMirror {
-    /// Shipped profile.
+    /// Name of the shipped profile.
     pub profile: String,
     /// What it does with the pixels.
     #[serde(flatten)]

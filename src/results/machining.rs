@@ -6,7 +6,7 @@ use crate::num::stats::{Summary, or_null};
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
-/// `machining.json`, schema 1.
+/// Machining of a mirror with a ball cutter: `machining.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MachiningReport {
     /// The version of the report's schema, whose rules hold for these keys too.
@@ -17,7 +17,7 @@ pub struct MachiningReport {
     pub ball_mm: f64,
     /// Distance of the raster's lines in the plan, mm.
     pub stepover_mm: f64,
-    /// Their direction, from X towards Y.
+    /// Direction of the lines, from X towards Y, degrees.
     pub angle_deg: f64,
     /// The steepest place of the face, degrees from the horizontal plane.
     pub steepest_deg: Extreme,
@@ -47,11 +47,11 @@ pub struct MachiningReport {
     pub as_cut: Option<AsCutFacts>,
     /// The files written but for this one.
     pub files: Vec<FileFacts>,
-    /// Pass, or why not.
+    /// Pass or fail.
     pub verdict: Verdict,
-    /// Every reason.
+    /// Reasons of a fail, each with figures; empty for a pass.
     pub reasons: Vec<Reason>,
-    /// What else to know.
+    /// Other remarks; no part of the verdict.
     pub warnings: Vec<String>,
 }
 
@@ -83,7 +83,7 @@ pub struct GougeFacts {
     pub fits: bool,
     /// Most that it leaves, um; 0 where it fits everywhere.
     pub left_max_um: f64,
-    /// X and Y of that, mm.
+    /// X and Y of the place where it leaves most, mm; null where it fits everywhere.
     pub at_mm: Option<[f64; 2]>,
     /// Share of the face's area in the plan where it leaves something.
     pub share: f64,

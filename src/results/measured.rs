@@ -8,9 +8,9 @@ use serde::Serialize;
 /// The unit of a file's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct UnitFacts {
-    /// Its symbol.
+    /// Symbol of the unit.
     pub name: &'static str,
-    /// How many mm it has.
+    /// Length of the unit, mm.
     pub mm_per_unit: f64,
     /// `declared` by the file, `asked`, `by size`, or `assumed` where no unit makes the file as large as
     /// the part.

@@ -8,7 +8,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-/// `replay.json`.
+/// Replay of a trial as files, traced: `replay.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ReplayReport {
     /// Version of these keys.
@@ -21,7 +21,7 @@ pub struct ReplayReport {
     pub trial: u64,
     /// Pixels that stand for the picture.
     pub samples: usize,
-    /// Which figure counts.
+    /// Figure that is held against the budget.
     pub criterion: Criterion,
     /// What displacements are measured from.
     pub reference: Reference,

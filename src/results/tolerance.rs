@@ -6,7 +6,7 @@ use crate::tolerance::{Offender, Study};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// `tolerance.json`.
+/// Study of tolerances with its verdict: `tolerance.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ToleranceReport {
     /// Version of these keys.

@@ -26,9 +26,9 @@ pub struct UnwrapReport {
 /// A photo.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PhotoFacts {
-    /// As it was named.
+    /// Name of the photo, as it was given.
     pub name: String,
-    /// Across and down.
+    /// Columns and rows.
     pub pixels: [usize; 2],
     /// Pixels of the photo to one of the sensor, across.
     pub pixels_per_sensor_pixel: f64,
@@ -39,13 +39,13 @@ pub struct PhotoFacts {
 pub struct PanoramaFacts {
     /// "remap" or "cuts".
     pub way: &'static str,
-    /// How rows map to elevation.
+    /// Name of the law by which rows map to elevation.
     pub projection: &'static str,
-    /// Across and down.
+    /// Columns and rows.
     pub pixels: [usize; 2],
-    /// At the left and at the right edge; for cuts as the mirror is meant to show them.
+    /// Azimuth at the left and at the right edge, degrees; for cuts as the mirror is meant to show them.
     pub azimuth_deg: [f64; 2],
-    /// At the lower and at the upper edge.
+    /// Elevation at the lower and at the upper edge, degrees.
     pub elevation_deg: [f64; 2],
 }
 

@@ -81,11 +81,11 @@ pub struct Study {
 pub struct SourceFacts {
     /// Its key in the profile, with the unit of its limits.
     pub source: String,
-    /// That unit.
+    /// Unit of its limits.
     pub unit: &'static str,
     /// Its limit.
     pub limit: f64,
-    /// How likely errors are.
+    /// Distribution of the error.
     pub distribution: Distribution,
     /// Its weight when the budget is allotted.
     pub weight: f64,
@@ -95,15 +95,15 @@ pub struct SourceFacts {
     #[serde(serialize_with = "or_lost")]
     #[schemars(schema_with = "figure_or_lost")]
     pub minus_px: f64,
-    /// At the positive limit.
+    /// Displacement by it alone at the positive limit, as made, px.
     #[serde(serialize_with = "or_lost")]
     #[schemars(schema_with = "figure_or_lost")]
     pub plus_px: f64,
-    /// At the negative limit, after adjustment.
+    /// Displacement at the negative limit, after adjustment, px.
     #[serde(serialize_with = "or_lost")]
     #[schemars(schema_with = "figure_or_lost")]
     pub minus_adjusted_px: f64,
-    /// At the positive limit.
+    /// Displacement at the positive limit, after adjustment, px.
     #[serde(serialize_with = "or_lost")]
     #[schemars(schema_with = "figure_or_lost")]
     pub plus_adjusted_px: f64,
@@ -176,7 +176,7 @@ pub struct LinearityGap {
 pub struct AdjustmentFacts {
     /// Its name.
     pub name: &'static str,
-    /// The unit of what follows.
+    /// Unit of the figures of this adjustment.
     pub unit: &'static str,
     /// Standard deviation over the trials; none of a single one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -185,7 +185,7 @@ pub struct AdjustmentFacts {
     #[serde(serialize_with = "or_lost")]
     #[schemars(schema_with = "figure_or_lost")]
     pub p95: f64,
-    /// The farthest.
+    /// Largest motion.
     #[serde(serialize_with = "or_lost")]
     #[schemars(schema_with = "figure_or_lost")]
     pub farthest: f64,

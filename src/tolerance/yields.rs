@@ -6,11 +6,11 @@ use serde::Serialize;
 /// A share with its 95 % confidence interval: E. Wilson's, 1927.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Yield {
-    /// Good ones among the trials.
+    /// Share of the trials that is good, 0 to 1.
     pub share: f64,
-    /// Lower end of the interval.
+    /// Lower end of the interval, 0 to 1.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of the interval, 0 to 1.
     pub high: f64,
 }
 
