@@ -278,7 +278,9 @@ mod tests {
             let text = std::str::from_utf8(&bytes[20..20 + json]).unwrap();
             let value: Value = serde_json::from_str(text).unwrap();
             let bin = word(&bytes, 20 + json);
-            assert!(json % 4 == 0 && bin % 4 == 0 && bytes.len() == 28 + json + bin);
+            assert!(
+                json.is_multiple_of(4) && bin.is_multiple_of(4) && bytes.len() == 28 + json + bin
+            );
             assert_eq!(bin, 12 * vertices + 3 * index * facets, "{vertices} vertices");
             assert_eq!(value["buffers"][0]["byteLength"], bin);
         }

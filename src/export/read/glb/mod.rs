@@ -85,7 +85,7 @@ fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, GlbError> {
         else {
             return wrong(format!("it ends within the header of chunk {number}"));
         };
-        if length % 4 != 0 {
+        if !length.is_multiple_of(4) {
             return wrong(format!("chunk {number} has {length} bytes, no multiple of 4"));
         }
         let start = at + CHUNK_HEADER;

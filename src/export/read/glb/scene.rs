@@ -55,7 +55,7 @@ pub(super) fn mesh(document: &Document, bin: &[u8]) -> Result<TriMesh, ReadError
             number += 1;
         }
     }
-    Ok(not_empty(welder.finish())?)
+    not_empty(welder.finish())
 }
 
 /// Metres with Y up to millimetres with Z up.
