@@ -18,7 +18,7 @@ use crate::verdict::sharpness::spot_sizes;
 const TRIANGLES: usize = 16_000;
 
 /// The part's figures from a coarse mesh of its own; none where it has none.
-pub(super) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
+pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
     let face = coarse_face(design, TRIANGLES)?;
     let solid = closed(design, &face)?;
     let mut glb = Vec::new();
