@@ -1,6 +1,6 @@
 //! Builds, each by the program itself in a process of its own, which can be ended without harm.
 
-use super::failure::Failure;
+use super::failure::RequestFailure;
 use crate::parallel;
 use crate::publish::Transaction;
 use serde_json::{Value as Json, json};
@@ -47,8 +47,8 @@ impl Build {
     /// `folder/NAME`.
     ///
     /// # Errors
-    /// [`Failure`] when the text cannot be written or the process not be started.
-    pub(super) fn start(name: &str, text: &str, folder: &Path) -> Result<Self, Failure> {
+    /// [`RequestFailure`] when the text cannot be written or the process not be started.
+    pub(super) fn start(name: &str, text: &str, folder: &Path) -> Result<Self, RequestFailure> {
         let file = format!("{name}.toml");
         let mut files = Transaction::open(folder)?;
         files.add_bytes(&file, text.as_bytes())?;
@@ -138,10 +138,10 @@ impl Build {
     /// A file of the build by its exact name.
     ///
     /// # Errors
-    /// [`Failure`] where there is none.
-    pub(super) fn open(&self, name: &str) -> Result<File, Failure> {
+    /// [`RequestFailure`] where there is none.
+    pub(super) fn open(&self, name: &str) -> Result<File, RequestFailure> {
         let known = self.files().iter().find(|known| *known == name);
-        let missing = || Failure::said(404, "the last build has no file of this name");
+        let missing = || RequestFailure::said(404, "the last build has no file of this name");
         Ok(File::open(self.folder.join(known.ok_or_else(missing)?))?)
     }
 }

@@ -6,7 +6,7 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 
 /// A change of a text.
 #[derive(Debug, Deserialize)]
-pub(super) struct Edit {
+pub(super) struct TextEdit {
     /// The text.
     pub text: String,
     /// Keys from the outermost table to the value, or to the table of which another one is taken.
@@ -36,7 +36,7 @@ pub(super) enum Change {
     },
 }
 
-impl Edit {
+impl TextEdit {
     /// The changed text.
     ///
     /// # Errors
@@ -178,7 +178,7 @@ mod tests {
     fn edited(text: &str, edit: Json) -> Result<String, String> {
         let mut edit = edit;
         edit["text"] = text.into();
-        serde_json::from_value::<Edit>(edit).unwrap().made()
+        serde_json::from_value::<TextEdit>(edit).unwrap().made()
     }
 
     const TEXT: &str = "# kept\n[part] # beside\nwidth_mm = 60 # wide\nbase_mm = 5.5\nmine = 1\n\

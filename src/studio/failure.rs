@@ -9,14 +9,14 @@ const UNPROCESSABLE: u16 = 422;
 
 /// A request that could not be answered.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Failure {
+pub(super) struct RequestFailure {
     /// Status of HTTP.
     pub status: u16,
     /// The errors, at least one.
     pub errors: Vec<ToldError>,
 }
 
-impl Failure {
+impl RequestFailure {
     /// A failure that is a sentence.
     pub(super) fn said(status: u16, sentence: impl Into<String>) -> Self {
         Self { status, errors: vec![ToldError::said(sentence)] }
@@ -33,7 +33,7 @@ impl Failure {
     }
 }
 
-impl<E: Error + 'static> From<E> for Failure {
+impl<E: Error + 'static> From<E> for RequestFailure {
     fn from(error: E) -> Self {
         Self { status: UNPROCESSABLE, errors: ToldError::all_of(&error) }
     }

@@ -36,11 +36,24 @@ fn field(table: &str, key: &str) -> Json {
     let kind = kind(unit);
     let words = if kind == "word" || kind == "words" { words(range) } else { Vec::new() };
     let bounds = bounds(range);
-    let plain = |text: &str| text.replace('`', "");
     json!({
         "path": path, "key": key, "kind": kind, "words": words, "limits": bounds,
         "unit": unit, "range": plain(range), "meaning": plain(meaning),
     })
+}
+
+/// The words of a cell: without marks of code, and of links their texts.
+fn plain(cell: &str) -> String {
+    let mut text = String::new();
+    for (k, part) in cell.replace('`', "").split("](").enumerate() {
+        let part = if k == 0 { part } else { part.split_once(')').map_or("", |(_, rest)| rest) };
+        text += part;
+    }
+    // (What is a link's text stands in brackets; ranges of numbers have a comma.)
+    match text.split_once("see [") {
+        Some((before, after)) => format!("{before}see {after}"),
+        None => text,
+    }
 }
 
 /// The cells of a key's row but for the key.

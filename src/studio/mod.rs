@@ -9,6 +9,7 @@ mod failure;
 mod form;
 mod guard;
 mod lane;
+mod message;
 mod page;
 mod routes;
 mod server;
@@ -18,11 +19,12 @@ use crate::parallel;
 use crate::pipeline::{ProfileText, SourceError};
 use lane::Lane;
 use routes::{Studio, Subjects, tamed};
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
+use tempfile::NamedTempFile;
 use thiserror::Error;
 
 /// The folder of profiles and results below that for results.
@@ -89,6 +91,7 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
         slow,
         subjects: Subjects::default(),
         build: Mutex::new(None),
+        opening: Mutex::new(None),
     });
     let refused = |source| StudioError::Listen { port, source };
     let threads = parallel::threads();
@@ -96,23 +99,30 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
         parallel::within(Some(threads), move || slow_jobs.into_iter().for_each(|job| job()));
     };
     Builder::new().name("slow".to_owned()).spawn(work).map_err(refused)?;
-    let (_listening, address) = server::listen(studio, port).map_err(refused)?;
+    let (_listening, address) = server::listen(Arc::clone(&studio), port).map_err(refused)?;
     tell(&address);
     if opens {
-        open(&address);
+        let page = open(&address, &studio.folder).ok();
+        *studio.opening.lock().unwrap_or_else(PoisonError::into_inner) = page;
     }
     // On this thread, which is of the pool.
     quick_jobs.iter().for_each(|job| job());
     Ok(())
 }
 
-/// Opens an address in the user's browser; where there is none, the address is on the terminal.
-fn open(address: &str) {
-    let mut command = match std::env::consts::OS {
-        "macos" => Command::new("open"),
-        "windows" => Command::new("explorer"),
-        _ => Command::new("xdg-open"),
-    };
-    command.arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let _ = command.spawn();
+/// Opens an address in the user's browser by a page in `folder` that only the user can read: other users see the
+/// arguments of programs. Where there is no browser, the address is on the terminal.
+fn open(address: &str, folder: &Path) -> io::Result<NamedTempFile> {
+    std::fs::create_dir_all(folder)?;
+    let mut page = tempfile::Builder::new().prefix("open-").suffix(".html").tempfile_in(folder)?;
+    let refresh = format!("<meta http-equiv=\"refresh\" content=\"0; url={address}\">");
+    writeln!(page, "<!doctype html><title>Morion studio</title>{refresh}")?;
+    let mut command = Command::new(match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    });
+    command.arg(page.path().canonicalize()?);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
+    Ok(page)
 }

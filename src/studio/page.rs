@@ -1,7 +1,7 @@
 //! The one page, whole: its scripts and styles are in it, so that the token is all that a browser has to send.
 
-use super::failure::Failure;
-use super::routes::Content;
+use super::failure::RequestFailure;
+use super::message::Content;
 use crate::report::{STYLE, THREE, VIEWER};
 use std::fmt::Write;
 
@@ -13,10 +13,10 @@ const STUDIO: &str = include_str!("assets/studio.js");
 /// The page; its scripts and styles have a nonce of their own each time.
 ///
 /// # Errors
-/// [`Failure`] where the system has no random numbers.
-pub(super) fn page() -> Result<Content, Failure> {
+/// [`RequestFailure`] where the system has no random numbers.
+pub(super) fn page() -> Result<Content, RequestFailure> {
     let mut bytes = [0; 16];
-    let none = |_| Failure::said(500, "the system has no random numbers");
+    let none = |_| RequestFailure::said(500, "the system has no random numbers");
     getrandom::fill(&mut bytes).map_err(none)?;
     let mut nonce = String::new();
     for byte in bytes {

@@ -1,16 +1,17 @@
 //! Requests and their answers.
 
-use super::edit::Edit;
-use super::failure::Failure;
+use super::edit::TextEdit;
+use super::failure::RequestFailure;
 use super::lane::{Lane, Subject};
+use super::message::{Asked, Content};
 use super::{build::Build, form, page, view};
 use crate::profile::{Profile, shipped};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use tempfile::NamedTempFile;
 
 /// Letters of a profile's name.
 const MOST_LETTERS: usize = 64;
@@ -30,6 +31,8 @@ pub(super) struct Studio {
     pub subjects: Subjects,
     /// The last build.
     pub build: Mutex<Option<Build>>,
+    /// The file that leads a browser here, until the first page is asked for.
+    pub opening: Mutex<Option<NamedTempFile>>,
 }
 
 /// Kinds of requests of which the newest counts.
@@ -38,37 +41,9 @@ pub(super) struct Subjects {
     preview: Arc<Subject>,
     picture: Arc<Subject>,
     estimate: Arc<Subject>,
+    sharpness: Arc<Subject>,
     part: Arc<Subject>,
     pixel: Arc<Subject>,
-}
-
-/// What is sent back.
-#[derive(Debug)]
-pub(super) enum Content {
-    /// The first page, whose scripts and styles have this nonce.
-    Page {
-        /// HTML.
-        html: String,
-        /// The nonce.
-        nonce: String,
-    },
-    /// JSON.
-    Json(Json),
-    /// PNG.
-    Png(Vec<u8>),
-    /// A file of the last build.
-    File(String, File),
-}
-
-/// A request that has been let in.
-#[derive(Debug)]
-pub(super) struct Asked<'a> {
-    /// Verb.
-    pub method: &'a str,
-    /// Address without its query.
-    pub path: &'a str,
-    /// Body.
-    pub body: &'a [u8],
 }
 
 /// A text and the name of its profile.
@@ -88,9 +63,9 @@ struct PixelOf {
 }
 
 impl Source {
-    fn profile(&self) -> Result<Profile, Failure> {
+    fn profile(&self) -> Result<Profile, RequestFailure> {
         if !is_name(&self.name) {
-            return Err(Failure::of_text(
+            return Err(RequestFailure::of_text(
                 "the name must be of at most 64 letters a to z, digits, - and _",
             ));
         }
@@ -108,20 +83,24 @@ impl Studio {
     /// The answer to a request.
     ///
     /// # Errors
-    /// [`Failure`] with what is wrong.
-    pub(super) fn answer(&self, asked: &Asked) -> Result<Content, Failure> {
-        let Subjects { preview, picture, estimate, part, pixel } = &self.subjects;
+    /// [`RequestFailure`] with what is wrong.
+    pub(super) fn answer(&self, asked: &Asked) -> Result<Content, RequestFailure> {
+        let Subjects { preview, picture, estimate, sharpness, part, pixel } = &self.subjects;
         match (asked.method, asked.path) {
-            ("GET", "/") => page::page(),
+            ("GET", "/") => {
+                drop(self.opening.lock().unwrap_or_else(PoisonError::into_inner).take());
+                page::page()
+            }
             ("POST", "/start") => Ok(Content::Json(self.start())),
             ("POST", "/open") => open(read::<Named>(asked)?),
             ("POST", "/check") => Ok(Content::Json(check(&read(asked)?))),
             ("POST", "/edit") => {
-                let text = read::<Edit>(asked)?.made().map_err(Failure::of_text)?;
+                let text = read::<TextEdit>(asked)?.made().map_err(RequestFailure::of_text)?;
                 Ok(Content::Json(json!({ "text": text })))
             }
             ("POST", "/preview") => self.seen(&self.quick, preview, asked, view::preview),
             ("POST", "/estimate") => self.seen(&self.slow, estimate, asked, view::estimate),
+            ("POST", "/sharpness") => self.seen(&self.slow, sharpness, asked, view::sharpness_map),
             ("POST", "/part") => self.seen(&self.slow, part, asked, view::part),
             ("POST", "/picture") => {
                 let profile = read::<Source>(asked)?.profile()?;
@@ -148,8 +127,8 @@ impl Studio {
         lane: &Lane,
         subject: &Arc<Subject>,
         asked: &Asked,
-        see: fn(&Profile) -> Result<Json, Failure>,
-    ) -> Result<Content, Failure> {
+        see: fn(&Profile) -> Result<Json, RequestFailure>,
+    ) -> Result<Content, RequestFailure> {
         let profile = read::<Source>(asked)?.profile()?;
         let made = lane.newest(subject, move || see(&profile));
         made.map_or_else(superseded, |made| made.map(Content::Json))
@@ -161,11 +140,11 @@ impl Studio {
         json!({ "name": name, "text": text, "form": form::form(), "shipped": names })
     }
 
-    fn build(&self, source: &Source) -> Result<Content, Failure> {
+    fn build(&self, source: &Source) -> Result<Content, RequestFailure> {
         source.profile()?;
         let mut last = self.build.lock().unwrap_or_else(PoisonError::into_inner);
         if last.as_mut().is_some_and(Build::is_running) {
-            return Err(Failure::said(409, "a build is under way; cancel it first"));
+            return Err(RequestFailure::said(409, "a build is under way; cancel it first"));
         }
         let started = last.insert(Build::start(&source.name, &source.text, &self.folder)?);
         Ok(Content::Json(started.status()))
@@ -185,7 +164,7 @@ impl Studio {
     }
 
     /// A file of the last build: the path is compared with the names that there are, and never joined.
-    fn file(&self, path: &str) -> Result<Content, Failure> {
+    fn file(&self, path: &str) -> Result<Content, RequestFailure> {
         let name = path.strip_prefix("/files/").ok_or_else(nothing_there)?;
         let last = self.build.lock().unwrap_or_else(PoisonError::into_inner);
         let build = last.as_ref().ok_or_else(nothing_there)?;
@@ -199,9 +178,9 @@ struct Named {
     name: String,
 }
 
-fn open(Named { name }: Named) -> Result<Content, Failure> {
+fn open(Named { name }: Named) -> Result<Content, RequestFailure> {
     let known = shipped().iter().find(|profile| profile.name == name);
-    let missing = || Failure::of_text("no profile of this name is shipped");
+    let missing = || RequestFailure::of_text("no profile of this name is shipped");
     Ok(Content::Json(json!({ "name": name, "text": known.ok_or_else(missing)?.text })))
 }
 
@@ -212,18 +191,19 @@ fn check(source: &Source) -> Json {
     json!({ "errors": errors, "keys": keys, "values": form::values(&source.text) })
 }
 
-fn read<T: DeserializeOwned>(asked: &Asked) -> Result<T, Failure> {
-    let wrong =
-        |error| Failure::said(400, format!("the body must be JSON of this request: {error}"));
+fn read<T: DeserializeOwned>(asked: &Asked) -> Result<T, RequestFailure> {
+    let wrong = |error| {
+        RequestFailure::said(400, format!("the body must be JSON of this request: {error}"))
+    };
     serde_json::from_slice(asked.body).map_err(wrong)
 }
 
-fn superseded() -> Result<Content, Failure> {
-    Err(Failure::said(409, "a newer request took the place of this one"))
+fn superseded() -> Result<Content, RequestFailure> {
+    Err(RequestFailure::said(409, "a newer request took the place of this one"))
 }
 
-fn nothing_there() -> Failure {
-    Failure::said(404, "there is nothing at this address")
+fn nothing_there() -> RequestFailure {
+    RequestFailure::said(404, "there is nothing at this address")
 }
 
 /// A name for a profile of the file `name`, with hyphens in the place of letters that it may not have.

@@ -1,8 +1,9 @@
 //! The server: it listens on this machine alone, lets requests in, and sends answers back.
 
-use super::failure::Failure;
+use super::failure::RequestFailure;
 use super::guard::{Credentials, Guard};
-use super::routes::{Asked, Content, Studio};
+use super::message::{Asked, Content};
+use super::routes::Studio;
 use oxhttp::model::header::{HOST, HeaderMap, ORIGIN};
 use oxhttp::model::{Body, HeaderValue, Request, Response, StatusCode};
 use oxhttp::{ListeningServer, Server};
@@ -92,11 +93,11 @@ fn respond(studio: &Studio, guard: &Guard, request: &mut Request<Body>) -> Respo
 }
 
 /// The body of a request that keeps the rules.
-fn body_of(guard: &Guard, request: &mut Request<Body>) -> Result<Vec<u8>, Failure> {
+fn body_of(guard: &Guard, request: &mut Request<Body>) -> Result<Vec<u8>, RequestFailure> {
     let all = |name| fields(request.headers(), name);
     let (hosts, origins) = (all(HOST.as_str()), all(ORIGIN.as_str()));
     let (Some(hosts), Some(origins)) = (hosts, origins) else {
-        return Err(Failure::said(403, "the request has fields that are no text"));
+        return Err(RequestFailure::said(403, "the request has fields that are no text"));
     };
     let path = request.uri().path();
     let credentials = Credentials {
@@ -107,13 +108,13 @@ fn body_of(guard: &Guard, request: &mut Request<Body>) -> Result<Vec<u8>, Failur
         is_followed: request.method() == "GET" && (path == "/" || path.starts_with("/files/")),
     };
     if let Some(refusal) = guard.refusal(&credentials) {
-        return Err(Failure::said(403, refusal));
+        return Err(RequestFailure::said(403, refusal));
     }
     let mut body = Vec::new();
     request.body_mut().take(MOST_BYTES + 1).read_to_end(&mut body)?;
     if body.len() as u64 > MOST_BYTES {
         let sentence = format!("the body must have at most {MOST_BYTES} bytes");
-        return Err(Failure::said(413, sentence));
+        return Err(RequestFailure::said(413, sentence));
     }
     Ok(body)
 }

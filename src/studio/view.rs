@@ -1,6 +1,6 @@
 //! What one sees of a profile: picture, maps, figures, pixels and the part, all of the smooth mirror.
 
-use super::failure::Failure;
+use super::failure::RequestFailure;
 use crate::design::{Design, design_unmeasured};
 use crate::geom::DVec3;
 use crate::num::stats::Summary;
@@ -29,12 +29,12 @@ const STOPS: u32 = 12;
 /// The profile of a text that reads no file.
 ///
 /// # Errors
-/// [`Failure`] with every complaint, and for a profile that names a file.
-pub(super) fn checked(name: &str, text: &str) -> Result<Profile, Failure> {
+/// [`RequestFailure`] with every complaint, and for a profile that names a file.
+pub(super) fn checked(name: &str, text: &str) -> Result<Profile, RequestFailure> {
     let parsed = Profile::parse(name, &format!("{name}.toml"), text.as_bytes());
     let profile = parsed.map_err(SourceError::Faulty)?;
     named_file(&profile)
-        .map_or(Ok(profile.clone()), |key| Err(Failure::of_text(files_refused(key))))
+        .map_or(Ok(profile.clone()), |key| Err(RequestFailure::of_text(files_refused(key))))
 }
 
 /// The key of a file that `profile` names.
@@ -53,13 +53,13 @@ pub(super) fn files_refused(key: &str) -> String {
 }
 
 /// A design for pictures alone.
-fn sketched(profile: &Profile) -> Result<Design, Failure> {
+fn sketched(profile: &Profile) -> Result<Design, RequestFailure> {
     let failed = |source| Error::Design { profile: profile.name.clone(), source };
     Ok(design_unmeasured(profile).map_err(failed)?)
 }
 
 /// The small picture and the maps that follow a slider, and what is judged by them.
-pub(super) fn preview(profile: &Profile) -> Result<Json, Failure> {
+pub(super) fn preview(profile: &Profile) -> Result<Json, RequestFailure> {
     let design = sketched(profile)?;
     let picture = || {
         let picture =
@@ -69,7 +69,7 @@ pub(super) fn preview(profile: &Profile) -> Result<Json, Failure> {
         picture.to_png().map(|png| (png, [picture.width, picture.height]))
     };
     let frame = ThinnedFrame::at_most(design.camera.pixels, PREVIEW_COLUMNS);
-    let (picture, mut seen) = parallel::join(picture, || seen(profile, &design, frame, None));
+    let (picture, mut seen) = parallel::join(picture, || seen(profile, &design, frame, None, None));
     let (png, pixels) = picture?;
     seen["picture"] = BASE64_STANDARD.encode(png).into();
     seen["pixels"] = json!(pixels);
@@ -77,25 +77,42 @@ pub(super) fn preview(profile: &Profile) -> Result<Json, Failure> {
 }
 
 /// The maps in their full size, and what is judged by the figures of the whole mirror.
-pub(super) fn estimate(profile: &Profile) -> Result<Json, Failure> {
+pub(super) fn estimate(profile: &Profile) -> Result<Json, RequestFailure> {
     let design = designed(profile)?;
     let frame = ThinnedFrame::new(design.camera.pixels);
-    Ok(seen(profile, &design, frame, design.facts.pixel_error_px))
+    let sharp = sharpness(profile, &design);
+    Ok(seen(profile, &design, frame, design.facts.pixel_error_px, sharp.as_ref()))
+}
+
+/// The map of the sizes of spots, and how sharp the picture is, for pictures that follow a slider.
+pub(super) fn sharpness_map(profile: &Profile) -> Result<Json, RequestFailure> {
+    let design = sketched(profile)?;
+    let sharp = sharpness(profile, &design);
+    let spots = sharp.as_ref().and_then(|sharp| spots(&design, sharp));
+    let facts = AnswerRows::of(&[&sharp.as_ref().map(PlainSharpness)]);
+    Ok(json!({ "spots": spots, "facts": facts.plain().collect::<Vec<_>>() }))
+}
+
+/// The map of the sizes of spots as data of the page.
+fn spots(design: &Design, sharp: &SharpnessFacts) -> Option<Json> {
+    let found = spot_sizes(design, sharp)?;
+    let title = "size of the spots, px";
+    Some(map(&spot_map(found.pixels, &found.sizes_px, &found.quantiles, title)))
 }
 
 /// The picture as `morion render --scene grid --smooth` writes it, PNG.
-pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, Failure> {
+pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, RequestFailure> {
     let options = RenderOptions { scene: "grid", smooth: true, ..RenderOptions::default() };
     let (_, files) = options.in_memory(profile, &Silent)?;
     let file = files.into_iter().next();
-    Ok(file.ok_or_else(|| Failure::said(500, "there is no picture"))?.bytes)
+    Ok(file.ok_or_else(|| RequestFailure::said(500, "there is no picture"))?.bytes)
 }
 
 /// The part from a coarse mesh of its own: GLB and a still picture.
-pub(super) fn part(profile: &Profile) -> Result<Json, Failure> {
+pub(super) fn part(profile: &Profile) -> Result<Json, RequestFailure> {
     let design = sketched(profile)?;
     let figures = part_figures(&design, &mesh_label(&design, None));
-    let none = || Failure::of_text("the part has no mesh to show");
+    let none = || RequestFailure::of_text("the part has no mesh to show");
     let figures = figures.ok_or_else(none)?;
     Ok(json!({
         "glb": BASE64_STANDARD.encode(figures.glb),
@@ -105,20 +122,20 @@ pub(super) fn part(profile: &Profile) -> Result<Json, Failure> {
 }
 
 /// Maps and judgement of `design`; without a summary of the errors, by the pixels of `frame`.
-fn seen(profile: &Profile, design: &Design, frame: ThinnedFrame, known: Option<Summary>) -> Json {
+fn seen(
+    profile: &Profile,
+    design: &Design,
+    frame: ThinnedFrame,
+    known: Option<Summary>,
+    sharp: Option<&SharpnessFacts>,
+) -> Json {
     let errors = pixel_errors(design, frame);
-    let sharp = sharpness(profile, design);
-    let spots = sharp.as_ref().and_then(|sharp| spot_sizes(design, sharp));
-    let spots = spots.map(|found| {
-        let title = "size of the spots, px";
-        map(&spot_map(found.pixels, &found.sizes_px, &found.quantiles, title))
-    });
     let has_target = design.view.is_some();
     json!({
         "frame": design.camera.pixels,
         "errors": has_target.then(|| map(&pixel_error_map(frame.pixels(), &errors))),
-        "spots": spots,
-        "judged": judged(profile, design, &errors, known, sharp.as_ref()),
+        "spots": sharp.and_then(|sharp| spots(design, sharp)),
+        "judged": judged(profile, design, &errors, known, sharp),
     })
 }
 
@@ -189,7 +206,7 @@ fn judged(
     facts.append(AnswerRows::of(&[&design.mounting, &sharp]));
     let facts: Vec<_> = facts.plain().collect();
     json!({
-        "verdict": has_target.then(|| if reasons.is_empty() { "pass" } else { "fail" }),
+        "verdict": has_target.then_some(if reasons.is_empty() { "pass" } else { "fail" }),
         "reasons": reasons,
         "facts": facts,
         "pixels_lost": has_target.then_some(lost),
@@ -199,14 +216,14 @@ fn judged(
 /// The camera ray of a pixel's centre, where it meets the smooth mirror, and what it sees there.
 ///
 /// # Errors
-/// [`Failure`] where there is no such pixel, or no mirror.
-pub(super) fn pixel(profile: &Profile, [x, y]: [u32; 2]) -> Result<Json, Failure> {
+/// [`RequestFailure`] where there is no such pixel, or no mirror.
+pub(super) fn pixel(profile: &Profile, [x, y]: [u32; 2]) -> Result<Json, RequestFailure> {
     let design = sketched(profile)?;
     let camera = &design.camera;
     let [columns, rows] = camera.pixels;
     if x >= columns || y >= rows {
         let sentence = format!("the frame has the pixels 0, 0 to {}, {}", columns - 1, rows - 1);
-        return Err(Failure::of_text(sentence));
+        return Err(RequestFailure::of_text(sentence));
     }
     let image = camera.image_point(f64::from(x) + 0.5, f64::from(y) + 0.5);
     let [.., top_mm] = design.mounting.size_mm;

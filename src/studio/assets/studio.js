@@ -118,6 +118,12 @@
     figure.querySelector(".key-of").replaceChildren(scale, ...keys);
     figure.querySelector("figcaption").textContent = map.title;
   }
+  // Facts about sharpness come by themselves while a slider moves.
+  let sharpFacts = [];
+  let facts = [];
+  function showFacts() {
+    rows(by("facts"), [...facts.filter(([head]) => head !== "sharp"), ...sharpFacts]);
+  }
   function showJudged(judged, isWhole) {
     const words = { pass: "Within the limits", fail: "Over the limits" };
     by("verdict").textContent = words[judged.verdict] || "Nothing to judge";
@@ -125,14 +131,17 @@
     const fact = (wanted) => (judged.facts.find(([head]) => head === wanted) || ["", ""])[1];
     const parts = [fact("picture"), fact("part"), fact("camera"), ...judged.reasons].filter(Boolean);
     by("conclusion").textContent = "(smooth mirror" + (isWhole ? "" : ", by the small picture") + "): " + parts.join("; ");
-    rows(by("facts"), judged.facts);
+    facts = judged.facts;
+    if (isWhole) sharpFacts = facts.filter(([head]) => head === "sharp" || head === "");
+    facts = facts.filter(([head]) => head !== "");
+    showFacts();
   }
   function showSeen(seen, isWhole) {
     frame = seen.frame;
     by("column").max = frame[0] - 1;
     by("row").max = frame[1] - 1;
     showMap(by("errors-map"), seen.errors);
-    showMap(by("spots-map"), seen.spots);
+    if (isWhole) showMap(by("spots-map"), seen.spots);
     showJudged(seen.judged, isWhole);
   }
   let pictureUrl = "";
@@ -152,6 +161,24 @@
     } catch (error) {
       if (now === change) refuse(error);
     }
+  }
+  let isSharpening = false;
+  async function sharpen() {
+    if (isSharpening) return;
+    isSharpening = true;
+    const now = change;
+    try {
+      const found = await post("/sharpness", source());
+      if (now === change) {
+        showMap(by("spots-map"), found.spots);
+        sharpFacts = found.facts;
+        showFacts();
+      }
+    } catch (_) {
+      // The preview tells what is wrong.
+    }
+    isSharpening = false;
+    if (now !== change) sharpen();
   }
   async function whole(now) {
     try {
@@ -212,6 +239,7 @@
         if (edits.length) change += 1;
         const now = change;
         await Promise.all([check(now), preview(now)]);
+        if (now === change) sharpen();
         shown = now;
       } while (waiting.size || shown !== change);
     } catch (error) {
