@@ -90,6 +90,8 @@ mod render;
 mod report;
 mod results;
 mod solid;
+#[cfg(feature = "studio")]
+mod studio;
 mod tolerance;
 mod tolerance_terms;
 mod trace;

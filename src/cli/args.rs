@@ -53,6 +53,9 @@ pub(super) enum CommandArg {
     Machining(MachiningArgs),
     /// Run time against error of design, mesh, witness and trials, into DIR/bench/
     Bench(BenchArgs),
+    /// A page on this machine in which a profile is changed and seen, until Ctrl-C; builds go into DIR/studio/
+    #[cfg(feature = "studio")]
+    Studio(StudioArgs),
     /// List the shipped profiles
     Profiles(ProfilesArgs),
     /// List the JSON outputs, or print the JSON Schema of one
@@ -278,6 +281,23 @@ pub(super) struct BenchArgs {
     /// Folder for results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
+}
+
+// Arguments of `morion studio`.
+#[cfg(feature = "studio")]
+#[derive(Debug, Args)]
+pub(super) struct StudioArgs {
+    /// Profile file, or name of a shipped profile [default: conquistador]
+    pub profile: Option<String>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+    /// Port of 127.0.0.1 to listen on [default: one that is free]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Only print the address
+    #[arg(long)]
+    pub no_open: bool,
 }
 
 // Arguments of `morion profiles`.

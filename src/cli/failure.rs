@@ -1,8 +1,7 @@
 //! Why a command could not be done, in words and as JSON.
 
-use crate::pipeline::SourceError;
-use crate::profile::Complaint;
-use crate::results::{ErrorLine, ToldError};
+use crate::pipeline::all_errors;
+use crate::results::ErrorLine;
 use serde_json::json;
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};
@@ -25,18 +24,9 @@ impl CommandFailure {
     /// A line of JSON for each error: `{"error": {"file", "line", "column", "message", "hint"}}`, null what is not
     /// known. Every complaint about a profile is one.
     pub(super) fn json(&self) -> String {
-        let told = self.0.iter().flat_map(|error| match error.downcast_ref() {
-            Some(SourceError::Faulty(complaints)) => complaints.0.iter().map(complaint).collect(),
-            _ => vec![ToldError { message: error.to_string(), ..ToldError::default() }],
-        });
+        let told = self.0.iter().flat_map(|error| all_errors(&**error));
         told.map(|error| format!("{}\n", json!(ErrorLine { error }))).collect()
     }
-}
-
-fn complaint(complaint: &Complaint) -> ToldError<'_> {
-    let Complaint { file, line, column, message, hint } = complaint;
-    let (line, column) = (Some(*line), Some(*column));
-    ToldError { file: Some(file), line, column, message: message.clone(), hint: hint.as_deref() }
 }
 
 impl<E: Error + 'static> From<E> for CommandFailure {
@@ -58,7 +48,8 @@ impl Display for CommandFailure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::profile::Complaints;
+    use crate::pipeline::SourceError;
+    use crate::profile::{Complaint, Complaints};
     use serde_json::Value;
 
     #[test]

@@ -16,12 +16,18 @@ use crate::pipeline::{Command, ToleranceOptions, TrialsPart, dry_run, load, merg
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, TextLayout, visible};
 use crate::results::{NamedOutput, PartTrials, ProfileCheck, ShippedProfile, Verdict};
+#[cfg(feature = "studio")]
+use crate::studio::{StudioOptions, serve};
+#[cfg(feature = "studio")]
+use args::StudioArgs;
 use args::{
     Arguments, BenchArgs, BuildArgs, CommandArg, PrintFormat, ProfilesArgs, SchemaArgs,
     ToleranceArgs,
 };
 use clap::Parser;
 use failure::CommandFailure;
+#[cfg(feature = "studio")]
+use memory::has_room_for;
 use memory::threads_with_room;
 use progress::Progress;
 use serde::Serialize;
@@ -36,6 +42,10 @@ const PASSED: u8 = 0;
 const FAILED: u8 = 1;
 /// It could not be done: usage, profile, input or output.
 const UNABLE: u8 = 2;
+
+/// Threads of the studio beside those that compute: one that listens, and one for each of a browser's connections.
+#[cfg(feature = "studio")]
+const STUDIO_THREADS: usize = 8;
 
 /// Runs the program: parses the arguments, does the work, and returns the exit code.
 #[must_use]
@@ -92,6 +102,8 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Tolerance(args) => terminal.tolerance(args),
         CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Bench(args) => terminal.bench(args),
+        #[cfg(feature = "studio")]
+        CommandArg::Studio(args) => terminal.studio(args),
         CommandArg::Profiles(args) => terminal.profiles(args),
         CommandArg::Schema(args) => terminal.schema(args),
     }
@@ -178,6 +190,22 @@ impl Terminal {
         self.conclude(&bench, None)?;
         let missed = bench.suggestions.iter().any(|found| found.settings.is_none());
         Ok(if missed && !profiles.is_empty() { FAILED } else { PASSED })
+    }
+
+    #[cfg(feature = "studio")]
+    fn studio(&self, args: &StudioArgs) -> Result<u8, CommandFailure> {
+        if !has_room_for(STUDIO_THREADS) {
+            return Err(CommandFailure::said("memory is too short for a server's threads".into()));
+        }
+        let StudioArgs { profile, out, port, no_open } = args;
+        let (profile, port, opens) = (profile.as_deref(), *port, !no_open);
+        let options = StudioOptions { profile, out, port, opens };
+        let mut told = Ok(());
+        serve(&options, |address| {
+            told = self
+                .show(|| visible(&format!("{address}\n")), || line(&json!({ "address": address })));
+        })?;
+        told.map(|()| PASSED)
     }
 
     fn profiles(&self, args: &ProfilesArgs) -> Result<u8, CommandFailure> {

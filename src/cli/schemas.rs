@@ -55,7 +55,7 @@ fn all() -> Vec<Output> {
         Output { version: bench::SCHEMA, ..bench },
         output::<ShippedProfile>("profiles", "shipped profile, a line for each", "morion profiles"),
         output::<NamedOutput>("schema", "JSON output, a line for each", "morion schema"),
-        output::<ErrorLine<'_>>(
+        output::<ErrorLine>(
             "error",
             "error, a line for each",
             "every command that ends with exit code 2",

@@ -133,7 +133,7 @@ pub(super) fn close(
 }
 
 /// The words of every file of a build on its mirror: tolerances asked and reached, too.
-pub(super) fn label(design: &Design, bound: Option<&ErrorBound>) -> Label {
+pub(crate) fn label(design: &Design, bound: Option<&ErrorBound>) -> Label {
     let mesh = design.profile.mesh;
     let limit = |limit: Option<f64>| limit.map_or("-".into(), |limit| limit.to_string());
     let reached =

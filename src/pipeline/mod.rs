@@ -23,6 +23,7 @@ mod run;
 mod scenery;
 mod source;
 mod stages;
+mod told_error;
 mod tolerance;
 mod tolerance_spec;
 mod unwrap;
@@ -41,7 +42,8 @@ pub use observer::{Observer, Silent, Stage, Timings, Work};
 pub use replay::ReplayOptions;
 pub use run::Command;
 pub use scenery::{RenderOptions, SceneError};
-pub use source::{SourceError, load};
+pub use source::{ProfileText, SourceError, load};
+pub use told_error::all_errors;
 pub use tolerance::{ToleranceOptions, TrialsFile, TrialsPart, merge};
 pub use unwrap::{MapFormat, Rows, Unwrap, UnwrapOptions};
 pub use verify::{Verify, VerifyOptions, verify};
@@ -49,8 +51,9 @@ pub use verify::{Verify, VerifyOptions, verify};
 /// What the benchmark times and writes, stage by stage.
 pub(crate) use {
     in_memory_build::build_in_memory,
-    mesh_files::meshed,
+    mesh_files::{label as mesh_label, meshed},
     observer::StageTimer,
+    page_figures::part_figures,
     run::{Run, designed},
     tolerance_spec::{PreparedStudy, prepared},
 };

@@ -13,7 +13,7 @@ use crate::trace::{PixelTrace, Scene, TraceStrip};
 use crate::verdict::sharpness::spot_sizes;
 
 /// The part's figures from a coarse mesh of its own; none where it has none.
-pub(super) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
+pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
     let face = coarse_mesh(&design.mirror);
     let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;
     let mut glb = Vec::new();

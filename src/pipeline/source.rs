@@ -72,37 +72,71 @@ pub enum SourceError {
     },
 }
 
+/// Text of a profile, not checked yet.
+#[derive(Debug, Clone)]
+pub struct ProfileText {
+    /// Name that output goes under.
+    pub name: String,
+    /// Name by which it was found: the files that it names lie beside that.
+    pub named: String,
+    /// TOML, as far as it is text.
+    pub bytes: Cow<'static, [u8]>,
+}
+
+impl ProfileText {
+    /// The text that `named` means: that of a file if there is one, else of a shipped profile.
+    ///
+    /// # Errors
+    /// [`SourceError`] when there is none, or it cannot be read.
+    pub fn find(named: &str) -> Result<Self, SourceError> {
+        let path = Path::new(named);
+        let known = shipped().iter().find(|profile| profile.name == named);
+        // A folder called like a shipped profile (an output of it, say) does not hide it.
+        if let (Some(profile), false) = (known, path.is_file()) {
+            let (name, bytes) = (profile.name.to_owned(), profile.text.as_bytes().into());
+            return Ok(Self { named: name.clone(), name, bytes });
+        }
+        if !path.exists() {
+            return Err(SourceError::Unknown { named: named.into(), hint: hint(named) });
+        }
+        let bytes = publish::read_at_most(path, MOST_TEXT)?.into();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        if matches!(&*stem, "" | "." | "..") {
+            return Err(SourceError::Nameless { named: named.into() });
+        }
+        Ok(Self { name: stem.into_owned(), named: named.into(), bytes })
+    }
+
+    /// The profile, and the heights that it names, from its own folder.
+    ///
+    /// # Errors
+    /// [`SourceError`], with every complaint about the text.
+    pub fn checked(&self) -> Result<Profile, SourceError> {
+        let Self { name, named, bytes } = self;
+        let profile = Profile::parse(name, named, bytes)?;
+        Profile { named: named.clone(), ..profile }.with_heights()
+    }
+}
+
+/// What may have been meant by a name that is none.
+fn hint(named: &str) -> String {
+    let closest = shipped()
+        .iter()
+        .map(|profile| (strsim::jaro_winkler(named, profile.name), profile.name))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    match closest {
+        Some((likeness, name)) if likeness > 0.8 => format!("; did you mean {name}?"),
+        _ => " (morion profiles lists those)".into(),
+    }
+}
+
 /// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile;
 /// and the heights that it names, from its own folder.
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.
 pub fn load(named: &str) -> Result<Profile, SourceError> {
-    let path = Path::new(named);
-    let known = shipped().iter().find(|profile| profile.name == named);
-    // A folder called like a shipped profile (an output of it, say) does not hide it.
-    if let (Some(profile), false) = (known, path.is_file()) {
-        let profile = Profile::parse(profile.name, profile.name, profile.text.as_bytes())?;
-        return profile.with_heights();
-    }
-    if !path.exists() {
-        let closest = shipped()
-            .iter()
-            .map(|profile| (strsim::jaro_winkler(named, profile.name), profile.name))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        let hint = match closest {
-            Some((likeness, name)) if likeness > 0.8 => format!("; did you mean {name}?"),
-            _ => " (morion profiles lists those)".into(),
-        };
-        return Err(SourceError::Unknown { named: named.into(), hint });
-    }
-    let bytes = publish::read_at_most(path, MOST_TEXT)?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    if matches!(&*stem, "" | "." | "..") {
-        return Err(SourceError::Nameless { named: named.into() });
-    }
-    let profile = Profile::parse(&stem, named, &bytes)?;
-    Profile { named: named.into(), ..profile }.with_heights()
+    ProfileText::find(named)?.checked()
 }
 
 /// The heights in `file`, relative to `folder`.

@@ -35,8 +35,12 @@ pub use format::{CadFormat, FileFormat, MeshFormat};
 pub use mesh_goal::MeshGoal;
 pub use projection::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 pub use sag::{GridError, SagGrid};
+#[cfg(feature = "studio")]
+pub(crate) use schema::TABLES;
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 pub use shipped::{Shipped, shipped};
+#[cfg(feature = "studio")]
+pub(crate) use source::text as text_of_profile;
 pub use tolerance::Tolerance;
 
 /// A checked profile: camera, projection, layout, shape, part, mesh, files and limits.

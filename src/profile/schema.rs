@@ -34,7 +34,7 @@ const RARE: &[&str] = &[
 ];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
-pub(super) const TABLES: &[(&str, &[&str])] = &[
+pub(crate) const TABLES: &[(&str, &[&str])] = &[
     (
         "",
         &[

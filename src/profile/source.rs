@@ -14,7 +14,7 @@ const MAX_BRACKETS: usize = 16;
 const MAX_DOTS: usize = 8;
 
 /// The text of a profile, or the one complaint that stops all others.
-pub(super) fn text<'b>(file: &str, bytes: &'b [u8]) -> Result<&'b str, Complaints> {
+pub(crate) fn text<'b>(file: &str, bytes: &'b [u8]) -> Result<&'b str, Complaints> {
     let one = |(line, column): (usize, usize), message: String, hint: &str| {
         Complaints(vec![Complaint {
             file: file.to_owned(),

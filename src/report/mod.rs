@@ -27,6 +27,10 @@ mod visible;
 pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use build_figures::{BuildFigures, PartFigures};
 pub use maps::{form_map, gouge_map, pixel_error_map, spot_map};
+#[cfg(feature = "studio")]
+pub(crate) use page::{STYLE, THREE, VIEWER};
 pub(crate) use plot::{Failure, svg};
+#[cfg(feature = "studio")]
+pub(crate) use sharpness::PlainSharpness;
 pub use text_layout::TextLayout;
 pub use visible::visible;

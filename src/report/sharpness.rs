@@ -4,7 +4,7 @@ use super::answer::{AnswerRows, ToRows};
 use crate::results::{ApertureFacts, SharpnessFacts, three_digits};
 
 /// Sharpness in plain words.
-pub(super) struct PlainSharpness<'a>(pub &'a SharpnessFacts);
+pub(crate) struct PlainSharpness<'a>(pub &'a SharpnessFacts);
 
 impl ToRows for PlainSharpness<'_> {
     fn add_to(&self, rows: &mut AnswerRows) {

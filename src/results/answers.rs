@@ -38,16 +38,16 @@ pub struct NamedOutput {
 
 /// Why a command could not be done: a line on standard output for each error.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct ErrorLine<'a> {
+pub struct ErrorLine {
     /// The error.
-    pub error: ToldError<'a>,
+    pub error: ToldError,
 }
 
 /// An error, as far as its place is known.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct ToldError<'a> {
+pub struct ToldError {
     /// Profile with the fault, as it was named; null where the error is about no profile's text.
-    pub file: Option<&'a str>,
+    pub file: Option<String>,
     /// Line of the fault, from 1; null without a place.
     pub line: Option<usize>,
     /// Column of the fault, from 1; null without a place.
@@ -55,5 +55,13 @@ pub struct ToldError<'a> {
     /// What is wrong, with figures.
     pub message: String,
     /// A way out; null where none is known.
-    pub hint: Option<&'a str>,
+    pub hint: Option<String>,
+}
+
+impl ToldError {
+    /// An error that is a sentence.
+    #[must_use]
+    pub fn said(sentence: impl Into<String>) -> Self {
+        Self { message: sentence.into(), ..Self::default() }
+    }
 }

@@ -50,6 +50,8 @@ mod shipped;
 mod single_precision;
 mod step;
 mod stress;
+#[cfg(feature = "studio")]
+mod studio;
 mod support;
 mod tolerance;
 mod tracing;

@@ -8,6 +8,8 @@ mod side_view;
 
 pub(super) use map_figure::map_figure;
 pub(super) use part_viewer::part_figure;
+#[cfg(feature = "studio")]
+pub(crate) use part_viewer::{THREE, VIEWER};
 pub(super) use sections::sections_figure;
 pub(super) use side_view::side_view_figure;
 
@@ -19,7 +21,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
 /// Looks of every page: light and dark, on a telephone's width, and on A4.
-const STYLE: &str = include_str!("assets/page.css");
+pub(crate) const STYLE: &str = include_str!("assets/page.css");
 
 /// Pages of the commands on one profile, which lie in one folder: file, what it answers, and the command.
 const PAGES: [(&str, &str, &str); 5] = [

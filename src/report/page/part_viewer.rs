@@ -5,9 +5,9 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
 /// What is used of three.js; see `assets/three`.
-const THREE: &str = include_str!("assets/three/three.min.js");
+pub(crate) const THREE: &str = include_str!("assets/three/three.min.js");
 /// The viewer.
-const VIEWER: &str = include_str!("assets/viewer.js");
+pub(crate) const VIEWER: &str = include_str!("assets/viewer.js");
 
 /// The part of `glb`, a file in that format, to be turned; `still` is a PNG of it.
 pub(in crate::report) fn part_figure(glb: &[u8], still: &[u8], size: &str) -> Figure {

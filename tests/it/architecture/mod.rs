@@ -43,7 +43,8 @@ const TABLE: &[(&str, &[&str])] = &[
     ("report", ALL_ABOVE),
     ("pipeline", ALL_ABOVE),
     ("bench", ALL_ABOVE),
-    ("cli", &["bench", "parallel", "pipeline", "profile", "report", "results"]),
+    ("studio", ALL_ABOVE),
+    ("cli", &["bench", "parallel", "pipeline", "profile", "report", "results", "studio"]),
     ("front", &["pipeline", "profile", "results"]),
     ("internals", ALL_ABOVE),
     ("main", &["internals"]),
@@ -54,7 +55,7 @@ const TRACE_NEVER: &[&str] = &["mirror", "design", "mesh", "solid", "export"];
 
 /// The threads' library, beside `parallel`: the size of the pool.
 const MAY_NAME_RAYON: &[&str] = &["parallel", "bench"];
-const MAY_TOUCH_THE_SYSTEM: &[&str] = &["publish", "pipeline", "bench", "cli", "main"];
+const MAY_TOUCH_THE_SYSTEM: &[&str] = &["publish", "pipeline", "bench", "studio", "cli", "main"];
 const MAX_LINES: usize = 500;
 
 /// The sources speak of the project alone.

@@ -1,0 +1,356 @@
+"use strict";
+// The studio: the text goes to the server, and what it answers is shown. Data never becomes markup.
+(() => {
+  const token = new URLSearchParams(location.search).get("token") || "";
+  const by = (id) => document.getElementById(id);
+  const text = by("text");
+  let name = "mirror";
+  let frame = null;
+  let form = null;
+  // Number of the last change; answers to older ones are not shown.
+  let change = 0;
+  // Milliseconds of quiet after which the full picture is asked for.
+  const QUIET_MS = 400;
+
+  async function ask(method, path, body) {
+    const headers = { "X-Morion-Token": token };
+    if (body) headers["Content-Type"] = "application/json";
+    const response = await fetch(path, { method, headers, body: body && JSON.stringify(body), cache: "no-store" });
+    const isJson = (response.headers.get("Content-Type") || "").startsWith("application/json");
+    if (!isJson) {
+      if (!response.ok) throw { message: "the server answers " + response.status, status: response.status };
+      return response.blob();
+    }
+    const answer = await response.json();
+    if (!response.ok) throw { ...answer.error, status: response.status };
+    return answer;
+  }
+  const post = (path, body = {}) => ask("POST", path, body);
+  const source = () => ({ name, text: text.value });
+  const message = (error) => {
+    const said = error && error.message ? error.message : String(error);
+    return said === "Failed to fetch" ? "morion studio has ended; start it again" : said + (error.hint ? " (" + error.hint + ")" : "");
+  };
+  const isOld = (error) => error && error.status === 409;
+
+  function element(kind, content, className) {
+    const made = document.createElement(kind);
+    made.textContent = content;
+    if (className) made.className = className;
+    return made;
+  }
+  function rows(table, pairs) {
+    table.replaceChildren(...pairs.map(([head, said]) => {
+      const row = document.createElement("tr");
+      const th = element("th", head);
+      th.scope = "row";
+      row.append(th, element("td", said));
+      return row;
+    }));
+  }
+
+  // ---- The text ----
+  function number(errors) {
+    const wrong = new Set(errors.map((error) => error.line));
+    const count = text.value.split("\n").length;
+    by("lines").replaceChildren(...Array.from({ length: count }, (_, k) =>
+      element("span", (k + 1) + "\n", wrong.has(k + 1) ? "bad-line" : "")));
+    by("lines").scrollTop = text.scrollTop;
+  }
+  function place(line, column) {
+    const before = text.value.split("\n").slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0);
+    text.focus();
+    text.setSelectionRange(before + column - 1, before + (text.value.split("\n")[line - 1] || "").length);
+    text.scrollTop = (line - 4) * 13 * 1.45;
+  }
+  async function check(now) {
+    const { errors, keys, values } = await post("/check", source());
+    if (now !== change) return errors.length === 0;
+    number(errors);
+    by("errors").replaceChildren(...errors.map((error) => {
+      const item = document.createElement("li");
+      if (error.line) {
+        const go = element("button", "line " + error.line + ", column " + error.column);
+        go.type = "button";
+        go.addEventListener("click", () => place(error.line, error.column));
+        item.append(go, ": ");
+      }
+      item.append(error.message + (error.hint ? " (hint: " + error.hint + ")" : ""));
+      return item;
+    }));
+    form.show(values);
+    form.complain(errors, keys);
+    return errors.length === 0;
+  }
+
+  // ---- What is seen ----
+  function refuse(error) {
+    if (isOld(error)) return;
+    by("refusal").textContent = error ? message(error) : "";
+    by("refusal").hidden = !error;
+    document.querySelector(".seen").classList.toggle("stale", Boolean(error));
+    for (const img of document.querySelectorAll(".seen img")) img.classList.toggle("old", Boolean(error));
+    if (error) {
+      by("verdict").textContent = "Refused";
+      by("verdict").className = "fail";
+      by("conclusion").textContent = "";
+    }
+  }
+  function showMap(figure, map) {
+    figure.hidden = !map;
+    if (!map) return;
+    figure.querySelector("img").src = "data:image/png;base64," + map.png;
+    const scale = element("div", "", "scale");
+    const ramp = element("span", "", "ramp");
+    for (const stop of map.stops) {
+      const part = document.createElement("i");
+      part.style.background = stop;
+      ramp.append(part);
+    }
+    scale.append(element("span", map.ticks[0]), ramp, element("span", map.ticks[map.ticks.length - 1]));
+    const keys = map.keys.map((key) => {
+      const shown = element("span", "", "key");
+      const colour = document.createElement("i");
+      colour.style.background = key.colour;
+      shown.append(colour, key.text);
+      return shown;
+    });
+    figure.querySelector(".key-of").replaceChildren(scale, ...keys);
+    figure.querySelector("figcaption").textContent = map.title;
+  }
+  // Facts about sharpness come by themselves while a slider moves.
+  let sharpFacts = [];
+  let facts = [];
+  function showFacts() {
+    rows(by("facts"), [...facts.filter(([head]) => head !== "sharp"), ...sharpFacts]);
+  }
+  function showJudged(judged, isWhole) {
+    const words = { pass: "Within the limits", fail: "Over the limits" };
+    by("verdict").textContent = words[judged.verdict] || "Nothing to judge";
+    by("verdict").className = judged.verdict || "";
+    const fact = (wanted) => (judged.facts.find(([head]) => head === wanted) || ["", ""])[1];
+    const parts = [fact("picture"), fact("part"), fact("camera"), ...judged.reasons].filter(Boolean);
+    by("conclusion").textContent = "(smooth mirror" + (isWhole ? "" : ", by the small picture") + "): " + parts.join("; ");
+    facts = judged.facts;
+    if (isWhole) sharpFacts = facts.filter(([head]) => head === "sharp" || head === "");
+    facts = facts.filter(([head]) => head !== "");
+    showFacts();
+  }
+  function showSeen(seen, isWhole) {
+    frame = seen.frame;
+    by("column").max = frame[0] - 1;
+    by("row").max = frame[1] - 1;
+    showMap(by("errors-map"), seen.errors);
+    if (isWhole) showMap(by("spots-map"), seen.spots);
+    showJudged(seen.judged, isWhole);
+  }
+  let pictureUrl = "";
+  function showPicture(url, said) {
+    by("picture").src = url;
+    if (pictureUrl) URL.revokeObjectURL(pictureUrl);
+    pictureUrl = url.startsWith("blob:") ? url : "";
+    by("size").textContent = said;
+  }
+  async function preview(now) {
+    try {
+      const seen = await post("/preview", source());
+      if (now !== change) return;
+      refuse(null);
+      showPicture("data:image/png;base64," + seen.picture, "Test world in the smooth mirror, without shadows; " + seen.pixels.join(" x ") + " pixels while you change it.");
+      showSeen(seen, false);
+    } catch (error) {
+      if (now === change) refuse(error);
+    }
+  }
+  let isSharpening = false;
+  async function sharpen() {
+    if (isSharpening) return;
+    isSharpening = true;
+    const now = change;
+    try {
+      const found = await post("/sharpness", source());
+      if (now === change) {
+        showMap(by("spots-map"), found.spots);
+        sharpFacts = found.facts;
+        showFacts();
+      }
+    } catch (_) {
+      // The preview tells what is wrong.
+    }
+    isSharpening = false;
+    if (now !== change) sharpen();
+  }
+  async function whole(now) {
+    try {
+      const png = await post("/picture", source());
+      if (now !== change) return;
+      refuse(null);
+      showPicture(URL.createObjectURL(png), "Test world in the smooth mirror, without shadows; as morion render --scene grid --smooth writes it.");
+      const seen = await post("/estimate", source());
+      if (now !== change) return;
+      showSeen(seen, true);
+      const part = await post("/part", source());
+      if (now === change) showPart(part);
+    } catch (error) {
+      if (now === change) refuse(error);
+    }
+  }
+  function showPart(part) {
+    const old = document.querySelector("#part3d canvas");
+    const context = old && (old.getContext("webgl2") || old.getContext("webgl"));
+    const ending = context && context.getExtension("WEBGL_lose_context");
+    if (ending) ending.loseContext();
+    const box = element("div", "", "part3d");
+    box.id = "part3d";
+    const still = document.createElement("img");
+    still.className = "still";
+    still.alt = "The part seen from above and to the right of the picture's foot";
+    still.src = "data:image/png;base64," + part.still;
+    box.append(still);
+    by("part").replaceChildren(box);
+    by("part-glb").textContent = part.glb;
+    by("part-size").textContent = part.size + ". Drag, or use the arrow keys, to turn it; wheel, + and - bring it nearer or farther; Home brings it back.";
+    drawPart();
+  }
+
+  // ---- Changes: one request at a time, of waiting ones the newest of each key ----
+  const waiting = new Map();
+  let isBusy = false;
+  let timer = 0;
+  function changed(edit) {
+    if (edit) waiting.set(edit.path.join(".") + " " + (edit.index ?? ""), edit);
+    clearTimeout(timer);
+    work();
+  }
+  async function work() {
+    if (isBusy) return;
+    isBusy = true;
+    try {
+      do {
+        const edits = [...waiting.values()];
+        waiting.clear();
+        for (const edit of edits) {
+          try {
+            text.value = (await post("/edit", { text: text.value, ...edit })).text;
+          } catch (error) {
+            refuse(error);
+          }
+        }
+        if (edits.length) change += 1;
+        const now = change;
+        await Promise.all([check(now), preview(now)]);
+        if (now === change) sharpen();
+        shown = now;
+      } while (waiting.size || shown !== change);
+    } catch (error) {
+      refuse(error);
+    }
+    isBusy = false;
+    clearTimeout(timer);
+    timer = setTimeout(() => whole(change), QUIET_MS);
+  }
+  let shown = -1;
+
+  text.addEventListener("input", () => { change += 1; number([]); changed(null); });
+  text.addEventListener("scroll", () => { by("lines").scrollTop = text.scrollTop; });
+  by("form").addEventListener("submit", (event) => event.preventDefault());
+
+  // ---- A pixel ----
+  const digits = (x, n) => Number(x).toFixed(n);
+  const vector = (v, n) => v.map((x) => digits(x, n)).join(", ");
+  async function pixel(x, y) {
+    by("column").value = x;
+    by("row").value = y;
+    try {
+      const found = await post("/pixel", { ...source(), x, y });
+      const lines = [["pixel", found.x + ", " + found.y],
+        ["camera ray", "from " + vector(found.ray.from_mm, 3) + " mm along " + vector(found.ray.direction, 6)]];
+      if (!found.hit_mm) lines.push(["mirror", "the ray meets no mirror"]);
+      else {
+        lines.push(["meets the mirror at", vector(found.hit_mm, 3) + " mm"], ["azimuth", digits(found.azimuth_deg, 3) + " deg"],
+          ["elevation", digits(found.elevation_deg, 3) + " deg"],
+          ["pixel error", found.error_px === null ? "none: nothing is asked of it" : digits(found.error_px, 3) + " px"]);
+      }
+      rows(by("pixel"), lines);
+    } catch (error) {
+      if (!isOld(error)) rows(by("pixel"), [["pixel", message(error)]]);
+    }
+  }
+  by("picture").addEventListener("click", (event) => {
+    if (!frame) return;
+    const box = by("picture").getBoundingClientRect();
+    const at = (from, size, count) => Math.min(count - 1, Math.max(0, Math.floor((from / size) * count)));
+    pixel(at(event.clientX - box.left, box.width, frame[0]), at(event.clientY - box.top, box.height, frame[1]));
+  });
+  by("ask").addEventListener("click", () => pixel(Number(by("column").value) || 0, Number(by("row").value) || 0));
+
+  // ---- Build ----
+  function showBuild(status) {
+    const isRunning = status.state === "running";
+    by("build").disabled = isRunning;
+    by("cancel").disabled = !isRunning;
+    const said = { none: "", running: "building " + status.name + "...", cancelled: "cancelled; nothing was left half-written",
+      failed: status.error ? message(status.error) : "the build ended without an answer", done: "verdict: " + status.verdict };
+    by("build-state").textContent = said[status.state] || "";
+    by("build-state").className = status.verdict || (status.state === "failed" ? "fail" : "");
+    by("progress").textContent = (status.lines || []).join("\n");
+    const sentence = (reason) => typeof reason === "string" ? reason : reason.message || JSON.stringify(reason);
+    by("reasons").replaceChildren(...(status.reasons || []).map((reason) => element("li", sentence(reason))));
+    by("files").replaceChildren(...(status.files || []).map((file) => {
+      const item = document.createElement("li");
+      const link = element("a", file);
+      link.href = "/files/" + encodeURIComponent(file) + "?token=" + encodeURIComponent(token);
+      if (file.endsWith(".html")) { link.target = "_blank"; link.rel = "noopener noreferrer"; } else link.download = file;
+      item.append(link);
+      return item;
+    }));
+    if (isRunning) setTimeout(poll, 250);
+  }
+  async function poll() {
+    try {
+      showBuild(await ask("GET", "/build"));
+    } catch (error) {
+      by("build-state").textContent = message(error);
+    }
+  }
+  const press = (path, body) => async () => {
+    try {
+      showBuild(await post(path, body()));
+    } catch (error) {
+      by("build-state").textContent = message(error);
+      by("build-state").className = "fail";
+    }
+  };
+  by("build").addEventListener("click", press("/build", source));
+  by("cancel").addEventListener("click", press("/cancel", () => ({})));
+
+  // ---- Begin ----
+  by("save").addEventListener("click", () => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text.value], { type: "application/toml" }));
+    link.download = name + ".toml";
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+  function open(found) {
+    name = found.name;
+    text.value = found.text;
+    by("name").textContent = name;
+    change += 1;
+    changed(null);
+  }
+  by("shipped").addEventListener("change", async (event) => {
+    if (!event.target.value) return;
+    try {
+      open(await post("/open", { name: event.target.value }));
+    } catch (error) {
+      refuse(error);
+    }
+  });
+  post("/start").then((start) => {
+    form = new ProfileForm(by("form"), start.form, changed, () => {});
+    for (const known of start.shipped) by("shipped").append(new Option(known, known));
+    open(start);
+    poll();
+  }).catch(refuse);
+})();

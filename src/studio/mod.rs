@@ -1,0 +1,128 @@
+//! `morion studio`: a page on this machine in which a profile is changed, and what comes of it is seen.
+//!
+//! The server listens on 127.0.0.1 alone and answers whoever has its token. It reads no file but the profile that it
+//! is opened with and those of its own builds, and writes into one folder.
+
+mod build;
+mod edit;
+mod failure;
+mod form;
+mod guard;
+mod lane;
+mod message;
+mod page;
+mod routes;
+mod server;
+mod view;
+
+use crate::parallel;
+use crate::pipeline::{ProfileText, SourceError};
+use lane::Lane;
+use routes::{Studio, Subjects, tamed};
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::Builder;
+use tempfile::NamedTempFile;
+use thiserror::Error;
+
+/// The folder of profiles and results below that for results.
+const FOLDER: &str = "studio";
+/// The profile that is opened where none is named.
+const FIRST: &str = "conquistador";
+
+/// How the studio is opened.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StudioOptions<'a> {
+    /// The first profile, as typed.
+    pub profile: Option<&'a str>,
+    /// Folder for results.
+    pub out: &'a Path,
+    /// Port of 127.0.0.1; 0 for one that is free.
+    pub port: u16,
+    /// Whether the page is opened in a browser.
+    pub opens: bool,
+}
+
+/// Why there is no studio.
+#[derive(Debug, Error)]
+pub(crate) enum StudioError {
+    /// There is no profile, or it has faults.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The profile names a file.
+    #[error("{named}: {sentence}")]
+    Files {
+        /// As typed.
+        named: String,
+        /// Which key, and what to do.
+        sentence: String,
+    },
+    /// The system refuses to listen, or a thread.
+    #[error("cannot listen on port {port} of 127.0.0.1: {source}; choose another --port")]
+    Listen {
+        /// The port asked for.
+        port: u16,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+/// Opens the studio, tells its address, and answers requests until the program is ended.
+///
+/// # Errors
+/// [`StudioError`] when it cannot be opened.
+pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<(), StudioError> {
+    let StudioOptions { out, port, opens, .. } = *options;
+    let named = options.profile.unwrap_or(FIRST);
+    let found = ProfileText::find(named)?;
+    if let Some(key) = view::named_file(&found.checked()?) {
+        let sentence = view::files_refused(key);
+        return Err(StudioError::Files { named: named.to_owned(), sentence });
+    }
+    let text = String::from_utf8_lossy(&found.bytes).into_owned();
+    let (quick, quick_jobs) = Lane::new();
+    let (slow, slow_jobs) = Lane::new();
+    let studio = Arc::new(Studio {
+        first: [tamed(&found.name), text],
+        folder: out.join(FOLDER),
+        quick,
+        slow,
+        subjects: Subjects::default(),
+        build: Mutex::new(None),
+        opening: Mutex::new(None),
+    });
+    let refused = |source| StudioError::Listen { port, source };
+    let threads = parallel::threads();
+    let work = move || {
+        parallel::within(Some(threads), move || slow_jobs.into_iter().for_each(|job| job()));
+    };
+    Builder::new().name("slow".to_owned()).spawn(work).map_err(refused)?;
+    let (_listening, address) = server::listen(Arc::clone(&studio), port).map_err(refused)?;
+    tell(&address);
+    if opens {
+        let page = open(&address, &studio.folder).ok();
+        *studio.opening.lock().unwrap_or_else(PoisonError::into_inner) = page;
+    }
+    // On this thread, which is of the pool.
+    quick_jobs.iter().for_each(|job| job());
+    Ok(())
+}
+
+/// Opens an address in the user's browser by a page in `folder` that only the user can read: other users see the
+/// arguments of programs. Where there is no browser, the address is on the terminal.
+fn open(address: &str, folder: &Path) -> io::Result<NamedTempFile> {
+    std::fs::create_dir_all(folder)?;
+    let mut page = tempfile::Builder::new().prefix("open-").suffix(".html").tempfile_in(folder)?;
+    let refresh = format!("<meta http-equiv=\"refresh\" content=\"0; url={address}\">");
+    writeln!(page, "<!doctype html><title>Morion studio</title>{refresh}")?;
+    let mut command = Command::new(match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ => "xdg-open",
+    });
+    command.arg(page.path().canonicalize()?);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
+    Ok(page)
+}

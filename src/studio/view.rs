@@ -1,0 +1,255 @@
+//! What one sees of a profile: picture, maps, figures, pixels and the part, all of the smooth mirror.
+
+use super::failure::RequestFailure;
+use crate::design::{Design, design_unmeasured};
+use crate::geom::DVec3;
+use crate::num::stats::Summary;
+use crate::num::{asin, atan2, degrees};
+use crate::optics::ThinnedFrame;
+use crate::parallel;
+use crate::pipeline::mesh_label;
+use crate::pipeline::{Command, Error, RenderOptions, Silent, SourceError, designed, part_figures};
+use crate::profile::{Profile, ShapeSpec};
+use crate::raster::{FalseColourMap, Srgb};
+use crate::render::{CameraPicture, CameraView, Distance, TestWorld, pixel_errors, reflected};
+use crate::report::{AnswerRows, PlainSharpness, pixel_error_map, spot_map};
+use crate::results::{SharpnessFacts, three_digits};
+use crate::verdict::sharpness::{reason, sharpness, spot_sizes};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value as Json, json};
+
+/// Most columns of a picture that follows a slider.
+const PREVIEW_COLUMNS: u32 = 320;
+/// Samples along each side of a pixel at edges of such a picture.
+const PREVIEW_SAMPLES: u32 = 2;
+/// Colours of a map's scale.
+const STOPS: u32 = 12;
+
+/// The profile of a text that reads no file.
+///
+/// # Errors
+/// [`RequestFailure`] with every complaint, and for a profile that names a file.
+pub(super) fn checked(name: &str, text: &str) -> Result<Profile, RequestFailure> {
+    let parsed = Profile::parse(name, &format!("{name}.toml"), text.as_bytes());
+    let profile = parsed.map_err(SourceError::Faulty)?;
+    named_file(&profile)
+        .map_or(Ok(profile.clone()), |key| Err(RequestFailure::of_text(files_refused(key))))
+}
+
+/// The key of a file that `profile` names.
+pub(super) fn named_file(profile: &Profile) -> Option<&'static str> {
+    match &profile.shape {
+        ShapeSpec::Grid { .. } => Some("mirror.grid.file"),
+        _ => profile.tolerance.map_file.as_ref().map(|_| "tolerance.map_file"),
+    }
+}
+
+/// That the studio takes no profile with this key.
+pub(super) fn files_refused(key: &str) -> String {
+    format!(
+        "{key} names a file, and the studio reads no files; use the other commands for this profile"
+    )
+}
+
+/// A design for pictures alone.
+fn sketched(profile: &Profile) -> Result<Design, RequestFailure> {
+    let failed = |source| Error::Design { profile: profile.name.clone(), source };
+    Ok(design_unmeasured(profile).map_err(failed)?)
+}
+
+/// The small picture and the maps that follow a slider, and what is judged by them.
+pub(super) fn preview(profile: &Profile) -> Result<Json, RequestFailure> {
+    let design = sketched(profile)?;
+    let picture = || {
+        let picture =
+            CameraPicture::new(&design, CameraView::Smooth, Distance::Target, PREVIEW_SAMPLES)
+                .at_most(PREVIEW_COLUMNS)
+                .picture(&TestWorld::new());
+        picture.to_png().map(|png| (png, [picture.width, picture.height]))
+    };
+    let frame = ThinnedFrame::at_most(design.camera.pixels, PREVIEW_COLUMNS);
+    let (picture, mut seen) = parallel::join(picture, || seen(profile, &design, frame, None, None));
+    let (png, pixels) = picture?;
+    seen["picture"] = BASE64_STANDARD.encode(png).into();
+    seen["pixels"] = json!(pixels);
+    Ok(seen)
+}
+
+/// The maps in their full size, and what is judged by the figures of the whole mirror.
+pub(super) fn estimate(profile: &Profile) -> Result<Json, RequestFailure> {
+    let design = designed(profile)?;
+    let frame = ThinnedFrame::new(design.camera.pixels);
+    let sharp = sharpness(profile, &design);
+    Ok(seen(profile, &design, frame, design.facts.pixel_error_px, sharp.as_ref()))
+}
+
+/// The map of the sizes of spots, and how sharp the picture is, for pictures that follow a slider.
+pub(super) fn sharpness_map(profile: &Profile) -> Result<Json, RequestFailure> {
+    let design = sketched(profile)?;
+    let sharp = sharpness(profile, &design);
+    let spots = sharp.as_ref().and_then(|sharp| spots(&design, sharp));
+    let facts = AnswerRows::of(&[&sharp.as_ref().map(PlainSharpness)]);
+    Ok(json!({ "spots": spots, "facts": facts.plain().collect::<Vec<_>>() }))
+}
+
+/// The map of the sizes of spots as data of the page.
+fn spots(design: &Design, sharp: &SharpnessFacts) -> Option<Json> {
+    let found = spot_sizes(design, sharp)?;
+    let title = "size of the spots, px";
+    Some(map(&spot_map(found.pixels, &found.sizes_px, &found.quantiles, title)))
+}
+
+/// The picture as `morion render --scene grid --smooth` writes it, PNG.
+pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, RequestFailure> {
+    let options = RenderOptions { scene: "grid", smooth: true, ..RenderOptions::default() };
+    let (_, files) = options.in_memory(profile, &Silent)?;
+    let file = files.into_iter().next();
+    Ok(file.ok_or_else(|| RequestFailure::said(500, "there is no picture"))?.bytes)
+}
+
+/// The part from a coarse mesh of its own: GLB and a still picture.
+pub(super) fn part(profile: &Profile) -> Result<Json, RequestFailure> {
+    let design = sketched(profile)?;
+    let figures = part_figures(&design, &mesh_label(&design, None));
+    let none = || RequestFailure::of_text("the part has no mesh to show");
+    let figures = figures.ok_or_else(none)?;
+    Ok(json!({
+        "glb": BASE64_STANDARD.encode(figures.glb),
+        "still": BASE64_STANDARD.encode(figures.still),
+        "size": design.mounting.size(),
+    }))
+}
+
+/// Maps and judgement of `design`; without a summary of the errors, by the pixels of `frame`.
+fn seen(
+    profile: &Profile,
+    design: &Design,
+    frame: ThinnedFrame,
+    known: Option<Summary>,
+    sharp: Option<&SharpnessFacts>,
+) -> Json {
+    let errors = pixel_errors(design, frame);
+    let has_target = design.view.is_some();
+    json!({
+        "frame": design.camera.pixels,
+        "errors": has_target.then(|| map(&pixel_error_map(frame.pixels(), &errors))),
+        "spots": sharp.and_then(|sharp| spots(design, sharp)),
+        "judged": judged(profile, design, &errors, known, sharp),
+    })
+}
+
+/// A map as data of the page.
+fn map(map: &FalseColourMap) -> Json {
+    let colour = |[r, g, b]: Srgb| format!("#{r:02x}{g:02x}{b:02x}");
+    let stop = |k: u32| colour((map.ramp)(f64::from(k) / f64::from(STOPS - 1)));
+    let keys: Vec<Json> = map
+        .keys
+        .iter()
+        .map(|(srgb, text)| json!({ "colour": colour(*srgb), "text": text }))
+        .collect();
+    json!({
+        "png": map.bare_png().ok().map(|png| BASE64_STANDARD.encode(png)),
+        "title": map.title,
+        "ticks": map.ticks,
+        "stops": (0..STOPS).map(stop).collect::<Vec<_>>(),
+        "keys": keys,
+    })
+}
+
+/// What is to be said of the smooth mirror, and whether it is within the limits; null without a projection.
+fn judged(
+    profile: &Profile,
+    design: &Design,
+    errors: &[Option<f64>],
+    known: Option<Summary>,
+    sharp: Option<&SharpnessFacts>,
+) -> Json {
+    let seen: Vec<f64> = errors.iter().flatten().copied().collect();
+    let summary = known.or_else(|| Summary::weighted(seen.iter().map(|px| (*px, 1.0)).collect()));
+    let limits = profile.acceptance_limits();
+    let [rms, max, least] =
+        [limits.pixel_error_rms_px, limits.pixel_error_max_px, limits.frame_filled]
+            .map(|limit| limit.value);
+    let filled = seen.iter().filter(|px| **px <= max).count() as f64 / errors.len().max(1) as f64;
+    let lost = errors.len() - seen.len();
+    let mut facts = AnswerRows::default();
+    let mut reasons = Vec::new();
+    let has_target = design.view.is_some();
+    if has_target {
+        let found = summary.map_or("no pixel shows the target".into(), |found| {
+            let [rms, max] = [found.rms, found.max].map(three_digits);
+            format!("off by {rms} px RMS, {max} px at most")
+        });
+        facts.add("picture", format!("{found}; allowed {rms} and {max}"));
+        let share = 1e2 * lost as f64 / errors.len().max(1) as f64;
+        let percent = 1e2 * filled;
+        facts.add(
+            "frame",
+            format!(
+                "{percent:.2} % of the pixels are filled, asked {:.2} %; {share:.2} % see no mirror",
+                1e2 * least
+            ),
+        );
+        if !summary.is_some_and(|found| found.rms <= rms) {
+            reasons.push("the RMS pixel error is over its limit".to_owned());
+        }
+        if !summary.is_some_and(|found| found.max <= max) {
+            reasons.push("the largest pixel error is over its limit".to_owned());
+        }
+        if !(filled >= least) {
+            reasons.push("too few pixels are filled".to_owned());
+        }
+        reasons.extend(reason(profile, sharp).map(|reason| reason.to_string()));
+    }
+    let sharp = sharp.map(PlainSharpness);
+    facts.append(AnswerRows::of(&[&design.mounting, &sharp]));
+    let facts: Vec<_> = facts.plain().collect();
+    json!({
+        "verdict": has_target.then_some(if reasons.is_empty() { "pass" } else { "fail" }),
+        "reasons": reasons,
+        "facts": facts,
+        "pixels_lost": has_target.then_some(lost),
+    })
+}
+
+/// The camera ray of a pixel's centre, where it meets the smooth mirror, and what it sees there.
+///
+/// # Errors
+/// [`RequestFailure`] where there is no such pixel, or no mirror.
+pub(super) fn pixel(profile: &Profile, [x, y]: [u32; 2]) -> Result<Json, RequestFailure> {
+    let design = sketched(profile)?;
+    let camera = &design.camera;
+    let [columns, rows] = camera.pixels;
+    if x >= columns || y >= rows {
+        let sentence = format!("the frame has the pixels 0, 0 to {}, {}", columns - 1, rows - 1);
+        return Err(RequestFailure::of_text(sentence));
+    }
+    let image = camera.image_point(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    let [.., top_mm] = design.mounting.size_mm;
+    let arriving = camera.ray(image, top_mm);
+    let ray = json!({ "from_mm": arriving.origin.to_array(), "direction": arriving.direction.to_array() });
+    let Some(leaving) = reflected(&design, &[image])[0] else {
+        return Ok(json!({ "x": x, "y": y, "ray": ray, "hit_mm": null }));
+    };
+    let view = design.view.as_ref();
+    let (at, direction) = (leaving.origin, leaving.direction);
+    let shown = view.map_or(direction, |view| view.direction_from_origin(at, direction));
+    let [azimuth_deg, elevation_deg] = angles(shown);
+    let error = view.map(|view| (view.image_of(at, direction, image) - image).length());
+    let error_px = error.map(|mm| mm / camera.pixel_mm).filter(|px| px.is_finite());
+    Ok(json!({
+        "x": x, "y": y, "ray": ray,
+        "hit_mm": at.to_array(),
+        "direction": direction.to_array(),
+        "azimuth_deg": azimuth_deg,
+        "elevation_deg": elevation_deg,
+        "error_px": error_px,
+    }))
+}
+
+/// Azimuth from +Y to +X and elevation towards +Z, degrees.
+fn angles(direction: DVec3) -> [f64; 2] {
+    let elevation = asin(direction.z.clamp(-1.0, 1.0));
+    [atan2(direction.x, direction.y), elevation].map(degrees)
+}

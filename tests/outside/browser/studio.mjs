@@ -1,0 +1,97 @@
+// Drives the page of `morion studio` in Chromium: a slider, the text, a pixel, hostile text, a build and its end.
+//
+// usage: node tests/outside/browser/studio.mjs [SCREENSHOTS]
+//
+// MORION names the program, CHROMIUM the browser, PLAYWRIGHT the folder of node_modules with playwright-core.
+import { spawn } from "node:child_process";
+import { createRequire } from "node:module";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const require = createRequire(join(process.env.PLAYWRIGHT || "node_modules", "/"));
+const { chromium } = require("playwright-core");
+const shots = process.argv[2];
+const folder = mkdtempSync(join(tmpdir(), "studio-"));
+const program = process.env.MORION || "morion";
+const child = spawn(program, ["studio", "--no-open", "--out", folder], { stdio: ["ignore", "pipe", "inherit"] });
+const address = await new Promise((found) => child.stdout.once("data", (line) => found(String(line).trim())));
+
+function hold(is, said) {
+  if (!is) throw new Error(said);
+  console.log("ok  ", said);
+}
+
+let browser;
+try {
+  browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+  });
+  const page = await browser.newPage({ viewport: { width: 1500, height: 1000 } });
+  const faults = [];
+  const elsewhere = [];
+  page.on("pageerror", (error) => faults.push(error.message));
+  page.on("console", (told) => { if (/Content Security Policy/.test(told.text())) faults.push(told.text()); });
+  page.on("request", (asked) => { if (!/^(blob:|data:|http:\/\/127\.0\.0\.1:)/.test(asked.url())) elsewhere.push(asked.url()); });
+  const shot = async (name) => { if (shots) await page.screenshot({ path: join(shots, name + ".png") }); };
+  const says = (id, part) => page.waitForFunction(([id, part]) => document.getElementById(id).textContent.includes(part), [id, part], { timeout: 120000 });
+
+  await page.goto(address);
+  await page.waitForSelector("#part3d canvas", { timeout: 120000 });
+  await says("verdict", "Within the limits");
+  await shot("wide");
+
+  const slider = page.locator("#key-part\\.width_mm + input[type=range]");
+  const began = Date.now();
+  await slider.evaluate((range) => { range.value = 70; range.dispatchEvent(new Event("input", { bubbles: true })); });
+  await says("size", "while you change it");
+  console.log("      a slider's picture after " + (Date.now() - began) + " ms");
+  hold((await page.inputValue("#text")).includes("width_mm = 70 "), "a slider changes the text");
+  hold((await page.inputValue("#text")).includes("# "), "comments stay");
+  await says("size", "--smooth");
+
+  await page.click("#picture", { position: { x: 100, y: 100 } });
+  await says("pixel", "elevation");
+  hold(true, "a click tells a pixel's ray");
+
+  const text = await page.inputValue("#text");
+  await page.fill("#text", text.replace("base_mm = 5", "base_mm = -5"));
+  await says("wrong-part.base_mm", "must be");
+  hold(await page.getAttribute("#key-part\\.base_mm", "aria-invalid") === "true", "a fault stands at its field");
+  hold(await page.locator("#lines .bad-line").count() === 1, "and at its line");
+  await shot("fault");
+
+  const hostile = "<img src=x onerror=document.title=1>";
+  await page.fill("#text", text.replace(/summary = .*/, 'summary = "' + hostile + '"').replace("base_mm", hostile.replace(/[= ]/g, "") + " = 1\nbase_mm"));
+  await page.waitForSelector("#errors li");
+  hold((await page.title()) === "Morion studio" && await page.locator("#errors img").count() === 0, "hostile text stays text");
+
+  await page.fill("#text", text);
+  await page.waitForFunction(() => !document.querySelector("#errors li"));
+  await page.click("#build");
+  await page.waitForFunction(() => !document.getElementById("cancel").disabled);
+  await page.click("#cancel");
+  await says("build-state", "cancelled");
+  await page.click("#build");
+  await says("build-state", "verdict");
+  hold(await page.locator("#files a").count() > 5, "a build links to its files");
+  const [report] = await Promise.all([page.waitForEvent("popup"), page.click("#files a[href*='report.html']")]);
+  await report.waitForSelector("#part3d canvas", { timeout: 60000 });
+  hold(true, "its report opens, with the part to turn");
+  await shot("built");
+
+  const unnamed = await page.evaluate(() => [...document.querySelectorAll("input, select, textarea, button")]
+    .filter((one) => !one.labels?.length && !one.getAttribute("aria-label") && !one.textContent).map((one) => one.id || one.outerHTML));
+  hold(unnamed.length === 0, "every field has a label: " + unnamed);
+  await page.setViewportSize({ width: 360, height: 800 });
+  await page.emulateMedia({ colorScheme: "dark" });
+  hold(await page.evaluate(() => document.documentElement.scrollWidth) <= 360, "it fits 360 pixels");
+  await shot("narrow");
+  hold(faults.length === 0, "no fault of the page: " + faults);
+  hold(elsewhere.length === 0, "nothing comes from elsewhere: " + elsewhere);
+} finally {
+  await browser?.close();
+  child.kill();
+  rmSync(folder, { recursive: true, force: true });
+}
