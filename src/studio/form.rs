@@ -95,7 +95,7 @@ fn bounds(range: &str) -> [Option<f64>; 2] {
     let mut parts = range.split(' ');
     match [parts.next(), parts.next(), parts.next()] {
         [Some(low), Some("to"), Some(high)] => {
-            let is_million = parts.next() == Some("million");
+            let is_million = parts.next().is_some_and(|word| word.starts_with("million"));
             [number(low), number(high).map(|x| if is_million { 1e6 * x } else { x })]
         }
         [Some(low), Some("or"), _] => [number(low), None],
@@ -121,8 +121,9 @@ fn collect(item: &Item, path: &str, found: &mut Map<String, Json>) {
             collect(item, &joined(path, key), found);
         }
     } else if let Some(value) = item.as_value() {
-        let toml = value.to_string();
-        found.insert(path.to_owned(), json!({ "value": json_of(value), "toml": toml.trim() }));
+        // Without the comment beside it.
+        let toml = value.clone().decorated("", "").to_string();
+        found.insert(path.to_owned(), json!({ "value": json_of(value), "toml": toml }));
     }
 }
 
