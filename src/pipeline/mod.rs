@@ -51,9 +51,12 @@ pub use verify::{Verify, VerifyOptions, verify};
 /// What the benchmark times and writes, stage by stage.
 pub(crate) use {
     in_memory_build::build_in_memory,
-    mesh_files::{label as mesh_label, meshed},
+    mesh_files::meshed,
     observer::StageTimer,
-    page_figures::part_figures,
     run::{Run, designed},
     tolerance_spec::{PreparedStudy, prepared},
 };
+
+/// What the studio shows of the part.
+#[cfg(feature = "studio")]
+pub(crate) use {mesh_files::label as mesh_label, page_figures::part_figures};

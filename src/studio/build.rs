@@ -9,12 +9,14 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{Builder, JoinHandle, sleep};
-use std::time::{Duration, Instant};
+use std::thread::{Builder, JoinHandle};
+#[cfg(unix)]
+use std::time::Duration;
 
 /// Bytes of a process's output that are kept: reports have some thousands.
 const MOST_BYTES: usize = 4 << 20;
 /// How long a build may take to remove what it was writing.
+#[cfg(unix)]
 const PATIENCE: Duration = Duration::from_secs(5);
 /// The file that lists the others of a build.
 const RECORD: &str = "timings.json";
@@ -114,19 +116,22 @@ impl Build {
         }
         self.is_cancelled = true;
         #[cfg(unix)]
-        {
-            let _ = rustix::process::kill_process(
-                rustix::process::Pid::from_child(&self.child),
-                rustix::process::Signal::TERM,
-            );
-            let began = Instant::now();
-            while began.elapsed() < PATIENCE && self.is_running() {
-                sleep(Duration::from_millis(10));
-            }
-        }
+        self.terminate();
         if self.is_running() {
             let _ = self.child.kill();
             let _ = self.child.wait();
+        }
+    }
+
+    /// Asks the process to end, and waits for it to do so.
+    #[cfg(unix)]
+    fn terminate(&mut self) {
+        let process = rustix::process::Pid::from_child(&self.child);
+        // (One that has ended by itself is found out below.)
+        let _ = rustix::process::kill_process(process, rustix::process::Signal::TERM);
+        let began = std::time::Instant::now();
+        while began.elapsed() < PATIENCE && self.is_running() {
+            std::thread::sleep(Duration::from_millis(10));
         }
     }
 

@@ -34,7 +34,11 @@ fn field(table: &str, key: &str) -> Json {
     let path = joined(table, key);
     let [unit, range, meaning] = row(&path).unwrap_or([""; 3]);
     let kind = kind(unit);
-    let words = if kind == "word" || kind == "words" { words(range) } else { Vec::new() };
+    let mut words = if kind == "word" || kind == "words" { words(range) } else { Vec::new() };
+    if words.len() == 1 {
+        // The default of words that stand elsewhere.
+        words.clear();
+    }
     let bounds = bounds(range);
     json!({
         "path": path, "key": key, "kind": kind, "words": words, "limits": bounds,
@@ -91,7 +95,7 @@ fn bounds(range: &str) -> [Option<f64>; 2] {
     let mut parts = range.split(' ');
     match [parts.next(), parts.next(), parts.next()] {
         [Some(low), Some("to"), Some(high)] => {
-            let is_million = parts.next() == Some("million");
+            let is_million = parts.next().is_some_and(|word| word.starts_with("million"));
             [number(low), number(high).map(|x| if is_million { 1e6 * x } else { x })]
         }
         [Some(low), Some("or"), _] => [number(low), None],
@@ -117,8 +121,9 @@ fn collect(item: &Item, path: &str, found: &mut Map<String, Json>) {
             collect(item, &joined(path, key), found);
         }
     } else if let Some(value) = item.as_value() {
-        let toml = value.to_string();
-        found.insert(path.to_owned(), json!({ "value": json_of(value), "toml": toml.trim() }));
+        // Without the comment beside it.
+        let toml = value.clone().decorated("", "").to_string();
+        found.insert(path.to_owned(), json!({ "value": json_of(value), "toml": toml }));
     }
 }
 
@@ -155,8 +160,8 @@ mod tests {
             assert_ne!(field["meaning"], "", "{field}");
             let is_word = field["kind"] == "word" && field["range"].to_string().contains('"');
             let words = field["words"].as_array().unwrap();
-            let of_tolerances = field["path"].to_string().contains(".distributions.");
-            assert!(!is_word || words.len() > 1 || of_tolerances || words.is_empty(), "{field}");
+            let is_elsewhere = field["meaning"] == "as in tolerance.limits" || words.len() > 1;
+            assert!(!is_word || is_elsewhere, "{field}");
             count += 1;
         }
         assert!(count > 100, "{count}");

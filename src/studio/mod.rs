@@ -3,21 +3,20 @@
 //! The server listens on 127.0.0.1 alone and answers whoever has its token. It reads no file but the profile that it
 //! is opened with and those of its own builds, and writes into one folder.
 
+mod access;
 mod build;
 mod edit;
 mod failure;
 mod form;
-mod guard;
-mod lane;
 mod message;
 mod page;
 mod routes;
 mod server;
 mod view;
+mod work_queue;
 
 use crate::parallel;
 use crate::pipeline::{ProfileText, SourceError};
-use lane::Lane;
 use routes::{Studio, Subjects, tamed};
 use std::io::{self, Write};
 use std::path::Path;
@@ -26,6 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 use tempfile::NamedTempFile;
 use thiserror::Error;
+use work_queue::WorkQueue;
 
 /// The folder of profiles and results below that for results.
 const FOLDER: &str = "studio";
@@ -82,8 +82,8 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
         return Err(StudioError::Files { named: named.to_owned(), sentence });
     }
     let text = String::from_utf8_lossy(&found.bytes).into_owned();
-    let (quick, quick_jobs) = Lane::new();
-    let (slow, slow_jobs) = Lane::new();
+    let (quick, quick_jobs) = WorkQueue::new();
+    let (slow, slow_jobs) = WorkQueue::new();
     let studio = Arc::new(Studio {
         first: [tamed(&found.name), text],
         folder: out.join(FOLDER),

@@ -2,8 +2,8 @@
 
 use super::edit::TextEdit;
 use super::failure::RequestFailure;
-use super::lane::{Lane, Subject};
 use super::message::{Asked, Content};
+use super::work_queue::{Subject, WorkQueue};
 use super::{build::Build, form, page, view};
 use crate::profile::{Profile, shipped};
 use serde::Deserialize;
@@ -24,9 +24,9 @@ pub(super) struct Studio {
     /// Folder of profiles and results.
     pub folder: PathBuf,
     /// What follows a slider.
-    pub quick: Lane,
+    pub quick: WorkQueue,
     /// What may take longer.
-    pub slow: Lane,
+    pub slow: WorkQueue,
     /// One subject for each kind of request of which the newest counts.
     pub subjects: Subjects,
     /// The last build.
@@ -121,16 +121,16 @@ impl Studio {
         }
     }
 
-    /// What `see` makes of the text of a request, on a lane.
+    /// What `see` makes of the text of a request, on a queue.
     fn seen(
         &self,
-        lane: &Lane,
+        queue: &WorkQueue,
         subject: &Arc<Subject>,
         asked: &Asked,
         see: fn(&Profile) -> Result<Json, RequestFailure>,
     ) -> Result<Content, RequestFailure> {
         let profile = read::<Source>(asked)?.profile()?;
-        let made = lane.newest(subject, move || see(&profile));
+        let made = queue.newest(subject, move || see(&profile));
         made.map_or_else(superseded, |made| made.map(Content::Json))
     }
 

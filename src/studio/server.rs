@@ -1,7 +1,7 @@
 //! The server: it listens on this machine alone, lets requests in, and sends answers back.
 
+use super::access::{AccessRules, Credentials};
 use super::failure::RequestFailure;
-use super::guard::{Credentials, Guard};
 use super::message::{Asked, Content};
 use super::routes::Studio;
 use oxhttp::model::header::{HOST, HeaderMap, ORIGIN};
@@ -48,10 +48,10 @@ pub(super) fn listen(studio: Arc<Studio>, port: u16) -> io::Result<(ListeningSer
         let probe = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let found = probe.local_addr()?.port();
         drop(probe);
-        let guard = Guard::new(found).ok_or_else(|| io::Error::other("no random numbers"))?;
-        let address = guard.address();
+        let rules = AccessRules::new(found).ok_or_else(|| io::Error::other("no random numbers"))?;
+        let address = rules.address();
         let studio = Arc::clone(&studio);
-        let server = Server::new(move |request| respond(&studio, &guard, request))
+        let server = Server::new(move |request| respond(&studio, &rules, request))
             .with_global_timeout(PATIENCE)
             .with_max_concurrent_connections(MOST_CONNECTIONS)
             .bind((Ipv4Addr::LOCALHOST, found));
@@ -62,8 +62,8 @@ pub(super) fn listen(studio: Arc<Studio>, port: u16) -> io::Result<(ListeningSer
     }
 }
 
-fn respond(studio: &Studio, guard: &Guard, request: &mut Request<Body>) -> Response<Body> {
-    let content = body_of(guard, request).and_then(|body| {
+fn respond(studio: &Studio, rules: &AccessRules, request: &mut Request<Body>) -> Response<Body> {
+    let content = body_of(rules, request).and_then(|body| {
         let (method, path) = (request.method().as_str(), request.uri().path());
         studio.answer(&Asked { method, path, body: &body })
     });
@@ -93,7 +93,7 @@ fn respond(studio: &Studio, guard: &Guard, request: &mut Request<Body>) -> Respo
 }
 
 /// The body of a request that keeps the rules.
-fn body_of(guard: &Guard, request: &mut Request<Body>) -> Result<Vec<u8>, RequestFailure> {
+fn body_of(rules: &AccessRules, request: &mut Request<Body>) -> Result<Vec<u8>, RequestFailure> {
     let all = |name| fields(request.headers(), name);
     let (hosts, origins) = (all(HOST.as_str()), all(ORIGIN.as_str()));
     let (Some(hosts), Some(origins)) = (hosts, origins) else {
@@ -107,7 +107,7 @@ fn body_of(guard: &Guard, request: &mut Request<Body>) -> Result<Vec<u8>, Reques
         query: request.uri().query(),
         is_followed: request.method() == "GET" && (path == "/" || path.starts_with("/files/")),
     };
-    if let Some(refusal) = guard.refusal(&credentials) {
+    if let Some(refusal) = rules.refusal(&credentials) {
         return Err(RequestFailure::said(403, refusal));
     }
     let mut body = Vec::new();

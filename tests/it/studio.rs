@@ -87,7 +87,9 @@ impl Studio {
             .map(|(name, value)| format!("{name}: {value}\r\n"))
             .collect();
         let length = body.len();
-        let head = format!("{verb} {path} HTTP/1.1\r\n{lines}Content-Length: {length}\r\n\r\n");
+        let head = format!(
+            "{verb} {path} HTTP/1.1\r\n{lines}Connection: close\r\nContent-Length: {length}\r\n\r\n"
+        );
         self.send(&head, body)
     }
 
@@ -136,7 +138,10 @@ fn who_has_no_token_or_comes_from_elsewhere_is_refused() {
         studio.ask("GET", &format!("/?token={}", studio.token), b"", &[("X-Morion-Token", "")]);
     assert_eq!(page.status, 403, "an empty header is a wrong one");
     let host = format!("127.0.0.1:{}", studio.port);
-    let page = format!("GET /?token={} HTTP/1.1\r\nHost: {host}\r\n\r\n", studio.token);
+    let page = format!(
+        "GET /?token={} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n",
+        studio.token
+    );
     let page = studio.send(&page, b"");
     assert_eq!(page.status, 200);
     for rule in ["default-src 'none'", "connect-src 'self'", "frame-ancestors 'none'"] {
@@ -162,7 +167,7 @@ fn who_has_no_token_or_comes_from_elsewhere_is_refused() {
     }
     // A token in the address is for links alone.
     let path = format!("/build?token={}", studio.token);
-    let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n");
+    let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
     assert_eq!(studio.send(&request, b"").status, 403);
 }
 
@@ -231,7 +236,9 @@ fn a_change_keeps_the_rest_of_the_text_and_faults_are_those_of_check() {
     assert_eq!(found["values"]["part.width_mm"]["value"], 15);
     assert_eq!(found["values"]["part.mine"]["value"], 3);
     // A design that is refused says what helps.
-    let steep = SMALL.replace("[-30, 30]", "[-89, 89]");
+    let near = "[camera.pinhole]\ndistance_mm = 2\nhfov_deg = 170";
+    let steep =
+        SMALL.replace("[camera.orthographic]", near).replace("width_mm = 15", "width_mm = 60");
     let refused = studio.post("/preview", &small(&steep));
     assert_eq!(refused.status, 422, "{}", refused.text());
     let arguments = ["render", "small.toml", "--scene", "grid", "--smooth", "--format", "json"];
@@ -248,7 +255,10 @@ fn hostile_text_stays_text() {
     let text = SMALL.replace("A small conquistador", hostile);
     let studio = Studio::open(folder.path(), &text);
     let host = format!("127.0.0.1:{}", studio.port);
-    let request = format!("GET /?token={} HTTP/1.1\r\nHost: {host}\r\n\r\n", studio.token);
+    let request = format!(
+        "GET /?token={} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n",
+        studio.token
+    );
     assert!(!studio.send(&request, b"").text().contains("alert(1)"), "the page holds no data");
     let start = studio.post("/start", &json!({}));
     assert!(start.head.to_lowercase().contains("content-type: application/json"));

@@ -1,9 +1,9 @@
 "use strict";
 // The form: a field for each key of a profile, made from the table of keys that the server sends.
 class ProfileForm {
-  // `box` is the form's element; `change` is called with an edit, and `settled` when a slider is let go.
-  constructor(box, tables, change, settled) {
-    Object.assign(this, { box, tables, change, settled });
+  // `box` is the form's element; `change` is called with every edit.
+  constructor(box, tables, change) {
+    Object.assign(this, { box, tables, change });
     this.fields = new Map();
     this.choices = [];
     this.parts = [];
@@ -66,7 +66,6 @@ class ProfileForm {
       const path = table.path.split(".");
       if (select.value) this.change({ path, take: { name: select.value, among: table.choices } });
       else this.change({ path, value: null });
-      this.settled();
     });
     row.append(label, select);
     this.choices.push({ table, select });
@@ -123,9 +122,8 @@ class ProfileForm {
     slider.type = "range";
     slider.setAttribute("aria-label", (name || field.key.key) + ", slider");
     const put = (text) => sent(text === "" ? null : Number(text));
-    number.addEventListener("change", () => { put(number.value); this.settled(); });
+    number.addEventListener("change", () => put(number.value));
     slider.addEventListener("input", () => { number.value = slider.value; put(slider.value); });
-    slider.addEventListener("change", () => this.settled());
     inputs.append(number, slider);
     field.controls.push(number, slider);
     return (value) => {
@@ -193,7 +191,6 @@ class ProfileForm {
     select.addEventListener("change", () => {
       const value = field.key.kind === "flag" ? select.value === "true" : select.value;
       this.send(field, { value: select.value === "" ? null : value });
-      this.settled();
     });
     inputs.append(select);
     field.controls.push(select);
@@ -216,7 +213,6 @@ class ProfileForm {
       box.addEventListener("change", () => {
         const value = boxes.filter((other) => other.checked).map((other) => other.value);
         this.send(field, { value });
-        this.settled();
       });
       return box;
     });
@@ -237,7 +233,6 @@ class ProfileForm {
     input.addEventListener("change", () => {
       const text = input.value;
       this.send(field, text === "" ? { value: null } : isText || field.key.kind === "word" ? { value: text } : { toml: text });
-      this.settled();
     });
     inputs.append(input);
     field.controls.push(input);

@@ -88,7 +88,6 @@
     if (isOld(error)) return;
     by("refusal").textContent = error ? message(error) : "";
     by("refusal").hidden = !error;
-    document.querySelector(".seen").classList.toggle("stale", Boolean(error));
     for (const img of document.querySelectorAll(".seen img")) img.classList.toggle("old", Boolean(error));
     if (error) {
       by("verdict").textContent = "Refused";
@@ -348,7 +347,7 @@
     }
   });
   post("/start").then((start) => {
-    form = new ProfileForm(by("form"), start.form, changed, () => {});
+    form = new ProfileForm(by("form"), start.form, changed);
     for (const known of start.shipped) by("shipped").append(new Option(known, known));
     open(start);
     poll();

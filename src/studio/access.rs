@@ -7,7 +7,7 @@ const TOKEN_BYTES: usize = 32;
 
 /// Rules that every request has to keep.
 #[derive(Debug)]
-pub(super) struct Guard {
+pub(super) struct AccessRules {
     token: String,
     port: u16,
 }
@@ -27,8 +27,8 @@ pub(super) struct Credentials<'a> {
     pub is_followed: bool,
 }
 
-impl Guard {
-    /// The guard of a server on `port`, with a token of its own; none where the system has no random numbers.
+impl AccessRules {
+    /// The rules of a server on `port`, with a token of its own; none where the system has no random numbers.
     pub(super) fn new(port: u16) -> Option<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).ok()?;
@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn a_request_needs_token_host_and_origin() {
-        let guard = Guard::new(8080).unwrap();
-        let token = guard.token.clone();
+        let rules = AccessRules::new(8080).unwrap();
+        let token = rules.token.clone();
         assert_eq!(token.len(), 64);
-        assert_ne!(token, Guard::new(8080).unwrap().token);
+        assert_ne!(token, AccessRules::new(8080).unwrap().token);
         let query = format!("token={token}");
         let good = Credentials {
             hosts: &["127.0.0.1:8080"],
@@ -92,7 +92,7 @@ mod tests {
             ..Credentials::default()
         };
         let page = Credentials { header: None, query: Some(&query), is_followed: true, ..good };
-        assert_eq!((guard.refusal(&good), guard.refusal(&page)), (None, None));
+        assert_eq!((rules.refusal(&good), rules.refusal(&page)), (None, None));
         let wrong = "0".repeat(64);
         for bad in [
             Credentials { hosts: &[], ..good },
@@ -108,7 +108,7 @@ mod tests {
             Credentials { header: Some(""), ..good },
             Credentials { is_followed: false, ..page },
         ] {
-            assert!(guard.refusal(&bad).is_some(), "{bad:?}");
+            assert!(rules.refusal(&bad).is_some(), "{bad:?}");
         }
     }
 }

@@ -1,23 +1,23 @@
-//! Lanes of computation: one request after the other, on all threads of a pool, and of requests that wait only the
-//! newest.
+//! Work that is done one request after the other, on all threads of a pool; of requests on one subject that wait only
+//! the newest is worked on.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// Work of a lane.
+/// Work for one request.
 pub(super) type Job = Box<dyn FnOnce() + Send>;
 
 /// Subject of requests of which only the newest counts.
 #[derive(Debug, Default)]
 pub(super) struct Subject(AtomicU64);
 
-/// One end of a lane; the other end is the thread that does the work.
+/// Requests that wait for the thread that does the work.
 #[derive(Debug)]
-pub(super) struct Lane(Sender<Job>);
+pub(super) struct WorkQueue(Sender<Job>);
 
-impl Lane {
-    /// A lane, and the work that comes along it.
+impl WorkQueue {
+    /// A queue, and its work for the thread that does it.
     pub(super) fn new() -> (Self, Receiver<Job>) {
         let (sender, receiver) = channel();
         (Self(sender), receiver)
@@ -50,13 +50,13 @@ mod tests {
 
     #[test]
     fn of_waiting_requests_only_the_newest_is_worked_on() {
-        let (lane, jobs) = Lane::new();
+        let (queue, jobs) = WorkQueue::new();
         let subject = Arc::<Subject>::default();
         let done = thread::scope(|scope| {
             let mut asked = Vec::new();
             for k in 1..=3 {
-                let (lane, subject) = (&lane, &subject);
-                asked.push(scope.spawn(move || lane.newest(subject, move || k)));
+                let (queue, subject) = (&queue, &subject);
+                asked.push(scope.spawn(move || queue.newest(subject, move || k)));
                 while subject.0.load(Ordering::SeqCst) < k {
                     thread::yield_now();
                 }
