@@ -308,22 +308,17 @@ fn report(
 
 /// The page of the report.
 fn page(
-    run: &Run,
     design: &Design,
     (label, report, seen): (&Label, &BuildReport, &Seen),
 ) -> Result<String, Error> {
-    run.stage(Stage::Report, || {
-        let (part, spots) = parallel::join(
-            || part_figures(design, label),
-            || sharpness_map(design, report.sharpness.as_ref()),
-        );
-        let figures =
-            BuildFigures { part, preview: &seen.picture, errors: seen.errors.drawn(design), spots };
-        let page = report.html(&run.profile.summary, &figures);
-        let page = page.map_err(|error| Error::Picture(error.to_string()))?;
-        let note = format!("page of {} kB", page.len() / 1000);
-        Ok((page, note))
-    })
+    let (part, spots) = parallel::join(
+        || part_figures(design, label),
+        || sharpness_map(design, report.sharpness.as_ref()),
+    );
+    let errors = seen.errors.drawn(design);
+    let figures = BuildFigures { part, preview: &seen.picture, errors, spots };
+    let page = report.html(&design.profile.summary, &figures);
+    page.map_err(|error| Error::Picture(error.to_string()))
 }
 
 /// Adds the pages and the record of the build, and publishes everything.
@@ -334,9 +329,9 @@ fn publish(
     inputs: String,
 ) -> Result<(), Error> {
     let profile = run.profile;
-    let page = page(run, design, (&made.label, report, seen))?;
     run.publish(Stage::Report, |files, timer| {
         files.add_bytes("preview.png", &seen.picture)?;
+        let page = page(design, (&made.label, report, seen))?;
         files.add_bytes("report.html", page.as_bytes())?;
         files.add_report("report.json", &report.json())?;
         // A file of a format that is not written now would be another profile's.

@@ -130,9 +130,13 @@ fn the_page_stands_alone_and_holds_what_the_report_holds() {
     let text = |name: &str| String::from_utf8(made[name].clone()).unwrap();
     let (page, report) = (text("tolerance.html"), text("tolerance.json"));
     assert!(page.contains("<h1>a&lt;b&gt;&amp;&quot;c: "), "{}", &page[..2000]);
-    for outside in ["src=", "href=", "url(", "<script", "@import"] {
+    for outside in ["src=", "url(", "<script", "@import"] {
         assert!(!page.contains(outside), "{outside}");
     }
+    // What it links to are pages of the same folder.
+    let links: Vec<&str> =
+        page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    assert_eq!(links, ["report.html", "frame.html", "blur.html", "machining.html"]);
     // Four drawings, each well-formed, with a unit on every axis.
     let drawings: Vec<&str> =
         page.split("<svg").skip(1).map(|d| d.split("</svg>").next().unwrap()).collect();
