@@ -1,16 +1,14 @@
 // Drives the page of `morion studio` in Chromium: a slider, the text, a pixel, hostile text, a build and its end.
 //
-// usage: node tests/outside/browser/studio.mjs [SCREENSHOTS]
+// usage: node studio.mjs [SCREENSHOTS]
 //
-// MORION names the program, CHROMIUM the browser, PLAYWRIGHT the folder of node_modules with playwright-core.
+// MORION names the program, CHROMIUM the browser.
 import { spawn } from "node:child_process";
-import { createRequire } from "node:module";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { chromium } from "playwright-core";
 
-const require = createRequire(join(process.env.PLAYWRIGHT || "node_modules", "/"));
-const { chromium } = require("playwright-core");
 const shots = process.argv[2];
 const folder = mkdtempSync(join(tmpdir(), "studio-"));
 const program = process.env.MORION || "morion";
