@@ -25,7 +25,7 @@ pub(super) enum Anchor {
 }
 
 /// Room around what is drawn for letters, units of the drawing.
-const MARGIN: f64 = 34.0;
+const MARGIN: f64 = 38.0;
 
 impl Drawing {
     /// An empty drawing of what lies between two corners (mm), `width` units wide.
@@ -91,7 +91,7 @@ impl Drawing {
         self.lines("faint", arrows.iter().map(Vec::as_slice));
         let upright = along.y.abs() > along.x.abs();
         let (offset, anchor) =
-            if upright { ([6.0, 4.0], Anchor::Start) } else { ([0.0, -6.0], Anchor::Middle) };
+            if upright { ([6.0, 4.0], Anchor::Start) } else { ([0.0, 15.0], Anchor::Middle) };
         self.text(0.5 * (from + to), offset, anchor, text);
     }
 
@@ -112,11 +112,11 @@ mod tests {
 
     #[test]
     fn both_axes_have_one_scale_and_y_goes_up() {
-        let mut drawing = Drawing::new([DVec2::ZERO, DVec2::new(100.0, 50.0)], 168.0);
+        let mut drawing = Drawing::new([DVec2::ZERO, DVec2::new(100.0, 50.0)], 176.0);
         assert_eq!(drawing.mm(1.0), 1.0);
         drawing.lines("ink", [&[DVec2::ZERO, DVec2::new(10.0, 20.0)][..]]);
         let svg = drawing.svg("a line");
-        assert!(svg.contains("viewBox=\"0 0 168 118\""), "{svg}");
-        assert!(svg.contains("M34.0 84.0L44.0 64.0"), "{svg}");
+        assert!(svg.contains("viewBox=\"0 0 176 126\""), "{svg}");
+        assert!(svg.contains("M38.0 88.0L48.0 68.0"), "{svg}");
     }
 }
