@@ -57,6 +57,10 @@ pub(crate) use {
     tolerance_spec::{PreparedStudy, prepared},
 };
 
-/// What the studio shows of the part.
+/// What the studio shows of a mirror.
 #[cfg(feature = "studio")]
-pub(crate) use {mesh_files::label as mesh_label, page_figures::part_figures};
+pub(crate) use {
+    mesh_files::label as mesh_label,
+    page_figures::{part_figures, sharpness_map},
+    run::designed_unmeasured,
+};

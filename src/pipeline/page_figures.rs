@@ -83,7 +83,7 @@ impl ErrorMapBuilder {
 }
 
 /// The map of the spots' sizes over the frame; none where no pixel has one.
-pub(super) fn sharpness_map(
+pub(crate) fn sharpness_map(
     design: &Design,
     sharpness: Option<&SharpnessFacts>,
 ) -> Option<FalseColourMap> {

@@ -192,6 +192,15 @@ pub(crate) fn designed(profile: &Profile) -> Result<Design, Error> {
     designed_by(profile, design)
 }
 
+/// The mirror of `profile` without its figures, for what asks for its shape alone.
+///
+/// # Errors
+/// [`Error::Design`] when it has no answer.
+#[cfg(feature = "studio")]
+pub(crate) fn designed_unmeasured(profile: &Profile) -> Result<Design, Error> {
+    designed_by(profile, design_unmeasured)
+}
+
 fn designed_by(
     profile: &Profile,
     design: fn(&Profile) -> Result<Design, DesignError>,

@@ -14,6 +14,8 @@ const LETTER: u32 = 8;
 const LINE: u32 = 22;
 /// Width and height of the scale, px.
 const BAR: [u32; 2] = [256, 14];
+/// Colours of the scale that a gradient goes through.
+const STOPS: usize = 12;
 /// Longest bar of a length, px.
 const LENGTH: f64 = 160.0;
 
@@ -85,6 +87,12 @@ impl FalseColourMap {
             canvas.fill(k as u32 % width, k as u32 / width, [1; 2], *colour);
         }
         canvas.png()
+    }
+
+    /// Colours of the scale from its lower to its upper end, for a gradient.
+    #[must_use]
+    pub fn scale_colours(&self) -> [Srgb; STOPS] {
+        std::array::from_fn(|k| (self.ramp)(k as f64 / (STOPS - 1) as f64))
     }
 
     fn draw_scale(&self, canvas: &mut Canvas, top: u32) {

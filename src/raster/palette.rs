@@ -2,6 +2,12 @@
 
 use super::Srgb;
 
+/// A colour as style sheets write it.
+#[must_use]
+pub fn hexadecimal([r, g, b]: Srgb) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
 /// From black to white, without either end: the colours of what is lost stand out.
 #[must_use]
 pub fn grey(share: f64) -> Srgb {

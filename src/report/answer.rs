@@ -206,7 +206,7 @@ impl AnswerRows {
     }
 
     /// Names and sentences of the facts that the terminal shows without being asked for details.
-    pub fn plain(&self) -> impl Iterator<Item = (&'static str, &str)> {
+    pub fn plain(&self) -> impl Iterator<Item = (&str, &str)> {
         let plain = self.rows.iter().filter(|row| !row.is_detail && !row.is_fixed);
         plain.filter_map(|row| Some((row.label?, &*row.sentence)))
     }

@@ -21,7 +21,7 @@ impl BlurReport {
         );
         Ok(page_of(
             self,
-            ["blur.html", "sharpness"],
+            (Some("blur.html"), "sharpness"),
             [map_figure("Length of the spots, px", map, caption)?],
             &[],
         ))

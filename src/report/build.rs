@@ -2,7 +2,7 @@
 
 use super::answer::{Answer, AnswerRows, Head, ToRows};
 use super::build_figures::{BuildFigures, about_errors};
-use super::fact_rows::{PlainPicture, TracesWithFrame};
+use super::fact_rows::{PlainPicture, TracesWithFrame, worst_pixel_error};
 use super::page::{Page, map_figure, page_of};
 use super::sharpness::PlainSharpness;
 use crate::profile::AcceptanceLimits;
@@ -68,8 +68,7 @@ impl BuildReport {
 
     /// What the verdict rests on, in three numbers.
     fn conclusion(&self) -> String {
-        let errors = self.trace.iter().filter_map(|trace| trace.errors.pixel_error_px);
-        let worst = errors.max_by(|a, b| a.max.total_cmp(&b.max));
+        let worst = worst_pixel_error(&self.trace);
         let (Some(found), Some(allowed), Some(frame)) = (worst, &self.accepted, &self.frame) else {
             return "Without a projection nothing is said of what the picture shows.".into();
         };
@@ -159,7 +158,7 @@ impl VerifyReport {
         if let Some(map) = errors {
             figures.push(map_figure("Pixel error, px", map, about_errors(&self.trace))?);
         }
-        Ok(page_of(self, ["", "verification"], figures, &self.files))
+        Ok(page_of(self, (None, "verification"), figures, &self.files))
     }
 
     /// A readable summary: a line a fact, the reasons, and the verdict last. Plain text, in which what

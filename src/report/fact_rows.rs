@@ -3,6 +3,7 @@
 use super::answer::{AnswerRows, ToRows};
 use crate::design::{CurlFacts, DesignFacts, Mounting};
 use crate::mirror::{Departure, Form};
+use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
 use crate::results::{
     ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts, digits, figures,
@@ -123,6 +124,12 @@ impl ToRows for SagFacts {
     }
 }
 
+/// The pixel errors of the file with the largest of them, px; none where none was traced.
+pub(super) fn worst_pixel_error(traces: &[TraceFacts]) -> Option<Summary> {
+    let errors = traces.iter().filter_map(|trace| trace.errors.pixel_error_px);
+    errors.max_by(|a, b| a.max.total_cmp(&b.max))
+}
+
 /// The picture in plain words: how far it is off, and what it shows.
 pub(super) struct PlainPicture<'a> {
     /// Traces of the files, of which the worst counts.
@@ -135,8 +142,7 @@ pub(super) struct PlainPicture<'a> {
 
 impl ToRows for PlainPicture<'_> {
     fn add_to(&self, rows: &mut AnswerRows) {
-        let errors = self.traces.iter().filter_map(|trace| trace.errors.pixel_error_px);
-        let worst = errors.max_by(|a, b| a.max.total_cmp(&b.max));
+        let worst = worst_pixel_error(self.traces);
         if let Some(found) = worst {
             let allowed = self.accepted.map_or(String::new(), |accepted| {
                 let [rms, max] = [accepted.pixel_error_rms_px, accepted.pixel_error_max_px];

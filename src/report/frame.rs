@@ -48,7 +48,7 @@ impl FrameReport {
         );
         Ok(page_of(
             self,
-            ["frame.html", "frame"],
+            (Some("frame.html"), "frame"),
             [map_figure("Solid angle of a pixel, microsteradian", map, caption)?],
             &[],
         ))

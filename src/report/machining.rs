@@ -24,7 +24,7 @@ impl MachiningReport {
             self.ball_mm
         );
         let figures = [map_figure("Left by the cutter, um", map, caption)?];
-        Ok(page_of(self, ["machining.html", "machining"], figures, &self.files))
+        Ok(page_of(self, (Some("machining.html"), "machining"), figures, &self.files))
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 32] = [
+const MEANINGS: [(&str, &str); 29] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -51,10 +51,6 @@ const MEANINGS: [(&str, &str); 32] = [
     ),
     (", its normals, mrad", "The same by the normals that the file has."),
     (", its normals, px", "The same by the normals that the file has."),
-    (
-        "sharp",
-        "Size of the spot that a point makes in the picture: mirror, diffraction and pixel together.",
-    ),
     ("sharpest", "The opening of the lens at which spots are least."),
     ("allowed", "Limits to which the verdict holds the picture."),
     (
@@ -65,8 +61,6 @@ const MEANINGS: [(&str, &str); 32] = [
         "gain over a disc",
         "Filled pixels against those that a round mirror inscribed in the frame fills.",
     ),
-    ("form error", "Distance of the measured part from its design along the normal."),
-    ("unit", "Unit of the file's coordinates, and how it was found."),
 ];
 
 /// What the figure under a heading means; none where the heading says it.

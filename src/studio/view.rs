@@ -1,20 +1,23 @@
 //! What one sees of a profile: picture, maps, figures, pixels and the part, all of the smooth mirror.
 
 use super::failure::RequestFailure;
-use crate::design::{Design, design_unmeasured};
+use crate::design::Design;
 use crate::geom::DVec3;
 use crate::num::stats::Summary;
 use crate::num::{asin, atan2, degrees};
 use crate::optics::ThinnedFrame;
 use crate::parallel;
-use crate::pipeline::mesh_label;
-use crate::pipeline::{Command, Error, RenderOptions, Silent, SourceError, designed, part_figures};
+use crate::pipeline::{
+    Command, RenderOptions, Silent, SourceError, designed, designed_unmeasured, mesh_label,
+    part_figures, sharpness_map as spot_map,
+};
 use crate::profile::{Profile, ShapeSpec};
-use crate::raster::{FalseColourMap, Srgb};
+use crate::raster::FalseColourMap;
+use crate::raster::palette::hexadecimal;
 use crate::render::{CameraPicture, CameraView, Distance, TestWorld, pixel_errors, reflected};
-use crate::report::{AnswerRows, PlainSharpness, pixel_error_map, spot_map};
+use crate::report::{AnswerRows, PlainSharpness, pixel_error_map};
 use crate::results::{SharpnessFacts, three_digits};
-use crate::verdict::sharpness::{reason, sharpness, spot_sizes};
+use crate::verdict::sharpness::{reason, sharpness};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value as Json, json};
@@ -23,8 +26,6 @@ use serde_json::{Value as Json, json};
 const PREVIEW_COLUMNS: u32 = 320;
 /// Samples along each side of a pixel at edges of such a picture.
 const PREVIEW_SAMPLES: u32 = 2;
-/// Colours of a map's scale.
-const STOPS: u32 = 12;
 
 /// The profile of a text that reads no file.
 ///
@@ -33,8 +34,10 @@ const STOPS: u32 = 12;
 pub(super) fn checked(name: &str, text: &str) -> Result<Profile, RequestFailure> {
     let parsed = Profile::parse(name, &format!("{name}.toml"), text.as_bytes());
     let profile = parsed.map_err(SourceError::Faulty)?;
-    named_file(&profile)
-        .map_or(Ok(profile.clone()), |key| Err(RequestFailure::of_text(files_refused(key))))
+    match named_file(&profile) {
+        Some(key) => Err(RequestFailure::of_text(files_refused(key))),
+        None => Ok(profile),
+    }
 }
 
 /// The key of a file that `profile` names.
@@ -52,15 +55,9 @@ pub(super) fn files_refused(key: &str) -> String {
     )
 }
 
-/// A design for pictures alone.
-fn sketched(profile: &Profile) -> Result<Design, RequestFailure> {
-    let failed = |source| Error::Design { profile: profile.name.clone(), source };
-    Ok(design_unmeasured(profile).map_err(failed)?)
-}
-
 /// The small picture and the maps that follow a slider, and what is judged by them.
 pub(super) fn preview(profile: &Profile) -> Result<Json, RequestFailure> {
-    let design = sketched(profile)?;
+    let design = designed_unmeasured(profile)?;
     let picture = || {
         let picture =
             CameraPicture::new(&design, CameraView::Smooth, Distance::Target, PREVIEW_SAMPLES)
@@ -86,18 +83,11 @@ pub(super) fn estimate(profile: &Profile) -> Result<Json, RequestFailure> {
 
 /// The map of the sizes of spots, and how sharp the picture is, for pictures that follow a slider.
 pub(super) fn sharpness_map(profile: &Profile) -> Result<Json, RequestFailure> {
-    let design = sketched(profile)?;
+    let design = designed_unmeasured(profile)?;
     let sharp = sharpness(profile, &design);
-    let spots = sharp.as_ref().and_then(|sharp| spots(&design, sharp));
+    let spots = spot_map(&design, sharp.as_ref()).as_ref().map(map);
     let facts = AnswerRows::of(&[&sharp.as_ref().map(PlainSharpness)]);
     Ok(json!({ "spots": spots, "facts": facts.plain().collect::<Vec<_>>() }))
-}
-
-/// The map of the sizes of spots as data of the page.
-fn spots(design: &Design, sharp: &SharpnessFacts) -> Option<Json> {
-    let found = spot_sizes(design, sharp)?;
-    let title = "size of the spots, px";
-    Some(map(&spot_map(found.pixels, &found.sizes_px, &found.quantiles, title)))
 }
 
 /// The picture as `morion render --scene grid --smooth` writes it, PNG.
@@ -110,7 +100,7 @@ pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, RequestFailure> {
 
 /// The part from a coarse mesh of its own: GLB and a still picture.
 pub(super) fn part(profile: &Profile) -> Result<Json, RequestFailure> {
-    let design = sketched(profile)?;
+    let design = designed_unmeasured(profile)?;
     let figures = part_figures(&design, &mesh_label(&design, None));
     let none = || RequestFailure::of_text("the part has no mesh to show");
     let figures = figures.ok_or_else(none)?;
@@ -134,25 +124,23 @@ fn seen(
     json!({
         "frame": design.camera.pixels,
         "errors": has_target.then(|| map(&pixel_error_map(frame.pixels(), &errors))),
-        "spots": sharp.and_then(|sharp| spots(design, sharp)),
+        "spots": spot_map(design, sharp).as_ref().map(map),
         "judged": judged(profile, design, &errors, known, sharp),
     })
 }
 
 /// A map as data of the page.
 fn map(map: &FalseColourMap) -> Json {
-    let colour = |[r, g, b]: Srgb| format!("#{r:02x}{g:02x}{b:02x}");
-    let stop = |k: u32| colour((map.ramp)(f64::from(k) / f64::from(STOPS - 1)));
     let keys: Vec<Json> = map
         .keys
         .iter()
-        .map(|(srgb, text)| json!({ "colour": colour(*srgb), "text": text }))
+        .map(|(srgb, text)| json!({ "colour": hexadecimal(*srgb), "text": text }))
         .collect();
     json!({
         "png": map.bare_png().ok().map(|png| BASE64_STANDARD.encode(png)),
         "title": map.title,
         "ticks": map.ticks,
-        "stops": (0..STOPS).map(stop).collect::<Vec<_>>(),
+        "stops": map.scale_colours().map(hexadecimal),
         "keys": keys,
     })
 }
@@ -218,7 +206,7 @@ fn judged(
 /// # Errors
 /// [`RequestFailure`] where there is no such pixel, or no mirror.
 pub(super) fn pixel(profile: &Profile, [x, y]: [u32; 2]) -> Result<Json, RequestFailure> {
-    let design = sketched(profile)?;
+    let design = designed_unmeasured(profile)?;
     let camera = &design.camera;
     let [columns, rows] = camera.pixels;
     if x >= columns || y >= rows {

@@ -1,5 +1,6 @@
 //! A file damaged between writing and reading: the verdict says fail, and names what is wrong.
 
+use crate::support::altered_files::FileRewriter;
 use crate::support::builds::{SMALL, command, files, folder, morion, parsed, save, told};
 use crate::support::small_but;
 use morion::internals::export::{ImportedMesh, read_obj, read_stl};
@@ -17,16 +18,6 @@ const HEAD: usize = 84;
 /// Length of a facet in an STL.
 const FACET: usize = 50;
 
-/// Rewrites each file as soon as it is written.
-struct Vandal<F>(F);
-
-impl<F: Fn(Vec<u8>) -> Vec<u8> + Sync> Observer for Vandal<F> {
-    fn written(&self, path: &Path) {
-        let bytes = std::fs::read(path).unwrap();
-        std::fs::write(path, self.0(bytes)).unwrap();
-    }
-}
-
 fn small(formats: &str) -> Profile {
     parsed(&small_but("formats = [\"stl\", \"obj\"]", formats))
 }
@@ -35,7 +26,7 @@ fn small(formats: &str) -> Profile {
 /// report speaks of.
 fn damaged(formats: &str, damage: impl Fn(Vec<u8>) -> Vec<u8> + Sync) -> BuildReport {
     let folder = folder();
-    let report = build(&small(formats), folder.path(), &Vandal(damage)).unwrap();
+    let report = build(&small(formats), folder.path(), &FileRewriter(damage)).unwrap();
     let made = files(&folder.path().join("small"));
     assert_eq!(made["report.json"], report.json().into_bytes());
     let [file] = &report.files[..] else { panic!("{} files", report.files.len()) };
@@ -192,7 +183,7 @@ fn with_a_number_of_triangles_the_witness_is_held_to_what_was_proven() {
     let text = small_but("chord_um = 20\nfacet_px = 3", "max_triangles = 5000");
     let text = text.replace("formats = [\"stl\", \"obj\"]", STL);
     let (source, out) = (parsed(&text), folder());
-    let lift = Vandal(|bytes| lifted(bytes, usize::MAX));
+    let lift = FileRewriter(|bytes| lifted(bytes, usize::MAX));
     let report = build(&source, out.path(), &lift).unwrap();
     reason(&report, &["mirror.stl: facet error ", " px of the mesh's bound"]);
     assert_eq!(build(&source, out.path(), &Silent).unwrap().verdict, Verdict::Pass);

@@ -1,14 +1,14 @@
 //! GLB: what is written, what is read, and what a stranger's file may look like.
 
 use crate::fuzzed::glb::file;
+use crate::support::altered_files::{FileRewriter, flipped};
 use crate::support::builds::{SMALL, folder, morion, parsed, save, told};
 use crate::support::small_but;
 use morion::internals::export::{ReadError, read_glb, read_stl};
 use morion::internals::geom::{DVec3, TriMesh};
-use morion::internals::pipeline::{Observer, Silent, build, verify};
+use morion::internals::pipeline::{Silent, build, verify};
 use morion::internals::results::Verdict;
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// The JSON of a GLB.
 fn document(bytes: &[u8]) -> Value {
@@ -391,24 +391,14 @@ fn a_glb_cut_off_anywhere_is_refused_and_no_byte_of_it_brings_the_reader_down() 
     }
 }
 
-/// Changes one byte of each file as soon as it is written.
-struct Vandal(usize);
-
-impl Observer for Vandal {
-    fn written(&self, path: &Path) {
-        let mut bytes = std::fs::read(path).unwrap();
-        let at = bytes.len() * self.0 / 100;
-        bytes[at] ^= 0x40;
-        std::fs::write(path, bytes).unwrap();
-    }
-}
-
 #[test]
 fn a_damaged_glb_fails_and_is_named() {
     let only = parsed(&small_but("[\"stl\", \"obj\"]", "[\"glb\"]"));
     for percent in [0, 20, 50, 99] {
         let folder = folder();
-        let report = build(&only, folder.path(), &Vandal(percent)).unwrap();
+        let report =
+            build(&only, folder.path(), &FileRewriter(|bytes| flipped(bytes, percent, 0x40)))
+                .unwrap();
         assert_eq!(report.verdict, Verdict::Fail, "{percent} %");
         assert!(report.reasons.iter().all(|reason| reason.to_string().starts_with("mirror.glb: ")));
     }

@@ -1,15 +1,15 @@
 //! 3MF: what is written, what is read, and what a stranger's file may look like.
 
+use crate::support::altered_files::{FileRewriter, flipped};
 use crate::support::builds::{SMALL, folder, morion, parsed, save, told};
 use crate::support::package::TYPES;
 use crate::support::small_but;
 use morion::internals::export::{ReadError, read_3mf, read_stl};
 use morion::internals::geom::{DVec3, TriMesh};
-use morion::internals::pipeline::{Observer, Silent, build, verify};
+use morion::internals::pipeline::{Silent, build, verify};
 use morion::internals::results::Verdict;
 use std::fmt::Write as _;
 use std::io::{Cursor, Read, Write as _};
-use std::path::Path;
 use zip::write::SimpleFileOptions;
 
 const RELATIONS: &str = "_rels/.rels";
@@ -233,24 +233,14 @@ fn what_is_no_3mf_says_why() {
     }
 }
 
-/// Changes one byte of each file as soon as it is written.
-struct Vandal(usize);
-
-impl Observer for Vandal {
-    fn written(&self, path: &Path) {
-        let mut bytes = std::fs::read(path).unwrap();
-        let at = bytes.len() * self.0 / 100;
-        bytes[at] ^= 0x10;
-        std::fs::write(path, bytes).unwrap();
-    }
-}
-
 #[test]
 fn a_damaged_3mf_fails_and_is_named() {
     let only = parsed(&small_but("[\"stl\", \"obj\"]", "[\"3mf\"]"));
     for percent in [5, 40, 90] {
         let folder = folder();
-        let report = build(&only, folder.path(), &Vandal(percent)).unwrap();
+        let report =
+            build(&only, folder.path(), &FileRewriter(|bytes| flipped(bytes, percent, 0x10)))
+                .unwrap();
         assert_eq!(report.verdict, Verdict::Fail);
         assert!(report.reasons.iter().all(|reason| reason.to_string().starts_with("mirror.3mf: ")));
         // Every part of a package has a check sum.

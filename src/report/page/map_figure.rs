@@ -1,10 +1,8 @@
 //! A false-colour map as a figure: the map, its scale and its key, with letters of the page's size.
 
 use super::{Figure, escaped, image};
+use crate::raster::palette::hexadecimal;
 use crate::raster::{EncodingError, FalseColourMap, Srgb};
-
-/// Colours of the ramp that the page's gradient goes through.
-const STOPS: u32 = 12;
 
 /// The map under a title, with its scale and key; `caption` says what to conclude.
 ///
@@ -16,9 +14,7 @@ pub(in crate::report) fn map_figure(
     caption: String,
 ) -> Result<Figure, EncodingError> {
     let picture = image(&map.bare_png()?, "map", &format!("Map: {}", map.title));
-    let colour = |[r, g, b]: Srgb| format!("#{r:02x}{g:02x}{b:02x}");
-    let stop = |k: u32| colour((map.ramp)(f64::from(k) / f64::from(STOPS - 1)));
-    let stops: Vec<String> = (0..STOPS).map(stop).collect();
+    let stops = map.scale_colours().map(hexadecimal);
     let tick = |text: Option<&String>| escaped(text.map_or("", String::as_str));
     let middle = map.ticks.get(map.ticks.len() / 2).filter(|_| map.ticks.len() > 2);
     let middle = middle.map_or(String::new(), |text| format!(", {} in the middle", escaped(text)));
@@ -29,7 +25,7 @@ pub(in crate::report) fn map_figure(
         stops.join(",")
     );
     let key = |(srgb, text): &(Srgb, String)| {
-        let (colour, text) = (colour(*srgb), escaped(text));
+        let (colour, text) = (hexadecimal(*srgb), escaped(text));
         format!("<span class=\"key\"><i style=\"background:{colour}\"></i>{text}</span>")
     };
     let keys: Vec<String> = map.keys.iter().map(key).collect();

@@ -119,8 +119,17 @@ impl Page {
 
     /// Adds the facts that come first in the terminal as a table.
     pub(super) fn plain_facts(&mut self, rows: &AnswerRows) {
+        self.table(rows.plain());
+    }
+
+    /// Adds a table of facts.
+    pub(super) fn facts(&mut self, rows: &AnswerRows) {
+        self.table(rows.of_page());
+    }
+
+    fn table<'a>(&mut self, facts: impl Iterator<Item = (&'a str, &'a str)>) {
         self.raw("<table>");
-        for (name, sentence) in rows.plain() {
+        for (name, sentence) in facts {
             let [name, sentence] = [name, sentence].map(escaped);
             self.raw(&format!("<tr><th scope=\"row\">{name}</th><td>{sentence}</td></tr>"));
         }
@@ -149,16 +158,6 @@ impl Page {
         if !lines.is_empty() {
             self.raw(&format!("<pre class=\"wide\" tabindex=\"0\">{}</pre>", lines.join("\n")));
         }
-    }
-
-    /// Adds a table of facts.
-    pub(super) fn facts(&mut self, rows: &AnswerRows) {
-        self.raw("<table>");
-        for (heading, sentence) in rows.of_page() {
-            let [heading, sentence] = [heading, sentence].map(escaped);
-            self.raw(&format!("<tr><th scope=\"row\">{heading}</th><td>{sentence}</td></tr>"));
-        }
-        self.raw("</table>");
     }
 
     /// Adds the files beside the page, with sizes and hashes.
@@ -214,11 +213,11 @@ impl Page {
     }
 }
 
-/// The page of an answer that is about `about`, in the file `own`: reasons and warnings, facts in plain words, figures,
-/// tables, and the other pages.
+/// The page of an answer that is about `about`: reasons and warnings, facts in plain words, figures and tables; where
+/// the pages of other commands lie in the folder of its file `own`, links to them.
 pub(super) fn page_of(
     answer: &impl Answer,
-    [own, about]: [&str; 2],
+    (own, about): (Option<&str>, &str),
     figures: impl IntoIterator<Item = Figure>,
     files: &[FileFacts],
 ) -> String {
@@ -235,7 +234,9 @@ pub(super) fn page_of(
     if details.of_page().next().is_some() {
         page.folded_facts("All figures, and what each means", &details);
     }
-    page.links(own, head.profile.map_or("", |profile| &profile.name));
+    if let Some(own) = own {
+        page.links(own, head.profile.map_or("", |profile| &profile.name));
+    }
     page.finish()
 }
 

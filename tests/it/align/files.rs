@@ -321,6 +321,9 @@ fn the_program_aligns_and_says_what_it_cannot() {
     assert_eq!(morion(&["verify", "scan.stl", "--out", "new", "-q"]).0, 1);
     let written = files(&home.join("new/small-verify"));
     assert_eq!(written.keys().collect::<Vec<_>>(), ["report.html", "report.json"]);
+    // No page of another command lies in its folder, and it links to none.
+    let page = std::str::from_utf8(&written["report.html"]).unwrap();
+    assert!(!page.contains("frame.html") && page.contains(">fail<"));
     unable(&["verify", "scan.stl", "--units", "ell"], &["--units", "mm"]);
     // What is no mesh is a verdict, and no map of another file stays beside it.
     std::fs::write(home.join("empty.stl"), stl(&TriMesh::default(), 1.0)).unwrap();

@@ -1,5 +1,6 @@
 //! What the tests share: profiles, designs and faces that several of them make, and the program.
 
+pub mod altered_files;
 pub mod builds;
 pub mod draws;
 pub mod least;

@@ -66,6 +66,16 @@ impl<'a> Items<'a> {
     }
 }
 
+/// An accessor by its number, and its name.
+fn accessor<'d>(
+    document: &'d Document,
+    user: &str,
+    number: usize,
+) -> Result<(&'d Accessor, String), GlbError> {
+    let accessor = item(&document.accessors.0, number, user, "accessor")?;
+    Ok((accessor, format!("accessors[{number}]")))
+}
+
 /// An item of a list of the document by its number.
 pub(super) fn item<'d, T>(
     list: &'d [T],
@@ -114,8 +124,7 @@ impl<'a> Positions<'a> {
         part: &str,
         number: usize,
     ) -> Result<Self, GlbError> {
-        let accessor = item(&document.accessors.0, number, part, "accessor")?;
-        let part = format!("accessors[{number}]");
+        let (accessor, part) = accessor(document, part, number)?;
         if (&*accessor.kind, accessor.component_type) != ("VEC3", SINGLE) || accessor.normalized {
             let fault = "positions must be VEC3 of single-precision numbers (5126): save it without \
                          quantization";
@@ -160,8 +169,7 @@ impl<'a> Indices<'a> {
         part: &str,
         number: usize,
     ) -> Result<Self, GlbError> {
-        let accessor = item(&document.accessors.0, number, part, "accessor")?;
-        let part = format!("accessors[{number}]");
+        let (accessor, part) = accessor(document, part, number)?;
         let kind = accessor.component_type;
         let size = match kind {
             BYTE => 1,
