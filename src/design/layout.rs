@@ -6,8 +6,12 @@ use crate::geom::{DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
-use crate::optics::{Camera, Fold, ImagingTask, Projection, RimConditions, StripLaw, Target};
-use crate::profile::{Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge, StripSpec};
+use crate::optics::{
+    Azimuthal, Camera, Fold, ImagingTask, Projection, RimConditions, StripLaw, Target,
+};
+use crate::profile::{
+    AzimuthalSpec, Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge, StripSpec,
+};
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
 #[derive(Debug, Clone)]
@@ -106,6 +110,9 @@ impl DesignProblem {
             Some(ProjectionSpec::Radial(wanted)) => {
                 Ok(Some(Self::round(profile, wanted, camera, geometry)))
             }
+            Some(ProjectionSpec::Azimuthal(wanted)) => {
+                Ok(Some(Self::azimuthal(profile, wanted, camera)))
+            }
         }
     }
 
@@ -157,11 +164,7 @@ impl DesignProblem {
         Ok(Self {
             camera,
             view: ImagingTask { projection, target, origin_mm: 0.0, fold },
-            outline: Outline::Rect(if camera.chart.vergence == 0.0 {
-                Rect { min: to_single_precision(exact.min), max: to_single_precision(exact.max) }
-            } else {
-                exact
-            }),
+            outline: rectangle(&camera, exact),
             domain: Outline::Rect(domain),
             section: (widening != DVec2::ONE).then_some(exact),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
@@ -194,6 +197,31 @@ impl DesignProblem {
             domain: outline,
             section: None,
             mirror_symmetric: [true; 2],
+        }
+    }
+
+    /// The problem of a perspective or fisheye view on a rectangle.
+    fn azimuthal(profile: &Profile, wanted: &AzimuthalSpec, camera: Camera) -> Self {
+        let half_mm = 0.5 * profile.part.width_mm;
+        let Layout::Rectangle { height_mm } = profile.layout else {
+            unreachable!("a checked view has a rectangle")
+        };
+        let half = DVec2::new(half_mm, 0.5 * height_mm);
+        let area = Rect { min: -half, max: half };
+        let law = wanted.law.to_reach(radians(0.5 * wanted.hfov_deg), half_mm);
+        let view = Azimuthal::new(law, wanted.centre_deg, wanted.roll_deg, wanted.mirrored);
+        Self {
+            camera,
+            mirror_symmetric: [view.is_symmetric_in_x(), false],
+            view: ImagingTask {
+                projection: Projection::Azimuthal(view),
+                target: wanted.target,
+                origin_mm: 0.0,
+                fold: None,
+            },
+            outline: rectangle(&camera, area),
+            domain: Outline::Rect(area),
+            section: None,
         }
     }
 }
@@ -258,6 +286,15 @@ fn check_frame_filled(
         _ => return Ok(()),
     };
     if past >= 0.0 { Err(FailureCause::BeyondHorizon { rows: past * rows }) } else { Ok(()) }
+}
+
+/// A rectangular outline, in single precision where the chart's coordinates are the file's.
+fn rectangle(camera: &Camera, exact: Rect) -> Outline {
+    Outline::Rect(if camera.chart.vergence == 0.0 {
+        Rect { min: to_single_precision(exact.min), max: to_single_precision(exact.max) }
+    } else {
+        exact
+    })
 }
 
 /// The nearest single-precision numbers.

@@ -164,7 +164,7 @@ impl ImagingTask {
     pub fn turn(&self, x: f64) -> [f64; 2] {
         match &self.projection {
             Projection::Strip(strip) => strip.turn(x),
-            Projection::Radial { .. } => [0.0, 1.0],
+            Projection::Radial { .. } | Projection::Azimuthal(_) => [0.0, 1.0],
         }
     }
 
@@ -176,7 +176,7 @@ impl ImagingTask {
         let from = self.relative(at.to_array());
         let wanted = match &self.projection {
             Projection::Strip(strip) => strip.direction_of_turned(q.y, turn),
-            radial => radial.direction_of(q.to_array()),
+            other => other.direction_of(q.to_array()),
         };
         flip * stereographic::direction(self.target.direction_at(from, wanted))
     }
@@ -220,7 +220,7 @@ impl ImagingTask {
         let near = near * flip.truncate();
         let place = match &self.projection {
             Projection::Strip(strip) => strip.image_of_turned(seen, near, turn),
-            radial => radial.image_of(seen, near),
+            other => other.image_of(seen, near),
         };
         DVec2::from_array(place) * flip.truncate()
     }

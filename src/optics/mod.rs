@@ -1,5 +1,6 @@
 //! Cameras, projections, laws and reflection: what the picture should be.
 
+mod azimuthal;
 mod camera;
 mod imaging_task;
 mod law;
@@ -13,6 +14,7 @@ mod tabulated_law;
 mod target;
 mod thinned_frame;
 
+pub use azimuthal::{Azimuthal, AzimuthalLaw};
 pub use camera::{Camera, CameraModel};
 pub use imaging_task::{CurlBounds, Fold, ImagingTask};
 pub use law::StripLaw;

@@ -1,6 +1,6 @@
 //! Projections: which direction of the world each image point must see, and back.
 
-use super::{RadialLaw, Strip};
+use super::{Azimuthal, RadialLaw, Strip};
 use crate::geom::DVec2;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
@@ -18,6 +18,8 @@ pub enum Projection {
         /// Inner and outer image radius, mm.
         radius: [f64; 2],
     },
+    /// A perspective or fisheye view about any direction.
+    Azimuthal(Azimuthal),
 }
 
 impl Projection {
@@ -27,6 +29,7 @@ impl Projection {
         match self {
             Self::Strip(strip) => strip.direction_of(q),
             Self::Radial { law, .. } => law.direction_of(q),
+            Self::Azimuthal(view) => view.direction_of(q),
         }
     }
 
@@ -36,16 +39,18 @@ impl Projection {
         match self {
             Self::Strip(strip) => strip.image_of(sigma, near),
             Self::Radial { law, .. } => law.image_of(sigma),
+            Self::Azimuthal(view) => view.image_of(sigma),
         }
     }
 
     /// The length in mm that is 1 in the paper's units: one radian of azimuth of a strip, the rim's
-    /// radius of a round image.
+    /// radius of a round image, one radian at the centre of a view.
     #[must_use]
     pub fn scale_mm(&self) -> f64 {
         match self {
             Self::Strip(strip) => strip.scale_mm,
             Self::Radial { radius: [_, outer], .. } => *outer,
+            Self::Azimuthal(view) => 1.0 / view.radians_per_mm(),
         }
     }
 
@@ -57,6 +62,7 @@ impl Projection {
             Self::Radial { law, radius: [inner, outer] } => {
                 (law.polar(*outer) - law.polar(*inner)) / (outer - inner)
             }
+            Self::Azimuthal(view) => view.radians_per_mm(),
         }
     }
 

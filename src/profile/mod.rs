@@ -33,7 +33,7 @@ pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use format::{CadFormat, FileFormat, MeshFormat};
 pub use mesh_goal::MeshGoal;
-pub use projection::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+pub use projection::{AzimuthalSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]
 pub(crate) use schema::TABLES;
@@ -142,7 +142,7 @@ pub enum Layout {
         /// Diameter of the land in millimetres, less than 0.99 of the part's width.
         inner_width_mm: f64,
     },
-    /// A rectangle about the axis: a given mirror without a projection.
+    /// A rectangle about the axis: a perspective or fisheye view, or a given mirror without a projection.
     Rectangle {
         /// Height of the mirror across the part's width, in millimetres.
         height_mm: f64,

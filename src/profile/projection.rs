@@ -1,6 +1,6 @@
 //! The projection as a profile asks for it, in degrees and without the scale that the part gives it.
 
-use crate::optics::{RadialLawKind, StripLaw, Target};
+use crate::optics::{AzimuthalLaw, RadialLawKind, StripLaw, Target};
 
 /// Directions, or points of a target, that the image points must see.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +9,8 @@ pub enum ProjectionSpec {
     Strip(StripSpec),
     /// Symmetric about the axis: the image's radius gives the angle from the axis.
     Radial(RadialSpec),
+    /// A perspective or fisheye view about any direction.
+    Azimuthal(AzimuthalSpec),
 }
 
 impl ProjectionSpec {
@@ -17,6 +19,16 @@ impl ProjectionSpec {
         match self {
             ProjectionSpec::Strip(strip) => strip.target,
             ProjectionSpec::Radial(radial) => radial.target,
+            ProjectionSpec::Azimuthal(view) => view.target,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn target_mut(&mut self) -> &mut Target {
+        match self {
+            ProjectionSpec::Strip(strip) => &mut strip.target,
+            ProjectionSpec::Radial(radial) => &mut radial.target,
+            ProjectionSpec::Azimuthal(view) => &mut view.target,
         }
     }
 }
@@ -66,8 +78,29 @@ pub struct RadialSpec {
     pub target: Target,
 }
 
+/// A perspective or fisheye view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AzimuthalSpec {
+    /// Relation of the distance from the picture's centre and the angle from the centre direction.
+    pub law: AzimuthalLaw,
+    /// Azimuth and elevation of the centre in degrees: within ±360, and above -90 up to 90, which is the
+    /// direction back to the camera.
+    pub centre_deg: [f64; 2],
+    /// Angle of view in degrees across the part's width, positive: less than 180 of a perspective view, than 360
+    /// of another.
+    pub hfov_deg: f64,
+    /// Turn of the world in the picture in degrees, clockwise, within ±360.
+    pub roll_deg: f64,
+    /// Whether left and right are exchanged as in a flat mirror.
+    pub mirrored: bool,
+    /// Surface that the picture shows.
+    pub target: Target,
+}
+
 /// A law by its name in a profile.
 pub(super) enum LawName {
+    /// Of a view: perspective where the law is known by the table's name.
+    Azimuthal(Option<AzimuthalLaw>),
     /// Of a strip.
     Strip(StripLawSpec),
     /// Of a disc or an annulus.
@@ -84,6 +117,8 @@ impl LawName {
             "equirectangular" => named(StripLaw::Equirectangular),
             "equal-area" => named(StripLaw::EqualArea),
             "best" => Some(Self::Strip(StripLawSpec::LeastCurl)),
+            "perspective" => Some(Self::Azimuthal(Some(AzimuthalLaw::Perspective))),
+            "fisheye" => Some(Self::Azimuthal(None)),
             "table" => Some(Self::Strip(StripLawSpec::Table(Vec::new()))),
             name => {
                 let kind = RadialLawKind::ALL.into_iter().find(|kind| kind.name() == name);
@@ -105,6 +140,6 @@ mod tests {
         }
         let kinds =
             RadialLawKind::ALL.iter().all(|k| schema::keys("projection").contains(&k.name()));
-        assert!(kinds && LawName::find("fisheye").is_none());
+        assert!(kinds && LawName::find("photograph").is_none());
     }
 }

@@ -6,6 +6,17 @@ const STRIP: &[&str] = &["azimuth_deg", "elevation_deg", "target_radius_mm", "ta
 const ONE_PARAMETER: &[&str] = &["outer_polar_deg", "target_radius_mm", "target_plane_mm"];
 const TWO_PARAMETERS: &[&str] =
     &["inner_polar_deg", "outer_polar_deg", "target_radius_mm", "target_plane_mm"];
+const PERSPECTIVE: &[&str] =
+    &["centre_deg", "hfov_deg", "roll_deg", "mirrored", "target_radius_mm", "target_plane_mm"];
+const FISHEYE: &[&str] = &[
+    "law",
+    "centre_deg",
+    "hfov_deg",
+    "roll_deg",
+    "mirrored",
+    "target_radius_mm",
+    "target_plane_mm",
+];
 const METHOD: &[&str] = &["degree", "minimax"];
 /// Error sources, each with its unit.
 const SOURCES: &[&str] = Perturbation::KEYS;
@@ -23,6 +34,8 @@ const RARE: &[&str] = &[
     "target_plane_mm",
     "inner_polar_deg",
     "minimax",
+    "roll_deg",
+    "mirrored",
     "height_mm",
     "max_triangles",
     "border_mm",
@@ -85,6 +98,8 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "plane",
             "equi-areal",
             "cylinder",
+            "perspective",
+            "fisheye",
         ],
     ),
     ("projection.cylindrical", STRIP),
@@ -102,11 +117,14 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
     ("projection.plane", ONE_PARAMETER),
     ("projection.equi-areal", TWO_PARAMETERS),
     ("projection.cylinder", TWO_PARAMETERS),
-    ("layout", &["strip", "conquistador", "disc", "annulus"]),
+    ("projection.perspective", PERSPECTIVE),
+    ("projection.fisheye", FISHEYE),
+    ("layout", &["strip", "conquistador", "disc", "annulus", "rectangle"]),
     ("layout.strip", &["fill_frame"]),
     ("layout.conquistador", &["panel", "ridge", "fill_frame"]),
     ("layout.disc", &[]),
     ("layout.annulus", &["inner_width_mm"]),
+    ("layout.rectangle", &[]),
     ("method", &["vector-field", "fixed-surface", "distribution"]),
     ("method.vector-field", METHOD),
     ("method.fixed-surface", METHOD),

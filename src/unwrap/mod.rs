@@ -47,9 +47,9 @@ pub enum UnwrapError {
         /// Those of the sensor.
         sensor: [u32; 2],
     },
-    /// A round mirror has no straight pieces.
-    #[error("a round mirror's picture cannot be cut into a panorama; leave --cuts out")]
-    Round,
+    /// Round mirrors and views have no panels that are parts of a panorama.
+    #[error("only a strip's picture can be cut into a panorama; leave --cuts out")]
+    NotStrip,
     /// No pixel of the photo shows the mirror.
     #[error("the mirror is smaller than a pixel of the photo; take a larger photo")]
     Nothing,

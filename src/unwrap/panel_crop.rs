@@ -32,7 +32,7 @@ pub(super) fn panel_crops(
 ) -> Result<Vec<PanelCrop>, UnwrapError> {
     let scale = optics.scale(photo)?;
     let mirror = optics.mirror;
-    let Outline::Rect(panel) = mirror.outline else { return Err(UnwrapError::Round) };
+    let Outline::Rect(panel) = mirror.outline else { return Err(UnwrapError::NotStrip) };
     let corner = |q: DVec2| {
         let at = mirror.position(q, &mirror.surface.at(q));
         let pixel = optics.pixel(optics.camera.chart.coordinates(at).0);
@@ -66,7 +66,7 @@ pub fn crop_panels(
     let scale = optics.scale(size)?;
     let pieces = panel_crops(optics, size)?;
     let Projection::Strip(strip) = &optics.view.projection else {
-        return Err(UnwrapError::Round);
+        return Err(UnwrapError::NotStrip);
     };
     let PanelCrop { columns, rows } = &pieces[0];
     let per_mm = scale.map(|scale| scale / optics.camera.pixel_mm);

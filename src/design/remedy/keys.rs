@@ -87,10 +87,8 @@ pub(super) fn degree_down(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 fn set_target(profile: &mut Profile, to: Target) {
-    match &mut profile.projection {
-        None => {}
-        Some(ProjectionSpec::Strip(strip)) => strip.target = to,
-        Some(ProjectionSpec::Radial(radial)) => radial.target = to,
+    if let Some(projection) = &mut profile.projection {
+        *projection.target_mut() = to;
     }
 }
 
@@ -127,7 +125,7 @@ pub(super) fn untargeted(profile: &Profile) -> Vec<EditedProfile> {
     vec![changed(profile, KeyChange::Without(key), |p| set_target(p, Target::Infinity))]
 }
 
-/// Part of the elevations or polar angles: the part that is furthest from the horizon where a plane
+/// Part of the elevations, polar angles or angle of view: the part that is furthest from the horizon where a plane
 /// is to be seen, or else the middle.
 pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
     let of = |share: f64| -> Option<EditedProfile> {
@@ -166,6 +164,10 @@ pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
                 let outer = short(floor + share * (radial.outer_polar_deg - floor));
                 radial.outer_polar_deg = outer;
                 KeyChange::Set("outer_polar_deg", KeyValue::Number(outer))
+            }
+            ProjectionSpec::Azimuthal(view) => {
+                view.hfov_deg = short(share * view.hfov_deg);
+                KeyChange::Set("hfov_deg", KeyValue::Number(view.hfov_deg))
             }
         };
         Some(EditedProfile { change, profile })

@@ -95,7 +95,12 @@ fn layout_suits(
         ),
         ProjectionKeys::Radial { .. } => (
             &[LayoutName::Disc, LayoutName::Annulus][..],
-            format!("laws for a strip are {}", laws(false)),
+            format!("laws for a strip are {}", laws("elevation_deg")),
+        ),
+        ProjectionKeys::Azimuthal(_) => (
+            &[LayoutName::Rectangle][..],
+            "a view's mirror is a rectangle, part.width_mm by part.height_mm or as high as the frame"
+                .to_owned(),
         ),
         ProjectionKeys::Strip { .. } if given.is_some() => (
             &[LayoutName::Strip][..],
@@ -104,7 +109,7 @@ fn layout_suits(
         ),
         ProjectionKeys::Strip { .. } => (
             &[LayoutName::Strip, LayoutName::Conquistador][..],
-            format!("laws for a disc or an annulus are {}", laws(true)),
+            format!("laws for a disc or an annulus are {}", laws("outer_polar_deg")),
         ),
     };
     if !needed.contains(&layout.name) {
@@ -135,12 +140,10 @@ fn layout_suits(
     true
 }
 
-/// The names of the radial laws or of the others.
-fn laws(radial: bool) -> String {
-    let is_radial =
-        |law: &&str| schema::keys(&format!("projection.{law}")).contains(&"outer_polar_deg");
-    let laws: Vec<&str> =
-        schema::keys("projection").iter().copied().filter(|law| is_radial(law) == radial).collect();
+/// The names of the laws that have a key.
+fn laws(key: &str) -> String {
+    let has = |law: &&str| schema::keys(&format!("projection.{law}")).contains(&key);
+    let laws: Vec<&str> = schema::keys("projection").iter().copied().filter(has).collect();
     list(&laws, "and")
 }
 
@@ -272,7 +275,7 @@ fn height(reader: &mut ProfileReader, parts: &Entries) {
         return;
     }
     let (Some(height), Some(layout)) = (parts.part.height, &parts.layout) else { return };
-    if parts.bare && !layout.is_round() {
+    if layout.name == LayoutName::Rectangle || parts.bare && !layout.is_round() {
         return;
     }
     let message = format!(

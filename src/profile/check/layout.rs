@@ -14,6 +14,7 @@ pub(super) enum LayoutName {
     Conquistador,
     Disc,
     Annulus,
+    Rectangle,
 }
 
 impl LayoutName {
@@ -22,6 +23,7 @@ impl LayoutName {
         match name {
             "disc" => Self::Disc,
             "annulus" => Self::Annulus,
+            "rectangle" => Self::Rectangle,
             "conquistador" => Self::Conquistador,
             _ => Self::Strip,
         }
@@ -36,6 +38,7 @@ impl fmt::Display for LayoutName {
             Self::Conquistador => "conquistador",
             Self::Disc => "disc",
             Self::Annulus => "annulus",
+            Self::Rectangle => "rectangle",
         })
     }
 }
@@ -64,7 +67,7 @@ impl LayoutEntry {
 
 pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<LayoutEntry> {
     let hint = "a strip is one panel, a conquistador folds a full turn into two; discs and \
-                annuli are for laws about the axis";
+                annuli are for laws about the axis, rectangles for perspective views";
     let read = reader
         .alternatives(root, "layout", hint)
         .into_iter()
@@ -77,6 +80,8 @@ fn one(reader: &mut ProfileReader, name: LayoutName, section: &Section) -> Layou
     let mut found = LayoutEntry { name, at: section.at, layout: None, fills: None, inner: None };
     match name {
         LayoutName::Disc => found.layout = Some(Layout::Disc),
+        // Its height is a key of the part, or the frame's.
+        LayoutName::Rectangle => {}
         LayoutName::Annulus => {
             let hint = "the diameter of the flat land in the middle, as in inner_width_mm = 10";
             found.inner = number(reader, section, "inner_width_mm", Required, SIZE, hint, is_size);

@@ -53,9 +53,21 @@ impl<'t> Entries<'t> {
     /// The layout, or that of a given mirror without a picture.
     fn layout(&self) -> Option<Layout> {
         match self.part.height {
-            Some(height) if self.rectangle => Some(Layout::Rectangle { height_mm: height.value }),
+            Some(height) if self.is_rectangle() => {
+                Some(Layout::Rectangle { height_mm: height.value })
+            }
+            None if self.is_rectangle() && !self.rectangle => {
+                let [columns, rows] = self.camera.as_ref()?.camera?.pixels().map(f64::from);
+                Some(Layout::Rectangle { height_mm: self.part.width?.value * rows / columns })
+            }
             _ => self.layout.as_ref()?.layout,
         }
+    }
+
+    /// Whether the mirror is a rectangle of its own height.
+    fn is_rectangle(&self) -> bool {
+        let named = self.layout.as_ref().is_some_and(|l| l.name == layout::LayoutName::Rectangle);
+        self.rectangle || named
     }
 
     fn read(reader: &mut ProfileReader, root: &Section<'t>) -> Self {

@@ -3,10 +3,12 @@
 use super::super::projection::LawName;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, PairFormat, RowsFormat, number, pair, rows, within};
-use super::super::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+use super::super::values::{
+    Located, PairFormat, RowsFormat, flag, number, pair, rows, within, word,
+};
+use super::super::{AzimuthalSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
-use crate::optics::{RadialLawKind, Target};
+use crate::optics::{AzimuthalLaw, RadialLawKind, Target};
 
 /// A projection's figures, each with its place.
 pub(super) struct ProjectionEntry<'t> {
@@ -21,7 +23,7 @@ impl ProjectionEntry<'_> {
     pub(super) fn is_best(&self) -> bool {
         let law = match &self.keys {
             ProjectionKeys::Strip { law, .. } => law.as_ref(),
-            ProjectionKeys::Radial { .. } => None,
+            ProjectionKeys::Radial { .. } | ProjectionKeys::Azimuthal(_) => None,
         };
         law == Some(&StripLawSpec::LeastCurl)
     }
@@ -40,6 +42,17 @@ pub(super) enum ProjectionKeys {
         inner: Option<Located<f64>>,
         outer: Option<Located<f64>>,
     },
+    /// A perspective or fisheye view.
+    Azimuthal(AzimuthalKeys),
+}
+
+/// The keys of a perspective or fisheye view.
+pub(super) struct AzimuthalKeys {
+    pub(super) law: Option<AzimuthalLaw>,
+    pub(super) centre: Option<Located<[f64; 2]>>,
+    pub(super) hfov: Option<Located<f64>>,
+    pub(super) roll_deg: f64,
+    pub(super) mirrored: bool,
 }
 
 pub(super) fn read<'t>(
@@ -83,6 +96,7 @@ fn one<'t>(
             let outer = outer_polar(reader, &section, law);
             ProjectionKeys::Radial { law, inner, outer }
         }
+        LawName::Azimuthal(law) => ProjectionKeys::Azimuthal(azimuthal(reader, &section, law)),
     };
     let must = &format!("a number {LARGE}");
     let hint = "the radius of the cylinder that the picture shows, in millimetres";
@@ -97,6 +111,65 @@ fn one<'t>(
         reader.complain(radius.at.max(plane.at), message, hint);
     }
     ProjectionEntry { section, keys, radius, plane }
+}
+
+/// The keys of a perspective view, or of a fisheye, whose law is a key of its own.
+fn azimuthal(
+    reader: &mut ProfileReader,
+    section: &Section,
+    law: Option<AzimuthalLaw>,
+) -> AzimuthalKeys {
+    const LAWS: [(&str, AzimuthalLaw); 3] = [
+        ("equidistant", AzimuthalLaw::Equidistant),
+        ("equisolid", AzimuthalLaw::Equisolid),
+        ("stereographic", AzimuthalLaw::Stereographic),
+    ];
+    let hint = "equidistant: the distance from the centre is proportional to the angle";
+    let law = law.or_else(|| match section.has("law") {
+        true => word(reader, section, "law", &LAWS, hint),
+        false => Some(AzimuthalLaw::Equidistant),
+    });
+    let form = "the direction that the picture's centre shows, as in centre_deg = [90, 30]; \
+                elevation 90 looks back to the camera";
+    let keys = PairFormat {
+        key: "centre_deg",
+        parts: "[azimuth, elevation]",
+        each: "from -360 to 360",
+        form,
+        limit: form,
+    };
+    let centre = pair(reader, section, &keys, |f| (-360.0..=360.0).contains(&f));
+    let centre = centre.filter(|centre| centre_elevation(reader, section, centre));
+    let (must, most) = match law {
+        Some(AzimuthalLaw::Perspective) => ("a number from 0.001 to 175", 175.0),
+        _ => ("a number from 0.001 to 350", 350.0),
+    };
+    let hint = "the angle of view across the mirror's width, in degrees";
+    let hfov =
+        number(reader, section, "hfov_deg", Required, must, hint, |f| (1e-3..=most).contains(&f));
+    let must = "a number from -360 to 360";
+    let hint = "the turn of the world in the picture, clockwise, in degrees";
+    let roll = number(reader, section, "roll_deg", Optional, must, hint, |f| f.abs() <= 360.0);
+    let mirrored = flag(reader, section, "mirrored").is_none_or(|mirrored| mirrored.value);
+    AzimuthalKeys { law, centre, hfov, roll_deg: roll.map_or(0.0, |roll| roll.value), mirrored }
+}
+
+/// Whether the elevation of a view's centre is one.
+fn centre_elevation(
+    reader: &mut ProfileReader,
+    section: &Section,
+    centre: &Located<[f64; 2]>,
+) -> bool {
+    let elevation = centre.value[1];
+    if -89.0 <= elevation && elevation <= 90.0 {
+        return true;
+    }
+    let path = section.path_of("centre_deg");
+    let message =
+        format!("{path} must have an elevation from -89 to 90 degrees, found {elevation}");
+    let hint = "90 looks back to the camera, 0 across its axis; no mirror shows what is straight behind it";
+    reader.complain(centre.at, message, hint);
+    false
 }
 
 fn azimuth(reader: &mut ProfileReader, section: &Section) -> Option<Located<[f64; 2]>> {
@@ -273,6 +346,14 @@ impl ProjectionEntry<'_> {
                 law,
                 inner_polar_deg: inner.filter(|_| !disc).map(|inner| inner.value),
                 outer_polar_deg: outer?.value,
+                target,
+            }),
+            ProjectionKeys::Azimuthal(keys) => ProjectionSpec::Azimuthal(AzimuthalSpec {
+                law: keys.law?,
+                centre_deg: keys.centre?.value,
+                hfov_deg: keys.hfov?.value,
+                roll_deg: keys.roll_deg,
+                mirrored: keys.mirrored,
                 target,
             }),
         })

@@ -1,7 +1,7 @@
 //! The mirror's outline as far as a profile tells it, and whether a given conic reaches it.
 
-use super::super::StripLawSpec;
 use super::super::reader::ProfileReader;
+use super::super::{Layout, StripLawSpec};
 use super::camera::CameraName;
 use super::projection::ProjectionKeys;
 use super::{Entries, layout};
@@ -44,8 +44,8 @@ pub(super) fn known_outline(parts: &Entries) -> Option<Outline> {
 /// The outline of a mirror with straight or round sides; designed strips under a pinhole have curved ones.
 fn outline(parts: &Entries) -> Option<Outline> {
     let width = parts.part.width?.value;
-    let height = if parts.rectangle {
-        parts.part.height?.value
+    let height = if let Some(Layout::Rectangle { height_mm }) = parts.layout() {
+        height_mm
     } else if parts.layout.as_ref()?.is_round() {
         let land = parts.layout.as_ref()?.inner.map_or(0.0, |inner| inner.value);
         return Some(Outline::Ring { inner: 0.5 * land, outer: 0.5 * width });

@@ -26,6 +26,11 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
                 polar_angles_meet(reader, parts, projection, plane, *law, ends);
             }
         }
+        ProjectionKeys::Azimuthal(keys) => {
+            if let Some(centre) = &keys.centre {
+                centre_meets(reader, projection, plane, centre);
+            }
+        }
     }
 }
 
@@ -86,6 +91,26 @@ fn elevations_meet(
         let hint = format!("{why}; target_radius_mm is a cylinder, which every elevation meets");
         reader.complain(elevation.at, message, &hint);
     }
+}
+
+/// The centre of a view looks to the plane's side; how far its edges reach is the design's to find out.
+fn centre_meets(
+    reader: &mut ProfileReader,
+    projection: &ProjectionEntry,
+    plane: Located<f64>,
+    centre: &Located<[f64; 2]>,
+) {
+    let elevation = centre.value[1];
+    if elevation * plane.value > 0.0 {
+        return;
+    }
+    let (side, why) = if plane.value > 0.0 { ("above", CAMERA_SIDE) } else { ("below", FAR_SIDE) };
+    let path = projection.section.path_of("centre_deg");
+    let message = format!(
+        "{path} must have an elevation {side} 0 with target_plane_mm = {}, found {elevation}",
+        plane.value
+    );
+    reader.complain(centre.at, message, why);
 }
 
 fn polar_angles_meet(

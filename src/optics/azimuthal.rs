@@ -1,0 +1,223 @@
+//! Azimuthal projections about any direction: perspective and fisheye views.
+//!
+//! A view is an axisymmetric law about a centre direction c in the place of the axis. The law gives a direction
+//! about the axis; the rotation that carries the axis to c on the shortest way is a Moebius map of stereographic
+//! coordinates, s -> (s + c) / (1 - conj(c) s): half a turn about the axis and one about the normal of a flat
+//! mirror that shows c ([`stereographic::reflect`]). The view is therefore the one that a camera with that angle
+//! of view has in a flat mirror, and a flat mirror is the exact one where the angle is the camera's own.
+
+use super::{RadialLaw, RadialLawKind, RimConditions, stereographic};
+use crate::num::{Scalar, atan, atan2, cos, degrees, radians, sin, tan};
+
+/// How the distance from a view's centre grows with the angle from its centre direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AzimuthalLaw {
+    /// As the tangent: straight lines of the world are straight.
+    Perspective,
+    /// As the angle itself.
+    Equidistant,
+    /// As the sine of half the angle: equal solid angles have equal areas.
+    Equisolid,
+    /// As the tangent of half the angle: small shapes are kept.
+    Stereographic,
+}
+
+impl AzimuthalLaw {
+    /// The law that reaches the angle `half_angle` (radians) at the distance `half_mm`.
+    #[must_use]
+    pub fn to_reach(self, half_angle: f64, half_mm: f64) -> RadialLaw {
+        let kind = match self {
+            Self::Perspective => RadialLawKind::Plane,
+            Self::Equidistant => RadialLawKind::Equiangular,
+            Self::Equisolid => RadialLawKind::EquiAreal,
+            Self::Stereographic => RadialLawKind::Parabolic,
+        };
+        RimConditions { radius: [0.0, half_mm], psi: [0.0, half_angle], vergence: 0.0 }.law(kind)
+    }
+}
+
+/// A round law about a centre direction, over image points in mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Azimuthal {
+    /// The law of the distance from the picture's centre.
+    pub law: RadialLaw,
+    /// The centre direction as a stereographic coordinate.
+    centre: [f64; 2],
+    /// Cosine and sine of the picture's turn, and -1 where left and right are exchanged.
+    turn: [f64; 3],
+}
+
+impl Azimuthal {
+    /// The view by `law` whose centre lies at an azimuth and an elevation in degrees, turned by `roll_deg` in its
+    /// own picture (clockwise), mirrored as in a flat mirror or with left and right as they are.
+    #[must_use]
+    pub fn new(law: RadialLaw, centre_deg: [f64; 2], roll_deg: f64, mirrored: bool) -> Self {
+        let [azimuth, elevation] = centre_deg;
+        let radius = tan(radians(0.5 * (90.0 - elevation)));
+        let [s, c] = sine_and_cosine(azimuth);
+        let [roll_s, roll_c] = sine_and_cosine(roll_deg);
+        let side = if mirrored { 1.0 } else { -1.0 };
+        Self { law, centre: [radius * s, radius * c], turn: [roll_c, roll_s, side] }
+    }
+
+    /// Azimuth and elevation of the centre, degrees.
+    #[must_use]
+    pub fn centre_deg(&self) -> [f64; 2] {
+        let [x, y] = self.centre;
+        let radius = (x * x + y * y).sqrt();
+        [degrees(atan2(x, y)), 90.0 - 2.0 * degrees(atan(radius))]
+    }
+
+    /// Whether reflecting the picture in X = 0 reflects the world.
+    #[must_use]
+    pub fn is_symmetric_in_x(&self) -> bool {
+        self.centre[0] == 0.0 && self.turn[1] == 0.0
+    }
+
+    /// Direction that image point `q` must see, as a stereographic coordinate.
+    #[inline]
+    pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        let [c, s, side] = self.turn;
+        let turned = [(q[0] * c - q[1] * s) * side, q[0] * s + q[1] * c];
+        let about_axis = self.law.direction_of(turned);
+        let slope = self.centre.map(|c| S::constant(-c));
+        stereographic::reflect(about_axis.map(|x| -x), slope)
+    }
+
+    /// The image point that must see `sigma`.
+    #[inline]
+    pub fn image_of<S: Scalar>(&self, sigma: [S; 2]) -> [S; 2] {
+        let [c, s, side] = self.turn;
+        let slope = self.centre.map(|c| S::constant(-c));
+        let about_axis = stereographic::reflect(sigma, slope).map(|x| -x);
+        let [x, y] = self.law.image_of(about_axis);
+        let x = x * side;
+        [x * c + y * s, y * c - x * s]
+    }
+
+    /// Radians of the world to a millimetre of the image, at the centre.
+    #[must_use]
+    pub fn radians_per_mm(&self) -> f64 {
+        // So small a radius that every law is linear there.
+        const SMALL_MM: f64 = 1e-6;
+        self.law.polar(SMALL_MM) / SMALL_MM
+    }
+}
+
+/// Sine and cosine of an angle in degrees, exact at quarter turns: symmetric views stay so to the last bit.
+fn sine_and_cosine(angle_deg: f64) -> [f64; 2] {
+    match angle_deg.rem_euclid(360.0) {
+        0.0 => [0.0, 1.0],
+        90.0 => [1.0, 0.0],
+        180.0 => [0.0, -1.0],
+        270.0 => [-1.0, 0.0],
+        angle => [sin(radians(angle)), cos(radians(angle))],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{DVec2, DVec3};
+    use crate::optics::reflect;
+    use AzimuthalLaw::{Equidistant, Equisolid, Perspective, Stereographic};
+
+    fn law(law: AzimuthalLaw, half_deg: f64) -> RadialLaw {
+        law.to_reach(radians(half_deg), 30.0)
+    }
+
+    fn views() -> impl Iterator<Item = (AzimuthalLaw, Azimuthal)> {
+        [Perspective, Equidistant, Equisolid, Stereographic].into_iter().flat_map(|kind| {
+            [[0.0, 90.0], [90.0, 30.0], [-37.0, 12.0], [180.0, -50.0]].into_iter().flat_map(
+                move |centre| {
+                    [(0.0, true), (25.0, true), (-70.0, false)].map(|(roll, mirrored)| {
+                        (kind, Azimuthal::new(law(kind, 40.0), centre, roll, mirrored))
+                    })
+                },
+            )
+        })
+    }
+
+    #[test]
+    fn image_points_are_found_again() {
+        for (kind, view) in views() {
+            for (x, y) in [(0.0, 0.0), (30.0, -4.0), (-11.0, 19.5), (3.0, 20.0)] {
+                let back = DVec2::from_array(view.image_of(view.direction_of([x, y])));
+                let off = (back - DVec2::new(x, y)).length();
+                assert!(off < 1e-12, "{kind:?} {view:?} {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn angles_from_the_centre_follow_the_law() {
+        for (kind, view) in views() {
+            let [azimuth, elevation] = view.centre_deg().map(radians);
+            let centre = DVec3::new(
+                cos(elevation) * sin(azimuth),
+                cos(elevation) * cos(azimuth),
+                sin(elevation),
+            );
+            let middle = stereographic::direction(view.direction_of([0.0; 2]));
+            assert!((middle - centre).length() < 1e-14, "{view:?}");
+            for q in [DVec2::new(30.0, 0.0), DVec2::new(-6.0, 17.0)] {
+                let seen = stereographic::direction(view.direction_of(q.to_array()));
+                let angle = crate::geom::angle(seen, centre);
+                assert!((angle - view.law.polar(q.length())).abs() < 1e-13, "{kind:?} {angle}");
+            }
+        }
+    }
+
+    /// A flat mirror of the right slope shows a perspective view of the camera's own angle.
+    #[test]
+    fn a_flat_mirror_shows_the_perspective_view_of_its_camera() {
+        let vergence = 1.0 / 140.0;
+        let half_deg = degrees(atan(30.0 * vergence));
+        for centre in [[0.0, 90.0], [90.0, 30.0], [-37.0, 12.0], [180.0, -50.0]] {
+            let view = Azimuthal::new(law(Perspective, half_deg), centre, 0.0, true);
+            let c = stereographic::direction(view.direction_of([0.0; 2]));
+            let normal = (c + DVec3::Z).normalize();
+            for q in [DVec2::ZERO, DVec2::new(30.0, 11.0), DVec2::new(-8.0, 20.0)] {
+                let ray = (q * vergence).extend(-1.0).normalize();
+                let seen = stereographic::direction(view.direction_of(q.to_array()));
+                assert!((reflect(ray, normal) - seen).length() < 1e-14, "{centre:?} {q}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_perspective_view_keeps_lines_straight_and_an_unmirrored_one_is_its_reflection() {
+        let plane = law(Perspective, 40.0);
+        let view = Azimuthal::new(plane, [90.0, 30.0], 0.0, true);
+        let other = Azimuthal::new(plane, [90.0, 30.0], 0.0, false);
+        // Directions to points of a line in space.
+        let on_line = |t: f64| DVec3::new(3.0, -1.0, 1.0) + DVec3::new(-0.2, 0.9, 0.4) * t;
+        let image = |view: &Azimuthal, t: f64| {
+            let sigma = stereographic::sigma(on_line(t).to_array());
+            DVec2::from_array(view.image_of(sigma))
+        };
+        let [a, b, c] = [-0.5, 0.3, 1.0].map(|t| image(&view, t));
+        assert!((b - a).perp_dot(c - a).abs() < 1e-12 * (c - a).length_squared());
+        let flipped = image(&other, 0.3);
+        assert!((flipped - b * DVec2::new(-1.0, 1.0)).length() < 1e-13);
+    }
+
+    #[test]
+    fn symmetry_is_exact_for_upright_views_above_and_below() {
+        let plane = law(Perspective, 40.0);
+        for (azimuth, roll, symmetric) in [
+            (0.0, 0.0, true),
+            (180.0, 0.0, true),
+            (-180.0, 360.0, true),
+            (90.0, 0.0, false),
+            (0.0, 5.0, false),
+        ] {
+            let view = Azimuthal::new(plane, [azimuth, 40.0], roll, true);
+            assert_eq!(view.is_symmetric_in_x(), symmetric, "{azimuth} {roll}");
+            if symmetric {
+                let [x, y] = view.direction_of([7.0, 3.0]);
+                assert_eq!(view.direction_of([-7.0, 3.0]), [-x, y]);
+            }
+        }
+    }
+}
