@@ -75,7 +75,9 @@ impl<'a> FormMapBuilder<'a> {
             let row = rows[k];
             let place = |x: &usize| {
                 let q = camera.image_point(*x as f64 + 0.5, row as f64 + 0.5);
-                mirror.intersect_camera_ray(&camera.chart, q).filter(|q| outline.aims(*q))
+                mirror
+                    .intersect_camera_ray(&camera.chart, camera.picture.chart_point(q))
+                    .filter(|q| outline.aims(*q))
             };
             let places = columns.iter().map(place).enumerate();
             let (known, places): (Vec<usize>, Vec<DVec2>) =

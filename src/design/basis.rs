@@ -29,6 +29,8 @@ pub(super) struct Basis {
     /// Constant that is subtracted from each unknown's function.
     levels: Vec<f64>,
     size_mm: f64,
+    /// Weight of each place beside that of its area, where it is not 1.
+    density: Option<Vec<f64>>,
 }
 
 /// F with its slopes dF/dx and dF/dy.
@@ -117,6 +119,7 @@ impl Basis {
             levels: vec![0.0; terms.len()],
             terms,
             size_mm: area.size().max_element(),
+            density: None,
         }
     }
 
@@ -128,6 +131,13 @@ impl Basis {
         let [lo, hi] = [part.min, part.max].map(|corner| (corner - centre) / half);
         let (x, y) = (means(degree, [lo.x, hi.x]), means(degree, [lo.y, hi.y]));
         self.levels = self.terms.iter().map(|&(i, j)| x[i] * y[j]).collect();
+        self
+    }
+
+    /// The same with places that count as much as `density` says for their area.
+    #[must_use]
+    pub(super) fn with_density(mut self, density: impl Fn(DVec2) -> f64) -> Self {
+        self.density = Some((0..self.len()).map(|k| density(self.at(k))).collect());
         self
     }
 
@@ -172,6 +182,7 @@ impl Basis {
             terms: (1..=degree).map(|k| (k, 0)).collect(),
             levels: vec![0.0; degree],
             size_mm: rim,
+            density: None,
         }
     }
 
@@ -216,7 +227,8 @@ impl Basis {
     #[must_use]
     pub(super) fn weight(&self, k: usize) -> f64 {
         let (a, b) = self.pair(k);
-        a.weight * b.weight
+        let area = a.weight * b.weight;
+        self.density.as_ref().map_or(area, |density| area * density[k])
     }
 
     /// Whether place `k` belongs to the coarse ones: enough to determine the unknowns.

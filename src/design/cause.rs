@@ -59,7 +59,7 @@ pub enum LocalFailure {
 }
 
 impl LocalFailure {
-    /// Failure at image point `q`, where the mirror has the point `at` and the slope `slope`
+    /// Failure at the chart coordinates `q`, where the mirror has the point `at` and the slope `slope`
     /// (Z_X, Z_Y); none where nothing is.
     pub fn at(
         chart: &Chart,
@@ -72,7 +72,8 @@ impl LocalFailure {
         if !(at.is_finite() && finite(slope)) {
             return Some(Self::Vertical);
         }
-        let wanted = view.projection.direction_of(q.to_array());
+        let image = view.picture.image_point(q);
+        let wanted = view.projection.direction_of(image.to_array());
         if !finite(wanted) {
             return Some(Self::LawUndefined);
         }
@@ -103,7 +104,7 @@ impl LocalFailure {
                 }
             }
         }
-        let content = view.image_of_seen(chart, at.to_array(), slope, q);
+        let content = view.image_of_seen(chart, at.to_array(), slope, image);
         let shown = DVec3::from_array(stereographic::unit(
             view.target.direction_from_origin(from.to_array(), seen),
         ));
@@ -234,11 +235,17 @@ fn tried(stage: Option<FitStage>) -> String {
 mod tests {
     use super::*;
     use crate::num::{atan, radians};
-    use crate::optics::{Projection, Strip, StripLaw};
+    use crate::optics::{PictureMap, Projection, Strip, StripLaw};
 
     fn view(law: StripLaw, target: Target) -> ImagingTask {
         let strip = Strip { law, scale_mm: 1.0, azimuth: 0.0, z: 0.0 };
-        ImagingTask { projection: Projection::Strip(strip), target, origin_mm: 0.0, fold: None }
+        ImagingTask {
+            projection: Projection::Strip(strip),
+            target,
+            origin_mm: 0.0,
+            fold: None,
+            picture: PictureMap::default(),
+        }
     }
 
     /// The failure of a mirror under parallel rays.
@@ -248,7 +255,7 @@ mod tests {
         at: [f64; 3],
         slope: [f64; 2],
     ) -> Option<LocalFailure> {
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let chart = Chart::on_axis(0.0, 0.0);
         LocalFailure::at(&chart, view, DVec2::from_array(q), DVec3::from_array(at), slope)
     }
 
@@ -292,7 +299,7 @@ mod tests {
 
     #[test]
     fn azimuth_has_no_value_along_the_axis() {
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let chart = Chart::on_axis(0.0, 0.0);
         assert_eq!(
             LocalFailure::of_slopes(&chart, DVec3::ZERO, [0.0; 2]),
             Some(LocalFailure::NoAzimuth)

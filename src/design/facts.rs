@@ -161,15 +161,20 @@ fn line_errors(
     let places: Vec<DVec2> = line.iter().map(|(q, _)| *q).collect();
     for (&(q, weight), point) in line.iter().zip(mirror.eval_many(&places)) {
         let at = mirror.position(q, &point);
-        let (image, _) = camera.chart.coordinates(at);
-        let ray = camera.chart.ray(image, at.z + 1.0);
+        let (on_chart, _) = camera.chart.coordinates(at);
+        let image = camera.picture.image_point(on_chart);
+        if view.is_framed() && !camera.frames(image) {
+            continue;
+        }
+        let weight = weight * camera.picture.density(on_chart);
+        let ray = camera.chart.ray(on_chart, at.z + 1.0);
         let seen = reflect(ray.direction, mirror.normal(q, &point));
         let slope = mirror.slope(q, &point).to_array();
         let content = view.image_of_seen(&camera.chart, at.to_array(), slope, image);
         let ray = angle(seen, view.direction_of(image, at));
         let shift = (DVec2::from_array(content) - image).length();
         if !(ray.is_finite() && shift.is_finite()) {
-            let failure = LocalFailure::at(&camera.chart, view, image, at, slope);
+            let failure = LocalFailure::at(&camera.chart, view, on_chart, at, slope);
             let cause = |failure| FailureCause::At { at: at.truncate(), failure, stage: None };
             return Err(failure.map_or(NO_ERROR, cause));
         }

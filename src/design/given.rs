@@ -56,7 +56,7 @@ pub(super) fn grid(profile: &Profile, sag: &SagGrid) -> Result<Design, DesignErr
 
 /// A flat mirror, X and Y being its chart's coordinates.
 fn bare(outline: Outline) -> Mirror {
-    let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+    let chart = Chart::on_axis(0.0, 0.0);
     let surface = Surface::Tensor(sheet(Series::from_fn(1, 1, |_, _| 0.0), outline.bounds()));
     Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] }
 }
@@ -73,9 +73,9 @@ fn outline(profile: &Profile) -> Result<Outline, DesignError> {
         Layout::Annulus { inner_width_mm } => {
             return Ok(Outline::Ring { inner: 0.5 * inner_width_mm, outer });
         }
-        Layout::Rectangle { height_mm } => {
-            let half = DVec2::new(outer, 0.5 * height_mm);
-            Rect { min: -half, max: half }
+        Layout::Rectangle { .. } => {
+            let camera = Camera::new(&profile.camera, &profile.mount, profile.part.width_mm);
+            layout::rectangle_of(profile, &camera)
         }
         Layout::Strip { .. } | Layout::Conquistador { .. } => {
             let problem = DesignProblem::new(profile, &SelfConsistentGeometry::initial(profile))?;
@@ -91,7 +91,7 @@ fn outline(profile: &Profile) -> Result<Outline, DesignError> {
 /// Camera and view about the mirror: the reference plane at the mean height of the mirror, of a
 /// round one at its outer rim's; the target's origin at the mean height.
 fn with_camera(profile: &Profile, mirror: Mirror, degree: usize) -> Result<Design, DesignError> {
-    let mut camera = Camera::new(&profile.camera, profile.part.width_mm);
+    let mut camera = Camera::new(&profile.camera, &profile.mount, profile.part.width_mm);
     if camera.chart.vergence != 0.0 {
         camera.chart.plane_mm = match mirror.outline {
             Outline::Rect(_) => at_mean(&mirror, camera.chart, profile.part.width_mm),

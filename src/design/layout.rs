@@ -7,7 +7,7 @@ use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
 use crate::optics::{
-    Azimuthal, Camera, Fold, ImagingTask, Projection, RimConditions, StripLaw, Target,
+    Azimuthal, Camera, Fold, ImagingTask, Mount, Projection, RimConditions, StripLaw, Target,
 };
 use crate::profile::{
     AzimuthalSpec, Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge, StripSpec,
@@ -103,7 +103,7 @@ impl DesignProblem {
         profile: &Profile,
         geometry: &SelfConsistentGeometry,
     ) -> Result<Option<Self>, FailureCause> {
-        let camera = Camera::new(&profile.camera, profile.part.width_mm);
+        let camera = Camera::new(&profile.camera, &profile.mount, profile.part.width_mm);
         match &profile.projection {
             None => Ok(None),
             Some(ProjectionSpec::Strip(wanted)) => Self::strip(profile, wanted, camera).map(Some),
@@ -163,7 +163,7 @@ impl DesignProblem {
         });
         Ok(Self {
             camera,
-            view: ImagingTask { projection, target, origin_mm: 0.0, fold },
+            view: ImagingTask { projection, target, origin_mm: 0.0, fold, picture: camera.picture },
             outline: rectangle(&camera, exact),
             domain: Outline::Rect(domain),
             section: (widening != DVec2::ONE).then_some(exact),
@@ -192,6 +192,7 @@ impl DesignProblem {
                 target: wanted.target,
                 origin_mm: geometry.origin_mm,
                 fold: None,
+                picture: camera.picture,
             },
             outline,
             domain: outline,
@@ -200,24 +201,47 @@ impl DesignProblem {
         }
     }
 
-    /// The problem of a perspective or fisheye view on a rectangle.
+    /// How much the chart coordinates `q` count in an integral over the picture: the area of the picture for an area of
+    /// the chart. What a view's mirror has beyond the frame is seen by nobody, and counts only as far as it must go on
+    /// smoothly.
+    #[must_use]
+    pub(super) fn weight_at(&self, q: DVec2) -> f64 {
+        /// So little that it changes no figure within the frame, and enough to determine the mirror.
+        const BEYOND_FRAME: f64 = 1e-4;
+        let (view, camera) = (&self.view, &self.camera);
+        let density = camera.picture.density(q);
+        match view.is_framed() && !camera.frames(camera.picture.image_point(q)) {
+            true => BEYOND_FRAME * density,
+            false => density,
+        }
+    }
+
+    /// Whether all places count as their areas.
+    #[must_use]
+    pub(super) fn is_even(&self) -> bool {
+        self.camera.picture.is_identity() && !self.view.is_framed()
+    }
+
+    /// The problem of a perspective or fisheye view on a rectangle: the angle of view is that of the frame's width.
     fn azimuthal(profile: &Profile, wanted: &AzimuthalSpec, camera: Camera) -> Self {
-        let half_mm = 0.5 * profile.part.width_mm;
-        let Layout::Rectangle { height_mm } = profile.layout else {
-            unreachable!("a checked view has a rectangle")
-        };
-        let half = DVec2::new(half_mm, 0.5 * height_mm);
-        let area = Rect { min: -half, max: half };
-        let law = wanted.law.to_reach(radians(0.5 * wanted.hfov_deg), half_mm);
-        let view = Azimuthal::new(law, wanted.centre_deg, wanted.roll_deg, wanted.mirrored);
+        let area = rectangle_of(profile, &camera);
+        let law = wanted.law.to_reach(radians(0.5 * wanted.hfov_deg), camera.half_frame().x);
+        let Mount { towards_deg, fold_deg, .. } = profile.mount;
+        let centre_deg = wanted.centre_deg.unwrap_or([towards_deg, 90.0 - fold_deg]);
+        let view =
+            Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount);
+        let symmetric = view.is_symmetric_in_x()
+            && camera.picture.is_symmetric_in_x()
+            && camera.chart.lean.x == 0.0;
         Self {
             camera,
-            mirror_symmetric: [view.is_symmetric_in_x(), false],
+            mirror_symmetric: [symmetric, false],
             view: ImagingTask {
                 projection: Projection::Azimuthal(view),
                 target: wanted.target,
                 origin_mm: 0.0,
                 fold: None,
+                picture: camera.picture,
             },
             outline: rectangle(&camera, area),
             domain: Outline::Rect(area),
@@ -288,9 +312,42 @@ fn check_frame_filled(
     if past >= 0.0 { Err(FailureCause::BeyondHorizon { rows: past * rows }) } else { Ok(()) }
 }
 
+/// The rectangle, about the part's axis, of a mirror of that layout: of the profile's own height, or as high for its
+/// width as the frame is at the mirror.
+pub(super) fn rectangle_of(profile: &Profile, camera: &Camera) -> Rect {
+    let width = profile.part.width_mm;
+    let height = match profile.layout {
+        Layout::Rectangle { height_mm: Some(height_mm) } => height_mm,
+        _ => {
+            let seen = seen_of_frame(camera).size();
+            width * seen.y / seen.x
+        }
+    };
+    let half = 0.5 * DVec2::new(width, height);
+    Rect { min: -half, max: half }
+}
+
+/// The smallest rectangle of the reference plane that holds all that the frame sees of it.
+fn seen_of_frame(camera: &Camera) -> Rect {
+    /// Places along each side of the frame: between two of them the picture's edge is straight, or nearly so.
+    const SIDE: usize = 16;
+    let half = camera.half_frame();
+    let mut seen = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+    for k in 0..=SIDE {
+        let t = 2.0 * k as f64 / SIDE as f64 - 1.0;
+        for edge in
+            [DVec2::new(t, 1.0), DVec2::new(t, -1.0), DVec2::new(1.0, t), DVec2::new(-1.0, t)]
+        {
+            let q = camera.picture.chart_point(edge * half);
+            seen = Rect { min: seen.min.min(q), max: seen.max.max(q) };
+        }
+    }
+    seen
+}
+
 /// A rectangular outline, in single precision where the chart's coordinates are the file's.
 fn rectangle(camera: &Camera, exact: Rect) -> Outline {
-    Outline::Rect(if camera.chart.vergence == 0.0 {
+    Outline::Rect(if camera.chart.is_plan() {
         Rect { min: to_single_precision(exact.min), max: to_single_precision(exact.max) }
     } else {
         exact

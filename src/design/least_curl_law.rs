@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::geom::{Chart, DVec2};
     use crate::num::{log, sin};
-    use crate::optics::{ImagingTask, Projection, Strip, StripLaw};
+    use crate::optics::{ImagingTask, PictureMap, Projection, Strip, StripLaw};
     use std::sync::Arc;
 
     fn search(chart: &Chart, target: Target, below: f64) -> LeastCurlProblem<'_> {
@@ -271,6 +271,7 @@ mod tests {
             target: search.field.target,
             origin_mm: search.field.origin_mm,
             fold: None,
+            picture: PictureMap::default(),
         };
         let (nodes, weights) = gauss_legendre(60);
         let mut sum = 0.0;
@@ -290,7 +291,7 @@ mod tests {
     }
 
     fn charts() -> [Chart; 3] {
-        [0.0, 1.0 / 180.0, 1.0 / 120.0].map(|vergence| Chart { vergence, plane_mm: 0.0 })
+        [0.0, 1.0 / 180.0, 1.0 / 120.0].map(|vergence| Chart::on_axis(vergence, 0.0))
     }
 
     const CYLINDER: Target = Target::Cylinder { radius_mm: 100.0 };

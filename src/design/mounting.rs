@@ -1,12 +1,13 @@
 //! Mounting of the part: places of camera and target in the part's frame, and the size of the part.
 //!
 //! The part's frame has its origin on the base, on the camera's axis: X to the right in the picture,
-//! Y towards the picture's upper edge, Z towards the camera. Elevations count towards the camera, and
-//! azimuths from +Y to +X.
+//! Y towards the picture's upper edge, Z towards the camera. Of a camera beside that axis X and Y are what the
+//! shortest turn carries these axes to. Elevations count towards +Z, and azimuths from +Y to +X.
 
 use super::border;
 use crate::geom::{Border, Contour, DVec2};
 use crate::mirror::Mirror;
+use crate::num::{acos, degrees};
 use crate::optics::{Camera, ImagingTask, Target};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,8 +15,11 @@ use serde::{Deserialize, Serialize};
 /// Places and sizes in the part's frame, mm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Mounting {
-    /// Entrance pupil of the lens, which looks along -Z; none for a telecentric camera.
+    /// Entrance pupil of the lens; none for a telecentric camera.
     pub pupil_mm: Option<[f64; 3]>,
+    /// Unit vector along which the camera looks; none where that is -Z and the camera is on the part's axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub looks_along: Option<[f64; 3]>,
     /// Origin of the target's azimuth and elevation; none for a world far away, and
     /// without a projection.
     pub target_origin_mm: Option<[f64; 3]>,
@@ -24,7 +28,7 @@ pub struct Mounting {
     /// Z of the mirror's mean height: at the geometric mean of the depths below the pupil over the
     /// picture, for a telecentric camera the mean of Z over the plan.
     pub mean_mm: f64,
-    /// Unit vector towards elevation 90 degrees: towards the camera.
+    /// Unit vector towards elevation 90 degrees.
     pub up: [f64; 3],
 }
 
@@ -46,7 +50,8 @@ impl Mounting {
         };
         let far = |view: &&ImagingTask| view.target != Target::Infinity;
         Self {
-            pupil_mm: camera.chart.pupil_mm().map(on_axis),
+            pupil_mm: camera.chart.pupil().map(|pupil| pupil.to_array()),
+            looks_along: (!camera.picture.is_identity()).then(|| (-camera.axis()).to_array()),
             target_origin_mm: view.filter(far).map(|view| on_axis(view.origin_mm)),
             size_mm: size.extend(top_mm).to_array(),
             mean_mm: mirror.mean_mm(&camera.chart),
@@ -63,10 +68,23 @@ impl Mounting {
     /// Place of the camera in words.
     #[must_use]
     pub fn camera(&self) -> String {
-        match self.pupil_mm {
-            Some([.., z]) => format!("entrance pupil at Z {z:.3} mm"),
-            None => "telecentric camera".into(),
+        match (self.pupil_mm, self.looks_along) {
+            (Some([x, y, z]), Some(_)) => {
+                format!("entrance pupil at X {x:.3}, Y {y:.3}, Z {z:.3} mm")
+            }
+            (Some([.., z]), None) => format!("entrance pupil at Z {z:.3} mm"),
+            (None, _) => "telecentric camera".into(),
         }
+    }
+
+    /// Where the camera looks, and which way up, in words.
+    #[must_use]
+    pub fn looks(&self) -> String {
+        let Some([x, y, z]) = self.looks_along else {
+            return "on the axis, looking along -Z; the picture's top is +Y".into();
+        };
+        let tilt = degrees(acos((-z).clamp(-1.0, 1.0)));
+        format!("looking along ({x:.6}, {y:.6}, {z:.6}), {tilt:.2} deg off the part's normal")
     }
 
     /// The part's size in words.

@@ -4,8 +4,9 @@ use super::residual_sample::PointwiseResidual;
 use crate::geom::{Chart, DVec2};
 use crate::num::Scalar;
 use crate::optics::{ImagingTask, stereographic};
+use glam::DMat2;
 
-/// The mirror's chart slope less the slope field (paper, equation for A in section 4).
+/// The mirror's chart slope less the slope field (paper, equation for A in section 4), along the picture's axes.
 pub(super) struct GradientResidual<'a> {
     /// The camera.
     pub chart: &'a Chart,
@@ -14,10 +15,16 @@ pub(super) struct GradientResidual<'a> {
 }
 
 impl PointwiseResidual<2> for GradientResidual<'_> {
-    fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
-        let q = q.to_array().map(S::constant);
+    fn at<S: Scalar>(&self, at: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
+        let q = at.to_array().map(S::constant);
         let s = self.view.field(self.chart, q, f);
-        [slope[0] - s[0], slope[1] - s[1]]
+        let [x, y] = [slope[0] - s[0], slope[1] - s[1]];
+        if self.view.picture.is_identity() {
+            return [x, y];
+        }
+        // A gradient along the picture's axes, whatever the plane that the part is made on.
+        let DMat2 { x_axis: a, y_axis: b } = self.view.picture.jacobian(at).inverse();
+        [x * a.x + y * a.y, x * b.x + y * b.y]
     }
 }
 
@@ -35,7 +42,7 @@ pub(super) struct RayResidual<'a> {
 impl PointwiseResidual<2> for RayResidual<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
         let q = q.to_array().map(S::constant);
-        let camera = stereographic::towards_camera(q.map(|x| x * self.chart.vergence));
+        let camera = stereographic::towards_camera(self.chart.tangent(q));
         let seen = stereographic::reflect(camera, self.chart.slope(q, slope));
         let wanted = self.view.direction_at(q, self.chart.position(q, f));
         let sizes =
@@ -55,11 +62,11 @@ pub(super) struct ImageResidual<'a> {
 
 impl PointwiseResidual<2> for ImageResidual<'_> {
     fn at<S: Scalar>(&self, q: DVec2, f: S, slope: [S; 2]) -> [S; 2] {
-        let near = q;
+        let image = self.view.picture.image_point(q);
         let q = q.to_array().map(S::constant);
         let at = self.chart.position(q, f);
-        let content = self.view.image_of_seen(self.chart, at, self.chart.slope(q, slope), near);
-        [content[0] - q[0], content[1] - q[1]]
+        let content = self.view.image_of_seen(self.chart, at, self.chart.slope(q, slope), image);
+        [content[0] - image.x, content[1] - image.y]
     }
 }
 
@@ -85,6 +92,5 @@ impl PointwiseResidual<3> for NormalResidual<'_> {
 
 /// A normal in space of a surface of the given chart slope.
 fn normal<S: Scalar>(chart: &Chart, q: [S; 2], slope: [S; 2]) -> [S; 3] {
-    let lean = (slope[0] * q[0] + slope[1] * q[1]) * -chart.vergence + 1.0;
-    [-slope[0], -slope[1], lean]
+    [-slope[0], -slope[1], chart.normal_scale(q, slope)]
 }

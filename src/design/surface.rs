@@ -48,6 +48,10 @@ fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
     match problem.domain {
         Outline::Rect(area) => {
             let whole = Basis::rectangle(area, problem.mirror_symmetric[0], degree, places);
+            let whole = match problem.is_even() || places == NodeSet::Extrema {
+                true => whole,
+                false => whole.with_density(|q| problem.weight_at(q)),
+            };
             match problem.section {
                 Some(panel) => whole.with_mean_zero_over(panel, area),
                 None => whole,

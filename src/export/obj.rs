@@ -132,7 +132,7 @@ fn sample(mirror: &Mirror, precision: Precision) -> Vec<DVec2> {
     let bounds = outline.bounds();
     // No round share of the sides: coordinates of few digits are rare.
     let share = |k: usize| (k as f64 + std::f64::consts::FRAC_1_SQRT_2) / (SIDE + 1) as f64;
-    let single = precision == Precision::Single && mirror.chart.vergence == 0.0;
+    let single = precision == Precision::Single && mirror.chart.is_plan();
     let place = |k: usize| {
         let q = bounds.min + bounds.size() * DVec2::new(share(k % SIDE), share(k / SIDE));
         if single { q.as_vec2().as_dvec2() } else { q }

@@ -227,7 +227,7 @@ impl MirrorExtent {
     fn of(mirror: &Mirror) -> Self {
         let whole = mirror.full_outline();
         let bounds = whole.bounds();
-        if mirror.chart.vergence == 0.0 {
+        if mirror.chart.is_plan() {
             let (lo, hi) = (bounds.min, bounds.max);
             let radius = match whole {
                 Outline::Ring { outer, .. } => outer,

@@ -303,7 +303,7 @@ fn pixel(
     image: DVec2,
 ) -> Option<Pixel> {
     let q = mirror
-        .intersect_camera_ray(&camera.chart, image)
+        .intersect_camera_ray(&camera.chart, camera.picture.chart_point(image))
         .filter(|&q| mirror.full_outline().aims(q))?;
     let place = mirror.extended_surface(q);
     let reflected = mirror.reflects(q);

@@ -9,12 +9,13 @@ use crate::num::quadrature::gauss_legendre;
 use crate::num::sample::Draws;
 use crate::num::{atan2, cos, exp, log, radians, sin};
 use crate::optics::{
-    ImagingTask, Projection, RadialLaw, RadialLawKind, RimConditions, Strip, StripLaw, Target,
+    ImagingTask, PictureMap, Projection, RadialLaw, RadialLawKind, RimConditions, Strip, StripLaw,
+    Target,
 };
 use std::collections::{HashMap, HashSet};
 
-const PARALLEL: Chart = Chart { vergence: 0.0, plane_mm: 20.0 };
-const PINHOLE: Chart = Chart { vergence: 0.008, plane_mm: 20.0 };
+const PARALLEL: Chart = Chart::on_axis(0.0, 20.0);
+const PINHOLE: Chart = Chart::on_axis(0.008, 20.0);
 
 /// Legendre coefficients of a function of (u, v).
 fn series(shape: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Series {
@@ -56,7 +57,7 @@ fn ring([inner, outer]: [f64; 2], chart: Chart, f: impl Fn(f64) -> f64) -> Mirro
 
 fn strip(law: StripLaw, target: Target) -> ImagingTask {
     let projection = Projection::Strip(Strip { law, scale_mm: 19.0, azimuth: 0.0, z: -0.3 });
-    ImagingTask { projection, target, origin_mm: 20.0, fold: None }
+    ImagingTask { projection, target, origin_mm: 20.0, fold: None, picture: PictureMap::default() }
 }
 
 /// The field of `view` summed up along lines from `from`: a mirror that about fits.
@@ -232,7 +233,13 @@ fn tight_chords_hold_for_tiny_facets_rounded_to_single_precision() {
     let rims = RimConditions { radius: [10.0, 30.0], psi: [0.4, 1.9], vergence: PINHOLE.vergence };
     let projection =
         Projection::Radial { law: rims.law(RadialLawKind::Equiangular), radius: rims.radius };
-    let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 20.0, fold: None };
+    let view = ImagingTask {
+        projection,
+        target: Target::Infinity,
+        origin_mm: 20.0,
+        fold: None,
+        picture: PictureMap::default(),
+    };
     let mirror = ring([10.0, 30.0], PINHOLE, |r| 0.02 * r * r);
     let case = Case { mirror, camera: PINHOLE, view };
     let bounder =
@@ -330,7 +337,13 @@ fn disc_in_a_cylinder() {
     let projection =
         Projection::Radial { law: rims.law(RadialLawKind::Parabolic), radius: rims.radius };
     let target = Target::Cylinder { radius_mm: 200.0 };
-    let view = ImagingTask { projection, target, origin_mm: 12.0, fold: None };
+    let view = ImagingTask {
+        projection,
+        target,
+        origin_mm: 12.0,
+        fold: None,
+        picture: PictureMap::default(),
+    };
     let mirror = ring([0.0, 30.0], PARALLEL, |r| -r * r / 60.0 + 1e-7 * r * r * r * r);
     let case = Case { mirror, camera: PARALLEL, view };
     for limits in [(Some(1e-3), None), (Some(2e-2), Some(0.3)), (None, Some(0.8))] {
@@ -354,7 +367,13 @@ fn cone_under_a_pinhole() {
     let cone = |r: f64| -log((1.0 - slope * k * 20.0) / (1.0 - slope * k * r)) / k;
     let mirror = ring(rims.radius, PINHOLE, cone);
     let projection = Projection::Radial { law, radius: rims.radius };
-    let view = ImagingTask { projection, target: Target::Infinity, origin_mm: 15.0, fold: None };
+    let view = ImagingTask {
+        projection,
+        target: Target::Infinity,
+        origin_mm: 15.0,
+        fold: None,
+        picture: PictureMap::default(),
+    };
     let case = Case { mirror, camera: PINHOLE, view };
     for limits in [(Some(1e-3), None), (None, Some(0.5)), (None, Some(1.5))] {
         let face = case.mesh(limits.0, limits.1);
@@ -380,7 +399,13 @@ fn given_mirrors_under_a_pinhole() {
     for (mirror, view) in [
         (
             ring([0.0, 22.0], PARALLEL, bowl),
-            ImagingTask { projection: radial, target, origin_mm: 15.0, fold: None },
+            ImagingTask {
+                projection: radial,
+                target,
+                origin_mm: 15.0,
+                fold: None,
+                picture: PictureMap::default(),
+            },
         ),
         (sheet, strip(StripLaw::Equirectangular, Target::Infinity)),
     ] {

@@ -34,7 +34,7 @@ impl Mirror {
     /// The mirror's point over (X, Y) = `xy`; none where Newton's method finds none.
     #[must_use]
     pub fn extended_surface_over(&self, xy: DVec2) -> Option<LocalSurface> {
-        if self.chart.vergence == 0.0 {
+        if self.chart.is_plan() {
             return Some(self.extended_surface(xy));
         }
         let size = self.full_outline().bounds().size().max_element();

@@ -26,7 +26,7 @@ pub fn sloping([d, e]: [f64; 2], [a, b, c]: [f64; 3], vergence: f64) -> Mirror {
             half,
             scale_mm: 1.0,
         }),
-        chart: Chart { vergence, plane_mm: 7.0 },
+        chart: Chart::on_axis(vergence, 7.0),
         outline: Outline::Rect(Rect { min: -half, max: half }),
         folded: false,
         mirror_symmetric: [false; 2],
@@ -40,7 +40,7 @@ pub fn roof(degrees: f64) -> Mirror {
     let series = Series::from_fn(1, 2, |_, _| 2.0 * steep);
     Mirror {
         surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
-        chart: Chart { vergence: 0.0, plane_mm: 7.0 },
+        chart: Chart::on_axis(0.0, 7.0),
         outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
         folded: true,
         mirror_symmetric: [true, false],

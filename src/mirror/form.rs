@@ -284,7 +284,7 @@ mod tests {
         let series = Series::from_fn(terms, 1, |i, _| term(i));
         Mirror {
             surface: Surface::Radial(RadialLegendre::new(series, [0.0, radius], 1.0)),
-            chart: Chart { vergence: 0.0, plane_mm: 7.0 },
+            chart: Chart::on_axis(0.0, 7.0),
             outline: Outline::Ring { inner: 0.0, outer: radius },
             folded: false,
             mirror_symmetric: [true; 2],
@@ -347,7 +347,7 @@ mod tests {
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
         let mirror = Mirror {
             surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
-            chart: Chart { vergence: 0.0, plane_mm: 10.0 },
+            chart: Chart::on_axis(0.0, 10.0),
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: false,
             mirror_symmetric: [false; 2],
@@ -372,7 +372,7 @@ mod tests {
         // A cone of 60 degrees, as a ring about the axis.
         let series = Series::from_fn(2, 1, |i, _| [0.0, -7.0][i]);
         let surface = Surface::Radial(RadialLegendre::new(series, [2.0, 10.0], 1.0));
-        let chart = Chart { vergence: 0.0, plane_mm: 20.0 };
+        let chart = Chart::on_axis(0.0, 20.0);
         let outline = Outline::Ring { inner: 2.0, outer: 10.0 };
         let mirror = Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] };
         let Departure { sag_pv_mm, pv_mm, largest_mm, .. } = Form::of(&mirror).sphere.departure;
@@ -386,7 +386,7 @@ mod tests {
         let (centre, half) = (DVec2::new(0.0, 1.5), DVec2::new(4.0, 1.5));
         let mirror = Mirror {
             surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
-            chart: Chart { vergence: 0.0, plane_mm: 10.0 },
+            chart: Chart::on_axis(0.0, 10.0),
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: true,
             mirror_symmetric: [true, false],

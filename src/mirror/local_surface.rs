@@ -164,7 +164,7 @@ mod tests {
         let series = Series::from_fn(5, 4, wave);
         Mirror {
             surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 3.0 }),
-            chart: Chart { vergence, plane_mm: 8.0 },
+            chart: Chart::on_axis(vergence, 8.0),
             outline: Outline::Rect(Rect { min: centre - half, max: centre + half }),
             folded: true,
             mirror_symmetric: [false; 2],
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn derivatives_under_a_pinhole_are_those_of_a_sphere_in_closed_form() {
         let centre = DVec3::new(3.0, 12.0, -55.0);
-        let chart = Chart { vergence: 0.01, plane_mm: 8.0 };
+        let chart = Chart::on_axis(0.01, 8.0);
         let mirror = sphere(centre, chart);
         for q in [DVec2::new(7.0, 11.0), DVec2::new(-19.0, -29.0), DVec2::new(18.0, 28.0)] {
             let flip = DVec3::new(1.0, if q.y < 0.0 { -1.0 } else { 1.0 }, 1.0);

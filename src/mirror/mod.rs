@@ -224,7 +224,7 @@ impl Mirror {
             let point = self.at(at);
             // Along the ray the image point drifts by the view's tangent for each mm of height, and
             // heights of the two charts grow as views shrink towards their pinholes.
-            let drift = q * camera.vergence - at * self.chart.vergence;
+            let drift = camera.tangent_at(q) - self.chart.tangent_at(at);
             let growth = self.chart.view_scale(on_ray.z) / camera.view_scale(on_ray.z);
             let step = growth * (point.f - f) / (1.0 + point.slope.dot(drift));
             height += step;

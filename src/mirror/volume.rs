@@ -73,7 +73,8 @@ impl Mirror {
         // The area that a unit of the plan covers in the picture.
         let density = |at: DVec3, slope: DVec2| {
             let shrink = camera.view_scale(at.z);
-            (1.0 + camera.vergence * at.truncate().dot(slope) / shrink) / (shrink * shrink)
+            let along = camera.vergence * at.truncate().dot(slope) - camera.lean.dot(slope);
+            (1.0 + along / shrink) / (shrink * shrink)
         };
         let sum = self.under_panel(&|at, slope| density(at, slope) * camera.coordinates(at).1);
         camera.point(DVec2::ZERO, sum / self.under_panel(&density)).z
@@ -125,7 +126,7 @@ impl Mirror {
 
     /// Places and weights along an axis: a cubic takes two between breaks.
     fn nodes(&self, axis: usize, lo: f64, hi: f64) -> Vec<(f64, f64)> {
-        let cubic = self.surface.is_bicubic() && self.chart.vergence == 0.0;
+        let cubic = self.surface.is_bicubic() && self.chart.is_plan();
         composite(&self.surface.breaks(axis, lo, hi), if cubic { 2 } else { NODES })
     }
 
@@ -134,7 +135,10 @@ impl Mirror {
         let k = self.chart.vergence;
         let at = self.position(q, point);
         let shrink = 1.0 - k * (at.z - self.chart.plane_mm);
-        of(at, self.slope(q, point)) * shrink * shrink * (1.0 - k * point.slope.dot(q))
+        of(at, self.slope(q, point))
+            * shrink
+            * shrink
+            * self.chart.normal_scale(q.to_array(), point.slope.to_array())
     }
 }
 
@@ -164,7 +168,7 @@ mod tests {
         let (centre, half) = (DVec2::new(3.0, -2.0), DVec2::new(4.0, 5.0));
         let surface = Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 });
         let outline = Outline::Rect(Rect { min: centre - half, max: centre + half });
-        let chart = Chart { vergence: 0.0, plane_mm: 10.0 };
+        let chart = Chart::on_axis(0.0, 10.0);
         let mirror =
             Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
         assert!((mirror.volume() - 800.0).abs() < 1e-10);
@@ -178,7 +182,7 @@ mod tests {
                 // f = -2 everywhere: Z and the rim's radius follow from the chart alone.
                 let series = Series::from_fn(1, 1, |_, _| -2.0);
                 let surface = Surface::Radial(RadialLegendre::new(series, [inner, 10.0], 1.0));
-                let chart = Chart { vergence, plane_mm: 10.0 };
+                let chart = Chart::on_axis(vergence, 10.0);
                 let outline = Outline::Ring { inner, outer: 10.0 };
                 let mirror =
                     Mirror { surface, chart, outline, folded: false, mirror_symmetric: [true; 2] };
@@ -206,7 +210,7 @@ mod tests {
             .collect();
         let spline = BicubicSpline::new(knots, knots, &values).unwrap();
         let volume = |surface: Surface, outline| {
-            let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+            let chart = Chart::on_axis(0.0, 0.0);
             let mirror =
                 Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
             mirror.volume()
@@ -248,7 +252,7 @@ mod tests {
                 by_rings += w * radius * spline.at(q).f * 2.0 * PI / f64::from(n);
             }
         }
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let chart = Chart::on_axis(0.0, 0.0);
         let outline = Outline::Ring { inner: 0.0, outer: 4.0 };
         let surface = Surface::Spline(spline);
         let mirror =

@@ -6,8 +6,10 @@
 //! mirror that shows c ([`stereographic::reflect`]). The view is therefore the one that a camera with that angle
 //! of view has in a flat mirror, and a flat mirror is the exact one where the angle is the camera's own.
 
-use super::{RadialLaw, RadialLawKind, RimConditions, stereographic};
-use crate::num::{Scalar, atan, atan2, cos, degrees, radians, sin, tan};
+use super::picture_map::sine_and_cosine;
+use super::{Mount, RadialLaw, RadialLawKind, RimConditions};
+use crate::geom::DVec2;
+use crate::num::{Scalar, atan, atan2, degrees, radians, tan};
 
 /// How the distance from a view's centre grows with the angle from its centre direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,29 +43,41 @@ impl AzimuthalLaw {
 pub struct Azimuthal {
     /// The law of the distance from the picture's centre.
     pub law: RadialLaw,
-    /// The centre direction as a stereographic coordinate.
-    centre: [f64; 2],
+    /// The rotation from directions about the axis to those about the centre, in the part's frame: the complex
+    /// numbers a and b of the map s -> (a s + b) / (conj(a) - conj(b) s) of stereographic coordinates.
+    rotation: [DVec2; 2],
     /// Cosine and sine of the picture's turn, and -1 where left and right are exchanged.
     turn: [f64; 3],
 }
 
 impl Azimuthal {
-    /// The view by `law` whose centre lies at an azimuth and an elevation in degrees, turned by `roll_deg` in its
-    /// own picture (clockwise), mirrored as in a flat mirror or with left and right as they are.
+    /// The view by `law` whose centre lies at an azimuth and an elevation in degrees about the axis of the camera,
+    /// turned by `roll_deg` in its own picture (clockwise), mirrored as in a flat mirror or with left and right as
+    /// they are, of a camera on a mount.
     #[must_use]
-    pub fn new(law: RadialLaw, centre_deg: [f64; 2], roll_deg: f64, mirrored: bool) -> Self {
+    pub fn new(
+        law: RadialLaw,
+        centre_deg: [f64; 2],
+        roll_deg: f64,
+        mirrored: bool,
+        mount: &Mount,
+    ) -> Self {
         let [azimuth, elevation] = centre_deg;
-        let radius = tan(radians(0.5 * (90.0 - elevation)));
         let [s, c] = sine_and_cosine(azimuth);
+        let centre = DVec2::new(s, c) * tan(radians(0.5 * (90.0 - elevation)));
+        // The camera's axis in the part's frame.
+        let axis = mount.towards() * -tan(radians(0.25 * mount.fold_deg));
         let [roll_s, roll_c] = sine_and_cosine(roll_deg);
         let side = if mirrored { 1.0 } else { -1.0 };
-        Self { law, centre: [radius * s, radius * c], turn: [roll_c, roll_s, side] }
+        // (1 s + axis) / (1 - conj(axis) s) after the same for the centre.
+        let a = DVec2::X - complex_product(axis, conjugate(centre));
+        Self { law, rotation: [a, centre + axis], turn: [roll_c, roll_s, side] }
     }
 
-    /// Azimuth and elevation of the centre, degrees.
+    /// Azimuth and elevation of the centre in the part's frame, degrees.
     #[must_use]
     pub fn centre_deg(&self) -> [f64; 2] {
-        let [x, y] = self.centre;
+        let [x, y] = self.direction_of([0.0; 2]);
         let radius = (x * x + y * y).sqrt();
         [degrees(atan2(x, y)), 90.0 - 2.0 * degrees(atan(radius))]
     }
@@ -71,7 +85,8 @@ impl Azimuthal {
     /// Whether reflecting the picture in X = 0 reflects the world.
     #[must_use]
     pub fn is_symmetric_in_x(&self) -> bool {
-        self.centre[0] == 0.0 && self.turn[1] == 0.0
+        let [a, b] = self.rotation;
+        a.y == 0.0 && b.x == 0.0 && self.turn[1] == 0.0
     }
 
     /// Direction that image point `q` must see, as a stereographic coordinate.
@@ -79,18 +94,16 @@ impl Azimuthal {
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let [c, s, side] = self.turn;
         let turned = [(q[0] * c - q[1] * s) * side, q[0] * s + q[1] * c];
-        let about_axis = self.law.direction_of(turned);
-        let slope = self.centre.map(|c| S::constant(-c));
-        stereographic::reflect(about_axis.map(|x| -x), slope)
+        let [a, b] = self.rotation;
+        moebius([a, b], self.law.direction_of(turned))
     }
 
     /// The image point that must see `sigma`.
     #[inline]
     pub fn image_of<S: Scalar>(&self, sigma: [S; 2]) -> [S; 2] {
         let [c, s, side] = self.turn;
-        let slope = self.centre.map(|c| S::constant(-c));
-        let about_axis = stereographic::reflect(sigma, slope).map(|x| -x);
-        let [x, y] = self.law.image_of(about_axis);
+        let [a, b] = self.rotation;
+        let [x, y] = self.law.image_of(moebius([conjugate(a), -b], sigma));
         let x = x * side;
         [x * c + y * s, y * c - x * s]
     }
@@ -104,22 +117,32 @@ impl Azimuthal {
     }
 }
 
-/// Sine and cosine of an angle in degrees, exact at quarter turns: symmetric views stay so to the last bit.
-fn sine_and_cosine(angle_deg: f64) -> [f64; 2] {
-    match angle_deg.rem_euclid(360.0) {
-        0.0 => [0.0, 1.0],
-        90.0 => [1.0, 0.0],
-        180.0 => [0.0, -1.0],
-        270.0 => [-1.0, 0.0],
-        angle => [sin(radians(angle)), cos(radians(angle))],
-    }
+fn conjugate(a: DVec2) -> DVec2 {
+    DVec2::new(a.x, -a.y)
+}
+
+fn complex_product(a: DVec2, b: DVec2) -> DVec2 {
+    DVec2::new(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x)
+}
+
+/// (a s + b) / (conj(a) - conj(b) s): a rotation of directions.
+#[inline]
+fn moebius<S: Scalar>([a, b]: [DVec2; 2], s: [S; 2]) -> [S; 2] {
+    let above = [s[0] * a.x - s[1] * a.y + b.x, s[0] * a.y + s[1] * a.x + b.y];
+    let below = [-(s[0] * b.x + s[1] * b.y) + a.x, s[0] * b.y - s[1] * b.x - a.y];
+    let size = below[0].square() + below[1].square();
+    [
+        (above[0] * below[0] + above[1] * below[1]) / size,
+        (above[1] * below[0] - above[0] * below[1]) / size,
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{DVec2, DVec3};
-    use crate::optics::reflect;
+    use crate::geom::DVec3;
+    use crate::num::{cos, sin};
+    use crate::optics::{Camera, CameraModel, reflect, stereographic};
     use AzimuthalLaw::{Equidistant, Equisolid, Perspective, Stereographic};
 
     fn law(law: AzimuthalLaw, half_deg: f64) -> RadialLaw {
@@ -131,7 +154,16 @@ mod tests {
             [[0.0, 90.0], [90.0, 30.0], [-37.0, 12.0], [180.0, -50.0]].into_iter().flat_map(
                 move |centre| {
                     [(0.0, true), (25.0, true), (-70.0, false)].map(|(roll, mirrored)| {
-                        (kind, Azimuthal::new(law(kind, 40.0), centre, roll, mirrored))
+                        (
+                            kind,
+                            Azimuthal::new(
+                                law(kind, 40.0),
+                                centre,
+                                roll,
+                                mirrored,
+                                &Mount::default(),
+                            ),
+                        )
                     })
                 },
             )
@@ -174,7 +206,8 @@ mod tests {
         let vergence = 1.0 / 140.0;
         let half_deg = degrees(atan(30.0 * vergence));
         for centre in [[0.0, 90.0], [90.0, 30.0], [-37.0, 12.0], [180.0, -50.0]] {
-            let view = Azimuthal::new(law(Perspective, half_deg), centre, 0.0, true);
+            let view =
+                Azimuthal::new(law(Perspective, half_deg), centre, 0.0, true, &Mount::default());
             let c = stereographic::direction(view.direction_of([0.0; 2]));
             let normal = (c + DVec3::Z).normalize();
             for q in [DVec2::ZERO, DVec2::new(30.0, 11.0), DVec2::new(-8.0, 20.0)] {
@@ -185,11 +218,31 @@ mod tests {
         }
     }
 
+    /// The same from a camera beside the part: whatever the mount, a flat part shows the middle of the view that
+    /// the fold names, and all of it where the angle of view is the camera's own.
+    #[test]
+    fn a_flat_part_shows_the_view_of_its_mount() {
+        let model =
+            CameraModel::Pinhole { pixels: [640, 480], focal_px: 900.0, distance_mm: 140.0 };
+        for (fold_deg, towards_deg) in [(60.0, 90.0), (60.0, 0.0), (-35.0, 70.0), (110.0, 200.0)] {
+            let mount = Mount { fold_deg, towards_deg, shift_mm: [0.0; 2] };
+            let camera = Camera::new(&model, &mount, 60.0);
+            let half_deg = degrees(atan(30.0 / 140.0));
+            let centre = [towards_deg, 90.0 - fold_deg];
+            let view = Azimuthal::new(law(Perspective, half_deg), centre, 0.0, true, &mount);
+            for image in [DVec2::ZERO, DVec2::new(30.0, 11.0), DVec2::new(-8.0, 20.0)] {
+                let ray = camera.ray(image, 0.0).direction;
+                let seen = stereographic::direction(view.direction_of(image.to_array()));
+                assert!((reflect(ray, DVec3::Z) - seen).length() < 1e-14, "{mount:?} {image}");
+            }
+        }
+    }
+
     #[test]
     fn a_perspective_view_keeps_lines_straight_and_an_unmirrored_one_is_its_reflection() {
         let plane = law(Perspective, 40.0);
-        let view = Azimuthal::new(plane, [90.0, 30.0], 0.0, true);
-        let other = Azimuthal::new(plane, [90.0, 30.0], 0.0, false);
+        let view = Azimuthal::new(plane, [90.0, 30.0], 0.0, true, &Mount::default());
+        let other = Azimuthal::new(plane, [90.0, 30.0], 0.0, false, &Mount::default());
         // Directions to points of a line in space.
         let on_line = |t: f64| DVec3::new(3.0, -1.0, 1.0) + DVec3::new(-0.2, 0.9, 0.4) * t;
         let image = |view: &Azimuthal, t: f64| {
@@ -212,7 +265,7 @@ mod tests {
             (90.0, 0.0, false),
             (0.0, 5.0, false),
         ] {
-            let view = Azimuthal::new(plane, [azimuth, 40.0], roll, true);
+            let view = Azimuthal::new(plane, [azimuth, 40.0], roll, true, &Mount::default());
             assert_eq!(view.is_symmetric_in_x(), symmetric, "{azimuth} {roll}");
             if symmetric {
                 let [x, y] = view.direction_of([7.0, 3.0]);

@@ -1,6 +1,7 @@
 //! Cameras: which ray each point of the picture sends out.
 
-use crate::geom::{Chart, DVec2, Ray};
+use super::{Mount, PictureMap};
+use crate::geom::{Chart, DVec2, DVec3, Ray};
 use crate::num::units::{Mm, Px};
 
 /// Camera that looks into the mirror, by its frame and its focal length in pixels.
@@ -17,7 +18,7 @@ pub enum CameraModel {
         pixels: [u32; 2],
         /// Focal length in pixels, positive.
         focal_px: f64,
-        /// Distance of the reference plane from the pinhole, mm, positive.
+        /// Distance of the reference plane from the pinhole along the optical axis, mm, positive.
         distance_mm: f64,
     },
 }
@@ -41,18 +42,21 @@ impl CameraModel {
         }
     }
 
-    /// Curvature of the wavefronts on the reference plane, 1/mm: 0 for parallel rays.
+    /// Distance of the reference plane from the entrance pupil along the optical axis, mm: infinite for parallel
+    /// rays.
     #[must_use]
-    pub fn vergence(&self) -> f64 {
+    pub fn distance_mm(&self) -> f64 {
         match *self {
-            Self::Orthographic { .. } => 0.0,
-            Self::Pinhole { distance_mm, .. } => 1.0 / distance_mm,
+            Self::Orthographic { .. } => f64::INFINITY,
+            Self::Pinhole { distance_mm, .. } => distance_mm,
         }
     }
 }
 
-/// A camera on the axis looking along -Z, orthographic (telecentric) or pinhole, its picture
-/// centred on the axis.
+/// A camera, orthographic (telecentric) or pinhole, its picture centred on its axis.
+///
+/// Image points are mm in the picture, at the scale of `pixel_mm`; chart coordinates are mm on the part's reference
+/// plane. They are one where the camera stands on the part's axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Columns and rows of the sensor.
@@ -61,6 +65,8 @@ pub struct Camera {
     pub pixel_mm: f64,
     /// Coordinates along its rays.
     pub chart: Chart,
+    /// From chart coordinates to image points.
+    pub picture: PictureMap,
 }
 
 impl Camera {
@@ -73,13 +79,19 @@ impl Camera {
 
     /// Camera of a model over a mirror `width_mm` wide, its reference plane at Z = 0.
     #[must_use]
-    pub fn new(model: &CameraModel, width_mm: f64) -> Self {
-        let chart = Chart { vergence: model.vergence(), plane_mm: 0.0 };
-        Self { pixels: model.pixels(), pixel_mm: model.pixel_mm(width_mm), chart }
+    pub fn new(model: &CameraModel, mount: &Mount, width_mm: f64) -> Self {
+        let distance_mm = model.distance_mm();
+        let [s, c] = mount.tilt();
+        let vergence = 1.0 / (distance_mm * c);
+        let shift = DVec2::from_array(mount.shift_mm) * vergence;
+        let chart = Chart { vergence, plane_mm: 0.0, lean: shift - mount.towards() * (s / c) };
+        let chart = if mount.is_on_axis() { Chart::on_axis(vergence, 0.0) } else { chart };
+        let picture = PictureMap::new(mount, distance_mm);
+        Self { pixels: model.pixels(), pixel_mm: model.pixel_mm(width_mm), chart, picture }
     }
 
-    /// The point (X, Y) mm on the reference plane under the picture point (`x`, `y`) pixels: x to
-    /// the right, y downwards, both from the upper left corner; pixel centres at halves.
+    /// The image point, mm, of the picture point (`x`, `y`) pixels: x to the right, y downwards, both from the
+    /// upper left corner; pixel centres at halves.
     #[inline]
     #[must_use]
     pub fn image_point(&self, x: f64, y: f64) -> DVec2 {
@@ -87,13 +99,13 @@ impl Camera {
         DVec2::new(x - 0.5 * width, 0.5 * height - y) * self.pixel_mm
     }
 
-    /// A length in the image as one on the reference plane.
+    /// A length in the image in mm.
     #[must_use]
     pub fn to_mm(&self, px: Px) -> Mm {
         Mm(px.0 * self.pixel_mm)
     }
 
-    /// A length on the reference plane as one in the image.
+    /// A length in mm of the image in pixels.
     #[must_use]
     pub fn to_px(&self, mm: Mm) -> Px {
         Px(mm.0 / self.pixel_mm)
@@ -102,8 +114,40 @@ impl Camera {
     /// The ray through an image point, from the pinhole or from height `top_mm`.
     #[inline]
     #[must_use]
-    pub fn ray(&self, q: DVec2, top_mm: f64) -> Ray {
-        self.chart.ray(q, top_mm)
+    pub fn ray(&self, image: DVec2, top_mm: f64) -> Ray {
+        self.chart.ray(self.picture.chart_point(image), top_mm)
+    }
+
+    /// The image point at which the camera sees a point of space.
+    #[inline]
+    #[must_use]
+    pub fn image_at(&self, at: DVec3) -> DVec2 {
+        self.picture.image_point(self.chart.coordinates(at).0)
+    }
+
+    /// Unit vector along the camera's axis, towards the camera.
+    #[must_use]
+    pub fn axis(&self) -> DVec3 {
+        let [right, up] = self.picture.axes();
+        right.cross(up)
+    }
+
+    /// Inverse of the distance of the reference plane along the camera's axis, 1/mm; 0 for parallel rays.
+    #[must_use]
+    pub fn vergence(&self) -> f64 {
+        self.chart.vergence * self.axis().z
+    }
+
+    /// Whether the frame has an image point, its edge included.
+    #[must_use]
+    pub fn frames(&self, image: DVec2) -> bool {
+        image.abs().cmple(self.half_frame()).all()
+    }
+
+    /// Half the frame's width and height, mm of the image.
+    #[must_use]
+    pub fn half_frame(&self) -> DVec2 {
+        0.5 * self.pixel_mm * DVec2::from_array(self.pixels.map(f64::from))
     }
 }
 
@@ -113,8 +157,9 @@ mod tests {
 
     #[test]
     fn pixels_are_square_centred_and_run_right_and_down() {
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-        let camera = Camera { pixels: [4, 2], pixel_mm: 0.5, chart };
+        let chart = Chart::on_axis(0.0, 0.0);
+        let camera =
+            Camera { pixels: [4, 2], pixel_mm: 0.5, chart, picture: PictureMap::default() };
         assert_eq!(camera.image_point(0.5, 0.5), DVec2::new(-0.75, 0.25));
         assert_eq!(camera.image_point(3.5, 1.5), DVec2::new(0.75, -0.25));
         assert_eq!(camera.image_point(2.0, 1.0), DVec2::ZERO);

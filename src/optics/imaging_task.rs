@@ -1,12 +1,12 @@
 //! Imaging tasks: the direction that each image point must see from the mirror, and the image point where that
 //! belongs which a mirror shows.
 //!
-//! Image points are (X, Y) mm on the camera's reference plane; directions are stereographic
-//! coordinates ([`stereographic`]) of the part frame (X to the right of the picture, Y up in it, Z along
+//! Image points are mm in the picture, and chart coordinates mm on the camera's reference plane
+//! ([`PictureMap`] joins both); directions are stereographic coordinates ([`stereographic`]) of the part frame (X to the right of the picture, Y up in it, Z along
 //! the axis towards the camera).
 
 use super::slope_field::SlopeField;
-use super::{Projection, Target, stereographic};
+use super::{PictureMap, Projection, Target, stereographic};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::{Dual, Interval, Jet2, Scalar};
 
@@ -55,21 +55,42 @@ pub struct ImagingTask {
     pub origin_mm: f64,
     /// Fold of the image, if there is one.
     pub fold: Option<Fold>,
+    /// From the chart coordinates of the camera to its image points.
+    pub picture: PictureMap,
 }
 
 impl ImagingTask {
-    /// The direction that image point `q` of the designed panel must see from the mirror point
+    /// The direction that must be seen at the chart coordinates `q` of the designed panel from the mirror point
     /// `at`, as a stereographic coordinate.
     #[inline]
     pub fn direction_at<S: Scalar>(&self, q: [S; 2], at: [S; 3]) -> [S; 2] {
-        self.target.direction_at(self.relative(at), self.projection.direction_of(q))
+        self.target.direction_at(self.relative(at), self.wanted_at(q))
     }
 
-    /// The field s(q, f) that the chart slope of an exact mirror equals (docs/theory.md, T12). For
-    /// targets at infinity it does not depend on f.
+    /// The direction from the target's origin that must be seen at the chart coordinates `q`.
+    #[inline]
+    fn wanted_at<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        self.projection.direction_of(self.picture.image_of(q))
+    }
+
+    /// Whether the picture ends with the frame: a view has no other end.
+    #[must_use]
+    pub fn is_framed(&self) -> bool {
+        matches!(self.projection, Projection::Azimuthal(_))
+    }
+
+    /// The image point at which the camera of `chart` sees a point of space.
+    #[inline]
+    #[must_use]
+    pub fn image_at(&self, chart: &Chart, at: DVec3) -> DVec2 {
+        self.picture.image_point(chart.coordinates(at).0)
+    }
+
+    /// The field s(q, f) over chart coordinates that the chart slope of an exact mirror equals (docs/theory.md,
+    /// T12). For targets at infinity it does not depend on f.
     #[inline]
     pub fn field<S: Scalar>(&self, chart: &Chart, q: [S; 2], f: S) -> [S; 2] {
-        self.slope_field(chart).slope_for(q, f, self.projection.direction_of(q))
+        self.slope_field(chart).slope_for(q, f, self.wanted_at(q))
     }
 
     /// The image point of the designed panel where that belongs which the camera of `chart` sees in
@@ -103,7 +124,7 @@ impl ImagingTask {
         self.projection.image_of(seen, near)
     }
 
-    /// W . curl W / |W|^2 at height `f` over image point `q`, 1/mm: zero everywhere exactly when an
+    /// W . curl W / |W|^2 at height `f` over chart coordinates `q`, 1/mm: zero everywhere exactly when an
     /// exact mirror exists (paper, section 3.2), and the same for every length of W.
     #[must_use]
     pub fn curl(&self, chart: &Chart, q: DVec2, f: f64) -> f64 {
@@ -258,21 +279,39 @@ mod tests {
                 StripLaw::EqualArea,
             ] {
                 let fold = Some(Fold::Above);
-                views.push(ImagingTask { projection: strip(law), target, origin_mm: 8.0, fold });
+                views.push(ImagingTask {
+                    projection: strip(law),
+                    target,
+                    origin_mm: 8.0,
+                    fold,
+                    picture: PictureMap::default(),
+                });
             }
-            views.push(ImagingTask { projection: ring(), target, origin_mm: 8.0, fold: None });
+            views.push(ImagingTask {
+                projection: ring(),
+                target,
+                origin_mm: 8.0,
+                fold: None,
+                picture: PictureMap::default(),
+            });
         }
         let target = Target::Plane { height_mm: -300.0 };
         let rims =
             RimConditions { radius: [6.0, 31.0], psi: [110.0, 140.0].map(radians), vergence: 0.0 };
         let projection =
             Projection::Radial { law: rims.law(RadialLawKind::Cylinder), radius: rims.radius };
-        views.push(ImagingTask { projection, target, origin_mm: 8.0, fold: None });
+        views.push(ImagingTask {
+            projection,
+            target,
+            origin_mm: 8.0,
+            fold: None,
+            picture: PictureMap::default(),
+        });
         views
     }
 
     fn charts() -> [Chart; 2] {
-        [0.0, 0.004].map(|vergence| Chart { vergence, plane_mm: 10.0 })
+        [0.0, 0.004].map(|vergence| Chart::on_axis(vergence, 10.0))
     }
 
     fn points() -> impl Iterator<Item = DVec2> {
@@ -326,9 +365,14 @@ mod tests {
 
     #[test]
     fn curl_vanishes_where_a_mirror_exists() {
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
-        let exact =
-            |projection, target| ImagingTask { projection, target, origin_mm: 3.0, fold: None };
+        let chart = Chart::on_axis(0.0, 0.0);
+        let exact = |projection, target| ImagingTask {
+            projection,
+            target,
+            origin_mm: 3.0,
+            fold: None,
+            picture: PictureMap::default(),
+        };
         let cylinder = Target::Cylinder { radius_mm: 70.0 };
         for q in points() {
             let mercator = exact(strip(StripLaw::Mercator), Target::Infinity);
@@ -346,7 +390,7 @@ mod tests {
     /// Under parallel rays and far away, with azimuth a and elevation e, it is sin a (e' - cos e) / 2.
     #[test]
     fn bounds_of_the_curl_hold_its_closed_form_and_are_near_it() {
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let chart = Chart::on_axis(0.0, 0.0);
         for scale_mm in [1e-4, 0.3, 19.0, 1e6] {
             for law in [
                 StripLaw::Cylindrical,
@@ -361,6 +405,7 @@ mod tests {
                     target: Target::Infinity,
                     origin_mm: 0.0,
                     fold: None,
+                    picture: PictureMap::default(),
                 };
                 for k in 0..400 {
                     let (x, z) = (f64::from(k % 20) * 0.3 - 3.0, f64::from(k / 20) * 0.05 - 0.5);
@@ -393,7 +438,13 @@ mod tests {
             for chart in charts() {
                 for q in points() {
                     let mut of = |projection| {
-                        let view = ImagingTask { projection, target, origin_mm: 3.0, fold: None };
+                        let view = ImagingTask {
+                            projection,
+                            target,
+                            origin_mm: 3.0,
+                            fold: None,
+                            picture: PictureMap::default(),
+                        };
                         let CurlBounds { range, condition } = view.curl_bounds(&chart, q, 1.0);
                         let ulps = range.width() / (f64::EPSILON * condition);
                         most = most.max(ulps);

@@ -28,7 +28,7 @@ impl SlopeField<'_> {
                 target.direction_at([x, y, z - self.origin_mm], wanted)
             }
         };
-        let camera = stereographic::towards_camera(q.map(|x| x * self.chart.vergence));
+        let camera = stereographic::towards_camera(self.chart.tangent(q));
         self.chart.chart_slope(q, stereographic::slope_between(camera, seen))
     }
 
@@ -47,9 +47,8 @@ impl SlopeField<'_> {
     /// Denominator of the curl, by which a twist of the field is divided.
     #[inline]
     pub fn curl_denominator<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2]) -> S {
-        let k = self.chart.vergence;
-        let lean = (s[0] * q[0] + s[1] * q[1]) * -k + 1.0;
-        let size = s[0].square() + s[1].square() + lean.square();
-        (f * -k).exp() * size
+        let upwards = self.chart.normal_scale(q, s);
+        let size = s[0].square() + s[1].square() + upwards.square();
+        (f * -self.chart.vergence).exp() * size
     }
 }

@@ -33,7 +33,7 @@ pub use sharpness::{ApertureSharpness, Sharpness};
 use crate::geom::{Chart, DVec2};
 use crate::mirror::LocalSurface;
 use crate::num::{Dual, Scalar};
-use crate::optics::{ImagingTask, Target, stereographic};
+use crate::optics::{Camera, ImagingTask, Target, stereographic};
 use glam::DMat2;
 
 /// The first derivatives of what a pixel sees, on its image point and on the pupil.
@@ -53,18 +53,17 @@ impl Pencil {
     /// plane one under parallel rays, or shows nothing.
     #[must_use]
     pub fn new(
-        camera: &Chart,
+        camera: &Camera,
         view: Option<&ImagingTask>,
         image: DVec2,
         quadric: &LocalSurface,
     ) -> Option<Self> {
-        let k = camera.vergence;
-        let parallel = k == 0.0;
-        let top = if parallel { camera.plane_mm } else { camera.plane_mm + 1.0 / k };
-        let from = if parallel { image } else { DVec2::ZERO };
-        let from = [0, 1].map(|axis| Dual::<4>::variable(from[axis], axis));
-        let tangent = [0, 1].map(|axis| Dual::variable(k * image[axis], 2 + axis));
-        let (at, slope) = quadric.meet(from, top, tangent);
+        let parallel = camera.chart.vergence == 0.0;
+        let Bundle { from, top_mm, tangent } = match camera.picture.is_identity() {
+            true => Bundle::on_axis(&camera.chart, image),
+            false => Bundle::oblique(camera, image),
+        };
+        let (at, slope) = quadric.meet(from, top_mm, tangent);
         let direction = stereographic::reflect(stereographic::towards_camera(tangent), slope);
         let seen = match view {
             Some(ImagingTask { target, origin_mm, .. }) if *target != Target::Infinity => {
@@ -77,8 +76,10 @@ impl Pencil {
             DMat2::from_cols(column(first), column(first + 1))
         };
         let (along_place, along_tangent) = (along(0), along(2));
-        let (turn, spread) =
-            if parallel { (along_place, along_tangent) } else { (along_tangent * k, along_place) };
+        let (turn, spread) = match parallel {
+            true => (along_place, along_tangent),
+            false => (along_tangent * camera.vergence(), along_place),
+        };
         let seen = DVec2::new(seen[0].mid(), seen[1].mid());
         let focus = turn.inverse() * spread;
         (seen.is_finite() && turn.is_finite() && focus.is_finite()).then_some(Self {
@@ -97,12 +98,60 @@ impl Pencil {
     }
 }
 
+/// The rays through an image point and the points of the aperture, as lines that leave (X, Y) = `from` at the height
+/// `top_mm` and move by `tangent` for every mm that they fall. The first two variables are the place, the others
+/// the tangent of the ray's angle to the camera's axis: the aperture's points are places for a pinhole camera and
+/// angles for a telecentric one, the image's the others.
+struct Bundle {
+    from: [Dual<4>; 2],
+    top_mm: f64,
+    tangent: [Dual<4>; 2],
+}
+
+impl Bundle {
+    /// That of a camera on the part's axis.
+    fn on_axis(chart: &Chart, image: DVec2) -> Self {
+        let k = chart.vergence;
+        let parallel = k == 0.0;
+        let top_mm = if parallel { chart.plane_mm } else { chart.plane_mm + 1.0 / k };
+        let from = if parallel { image } else { DVec2::ZERO };
+        let from = [0, 1].map(|axis| Dual::variable(from[axis], axis));
+        let tangent = [0, 1].map(|axis| Dual::variable(k * image[axis], 2 + axis));
+        Self { from, top_mm, tangent }
+    }
+
+    /// That of a camera beside it: places lie in the plane across its axis through the pupil, or for parallel rays
+    /// through the axis' foot on the reference plane.
+    fn oblique(camera: &Camera, image: DVec2) -> Self {
+        let ([right, up], axis) = (camera.picture.axes(), camera.axis());
+        let foot = camera.picture.foot().extend(camera.chart.plane_mm);
+        let (origin, place, k) = match camera.chart.pupil() {
+            Some(pupil) => (pupil, DVec2::ZERO, camera.vergence()),
+            None => (foot, image, 0.0),
+        };
+        let [x, y]: [Dual<4>; 2] = [0, 1].map(|axis| Dual::variable(place[axis], axis));
+        let [u, v]: [Dual<4>; 2] = [0, 1].map(|axis| Dual::variable(k * image[axis], 2 + axis));
+        let at: [Dual<4>; 3] = [0, 1, 2].map(|i| x * right[i] + y * up[i] + origin[i]);
+        let along: [Dual<4>; 3] = [0, 1, 2].map(|i| u * right[i] + v * up[i] - axis[i]);
+        let tangent = [0, 1].map(|i| -along[i] / along[2]);
+        let above = at[2] - origin.z;
+        let from = [0, 1].map(|i| at[i] + tangent[i] * above);
+        Self { from, top_mm: origin.z, tangent }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::DVec3;
     use crate::mirror::Hessian;
     use crate::num::{cos, sin};
+    use crate::optics::PictureMap;
+
+    fn on_axis(vergence: f64, plane_mm: f64) -> Camera {
+        let chart = Chart::on_axis(vergence, plane_mm);
+        Camera { pixels: [1; 2], pixel_mm: 1.0, chart, picture: PictureMap::default() }
+    }
 
     /// A bulging sphere of radius `r` about the origin, at `at` on it.
     fn sphere(r: f64, at: DVec2) -> LocalSurface {
@@ -120,7 +169,7 @@ mod tests {
             for turn in [0.0, 0.7, 2.0] {
                 let at = DVec2::new(cos(turn), sin(turn)) * (r * sin(incidence));
                 let sphere = sphere(r, at);
-                let camera = Chart { vergence: 0.0, plane_mm: 30.0 };
+                let camera = on_axis(0.0, 30.0);
                 let blur_ellipse =
                     BlurEllipse::new(&Pencil::new(&camera, None, at, &sphere).unwrap());
                 let [near, far] = blur_ellipse.foci().map(|phi| sphere.at.z - (30.0 - phi));
@@ -137,7 +186,7 @@ mod tests {
         // On the axis 1 / (distance behind) = 2 / R for a far world; at incidence i with the
         // pinhole off the axis of symmetry the two foci lie along the chief ray.
         let (r, height) = (25.0, 90.0);
-        let camera = Chart { vergence: 1.0 / height, plane_mm: 0.0 };
+        let camera = on_axis(1.0 / height, 0.0);
         for x in [0.0, 6.0, 15.0] {
             let sphere = sphere(r, DVec2::new(x, 0.0));
             let image = DVec2::new(x, 0.0) * (height / (height - sphere.at.z));
@@ -157,7 +206,7 @@ mod tests {
         // Under parallel rays a sphere's world area is R^2 / 4 for each unit of solid angle.
         for x in [0.0, 3.0, 11.0, 20.0] {
             let at = DVec2::new(0.6, -0.8) * x;
-            let camera = Chart { vergence: 0.0, plane_mm: 0.0 };
+            let camera = on_axis(0.0, 0.0);
             let pencil = Pencil::new(&camera, None, at, &sphere(25.0, at)).unwrap();
             assert!((pencil.solid_angle() * 25.0 * 25.0 / 4.0 - 1.0).abs() < 1e-13);
         }
@@ -167,10 +216,10 @@ mod tests {
     fn a_plane_mirror_under_parallel_rays_has_no_pencil() {
         let bend = Hessian { xx: 0.0, xy: 0.0, yy: 0.0 };
         let plane = LocalSurface { at: DVec3::ZERO, slope: DVec2::new(0.2, 0.1), hessian: bend };
-        let camera = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let camera = on_axis(0.0, 0.0);
         assert_eq!(Pencil::new(&camera, None, DVec2::ZERO, &plane), None);
         // Under a pinhole it only moves the world.
-        let camera = Chart { vergence: 0.01, plane_mm: 0.0 };
+        let camera = on_axis(0.01, 0.0);
         let pencil = Pencil::new(&camera, None, DVec2::ZERO, &plane).unwrap();
         assert!(BlurEllipse::new(&pencil).foci().iter().all(|phi| phi.abs() < 1e-15));
     }

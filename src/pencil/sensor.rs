@@ -34,11 +34,12 @@ fn pencil(
     [column, row]: [u32; 2],
 ) -> Option<Pencil> {
     let image = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
-    let place: DVec2 = mirror.intersect_camera_ray(&camera.chart, image)?;
+    let place: DVec2 =
+        mirror.intersect_camera_ray(&camera.chart, camera.picture.chart_point(image))?;
     if !mirror.full_outline().aims(place) {
         return None;
     }
-    Pencil::new(&camera.chart, view, image, &mirror.local_surface(place))
+    Pencil::new(camera, view, image, &mirror.local_surface(place))
 }
 
 /// Values of `each` for the pencils of `counts` columns and rows of pixels spread evenly over the sensor, row by row;

@@ -3,7 +3,7 @@
 use super::run::{Command, Run};
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::geom::Chart;
+use crate::optics::Camera;
 use crate::pencil::{BlurEllipse, Quantiles, best_focus, map_pencils, quantiles};
 use crate::profile::Profile;
 use crate::report::Answer;
@@ -131,7 +131,7 @@ impl<'a> LensSpots<'a> {
     fn focused(&self, phi: f64) -> Option<SpotFacts> {
         let length_px = self.over(|spot| spot.length(phi))?;
         Some(SpotFacts {
-            focus: focus(&self.design.camera.chart, phi),
+            focus: focus(&self.design.camera, phi),
             length_px,
             rms_diameter_px: self.over(|spot| spot.rms_diameter(phi))?,
             largest: sharpness::aperture(self.design, self.radius / length_px.p95),
@@ -140,8 +140,8 @@ impl<'a> LensSpots<'a> {
 
     /// Where the images of the world are.
     fn images(&self) -> Option<VirtualImages> {
-        let chart = &self.design.camera.chart;
-        let z = |phi: f64| focus(chart, phi).z_mm;
+        let camera = &self.design.camera;
+        let z = |phi: f64| focus(camera, phi).z_mm;
         let astigmatism_mm = self.over(|spot| {
             // Both at infinity are at one place.
             let [a, b] = spot.foci().map(z);
@@ -151,7 +151,7 @@ impl<'a> LensSpots<'a> {
         let [a, b] = foci.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
         // A pinhole's phi falls with distance, a telecentric camera's grows.
         let range = if z(a) <= z(b) { [a, b] } else { [b, a] };
-        Some(VirtualImages { range: range.map(|phi| focus(chart, phi)), astigmatism_mm })
+        Some(VirtualImages { range: range.map(|phi| focus(camera, phi)), astigmatism_mm })
     }
 }
 
@@ -168,7 +168,7 @@ fn spots(
         reason: "no pixel has a spot: the camera is not aimed at the mirror, or that is flat",
     };
     let best = best_focus(&made.spots, sharpness::least_focus(design)).ok_or_else(none)?;
-    let phi = focus_mm.map_or(best, |mm| phi(&design.camera.chart, mm));
+    let phi = focus_mm.map_or(best, |mm| phi(&design.camera, mm));
     // For an aperture radius of 1.
     let unit: Vec<BlurEllipse> =
         made.spots.iter().map(|spot| spot.scaled(1.0 / lens.radius)).collect();
@@ -191,20 +191,19 @@ fn spots(
 }
 
 /// What stands for the plane in focus in [`crate::pencil`].
-fn phi(chart: &Chart, focus_mm: f64) -> f64 {
-    if chart.vergence == 0.0 {
-        chart.plane_mm - focus_mm
-    } else {
-        1.0 / (chart.vergence * focus_mm)
+fn phi(camera: &Camera, focus_mm: f64) -> f64 {
+    match camera.vergence() {
+        0.0 => (camera.chart.plane_mm - focus_mm) / camera.axis().z,
+        k => 1.0 / (k * focus_mm),
     }
 }
 
-/// The plane in focus; beyond infinity is infinity.
-fn focus(chart: &Chart, phi: f64) -> FocusPlane {
-    let k = chart.vergence;
-    if k == 0.0 {
-        return FocusPlane { z_mm: chart.plane_mm - phi, distance_mm: None };
-    }
-    let distance = if phi > 0.0 { 1.0 / (k * phi) } else { f64::INFINITY };
-    FocusPlane { z_mm: chart.plane_mm + 1.0 / k - distance, distance_mm: Some(distance) }
+/// The plane in focus, where the camera's axis meets it; beyond infinity is infinity.
+fn focus(camera: &Camera, phi: f64) -> FocusPlane {
+    let (chart, along) = (&camera.chart, camera.axis().z);
+    let Some(pupil) = chart.pupil() else {
+        return FocusPlane { z_mm: chart.plane_mm - phi * along, distance_mm: None };
+    };
+    let distance = if phi > 0.0 { 1.0 / (camera.vergence() * phi) } else { f64::INFINITY };
+    FocusPlane { z_mm: pupil.z - distance * along, distance_mm: Some(distance) }
 }

@@ -23,7 +23,7 @@ mod values;
 mod words;
 
 use crate::geom::ScanPattern;
-use crate::optics::CameraModel;
+use crate::optics::{CameraModel, Mount};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +57,8 @@ pub struct Profile {
     /// The camera that looks into the mirror: each side of its frame has 1 to 32767 pixels; a pinhole's
     /// distance is that to the mirror's mean height, for a disc or an annulus to its outer rim.
     pub camera: CameraModel,
+    /// Where it stands over the part: on the axis but for a rectangle.
+    pub mount: Mount,
     /// Its lens.
     pub lens: LensSpec,
     /// Part of the world that the picture must show, and its layout in the picture. A designed mirror
@@ -144,8 +146,9 @@ pub enum Layout {
     },
     /// A rectangle about the axis: a perspective or fisheye view, or a given mirror without a projection.
     Rectangle {
-        /// Height of the mirror across the part's width, in millimetres.
-        height_mm: f64,
+        /// Height of the mirror across the part's width, in millimetres: without one the mirror has the shape in
+        /// which the frame sees the part. A given mirror without a projection has one.
+        height_mm: Option<f64>,
     },
 }
 

@@ -83,10 +83,10 @@ pub struct RadialSpec {
 pub struct AzimuthalSpec {
     /// Relation of the distance from the picture's centre and the angle from the centre direction.
     pub law: AzimuthalLaw,
-    /// Azimuth and elevation of the centre in degrees: within ±360, and above -90 up to 90, which is the
-    /// direction back to the camera.
-    pub centre_deg: [f64; 2],
-    /// Angle of view in degrees across the part's width, positive: less than 180 of a perspective view, than 360
+    /// Azimuth and elevation of the centre about the camera's axis in degrees: within ±360, and from -89 to 90, which
+    /// is the direction back to the camera. Without them it is what a flat part would show.
+    pub centre_deg: Option<[f64; 2]>,
+    /// Angle of view in degrees across the frame's width, positive: less than 180 of a perspective view, than 360
     /// of another.
     pub hfov_deg: f64,
     /// Turn of the world in the picture in degrees, clockwise, within ±360.

@@ -34,8 +34,11 @@ const RARE: &[&str] = &[
     "target_plane_mm",
     "inner_polar_deg",
     "minimax",
+    "mount",
+    "centre_deg",
     "roll_deg",
     "mirrored",
+    "shift_mm",
     "height_mm",
     "max_triangles",
     "border_mm",
@@ -53,6 +56,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
         &[
             "summary",
             "camera",
+            "mount",
             "projection",
             "layout",
             "method",
@@ -80,6 +84,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "wavelength_nm",
         ],
     ),
+    ("mount", &["fold_deg", "towards_deg", "shift_mm"]),
     (
         "projection",
         &[

@@ -350,8 +350,10 @@ const ROWS: usize = 128;
 pub(crate) fn reflected(design: &Design, points: &[DVec2]) -> Vec<Option<Ray>> {
     let Design { mirror, camera, .. } = design;
     let outline = mirror.full_outline();
-    let under =
-        |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q).unwrap_or(DVec2::INFINITY);
+    let under = |&q: &DVec2| {
+        let on_chart = camera.picture.chart_point(q);
+        mirror.intersect_camera_ray(&camera.chart, on_chart).unwrap_or(DVec2::INFINITY)
+    };
     let places: Vec<DVec2> = points.iter().map(under).collect();
     let leave = |((&q, place), point): ((&DVec2, &DVec2), HeightAndSlope)| {
         outline.contains(*place).then(|| {

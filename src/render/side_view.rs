@@ -3,7 +3,7 @@
 use super::camera_view::reflected;
 use super::section::{AxialPlane, PartSection};
 use crate::design::Design;
-use crate::geom::{DVec2, Ray, TriMesh};
+use crate::geom::{DVec2, DVec3, Ray, TriMesh};
 use crate::num::{asin, degrees};
 
 /// A camera ray and its reflection, in the plane of a side view.
@@ -28,8 +28,8 @@ pub struct SideView {
     pub section: PartSection,
     /// Rays of the picture's middle line along the plane.
     pub rays: Vec<ViewRay>,
-    /// Z of the lens's entrance pupil; none for a telecentric camera.
-    pub pupil_mm: Option<f64>,
+    /// The lens's entrance pupil, in the plane; none for a telecentric camera.
+    pub pupil_mm: Option<DVec2>,
     /// Z of the mirror's mean height.
     pub mean_mm: f64,
 }
@@ -57,7 +57,7 @@ impl SideView {
         Self {
             section: PartSection::new(mesh, plane),
             rays: rays(design, plane),
-            pupil_mm: design.mounting.pupil_mm.map(|[.., z]| z),
+            pupil_mm: pupil(design, plane),
             mean_mm: design.mounting.mean_mm,
         }
     }
@@ -79,6 +79,11 @@ fn seen(design: &Design, plane: AxialPlane) -> Vec<Option<(DVec2, Ray)>> {
     points.into_iter().zip(rays).map(|(q, ray)| Some((q, ray?))).collect()
 }
 
+/// The entrance pupil as the plane shows it.
+fn pupil(design: &Design, plane: AxialPlane) -> Option<DVec2> {
+    design.mounting.pupil_mm.map(|at| plane.split(DVec3::from_array(at)).0)
+}
+
 fn rays(design: &Design, plane: AxialPlane) -> Vec<ViewRay> {
     let seen = seen(design, plane);
     let mut rays = Vec::new();
@@ -89,8 +94,8 @@ fn rays(design: &Design, plane: AxialPlane) -> Vec<ViewRay> {
             let (q, ray) = stretch[k * last / (RAYS - 1)];
             let arriving = design.camera.ray(q, 0.0);
             let (at_mm, _) = plane.split(ray.origin);
-            let from_mm = match design.mounting.pupil_mm {
-                Some([.., z]) => DVec2::new(0.0, z),
+            let from_mm = match pupil(design, plane) {
+                Some(pupil) => pupil,
                 None => {
                     at_mm - plane.split(arriving.direction).0 * 1e3 * design.mounting.size_mm[2]
                 }

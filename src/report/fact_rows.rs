@@ -18,11 +18,7 @@ impl ToRows for Mounting {
         let above = self.pupil_mm.map_or(String::new(), |[.., z]| {
             format!(", {:.3} mm above the mirror's mean height", z - self.mean_mm)
         });
-        let camera = self.camera();
-        rows.add(
-            "camera",
-            format!("{camera}{above}, on the axis, looking along -Z; the picture's top is +Y"),
-        );
+        rows.add("camera", format!("{}{above}, {}", self.camera(), self.looks()));
         rows.details(|rows| rows.add("world", self.world()));
     }
 }

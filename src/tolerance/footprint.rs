@@ -1,8 +1,10 @@
 //! A pixel's footprint on the part: the mean of a texture over it displaces the pixel's content, and the
 //! deviation from the mean blurs it.
 
-use crate::geom::{Chart, DVec2, DVec3};
+use super::model::LineOfSight;
+use crate::geom::{DVec2, DVec3};
 use crate::num::{Scalar, sin};
+use crate::optics::Camera;
 
 /// A pixel's footprint on the part in X and Y, a parallelogram: its two sides, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,18 +20,26 @@ impl Footprint {
     /// A point, which sees all of a texture.
     pub(super) const POINT: Self = Self([[0.0; 2]; 2]);
 
-    /// The footprint of a pixel of side `pixel_mm` at image point `q` whose ray meets the mirror at `hit` with
-    /// the slope `p`. For a ray from the pinhole at height P along (k q, -1), X = k q (P - Z) and
-    /// dZ = p . dX give dX = k (P - Z) (I - k q p^T / (1 + k p . q)) dq; k (P - Z) is 1 for parallel
-    /// rays.
-    pub(super) fn of(chart: &Chart, pixel_mm: f64, q: DVec2, hit: DVec3, p: [f64; 2]) -> Self {
+    /// The footprint of a pixel of `camera` whose ray meets the mirror at `hit` with the slope `p`. For a ray from
+    /// the pinhole at height P along (t, -1), X = t (P - Z) + const and dZ = p . dX give
+    /// dX = k (P - Z) (I - t p^T / (1 + p . t)) dq; k (P - Z) is 1 for parallel rays.
+    pub(super) fn of(camera: &Camera, sight: &LineOfSight, hit: DVec3, p: [f64; 2]) -> Self {
+        let chart = &camera.chart;
         let k = chart.vergence;
-        let grown = pixel_mm * (1.0 + k * (chart.plane_mm - hit.z));
-        let p = DVec2::from_array(p);
-        let lean = k / (1.0 + k * p.dot(q));
-        Self(
-            [DVec2::X, DVec2::Y].map(|side| ((side - q * (lean * p.dot(side))) * grown).to_array()),
-        )
+        let grown = camera.pixel_mm * (1.0 + k * (chart.plane_mm - hit.z));
+        let (p, q) = (DVec2::from_array(p), sight.on_chart);
+        if chart.lean == DVec2::ZERO && camera.picture.is_identity() {
+            let lean = k / (1.0 + k * p.dot(q));
+            let side = |side: DVec2| ((side - q * (lean * p.dot(side))) * grown).to_array();
+            return Self([DVec2::X, DVec2::Y].map(side));
+        }
+        let tangent = chart.tangent_at(q);
+        let fall = 1.0 + p.dot(tangent);
+        let side = |side: DVec2| {
+            let side = sight.along * side;
+            ((side - tangent * (p.dot(side) / fall)) * grown).to_array()
+        };
+        Self([DVec2::X, DVec2::Y].map(side))
     }
 
     /// Its area, mm^2.

@@ -4,7 +4,8 @@ use super::footprint::Footprint;
 use super::form_field::FormField;
 use super::local_polynomial::{ExpansionSquare, Fitter, largest_difference, values};
 use super::model::{
-    BallCutter, FormBasis, OpticalSystem, PartPose, PerturbedState, PixelSample, TextureSite,
+    BallCutter, FormBasis, LineOfSight, OpticalSystem, PartPose, PerturbedState, PixelSample,
+    TextureSite,
 };
 use super::texture::TextureShape;
 use super::work_counts::{WorkCounts, WorkKind};
@@ -71,7 +72,7 @@ impl OpticalSystem {
             ball: texture.ball_radius_mm,
             way: TextureShape::way(texture.stepover_direction_deg),
         };
-        let sag = Chart { vergence: 0.0, plane_mm: mirror.chart.plane_mm };
+        let sag = Chart::on_axis(0.0, mirror.chart.plane_mm);
         let half_width = 0.5 * camera.pixel_mm * f64::from(camera.pixels[0]);
         let farthest = mirror.full_outline().bounds().size().max_element();
         let mut system = Self {
@@ -126,7 +127,7 @@ impl OpticalSystem {
         let half =
             0.5 * self.camera.pixel_mm * DVec2::from_array(self.camera.pixels.map(f64::from));
         let whole = self.mirror.full_outline();
-        let own = self.mirror.chart == self.camera.chart;
+        let own = self.mirror.chart == self.camera.chart && self.camera.picture.is_identity();
         let bounds = match whole {
             Outline::Ring { outer, .. } if own && outer <= half.min_element() => return whole,
             _ if own => whole.bounds(),
@@ -134,7 +135,7 @@ impl OpticalSystem {
                 // The rim is among the samples; between two of them it may reach a little farther.
                 let image = |q: DVec2| {
                     let at = self.mirror.position(q, &self.mirror.row(q.y).at(q.x));
-                    self.camera.chart.coordinates(at).0
+                    self.camera.image_at(at)
                 };
                 let seen = whole.samples(RIM).into_iter().flatten().map(|(q, _)| image(q));
                 let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
@@ -191,7 +192,8 @@ impl OpticalSystem {
 
     /// Chart coordinates of the mirror's point that the image point `q` sees.
     fn sees(&self, q: DVec2) -> Option<DVec2> {
-        let place = self.mirror.intersect_camera_ray(&self.camera.chart, q)?;
+        let on_chart = self.camera.picture.chart_point(q);
+        let place = self.mirror.intersect_camera_ray(&self.camera.chart, on_chart)?;
         self.mirror.full_outline().aims(place).then_some(place)
     }
 
@@ -248,12 +250,12 @@ impl OpticalSystem {
         });
         let (square, base) = fitted.unwrap_or((of(reach), None));
         let content = DVec2::ZERO;
-        let chart = &self.camera.chart;
-        let footprint = Footprint::of(chart, self.camera.pixel_mm, point, hit, slope);
+        let sight = LineOfSight::new(&self.camera, point);
+        let footprint = Footprint::of(&self.camera, &sight, hit, slope);
         let groove = self.groove(&self.panels[panel], hit);
         let (site, seen) = (TextureSite { groove, footprint }, self.seen(&footprint));
         let mut sample =
-            PixelSample { point, content, panel, hit, slope, square, site, base, seen };
+            PixelSample { point, sight, content, panel, hit, slope, square, site, base, seen };
         let perfect = PerturbedState::<f64>::perfect(self.fields.len());
         let pose = PartPose::new(&perfect.misalignment);
         let mut work = WorkCounts::default();

@@ -54,8 +54,8 @@ impl CameraRays {
     #[inline]
     pub(super) fn point(&self, column: usize, row: usize, t: f64) -> DVec3 {
         let Ray { origin, direction } = self.at(column, row);
-        // (Nothing is left of the product of parallel rays.)
-        if self.camera.chart.vergence == 0.0 {
+        // (Nothing is left of the product of vertical rays.)
+        if self.camera.chart.is_plan() && self.camera.picture.is_identity() {
             origin.with_z(origin.z - t)
         } else {
             origin + direction * t

@@ -224,11 +224,7 @@ impl<'a> CameraTrace<'a> {
     /// Whether the camera's rays start outside the mesh.
     fn starts_outside(&self) -> bool {
         let chart = &self.rays.camera.chart;
-        let start = if chart.vergence == 0.0 {
-            self.rays.top_mm
-        } else {
-            chart.ray(Default::default(), 0.0).origin.z
-        };
+        let start = chart.pupil().map_or(self.rays.top_mm, |pupil| pupil.z);
         self.scene.bounds().is_some_and(|(_, hi)| start > hi.z)
     }
 }

@@ -155,8 +155,7 @@ impl<'a> Rasterizer<'a> {
         let (lo, hi) = scene.bounds()?;
         let CameraRays { camera, top_mm, .. } = *rays;
         let chart = camera.chart;
-        let start =
-            if chart.vergence == 0.0 { top_mm } else { chart.plane_mm + 1.0 / chart.vergence };
+        let start = chart.pupil().map_or(top_mm, |pupil| pupil.z);
         let view_scale = chart.view_scale(hi.z);
         let extent = lo.abs().max(hi.abs()).max_element().max(start.abs());
         let margin = MARGIN + 64.0 * f64::EPSILON * extent / camera.pixel_mm;
@@ -191,8 +190,8 @@ impl<'a> Rasterizer<'a> {
         let chunks: Vec<_> = self.mesh.triangles.chunks(CHUNK).enumerate().collect();
         let hits = |buffers: &mut Buffers, &(number, chunk): &(usize, &[[u32; 3]])| {
             let first = (number * CHUNK) as u32;
-            // Nothing is left of the shear of parallel rays.
-            if camera.chart.vergence == 0.0 {
+            // Nothing is left of the shear of vertical rays.
+            if camera.chart.is_plan() && camera.picture.is_identity() {
                 let ray = |x, y| VerticalRay { origin: DVec3::new(x, y, top_mm) };
                 self.chunk(buffers, first, chunk, ray)
             } else {
@@ -216,9 +215,14 @@ impl<'a> Rasterizer<'a> {
     /// Position of a point in the picture, pixels from the upper left corner.
     #[inline]
     fn position(&self, v: DVec3) -> DVec2 {
-        let Camera { pixels: [columns, rows], chart, .. } = self.rays.camera;
-        let scale = self.per_mm / chart.view_scale(v.z);
-        DVec2::new(0.5 * f64::from(columns) + v.x * scale, 0.5 * f64::from(rows) - v.y * scale)
+        let Camera { pixels: [columns, rows], chart, picture, .. } = &self.rays.camera;
+        let [width, height] = [columns, rows].map(|&n| f64::from(n));
+        if picture.is_identity() && chart.lean == DVec2::ZERO {
+            let scale = self.per_mm / chart.view_scale(v.z);
+            return DVec2::new(0.5 * width + v.x * scale, 0.5 * height - v.y * scale);
+        }
+        let image = self.rays.camera.image_at(v) * self.per_mm;
+        DVec2::new(0.5 * width + image.x, 0.5 * height - image.y)
     }
 
     /// First of `count` pixels in a line whose centre lies between `lo` and `hi`, and the one after

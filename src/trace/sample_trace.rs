@@ -120,8 +120,13 @@ mod tests {
     fn samples_that_are_wanted_meet_what_a_search_finds() {
         let scene = Scene::new(bumps());
         for (vergence, side) in [(0.0, 2), (0.0, 3), (0.02, 2)] {
-            let chart = Chart { vergence, plane_mm: 0.0 };
-            let camera = Camera { pixels: [50, 80], pixel_mm: 0.7, chart };
+            let chart = Chart::on_axis(vergence, 0.0);
+            let camera = Camera {
+                pixels: [50, 80],
+                pixel_mm: 0.7,
+                chart,
+                picture: crate::optics::PictureMap::default(),
+            };
             let rays = SampleRays::new(&camera, scene.above_mm(), side);
             let (rows, side) = (32..77, side as usize);
             let pixels: Vec<bool> = (0..50 * rows.len()).map(|k| k * 7 % 5 < 2).collect();

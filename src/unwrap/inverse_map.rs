@@ -46,7 +46,7 @@ pub struct InverseSearch<'a> {
 /// Solution of the last search, from which the next one starts.
 #[derive(Debug, Clone, Copy)]
 struct LastSolution {
-    /// From the intended place to the place on the mirror.
+    /// From the chart coordinates of the intended image point to the place on the mirror.
     offset: DVec2,
     /// Derivatives of the place on the mirror by the intended one.
     follows: DMat2,
@@ -96,7 +96,8 @@ impl<'a> InverseMap<'a> {
 
     /// The place of the designed panel (or near it) whose content belongs to `intended`.
     fn solve(&self, intended: DVec2, known: &mut Option<LastSolution>) -> Option<DVec2> {
-        let mut at = intended + known.map_or(DVec2::ZERO, |known| known.offset);
+        let start = self.optics.camera.picture.chart_point(intended);
+        let mut at = start + known.map_or(DVec2::ZERO, |known| known.offset);
         let mut borrowed = known.take().map(|known| known.follows);
         for step in 0..MOST_STEPS {
             let fresh = borrowed.filter(|_| step < BORROWED);
@@ -109,7 +110,7 @@ impl<'a> InverseMap<'a> {
                 return None;
             }
             if step.length() <= self.close_mm {
-                *known = Some(LastSolution { offset: at - intended, follows });
+                *known = Some(LastSolution { offset: at - start, follows });
                 return Some(at);
             }
         }
@@ -138,13 +139,13 @@ impl InverseSearch<'_> {
             let turns = if turn > 0.0 { &[0.0, -turn, turn][..] } else { &[0.0] };
             for shift in turns {
                 let intended = place + DVec2::new(*shift, 0.0);
-                if !self.map.reach.contains(intended) {
+                if !self.map.reach.contains(camera.picture.chart_point(intended)) {
                     continue;
                 }
                 let found = self.map.solve(intended, &mut self.known[panel]);
                 let Some(at) = found.filter(|at| mirror.outline.contains(*at)) else { continue };
                 let on = mirror.position(at, &mirror.surface.at(at));
-                let image = camera.chart.coordinates(on).0 * flip;
+                let image = camera.image_at(on) * flip;
                 let pixel = self.map.optics.pixel(image);
                 let seen = |k: usize| (0.0..=f64::from(camera.pixels[k])).contains(&pixel[k]);
                 if seen(0) && seen(1) {

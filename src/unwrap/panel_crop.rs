@@ -35,7 +35,7 @@ pub(super) fn panel_crops(
     let Outline::Rect(panel) = mirror.outline else { return Err(UnwrapError::NotStrip) };
     let corner = |q: DVec2| {
         let at = mirror.position(q, &mirror.surface.at(q));
-        let pixel = optics.pixel(optics.camera.chart.coordinates(at).0);
+        let pixel = optics.pixel(optics.camera.image_at(at));
         [pixel[0] * scale[0], pixel[1] * scale[1]]
     };
     let ([left, lower], [right, upper]) = (corner(panel.min), corner(panel.max));

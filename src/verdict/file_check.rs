@@ -188,7 +188,9 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
         let image_point =
             |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let points: Vec<DVec2> = (0..columns).map(image_point).collect();
-        let under = |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q);
+        let under = |&point: &DVec2| {
+            mirror.intersect_camera_ray(&camera.chart, camera.picture.chart_point(point))
+        };
         let places: Vec<DVec2> =
             points.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
         let designed = mirror.eval_many(&places);

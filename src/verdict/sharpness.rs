@@ -84,8 +84,8 @@ pub(crate) fn of(
     [best, asked]: [f64; 2],
     given: Option<Aperture>,
 ) -> Option<SharpnessFacts> {
-    let chart = &design.camera.chart;
-    let cone = if chart.vergence == 0.0 { 1.0 } else { chart.vergence };
+    let vergence = design.camera.vergence();
+    let cone = if vergence == 0.0 { 1.0 } else { vergence };
     let wavelength_nm = profile.lens.wavelength_nm;
     let wavelength_px = 1e-6 * wavelength_nm / design.camera.pixel_mm;
     let at = |phi: f64| pencil::Sharpness::new(spots, phi, wavelength_px, cone);

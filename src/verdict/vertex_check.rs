@@ -4,7 +4,7 @@
 use crate::design::Design;
 use crate::geom::{Border, DVec2, DVec3, Outline};
 use crate::mirror::Mirror;
-use crate::num::{cos, sin};
+use crate::num::{atan2, cos, sin};
 use crate::parallel;
 use std::f64::consts::TAU;
 
@@ -63,6 +63,27 @@ fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
     mirror.position(q, &mirror.row(q.y).at(q.x))
 }
 
+/// The point of the mirror's edge that lies in the direction of `across` from the part's axis.
+fn edge_towards(mirror: &Mirror, outline: &Outline, across: DVec2) -> DVec3 {
+    /// More turns than the edge needs: each leaves a small share of the angle that is left.
+    const MOST_TURNS: usize = 50;
+    let edge = |way: DVec2| rim(mirror, way, outline.reach(way));
+    let mut way = across.normalize_or_zero();
+    if mirror.chart.lean == DVec2::ZERO {
+        return edge(way);
+    }
+    // The camera beside the axis sees directions turned.
+    for _ in 0..MOST_TURNS {
+        let found = edge(way).truncate();
+        let left = atan2(found.perp_dot(across), found.dot(across));
+        if !(left.abs() > f64::EPSILON) {
+            break;
+        }
+        way = DVec2::new(cos(left), sin(left)).rotate(way);
+    }
+    edge(way)
+}
+
 /// Distance of the vertex `v`, which is at `q` in the chart, from the part's surface, mm; `over` is the mirror's
 /// point there.
 fn distance(
@@ -93,8 +114,7 @@ fn distance(
         return on_mirror;
     }
     let across = v.truncate();
-    let reach = outline.reach(across);
-    let edge = rim(mirror, across.normalize_or_zero(), reach);
+    let edge = edge_towards(mirror, &outline, across);
     let beside = across.length() - edge.truncate().length();
     if let Some(stock) = stock {
         let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(stock.top_mm)).length();

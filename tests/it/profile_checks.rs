@@ -3,7 +3,7 @@
 use crate::support::least::{strip_of, with};
 use crate::support::shipped_text;
 use morion::internals::geom::{ScanPath, ScanPattern};
-use morion::internals::optics::{CameraModel, StripLaw, Target};
+use morion::internals::optics::{CameraModel, Mount, StripLaw, Target};
 use morion::internals::profile::{
     AcceptanceSpec, FileFormat, Layout, LensSpec, MeshFormat, MeshGoal, Method, MethodKind,
     PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StripLawSpec,
@@ -25,6 +25,7 @@ fn the_shipped_conquistador_is_the_papers() {
             sha256: profile.sha256.clone(),
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: CameraModel::Orthographic { pixels: [640, 480] },
+            mount: Mount::default(),
             lens: LensSpec { aperture: None, focal_mm: None, wavelength_nm: 550.0 },
             projection: Some(ProjectionSpec::Strip(StripSpec {
                 law: StripLawSpec::Named(StripLaw::Cylindrical),

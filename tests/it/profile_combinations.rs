@@ -187,7 +187,7 @@ fn given_mirrors() {
     let tall = ("width_mm = 60", "width_mm = 60, height_mm = 40");
     let profile = with(&[&rectangle[..], &[tall]].concat()).expect("valid");
     assert_eq!(profile.shape, polynomial);
-    assert_eq!(profile.layout, Layout::Rectangle { height_mm: 40.0 });
+    assert_eq!(profile.layout, Layout::Rectangle { height_mm: Some(40.0) });
     assert_eq!(profile.projection, None);
     assert!(with(&rectangle).is_err());
     for (layout, expected) in

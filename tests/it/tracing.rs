@@ -6,7 +6,7 @@ use crate::support::draws::Draws;
 use crate::support::parts::case;
 use crate::support::{designed, meshed, profile, shipped};
 use morion::internals::geom::{Chart, DVec3, Precision, Ray, TriMesh};
-use morion::internals::optics::Camera;
+use morion::internals::optics::{Camera, PictureMap};
 use morion::internals::profile::{MeshGoal, Profile};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{CameraTrace, Outcome, RayEnd, Scene, TraceCounts};
@@ -142,7 +142,8 @@ fn shortcuts_change_nothing_for_any_mesh_and_camera() {
             let camera = Camera {
                 pixels: [67, 45],
                 pixel_mm: [0.5, 0.37, 1.0][(seed % 3) as usize],
-                chart: Chart { vergence, plane_mm: 2.0 * random(seed) },
+                chart: Chart::on_axis(vergence, 2.0 * random(seed)),
+                picture: PictureMap::default(),
             };
             let (found, counts) = compared(&format!("heap {seed}"), &scene, &camera);
             let is = |pick: fn(&RayEnd) -> bool| found.iter().filter(|seen| pick(seen)).count();
@@ -242,8 +243,9 @@ fn nine_million_camera_rays_never_slip_between_facets() {
     const CELLS: u32 = 100;
     let cases = (0..9u64).map(|case| (case, [0.0, 0.002, 0.01][(case % 3) as usize]));
     for (case, vergence) in cases {
-        let chart = Chart { vergence, plane_mm: 5.0 };
-        let camera = Camera { pixels: [PIXELS; 2], pixel_mm: 0.1, chart };
+        let chart = Chart::on_axis(vergence, 5.0);
+        let camera =
+            Camera { pixels: [PIXELS; 2], pixel_mm: 0.1, chart, picture: PictureMap::default() };
         // Corners lie on the rays of pixels, or, under a pinhole, a few ulps beside; so do edges.
         let side = CELLS + 1;
         let corner = |k: u32| {

@@ -64,7 +64,7 @@ impl<'a> ParametricSurface<'a> {
         let axisymmetric = mirror.surface.is_axisymmetric();
         let ring = match axisymmetric {
             true => [inner, outer].map(out),
-            false if mirror.chart.vergence != 0.0 => return Err(FitError::Chart),
+            false if !mirror.chart.is_plan() => return Err(FitError::Chart),
             false => [inner, outer],
         };
         surface.ring = Some(ring);
@@ -80,7 +80,7 @@ impl<'a> ParametricSurface<'a> {
 
     /// Whether X and Y are the parameters themselves.
     pub(super) fn is_direct(&self) -> bool {
-        self.ring.is_some() || self.mirror.chart.vergence == 0.0
+        self.ring.is_some() || self.mirror.chart.is_plan()
     }
 
     /// Whether `q` belongs to the mirror.
@@ -248,7 +248,7 @@ mod tests {
     fn mirror(surface: Surface, vergence: f64, ring: [f64; 2]) -> Mirror {
         Mirror {
             surface,
-            chart: Chart { vergence, plane_mm: 20.0 },
+            chart: Chart::on_axis(vergence, 20.0),
             outline: Outline::Ring { inner: ring[0], outer: ring[1] },
             folded: false,
             mirror_symmetric: [false; 2],

@@ -25,7 +25,7 @@ pub fn plan_outlines(mirror: &Mirror) -> Vec<Vec<Polygon>> {
                 rect.max,
                 DVec2::new(rect.min.x, rect.max.y),
             ];
-            let parts = if mirror.chart.vergence == 0.0 { 1 } else { SIDE };
+            let parts = if mirror.chart.is_plan() { 1 } else { SIDE };
             let side = |k: usize| {
                 let (from, to) = (corners[k], corners[(k + 1) % 4]);
                 (0..parts).map(move |part| from.lerp(to, part as f64 / parts as f64))

@@ -1,6 +1,6 @@
 //! Interval bounds of the content of mirror and facets over a box of the chart.
 
-use crate::geom::DVec2;
+use crate::geom::{Chart, DVec2};
 use crate::num::{Interval, Jet2};
 
 /// Value, gradient and Hessian of a function over a box, each an interval.
@@ -60,21 +60,31 @@ pub(crate) struct FacetPlanes {
 }
 
 impl FacetPlanes {
-    /// The planes whose gradient of h is in `gradient`, in a chart of vergence `k`, over the box `q`.
+    /// The planes whose gradient of h is in `gradient`, in `chart`, over the box `q`.
     pub(crate) fn of_gradient(
-        k: f64,
+        chart: &Chart,
         q: [Interval; 2],
         h: Interval,
         gradient: [Interval; 2],
     ) -> Self {
         let base = h - (q[0] * gradient[0] + q[1] * gradient[1]);
-        Self { h, gradient, slope: gradient.map(|g| g / (base * k + 1.0)) }
+        let upright = base * chart.vergence + 1.0;
+        let scale = match chart.lean {
+            DVec2::ZERO => upright,
+            lean => upright + (gradient[0] * lean.x + gradient[1] * lean.y),
+        };
+        Self { h, gradient, slope: gradient.map(|g| g / scale) }
     }
 
-    /// The planes whose slope is in `slope`, in a chart of vergence `k`, over the box `q`.
-    pub(crate) fn of_slope(k: f64, q: [Interval; 2], h: Interval, slope: [Interval; 2]) -> Self {
-        let lean = (q[0] * slope[0] + q[1] * slope[1]) * k + 1.0;
-        Self { h, gradient: slope.map(|p| p * (h * k + 1.0) / lean), slope }
+    /// The planes whose slope is in `slope`, in `chart`, over the box `q`.
+    pub(crate) fn of_slope(
+        chart: &Chart,
+        q: [Interval; 2],
+        h: Interval,
+        slope: [Interval; 2],
+    ) -> Self {
+        let (fall, k) = (chart.fall(q, slope), chart.vergence);
+        Self { h, gradient: slope.map(|p| p * (h * k + 1.0) / fall), slope }
     }
 }
 

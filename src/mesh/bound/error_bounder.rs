@@ -98,7 +98,11 @@ impl<'a> ErrorBounder<'a> {
         } else {
             (chart.projective_height(point.f), point.slope * exp(chart.vergence * point.f))
         };
-        let image = if camera == chart { q } else { camera.coordinates(at).0 };
+        let image = match view {
+            Some(view) if camera == chart => view.picture.image_point(q),
+            Some(view) => view.image_at(camera, at),
+            None => q,
+        };
         let content =
             view.map_or(DVec2::ZERO, |view| self.content(view, at, mirror.slope(q, &point), image));
         let vertex = SurfaceVertex { q, at, h, rounding: 0.0, gradient, image, content };
@@ -280,7 +284,7 @@ impl<'a> ErrorBounder<'a> {
         let planes = self.planes(&frame, part, h, facets);
         let chart = self.chart();
         let middle = chart.point(0.5 * (part[0] + part[1]), (h[0] + h[1] + h[2]) / 3.0);
-        let near = self.problem.camera.coordinates(middle).0;
+        let near = view.image_at(&self.problem.camera, middle);
         let facet = second_derivatives(&self.problem.facet_content(view, part, planes, near));
         let both = std::array::from_fn(|k| facet[k] + region.mirror_second[k]);
         frame.triangle.interpolation_error(both)
@@ -294,17 +298,17 @@ impl<'a> ErrorBounder<'a> {
         h: [f64; 3],
         facets: &FacetPair,
     ) -> FacetPlanes {
-        let k = self.chart().vergence;
+        let chart = self.chart();
         let most = h.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let least = h.into_iter().fold(f64::INFINITY, f64::min);
-        let grow = 1.0 + k * most;
+        let grow = 1.0 + chart.vergence * most;
         let rounded = facets.rounded.as_ref().unwrap_or(&facets.exact);
         let slack = 4.0 * rounded.corner_offset * grow * grow;
         let h = Interval::new(least - slack, most + slack);
         let [exact, rounded] = [&facets.exact, rounded]
             .map(|facet| frame.turn.rotate(facet.slope).to_array().map(Interval::point));
         let slope = [exact[0].hull(rounded[0]), exact[1].hull(rounded[1])];
-        FacetPlanes::of_slope(k, ranges(part), h, slope)
+        FacetPlanes::of_slope(chart, ranges(part), h, slope)
     }
 
     /// The content of `facet` at its corner `i`, mm.

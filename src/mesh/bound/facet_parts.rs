@@ -117,10 +117,11 @@ impl<'a> FacetParts<'a> {
             for (facet, h) in facets.into_iter().zip(flat) {
                 let Some(facet) = facet else { continue };
                 let at = self.position(q, h);
-                let near = if is_same { q } else { camera.coordinates(at).0 };
+                let on_chart = if is_same { q } else { camera.coordinates(at).0 };
+                let near = view.picture.image_point(on_chart);
                 let found = self.bounder.content(view, at, facet.slope, near);
                 shown = max_or_nan(shown, view.projection.image_distance(found, content));
-                if !is_same && let Some(mirror) = self.content_seen(view, near) {
+                if !is_same && let Some(mirror) = self.content_seen(view, on_chart, near) {
                     seen = seen.max(view.projection.image_distance(found, mirror));
                 }
             }
@@ -132,18 +133,17 @@ impl<'a> FacetParts<'a> {
         FacetPoint { weights, q, h, gradient: DVec2::new(x, y), over, seen, shown }
     }
 
-    /// The mirror's content at the image point `near` of a camera that is not the chart's, mm.
-    fn content_seen(&self, view: &ImagingTask, near: DVec2) -> Option<DVec2> {
+    /// The mirror's content at the coordinates `on_chart`, image point `near`, of a camera that is not the chart's, mm.
+    fn content_seen(&self, view: &ImagingTask, on_chart: DVec2, near: DVec2) -> Option<DVec2> {
         let ImagingProblem { mirror, camera, .. } = &self.bounder.problem;
-        let q = mirror.intersect_camera_ray(camera, near)?;
+        let q = mirror.intersect_camera_ray(camera, on_chart)?;
         let point = mirror.surface.at(q);
         Some(self.bounder.content(view, mirror.position(q, &point), mirror.slope(q, &point), near))
     }
 
     /// The point over `q` of height `h`, in the part frame.
     fn position(&self, q: DVec2, h: f64) -> DVec3 {
-        let grow = 1.0 + self.vergence() * h;
-        (q / grow).extend(h / grow + self.bounder.problem.mirror.chart.plane_mm)
+        DVec3::from_array(self.bounder.problem.mirror.chart.position_at_h(q.to_array(), h))
     }
 
     /// Bound of the error over the part with the given corners, mm; `attained` is raised to what the part attains.
@@ -202,22 +202,25 @@ impl<'a> FacetParts<'a> {
         if k == 0.0 {
             return rise;
         }
-        let far = lo.abs().max(hi.abs()).length_squared();
+        let chart = &problem.mirror.chart;
+        let steepest = k * lo.abs().max(hi.abs()).length() + chart.lean.length();
         let lowest = |c: &FacetPoint| 1.0 + k * (c.h - c.over[0].max(c.over[1]));
         let low = corners.iter().map(lowest).fold(f64::INFINITY, f64::min);
         let lower = low - k * rise;
-        let ray = (1.0 + k * k * far).sqrt();
+        let ray = (1.0 + steepest * steepest).sqrt();
         if lower > 0.0 { rise * ray / (low * lower) } else { f64::INFINITY }
     }
 
     /// mm along the ray per mm of h between facet and mirror at a point, at least.
     fn least_ray_per_h(&self, point: &FacetPoint) -> f64 {
-        let k = self.vergence();
-        if k == 0.0 {
+        let chart = &self.bounder.problem.mirror.chart;
+        if chart.is_plan() {
             return 1.0;
         }
+        let k = chart.vergence;
         let flat = point.h - point.over[0].min(point.over[1]);
-        (1.0 + k * k * point.q.length_squared()).sqrt() / ((1.0 + k * flat) * (1.0 + k * point.h))
+        (1.0 + chart.tangent_at(point.q).length_squared()).sqrt()
+            / ((1.0 + k * flat) * (1.0 + k * point.h))
     }
 
     /// Bound of the facet error over a part, mm.

@@ -28,7 +28,14 @@ impl FlatFacet {
     pub(crate) fn height_on_ray(&self, chart: &Chart, i: usize, q: DVec2) -> f64 {
         let (at, p) = (self.corners[i].truncate(), self.slope);
         let up = self.corners[i].z - chart.plane_mm;
-        (up + p.dot(q - at)) / (1.0 - chart.vergence * (up - p.dot(at)))
+        if chart.lean == DVec2::ZERO {
+            return (up + p.dot(q - at)) / (1.0 - chart.vergence * (up - p.dot(at)));
+        }
+        // The plane's height over the origin, and the height at which the ray meets it.
+        let base = up - p.dot(at);
+        let [fall, rise] = [chart.fall(q.to_array(), p.to_array()), base + p.dot(q)];
+        let up = rise / fall;
+        up / (1.0 - chart.vergence * up)
     }
 }
 
@@ -71,15 +78,15 @@ impl FacetPair {
         self.heights(t, chart).map(|h| gradient_of(q, h))
     }
 
-    /// Distance by which rounding moves a corner in `chart`, at most, mm: q = (1 + k h) (X, Y) has the differential
-    /// (1 + k h) (d(X, Y) + k q dZ).
+    /// Distance by which rounding moves a corner in `chart`, at most, mm: q = (1 + k h) (X, Y), sheared by the lean, has
+    /// the differential (1 + k h) (d(X, Y) + t dZ) with the ray's tangent t.
     #[inline]
     pub(crate) fn corner_shift(&self, t: [&SurfaceVertex; 3], chart: &Chart) -> f64 {
         let Some(rounded) = &self.rounded else { return 0.0 };
-        let k = chart.vergence;
         let shift = |(v, corner): (&&SurfaceVertex, &DVec3)| {
             let delta = *corner - v.at;
-            (1.0 + k * v.h) * (delta.truncate() + v.q * (k * delta.z)).length()
+            let aside = delta.truncate() + chart.tangent_at(v.q) * delta.z;
+            (1.0 + chart.vergence * v.h) * aside.length()
         };
         t.iter().zip(&rounded.corners).map(shift).fold(0.0, max_or_nan)
     }
@@ -93,25 +100,24 @@ impl FacetPair {
         chart: &Chart,
     ) -> f64 {
         let Self { exact, rounded: Some(rounded) } = self else { return 0.0 };
-        let k = chart.vergence;
-        let (mut off, mut lean, mut ray) = (0.0, f64::INFINITY, 1.0f64);
+        let (mut off, mut fall, mut ray) = (0.0, f64::INFINITY, 1.0f64);
         for (i, v) in t.iter().enumerate() {
             let delta = rounded.corners[i] - exact.corners[i];
             off = max_or_nan(off, (delta.z - exact.slope.dot(delta.truncate())).abs());
-            if k != 0.0 {
-                lean = lean.min(1.0 + k * v.q.dot(exact.slope));
-                ray = ray.max(1.0 + k * k * v.q.length_squared());
+            if !chart.is_plan() {
+                fall = f64::min(fall, chart.fall(v.q.to_array(), exact.slope.to_array()));
+                ray = ray.max(1.0 + chart.tangent_at(v.q).length_squared());
             }
         }
-        if k == 0.0 {
+        if chart.is_plan() {
             off
-        } else if lean > 0.0 {
+        } else if fall > 0.0 {
             // The rounded facet reaches a little beyond the exact facet, too.
             let flat = gradient_of(t.map(|v| v.q), t.map(|v| v.h));
             let steep = t.iter().map(|v| (v.gradient - flat).length()).fold(0.0, max_or_nan);
             let third = third_derivative_norm(region.h_third);
             let bend = third * triangle.diameter * triangle.diameter / 6.0;
-            off * ray.sqrt() / lean
+            off * ray.sqrt() / fall
                 + self.corner_shift(t, chart) * (steep + bend) * region.ray_per_h
         } else {
             f64::INFINITY

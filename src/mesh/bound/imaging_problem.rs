@@ -33,7 +33,7 @@ pub(crate) struct ImagingProblem<'a> {
 impl ImagingProblem<'_> {
     /// Whether only directions count, so that all places of a facet show the same: parallel rays in, far targets out.
     pub(crate) fn is_direction_only(&self) -> bool {
-        let parallel = self.camera.vergence == 0.0 && self.mirror.chart.vergence == 0.0;
+        let parallel = self.camera.is_plan() && self.mirror.chart.is_plan();
         parallel && self.view.is_none_or(|view| view.target == Target::Infinity)
     }
 
@@ -52,11 +52,11 @@ impl ImagingProblem<'_> {
     ) -> RegionBounds {
         let chart = &self.mirror.chart;
         let k = chart.vergence;
-        let reach = lo.abs().max(hi.abs()).length();
+        let steepest = k * lo.abs().max(hi.abs()).length() + chart.lean.length();
         let low = exp(k * bounds.f.lo);
         let mut region = RegionBounds {
             h_third: third_derivatives_of_h(bounds, k),
-            ray_per_h: (1.0 + k * k * reach * reach).sqrt() / (low * low),
+            ray_per_h: (1.0 + steepest * steepest).sqrt() / (low * low),
             ..RegionBounds::EMPTY
         };
         if let Some(view) = self.view {
@@ -135,7 +135,7 @@ impl ImagingProblem<'_> {
             chart.projective_height(bounds.f.hi) + slack,
         );
         let gradient_box = [DVec2::new(wide[0].lo, wide[1].lo), DVec2::new(wide[0].hi, wide[1].hi)];
-        (Some(FacetPlanes::of_gradient(k, ranges(part), h, wide)), gradient_box)
+        (Some(FacetPlanes::of_gradient(chart, ranges(part), h, wide)), gradient_box)
     }
 
     /// Bounds of the mirror's derivatives over a part of a region where `bounds` hold, by Taylor's theorem about its
@@ -188,7 +188,7 @@ impl ImagingProblem<'_> {
     ) -> ContentBounds {
         let chart = &self.mirror.chart;
         let middle = chart.point(0.5 * (lo + hi), bounds.f.mid());
-        let near = self.camera.coordinates(middle).0;
+        let near = view.image_at(&self.camera, middle);
         let [x, y] = ranges([lo, hi]);
         let q = [IntervalJet::variable_x(x), IntervalJet::variable_y(y)];
         let f = IntervalJet::from_parts(bounds.f, bounds.slope, bounds.hessian);
@@ -217,10 +217,7 @@ impl ImagingProblem<'_> {
         let [x, y] = ranges(part);
         let q = [IntervalJet::variable_x(x), IntervalJet::variable_y(y)];
         let h = IntervalJet::from_parts(planes.h, planes.gradient, [Interval::point(0.0); 3]);
-        let at = || {
-            let grow = h * chart.vergence + 1.0;
-            [q[0] / grow, q[1] / grow, h / grow + chart.plane_mm]
-        };
+        let at = || chart.position_at_h(q, h);
         let slope = planes.slope.map(IntervalJet::flat);
         view.image_of_seen_along(self.ray_tangent(q, at), at, slope, near)
     }
@@ -233,7 +230,7 @@ impl ImagingProblem<'_> {
         at: impl FnOnce() -> [IntervalJet; 3],
     ) -> [IntervalJet; 2] {
         if self.camera == self.mirror.chart {
-            q.map(|q| q * self.camera.vergence)
+            self.camera.tangent(q)
         } else {
             self.camera.view(at())
         }

@@ -31,10 +31,11 @@ impl SurfaceVertex {
 
     /// The vertex with [`Self::rounding`] filled in.
     pub(crate) fn with_rounding(self, chart: &Chart) -> Self {
-        let (k, slope) = (chart.vergence, self.slope(chart));
+        let slope = self.slope(chart);
         let off = self.at.as_vec3().as_dvec3() - self.at;
-        let up = (off.z - slope.dot(off.truncate())) / (1.0 + k * self.q.dot(slope));
-        let grow = 1.0 + k * self.h;
+        let up =
+            (off.z - slope.dot(off.truncate())) / chart.fall(self.q.to_array(), slope.to_array());
+        let grow = 1.0 + chart.vergence * self.h;
         Self { rounding: up * grow * grow, ..self }
     }
 }

@@ -31,10 +31,9 @@ impl ErrorBounder<'_> {
         if to == vertex.q { vertex } else { self.vertex_at(to) }
     }
 
-    /// `q` as the file has it: under parallel rays X and Y are its numbers.
+    /// `q` as the file has it: under vertical rays X and Y are its numbers.
     fn rounded(&self, q: DVec2) -> DVec2 {
-        let is_parallel = self.mirror().chart.vergence == 0.0;
-        let single = is_parallel && self.precision == Precision::Single;
+        let single = self.mirror().chart.is_plan() && self.precision == Precision::Single;
         if single { q.as_vec2().as_dvec2() } else { q }
     }
 
@@ -60,13 +59,12 @@ impl ErrorBounder<'_> {
     /// The position beside `v` whose rounded vertex is nearest to the mirror, of those tried.
     fn best_rounded(&self, v: &SurfaceVertex) -> DVec2 {
         let chart = &self.mirror().chart;
-        let k = chart.vergence;
-        let grow = 1.0 / (1.0 + k * v.h);
+        let (grow, tangent) = (1.0 / (1.0 + chart.vergence * v.h), chart.tangent_at(v.q));
         // The differential of the vertex's position.
         let rise = v.gradient * (grow * grow);
         let moved = |d: DVec2| {
             let up = rise.dot(d);
-            v.at + (d * grow - v.q * (k * up)).extend(up)
+            v.at + (d * grow - tangent * up).extend(up)
         };
         let normal = (-v.slope(chart)).extend(1.0);
         let off = |at: DVec3| (at.as_vec3().as_dvec3() - at).dot(normal).abs();
@@ -115,7 +113,7 @@ mod tests {
         let rect = Rect { min: -half, max: half };
         let mirror = Mirror {
             surface: Surface::Tensor(sheet),
-            chart: Chart { vergence, plane_mm: 25.0 },
+            chart: Chart::on_axis(vergence, 25.0),
             outline: Outline::Rect(rect),
             folded: false,
             mirror_symmetric: [false; 2],

@@ -96,7 +96,7 @@ mod tests {
     use crate::num::sample::Draws;
 
     const HALF_MM: f64 = 10.0;
-    const TOP: Chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+    const TOP: Chart = Chart::on_axis(0.0, 0.0);
 
     /// The mirror of height a x^2 + b x y + c y^2 + d x^3.
     fn mirror([a, b, c, d]: [f64; 4]) -> Mirror {

@@ -54,7 +54,7 @@ impl LocalModel {
             let fixed = |x: f64| Dual::<2> { value: x, slope: [0.0; 2] };
             let slope = [Dual::variable(gradient.x, 0), Dual::variable(gradient.y, 1)];
             let slope = chart.slope(q.to_array().map(fixed), slope.map(|s| s / grow));
-            let image = problem.camera.coordinates(at).0;
+            let image = view.image_at(&problem.camera, at);
             let [x, y] =
                 view.image_of_seen(&problem.camera, at.to_array().map(fixed), slope, image);
             DMat2::from_cols_array_2d(&[[x.slope[0], y.slope[0]], [x.slope[1], y.slope[1]]])
@@ -126,7 +126,7 @@ fn with_least_curvature(Hessian { xx, xy, yy }: Hessian) -> Hessian {
 
 /// The length of the ray over `q` for a unit along the axis.
 fn ray_length(chart: &Chart, q: DVec2) -> f64 {
-    (1.0 + chart.vergence * chart.vergence * q.length_squared()).sqrt()
+    (1.0 + chart.tangent_at(q).length_squared()).sqrt()
 }
 
 /// Half the distance between the single-precision numbers around `x`.
@@ -148,10 +148,10 @@ pub(crate) fn rounding_along_ray(
         Precision::Double => 0.0,
     };
     let (chart, point) = (&mirror.chart, mirror.surface.at(q));
-    let (k, p) = (chart.vergence, mirror.slope(q, &point));
+    let p = mirror.slope(q, &point);
     let [x, y, z] = mirror.position(q, &point).to_array().map(half);
-    let across = if k == 0.0 { 0.0 } else { p.abs().dot(DVec2::new(x, y)) };
+    let across = if chart.is_plan() { 0.0 } else { p.abs().dot(DVec2::new(x, y)) };
     let slope = direction.map_or_else(|| p.length(), |direction| p.dot(direction).abs());
     let left = rounding_left(2.0 * z, slope, mirror.outline.bounds().size().max_element());
-    left * (z + across) * ray_length(chart, q) / (1.0 + k * q.dot(p))
+    left * (z + across) * ray_length(chart, q) / chart.fall(q.to_array(), p.to_array())
 }

@@ -47,7 +47,7 @@ impl Optimum {
                 xy: c.xy + k * s.x * s.y,
                 yy: c.yy + k * s.y * s.y,
             };
-            let stretch = (1.0 + k * k * q.length_squared()).sqrt() / grow;
+            let stretch = (1.0 + mirror.chart.tangent_at(q).length_squared()).sqrt() / grow;
             let det = hessian.det();
             let [chord, facet] = if det > 0.0 { BOWL } else { SADDLE };
             total[0] += area * chord * det.abs().sqrt() * stretch;
@@ -87,7 +87,7 @@ fn facet_density(
     point: &HeightAndSlope,
     c: &Hessian,
 ) -> f64 {
-    let near = camera.coordinates(mirror.position(q, point)).0;
+    let near = view.image_at(camera, mirror.position(q, point));
     let s = point.slope;
     let variable = |value, slope| Dual::<2> { value, slope };
     let place = [variable(q.x, [1.0, 0.0]), variable(q.y, [0.0, 1.0])];

@@ -36,7 +36,7 @@ impl SizingField {
     /// along the side, which changes no digit but those of Z.
     fn side_places(&self, mirror: &Mirror) -> impl Iterator<Item = (DVec2, Option<DVec2>)> {
         let Rect { min, max } = self.domain();
-        let is_plain = mirror.chart.vergence == 0.0 && matches!(mirror.outline, Outline::Rect(_));
+        let is_plain = mirror.chart.is_plan() && matches!(mirror.outline, Outline::Rect(_));
         let places = TUNING.places_per_side;
         let count = if is_plain { places } else { 0 };
         (0..count).flat_map(move |k| {

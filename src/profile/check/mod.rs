@@ -6,6 +6,7 @@ mod fits;
 mod layout;
 mod limits;
 mod mirror;
+mod mount;
 mod projection;
 mod reach;
 mod sag;
@@ -54,11 +55,10 @@ impl<'t> Entries<'t> {
     fn layout(&self) -> Option<Layout> {
         match self.part.height {
             Some(height) if self.is_rectangle() => {
-                Some(Layout::Rectangle { height_mm: height.value })
+                Some(Layout::Rectangle { height_mm: Some(height.value) })
             }
             None if self.is_rectangle() && !self.rectangle => {
-                let [columns, rows] = self.camera.as_ref()?.camera?.pixels().map(f64::from);
-                Some(Layout::Rectangle { height_mm: self.part.width?.value * rows / columns })
+                Some(Layout::Rectangle { height_mm: None })
             }
             _ => self.layout.as_ref()?.layout,
         }
@@ -102,6 +102,7 @@ pub(super) fn profile(
     let root = reader.root(tree);
     let summary = summary(reader, &root);
     let parts = Entries::read(reader, &root);
+    let mount = mount::read(reader, &root, &parts);
     let mesh = limits::mesh(reader, &root, parts.bare);
     let export = reader.section(&root, "export", Required);
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
@@ -128,6 +129,7 @@ pub(super) fn profile(
         summary: summary.unwrap_or_default(),
         lens: camera.as_ref()?.lens,
         camera: camera?.camera?,
+        mount,
         projection: match projection {
             Some(found) => Some(found.finish(layout == Layout::Disc)?),
             None => None,

@@ -138,13 +138,16 @@ fn azimuthal(
         form,
         limit: form,
     };
-    let centre = pair(reader, section, &keys, |f| (-360.0..=360.0).contains(&f));
-    let centre = centre.filter(|centre| centre_elevation(reader, section, centre));
+    let centre = section
+        .has(keys.key)
+        .then(|| pair(reader, section, &keys, |f| (-360.0..=360.0).contains(&f)))
+        .flatten()
+        .filter(|centre| centre_elevation(reader, section, centre));
     let (must, most) = match law {
         Some(AzimuthalLaw::Perspective) => ("a number from 0.001 to 175", 175.0),
         _ => ("a number from 0.001 to 350", 350.0),
     };
-    let hint = "the angle of view across the mirror's width, in degrees";
+    let hint = "the angle of view across the frame's width, in degrees";
     let hfov =
         number(reader, section, "hfov_deg", Required, must, hint, |f| (1e-3..=most).contains(&f));
     let must = "a number from -360 to 360";
@@ -350,7 +353,7 @@ impl ProjectionEntry<'_> {
             }),
             ProjectionKeys::Azimuthal(keys) => ProjectionSpec::Azimuthal(AzimuthalSpec {
                 law: keys.law?,
-                centre_deg: keys.centre?.value,
+                centre_deg: keys.centre.map(|centre| centre.value),
                 hfov_deg: keys.hfov?.value,
                 roll_deg: keys.roll_deg,
                 mirrored: keys.mirrored,

@@ -45,7 +45,7 @@ pub(super) fn known_outline(parts: &Entries) -> Option<Outline> {
 fn outline(parts: &Entries) -> Option<Outline> {
     let width = parts.part.width?.value;
     let height = if let Some(Layout::Rectangle { height_mm }) = parts.layout() {
-        height_mm
+        height_mm?
     } else if parts.layout.as_ref()?.is_round() {
         let land = parts.layout.as_ref()?.inner.map_or(0.0, |inner| inner.value);
         return Some(Outline::Ring { inner: 0.5 * land, outer: 0.5 * width });

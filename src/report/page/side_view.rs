@@ -16,9 +16,15 @@ pub(in crate::report) fn side_view_figure(view: &SideView) -> Option<Figure> {
     let points = || edges.iter().flatten().copied();
     let [low, high] = points().map(|at| [at, at]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])?;
     let half = low.x.abs().max(high.x.abs());
-    let is_near = |z: &f64| *z < HIGHEST * 2.0 * half;
-    let top = pupil_mm.filter(is_near).unwrap_or(f64::max(high.y + 0.8 * half, 2.0 * half));
-    let corners = [DVec2::new(-2.2 * half, 0.0), DVec2::new(2.2 * half, top)];
+    let is_near = |at: &DVec2| at.y < HIGHEST * 2.0 * half;
+    let near = pupil_mm.filter(is_near);
+    let far = f64::max(high.y + 0.8 * half, 2.0 * half);
+    let top = near.map_or(far, |at| at.y.max(high.y));
+    let aside = near.map_or(0.0, |at| at.x);
+    let corners = [
+        DVec2::new((-2.2 * half).min(aside - half), 0.0),
+        DVec2::new((2.2 * half).max(aside + half), top),
+    ];
     let mut drawing = Drawing::new(corners, WIDTH);
     drawing.lines("part", edges.iter().map(<[DVec2; 2]>::as_slice));
     draw_rays(&mut drawing, rays, corners);
@@ -27,7 +33,7 @@ pub(in crate::report) fn side_view_figure(view: &SideView) -> Option<Figure> {
     let elevations = rays.iter().map(|ray| ray.elevation_deg);
     let ends = elevations.map(|e| [e, e]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])?;
     let camera = match pupil_mm {
-        Some(z) => format!("the lens's entrance pupil at Z {z:.2} mm above the base"),
+        Some(at) => format!("the lens's entrance pupil at Z {:.2} mm above the base", at.y),
         None => "a telecentric lens, whose rays come parallel to the axis".into(),
     };
     let [least, most] = ends;
@@ -70,25 +76,27 @@ fn draw_rays(drawing: &mut Drawing, rays: &[ViewRay], [low, high]: [DVec2; 2]) {
     }
 }
 
-fn draw_camera(drawing: &mut Drawing, pupil_mm: Option<f64>, top: f64, mean_mm: f64) {
+fn draw_camera(drawing: &mut Drawing, pupil_mm: Option<DVec2>, top: f64, mean_mm: f64) {
     let size = drawing.mm(10.0);
-    let at = DVec2::new(0.0, top);
     match pupil_mm {
-        Some(z) if z <= top => {
+        Some(at) if at.y <= top => {
             let corners = [[-1.0, 0.0], [1.0, 0.0], [1.5, 2.0], [-1.5, 2.0], [-1.0, 0.0]];
             let body = corners.map(|corner| at + DVec2::from_array(corner) * size);
             drawing.lines("ink", [&body[..]]);
             drawing.text(at, [20.0, -8.0], Anchor::Start, "entrance pupil");
             let beside = DVec2::new(-drawing.mm(30.0), 0.0);
-            let text = format!("{:.1} mm", z - mean_mm);
-            drawing.length([DVec2::new(0.0, mean_mm) + beside, at + beside], &text);
+            let text = format!("{:.1} mm", at.y - mean_mm);
+            drawing.length([DVec2::new(at.x, mean_mm) + beside, at + beside], &text);
         }
-        Some(z) => {
+        Some(at) => {
             let text =
-                format!("entrance pupil {:.1} mm above the mirror's mean height", z - mean_mm);
-            drawing.text(at, [0.0, -16.0], Anchor::Middle, &text);
+                format!("entrance pupil {:.1} mm above the mirror's mean height", at.y - mean_mm);
+            drawing.text(DVec2::new(0.0, top), [0.0, -16.0], Anchor::Middle, &text);
         }
-        None => drawing.text(at, [0.0, -16.0], Anchor::Middle, "telecentric lens"),
+        None => {
+            let at = DVec2::new(0.0, top);
+            drawing.text(at, [0.0, -16.0], Anchor::Middle, "telecentric lens");
+        }
     }
 }
 

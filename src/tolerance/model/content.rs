@@ -10,6 +10,7 @@ use crate::geom::{Chart, DVec2};
 use crate::num::{Arithmetic, Dual, Scalar};
 use crate::optics::stereographic;
 use crate::tolerance_terms::Misalignment;
+use glam::DMat2;
 
 /// Steps of Newton's method at most.
 pub(super) const MOST_STEPS: usize = 40;
@@ -110,17 +111,35 @@ impl OpticalSystem {
         let far = q.length_squared() / (self.half_width * self.half_width);
         let grown = m.magnification + m.distortion * far + 1.0;
         let [coma_x, coma_y] = coma_shift(q, self.half_width).map(|shift| m.coma * shift);
-        let q_off =
+        let seen =
             [grown * q.x + m.principal_x_mm + coma_x, grown * q.y + m.principal_y_mm + coma_y];
-        let Chart { vergence: k, plane_mm } = self.camera.chart;
+        let Chart { vergence: k, plane_mm, lean: b } = self.camera.chart;
+        let on_chart = self.on_chart(sample, seen);
         let down = S::constant(-1.0);
+        let leaning = |along: [S; 2]| match b {
+            DVec2::ZERO => along,
+            b => [along[0] - b.x, along[1] - b.y],
+        };
         if k == 0.0 {
             let lean = m.telecentricity_rad / self.half_width;
-            ([q_off[0], q_off[1], S::constant(plane_mm)], [lean * q.x, lean * q.y, down])
+            let [x, y] = leaning([lean * q.x, lean * q.y]);
+            ([on_chart[0], on_chart[1], S::constant(plane_mm)], [x, y, down])
         } else {
-            let zero = S::constant(0.0);
-            ([zero, zero, S::constant(plane_mm + 1.0 / k)], [q_off[0] * k, q_off[1] * k, down])
+            let [x, y] = leaning(on_chart.map(|q| q * k));
+            ([b.x / k, b.y / k, plane_mm + 1.0 / k].map(S::constant), [x, y, down])
         }
+    }
+
+    /// The chart coordinates of an image point near that of `sample`: to the first order, which is exact but for a
+    /// camera off the axis or with distortion, and there to a share of a pixel.
+    #[inline]
+    fn on_chart<S: Arithmetic>(&self, sample: &PixelSample, seen: [S; 2]) -> [S; 2] {
+        if self.camera.picture.is_identity() {
+            return seen;
+        }
+        let [dx, dy] = [seen[0] - sample.point.x, seen[1] - sample.point.y];
+        let (DMat2 { x_axis: a, y_axis: b }, q) = (sample.sight.along, sample.sight.on_chart);
+        [dx * a.x + dy * b.x + q.x, dx * a.y + dy * b.y + q.y]
     }
 
     /// [`ImagingTask::locate`] for all kinds of numbers.

@@ -3,6 +3,8 @@
 use super::super::footprint::Footprint;
 use super::super::local_polynomial::ExpansionSquare;
 use crate::geom::{DVec2, DVec3};
+use crate::optics::Camera;
+use glam::DMat2;
 
 /// Place of the mirror that a pixel sees, as far as textures depend on it.
 #[derive(Debug, Clone, Copy)]
@@ -13,11 +15,30 @@ pub(crate) struct TextureSite {
     pub footprint: Footprint,
 }
 
+/// Line of sight of an image point: the ray's chart coordinates, and how they follow the image point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LineOfSight {
+    /// Chart coordinates, mm.
+    pub on_chart: DVec2,
+    /// Their derivatives along the picture's axes.
+    pub along: DMat2,
+}
+
+impl LineOfSight {
+    /// That of the image point `point`.
+    pub(crate) fn new(camera: &Camera, point: DVec2) -> Self {
+        let on_chart = camera.picture.chart_point(point);
+        Self { on_chart, along: camera.picture.jacobian(on_chart).inverse() }
+    }
+}
+
 /// Pixel that sees the mirror, and the mirror there.
 #[derive(Debug, Clone)]
 pub(crate) struct PixelSample {
     /// Its image point, mm from the axis.
     pub point: DVec2,
+    /// Its ray.
+    pub sight: LineOfSight,
     /// The image point where the content that it sees belongs, of the system as designed.
     pub content: DVec2,
     /// Number of the panel that it sees.

@@ -95,7 +95,7 @@ impl<'a> Bench<'a> {
     fn predicted(&self, pupil: DVec2, focus_mm: f64) -> DVec2 {
         let Design { mirror, camera, view, .. } = self.design;
         let quadric = mirror.local_surface(self.image);
-        let pencil = Pencil::new(&camera.chart, view.as_ref(), self.image, &quadric).unwrap();
+        let pencil = Pencil::new(camera, view.as_ref(), self.image, &quadric).unwrap();
         pencil.focus * pupil - pupil * phi(self.design, focus_mm)
     }
 }
@@ -247,7 +247,7 @@ fn mirrors_of_a_single_viewpoint_have_no_astigmatism() {
     for r in [0.0, 7.0, 18.0, 29.0] {
         let quadric = design.mirror.local_surface(DVec2::new(r, 0.0));
         let image = DVec2::new(r, 0.0);
-        let pencil = Pencil::new(&camera.chart, None, image, &quadric).unwrap();
+        let pencil = Pencil::new(camera, None, image, &quadric).unwrap();
         let behind = 0.5 * h * (1.0 + r * r / (h * h));
         for phi in BlurEllipse::new(&pencil).foci() {
             let found = quadric.at.z - (camera.chart.plane_mm - phi);

@@ -144,7 +144,7 @@ impl Formula {
         let (centre, half) = (DVec2::ZERO, DVec2::splat(HALF_MM));
         Mirror {
             surface: Surface::Tensor(TensorLegendre { series, centre, half, scale_mm: 1.0 }),
-            chart: Chart { vergence: 0.0, plane_mm: 0.0 },
+            chart: Chart::on_axis(0.0, 0.0),
             outline: Outline::Rect(Rect { min: -half, max: half }),
             folded: false,
             mirror_symmetric: self.even,

@@ -130,7 +130,7 @@ mod tests {
         let half = DVec2::splat(10.0);
         let series = Series::from_fn(2, 2, |_, _| 0.0);
         let sheet = TensorLegendre { series, centre: DVec2::ZERO, half, scale_mm: 1.0 };
-        let chart = Chart { vergence: 0.0, plane_mm: 0.0 };
+        let chart = Chart::on_axis(0.0, 0.0);
         let outline = Outline::Rect(Rect { min: -half, max: half });
         let surface = Surface::Tensor(sheet);
         let mirror =

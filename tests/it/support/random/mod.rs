@@ -13,7 +13,7 @@ use morion::internals::mirror::{
 use morion::internals::num::legendre::Series;
 use morion::internals::num::{cos, exp, log, radians, sin};
 use morion::internals::optics::{
-    ImagingTask, Projection, RadialLawKind, RimConditions, Strip, StripLaw, Target,
+    ImagingTask, PictureMap, Projection, RadialLawKind, RimConditions, Strip, StripLaw, Target,
 };
 use rayon::ThreadPoolBuilder;
 use std::f64::consts::PI;
@@ -188,14 +188,32 @@ fn looking(r: &mut Draws, outer: f64, target: Target, lean: bool) -> (ImagingTas
         let (law, scale_mm) =
             (laws[(r.unit() * 4.0) as usize].clone(), r.inside([0.3, 1.0]) * outer);
         let projection = Projection::Strip(Strip { law, scale_mm, azimuth: 0.0, z: 0.0 });
-        return (ImagingTask { projection, target, origin_mm: 20.0, fold: None }, scale_mm);
+        return (
+            ImagingTask {
+                projection,
+                target,
+                origin_mm: 20.0,
+                fold: None,
+                picture: PictureMap::default(),
+            },
+            scale_mm,
+        );
     }
     let radius = [0.0, outer];
     // Has a derivative wherever a mirror looks.
     let rims =
         RimConditions { radius, psi: [0.0, radians(r.inside([60.0, 110.0]))], vergence: 0.0 };
     let projection = Projection::Radial { law: rims.law(RadialLawKind::Parabolic), radius };
-    (ImagingTask { projection, target, origin_mm: 20.0, fold: None }, outer)
+    (
+        ImagingTask {
+            projection,
+            target,
+            origin_mm: 20.0,
+            fold: None,
+            picture: PictureMap::default(),
+        },
+        outer,
+    )
 }
 
 /// The mirror of `kind` numbered `seed`, within limits that ask for about `facets` facets.
@@ -233,7 +251,7 @@ pub fn case(kind: Kind, seed: u64, facets: [f64; 2]) -> Case {
     let rect = single(Rect { min: centre - half, max: centre + half });
     let is_pinhole = kind == Kind::Pinhole;
     let vergence = r.octaves([0.05, 0.4]) / (centre.abs() + half).max_element();
-    let chart = Chart { vergence: if is_pinhole { vergence } else { 0.0 }, plane_mm: 20.0 };
+    let chart = Chart::on_axis(if is_pinhole { vergence } else { 0.0 }, 20.0);
 
     let ratio = match kind {
         Kind::Anisotropic => r.octaves([5.0, 50.0]),

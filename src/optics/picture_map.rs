@@ -1,0 +1,267 @@
+//! From the part's reference plane to the picture: what stands between chart coordinates and image points.
+//!
+//! The mirror is a height over chart coordinates q, mm on a plane across the part; the picture has its own
+//! coordinates w, mm at the scale of a pixel's side where the camera's axis meets that plane, from the middle
+//! of the frame. For a camera over the part, looking straight down, both are one. A camera that looks at the
+//! plane obliquely sees it in perspective: w is a projective function of q (docs/theory.md, T59).
+
+use crate::geom::{DVec2, DVec3};
+use crate::num::{Dual, Scalar, cos, radians, sin};
+use glam::DMat2;
+
+/// Where the camera stands over the part.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Mount {
+    /// Angle between the directions back to the camera and to what a flat mirror in the place of the part shows it
+    /// in the middle of the picture, degrees: twice the angle between the camera's axis and the part's normal.
+    pub fold_deg: f64,
+    /// Azimuth, in the picture, of the direction to which that fold leads: 0 is up, 90 to the right, degrees.
+    pub towards_deg: f64,
+    /// X and Y of the point of the part's reference plane on the camera's axis, mm.
+    pub shift_mm: [f64; 2],
+}
+
+impl Mount {
+    /// Whether the camera stands on the part's own axis.
+    #[must_use]
+    pub fn is_on_axis(&self) -> bool {
+        self.fold_deg == 0.0 && self.shift_mm == [0.0; 2]
+    }
+
+    /// Unit vector in the picture, and on the part, towards which the fold leads.
+    pub(super) fn towards(&self) -> DVec2 {
+        let [s, c] = sine_and_cosine(self.towards_deg);
+        DVec2::new(s, c)
+    }
+
+    /// Sine and cosine of the angle between the camera's axis and the part's normal.
+    pub(super) fn tilt(&self) -> [f64; 2] {
+        sine_and_cosine(0.5 * self.fold_deg)
+    }
+}
+
+/// Sine and cosine of an angle in degrees, exact at quarter turns: what is symmetric stays so to the last bit.
+pub(super) fn sine_and_cosine(angle_deg: f64) -> [f64; 2] {
+    match angle_deg.rem_euclid(360.0) {
+        0.0 => [0.0, 1.0],
+        90.0 => [1.0, 0.0],
+        180.0 => [0.0, -1.0],
+        270.0 => [-1.0, 0.0],
+        angle => [sin(radians(angle)), cos(radians(angle))],
+    }
+}
+
+/// Map of chart coordinates to image points, and back.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PictureMap {
+    plane: Option<ObliquePlane>,
+}
+
+/// A plane as a camera sees it that does not stand over it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ObliquePlane {
+    /// Where the camera's axis meets the plane, mm.
+    foot: DVec2,
+    /// The picture's axes, to the right and upwards, in the part's frame.
+    axes: [DVec3; 2],
+    /// Components along them of a vector in the plane.
+    across: DMat2,
+    /// How much farther from the camera the plane is for a mm along it, as a share of the distance, 1/mm.
+    recession: DVec2,
+}
+
+impl PictureMap {
+    /// The map of a camera `distance_mm` from the plane along its axis, infinite for parallel rays.
+    #[must_use]
+    pub fn new(mount: &Mount, distance_mm: f64) -> Self {
+        if mount.is_on_axis() {
+            return Self::default();
+        }
+        let ([s, c], towards) = (mount.tilt(), mount.towards());
+        // The camera's axes are carried with its axis on the shortest way.
+        let carried = |axis: DVec2| {
+            let along = axis.dot(towards);
+            (axis + towards * (along * (c - 1.0))).extend(along * s)
+        };
+        let axes = [DVec2::X, DVec2::Y].map(carried);
+        let across = DMat2::from_cols(axes[0].truncate(), axes[1].truncate()).transpose();
+        let plane = ObliquePlane {
+            foot: DVec2::from_array(mount.shift_mm),
+            axes,
+            across,
+            recession: towards * (s / distance_mm),
+        };
+        Self { plane: Some(plane) }
+    }
+
+    /// Whether image points are chart coordinates.
+    #[must_use]
+    pub fn is_identity(&self) -> bool {
+        self.plane.is_none()
+    }
+
+    /// Whether what is symmetric about X = 0 on the part is so in the picture.
+    #[must_use]
+    pub fn is_symmetric_in_x(&self) -> bool {
+        self.plane.is_none_or(|plane| {
+            plane.foot.x == 0.0 && plane.recession.x == 0.0 && plane.across.x_axis.y == 0.0
+        })
+    }
+
+    /// The image point of chart coordinates, mm.
+    #[inline]
+    pub fn image_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        match &self.plane {
+            None => q,
+            Some(plane) => plane.image_of(q),
+        }
+    }
+
+    /// [`PictureMap::image_of`] for plain numbers.
+    #[inline]
+    #[must_use]
+    pub fn image_point(&self, q: DVec2) -> DVec2 {
+        if self.is_identity() { q } else { DVec2::from_array(self.image_of(q.to_array())) }
+    }
+
+    /// The chart coordinates that an image point shows: not finite where the plane is not seen.
+    #[inline]
+    #[must_use]
+    pub fn chart_point(&self, image: DVec2) -> DVec2 {
+        match &self.plane {
+            None => image,
+            Some(plane) => plane.chart_point(image),
+        }
+    }
+
+    /// The picture's axes, to the right and upwards, in the part's frame.
+    #[must_use]
+    pub fn axes(&self) -> [DVec3; 2] {
+        self.plane.map_or([DVec3::X, DVec3::Y], |plane| plane.axes)
+    }
+
+    /// Where the camera's axis meets the reference plane, mm.
+    #[must_use]
+    pub fn foot(&self) -> DVec2 {
+        self.plane.map_or(DVec2::ZERO, |plane| plane.foot)
+    }
+
+    /// Derivatives of the image point by the chart coordinates: its columns are those along X and Y.
+    #[must_use]
+    pub fn jacobian(&self, q: DVec2) -> DMat2 {
+        if self.is_identity() {
+            return DMat2::IDENTITY;
+        }
+        let q: [Dual<2>; 2] = [0, 1].map(|k| Dual::variable(q[k], k));
+        DMat2::from_cols_array_2d(&self.image_of(q).map(|w| w.slope)).transpose()
+    }
+
+    /// Area of the picture to an area of the plane: every integral over the picture has this weight over the
+    /// chart.
+    #[must_use]
+    pub fn density(&self, q: DVec2) -> f64 {
+        if self.is_identity() { 1.0 } else { self.jacobian(q).determinant().abs() }
+    }
+}
+
+impl ObliquePlane {
+    #[inline]
+    fn image_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        let [x, y] = [q[0] - self.foot.x, q[1] - self.foot.y];
+        let DMat2 { x_axis: a, y_axis: b } = self.across;
+        let farther = x * self.recession.x + y * self.recession.y + 1.0;
+        [(x * a.x + y * b.x) / farther, (x * a.y + y * b.y) / farther]
+    }
+
+    fn chart_point(&self, image: DVec2) -> DVec2 {
+        // across p = image (1 + recession . p)
+        let DMat2 { x_axis, y_axis } = self.across;
+        let seen =
+            DMat2::from_cols(x_axis - image * self.recession.x, y_axis - image * self.recession.y);
+        let p = seen.inverse() * image;
+        if 1.0 + self.recession.dot(p) > 0.0 { self.foot + p } else { DVec2::NAN }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Chart;
+    use crate::optics::{Camera, CameraModel};
+
+    fn mounts() -> Vec<Mount> {
+        [
+            (60.0, 90.0, [0.0, 0.0]),
+            (35.0, 0.0, [0.0, 4.0]),
+            (-50.0, 25.0, [7.0, -3.0]),
+            (0.0, 0.0, [5.0, 2.0]),
+        ]
+        .map(|(fold_deg, towards_deg, shift_mm)| Mount { fold_deg, towards_deg, shift_mm })
+        .to_vec()
+    }
+
+    fn cameras() -> impl Iterator<Item = (Mount, Camera)> {
+        let pinhole =
+            CameraModel::Pinhole { pixels: [640, 480], focal_px: 900.0, distance_mm: 150.0 };
+        let models = [pinhole, CameraModel::Orthographic { pixels: [640, 480] }];
+        mounts()
+            .into_iter()
+            .flat_map(move |mount| models.map(|model| (mount, Camera::new(&model, &mount, 80.0))))
+    }
+
+    #[test]
+    fn image_points_and_chart_coordinates_undo_each_other() {
+        for (mount, camera) in cameras() {
+            for image in [DVec2::ZERO, DVec2::new(21.0, -13.0), DVec2::new(-30.0, 22.0)] {
+                let q = camera.picture.chart_point(image);
+                let off = (camera.picture.image_point(q) - image).length();
+                assert!(off < 1e-13, "{mount:?} {off:e}");
+            }
+        }
+    }
+
+    /// Rays from the camera's own frame: the axis carried to the side that the fold leads away from.
+    #[test]
+    fn rays_are_those_of_a_camera_turned_about_the_foot_of_its_axis() {
+        for (mount, camera) in cameras() {
+            let ([s, c], t) = (mount.tilt(), mount.towards());
+            let turned = |v: DVec3| {
+                let along = v.truncate().dot(t);
+                let rest = v.truncate() - t * along;
+                (rest + t * (along * c - v.z * s)).extend(along * s + v.z * c)
+            };
+            let foot = DVec2::from_array(mount.shift_mm).extend(0.0);
+            for image in [DVec2::ZERO, DVec2::new(21.0, -13.0), DVec2::new(-30.0, 22.0)] {
+                let ray = camera.ray(image, 40.0);
+                let (origin, along) = match camera.chart.vergence {
+                    0.0 => (turned(image.extend(0.0)) + foot, turned(DVec3::NEG_Z)),
+                    _ => (turned(DVec3::Z * 150.0) + foot, turned(image.extend(-150.0))),
+                };
+                assert!((along.normalize() - ray.direction).length() < 1e-14, "{mount:?} {image}");
+                let off = (ray.origin - origin).cross(ray.direction).length();
+                assert!(off < 1e-12, "{mount:?} {image} {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn densities_are_ratios_of_areas() {
+        for (_, camera) in cameras() {
+            let (q, e) = (DVec2::new(9.0, -14.0), 1e-4);
+            let [a, b] = [DVec2::X, DVec2::Y].map(|d| {
+                (camera.picture.image_point(q + d * e) - camera.picture.image_point(q - d * e))
+                    / (2.0 * e)
+            });
+            assert!((a.perp_dot(b).abs() / camera.picture.density(q) - 1.0).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_camera_on_the_axis_has_the_chart_and_picture_of_its_own() {
+        let model =
+            CameraModel::Pinhole { pixels: [640, 480], focal_px: 900.0, distance_mm: 150.0 };
+        let camera = Camera::new(&model, &Mount::default(), 80.0);
+        assert!(camera.picture.is_identity());
+        assert_eq!(camera.chart, Chart::on_axis(1.0 / 150.0, 0.0));
+    }
+}

@@ -1,0 +1,59 @@
+//! Where the camera stands over the part.
+
+use super::super::reader::Need::Optional;
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{PairFormat, number, pair};
+use super::Entries;
+use super::layout::LayoutName;
+use crate::optics::Mount;
+
+/// Steepest angle between the camera's axis and the part's normal, degrees: beyond it the part is seen edge on.
+const STEEPEST_DEG: f64 = 80.0;
+
+pub(super) fn read(reader: &mut ProfileReader, root: &Section, parts: &Entries) -> Mount {
+    if !root.has("mount") {
+        return Mount::default();
+    }
+    let Some(section) = reader.section(root, "mount", Optional) else { return Mount::default() };
+    let must = "a number from -160 to 160";
+    let hint = "the angle between the ways back to the camera and to what the picture's middle shows, \
+                as in fold_deg = 60";
+    let fold = number(reader, &section, "fold_deg", Optional, must, hint, |f| {
+        f.abs() <= 2.0 * STEEPEST_DEG
+    });
+    let must = "a number from -360 to 360";
+    let hint = "the azimuth, in the picture, to which the view is folded: 0 is up, 90 to the right";
+    let towards =
+        number(reader, &section, "towards_deg", Optional, must, hint, |f| f.abs() <= 360.0);
+    let form = "where the camera's axis meets the part, as in shift_mm = [10, 0]";
+    let keys = PairFormat {
+        key: "shift_mm",
+        parts: "[X, Y]",
+        each: "from -1000000 to 1000000",
+        form,
+        limit: form,
+    };
+    let shift =
+        section.has(keys.key).then(|| pair(reader, &section, &keys, |f| f.abs() <= 1e6)).flatten();
+    let mount = Mount {
+        fold_deg: fold.map_or(0.0, |fold| fold.value),
+        towards_deg: towards.map_or(0.0, |towards| towards.value),
+        shift_mm: shift.map_or([0.0; 2], |shift| shift.value),
+    };
+    suits(reader, parts, &section, &mount);
+    mount
+}
+
+/// Strips, discs and folded panels lie about the camera's axis.
+fn suits(reader: &mut ProfileReader, parts: &Entries, section: &Section, mount: &Mount) {
+    let Some(layout) = &parts.layout else { return };
+    if mount.is_on_axis() || layout.name == LayoutName::Rectangle {
+        return;
+    }
+    let message = format!(
+        "layout must be [layout.rectangle] with [{}] off the axis, found [layout.{}]",
+        section.path, layout.name
+    );
+    let hint = "strips, discs and folded panels lie about the camera's axis; views on a rectangle need not";
+    reader.complain(section.at, message, hint);
+}
