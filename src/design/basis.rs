@@ -7,6 +7,7 @@ use crate::geom::{DVec2, Rect};
 use crate::num::legendre::{derivatives, values};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, cos};
+use crate::optics::Camera;
 use std::f64::consts::PI;
 
 /// Places at which a basis is tabulated.
@@ -20,6 +21,9 @@ pub(super) enum NodeSet {
     Extrema,
 }
 
+/// Weight of a place beyond the frame: so little that it changes no figure within, and enough to determine the mirror.
+const BEYOND_FRAME: f64 = 1e-4;
+
 /// Basis functions B_j with their derivatives at chosen places.
 #[derive(Debug, Clone)]
 pub(super) struct Basis {
@@ -29,8 +33,8 @@ pub(super) struct Basis {
     /// Constant that is subtracted from each unknown's function.
     levels: Vec<f64>,
     size_mm: f64,
-    /// Weight of each place beside that of its area, where it is not 1.
-    density: Option<Vec<f64>>,
+    /// Whether the places are the pairs of equal number of both tables, not all pairs.
+    is_scattered: bool,
 }
 
 /// F with its slopes dF/dx and dF/dy.
@@ -119,7 +123,7 @@ impl Basis {
             levels: vec![0.0; terms.len()],
             terms,
             size_mm: area.size().max_element(),
-            density: None,
+            is_scattered: false,
         }
     }
 
@@ -134,11 +138,48 @@ impl Basis {
         self
     }
 
-    /// The same with places that count as much as `density` says for their area.
+    /// The functions of [`Basis::rectangle`], looked at where the frame of `camera` sees them: at places spread over
+    /// the picture as those are over the rectangle, weighted by their areas in the picture. What lies beyond the frame
+    /// counts only so far as to determine the mirror there.
     #[must_use]
-    pub(super) fn with_density(mut self, density: impl Fn(DVec2) -> f64) -> Self {
-        self.density = Some((0..self.len()).map(|k| density(self.at(k))).collect());
-        self
+    pub(super) fn over_frame(
+        area: Rect,
+        even_x: bool,
+        degree: usize,
+        places: NodeSet,
+        camera: &Camera,
+    ) -> Self {
+        let half_frame = camera.half_frame();
+        let whole = Self::rectangle(area, even_x, degree, places);
+        let in_frame =
+            Self::rectangle(Rect { min: -half_frame, max: half_frame }, even_x, degree, places);
+        let frames = |q: DVec2| camera.frames(camera.picture.image_point(q));
+        let density = |q: DVec2| camera.picture.density(q);
+        let seen = (0..in_frame.len()).map(|k| {
+            let q = camera.picture.chart_point(in_frame.at(k));
+            (q, in_frame.weight(k), in_frame.coarse(k))
+        });
+        let all = (0..whole.len()).map(|k| {
+            let q = whole.at(k);
+            let share = if frames(q) { 1.0 } else { BEYOND_FRAME };
+            (q, share * density(q) * whole.weight(k), whole.coarse(k))
+        });
+        let beyond = all.clone().filter(|(q, ..)| places != NodeSet::Extrema && !frames(*q));
+        let places: Vec<_> = match seen.clone().all(|(q, ..)| area.contains(q)) {
+            true => seen.chain(beyond).collect(),
+            // A mirror smaller than the frame ends before it.
+            false => all.collect(),
+        };
+        let (half, centre) = (0.5 * area.size(), area.centre());
+        let table = |axis: usize| {
+            let place = |&(q, weight, coarse): &(DVec2, f64, bool)| {
+                let p = values(degree, (q[axis] - centre[axis]) / half[axis]);
+                let d = derivatives(&p).iter().map(|d| d / half[axis]).collect();
+                AxisNode { at: q[axis], weight: if axis == 0 { weight } else { 1.0 }, coarse, p, d }
+            };
+            AxisTable { places: places.iter().map(place).collect() }
+        };
+        Self { along: table(0), across: table(1), is_scattered: true, ..whole }
     }
 
     /// P_k(t) - 1 for k = 1 ..= `degree`, functions of the distance r from the axis alone, looked
@@ -182,7 +223,7 @@ impl Basis {
             terms: (1..=degree).map(|k| (k, 0)).collect(),
             levels: vec![0.0; degree],
             size_mm: rim,
-            density: None,
+            is_scattered: false,
         }
     }
 
@@ -207,7 +248,8 @@ impl Basis {
     /// Number of places.
     #[must_use]
     pub(super) fn len(&self) -> usize {
-        self.along.places.len() * self.across.places.len()
+        let across = if self.is_scattered { 1 } else { self.across.places.len() };
+        self.along.places.len() * across
     }
 
     /// The longest side of the domain, or the radius of its rim, mm.
@@ -227,8 +269,7 @@ impl Basis {
     #[must_use]
     pub(super) fn weight(&self, k: usize) -> f64 {
         let (a, b) = self.pair(k);
-        let area = a.weight * b.weight;
-        self.density.as_ref().map_or(area, |density| area * density[k])
+        a.weight * b.weight
     }
 
     /// Whether place `k` belongs to the coarse ones: enough to determine the unknowns.
@@ -249,6 +290,15 @@ impl Basis {
     #[must_use]
     pub(super) fn locals(&self, coefficients: &[f64]) -> Vec<LocalValues> {
         let level: f64 = self.levels.iter().zip(coefficients).map(|(l, c)| l * c).sum();
+        if self.is_scattered {
+            let local = |k: usize| {
+                let sum = |[f, x, y]: LocalValues, ([b, b_x, b_y], c): (LocalValues, &f64)| {
+                    [f + c * b, x + c * b_x, y + c * b_y]
+                };
+                self.row(k).zip(coefficients).fold([0.0; 3], sum)
+            };
+            return (0..self.len()).map(local).collect();
+        }
         let mut locals = vec![[0.0; 3]; self.len()];
         let count = self.across.places.len();
         let rows = self.along.places[0].p.len();
@@ -273,6 +323,9 @@ impl Basis {
     }
 
     fn pair(&self, k: usize) -> (&AxisNode, &AxisNode) {
+        if self.is_scattered {
+            return (&self.along.places[k], &self.across.places[k]);
+        }
         let count = self.across.places.len();
         (&self.along.places[k / count], &self.across.places[k % count])
     }

@@ -201,27 +201,6 @@ impl DesignProblem {
         }
     }
 
-    /// How much the chart coordinates `q` count in an integral over the picture: the area of the picture for an area of
-    /// the chart. What a view's mirror has beyond the frame is seen by nobody, and counts only as far as it must go on
-    /// smoothly.
-    #[must_use]
-    pub(super) fn weight_at(&self, q: DVec2) -> f64 {
-        /// So little that it changes no figure within the frame, and enough to determine the mirror.
-        const BEYOND_FRAME: f64 = 1e-4;
-        let (view, camera) = (&self.view, &self.camera);
-        let density = camera.picture.density(q);
-        match view.is_framed() && !camera.frames(camera.picture.image_point(q)) {
-            true => BEYOND_FRAME * density,
-            false => density,
-        }
-    }
-
-    /// Whether all places count as their areas.
-    #[must_use]
-    pub(super) fn is_even(&self) -> bool {
-        self.camera.picture.is_identity() && !self.view.is_framed()
-    }
-
     /// The problem of a perspective or fisheye view on a rectangle: the angle of view is that of the frame's width.
     fn azimuthal(profile: &Profile, wanted: &AzimuthalSpec, camera: Camera) -> Self {
         let area = rectangle_of(profile, &camera);

@@ -47,11 +47,11 @@ pub(super) fn solved(
 fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
     match problem.domain {
         Outline::Rect(area) => {
-            let whole = Basis::rectangle(area, problem.mirror_symmetric[0], degree, places);
-            let whole = match problem.is_even() || places == NodeSet::Extrema {
-                true => whole,
-                false => whole.with_density(|q| problem.weight_at(q)),
-            };
+            let (even_x, camera) = (problem.mirror_symmetric[0], &problem.camera);
+            if problem.view.is_framed() {
+                return Basis::over_frame(area, even_x, degree, places, camera);
+            }
+            let whole = Basis::rectangle(area, even_x, degree, places);
             match problem.section {
                 Some(panel) => whole.with_mean_zero_over(panel, area),
                 None => whole,
