@@ -9,7 +9,7 @@
 //! Z = plane + u     X, Y = q exp(-k f) + b u     u = (1 - exp(-k f)) / k        (k = 0: u = f)
 //! ```
 //!
-//! which is o + exp(F) d with F = -k f (docs/theory.md, T9): one formula for all cameras. A lean shears space
+//! which is o + exp(F) d with F = -k f (docs/theory.md, T9 and T95): one formula for all cameras. A lean shears space
 //! along the reference plane. In (q, h) with h = (exp(k f) - 1) / k the map is projective, so a plane stays a
 //! plane and a flat facet is linear interpolation of h.
 

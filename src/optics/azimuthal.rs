@@ -2,7 +2,7 @@
 //!
 //! A view is an axisymmetric law about a centre direction c in the place of the axis. The law gives a direction
 //! about the axis; the rotation that carries the axis to c on the shortest way is a Moebius map of stereographic
-//! coordinates, s -> (s + c) / (1 - conj(c) s): half a turn about the axis and one about the normal of a flat
+//! coordinates, s -> (s + c) / (1 - conj(c) s) (docs/theory.md, T98): half a turn about the axis and one about the normal of a flat
 //! mirror that shows c ([`stereographic::reflect`]). The view is therefore the one that a camera with that angle
 //! of view has in a flat mirror, and a flat mirror is the exact one where the angle is the camera's own.
 

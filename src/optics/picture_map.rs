@@ -3,7 +3,7 @@
 //! The mirror is a height over chart coordinates q, mm on a plane across the part; the picture has its own
 //! coordinates w, mm at the scale of a pixel's side where the camera's axis meets that plane, from the middle
 //! of the frame. For a camera over the part, looking straight down, both are one. A camera that looks at the
-//! plane obliquely sees it in perspective: w is a projective function of q (docs/theory.md, T59).
+//! plane obliquely sees it in perspective: w is a projective function of q (docs/theory.md, T97).
 
 use crate::geom::{DVec2, DVec3};
 use crate::num::{Dual, Scalar, cos, radians, sin};

@@ -29,6 +29,8 @@ pub fn shipped() -> &'static [Shipped] {
         "phone",
         "robot-floor",
         "side-view",
+        "driver",
+        "floor",
         "conformal",
         "parabolic",
         "hyperbolic",

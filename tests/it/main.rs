@@ -58,5 +58,6 @@ mod tracing;
 mod unchanged;
 mod unwrap;
 mod verdicts;
+mod views;
 mod volume;
 mod witness_physics;
