@@ -1,5 +1,6 @@
-//! A study of tolerances in words, as a page and in plots.
+//! A study of tolerances in words, as a page and in charts.
 
+mod conclusions;
 mod page;
 mod plots;
 mod rows;
