@@ -9,7 +9,7 @@ use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors
 use crate::report::{PartFigures, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
-use crate::trace::{PixelTrace, Scene, TraceStrip};
+use crate::trace::{CameraTrace, Outcome, PixelTrace, Scene, TraceStrip};
 use crate::verdict::sharpness::spot_sizes;
 
 /// The part's figures from a coarse mesh of its own; none where it has none.
@@ -24,6 +24,17 @@ pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures
     let scene = Scene::new(mesh.clone());
     let still = shaded_view(&scene).to_png().ok()?;
     Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
+}
+
+/// For each pixel of a thinned frame whether the part is in the way of what it sees: of the coarse part that a page
+/// turns. None where the part has no mesh.
+pub(crate) fn shadowed(design: &Design, frame: ThinnedFrame) -> Option<Vec<bool>> {
+    let face = coarse_mesh(&design.mirror);
+    let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;
+    let scene = Scene::new(solid.mesh().clone());
+    let camera = design.camera.with_pixels(frame.pixels());
+    let (ends, _) = CameraTrace::new(&scene, &camera, scene.above_mm()).run();
+    Some(ends.iter().map(|end| matches!(end.outcome, Outcome::Shadowed(_))).collect())
 }
 
 /// Most columns of a map on a page.
