@@ -1,13 +1,13 @@
-//! Sweeps of a benchmark as charts of error against run time, a panel a profile.
+//! Sweeps of a benchmark as plots of error against run time, a panel a profile.
 
 use super::{BenchRun, BenchSweep};
 use crate::geom::DVec2;
 use crate::raster::EncodingError;
 use crate::report::{
-    Anchor, Axis, Dash, Ink, LETTER, Margins, Marker, Picture, Plot, Stroke, text_width,
+    Anchor, Axis, Dash, Diagram, Ink, LETTER, Margins, Marker, Plot, Stroke, text_width,
 };
 
-/// Width of a picture, units of its letters: they can be read where it is shown 400 pixels wide.
+/// Width of a diagram, units of its letters: they can be read where it is shown 400 pixels wide.
 const WIDTH: f64 = 600.0;
 /// Least height of a panel, with the room below it, and of all panels: the label of Y is as long, units.
 const PANEL: f64 = 156.0;
@@ -17,7 +17,7 @@ const GAP: f64 = 10.0;
 const ROW_GAP: f64 = 16.0;
 /// From line to line of text, units.
 const LINE: f64 = 17.0;
-/// From the picture's edges, units.
+/// From the diagram's edges, units.
 const EDGE: f64 = 8.0;
 
 /// Looks of the series, of which the first are the commonest: colour, point and line tell them apart, each alone.
@@ -30,7 +30,7 @@ impl BenchSweep {
     /// no other of their profile beats in both.
     #[must_use]
     pub fn svg(&self) -> String {
-        self.picture().svg_file(&format!("{}: error against run time", self.about))
+        self.diagram().svg_file(&format!("{}: error against run time", self.about))
     }
 
     /// The same as PNG.
@@ -38,10 +38,10 @@ impl BenchSweep {
     /// # Errors
     /// What the encoder reports.
     pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
-        self.picture().png()
+        self.diagram().png()
     }
 
-    fn picture(&self) -> Picture {
+    fn diagram(&self) -> Diagram {
         // What is no error has no place on a logarithmic axis.
         let shown = |run: &&BenchRun| run.error > 0.0 && run.error.is_finite();
         let runs: Vec<&BenchRun> = self.runs.iter().filter(shown).collect();
@@ -56,14 +56,14 @@ impl BenchSweep {
         let margins = Margins::of(&x, &y);
         let top = EDGE + LINE * head.lines() as f64 + 6.0;
         let height = top + panel * rows as f64 - ROW_GAP + margins.bottom;
-        let mut picture = Picture::new(WIDTH, height);
-        head.draw(&mut picture);
+        let mut diagram = Diagram::new(WIDTH, height);
+        head.draw(&mut diagram);
         let width = (WIDTH - margins.left - margins.right.max(EDGE) + GAP) / columns as f64;
         for (k, profile) in profiles.iter().enumerate() {
             let (column, row) = (k % columns, k / columns);
             let low = DVec2::new(margins.left + width * column as f64, top + panel * row as f64);
             let area = [low, low + DVec2::new(width - GAP, panel - ROW_GAP)];
-            let mut plot = Plot::within(&mut picture, area, &x, &y);
+            let mut plot = Plot::within(&mut diagram, area, &x, &y);
             if column == 0 {
                 plot.draw_y_ticks();
             }
@@ -73,10 +73,10 @@ impl BenchSweep {
             draw_panel(&mut plot, &curves, profile);
         }
         let middle = 0.5 * (margins.left + WIDTH);
-        picture.text(Ink::Text, DVec2::new(middle, height - 5.0), Anchor::Middle, &*x.label);
+        diagram.text(Ink::Text, DVec2::new(middle, height - 5.0), Anchor::Middle, &*x.label);
         let middle = top + 0.5 * (panel * rows as f64 - ROW_GAP);
-        picture.turned_text(Ink::Text, DVec2::new(LETTER[1], middle), &y.label);
-        picture
+        diagram.turned_text(Ink::Text, DVec2::new(LETTER[1], middle), &y.label);
+        diagram
     }
 }
 
@@ -193,11 +193,11 @@ impl Head {
         self.texts.len() + self.keys.len()
     }
 
-    fn draw(&self, picture: &mut Picture) {
+    fn draw(&self, diagram: &mut Diagram) {
         let mut y = EDGE - 4.0;
         for text in &self.texts {
             y += LINE;
-            picture.text(Ink::Text, DVec2::new(EDGE, y), Anchor::Start, &**text);
+            diagram.text(Ink::Text, DVec2::new(EDGE, y), Anchor::Start, &**text);
         }
         for line in &self.keys {
             y += LINE;
@@ -207,12 +207,12 @@ impl Head {
                 match look {
                     Some(Look { ink, marker, dash }) => {
                         let stroke = Stroke { ink: *ink, width: 1.5, dash: *dash };
-                        picture.lines(stroke, [vec![at(0.0), at(SAMPLE - 6.0)]]);
-                        picture.point(*ink, *marker, at(0.5 * (SAMPLE - 6.0)), 2.6);
+                        diagram.lines(stroke, [vec![at(0.0), at(SAMPLE - 6.0)]]);
+                        diagram.point(*ink, *marker, at(0.5 * (SAMPLE - 6.0)), 2.6);
                     }
-                    None => picture.point(Ink::Text, Marker::Ring, at(0.5 * (SAMPLE - 6.0)), 4.5),
+                    None => diagram.point(Ink::Text, Marker::Ring, at(0.5 * (SAMPLE - 6.0)), 4.5),
                 }
-                picture.text(Ink::Text, DVec2::new(x + SAMPLE, y), Anchor::Start, &**name);
+                diagram.text(Ink::Text, DVec2::new(x + SAMPLE, y), Anchor::Start, &**name);
                 x += SAMPLE + text_width(name) + 2.0 * GAP;
             }
         }
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_draw_is_an_empty_chart() {
+    fn nothing_to_draw_is_an_empty_plot() {
         let mut sweep = sweep();
         sweep.runs.iter_mut().for_each(|run| run.error = 0.0);
         assert!(!sweep.svg().contains("NaN"));

@@ -9,7 +9,9 @@ use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors
 use crate::report::{PartFigures, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
-use crate::trace::{CameraTrace, Outcome, PixelTrace, Scene, TraceStrip};
+#[cfg(feature = "studio")]
+use crate::trace::{CameraTrace, Outcome};
+use crate::trace::{PixelTrace, Scene, TraceStrip};
 use crate::verdict::sharpness::spot_sizes;
 
 /// The part's figures from a coarse mesh of its own; none where it has none.
@@ -28,6 +30,7 @@ pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures
 
 /// For each pixel of a thinned frame whether the part is in the way of what it sees: of the coarse part that a page
 /// turns. None where the part has no mesh.
+#[cfg(feature = "studio")]
 pub(crate) fn shadowed(design: &Design, frame: ThinnedFrame) -> Option<Vec<bool>> {
     let face = coarse_mesh(&design.mirror);
     let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;

@@ -308,7 +308,7 @@ mod tests {
         assert_eq!(map.key_marks(), [Some(MarkedPlace { at: [20, 15], room: 11 }), None]);
         let (width, _, rgb) = decoded(&map.png().unwrap());
         let zoom = 11;
-        let around = |x: u32, y: u32| &rgb[3 * (y * width + x) as usize..][..3] == [255; 3];
+        let around = |x: u32, y: u32| rgb[3 * (y * width + x) as usize..][..3] == [255; 3];
         let inked = (18 * zoom..23 * zoom)
             .flat_map(|x| (13 * zoom..18 * zoom).map(move |y| (x, y)))
             .filter(|(x, y)| around(*x, *y))

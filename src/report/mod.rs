@@ -8,7 +8,6 @@ mod blur;
 mod build;
 mod build_figures;
 mod build_forecast;
-mod chart;
 mod fact_rows;
 mod frame;
 mod machining;
@@ -16,6 +15,7 @@ mod maps;
 mod meanings;
 mod measured;
 mod page;
+mod plot;
 mod render;
 mod replay;
 mod sharpness;
@@ -26,12 +26,12 @@ mod visible;
 
 pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use build_figures::{BuildFigures, PartFigures};
-pub(crate) use chart::{
-    Anchor, Axis, Dash, Ink, LETTER, Margins, Marker, Picture, Plot, Stroke, text_width,
-};
 pub use maps::{form_map, gouge_map, pixel_error_map, spot_map};
 #[cfg(feature = "studio")]
 pub(crate) use page::{STYLE, THREE, VIEWER};
+pub(crate) use plot::{
+    Anchor, Axis, Dash, Diagram, Ink, LETTER, Margins, Marker, Plot, Stroke, text_width,
+};
 #[cfg(feature = "studio")]
 pub(crate) use sharpness::PlainSharpness;
 pub use text_layout::TextLayout;

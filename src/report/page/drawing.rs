@@ -1,13 +1,13 @@
 //! Drawings to scale.
 
 use crate::geom::DVec2;
-use crate::report::chart::{Anchor, Dash, Ink, Picture, Stroke};
+use crate::report::plot::{Anchor, Dash, Diagram, Ink, Stroke};
 
 /// A drawing to scale: places are in mm, y upwards.
 pub(super) struct Drawing {
     low: DVec2,
     high: DVec2,
-    picture: Picture,
+    diagram: Diagram,
 }
 
 /// The look of edges of the part.
@@ -23,12 +23,12 @@ impl Drawing {
     pub(super) fn new([low, high]: [DVec2; 2], width: f64) -> Self {
         let scale = (width - 2.0 * MARGIN) / (high.x - low.x);
         let height = (high.y - low.y) * scale + 2.0 * MARGIN;
-        Self { low, high, picture: Picture::new(width, height) }
+        Self { low, high, diagram: Diagram::new(width, height) }
     }
 
     /// Units a millimetre.
     fn scale(&self) -> f64 {
-        (self.picture.size.x - 2.0 * MARGIN) / (self.high.x - self.low.x)
+        (self.diagram.size.x - 2.0 * MARGIN) / (self.high.x - self.low.x)
     }
 
     /// Millimetres that a length of the drawing is on the part.
@@ -49,13 +49,13 @@ impl Drawing {
     ) {
         let lines = lines.into_iter().map(|line| line.iter().map(|at| self.place(*at)).collect());
         let lines: Vec<Vec<DVec2>> = lines.collect();
-        self.picture.lines(stroke, lines);
+        self.diagram.lines(stroke, lines);
     }
 
     /// Adds a text, `offset` units to the right and down from its place.
     pub(super) fn text(&mut self, at: DVec2, offset: [f64; 2], anchor: Anchor, text: &str) {
         let at = self.place(at) + DVec2::from_array(offset);
-        self.picture.text(Ink::Text, at, anchor, text);
+        self.diagram.text(Ink::Text, at, anchor, text);
     }
 
     /// Adds a length between two places with arrows at both ends, and its text.
@@ -76,7 +76,7 @@ impl Drawing {
 
     /// The drawing as SVG, with what it shows for those who do not see it.
     pub(super) fn svg(&self, label: &str) -> String {
-        self.picture.svg(label)
+        self.diagram.svg(label)
     }
 }
 

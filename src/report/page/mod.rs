@@ -22,7 +22,7 @@ use base64::prelude::BASE64_STANDARD;
 
 /// Shades of every colour, for light and dark.
 pub(super) const COLOURS: &str = include_str!("assets/colours.css");
-/// Looks of drawings and charts.
+/// Looks of drawings and plots.
 pub(super) const DRAWING: &str = include_str!("assets/drawing.css");
 /// Looks of every page: light and dark, on a telephone's width, and on A4.
 pub(crate) const STYLE: &str = concat!(

@@ -5,7 +5,7 @@ use super::drawing::{Drawing, EDGE, PART};
 use crate::geom::DVec2;
 use crate::num::rounding::floor_125;
 use crate::render::PartSection;
-use crate::report::chart::Anchor;
+use crate::report::plot::Anchor;
 
 /// Width of the drawing, units of its letters.
 const WIDTH: f64 = 440.0;

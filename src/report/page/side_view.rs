@@ -4,7 +4,7 @@ use super::Figure;
 use super::drawing::{Drawing, EDGE, PART};
 use crate::geom::DVec2;
 use crate::render::{PartSection, SideView, ViewRay};
-use crate::report::chart::{Anchor, Ink, Stroke};
+use crate::report::plot::{Anchor, Ink, Stroke};
 
 /// Width of the drawing, units of its letters.
 const WIDTH: f64 = 440.0;

@@ -1,4 +1,4 @@
-//! What to conclude from the charts of a study.
+//! What to conclude from the plots of a study.
 
 use crate::results::{digits, displacement, percent};
 use crate::tolerance::{SourceFacts, Study};
@@ -56,7 +56,7 @@ fn hold(source: &SourceFacts) -> String {
     }
 }
 
-/// Of the trials, of which so many lie beyond the chart.
+/// Of the trials, of which so many lie beyond the plot.
 pub(super) fn trials(study: &Study, beyond: usize) -> String {
     let Study { trials, budget_px, lost_trials, adjusted, .. } = study;
     let [p50, p95] = [adjusted.p50_px, adjusted.p95_px];
@@ -81,7 +81,7 @@ pub(super) fn trials(study: &Study, beyond: usize) -> String {
         "; {share:.1} % keep the budget of {budget_px} px, {enough}: {target} % are asked."
     );
     if beyond > 0 {
-        text += &format!(" {beyond} lie beyond the chart.");
+        text += &format!(" {beyond} lie beyond the plot.");
     }
     if *lost_trials > 0 {
         text += &format!(" {lost_trials} lose rays and are in no bar.");

@@ -1,4 +1,4 @@
-//! A study of tolerances in words, as a page and in charts.
+//! A study of tolerances in words, as a page and in plots.
 
 mod conclusions;
 mod page;

@@ -1,12 +1,12 @@
-//! The charts of a study of tolerances.
+//! The plots of a study of tolerances.
 
 use super::conclusions::{linearity, shares, trials, yields_kept};
-use crate::report::chart::{Anchor, Axis, Ink, Marker, Picture, Plot, Stroke};
 use crate::report::page::Figure;
+use crate::report::plot::{Anchor, Axis, Diagram, Ink, Marker, Plot, Stroke};
 use crate::results::percent;
 use crate::tolerance::{Criterion, PlotData, Study};
 
-/// Width and height of a chart, units.
+/// Width and height of a plot, units.
 const SIZE: [f64; 2] = [440.0, 320.0];
 /// Sources with bars of their own.
 const BARS: usize = 10;
@@ -16,16 +16,16 @@ const HEADROOM: f64 = 1.4;
 /// Lengths of the trials' range within which a budget is drawn: beyond, bars would be slivers.
 const NEAR: f64 = 4.0;
 
-/// All charts of a study, with what to conclude from each.
+/// All plots of a study, with what to conclude from each.
 pub(super) fn figures(study: &Study, points: &PlotData) -> [Figure; 4] {
-    let figure = |title: &str, picture: Picture, caption: String| Figure {
+    let figure = |title: &str, diagram: Diagram, caption: String| Figure {
         title: title.into(),
-        body: picture.svg(title),
+        body: diagram.svg(title),
         caption,
     };
     let range = TrialRange::of(&points.figures, study.budget_px);
     [
-        figure("Shares of the variance", shares_chart(study), shares(study)),
+        figure("Shares of the variance", shares_plot(study), shares(study)),
         figure(
             "Displacement of the trials",
             histogram(study, points, &range),
@@ -101,15 +101,15 @@ fn largest_shares(study: &Study) -> Vec<(String, f64)> {
 }
 
 /// Bars of the sources' shares, each with the sum from the largest to it.
-fn shares_chart(study: &Study) -> Picture {
+fn shares_plot(study: &Study) -> Diagram {
     let shares = largest_shares(study);
     let most = shares.iter().map(|share| 100.0 * share.1).fold(1.0, f64::max);
     // Right of the longest bar is room for its text and for the sums.
     let mut x = Axis::linear([0.0, 1.8 * most], "share of the variance, %");
     x.ticks.retain(|tick| tick.0 <= most.max(0.5 * x.ends[1]).min(100.0));
     let y = Axis::of_rows(shares.iter().map(|share| share.0.clone()));
-    let mut picture = Picture::new(SIZE[0], SIZE[1]);
-    let mut plot = Plot::new(&mut picture, &x, &y);
+    let mut diagram = Diagram::new(SIZE[0], SIZE[1]);
+    let mut plot = Plot::new(&mut diagram, &x, &y);
     let (end, mut sum) = (x.ends[1], 0.0);
     for (row, (_, share)) in (0..).map(f64::from).zip(&shares) {
         let share = 100.0 * share;
@@ -120,11 +120,11 @@ fn shares_chart(study: &Study) -> Picture {
         let text = format!("sum {sum:.1} %");
         plot.label(Ink::Faint, [end, row + 0.5], [0.0, 4.0], Anchor::End, &text);
     }
-    picture
+    diagram
 }
 
 /// Where the figures lie, with the budget and percentiles.
-fn histogram(study: &Study, points: &PlotData, range: &TrialRange) -> Picture {
+fn histogram(study: &Study, points: &PlotData, range: &TrialRange) -> Diagram {
     let TrialRange { least_px, most_px, .. } = *range;
     let width = range.length_px() / BINS as f64;
     let mut bins = [0.0; BINS];
@@ -135,8 +135,8 @@ fn histogram(study: &Study, points: &PlotData, range: &TrialRange) -> Picture {
     let top = HEADROOM * bins.iter().copied().fold(0.0, f64::max).max(1.0);
     let x = Axis::around(range.with_near(study.budget_px), format!("{}, px", criterion(study)));
     let y = Axis::linear([0.0, top], "share of the trials in a bar, %");
-    let mut picture = Picture::new(SIZE[0], SIZE[1]);
-    let mut plot = Plot::new(&mut picture, &x, &y);
+    let mut diagram = Diagram::new(SIZE[0], SIZE[1]);
+    let mut plot = Plot::new(&mut diagram, &x, &y);
     for (k, share) in bins.into_iter().enumerate().filter(|(_, share)| *share > 0.0) {
         let [from, to] = [k, k + 1].map(|k| least_px + k as f64 * width);
         plot.bar(Ink::Blue, [[from, 0.0], [to, share]]);
@@ -147,7 +147,7 @@ fn histogram(study: &Study, points: &PlotData, range: &TrialRange) -> Picture {
     let lines: Vec<_> =
         shown.map(|(name, px)| (Stroke::dashed(Ink::Text, 1.2), px, name)).collect();
     draw_budget(&mut plot, &x, study, lines);
-    picture
+    diagram
 }
 
 /// Draws upright lines, and the budget or, where the axis ends before it, on which side it lies.
@@ -168,33 +168,33 @@ fn draw_budget(plot: &mut Plot, x: &Axis, study: &Study, lines: Vec<(Stroke, f64
 }
 
 /// Both ways to the figure, trial by trial.
-fn scatter(study: &Study, points: &PlotData) -> Picture {
+fn scatter(study: &Study, points: &PlotData) -> Diagram {
     let mut both: Vec<f64> = points.pairs.iter().flatten().copied().collect();
     both.sort_by(f64::total_cmp);
     let TrialRange { least_px, most_px, .. } = TrialRange::of(&both, study.budget_px);
     let axis =
         |way: &str| Axis::around([least_px, most_px], format!("{way}: {}, px", criterion(study)));
     let (x, y) = (axis("full trace"), axis("first derivatives"));
-    let mut picture = Picture::new(SIZE[0], SIZE[1]);
-    let mut plot = Plot::new(&mut picture, &x, &y);
+    let mut diagram = Diagram::new(SIZE[0], SIZE[1]);
+    let mut plot = Plot::new(&mut diagram, &x, &y);
     let shown = |pair: &&[f64; 2]| pair.iter().all(|px| *px <= most_px);
     let pairs = points.pairs.iter().filter(shown).copied();
     plot.points((Ink::Blue, Marker::Disc, 2.5), pairs);
     let [low, high] = x.ends;
     plot.line(Stroke::solid(Ink::Red, 1.5), [[low, low], [high, high]]);
     plot.label(Ink::Red, [high, high], [-40.0, 18.0], Anchor::End, "both agree");
-    picture
+    diagram
 }
 
 /// The share of parts that keep a budget, with its interval.
-fn yields(study: &Study, points: &PlotData, range: &TrialRange) -> Picture {
+fn yields(study: &Study, points: &PlotData, range: &TrialRange) -> Diagram {
     let most = 1.05 * range.most_px.max(study.budget_px);
     let shown: Vec<_> = points.yields.iter().filter(|(px, _)| *px <= most).collect();
     let least = shown.first().map_or(0.0, |first| first.0);
     let x = Axis::linear([least, most], format!("budget for the {}, px", criterion(study)));
     let y = Axis::linear([0.0, 100.0], "yield, %");
-    let mut picture = Picture::new(SIZE[0], SIZE[1]);
-    let mut plot = Plot::new(&mut picture, &x, &y);
+    let mut diagram = Diagram::new(SIZE[0], SIZE[1]);
+    let mut plot = Plot::new(&mut diagram, &x, &y);
     let upper = shown.iter().map(|(px, share)| [*px, 100.0 * share.high]);
     let lower = shown.iter().rev().map(|(px, share)| [*px, 100.0 * share.low]);
     plot.outline((Ink::Blue, 0.3), upper.chain(lower));
@@ -203,5 +203,5 @@ fn yields(study: &Study, points: &PlotData, range: &TrialRange) -> Picture {
     let target = percent(study.target_yield);
     plot.mark_y(Stroke::dashed(Ink::Green, 2.0), target, &format!("asked {target} %"));
     draw_budget(&mut plot, &x, study, Vec::new());
-    picture
+    diagram
 }

@@ -1,4 +1,4 @@
-//! Pictures of lines, areas, points and texts, whose unit is a thirteenth of a letter's height.
+//! Diagrams of lines, areas, points and texts, whose unit is a thirteenth of a letter's height.
 
 use crate::geom::DVec2;
 use crate::raster::Srgb;
@@ -163,16 +163,16 @@ pub(super) enum Mark {
     Text { ink: Ink, at: DVec2, anchor: Anchor, is_turned: bool, text: String },
 }
 
-/// A picture that is being drawn.
+/// A diagram that is being drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Picture {
+pub(crate) struct Diagram {
     /// Width and height, units.
     pub size: DVec2,
     pub(super) marks: Vec<Mark>,
 }
 
-impl Picture {
-    /// An empty picture of a width and height, units.
+impl Diagram {
+    /// An empty diagram of a width and height, units.
     pub(crate) fn new(width: f64, height: f64) -> Self {
         Self { size: DVec2::new(width, height), marks: Vec::new() }
     }

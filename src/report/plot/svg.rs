@@ -1,12 +1,12 @@
-//! A picture as SVG.
+//! A diagram as SVG.
 
-use super::picture::{Anchor, Dash, Ink, Mark, Marker, Picture, Stroke};
+use super::diagram::{Anchor, Dash, Diagram, Ink, Mark, Marker, Stroke};
 use crate::geom::DVec2;
 use crate::report::page::{COLOURS, DRAWING, escaped};
 use std::fmt::Write;
 
-impl Picture {
-    /// The picture in a page, whose style sheet has its colours; `label` says what it shows to those who do not see it.
+impl Diagram {
+    /// The diagram in a page, whose style sheet has its colours; `label` says what it shows to those who do not see it.
     pub(crate) fn svg(&self, label: &str) -> String {
         let DVec2 { x: width, y: height } = self.size;
         let label = escaped(label);
@@ -16,7 +16,7 @@ impl Picture {
         )
     }
 
-    /// The picture as a file of its own, with its colours for light and dark.
+    /// The diagram as a file of its own, with its colours for light and dark.
     pub(crate) fn svg_file(&self, label: &str) -> String {
         let DVec2 { x: width, y: height } = self.size;
         let label = escaped(label);
@@ -130,14 +130,14 @@ mod tests {
 
     #[test]
     fn texts_are_escaped_and_files_are_well_formed() {
-        let mut picture = Picture::new(100.0, 50.0);
-        picture.text(Ink::Text, DVec2::new(1.0, 20.0), Anchor::Start, "a<b> & \"c\"");
-        picture.turned_text(Ink::Faint, DVec2::new(9.0, 20.0), "x < y");
-        picture.point(Ink::Red, Marker::Triangle, DVec2::splat(f64::NAN), 3.0);
-        picture.area(Ink::Red, 0.5, vec![DVec2::ZERO, DVec2::splat(f64::INFINITY)]);
+        let mut diagram = Diagram::new(100.0, 50.0);
+        diagram.text(Ink::Text, DVec2::new(1.0, 20.0), Anchor::Start, "a<b> & \"c\"");
+        diagram.turned_text(Ink::Faint, DVec2::new(9.0, 20.0), "x < y");
+        diagram.point(Ink::Red, Marker::Triangle, DVec2::splat(f64::NAN), 3.0);
+        diagram.area(Ink::Red, 0.5, vec![DVec2::ZERO, DVec2::splat(f64::INFINITY)]);
         let line = vec![DVec2::ZERO, DVec2::splat(f64::NAN), DVec2::ONE];
-        picture.lines(Stroke::dashed(Ink::Blue, 1.5), [line]);
-        for svg in [picture.svg("<label>"), picture.svg_file("<label>")] {
+        diagram.lines(Stroke::dashed(Ink::Blue, 1.5), [line]);
+        for svg in [diagram.svg("<label>"), diagram.svg_file("<label>")] {
             assert!(svg.contains("a&lt;b&gt; &amp; &quot;c&quot;</text>"), "{svg}");
             assert!(svg.contains("d=\"M0.0 0.0L1.0 1.0\"") && !svg.contains("NaN"), "{svg}");
             let mut reader = quick_xml::Reader::from_str(&svg);

@@ -1,8 +1,8 @@
 //! A plot: two axes, and what is drawn between them.
 
 use super::axis::Axis;
+use super::diagram::{Anchor, Diagram, Ink, LETTER, Marker, Stroke, text_width};
 use super::labels::{Labels, extent};
-use super::picture::{Anchor, Ink, LETTER, Marker, Picture, Stroke, text_width};
 use crate::geom::DVec2;
 
 /// Room between a tick and its text, units.
@@ -40,9 +40,9 @@ impl Margins {
     }
 }
 
-/// A plot that is being drawn into a picture.
+/// A plot that is being drawn into a diagram.
 pub(crate) struct Plot<'a> {
-    picture: &'a mut Picture,
+    diagram: &'a mut Diagram,
     /// Upper left and lower right corner of the area between the axes.
     area: [DVec2; 2],
     x: &'a Axis,
@@ -53,44 +53,44 @@ pub(crate) struct Plot<'a> {
 }
 
 impl<'a> Plot<'a> {
-    /// A plot that fills a picture: grid, ticks and the axes' labels.
-    pub(crate) fn new(picture: &'a mut Picture, x: &'a Axis, y: &'a Axis) -> Self {
+    /// A plot that fills a diagram: grid, ticks and the axes' labels.
+    pub(crate) fn new(diagram: &'a mut Diagram, x: &'a Axis, y: &'a Axis) -> Self {
         let Margins { left, right, top, bottom } = Margins::of(x, y);
-        let area = [DVec2::new(left, top), picture.size - DVec2::new(right, bottom)];
-        let mut plot = Self::within(picture, area, x, y);
-        plot.sides = [0.0, plot.picture.size.x];
+        let area = [DVec2::new(left, top), diagram.size - DVec2::new(right, bottom)];
+        let mut plot = Self::within(diagram, area, x, y);
+        plot.sides = [0.0, plot.diagram.size.x];
         plot.draw_x_ticks();
         plot.draw_y_ticks();
         let [low, high] = area;
         let middle = 0.5 * (low + high);
-        let foot = plot.picture.size.y - 4.0;
+        let foot = plot.diagram.size.y - 4.0;
         let across = DVec2::new(middle.x, foot);
         let upwards = DVec2::new(LETTER[1], middle.y);
-        let picture = &mut *plot.picture;
+        let diagram = &mut *plot.diagram;
         if !x.label.is_empty() {
-            picture.text(
+            diagram.text(
                 Ink::Text,
-                inside(across, &x.label, [0.0, picture.size.x]),
+                inside(across, &x.label, [0.0, diagram.size.x]),
                 Anchor::Middle,
                 &*x.label,
             );
         }
         if !y.label.is_empty() {
-            picture.turned_text(Ink::Text, upwards, &y.label);
+            diagram.turned_text(Ink::Text, upwards, &y.label);
         }
         plot
     }
 
-    /// A plot between two corners of a picture: its grid, without texts.
+    /// A plot between two corners of a diagram: its grid, without texts.
     pub(crate) fn within(
-        picture: &'a mut Picture,
+        diagram: &'a mut Diagram,
         area: [DVec2; 2],
         x: &'a Axis,
         y: &'a Axis,
     ) -> Self {
         let [low, high] = area;
         let sides = [low.x, high.x];
-        let plot = Self { picture, area, x, y, labels: Labels::default(), sides };
+        let plot = Self { diagram, area, x, y, labels: Labels::default(), sides };
         let ticks = |axis: &Axis| if axis.has_grid { axis.ticks.clone() } else { Vec::new() };
         let upright = ticks(x).into_iter().map(|(at, _)| {
             let x = plot.across(at);
@@ -101,9 +101,9 @@ impl<'a> Plot<'a> {
             vec![DVec2::new(low.x, y), DVec2::new(high.x, y)]
         });
         let grid: Vec<Vec<DVec2>> = upright.chain(level).collect();
-        plot.picture.lines(Stroke::solid(Ink::Line, 1.0), grid);
+        plot.diagram.lines(Stroke::solid(Ink::Line, 1.0), grid);
         let axes = vec![low, DVec2::new(low.x, high.y), high];
-        plot.picture.lines(Stroke::solid(Ink::Faint, 1.0), [axes]);
+        plot.diagram.lines(Stroke::solid(Ink::Faint, 1.0), [axes]);
         plot
     }
 
@@ -128,7 +128,7 @@ impl<'a> Plot<'a> {
             self.x.ticks.iter().map(|(at, text)| (self.across(*at), text)).collect();
         for (x, text) in ticks {
             let at = inside(DVec2::new(x, y), text, self.sides);
-            self.labels.write(self.picture, (Ink::Text, text), [(at, Anchor::Middle)]);
+            self.labels.write(self.diagram, (Ink::Text, text), [(at, Anchor::Middle)]);
         }
     }
 
@@ -139,14 +139,14 @@ impl<'a> Plot<'a> {
             self.y.ticks.iter().map(|(at, text)| (self.upwards(*at), text)).collect();
         for (y, text) in ticks {
             let at = DVec2::new(x, y + 4.0);
-            self.labels.write(self.picture, (Ink::Text, text), [(at, Anchor::End)]);
+            self.labels.write(self.diagram, (Ink::Text, text), [(at, Anchor::End)]);
         }
     }
 
     /// Draws a line through values.
     pub(crate) fn line(&mut self, stroke: Stroke, values: impl IntoIterator<Item = [f64; 2]>) {
         let line = values.into_iter().map(|at| self.place(at)).collect();
-        self.picture.lines(stroke, [line]);
+        self.diagram.lines(stroke, [line]);
     }
 
     /// Draws points of a radius in units.
@@ -157,7 +157,7 @@ impl<'a> Plot<'a> {
     ) {
         for at in values {
             let at = self.place(at);
-            self.picture.point(ink, marker, at, radius);
+            self.diagram.point(ink, marker, at, radius);
         }
     }
 
@@ -168,7 +168,7 @@ impl<'a> Plot<'a> {
         values: impl IntoIterator<Item = [f64; 2]>,
     ) {
         let corners = values.into_iter().map(|at| self.place(at)).collect();
-        self.picture.area(ink, opacity, corners);
+        self.diagram.area(ink, opacity, corners);
     }
 
     /// Draws a rectangle between two corners.
@@ -181,7 +181,7 @@ impl<'a> Plot<'a> {
         let [left, right] = [self.area[0].x, self.area[1].x];
         let y = self.upwards(y);
         let ends = [DVec2::new(left, y), DVec2::new(right, y)];
-        self.picture.lines(stroke, [ends.to_vec()]);
+        self.diagram.lines(stroke, [ends.to_vec()]);
         self.labels.add_line(ends);
         let rows = [y + 12.0, y - 4.0];
         let places = rows.into_iter().flat_map(|y| {
@@ -192,7 +192,7 @@ impl<'a> Plot<'a> {
                 at(0.5 * (left + right), Anchor::Middle),
             ]
         });
-        self.labels.write(self.picture, (label_ink(stroke.ink), label), places);
+        self.labels.write(self.diagram, (label_ink(stroke.ink), label), places);
     }
 
     /// Draws upright lines, each with its label beside its upper end or, if there is no room, lower down.
@@ -201,7 +201,7 @@ impl<'a> Plot<'a> {
         let places: Vec<f64> = lines.iter().map(|line| self.across(line.1)).collect();
         for ((stroke, ..), &x) in lines.iter().zip(&places) {
             let ends = [DVec2::new(x, low.y), DVec2::new(x, high.y)];
-            self.picture.lines(*stroke, [ends.to_vec()]);
+            self.diagram.lines(*stroke, [ends.to_vec()]);
             self.labels.add_line(ends);
         }
         let rows = ((high.y - low.y) / LINE) as usize;
@@ -212,10 +212,10 @@ impl<'a> Plot<'a> {
             });
             let within = |(at, anchor): &(DVec2, Anchor)| {
                 let [from, to] = extent(*at, *anchor, label);
-                from.x >= low.x && to.x <= self.picture.size.x
+                from.x >= low.x && to.x <= self.diagram.size.x
             };
             let candidates: Vec<_> = candidates.filter(within).collect();
-            self.labels.write(self.picture, (label_ink(stroke.ink), label), candidates);
+            self.labels.write(self.diagram, (label_ink(stroke.ink), label), candidates);
         }
     }
 
@@ -230,10 +230,10 @@ impl<'a> Plot<'a> {
     ) {
         let at = self.place(at) + DVec2::from_array(offset);
         let at = match anchor {
-            Anchor::Middle => inside(at, text, [0.0, self.picture.size.x]),
+            Anchor::Middle => inside(at, text, [0.0, self.diagram.size.x]),
             _ => at,
         };
-        self.labels.write(self.picture, (ink, text), [(at, anchor)]);
+        self.labels.write(self.diagram, (ink, text), [(at, anchor)]);
     }
 
     /// Writes a label in an upper corner, or below what is there.
@@ -242,7 +242,7 @@ impl<'a> Plot<'a> {
         let x = low.x + 4.0 + anchor.share() * (high.x - low.x - 8.0);
         let rows = ((high.y - low.y) / LINE) as usize;
         let places = (0..rows).map(|row| (DVec2::new(x, low.y + 12.0 + LINE * row as f64), anchor));
-        self.labels.write(self.picture, (Ink::Text, text), places);
+        self.labels.write(self.diagram, (Ink::Text, text), places);
     }
 }
 
@@ -259,11 +259,11 @@ fn inside(at: DVec2, text: &str, [left, right]: [f64; 2]) -> DVec2 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::picture::Mark;
+    use super::super::diagram::Mark;
     use super::*;
 
     /// Corners of every text.
-    fn texts(picture: &Picture) -> Vec<([DVec2; 2], String)> {
+    fn texts(diagram: &Diagram) -> Vec<([DVec2; 2], String)> {
         let text = |mark: &Mark| match mark {
             Mark::Text { at, anchor, is_turned, text, .. } => {
                 let [low, high] = extent(*at, *anchor, text);
@@ -273,7 +273,7 @@ mod tests {
             }
             _ => None,
         };
-        picture.marks.iter().filter_map(text).collect()
+        diagram.marks.iter().filter_map(text).collect()
     }
 
     #[test]
@@ -283,8 +283,8 @@ mod tests {
             for high in odd {
                 let (x, y) =
                     (Axis::linear([low, high], "length, mm"), Axis::around([high, low], "y, %"));
-                let mut picture = Picture::new(440.0, 300.0);
-                let mut plot = Plot::new(&mut picture, &x, &y);
+                let mut diagram = Diagram::new(440.0, 300.0);
+                let mut plot = Plot::new(&mut diagram, &x, &y);
                 for (k, at) in
                     [low, high, 0.5 * (low + high), f64::INFINITY].into_iter().enumerate()
                 {
@@ -295,12 +295,12 @@ mod tests {
                 }
                 plot.line(Stroke::solid(Ink::Blue, 1.5), [[low, high], [high, low]]);
                 plot.points((Ink::Blue, Marker::Disc, 2.0), [[f64::NAN, 1.0], [high, high]]);
-                let svg = picture.svg("odd");
+                let svg = diagram.svg("odd");
                 assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{svg}");
-                let texts = texts(&picture);
+                let texts = texts(&diagram);
                 assert!(texts.len() > 8);
                 for (k, ([from, to], text)) in texts.iter().enumerate() {
-                    let is_inside = from.cmpge(DVec2::ZERO).all() && to.cmple(picture.size).all();
+                    let is_inside = from.cmpge(DVec2::ZERO).all() && to.cmple(diagram.size).all();
                     assert!(is_inside, "{low} {high}: {text} at {from} to {to}");
                     for ([a, b], other) in &texts[..k] {
                         let overlap = from.cmplt(*b).all() && a.cmplt(*to).all();
@@ -314,11 +314,11 @@ mod tests {
     #[test]
     fn values_are_drawn_where_the_axes_have_them() {
         let (x, y) = (Axis::linear([0.0, 10.0], ""), Axis::linear([0.0, 1.0], ""));
-        let mut picture = Picture::new(120.0, 120.0);
+        let mut diagram = Diagram::new(120.0, 120.0);
         let area = [DVec2::splat(10.0), DVec2::splat(110.0)];
-        let mut plot = Plot::within(&mut picture, area, &x, &y);
+        let mut plot = Plot::within(&mut diagram, area, &x, &y);
         plot.line(Stroke::solid(Ink::Blue, 2.0), [[0.0, 0.0], [5.0, 1.0]]);
-        let svg = picture.svg("a line");
+        let svg = diagram.svg("a line");
         assert!(svg.contains("d=\"M10.0 110.0L60.0 10.0\""), "{svg}");
     }
 
@@ -326,9 +326,9 @@ mod tests {
     fn rows_have_names_from_above() {
         let (x, y) =
             (Axis::linear([0.0, 1.0], "share"), Axis::of_rows(["a", "b"].map(String::from)));
-        let mut picture = Picture::new(200.0, 100.0);
-        Plot::new(&mut picture, &x, &y);
-        let texts = texts(&picture);
+        let mut diagram = Diagram::new(200.0, 100.0);
+        Plot::new(&mut diagram, &x, &y);
+        let texts = texts(&diagram);
         let height = |name: &str| texts.iter().find(|t| t.1 == name).unwrap().0[0].y;
         assert!(height("a") < height("b"));
     }

@@ -1,6 +1,6 @@
-//! A picture as PNG, in the light shades.
+//! A diagram as PNG, in the light shades.
 
-use super::picture::{Ink, LETTER, Mark, Marker, Picture, Stroke};
+use super::diagram::{Diagram, Ink, LETTER, Mark, Marker, Stroke};
 use crate::geom::DVec2;
 use crate::raster::{BitmapFont, Canvas, EncodingError, Srgb, TextBitmap};
 
@@ -11,8 +11,8 @@ const FONT: BitmapFont = BitmapFont::Px7x13;
 /// Height of a letter's cell above its base line, units.
 const ASCENT: f64 = 10.0;
 
-impl Picture {
-    /// The picture as PNG, two pixels a unit.
+impl Diagram {
+    /// The diagram as PNG, two pixels a unit.
     ///
     /// # Errors
     /// What the encoder reports.
@@ -156,13 +156,13 @@ fn draw_text(
 
 #[cfg(test)]
 mod tests {
-    use super::super::picture::Anchor;
+    use super::super::diagram::Anchor;
     use super::*;
 
     /// Columns, and rows of pixels.
-    fn pixels(picture: &Picture) -> Vec<Vec<Srgb>> {
+    fn pixels(diagram: &Diagram) -> Vec<Vec<Srgb>> {
         let mut reader =
-            png::Decoder::new(std::io::Cursor::new(picture.png().unwrap())).read_info().unwrap();
+            png::Decoder::new(std::io::Cursor::new(diagram.png().unwrap())).read_info().unwrap();
         let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut rgb).unwrap();
         let (pixels, _) = rgb.as_chunks::<3>();
@@ -171,17 +171,17 @@ mod tests {
 
     #[test]
     fn lines_areas_and_points_are_where_they_are_drawn() {
-        let mut picture = Picture::new(40.0, 20.0);
+        let mut diagram = Diagram::new(40.0, 20.0);
         let at = |x: f64, y: f64| DVec2::new(x, y);
-        picture.lines(Stroke::solid(Ink::Blue, 2.0), [vec![at(2.0, 3.0), at(38.0, 3.0)]]);
-        picture.area(
+        diagram.lines(Stroke::solid(Ink::Blue, 2.0), [vec![at(2.0, 3.0), at(38.0, 3.0)]]);
+        diagram.area(
             Ink::Red,
             1.0,
             [(2.0, 8.0), (10.0, 8.0), (10.0, 18.0), (2.0, 18.0)].map(|(x, y)| at(x, y)).to_vec(),
         );
-        picture.point(Ink::Green, Marker::Disc, at(20.0, 12.0), 3.0);
-        picture.point(Ink::Text, Marker::Ring, at(32.0, 12.0), 5.0);
-        let rows = pixels(&picture);
+        diagram.point(Ink::Green, Marker::Disc, at(20.0, 12.0), 3.0);
+        diagram.point(Ink::Text, Marker::Ring, at(32.0, 12.0), 5.0);
+        let rows = pixels(&diagram);
         assert_eq!((rows.len(), rows[0].len()), (40, 80));
         assert_eq!([rows[5][40], rows[6][40]], [Ink::Blue.srgb(); 2]);
         assert_eq!([rows[2][40], rows[9][40]], [[255; 3]; 2]);
@@ -194,10 +194,10 @@ mod tests {
 
     #[test]
     fn dashes_leave_gaps_of_their_length() {
-        let mut picture = Picture::new(100.0, 6.0);
+        let mut diagram = Diagram::new(100.0, 6.0);
         let line = vec![DVec2::new(0.0, 3.0), DVec2::new(33.0, 3.0), DVec2::new(100.0, 3.0)];
-        picture.lines(Stroke::dashed(Ink::Text, 2.0), [line]);
-        let rows = pixels(&picture);
+        diagram.lines(Stroke::dashed(Ink::Text, 2.0), [line]);
+        let rows = pixels(&diagram);
         let inked = rows[5].iter().filter(|p| **p == Ink::Text.srgb()).count();
         // Ten strokes of 6 units, two pixels each; their ends are round.
         assert!((115..145).contains(&inked), "{inked}");
@@ -206,12 +206,12 @@ mod tests {
     #[test]
     fn turned_texts_are_read_from_below() {
         let ink = |is_turned: bool| {
-            let mut picture = Picture::new(60.0, 60.0);
+            let mut diagram = Diagram::new(60.0, 60.0);
             match is_turned {
-                true => picture.turned_text(Ink::Text, DVec2::new(30.0, 30.0), "Lj"),
-                false => picture.text(Ink::Text, DVec2::new(30.0, 30.0), Anchor::Middle, "Lj"),
+                true => diagram.turned_text(Ink::Text, DVec2::new(30.0, 30.0), "Lj"),
+                false => diagram.text(Ink::Text, DVec2::new(30.0, 30.0), Anchor::Middle, "Lj"),
             }
-            pixels(&picture)
+            pixels(&diagram)
         };
         let (level, turned) = (ink(false), ink(true));
         let turned_back: Vec<Vec<Srgb>> =

@@ -1,6 +1,6 @@
 //! Labels beside what they name, none over another.
 
-use super::picture::{Anchor, Ink, LETTER, Picture, text_width};
+use super::diagram::{Anchor, Diagram, Ink, LETTER, text_width};
 use crate::geom::DVec2;
 
 /// Room between labels, units.
@@ -18,15 +18,15 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// Writes `text` at the first of some places that is inside the picture and clear of all earlier labels, and of
+    /// Writes `text` at the first of some places that is inside the diagram and clear of all earlier labels, and of
     /// lines if there is such a place; nothing where none is.
     pub(super) fn write(
         &mut self,
-        picture: &mut Picture,
+        diagram: &mut Diagram,
         (ink, text): (Ink, &str),
         places: impl IntoIterator<Item = (DVec2, Anchor)>,
     ) {
-        let size = picture.size;
+        let size = diagram.size;
         let free = places.into_iter().filter_map(|(at, anchor)| {
             let extent = extent(at, anchor, text);
             let is_inside = extent[0].cmpge(DVec2::ZERO).all() && extent[1].cmple(size).all();
@@ -39,7 +39,7 @@ impl Labels {
         };
         if let Some(&(at, anchor, extent)) = free.iter().find(is_clear).or(free.first()) {
             self.taken.push(extent);
-            picture.text(ink, at, anchor, text);
+            diagram.text(ink, at, anchor, text);
         }
     }
 
@@ -62,21 +62,21 @@ pub(super) fn extent(at: DVec2, anchor: Anchor, text: &str) -> [DVec2; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::picture::Mark;
+    use super::super::diagram::Mark;
     use super::*;
 
     #[test]
     fn labels_never_overlap_nor_leave_the_picture() {
-        let mut picture = Picture::new(200.0, 100.0);
+        let mut diagram = Diagram::new(200.0, 100.0);
         let mut labels = Labels::default();
         for k in 0..60 {
             let at = |row: i32| {
                 let y = 12.0 + 15.0 * f64::from(row);
                 (DVec2::new(f64::from(7 * k % 50) * 5.0 - 20.0, y), Anchor::Middle)
             };
-            labels.write(&mut picture, (Ink::Text, &format!("label {k}")), (0..9).map(at));
+            labels.write(&mut diagram, (Ink::Text, &format!("label {k}")), (0..9).map(at));
         }
-        let extents: Vec<[DVec2; 2]> = picture
+        let extents: Vec<[DVec2; 2]> = diagram
             .marks
             .iter()
             .map(|mark| match mark {
@@ -86,7 +86,7 @@ mod tests {
             .collect();
         assert!(extents.len() > 10);
         for (k, a) in extents.iter().enumerate() {
-            assert!(a[0].cmpge(DVec2::ZERO).all() && a[1].cmple(picture.size).all());
+            assert!(a[0].cmpge(DVec2::ZERO).all() && a[1].cmple(diagram.size).all());
             for b in &extents[..k] {
                 assert!(!overlap(*a, *b), "{a:?} {b:?}");
             }
