@@ -65,6 +65,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
         about: "Degree of the design",
         setting: "degree",
         error: "surplus_mrad",
+        error_axis: "ray error over the least of any design, mrad",
         runs,
         orders: Vec::new(),
     })

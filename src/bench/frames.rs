@@ -50,6 +50,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
         about: "Frames of any size",
         setting: "megapixels",
         error: "ns_per_pixel",
+        error_axis: "time a pixel, ns",
         runs,
         orders: orders.into_iter().flatten().collect(),
     })

@@ -29,13 +29,19 @@ pub(super) fn sweep(
     rule: GoverningLimit,
     quick: bool,
 ) -> Result<BenchSweep, BenchError> {
-    let (name, about, [setting, error], per_triangle) = match rule {
-        GoverningLimit::Facet => {
-            ("mesh-facet", "Facet error of the mesh", ["facet_px", "bound_px"], -0.5)
-        }
-        GoverningLimit::Chord => {
-            ("mesh-chord", "Chord error of the mesh", ["chord_um", "bound_um"], -1.0)
-        }
+    let (name, about, [setting, error, error_axis], per_triangle) = match rule {
+        GoverningLimit::Facet => (
+            "mesh-facet",
+            "Facet error of the mesh",
+            ["facet_px", "bound_px", "proven facet error, px"],
+            -0.5,
+        ),
+        GoverningLimit::Chord => (
+            "mesh-chord",
+            "Chord error of the mesh",
+            ["chord_um", "bound_um", "proven chord error, um"],
+            -1.0,
+        ),
     };
     let sizes = if quick { &SIZES[..3] } else { &SIZES };
     let mut runs = Vec::new();
@@ -73,7 +79,7 @@ pub(super) fn sweep(
         }
     }
     let orders = orders(&runs, per_triangle);
-    Ok(BenchSweep { name, about, setting, error, runs, orders })
+    Ok(BenchSweep { name, about, setting, error, error_axis, runs, orders })
 }
 
 /// Orders of error and time in the number of triangles, of meshes that are not mostly overhead.

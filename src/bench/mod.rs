@@ -6,7 +6,6 @@ mod frames;
 mod memory;
 mod mesh;
 mod plots;
-mod raster_backend;
 mod results;
 mod suggest;
 mod trials;
@@ -150,10 +149,10 @@ pub fn bench(
 
 /// Adds each sweep's table and plots, and all as JSON.
 fn add_files(bench: &BenchReport, files: &mut Transaction) -> Result<(), BenchError> {
-    let fail = |error: Box<dyn std::error::Error>| BenchError::Plot(error.to_string());
     for sweep in &bench.sweeps {
-        let (svg, png) = (sweep.svg().map_err(fail)?, sweep.png().map_err(fail)?);
-        let made = [("csv", sweep.csv().into_bytes()), ("svg", svg.into_bytes()), ("png", png)];
+        let png = sweep.png().map_err(|error| BenchError::Plot(error.to_string()))?;
+        let svg = sweep.svg().into_bytes();
+        let made = [("csv", sweep.csv().into_bytes()), ("svg", svg), ("png", png)];
         for (ending, bytes) in made {
             let name = format!("{}.{ending}", sweep.name);
             files.add_bytes(&name, &bytes)?;

@@ -1,227 +1,280 @@
-//! Sweeps of a benchmark as plots of error against run time.
+//! Sweeps of a benchmark as plots of error against run time, a panel a profile.
 
 use super::{BenchRun, BenchSweep};
-use crate::num::rounding::significant;
-use crate::raster::Canvas;
-use crate::report::{Failure, svg};
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use std::ops::Range;
+use crate::geom::DVec2;
+use crate::raster::EncodingError;
+use crate::report::{
+    Anchor, Axis, Dash, Diagram, Ink, LETTER, Margins, Marker, Plot, Stroke, text_width,
+};
 
-const SIZE: (u32, u32) = (1240, 640);
-const LETTERS: i32 = 15;
-/// Room for the names of curves, and for a piece of each before it, pixels.
-const NAMES: i32 = 375;
-const PIECE: i32 = 28;
+/// Width of a diagram, units of its letters: they can be read where it is shown 400 pixels wide.
+const WIDTH: f64 = 600.0;
+/// Least height of a panel, with the room below it, and of all panels: the label of Y is as long, units.
+const PANEL: f64 = 156.0;
+const PANELS: f64 = 330.0;
+/// Between panels side by side, and one above the other, where ticks are a line high, units.
+const GAP: f64 = 10.0;
+const ROW_GAP: f64 = 16.0;
+/// From line to line of text, units.
+const LINE: f64 = 17.0;
+/// From the diagram's edges, units.
+const EDGE: f64 = 8.0;
+
+/// Looks of the series, of which the first are the commonest: colour, point and line tell them apart, each alone.
+const INKS: [Ink; 3] = [Ink::Blue, Ink::Red, Ink::Green];
+const MARKERS: [Marker; 3] = [Marker::Disc, Marker::Square, Marker::Triangle];
+const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 
 impl BenchSweep {
-    /// Error against run time, both logarithmic: a curve a profile and series, with rings around the
-    /// runs that no other of their profile beats in both.
-    ///
-    /// # Errors
-    /// What the drawing library reports.
-    pub fn svg(&self) -> Result<String, Failure> {
-        svg(SIZE, |root| self.draw(root))
+    /// Error against run time, both logarithmic: a panel a profile, a line a series, with rings around the runs that
+    /// no other of their profile beats in both.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        self.diagram().svg_file(&format!("{}: error against run time", self.about))
     }
 
     /// The same as PNG.
     ///
     /// # Errors
-    /// What the drawing library or the encoder reports.
-    pub fn png(&self) -> Result<Vec<u8>, Failure> {
-        let mut canvas = Canvas::new(SIZE.0, SIZE.1);
-        {
-            let root = canvas.into_drawing_area();
-            self.draw(&root)?;
-            root.present()?;
-        }
-        Ok(canvas.png()?)
+    /// What the encoder reports.
+    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
+        self.diagram().png()
     }
 
-    fn draw<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), Failure>
-    where
-        B::ErrorType: 'static,
-    {
+    fn diagram(&self) -> Diagram {
         // What is no error has no place on a logarithmic axis.
         let shown = |run: &&BenchRun| run.error > 0.0 && run.error.is_finite();
         let runs: Vec<&BenchRun> = self.runs.iter().filter(shown).collect();
-        let font = ("sans-serif", LETTERS);
-        let mut chart = ChartBuilder::on(root)
-            .caption(self.about, ("sans-serif", 20))
-            .margin(12)
-            .margin_right(NAMES + 15)
-            .x_label_area_size(44)
-            .y_label_area_size(76)
-            .build_cartesian_2d(
-                around(runs.iter().map(|run| run.time_ms)).log_scale(),
-                around(runs.iter().map(|run| run.error)).log_scale(),
-            )?;
-        let power = |x: &f64| match (1e-3..1e5).contains(x) {
-            // Ticks are off their round numbers by roundings.
-            true => significant(*x, 1).to_string(),
-            false => format!("{x:.0e}"),
-        };
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_labels(6)
-            .y_labels(8)
-            .x_label_formatter(&power)
-            .y_label_formatter(&power)
-            .label_style(font)
-            .x_desc("run time, ms")
-            .y_desc(self.error)
-            .draw()?;
-        let mut line = FIRST_LINE;
-        for curve in curves(&runs) {
-            let points = || curve.runs.iter().map(|run| (run.time_ms, run.error));
-            let stroke = curve.colour.stroke_width(2);
-            if curve.dash == 0 {
-                chart.draw_series(LineSeries::new(points(), stroke))?;
-            } else {
-                let points: Vec<(f64, f64)> = points().collect();
-                let [ink, gap] = curve.strokes();
-                chart.draw_series(DashedLineSeries::new(points, ink, gap, stroke))?;
+        let curves = curves(&runs);
+        let profiles: Vec<&str> = distinct(runs.iter().map(|run| &*run.profile));
+        let x = Axis::logarithmic(runs.iter().map(|run| run.time_ms), "run time, ms");
+        let y = Axis::logarithmic(runs.iter().map(|run| run.error), self.error_axis);
+        let columns = [1, 2, 3][(profiles.len().saturating_sub(1) / 2).min(2)];
+        let rows = profiles.len().div_ceil(columns).max(1);
+        let panel = PANEL.max(PANELS / rows as f64);
+        let head = head(self, &curves);
+        let margins = Margins::of(&x, &y);
+        let top = EDGE + LINE * head.lines() as f64 + 6.0;
+        let height = top + panel * rows as f64 - ROW_GAP + margins.bottom;
+        let mut diagram = Diagram::new(WIDTH, height);
+        head.draw(&mut diagram);
+        let width = (WIDTH - margins.left - margins.right.max(EDGE) + GAP) / columns as f64;
+        for (k, profile) in profiles.iter().enumerate() {
+            let (column, row) = (k % columns, k / columns);
+            let low = DVec2::new(margins.left + width * column as f64, top + panel * row as f64);
+            let area = [low, low + DVec2::new(width - GAP, panel - ROW_GAP)];
+            let mut plot = Plot::within(&mut diagram, area, &x, &y);
+            if column == 0 {
+                plot.draw_y_ticks();
             }
-            chart.draw_series(points().map(|at| Circle::new(at, 2, curve.colour.filled())))?;
-            let best = curve.runs.iter().filter(|run| run.pareto);
-            let ring =
-                |run: &&BenchRun| Circle::new((run.time_ms, run.error), 5, BLACK.stroke_width(1));
-            chart.draw_series(best.map(ring))?;
-            curve.draw_name(root, line)?;
-            line += LINE;
+            if k + columns >= profiles.len() {
+                plot.draw_x_ticks();
+            }
+            draw_panel(&mut plot, &curves, profile);
         }
-        Ok(())
+        let middle = 0.5 * (margins.left + WIDTH);
+        diagram.text(Ink::Text, DVec2::new(middle, height - 5.0), Anchor::Middle, &*x.label);
+        let middle = top + 0.5 * (panel * rows as f64 - ROW_GAP);
+        diagram.turned_text(Ink::Text, DVec2::new(LETTER[1], middle), &y.label);
+        diagram
     }
 }
 
-/// The line of the first curve's name, and from line to line, pixels.
-const FIRST_LINE: i32 = 48;
-const LINE: i32 = 17;
+/// Draws the curves of a profile, and those of all others faintly behind.
+fn draw_panel(plot: &mut Plot, curves: &[Curve], profile: &str) {
+    let values = |curve: &Curve| -> Vec<[f64; 2]> {
+        curve.runs.iter().map(|run| [run.time_ms, run.error]).collect()
+    };
+    for curve in curves.iter().filter(|curve| curve.profile != profile) {
+        plot.line(Stroke::solid(Ink::Line, 1.0), values(curve));
+    }
+    for curve in curves.iter().filter(|curve| curve.profile == profile) {
+        let Look { ink, marker, dash } = curve.look;
+        plot.line(Stroke { ink, width: 1.5, dash }, values(curve));
+        plot.points((ink, marker, 2.2), values(curve));
+        let best = curve.runs.iter().filter(|run| run.pareto);
+        let best = best.map(|run| [run.time_ms, run.error]);
+        plot.points((Ink::Text, Marker::Ring, 4.5), best);
+    }
+    plot.corner_label(Anchor::End, &fitted(profile));
+}
+
+/// A name no longer than a panel is wide.
+fn fitted(name: &str) -> String {
+    let most = 22;
+    match name.chars().count() > most {
+        true => format!("{}...", name.chars().take(most - 3).collect::<String>()),
+        false => name.into(),
+    }
+}
+
+/// The look of a series.
+#[derive(Clone, Copy)]
+struct Look {
+    ink: Ink,
+    marker: Marker,
+    dash: Dash,
+}
 
 /// The runs of a profile and series.
 struct Curve<'a> {
-    name: String,
-    colour: RGBAColor,
-    /// Number of the series among those of its profile.
-    dash: usize,
+    profile: &'a str,
+    series: &'a str,
+    look: Look,
     runs: Vec<&'a BenchRun>,
 }
 
-/// The curves of a sweep, each profile's in a colour of its own.
-fn curves<'a>(runs: &[&'a BenchRun]) -> Vec<Curve<'a>> {
-    let mut profiles: Vec<&str> = runs.iter().map(|run| &*run.profile).collect();
-    profiles.dedup();
-    let mut curves = Vec::new();
-    for (k, profile) in profiles.iter().enumerate() {
-        let of_profile = || runs.iter().copied().filter(|run| run.profile == *profile);
-        let colour = HSLColor(k as f64 / profiles.len() as f64, 0.9, 0.38).to_rgba();
-        let mut series: Vec<&str> = Vec::new();
-        for run in of_profile() {
-            if !series.contains(&&*run.series) {
-                series.push(&run.series);
-            }
+fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    names.for_each(|name| {
+        if !all.contains(&name) {
+            all.push(name);
         }
-        curves.extend(series.iter().enumerate().map(|(dash, series)| {
-            let runs = of_profile().filter(|run| run.series == *series).collect();
-            let name = match series.is_empty() {
-                true => (*profile).to_owned(),
-                false => format!("{profile}, {series}"),
-            };
-            Curve { name, colour, dash, runs }
-        }));
+    });
+    all
+}
+
+/// The curves of a sweep; a series has the same look in every panel.
+fn curves<'a>(runs: &[&'a BenchRun]) -> Vec<Curve<'a>> {
+    let series = distinct(runs.iter().map(|run| &*run.series));
+    let mut curves: Vec<Curve> = Vec::new();
+    for run in runs {
+        let own = |curve: &&mut Curve| curve.profile == run.profile && curve.series == run.series;
+        if let Some(curve) = curves.iter_mut().find(own) {
+            curve.runs.push(run);
+            continue;
+        }
+        let k = series.iter().position(|name| *name == run.series).unwrap_or(0);
+        let look =
+            Look { ink: INKS[k % 3], marker: MARKERS[k % 3], dash: DASHES[k / 3 % DASHES.len()] };
+        let (profile, series) = (&*run.profile, &*run.series);
+        curves.push(Curve { profile, series, look, runs: vec![run] });
     }
     curves
 }
 
-impl Curve<'_> {
-    /// Lengths of the strokes and of the gaps between them, pixels.
-    fn strokes(&self) -> [i32; 2] {
-        let dash = self.dash as i32;
-        [12 - 2 * dash.min(4), 4 * dash]
-    }
-
-    /// Draws a piece of the curve and its name, unless the drawing ends above.
-    fn draw_name<B: DrawingBackend>(
-        &self,
-        root: &DrawingArea<B, Shift>,
-        line: i32,
-    ) -> Result<(), Failure>
-    where
-        B::ErrorType: 'static,
-    {
-        let (width, height) = root.dim_in_pixel();
-        if line >= height as i32 - 20 {
-            return Ok(());
-        }
-        let ([ink, gap], legend) = (self.strokes(), width as i32 - NAMES);
-        for at in (0..PIECE).step_by((ink + gap) as usize) {
-            let end = if self.dash == 0 { PIECE } else { PIECE.min(at + ink) };
-            let dash = [(legend + at, line + 5), (legend + end, line + 8)];
-            root.draw(&Rectangle::new(dash, self.colour.filled()))?;
-        }
-        let font = ("sans-serif", LETTERS);
-        root.draw(&Text::new(self.name.clone(), (legend + PIECE + 6, line), font))?;
-        Ok(())
-    }
+/// What stands above the panels.
+struct Head {
+    texts: Vec<String>,
+    /// Names of the looks, line by line.
+    keys: Vec<Vec<(Option<Look>, String)>>,
 }
 
-/// Powers of ten around all of `values`.
-fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let (lo, hi) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), x| (lo.min(x), hi.max(x)));
-    if lo > 0.0 && lo < hi { decade(lo)..10.0 * decade(hi) } else { 0.1..10.0 }
+/// Title, conclusion and key of a sweep.
+fn head(sweep: &BenchSweep, curves: &[Curve]) -> Head {
+    let letters = ((WIDTH - 2.0 * EDGE) / LETTER[0]) as usize;
+    let mut texts = vec![sweep.about.to_owned()];
+    let conclusion = sweep.conclusion();
+    texts.extend(textwrap::wrap(&conclusion, letters).into_iter().map(Into::into));
+    let named = distinct(curves.iter().map(|curve| curve.series).filter(|name| !name.is_empty()));
+    let look = |name: &&str| curves.iter().find(|curve| curve.series == *name).map(|c| c.look);
+    let entries = named.iter().map(|name| (look(name), (*name).to_owned()));
+    let ring = (None, "no other run of the profile is both faster and nearer".to_owned());
+    let (mut keys, mut x) = (vec![Vec::new()], 0.0);
+    for entry in entries.chain([ring]) {
+        let width = SAMPLE + text_width(&entry.1) + 2.0 * GAP;
+        if x > 0.0 && x + width > WIDTH - 2.0 * EDGE {
+            keys.push(Vec::new());
+            x = 0.0;
+        }
+        x += width;
+        if let Some(line) = keys.last_mut() {
+            line.push(entry);
+        }
+    }
+    Head { texts, keys }
 }
 
-/// The largest power of ten that is not over `x`.
-fn decade(x: f64) -> f64 {
-    let digits = format!("{x:e}");
-    let power = digits.split_once('e').map_or("0", |(_, power)| power);
-    format!("1e{power}").parse().unwrap_or(1.0)
+/// Length of the piece of a line in the key, with the room behind it, units.
+const SAMPLE: f64 = 32.0;
+
+impl Head {
+    fn lines(&self) -> usize {
+        self.texts.len() + self.keys.len()
+    }
+
+    fn draw(&self, diagram: &mut Diagram) {
+        let mut y = EDGE - 4.0;
+        for text in &self.texts {
+            y += LINE;
+            diagram.text(Ink::Text, DVec2::new(EDGE, y), Anchor::Start, &**text);
+        }
+        for line in &self.keys {
+            y += LINE;
+            let mut x = EDGE;
+            for (look, name) in line {
+                let at = |along: f64| DVec2::new(x + along, y - 4.0);
+                match look {
+                    Some(Look { ink, marker, dash }) => {
+                        let stroke = Stroke { ink: *ink, width: 1.5, dash: *dash };
+                        diagram.lines(stroke, [vec![at(0.0), at(SAMPLE - 6.0)]]);
+                        diagram.point(*ink, *marker, at(0.5 * (SAMPLE - 6.0)), 2.6);
+                    }
+                    None => diagram.point(Ink::Text, Marker::Ring, at(0.5 * (SAMPLE - 6.0)), 4.5),
+                }
+                diagram.text(Ink::Text, DVec2::new(x + SAMPLE, y), Anchor::Start, &**name);
+                x += SAMPLE + text_width(name) + 2.0 * GAP;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::results::tests::sweep;
-
-    #[test]
-    fn axes_run_from_decade_to_decade() {
-        let around = |values: &[f64]| super::around(values.iter().copied());
-        assert_eq!(around(&[0.0123, 9.99]), 0.01..10.0);
-        assert_eq!(around(&[3.0, 2.0, 7.5]), 1.0..10.0);
-        assert_eq!(around(&[1e-14, 250.0]), 1e-14..1000.0);
-        assert_eq!(around(&[]), 0.1..10.0);
-    }
-
-    /// Rows of pixels.
-    fn pixels(png: Vec<u8>) -> Vec<Vec<[u8; 3]>> {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
-        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut rgb).unwrap();
-        let (pixels, _) = rgb.as_chunks::<3>();
-        pixels.chunks(super::SIZE.0 as usize).map(<[_]>::to_vec).collect()
-    }
-
-    #[test]
-    fn the_longest_name_is_not_cut_off() {
-        let mut sweep = sweep();
-        for run in &mut sweep.runs {
-            run.profile = "conquistador".into();
-            run.series = "fixed-surface, minimax".into();
-        }
-        let rows = pixels(sweep.png().unwrap());
-        let is_white = |row: &Vec<[u8; 3]>| row[row.len() - 5..].iter().all(|p| *p == [255; 3]);
-        assert!(rows.iter().all(is_white));
-    }
+    use super::*;
 
     #[test]
     fn every_run_is_a_point_and_the_best_have_rings() {
         let sweep = sweep();
-        let svg = sweep.svg().unwrap();
-        assert_eq!(svg.matches("<circle").count(), 6 + 3);
-        assert!(svg.contains("panoramic, b") && svg.contains("surplus_mrad"));
-        assert_eq!(svg, sweep.svg().unwrap());
-        let rows = pixels(sweep.png().unwrap());
-        let inked = rows.concat().into_iter().filter(|p| *p != [255; 3]).count();
-        assert!((5_000..100_000).contains(&inked), "{inked} pixels");
+        let svg = sweep.svg();
+        // Two series, each with a point in the key, which has a ring too.
+        assert_eq!(svg.matches("class=\"point ").count(), 6 + 2);
+        assert_eq!(svg.matches("class=\"ring ").count(), 3 + 1);
+        for text in ["panoramic", "conical", "ray error", "run time, ms"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert_eq!(svg, sweep.svg());
+        assert!(sweep.png().unwrap().starts_with(b"\x89PNG"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_empty_plot() {
+        let mut sweep = sweep();
+        sweep.runs.iter_mut().for_each(|run| run.error = 0.0);
+        assert!(!sweep.svg().contains("NaN"));
+        sweep.runs.clear();
+        assert!(!sweep.svg().contains("NaN") && sweep.png().is_ok());
+    }
+
+    #[test]
+    fn texts_end_within_the_picture() {
+        let mut sweep = sweep();
+        let runs = sweep.runs.clone();
+        for k in 0..40 {
+            let name = format!("a-rather-long-name-of-a-profile-{k}");
+            let more = runs.iter().cloned();
+            sweep.runs.extend(more.map(|run| BenchRun {
+                profile: name.clone(),
+                series: format!("series-of-number-{}", k % 12),
+                ..run
+            }));
+        }
+        let svg = sweep.svg();
+        for text in svg.split("<text ").skip(1) {
+            let value = |name: &str| {
+                let from = text.split(&format!("{name}=\"")).nth(1).unwrap();
+                from.split('"').next().unwrap().to_owned()
+            };
+            let at: f64 = value(" x").parse().unwrap();
+            let words = text.split('>').nth(1).unwrap().split("</text").next().unwrap();
+            let end = match &*value("text-anchor") {
+                _ if text.contains("rotate") => at,
+                "start" => at + text_width(words),
+                "middle" => at + 0.5 * text_width(words),
+                _ => at,
+            };
+            assert!(end <= WIDTH, "{words}: {end}");
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Benchmark results as JSON, CSV and a table.
 
+use crate::num::rounding::significant;
+use crate::num::{exp, log};
 use crate::report::{Answer, AnswerRows, Head, ToRows};
 use crate::results::digits;
 use schemars::JsonSchema;
@@ -54,6 +56,9 @@ pub struct BenchSweep {
     pub setting: &'static str,
     /// The error, with its unit.
     pub error: &'static str,
+    /// The error in words, with its unit, as an axis has it.
+    #[serde(skip)]
+    pub error_axis: &'static str,
     /// Runs, curve by curve.
     pub runs: Vec<BenchRun>,
     /// Orders of convergence that were fitted.
@@ -110,6 +115,33 @@ pub struct BenchReport {
 }
 
 impl BenchSweep {
+    /// What to conclude from the sweep: what ten times the time brings, and whose runs are the best ones.
+    #[must_use]
+    pub fn conclusion(&self) -> String {
+        let order = |of: &str| self.orders.iter().find(|order| order.of == of);
+        let power = |x: f64| significant(exp(x * log(10.0)), 2);
+        if let Some(ConvergenceOrder { order, theory, .. }) = order("error ~ time") {
+            return format!(
+                "Ten times the time leaves {} of the error; by theory {}.",
+                power(*order),
+                power(*theory)
+            );
+        }
+        if let Some(ConvergenceOrder { order, theory, .. }) = order("time ~ pixels") {
+            return format!(
+                "Ten times the pixels take {} times the time; by theory {}.",
+                power(*order),
+                power(*theory)
+            );
+        }
+        let best: Vec<&BenchRun> = self.runs.iter().filter(|run| run.pareto).collect();
+        let count = |series: &str| best.iter().filter(|run| run.series == series).count();
+        let leader = best.iter().map(|run| &*run.series).max_by_key(|series| count(series));
+        leader.map_or("No run has an error to show.".into(), |series| {
+            format!("{} of the {} runs with rings are by {series}.", count(series), best.len())
+        })
+    }
+
     /// A line a run.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -206,9 +238,20 @@ pub(super) mod tests {
             about: "Degree",
             setting: "degree",
             error: "surplus_mrad",
+            error_axis: "ray error over the least of any design, mrad",
             runs: runs.concat(),
             orders: Vec::new(),
         }
+    }
+
+    #[test]
+    fn conclusions_are_of_the_fitted_order_or_of_the_best_runs() {
+        let mut sweep = sweep();
+        assert_eq!(sweep.conclusion(), "2 of the 3 runs with rings are by a.");
+        let order = ConvergenceOrder { of: "error ~ time", order: -1.0, sigma: 0.1, theory: -0.5 };
+        sweep.orders.push(order);
+        let told = "Ten times the time leaves 0.1 of the error; by theory 0.32.";
+        assert_eq!(sweep.conclusion(), told);
     }
 
     #[test]

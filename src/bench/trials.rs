@@ -51,6 +51,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
         about: "Trials of the Monte Carlo",
         setting: "trials",
         error: "interval_width",
+        error_axis: "width of the yield's 95 % interval",
         runs,
         orders: orders.into_iter().flatten().collect(),
     })

@@ -40,6 +40,7 @@ pub(super) fn sweep(subjects: &[Subject], quick: bool) -> Result<BenchSweep, Ben
         about: "Rays of the witness",
         setting: "rays",
         error: "error_px",
+        error_axis: "error of the RMS pixel error, px",
         runs,
         orders: orders.into_iter().flatten().collect(),
     })

@@ -1,4 +1,4 @@
-//! Signals that end the program: what it was writing goes first, and the exit code tells the signal.
+//! Signals that end the program: what it was writing goes first, as does a build of the studio, and the exit code tells the signal.
 
 use super::memory::has_room_for;
 use crate::pipeline::abandon;
@@ -26,6 +26,8 @@ pub(super) fn watch() {
         let Ok(mut signals) = Signals::new(ends) else { return };
         let _ = watches.send(());
         if let Some(signal) = signals.forever().next() {
+            #[cfg(feature = "studio")]
+            crate::studio::end_build();
             abandon();
             exit(128 + signal);
         }

@@ -139,9 +139,6 @@ pub enum Error {
         /// Why, and what to do about it.
         reason: String,
     },
-    /// The plots cannot be drawn.
-    #[error("cannot draw the plots: {0}")]
-    Plot(String),
     /// A trial that cannot be made into a file.
     #[error("cannot replay a trial of {profile}: {reason}")]
     Replay {

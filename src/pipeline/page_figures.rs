@@ -9,6 +9,8 @@ use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors
 use crate::report::{PartFigures, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
+#[cfg(feature = "studio")]
+use crate::trace::{CameraTrace, Outcome};
 use crate::trace::{PixelTrace, Scene, TraceStrip};
 use crate::verdict::sharpness::spot_sizes;
 
@@ -24,6 +26,18 @@ pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures
     let scene = Scene::new(mesh.clone());
     let still = shaded_view(&scene).to_png().ok()?;
     Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
+}
+
+/// For each pixel of a thinned frame whether the part is in the way of what it sees: of the coarse part that a page
+/// turns. None where the part has no mesh.
+#[cfg(feature = "studio")]
+pub(crate) fn shadowed(design: &Design, frame: ThinnedFrame) -> Option<Vec<bool>> {
+    let face = coarse_mesh(&design.mirror);
+    let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;
+    let scene = Scene::new(solid.mesh().clone());
+    let camera = design.camera.with_pixels(frame.pixels());
+    let (ends, _) = CameraTrace::new(&scene, &camera, scene.above_mm()).run();
+    Some(ends.iter().map(|end| matches!(end.outcome, Outcome::Shadowed(_))).collect())
 }
 
 /// Most columns of a map on a page.

@@ -263,7 +263,6 @@ fn concluded(
     let report = ToleranceReport::new(profile.into(), study, *facets_from, offenders, machining);
     run.publish(Stage::Report, |files, timer| {
         let page = report.html(&PlotData::new(engine, seed, trials));
-        let page = page.map_err(|error| Error::Plot(error.to_string()))?;
         files.add_bytes("trials.csv", table(profile, engine, seed, trials).as_bytes())?;
         files.add_report("tolerance.json", &report.json())?;
         files.add_bytes("tolerance.html", page.as_bytes())?;

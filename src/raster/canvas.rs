@@ -52,10 +52,17 @@ impl Canvas {
         }
     }
 
-    /// Writes `text` in black; (`x`, `y`) is the upper left pixel of its first letter's cell.
-    pub fn write(&mut self, x: u32, y: u32, text: &str, font: BitmapFont) {
-        for [column, row] in TextBitmap::new(text, font).inked_pixels() {
-            self.fill(x + column as u32, y + row as u32, [1, 1], [0; 3]);
+    /// Writes `text` in letters whose dots are squares of so many pixels; (`x`, `y`) is the upper left pixel of its
+    /// first letter's cell.
+    pub fn write(
+        &mut self,
+        [x, y]: [u32; 2],
+        text: &str,
+        (font, dot, colour): (BitmapFont, u32, Srgb),
+    ) {
+        for place in TextBitmap::new(text, font).inked_pixels() {
+            let [column, row] = place.map(|n| dot * n as u32);
+            self.fill(x + column, y + row, [dot; 2], colour);
         }
     }
 
@@ -80,7 +87,7 @@ mod tests {
         canvas.blend(-1, 0, [0; 3], 1.0);
         canvas.blend(4, 0, [0; 3], 1.0);
         canvas.blend(0, 0, [0, 255, 100], 0.5);
-        canvas.write(3, 2, "M", BitmapFont::Px7x13);
+        canvas.write([3, 2], "M", (BitmapFont::Px7x13, 1, [0; 3]));
         let (pixels, _) = canvas.rgb.as_chunks::<3>();
         assert_eq!((pixels[0], pixels[11]), ([128, 255, 178], [1, 2, 3]));
         assert!(pixels[1..11].iter().all(|pixel| *pixel == [255; 3]));

@@ -10,9 +10,9 @@ mod text;
 
 pub use ::png::EncodingError;
 pub use canvas::{Canvas, Srgb};
-pub use false_colour::FalseColourMap;
 #[cfg(test)]
 pub(crate) use false_colour::decoded;
+pub use false_colour::{FalseColourMap, MarkedPlace, ink_on, key_text, letter};
 pub use text::{BitmapFont, TextBitmap};
 
 use std::fmt;

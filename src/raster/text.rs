@@ -15,8 +15,6 @@ pub enum BitmapFont {
     Px7x13,
     /// 8 x 13 pixels.
     Px8x13,
-    /// 9 x 15 pixels.
-    Px9x15,
     /// 10 x 20 pixels.
     Px10x20,
 }
@@ -26,7 +24,6 @@ impl BitmapFont {
         match self {
             Self::Px7x13 => &ascii::FONT_7X13,
             Self::Px8x13 => &ascii::FONT_8X13,
-            Self::Px9x15 => &ascii::FONT_9X15,
             Self::Px10x20 => &ascii::FONT_10X20,
         }
     }

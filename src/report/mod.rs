@@ -29,7 +29,9 @@ pub use build_figures::{BuildFigures, PartFigures};
 pub use maps::{form_map, gouge_map, pixel_error_map, spot_map};
 #[cfg(feature = "studio")]
 pub(crate) use page::{STYLE, THREE, VIEWER};
-pub(crate) use plot::{Failure, svg};
+pub(crate) use plot::{
+    Anchor, Axis, Dash, Diagram, Ink, LETTER, Margins, Marker, Plot, Stroke, text_width,
+};
 #[cfg(feature = "studio")]
 pub(crate) use sharpness::PlainSharpness;
 pub use text_layout::TextLayout;

@@ -21,7 +21,7 @@ use routes::{Studio, Subjects, tamed};
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::Builder;
 use tempfile::NamedTempFile;
 use thiserror::Error;
@@ -69,6 +69,16 @@ pub(crate) enum StudioError {
     },
 }
 
+/// The studio of this process, once it is opened.
+static OPENED: OnceLock<Arc<Studio>> = OnceLock::new();
+
+/// Ends the build that goes on, if there is one, and starts no other: for the end of the program.
+pub(crate) fn end_build() {
+    if let Some(studio) = OPENED.get() {
+        studio.end();
+    }
+}
+
 /// Opens the studio, tells its address, and answers requests until the program is ended.
 ///
 /// # Errors
@@ -93,6 +103,8 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
         build: Mutex::new(None),
         opening: Mutex::new(None),
     });
+    // A program has one studio.
+    let _ = OPENED.set(Arc::clone(&studio));
     let refused = |source| StudioError::Listen { port, source };
     let threads = parallel::threads();
     let work = move || {

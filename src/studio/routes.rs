@@ -155,6 +155,15 @@ impl Studio {
         last.as_mut().map_or_else(|| json!({ "state": "none" }), Build::status)
     }
 
+    /// Ends the build that goes on; whoever asks for another waits for the end of the program.
+    pub(super) fn end(&self) {
+        let mut last = self.build.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(build) = last.as_mut() {
+            build.cancel();
+        }
+        std::mem::forget(last);
+    }
+
     fn cancelled(&self) -> Json {
         let mut last = self.build.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(build) = last.as_mut() {

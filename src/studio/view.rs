@@ -1,4 +1,5 @@
-//! What one sees of a profile: picture, maps, figures, pixels and the part, all of the smooth mirror.
+//! What one sees of a profile: picture, maps, figures, pixels and the part; of the smooth mirror what follows a
+//! slider, and with the part's shadows what comes after it.
 
 use super::failure::RequestFailure;
 use crate::design::Design;
@@ -9,7 +10,7 @@ use crate::optics::ThinnedFrame;
 use crate::parallel;
 use crate::pipeline::{
     Command, RenderOptions, Silent, SourceError, designed, designed_unmeasured, mesh_label,
-    part_figures, sharpness_map as spot_map,
+    part_figures, shadowed, sharpness_map as spot_map,
 };
 use crate::profile::{Profile, ShapeSpec};
 use crate::raster::FalseColourMap;
@@ -90,9 +91,9 @@ pub(super) fn sharpness_map(profile: &Profile) -> Result<Json, RequestFailure> {
     Ok(json!({ "spots": spots, "facts": facts.plain().collect::<Vec<_>>() }))
 }
 
-/// The picture as `morion render --scene grid --smooth` writes it, PNG.
+/// The picture as `morion render --scene grid` writes it, of the mesh with its shadows, PNG.
 pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, RequestFailure> {
-    let options = RenderOptions { scene: "grid", smooth: true, ..RenderOptions::default() };
+    let options = RenderOptions { scene: "grid", ..RenderOptions::default() };
     let (_, files) = options.in_memory(profile, &Silent)?;
     let file = files.into_iter().next();
     Ok(file.ok_or_else(|| RequestFailure::said(500, "there is no picture"))?.bytes)
@@ -119,8 +120,12 @@ fn seen(
     known: Option<Summary>,
     sharp: Option<&SharpnessFacts>,
 ) -> Json {
-    let errors = pixel_errors(design, frame);
+    let mut errors = pixel_errors(design, frame);
     let has_target = design.view.is_some();
+    if has_target && let Some(shadowed) = shadowed(design, frame) {
+        let hidden = errors.iter_mut().zip(shadowed).filter(|(_, is_shadowed)| *is_shadowed);
+        hidden.for_each(|(error, _)| *error = None);
+    }
     json!({
         "frame": design.camera.pixels,
         "errors": has_target.then(|| map(&pixel_error_map(frame.pixels(), &errors))),
@@ -175,7 +180,8 @@ fn judged(
         facts.add(
             "frame",
             format!(
-                "{percent:.2} % of the pixels are filled, asked {:.2} %; {share:.2} % see no mirror",
+                "{percent:.2} % of the pixels are filled, asked {:.2} %; {share:.2} % see no mirror, or \
+                 the part itself",
                 1e2 * least
             ),
         );

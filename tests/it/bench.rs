@@ -31,7 +31,12 @@ fn sweeps_are_tables_and_plots_and_lead_to_settings_that_hold() {
         let drawn = |run: &&Value| number(&run["error"]) > 0.0;
         let [points, rings] =
             [runs.iter().filter(drawn).count(), runs.iter().filter(drawn).filter(best).count()];
-        assert!(rings > 0 && svg.matches("<circle").count() == points + rings, "{name}");
+        // The key has a ring, and a point for each series that has a name.
+        let named: BTreeSet<&str> =
+            runs.iter().filter(drawn).filter_map(|run| run["series"].as_str()).collect();
+        let named = named.iter().filter(|name| !name.is_empty()).count();
+        assert_eq!(svg.matches("class=\"point ").count(), points + named, "{name}");
+        assert!(rings > 0 && svg.matches("class=\"ring ").count() == rings + 1, "{name}");
         assert!(
             runs.iter().all(|run| number(&run["time_ms"]) > 0.0 && number(&run["error"]) >= 0.0)
         );

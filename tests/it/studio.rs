@@ -1,7 +1,7 @@
 //! The studio answers whoever has its token and nobody else, shows what the other commands make, and leaves nothing
 //! half-written.
 
-use super::support::builds::{SMALL, command, files, folder, morion, parsed, save, told};
+use super::support::builds::{SMALL, command, edited, files, folder, morion, parsed, save, told};
 use morion::internals::design::design;
 use morion::internals::num::{asin, atan2, degrees};
 use serde_json::{Value, json};
@@ -209,11 +209,32 @@ fn the_picture_is_that_of_render_byte_for_byte() {
     let studio = Studio::open(folder.path(), SMALL);
     let picture = studio.post("/picture", &small(SMALL));
     assert_eq!(picture.status, 200, "{}", picture.text());
-    let arguments = ["render", "small.toml", "--scene", "grid", "--smooth", "--out", "rendered"];
+    let arguments = ["render", "small.toml", "--scene", "grid", "--out", "rendered"];
     let rendered = morion(folder.path(), &arguments);
     assert_eq!(told(&rendered).0, 0);
     let wanted = &files(&folder.path().join("rendered/small"))["render-grid.png"];
     assert!(picture.body == *wanted, "{} {}", picture.body.len(), wanted.len());
+}
+
+/// The panels of a valley are in each other's way: pixels that a frame's trace finds shadowed are lost here too.
+#[test]
+fn pixels_that_see_the_part_itself_are_lost() {
+    let folder = folder();
+    let valley = edited(SMALL, &[("\"crest\"", "\"valley\"")]);
+    let studio = Studio::open(folder.path(), &valley);
+    assert!(told(&morion(folder.path(), &["frame", "small.toml", "--out", "traced"])).0 < 2);
+    let made = files(&folder.path().join("traced/small"));
+    let frame: Value = serde_json::from_slice(&made["frame.json"]).unwrap();
+    let lost = &frame["frame"]["lost"];
+    let of = |keys: &[&str]| keys.iter().map(|key| lost[*key].as_f64().unwrap()).sum::<f64>();
+    let (shadow, unseen) = (of(&["shadow"]), of(&["beyond", "missed"]));
+    assert!(shadow > 100.0, "{lost}");
+    for path in ["/preview", "/estimate"] {
+        let seen = studio.post(path, &small(&valley)).json();
+        let told = seen["judged"]["pixels_lost"].as_f64().unwrap();
+        // Both meshes are coarse, and differ at the shadow's edge.
+        assert!((told - unseen - shadow).abs() < 0.15 * shadow, "{path}: {told} and {lost}");
+    }
 }
 
 #[test]
@@ -325,6 +346,34 @@ fn a_build_is_that_of_the_program_and_leaves_nothing_when_cancelled() {
     let report = studio.get("/files/report.html").head;
     assert!(report.contains("sandbox allow-scripts; default-src 'none'"), "{report}");
     assert_eq!(studio.get("/files/small.toml").status, 404);
+}
+
+/// The build's own process does not outlive the studio, and leaves nothing of what it was writing.
+#[cfg(unix)]
+#[test]
+fn a_studio_that_is_told_to_end_ends_its_build() {
+    let long = SMALL.replace("chord_um = 20", "chord_um = 0.02");
+    for signal in ["TERM", "INT"] {
+        let folder = folder();
+        let mut studio = Studio::open(folder.path(), SMALL);
+        assert_eq!(studio.post("/build", &small(&long)).status, 200);
+        studio.build_until(|status| !status["lines"].as_array().unwrap().is_empty());
+        let id = studio.child.id().to_string();
+        let children = format!("/proc/{id}/task");
+        let child = std::fs::read_dir(children)
+            .unwrap()
+            .map(|task| std::fs::read_to_string(task.unwrap().path().join("children")).unwrap())
+            .find(|children| !children.trim().is_empty())
+            .expect("a build under way");
+        let child = Path::new("/proc").join(child.split_whitespace().next().unwrap());
+        assert!(child.exists());
+        let sent = std::process::Command::new("kill").args(["-s", signal, &id]).status().unwrap();
+        assert!(sent.success());
+        let code = studio.child.wait().unwrap().code();
+        assert_eq!(code, Some(if signal == "TERM" { 143 } else { 130 }));
+        assert!(!child.exists(), "the build goes on");
+        assert_eq!(files_below(&folder.path().join("out/studio")), ["small.toml"], "{signal}");
+    }
 }
 
 /// Names of all files below a folder.

@@ -4,7 +4,10 @@ use crate::raster::palette::grey;
 use crate::raster::{FalseColourMap, Srgb};
 use crate::report::frame::LOST;
 use crate::results::{FrameReport, digits};
-use crate::trace::{MinMeanMax, PixelClass};
+use crate::trace::PixelClass;
+
+/// Share of the filled pixels beyond either end of the scale.
+const BEYOND: f64 = 0.02;
 
 /// Colours of the causes, in the order of [`PixelClass::LOST`].
 const COLOURS: [Srgb; 7] = [
@@ -31,11 +34,18 @@ impl FrameReport {
         usr: &[Option<f64>],
     ) -> FalseColourMap {
         assert_eq!(classes.len(), usr.len(), "one entry a pixel");
-        let MinMeanMax { min, mean, max } =
-            self.resolution.pixel_usr.unwrap_or(MinMeanMax { min: 0.0, mean: 0.0, max: 0.0 });
+        let filled = classes.iter().zip(usr).filter(|(class, _)| **class == PixelClass::Filled);
+        let mut sorted: Vec<f64> = filled.filter_map(|(_, usr)| *usr).collect();
+        sorted.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let rank = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
+            sorted.get(rank).copied().unwrap_or(0.0)
+        };
+        // A few pixels at an edge or pole must not make all others look alike.
+        let [low, middle, high] = [BEYOND, 0.5, 1.0 - BEYOND].map(at);
         // Where all are equal but for rounding there is no scale.
-        let even = !(max - min > 1e-6 * mean);
-        let share = |usr: f64| if even { 0.5 } else { (usr - min) / (max - min) };
+        let even = !(high - low > 1e-6 * middle);
+        let share = |usr: f64| if even { 0.5 } else { (usr - low) / (high - low) };
         let colour = |(class, usr): (&PixelClass, &Option<f64>)| match class {
             PixelClass::Filled => grey(usr.map_or(0.0, share)),
             class => {
@@ -50,9 +60,13 @@ impl FrameReport {
             title: "solid angle of a pixel, usr".into(),
             ramp: grey,
             ticks: if even {
-                vec![digits(mean)]
+                vec![digits(middle)]
             } else {
-                [min, 0.5 * (min + max), max].map(digits).to_vec()
+                let ends = [(at(0.0) < low, "under ", low), (at(1.0) > high, "over ", high)];
+                let [low_text, high_text] = ends.map(|(is_beyond, word, usr)| {
+                    format!("{}{}", if is_beyond { word } else { "" }, digits(usr))
+                });
+                vec![low_text, digits(0.5 * (low + high)), high_text]
             },
             keys: keys.map(|((c, name), n)| (c, format!("{n} {name}"))).collect(),
             pixel_mm: None,

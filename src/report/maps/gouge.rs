@@ -2,6 +2,7 @@
 
 use crate::machining::{FLOOR_MM, Gouge};
 use crate::num::log;
+use crate::num::stats::Summary;
 use crate::raster::palette::viridis;
 use crate::raster::{FalseColourMap, Srgb};
 
@@ -9,13 +10,16 @@ use crate::raster::{FalseColourMap, Srgb};
 const NO_MIRROR: Srgb = [255; 3];
 const FITS: Srgb = [200, 200, 204];
 
-/// What a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from [`FLOOR_MM`].
+/// What a ball of `ball_mm` leaves on the face, seen from above, on a scale of decades from [`FLOOR_MM`]
+/// that ends above all but one in twenty of the places where something is left.
 #[must_use]
 pub fn gouge_map(gouge: &Gouge, ball_mm: f64) -> FalseColourMap {
     let [columns, rows] = gouge.size;
     let over = |mm: f64| log(mm / FLOOR_MM) / log(10.0);
-    let most = gouge.rest_mm.iter().flatten().copied().fold(FLOOR_MM, f64::max);
-    let decades = (over(most) - 1e-9).ceil().max(1.0);
+    let left = gouge.rest_mm.iter().flatten().filter(|mm| **mm >= FLOOR_MM);
+    let found = Summary::of(left.copied().collect());
+    let decades = found.map_or(1.0, |found| (over(found.p95) - 1e-9).ceil().max(1.0));
+    let beyond = found.is_some_and(|found| over(found.max) > decades + 1e-9);
     let colour = |left: Option<f64>| match left {
         None => NO_MIRROR,
         Some(..FLOOR_MM) => FITS,
@@ -29,7 +33,14 @@ pub fn gouge_map(gouge: &Gouge, ball_mm: f64) -> FalseColourMap {
         colours: (0..rows).rev().flat_map(row).map(|left| colour(*left)).collect(),
         title: format!("left by a ball of {ball_mm} mm radius, um"),
         ramp: viridis,
-        ticks: powers.take(decades as usize + 1).map(|um| (0.1 * um).to_string()).collect(),
+        ticks: powers
+            .take(decades as usize + 1)
+            .enumerate()
+            .map(|(k, um)| {
+                let word = if beyond && k == decades as usize { "over " } else { "" };
+                format!("{word}{}", 0.1 * um)
+            })
+            .collect(),
         keys: vec![(FITS, format!("fits: less than {} um", 1e3 * FLOOR_MM))],
         pixel_mm: Some(gouge.step),
     }

@@ -1,28 +1,19 @@
-//! Drawings to scale, as SVG whose colours follow the page's.
+//! Drawings to scale.
 
-use super::escaped;
 use crate::geom::DVec2;
-use std::fmt::Write;
+use crate::report::plot::{Anchor, Dash, Diagram, Ink, Stroke};
 
 /// A drawing to scale: places are in mm, y upwards.
 pub(super) struct Drawing {
     low: DVec2,
     high: DVec2,
-    /// Width of the drawing, units of its letters.
-    width: f64,
-    marks: String,
+    diagram: Diagram,
 }
 
-/// Where a text is beside its place.
-#[derive(Clone, Copy)]
-pub(super) enum Anchor {
-    /// It begins there.
-    Start,
-    /// Its middle is there.
-    Middle,
-    /// It ends there.
-    End,
-}
+/// The look of edges of the part.
+pub(super) const PART: Stroke = Stroke { ink: Ink::Blue, width: 1.4, dash: Dash::Solid };
+/// The look of a camera and of a bar of a length.
+pub(super) const EDGE: Stroke = Stroke { ink: Ink::Text, width: 1.4, dash: Dash::Solid };
 
 /// Room around what is drawn for letters, units of the drawing.
 const MARGIN: f64 = 38.0;
@@ -30,12 +21,14 @@ const MARGIN: f64 = 38.0;
 impl Drawing {
     /// An empty drawing of what lies between two corners (mm), `width` units wide.
     pub(super) fn new([low, high]: [DVec2; 2], width: f64) -> Self {
-        Self { low, high, width, marks: String::new() }
+        let scale = (width - 2.0 * MARGIN) / (high.x - low.x);
+        let height = (high.y - low.y) * scale + 2.0 * MARGIN;
+        Self { low, high, diagram: Diagram::new(width, height) }
     }
 
     /// Units a millimetre.
     fn scale(&self) -> f64 {
-        (self.width - 2.0 * MARGIN) / (self.high.x - self.low.x)
+        (self.diagram.size.x - 2.0 * MARGIN) / (self.high.x - self.low.x)
     }
 
     /// Millimetres that a length of the drawing is on the part.
@@ -48,35 +41,21 @@ impl Drawing {
         from * self.scale() + DVec2::splat(MARGIN)
     }
 
-    fn mark(&mut self, arguments: std::fmt::Arguments) {
-        // Writing to a string cannot fail.
-        let _ = self.marks.write_fmt(arguments);
-    }
-
-    /// Adds lines, each through its places, in the look of `class`.
-    pub(super) fn lines<'a>(&mut self, class: &str, lines: impl IntoIterator<Item = &'a [DVec2]>) {
-        let mut path = String::new();
-        for line in lines {
-            for (k, at) in line.iter().enumerate() {
-                let DVec2 { x, y } = self.place(*at);
-                let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { "M" } else { "L" });
-            }
-        }
-        self.mark(format_args!("<path class=\"{class}\" d=\"{path}\"/>\n"));
+    /// Adds lines, each through its places.
+    pub(super) fn lines<'a>(
+        &mut self,
+        stroke: Stroke,
+        lines: impl IntoIterator<Item = &'a [DVec2]>,
+    ) {
+        let lines = lines.into_iter().map(|line| line.iter().map(|at| self.place(*at)).collect());
+        let lines: Vec<Vec<DVec2>> = lines.collect();
+        self.diagram.lines(stroke, lines);
     }
 
     /// Adds a text, `offset` units to the right and down from its place.
     pub(super) fn text(&mut self, at: DVec2, offset: [f64; 2], anchor: Anchor, text: &str) {
-        let DVec2 { x, y } = self.place(at) + DVec2::from_array(offset);
-        let anchor = match anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
-        };
-        let text = escaped(text);
-        self.mark(format_args!(
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>\n"
-        ));
+        let at = self.place(at) + DVec2::from_array(offset);
+        self.diagram.text(Ink::Text, at, anchor, text);
     }
 
     /// Adds a length between two places with arrows at both ends, and its text.
@@ -88,7 +67,7 @@ impl Drawing {
             vec![from + back + side * 0.5, from, from + back - side * 0.5],
             vec![to - back + side * 0.5, to, to - back - side * 0.5],
         ];
-        self.lines("faint", arrows.iter().map(Vec::as_slice));
+        self.lines(Stroke::solid(Ink::Faint, 1.0), arrows.iter().map(Vec::as_slice));
         let upright = along.y.abs() > along.x.abs();
         let (offset, anchor) =
             if upright { ([6.0, 4.0], Anchor::Start) } else { ([0.0, 15.0], Anchor::Middle) };
@@ -97,12 +76,7 @@ impl Drawing {
 
     /// The drawing as SVG, with what it shows for those who do not see it.
     pub(super) fn svg(&self, label: &str) -> String {
-        let height = (self.high.y - self.low.y) * self.scale() + 2.0 * MARGIN;
-        let (width, label) = (self.width, escaped(label));
-        format!(
-            "<svg class=\"drawing\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" aria-label=\"{label}\">\n{}</svg>",
-            self.marks
-        )
+        self.diagram.svg(label)
     }
 }
 
@@ -114,7 +88,7 @@ mod tests {
     fn both_axes_have_one_scale_and_y_goes_up() {
         let mut drawing = Drawing::new([DVec2::ZERO, DVec2::new(100.0, 50.0)], 176.0);
         assert_eq!(drawing.mm(1.0), 1.0);
-        drawing.lines("ink", [&[DVec2::ZERO, DVec2::new(10.0, 20.0)][..]]);
+        drawing.lines(EDGE, [&[DVec2::ZERO, DVec2::new(10.0, 20.0)][..]]);
         let svg = drawing.svg("a line");
         assert!(svg.contains("viewBox=\"0 0 176 126\""), "{svg}");
         assert!(svg.contains("M38.0 88.0L48.0 68.0"), "{svg}");

@@ -1,8 +1,9 @@
 //! A false-colour map as a figure: the map, its scale and its key, with letters of the page's size.
 
 use super::{Figure, escaped, image};
+use crate::num::rounding::floor_125;
 use crate::raster::palette::hexadecimal;
-use crate::raster::{EncodingError, FalseColourMap, Srgb};
+use crate::raster::{EncodingError, FalseColourMap, MarkedPlace, Srgb, ink_on, key_text, letter};
 
 /// The map under a title, with its scale and key; `caption` says what to conclude.
 ///
@@ -24,11 +25,48 @@ pub(in crate::report) fn map_figure(
          <span class=\"ramp\" style=\"background:linear-gradient(to right,{})\"></span><span>{high}</span></div>",
         stops.join(",")
     );
-    let key = |(srgb, text): &(Srgb, String)| {
-        let (colour, text) = (hexadecimal(*srgb), escaped(text));
+    let key = |(k, (srgb, text)): (usize, &(Srgb, String))| {
+        let (colour, text) = (hexadecimal(*srgb), escaped(&key_text(k, text)));
         format!("<span class=\"key\"><i style=\"background:{colour}\"></i>{text}</span>")
     };
-    let keys: Vec<String> = map.keys.iter().map(key).collect();
-    let body = format!("{picture}\n{scale}\n<div>{}</div>", keys.concat());
+    let keys: Vec<String> = map.keys.iter().enumerate().map(key).collect();
+    let (letters, bar) = (letters(map), length_bar(map));
+    let body = format!(
+        "<div class=\"mapped\">{picture}{letters}</div>\n{bar}{scale}\n<div>{}</div>",
+        keys.concat()
+    );
     Ok(Figure { title: title.into(), body, caption })
+}
+
+/// Least room of a letter around its place, as a share of the map's width.
+const LETTER_ROOM: f64 = 0.02;
+
+/// Letters of the key on the map.
+fn letters(map: &FalseColourMap) -> String {
+    let [width, height] = map.pixels.map(f64::from);
+    let marks = map.key_marks().into_iter().enumerate();
+    let letter_of = |(k, place): (usize, Option<MarkedPlace>)| {
+        let MarkedPlace { at: [x, y], room } = place?;
+        if f64::from(room) < LETTER_ROOM * width {
+            return None;
+        }
+        let [left, top] =
+            [(x, width), (y, height)].map(|(n, of)| 100.0 * (f64::from(n) + 0.5) / of);
+        let ink = hexadecimal(ink_on(map.keys[k].0));
+        Some(format!(
+            "<b aria-hidden=\"true\" style=\"left:{left:.1}%;top:{top:.1}%;color:{ink}\">{}</b>",
+            letter(k)
+        ))
+    };
+    marks.filter_map(letter_of).collect()
+}
+
+/// A bar of a round length at most a quarter of the map wide; nothing for a sensor.
+fn length_bar(map: &FalseColourMap) -> String {
+    map.pixel_mm.map_or(String::new(), |pixel_mm| {
+        let width_mm = pixel_mm * f64::from(map.pixels[0]);
+        let length_mm = floor_125(0.25 * width_mm);
+        let share = 100.0 * length_mm / width_mm;
+        format!("<div class=\"length\" style=\"width:{share:.2}%\">{length_mm} mm</div>\n")
+    })
 }

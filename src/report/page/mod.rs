@@ -20,8 +20,16 @@ use crate::results::{FileFacts, Verdict, file_size};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
+/// Shades of every colour, for light and dark.
+pub(super) const COLOURS: &str = include_str!("assets/colours.css");
+/// Looks of drawings and plots.
+pub(super) const DRAWING: &str = include_str!("assets/drawing.css");
 /// Looks of every page: light and dark, on a telephone's width, and on A4.
-pub(crate) const STYLE: &str = include_str!("assets/page.css");
+pub(crate) const STYLE: &str = concat!(
+    include_str!("assets/colours.css"),
+    include_str!("assets/page.css"),
+    include_str!("assets/drawing.css")
+);
 
 /// Pages of the commands on one profile, which lie in one folder: file, what it answers, and the command.
 const PAGES: [(&str, &str, &str); 5] = [

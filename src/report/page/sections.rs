@@ -1,10 +1,11 @@
 //! Cross-sections of the part, to scale.
 
 use super::Figure;
-use super::drawing::{Anchor, Drawing};
+use super::drawing::{Drawing, EDGE, PART};
 use crate::geom::DVec2;
 use crate::num::rounding::floor_125;
 use crate::render::PartSection;
+use crate::report::plot::Anchor;
 
 /// Width of the drawing, units of its letters.
 const WIDTH: f64 = 440.0;
@@ -28,7 +29,7 @@ pub(in crate::report) fn sections_figure(sections: &[PartSection]) -> Option<Fig
         let up = DVec2::new(0.0, foot + gap);
         let edges: Vec<[DVec2; 2]> =
             section.edges.iter().map(|edge| edge.map(|at| at + up)).collect();
-        drawing.lines("part", edges.iter().map(<[DVec2; 2]>::as_slice));
+        drawing.lines(PART, edges.iter().map(<[DVec2; 2]>::as_slice));
         let name = format!("section at {}", section.plane.equation());
         drawing.text(DVec2::new(0.0, b.y) + up, [0.0, -10.0], Anchor::Middle, &name);
         let below = DVec2::new(0.0, -0.5 * gap) + up;
@@ -37,7 +38,7 @@ pub(in crate::report) fn sections_figure(sections: &[PartSection]) -> Option<Fig
     }
     let bar = floor_125(0.4 * half);
     let foot = DVec2::new(half, 0.0);
-    drawing.lines("ink", [&[foot, foot - DVec2::new(bar, 0.0)][..]]);
+    drawing.lines(EDGE, [&[foot, foot - DVec2::new(bar, 0.0)][..]]);
     drawing.text(foot, [0.0, 16.0], Anchor::End, &format!("{bar} mm"));
     let deepest = all.iter().map(|(_, [_, b])| b.y).fold(0.0, f64::max);
     Some(Figure {

@@ -1,9 +1,10 @@
 //! The side view, to scale: camera, mirror and the rays at the ends of the picture.
 
 use super::Figure;
-use super::drawing::{Anchor, Drawing};
+use super::drawing::{Drawing, EDGE, PART};
 use crate::geom::DVec2;
 use crate::render::{PartSection, SideView, ViewRay};
+use crate::report::plot::{Anchor, Ink, Stroke};
 
 /// Width of the drawing, units of its letters.
 const WIDTH: f64 = 440.0;
@@ -26,7 +27,7 @@ pub(in crate::report) fn side_view_figure(view: &SideView) -> Option<Figure> {
         DVec2::new((2.2 * half).max(aside + half), top),
     ];
     let mut drawing = Drawing::new(corners, WIDTH);
-    drawing.lines("part", edges.iter().map(<[DVec2; 2]>::as_slice));
+    drawing.lines(PART, edges.iter().map(<[DVec2; 2]>::as_slice));
     draw_rays(&mut drawing, rays, corners);
     draw_camera(&mut drawing, *pupil_mm, top, *mean_mm);
     draw_sizes(&mut drawing, [low, high], plane.along());
@@ -68,7 +69,8 @@ fn draw_rays(drawing: &mut Drawing, rays: &[ViewRay], [low, high]: [DVec2; 2]) {
         let share =
             if ray.from_mm.y > high.y { (high.y - at.y) / (ray.from_mm.y - at.y) } else { 1.0 };
         let from = at + (ray.from_mm - at) * share;
-        drawing.lines(if ray.is_extreme { "ray" } else { "ray dashed" }, [&[from, at, end][..]]);
+        let look = if ray.is_extreme { Stroke::solid } else { Stroke::dashed };
+        drawing.lines(look(Ink::Red, 1.0), [&[from, at, end][..]]);
         if ray.is_extreme {
             let anchor = if end.x < 0.5 * (low.x + high.x) { Anchor::Start } else { Anchor::End };
             drawing.text(end, [0.0, -5.0], anchor, &format!("{:.1} deg", ray.elevation_deg));
@@ -82,7 +84,7 @@ fn draw_camera(drawing: &mut Drawing, pupil_mm: Option<DVec2>, top: f64, mean_mm
         Some(at) if at.y <= top => {
             let corners = [[-1.0, 0.0], [1.0, 0.0], [1.5, 2.0], [-1.5, 2.0], [-1.0, 0.0]];
             let body = corners.map(|corner| at + DVec2::from_array(corner) * size);
-            drawing.lines("ink", [&body[..]]);
+            drawing.lines(EDGE, [&body[..]]);
             drawing.text(at, [20.0, -8.0], Anchor::Start, "entrance pupil");
             let beside = DVec2::new(-drawing.mm(30.0), 0.0);
             let text = format!("{:.1} mm", at.y - mean_mm);

@@ -1,5 +1,6 @@
 //! A study of tolerances in words, as a page and in plots.
 
+mod conclusions;
 mod page;
 mod plots;
 mod rows;

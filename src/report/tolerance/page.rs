@@ -1,31 +1,24 @@
 //! `tolerance.html`: a study of tolerances as one page that needs nothing beside it.
 
-use super::plots::{Plot, plots};
+use super::plots::figures;
 use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, or_dash, reference, statistics, unmet,
 };
 use crate::report::answer::{Answer, AnswerRows};
-use crate::report::page::{Figure, Page, escaped};
-use crate::report::plot::Failure;
+use crate::report::page::{Page, escaped};
 use crate::results::{ToleranceReport, displacement, percent};
 use crate::tolerance::{AdjustmentFacts, FormMeasure, PlotData, SourceFacts, Statistics};
 
 impl ToleranceReport {
     /// `tolerance.html`.
-    ///
-    /// # Errors
-    /// What the drawing library reports.
-    pub fn html(&self, data: &PlotData) -> Result<String, Failure> {
+    #[must_use]
+    pub fn html(&self, data: &PlotData) -> String {
         let mut page = Page::new(self, "tolerances");
         self.add_yield(&mut page);
         for reason in self.head().reasons {
             page.raw(&format!("<p class=\"fail\">{}</p>", escaped(&reason)));
         }
-        let figure = |Plot { title, svg, caption }: Plot| {
-            let body = format!("<div class=\"plot\">{}</div>", svg.trim_end());
-            Figure { title: title.into(), body, caption }
-        };
-        page.figures(plots(&self.study, data)?.map(figure));
+        page.figures(figures(&self.study, data));
         page.facts(&self.page_rows());
         self.add_sensitivities(&mut page);
         self.add_limits(&mut page);
@@ -33,7 +26,7 @@ impl ToleranceReport {
         self.add_adjustments(&mut page);
         self.add_machining(&mut page);
         page.links("tolerance.html", &self.profile.name);
-        Ok(page.finish())
+        page.finish()
     }
 
     fn add_yield(&self, page: &mut Page) {

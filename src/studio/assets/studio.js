@@ -155,7 +155,7 @@
       const seen = await post("/preview", source());
       if (now !== change) return;
       refuse(null);
-      showPicture("data:image/png;base64," + seen.picture, "Test world in the smooth mirror, without shadows; " + seen.pixels.join(" x ") + " pixels while you change it.");
+      showPicture("data:image/png;base64," + seen.picture, "Test world in the smooth mirror, without shadows; " + seen.pixels.join(" x ") + " pixels while you change it. Shadows come with the next picture, once you pause; the figures below have them.");
       showSeen(seen, false);
     } catch (error) {
       if (now === change) refuse(error);
@@ -184,7 +184,7 @@
       const png = await post("/picture", source());
       if (now !== change) return;
       refuse(null);
-      showPicture(URL.createObjectURL(png), "Test world in the smooth mirror, without shadows; as morion render --scene grid --smooth writes it.");
+      showPicture(URL.createObjectURL(png), "Test world in the mesh, with the part's shadows; as morion render --scene grid writes it.");
       const seen = await post("/estimate", source());
       if (now !== change) return;
       showSeen(seen, true);

@@ -145,7 +145,7 @@ fn the_page_stands_alone_and_holds_what_the_report_holds() {
         let whole = format!("<svg{drawing}</svg>");
         let mut reader = quick_xml::Reader::from_str(&whole);
         while !matches!(reader.read_event().unwrap(), quick_xml::events::Event::Eof) {}
-        let labelled = |unit: &&str| whole.contains(&format!(", {unit}\n</text>"));
+        let labelled = |unit: &&str| whole.contains(&format!(", {unit}</text>"));
         assert!(units.iter().all(labelled), "{units:?}");
     }
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();

@@ -47,7 +47,17 @@ try {
   console.log("      a slider's picture after " + (Date.now() - began) + " ms");
   hold((await page.inputValue("#text")).includes("width_mm = 70 "), "a slider changes the text");
   hold((await page.inputValue("#text")).includes("# "), "comments stay");
-  await says("size", "--smooth");
+  await says("size", "as morion render");
+  const stood = () => page.evaluate(() => document.getElementById("part-glb").arm?.toArray());
+  await page.waitForFunction(() => document.querySelector("#part3d canvas"));
+  await page.locator("#part3d canvas").focus();
+  for (const key of ["ArrowLeft", "ArrowLeft", "ArrowUp", "+"]) await page.keyboard.press(key);
+  const turned = await stood();
+  const canvas = await page.locator("#part3d canvas").elementHandle();
+  await slider.evaluate((range) => { range.value = 66; range.dispatchEvent(new Event("input", { bubbles: true })); });
+  await page.waitForFunction((old) => { const now = document.querySelector("#part3d canvas"); return now && now !== old; }, canvas, { timeout: 120000 });
+  const kept = await stood();
+  hold(turned.every((x, k) => Math.abs(x - kept[k]) < 1e-6), "the part stays as it was turned: " + turned + " and " + kept);
 
   await page.click("#picture", { position: { x: 100, y: 100 } });
   await says("pixel", "elevation");

@@ -57,7 +57,9 @@
   camera.up.set(0, 0, 1);
   const far = 1.05 * ball.radius / Math.sin(Math.PI * 15 / 180);
   const home = new THREE.Vector3(0.49, -0.67, 0.56).normalize().multiplyScalar(far);
-  camera.position.copy(ball.center).add(home);
+  // A part that takes the place of another is seen from where that was.
+  const arm = data.arm ? data.arm.clone().multiplyScalar(far) : home;
+  camera.position.copy(ball.center).add(arm);
   camera.add(lamp);
   lamp.position.set(-0.5, 1, 1);
   scene.add(camera);
@@ -72,7 +74,10 @@
   controls.enablePan = false;
   controls.minDistance = 0.3 * far;
   controls.maxDistance = 4 * far;
-  const draw = () => renderer.render(scene, camera);
+  const draw = () => {
+    data.arm = camera.position.clone().sub(ball.center).divideScalar(far);
+    renderer.render(scene, camera);
+  };
   controls.addEventListener("change", draw);
   controls.update();
 
