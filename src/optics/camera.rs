@@ -1,5 +1,6 @@
 //! Cameras: which ray each point of the picture sends out.
 
+use super::Distortion;
 use crate::geom::{Chart, DVec2, Ray};
 use crate::num::units::{Mm, Px};
 
@@ -20,6 +21,19 @@ pub enum CameraModel {
         /// Distance of the reference plane from the pinhole, mm, positive.
         distance_mm: f64,
     },
+    /// Camera whose rays all pass through the middle of its entrance pupil, as a calibration found it.
+    Calibrated {
+        /// Width and height of the frame in pixels.
+        pixels: [u32; 2],
+        /// Focal length across and down the picture, in pixels, positive.
+        focal_px: [f64; 2],
+        /// Picture point of the optical axis, as of [`Camera::image_point`]: pixel centres at halves.
+        principal_px: [f64; 2],
+        /// Distortion of the lens; every pixel of the frame has a ray.
+        distortion: Distortion,
+        /// Distance of the reference plane from the entrance pupil along the optical axis, mm, positive.
+        distance_mm: f64,
+    },
 }
 
 impl CameraModel {
@@ -27,17 +41,23 @@ impl CameraModel {
     #[must_use]
     pub fn pixels(&self) -> [u32; 2] {
         match *self {
-            Self::Orthographic { pixels } | Self::Pinhole { pixels, .. } => pixels,
+            Self::Orthographic { pixels }
+            | Self::Pinhole { pixels, .. }
+            | Self::Calibrated { pixels, .. } => pixels,
         }
     }
 
     /// Side of a pixel on the reference plane, mm: the frame of a telecentric camera is as wide as the
-    /// mirror, `width_mm`.
+    /// mirror, `width_mm`. Of a calibrated camera it is that on the optical axis, the geometric mean of both
+    /// sides.
     #[must_use]
     pub fn pixel_mm(&self, width_mm: f64) -> f64 {
         match *self {
             Self::Orthographic { pixels } => width_mm / f64::from(pixels[0]),
             Self::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
+            Self::Calibrated { focal_px: [across, down], distance_mm, .. } => {
+                distance_mm / (across * down).sqrt()
+            }
         }
     }
 
@@ -46,7 +66,9 @@ impl CameraModel {
     pub fn vergence(&self) -> f64 {
         match *self {
             Self::Orthographic { .. } => 0.0,
-            Self::Pinhole { distance_mm, .. } => 1.0 / distance_mm,
+            Self::Pinhole { distance_mm, .. } | Self::Calibrated { distance_mm, .. } => {
+                1.0 / distance_mm
+            }
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Cameras, projections, laws and reflection: what the picture should be.
 
+mod calibration;
 mod camera;
+mod distortion;
 mod imaging_task;
 mod law;
 mod projection;
@@ -13,7 +15,9 @@ mod tabulated_law;
 mod target;
 mod thinned_frame;
 
+pub use calibration::{Calibration, PixelFault};
 pub use camera::{Camera, CameraModel};
+pub use distortion::{Distortion, DistortionFault};
 pub use imaging_task::{CurlBounds, Fold, ImagingTask};
 pub use law::StripLaw;
 pub use projection::Projection;
