@@ -1,5 +1,5 @@
 //! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights
-//! that a profile names.
+//! and the calibration that a profile names.
 
 use crate::profile::{Complaints, GridError, Profile, SagGrid, ShapeSpec, shipped};
 use crate::publish::{self, FileError};
@@ -11,6 +11,8 @@ use thiserror::Error;
 const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
+/// As [`CalibrationFile::parse`](crate::profile::CalibrationFile::parse) has it.
+const MOST_CALIBRATION: u64 = 1_000_000;
 
 impl Profile {
     /// The measured form error that the profile names, if it names one.
@@ -107,13 +109,18 @@ impl ProfileText {
         Ok(Self { name: stem.into_owned(), named: named.into(), bytes })
     }
 
-    /// The profile, and the heights that it names, from its own folder.
+    /// The profile with the calibration and the heights that it names, from its own folder.
     ///
     /// # Errors
     /// [`SourceError`], with every complaint about the text.
     pub fn checked(&self) -> Result<Profile, SourceError> {
         let Self { name, named, bytes } = self;
-        let profile = Profile::parse(name, named, bytes)?;
+        let folder = Path::new(named).parent().unwrap_or(Path::new(""));
+        let read = |file: &str| {
+            let read = publish::read_named(&folder.join(file), MOST_CALIBRATION);
+            read.map_err(|error| error.to_string())
+        };
+        let profile = Profile::parse_with(name, named, bytes, &read)?;
         Profile { named: named.clone(), ..profile }.with_heights()
     }
 }
@@ -131,7 +138,7 @@ fn hint(named: &str) -> String {
 }
 
 /// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile;
-/// and the heights that it names, from its own folder.
+/// and the calibration and the heights that it names, from its own folder.
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.

@@ -1,6 +1,7 @@
 //! The rules of a profile: which values each key may take, and what goes with what.
 
 mod border;
+mod calibrated;
 mod camera;
 mod fits;
 mod layout;
@@ -115,6 +116,7 @@ pub(super) fn profile(
         sha256: hex(&Sha256::digest(bytes)),
         summary: summary.unwrap_or_default(),
         lens: camera.as_ref()?.lens,
+        camera_file: camera.as_ref()?.file.clone(),
         camera: camera?.camera?,
         projection: match projection {
             Some(found) => Some(found.finish(layout == Layout::Disc)?),
