@@ -13,8 +13,9 @@ use radial_map::RadialMap;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
-/// Least determinant of the model's Jacobian that a frame may have, 1 at its centre: nearer to the fold, a
-/// pixel holds a hundred times as much of the world. It leaves out the last 1e-4 or so of the way to a fold.
+/// Least determinant, 1 at the centre, that a frame may have of the derivatives of the distorted point by the angle
+/// to the optical axis (a vector, as long as the angle): nearer to the fold, a pixel holds a hundred times as
+/// much of the world as in the centre. It leaves out the last 1e-4 or so of the way to a fold.
 const LEAST_DETERMINANT: f64 = 0.01;
 /// Largest angle of a ray to the optical axis, rad, 89 degrees: a ray beyond comes to the reference plane 57
 /// distances from the axis, or never.
@@ -123,10 +124,20 @@ impl Distortion {
 
     /// Goes on to `share`, where the determinant has its margin and the ray is before the camera.
     fn reached<'m>(&self, mut lift: Lift<'m>, share: f64) -> Result<Lift<'m>, DistortionFault> {
-        if !lift.advance(share) || !(lift.determinant() >= LEAST_DETERMINANT) {
+        if !lift.advance(share) {
             return Err(DistortionFault::Folded);
         }
         self.ray(lift.at)?;
+        let [x, y] = lift.at;
+        let u = x * x + y * y;
+        // Of tan t by t, along and across.
+        let by_angle = match self {
+            Self::KannalaBrandt { .. } => 1.0,
+            _ => (1.0 + u) / u.atan_over_root(),
+        };
+        if !(lift.determinant() * by_angle >= LEAST_DETERMINANT) {
+            return Err(DistortionFault::Folded);
+        }
         Ok(lift)
     }
 

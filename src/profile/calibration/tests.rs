@@ -409,7 +409,7 @@ fn faults_of_json_name_line_and_key() {
             ("-3.1e-01", ".Nan", "line 21: the text must be JSON: expected value"),
             ("-3.1e-01", "1e999", "line 21: the text must be JSON: number out of range"),
             ("640,", "640", "line 3: the text must be JSON: expected `,` or `}`"),
-            ("    }\n}", "    }\n", "line 23: the text must be JSON: EOF"),
+            ("    }\n}", "    }\n", "line 24: the text must be JSON: EOF"),
             ("    }\n}", "    }\n}}", "line 23: the text must be JSON: trailing characters"),
             ("\"url\"", "\"K\"", "line 8: K must be given only once, found camera_matrix as well"),
         ],
