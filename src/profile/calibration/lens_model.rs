@@ -1,7 +1,5 @@
 //! Models of distortion, and the coefficients of each.
 
-use super::CalibrationError;
-use super::tree::{Node, Value, find};
 use crate::optics::Distortion;
 use std::fmt;
 
@@ -67,38 +65,5 @@ impl LensModel {
         }
         let radial = [k1, k2, k3, k4, k5, k6];
         Ok(Distortion::BrownConrady { radial, tangential: [p1, p2], prism: [s1, s2, s3, s4] })
-    }
-}
-
-/// The model that a file names: `distortion_model` of ROS, `fisheye_model` of OpenCV's sample program.
-pub(super) fn said(table: &[(String, Node)]) -> Result<Option<LensModel>, CalibrationError> {
-    let named = match find(table, &["distortionmodel"])? {
-        None => None,
-        Some((key, node)) => match &node.value {
-            Value::Text(word) if word.is_empty() => None,
-            Value::Text(word) => Some(match word.as_str() {
-                "plumb_bob" | "rational_polynomial" | "opencv" => LensModel::OpenCv,
-                "equidistant" | "fisheye" => LensModel::Fisheye,
-                _ => {
-                    let must = "plumb_bob, rational_polynomial, equidistant or fisheye";
-                    return Err(node.fault(key, must));
-                }
-            }),
-            _ => return Err(node.fault(key, "a word")),
-        },
-    };
-    let Some((key, node)) = find(table, &["fisheyemodel"])? else { return Ok(named) };
-    let flagged = match node.value {
-        Value::Number(0.0) => LensModel::OpenCv,
-        Value::Number(1.0) => LensModel::Fisheye,
-        _ => return Err(node.fault(key, "0 or 1")),
-    };
-    match named {
-        Some(named) if named != flagged => Err(node.found_other(
-            key,
-            format!("that of the model \"{named}\""),
-            format!("\"{flagged}\""),
-        )),
-        _ => Ok(Some(flagged)),
     }
 }

@@ -83,7 +83,7 @@ impl CalibrationFile {
         let must = "a list of the distortion coefficients";
         let (key, node) = required(table, "distortion_coefficients", &names, must)?;
         let coefficients = coefficients(node, key)?;
-        let (pixels, model) = (pixels(table)?, lens_model::said(table)?);
+        let (pixels, model) = (pixels(table)?, said_model(table)?);
         let (line, key) = (node.line, key.to_owned());
         Ok(Self { pixels, focal_px, principal_px, coefficients, model, line, key })
     }
@@ -225,4 +225,37 @@ fn pixels(table: &[(String, Node)]) -> Result<Option<[u32; 2]>, CalibrationError
         return Err(node.found_other(key, must, format!("{width} x {height}")));
     }
     Ok(Some(sides.map(|side| side as u32)))
+}
+
+/// The model that a file names: `distortion_model` of ROS, `fisheye_model` of OpenCV's sample program.
+fn said_model(table: &[(String, Node)]) -> Result<Option<LensModel>, CalibrationError> {
+    let named = match find(table, &["distortionmodel"])? {
+        None => None,
+        Some((key, node)) => match &node.value {
+            Value::Text(word) if word.is_empty() => None,
+            Value::Text(word) => Some(match word.as_str() {
+                "plumb_bob" | "rational_polynomial" | "opencv" => LensModel::OpenCv,
+                "equidistant" | "fisheye" => LensModel::Fisheye,
+                _ => {
+                    let must = "plumb_bob, rational_polynomial, equidistant or fisheye";
+                    return Err(node.fault(key, must));
+                }
+            }),
+            _ => return Err(node.fault(key, "a word")),
+        },
+    };
+    let Some((key, node)) = find(table, &["fisheyemodel"])? else { return Ok(named) };
+    let flagged = match node.value {
+        Value::Number(0.0) => LensModel::OpenCv,
+        Value::Number(1.0) => LensModel::Fisheye,
+        _ => return Err(node.fault(key, "0 or 1")),
+    };
+    match named {
+        Some(named) if named != flagged => Err(node.found_other(
+            key,
+            format!("that of the model \"{named}\""),
+            format!("\"{flagged}\""),
+        )),
+        _ => Ok(Some(flagged)),
+    }
 }

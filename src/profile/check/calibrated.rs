@@ -11,6 +11,9 @@ use toml::de::DeValue;
 
 /// Keys whose numbers a file has.
 const IN_FILE: [&str; 3] = ["focal_px", "principal_px", "distortion"];
+/// Ways out of a distortion that leaves pixels without a ray.
+const NO_RAY: &str =
+    "calibrate with points up to the corners or with fewer coefficients, or crop the frame";
 /// Most coefficients, OpenCV's.
 const MOST: usize = 14;
 
@@ -50,8 +53,10 @@ fn of_file(
     model: Option<LensModel>,
     frame: Option<Option<[u32; 2]>>,
 ) -> (Option<String>, Option<Calibration>) {
+    let mut is_alone = true;
     for key in IN_FILE {
         if let Some(value) = reader.value(section, key, Optional, "", "") {
+            is_alone = false;
             let path = section.path_of(key);
             let message = format!("{path} must be left out beside file, found both");
             reader.complain(
@@ -76,25 +81,24 @@ fn of_file(
             return (None, None);
         }
     };
-    // A frame that is wrong has its complaint.
-    if frame == Some(None) {
+    // A frame that is wrong has its complaint, as keys beside the file have.
+    if frame == Some(None) || !is_alone {
         return (Some(file), None);
     }
     let read = reader.file(&file).and_then(|bytes| {
-        let found = CalibrationFile::parse(&bytes)
-            .and_then(|found| found.calibration(model, frame.flatten()));
-        let found = found.map_err(|error| error.to_string());
-        let checked = found
-            .and_then(|found| found.check().map(|()| found).map_err(|fault| fault.to_string()));
-        checked.map_err(|reason| format!("{file}: {reason}"))
+        let read = CalibrationFile::parse(&bytes);
+        let read = read.and_then(|found| found.calibration(model, frame.flatten()));
+        read.map_err(|error| format!("{file}: {error}"))
     });
-    match read {
-        Ok(found) => (Some(file), Some(found)),
-        Err(reason) => {
-            reader.complain(value.span().start, format!("{path}: {reason}"), "");
-            (Some(file), None)
-        }
-    }
+    let (reason, hint) = match read {
+        Ok(found) => match found.check() {
+            Ok(()) => return (Some(file), Some(found)),
+            Err(fault) => (format!("{file}: {fault}"), NO_RAY),
+        },
+        Err(reason) => (reason, ""),
+    };
+    reader.complain(value.span().start, format!("{path}: {reason}"), hint);
+    (Some(file), None)
 }
 
 fn of_keys(
@@ -143,7 +147,7 @@ fn of_keys(
     };
     if let Err(fault) = calibration.check() {
         let message = format!("{path} must leave each pixel its ray, found none: {fault}");
-        reader.complain(coefficients.at, message, hint);
+        reader.complain(coefficients.at, message, NO_RAY);
         return None;
     }
     Some(calibration)

@@ -4,7 +4,7 @@ use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, PairFormat, number, pair};
 use super::super::{Aperture, LensSpec};
-use super::{LARGE, calibrated, is_large, only};
+use super::{LARGE, is_large};
 use crate::num::tan;
 use crate::optics::CameraModel;
 
@@ -33,7 +33,7 @@ pub(super) enum CameraName {
 
 impl CameraName {
     /// The camera of a table's name: one that the schema has.
-    fn find(name: &str) -> Self {
+    pub(super) fn find(name: &str) -> Self {
         match name {
             "pinhole" => Self::Pinhole,
             "calibrated" => Self::Calibrated,
@@ -51,22 +51,12 @@ impl CameraName {
     }
 }
 
-pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<CameraEntry> {
-    let hint = "an orthographic camera has a telecentric lens, a pinhole camera any other; a calibrated \
-                camera has a lens with distortion";
-    let read = reader
-        .alternatives(root, "camera", hint)
-        .into_iter()
-        .map(|(name, section)| match CameraName::find(name) {
-            CameraName::Calibrated => calibrated::read(reader, &section),
-            name => ideal(reader, name, &section),
-        })
-        .collect();
-    only(read)
-}
-
 /// A camera without distortion.
-fn ideal(reader: &mut ProfileReader, name: CameraName, section: &Section) -> CameraEntry {
+pub(super) fn ideal(
+    reader: &mut ProfileReader,
+    name: CameraName,
+    section: &Section,
+) -> CameraEntry {
     let pixels = pixels(reader, section);
     let wavelength_nm = wavelength(reader, section);
     let (camera, (aperture, focal_mm)) = if name == CameraName::Pinhole {

@@ -64,7 +64,7 @@ impl<'t> Entries<'t> {
         let bare = given && !root.has("projection");
         let rectangle = bare && !root.has("layout");
         Self {
-            camera: camera::read(reader, root),
+            camera: camera(reader, root),
             projection: if bare { None } else { projection::read(reader, root) },
             layout: if rectangle { None } else { layout::read(reader, root) },
             shape: mirror::read(reader, root),
@@ -136,6 +136,20 @@ pub(super) fn profile(
         tolerance,
         form_map: None,
     })
+}
+
+fn camera(reader: &mut ProfileReader, root: &Section) -> Option<camera::CameraEntry> {
+    let hint = "an orthographic camera has a telecentric lens, a pinhole camera any other; a calibrated \
+                camera has a lens with distortion";
+    let read = reader
+        .alternatives(root, "camera", hint)
+        .into_iter()
+        .map(|(name, section)| match camera::CameraName::find(name) {
+            camera::CameraName::Calibrated => calibrated::read(reader, &section),
+            name => camera::ideal(reader, name, &section),
+        })
+        .collect();
+    only(read)
 }
 
 fn summary(reader: &mut ProfileReader, root: &Section) -> Option<String> {
