@@ -1,14 +1,14 @@
 //! JSON, with the comments that OpenCV writes into it.
 
 use super::CalibrationError;
-use super::tree::{Node, Value};
+use super::tree::{TreeNode, Value};
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::cell::Cell;
 use std::fmt;
 use std::io::{self, Read};
 
 /// The value of a text. (The parser refuses nesting deeper than 128 levels.)
-pub(super) fn parse(text: &str) -> Result<Node, CalibrationError> {
+pub(super) fn parse(text: &str) -> Result<TreeNode, CalibrationError> {
     let line = Cell::new(1);
     let reader = LineReader { bytes: &without_comments(text), line: &line, is_broken: false };
     let mut json = serde_json::Deserializer::from_reader(reader);
@@ -69,67 +69,67 @@ impl Read for LineReader<'_> {
 struct AtLine<'t>(&'t Cell<usize>);
 
 impl AtLine<'_> {
-    fn node<E>(self, value: Value) -> Result<Node, E> {
-        Ok(Node { line: self.0.get(), value })
+    fn node<E>(self, value: Value) -> Result<TreeNode, E> {
+        Ok(TreeNode { line: self.0.get(), value })
     }
 }
 
 impl<'de> DeserializeSeed<'de> for AtLine<'_> {
-    type Value = Node;
+    type Value = TreeNode;
 
-    fn deserialize<D: Deserializer<'de>>(self, json: D) -> Result<Node, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, json: D) -> Result<TreeNode, D::Error> {
         json.deserialize_any(self)
     }
 }
 
 impl<'de> Visitor<'de> for AtLine<'_> {
-    type Value = Node;
+    type Value = TreeNode;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("a value")
     }
 
-    fn visit_f64<E: de::Error>(self, number: f64) -> Result<Node, E> {
+    fn visit_f64<E: de::Error>(self, number: f64) -> Result<TreeNode, E> {
         self.node(Value::Number(number))
     }
 
-    fn visit_i64<E: de::Error>(self, number: i64) -> Result<Node, E> {
+    fn visit_i64<E: de::Error>(self, number: i64) -> Result<TreeNode, E> {
         self.node(Value::Number(number as f64))
     }
 
-    fn visit_u64<E: de::Error>(self, number: u64) -> Result<Node, E> {
+    fn visit_u64<E: de::Error>(self, number: u64) -> Result<TreeNode, E> {
         self.node(Value::Number(number as f64))
     }
 
-    fn visit_str<E: de::Error>(self, text: &str) -> Result<Node, E> {
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<TreeNode, E> {
         self.node(Value::Text(text.to_owned()))
     }
 
-    fn visit_bool<E: de::Error>(self, flag: bool) -> Result<Node, E> {
+    fn visit_bool<E: de::Error>(self, flag: bool) -> Result<TreeNode, E> {
         self.node(Value::Text(flag.to_string()))
     }
 
-    fn visit_unit<E: de::Error>(self) -> Result<Node, E> {
+    fn visit_unit<E: de::Error>(self) -> Result<TreeNode, E> {
         self.node(Value::Text("null".to_owned()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Node, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<TreeNode, A::Error> {
         let line = self.0.get();
         let mut list = Vec::new();
         while let Some(item) = items.next_element_seed(self)? {
             list.push(item);
         }
-        Ok(Node { line, value: Value::List(list) })
+        Ok(TreeNode { line, value: Value::List(list) })
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Node, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<TreeNode, A::Error> {
         let line = self.0.get();
         let mut table = Vec::new();
         while let Some(key) = entries.next_key::<String>()? {
             let at = self.0.get();
             let value = entries.next_value_seed(self)?.value;
-            table.push((key, Node { line: at, value }));
+            table.push((key, TreeNode { line: at, value }));
         }
-        Ok(Node { line, value: Value::Table(table) })
+        Ok(TreeNode { line, value: Value::Table(table) })
     }
 }

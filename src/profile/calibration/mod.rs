@@ -17,7 +17,7 @@ mod yaml;
 use crate::optics::Calibration;
 pub use error::CalibrationError;
 pub use lens_model::{CoefficientFault, LensModel};
-use tree::{Node, Value, find};
+use tree::{TreeNode, Value, find};
 
 /// Most bytes of a file: a calibration has some two thousand, with all corners of its pictures a hundred times
 /// as many.
@@ -75,7 +75,7 @@ impl CalibrationFile {
         Self::of_keys(table)
     }
 
-    fn of_keys(table: &[(String, Node)]) -> Result<Self, CalibrationError> {
+    fn of_keys(table: &[(String, TreeNode)]) -> Result<Self, CalibrationError> {
         let must = "a matrix of 3 x 3 with the focal lengths and the principal point";
         let (key, node) = required(table, "camera_matrix", &["cameramatrix", "k", "mtx"], must)?;
         let [focal_px, principal_px] = intrinsics(node, key)?;
@@ -128,17 +128,17 @@ impl CalibrationFile {
 }
 
 fn required<'t>(
-    table: &'t [(String, Node)],
+    table: &'t [(String, TreeNode)],
     usual: &str,
     names: &[&str],
     must: &str,
-) -> Result<(&'t str, &'t Node), CalibrationError> {
+) -> Result<(&'t str, &'t TreeNode), CalibrationError> {
     let missing = || CalibrationError::Missing { key: usual.to_owned(), must: must.to_owned() };
     find(table, names)?.ok_or_else(missing)
 }
 
 /// Focal lengths and principal point of a camera matrix.
-fn intrinsics(node: &Node, key: &str) -> Result<[[f64; 2]; 2], CalibrationError> {
+fn intrinsics(node: &TreeNode, key: &str) -> Result<[[f64; 2]; 2], CalibrationError> {
     let matrix = node.matrix(key)?;
     let must = "a matrix of 3 x 3";
     let Ok([fx, skew, cx, below, fy, cy, last @ ..]) =
@@ -174,7 +174,7 @@ fn intrinsics(node: &Node, key: &str) -> Result<[[f64; 2]; 2], CalibrationError>
     Ok([[fx, fy], [cx, cy]])
 }
 
-fn coefficients(node: &Node, key: &str) -> Result<Vec<f64>, CalibrationError> {
+fn coefficients(node: &TreeNode, key: &str) -> Result<Vec<f64>, CalibrationError> {
     let matrix = node.matrix(key)?;
     if let Some([rows, columns]) = matrix.size.filter(|[rows, columns]| *rows > 1 && *columns > 1) {
         let must = "one row or one column of coefficients";
@@ -188,8 +188,8 @@ fn coefficients(node: &Node, key: &str) -> Result<Vec<f64>, CalibrationError> {
 }
 
 /// The frame, if the file says it.
-fn pixels(table: &[(String, Node)]) -> Result<Option<[u32; 2]>, CalibrationError> {
-    let side = |key: &str, node: &Node| {
+fn pixels(table: &[(String, TreeNode)]) -> Result<Option<[u32; 2]>, CalibrationError> {
+    let side = |key: &str, node: &TreeNode| {
         let number = node.number(key)?;
         if number.fract() == 0.0 && (1.0..=MOST_SIDE).contains(&number) {
             return Ok(number);
@@ -228,7 +228,7 @@ fn pixels(table: &[(String, Node)]) -> Result<Option<[u32; 2]>, CalibrationError
 }
 
 /// The model that a file names: `distortion_model` of ROS, `fisheye_model` of OpenCV's sample program.
-fn said_model(table: &[(String, Node)]) -> Result<Option<LensModel>, CalibrationError> {
+fn said_model(table: &[(String, TreeNode)]) -> Result<Option<LensModel>, CalibrationError> {
     let named = match find(table, &["distortionmodel"])? {
         None => None,
         Some((key, node)) => match &node.value {

@@ -8,7 +8,7 @@ pub(super) const DEEPEST: usize = 32;
 
 /// A value and where it stands.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node {
+pub(super) struct TreeNode {
     /// Line, from 1.
     pub line: usize,
     pub value: Value,
@@ -19,9 +19,9 @@ pub(super) enum Value {
     /// Finite or not.
     Number(f64),
     Text(String),
-    List(Vec<Node>),
+    List(Vec<TreeNode>),
     /// Keys in the order of the file, with the values' lines those of the keys.
-    Table(Vec<(String, Node)>),
+    Table(Vec<(String, TreeNode)>),
 }
 
 /// Numbers, and rows and columns where they are said.
@@ -30,7 +30,7 @@ pub(super) struct Matrix {
     pub numbers: Vec<f64>,
 }
 
-impl Node {
+impl TreeNode {
     /// A word without quotes: a number where it is one, also as OpenCV writes those that are not finite.
     pub(super) fn plain(line: usize, text: &str) -> Self {
         let value = match text.to_ascii_lowercase().as_str() {
@@ -95,9 +95,9 @@ impl Node {
 /// # Errors
 /// Several of them.
 pub(super) fn find<'t>(
-    table: &'t [(String, Node)],
+    table: &'t [(String, TreeNode)],
     names: &[&str],
-) -> Result<Option<(&'t str, &'t Node)>, CalibrationError> {
+) -> Result<Option<(&'t str, &'t TreeNode)>, CalibrationError> {
     let plain = |key: &str| key.replace('_', "").to_ascii_lowercase();
     let mut found = table.iter().filter(|(key, _)| names.contains(&plain(key).as_str()));
     let Some((first, node)) = found.next() else { return Ok(None) };
@@ -110,7 +110,7 @@ pub(super) fn find<'t>(
 }
 
 /// A list of numbers, or of lists of equally many numbers.
-fn listed(list: &[Node], node: &Node, key: &str) -> Result<Matrix, CalibrationError> {
+fn listed(list: &[TreeNode], node: &TreeNode, key: &str) -> Result<Matrix, CalibrationError> {
     if !list.iter().any(|item| matches!(item.value, Value::List(_))) {
         let numbers = list.iter().map(|item| item.number(key)).collect::<Result<_, _>>()?;
         return Ok(Matrix { size: None, numbers });
@@ -132,7 +132,11 @@ fn listed(list: &[Node], node: &Node, key: &str) -> Result<Matrix, CalibrationEr
 }
 
 /// Rows, columns and data.
-fn tabulated(table: &[(String, Node)], node: &Node, key: &str) -> Result<Matrix, CalibrationError> {
+fn tabulated(
+    table: &[(String, TreeNode)],
+    node: &TreeNode,
+    key: &str,
+) -> Result<Matrix, CalibrationError> {
     let must = "a matrix with rows, cols and data";
     let part = |name: &str| {
         let found = find(table, &[name])?.map(|(_, part)| part);

@@ -1,7 +1,7 @@
 //! XML, as OpenCV writes it: an element for a key, numbers in a row as its text.
 
 use super::CalibrationError;
-use super::tree::{DEEPEST, Node, Value};
+use super::tree::{DEEPEST, TreeNode, Value};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
@@ -12,7 +12,7 @@ const ROOT: &str = "opencv_storage";
 struct Element {
     name: String,
     line: usize,
-    children: Vec<(String, Node)>,
+    children: Vec<(String, TreeNode)>,
     text: String,
     /// Line on which the text begins.
     text_line: usize,
@@ -40,7 +40,7 @@ fn fault(line: usize, reason: impl Into<String>) -> CalibrationError {
 }
 
 /// The keys below the root.
-pub(super) fn parse(text: &str) -> Result<Node, CalibrationError> {
+pub(super) fn parse(text: &str) -> Result<TreeNode, CalibrationError> {
     let mut reader = Reader::from_str(text);
     let mut lines = Lines { text, at: 0, line: 1 };
     let mut open: Vec<Element> = Vec::new();
@@ -115,7 +115,7 @@ fn add(element: Option<&mut Element>, text: &str, line: usize) -> Result<(), Cal
 }
 
 /// Closes the innermost element.
-fn close(open: &mut Vec<Element>, root: &mut Option<Node>) -> Result<(), CalibrationError> {
+fn close(open: &mut Vec<Element>, root: &mut Option<TreeNode>) -> Result<(), CalibrationError> {
     let Some(element) = open.pop() else { return Ok(()) };
     let (name, node) = finished(element)?;
     match open.last_mut() {
@@ -125,10 +125,10 @@ fn close(open: &mut Vec<Element>, root: &mut Option<Node>) -> Result<(), Calibra
     Ok(())
 }
 
-fn finished(element: Element) -> Result<(String, Node), CalibrationError> {
+fn finished(element: Element) -> Result<(String, TreeNode), CalibrationError> {
     let Element { name, line, children, text, text_line } = element;
     if children.is_empty() {
-        return Ok((name, Node { line, value: texts(&text, line, text_line) }));
+        return Ok((name, TreeNode { line, value: texts(&text, line, text_line) }));
     }
     if !text.trim().is_empty() {
         return Err(fault(text_line, format!("<{name}> holds text beside elements")));
@@ -139,7 +139,7 @@ fn finished(element: Element) -> Result<(String, Node), CalibrationError> {
     } else {
         Value::Table(children)
     };
-    Ok((name, Node { line, value }))
+    Ok((name, TreeNode { line, value }))
 }
 
 /// A number, several of them, or text.
@@ -150,11 +150,11 @@ fn texts(text: &str, line: usize, text_line: usize) -> Value {
     }
     let mut items = Vec::new();
     for (row, words) in text.split('\n').enumerate() {
-        items.extend(words.split_whitespace().map(|word| Node::plain(text_line + row, word)));
+        items.extend(words.split_whitespace().map(|word| TreeNode::plain(text_line + row, word)));
     }
     let is_numeric = items.iter().any(|item| matches!(item.value, Value::Number(_)));
     match items.len() {
-        1 => Node::plain(line, whole).value,
+        1 => TreeNode::plain(line, whole).value,
         2.. if is_numeric => Value::List(items),
         _ => Value::Text(whole.to_owned()),
     }

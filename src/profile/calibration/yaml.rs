@@ -1,7 +1,7 @@
 //! YAML, of OpenCV and of ROS.
 
 use super::CalibrationError;
-use super::tree::{DEEPEST, Node, Value};
+use super::tree::{DEEPEST, TreeNode, Value};
 use saphyr_parser::{Event, Parser, ScalarStyle, Span, StrInput};
 
 type Events<'t> = Parser<'t, StrInput<'t>>;
@@ -12,7 +12,7 @@ fn fault(line: usize, reason: impl Into<String>) -> CalibrationError {
 
 /// The one document of a text. OpenCV's older header, `%YAML:1.0`, is none of YAML's own; its tags say nothing
 /// that the keys do not say.
-pub(super) fn parse(text: &str) -> Result<Node, CalibrationError> {
+pub(super) fn parse(text: &str) -> Result<TreeNode, CalibrationError> {
     let mended;
     let text = match text.strip_prefix("%YAML:") {
         Some(rest) => {
@@ -27,7 +27,7 @@ pub(super) fn parse(text: &str) -> Result<Node, CalibrationError> {
         let (event, span) = next(&mut events)?;
         match event {
             Event::StreamEnd => {
-                let empty = Node { line: 1, value: Value::Text(String::new()) };
+                let empty = TreeNode { line: 1, value: Value::Text(String::new()) };
                 return Ok(root.unwrap_or(empty));
             }
             Event::StreamStart | Event::DocumentStart(_) | Event::DocumentEnd => {}
@@ -60,13 +60,13 @@ fn node(
     event: Event<'_>,
     span: Span,
     depth: usize,
-) -> Result<Node, CalibrationError> {
+) -> Result<TreeNode, CalibrationError> {
     let line = span.start.line();
     if depth > DEEPEST {
         return Err(fault(line, format!("at most {DEEPEST} levels are read")));
     }
     let value = match event {
-        Event::Scalar(text, ScalarStyle::Plain, ..) => return Ok(Node::plain(line, &text)),
+        Event::Scalar(text, ScalarStyle::Plain, ..) => return Ok(TreeNode::plain(line, &text)),
         Event::Scalar(text, ..) => Value::Text(text.into_owned()),
         Event::SequenceStart(..) => {
             let mut list = Vec::new();
@@ -89,11 +89,11 @@ fn node(
                 let at = span.start.line();
                 let (event, span) = next(events)?;
                 let value = node(events, event, span, depth + 1)?.value;
-                table.push((key, Node { line: at, value }));
+                table.push((key, TreeNode { line: at, value }));
             }
         }
         Event::Alias(_) => return Err(fault(line, "aliases are not read")),
         _ => return Err(fault(line, "the text ends too soon")),
     };
-    Ok(Node { line, value })
+    Ok(TreeNode { line, value })
 }
