@@ -1,6 +1,7 @@
 //! What is no calibration is refused with its line and key.
 
 use super::{JSON, XML, YAML, parse};
+use crate::num::sample::Draws;
 use crate::profile::CalibrationFile;
 
 /// Each edit of a text, and how its complaint begins.
@@ -294,4 +295,43 @@ fn what_is_no_text_or_too_long_is_refused() {
     let long = vec![b'\n'; 1_000_001];
     let told = CalibrationFile::parse(&long).unwrap_err().to_string();
     assert_eq!(told, "a calibration must have at most 1000000 bytes, found 1000001");
+}
+
+/// Bytes changed, left out and given twice: read or refused, and what is read is finite.
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let mut draws = Draws::new(11);
+    let (mut read, mut refused) = (0, 0);
+    for text in [YAML, JSON, XML] {
+        for _ in 0..3000 {
+            let mut bytes = text.as_bytes().to_vec();
+            for _ in 0..1 + (3.0 * draws.unit()) as usize {
+                let at = (draws.unit() * bytes.len() as f64) as usize;
+                let length = ((1.0 + 9.0 * draws.unit()) as usize).min(bytes.len() - at);
+                match (3.0 * draws.unit()) as u32 {
+                    0 => {
+                        let marks = b"<>[]{}&*!|#%:,-\"'\\/?~`@ \t\n.e0\xff";
+                        bytes[at] = marks[(draws.unit() * marks.len() as f64) as usize];
+                    }
+                    1 => drop(bytes.drain(at..at + length)),
+                    _ => {
+                        let again = bytes[at..at + length].to_vec();
+                        bytes.splice(at..at, again);
+                    }
+                }
+            }
+            match CalibrationFile::parse(&bytes) {
+                Ok(file) => {
+                    let numbers = file.focal_px.iter().chain(&file.principal_px);
+                    assert!(numbers.chain(&file.coefficients).all(|number| number.is_finite()));
+                    read += 1;
+                }
+                Err(error) => {
+                    assert!(!error.to_string().is_empty());
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(read > 500 && refused > 500, "{read} read, {refused} refused");
 }
