@@ -7,7 +7,9 @@ use morion::internals::design::{Design, design};
 use morion::internals::export::{Label, read_stl, write_stl};
 use morion::internals::geom::{DVec3, Precision, Ray, TriMesh};
 use morion::internals::mesh::{Limits, mesh};
+use morion::internals::optics::{Calibration, Distortion};
 use morion::internals::pipeline::load;
+use morion::internals::profile::{CalibrationFile, LensModel};
 use morion::internals::solid::Solid;
 use morion::internals::trace::{CameraTrace, Outcome, RayEnd, Scene, TraceCounts};
 use std::error::Error;
@@ -31,6 +33,12 @@ cargo bench --bench trace -- [OPTIONS]
                     numbers: vertices.f64, triangles.u32, rays.f64 (origin, direction), found.f64
                     (outcome: 0 reflected, 1 missed, 2 shadowed, 3 back face; facet; distance;
                     direction), and morion.txt with our times
+    --calibration FILE
+                    reads a calibration of a camera, and nothing else: of the pixels in FOLDER/pixels.f64
+                    (x, y in OpenCV's convention) the rays X / Z, Y / Z in FOLDER/rays.f64, and what was read in
+                    FOLDER/calibration.f64 (width, height, fx, fy, cx, cy in Morion's convention, and the
+                    distortion coefficients in OpenCV's order)
+    --model MODEL   of the calibration: opencv or fisheye [default: what the file says]
 ";
 
 struct Options {
@@ -38,11 +46,20 @@ struct Options {
     stl: Option<String>,
     runs: usize,
     dump: Option<String>,
+    calibration: Option<String>,
+    model: Option<LensModel>,
 }
 
 impl Options {
     fn parse() -> Result<Self, String> {
-        let mut options = Self { profile: "conquistador".into(), stl: None, runs: 9, dump: None };
+        let mut options = Self {
+            profile: "conquistador".into(),
+            stl: None,
+            runs: 9,
+            dump: None,
+            calibration: None,
+            model: None,
+        };
         let mut arguments = std::env::args().skip(1);
         let mut measured = false;
         while let Some(name) = arguments.next() {
@@ -55,6 +72,14 @@ impl Options {
                     options.runs = runs.parse().map_err(|_| format!("{runs} is no number"))?;
                 }
                 "--dump" => options.dump = Some(value()?),
+                "--calibration" => options.calibration = Some(value()?),
+                "--model" => {
+                    options.model = Some(match value()?.as_str() {
+                        "opencv" => LensModel::OpenCv,
+                        "fisheye" => LensModel::Fisheye,
+                        other => return Err(format!("{other} is no model")),
+                    });
+                }
                 "--bench" => measured = true,
                 _ => return Err(format!("{name}?\n\n{USAGE}")),
             }
@@ -73,6 +98,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{complaint}");
         std::process::exit(2)
     });
+    if let Some(calibration) = &options.calibration {
+        let folder = options.dump.as_ref().ok_or("--calibration needs --dump")?;
+        return rays(calibration, options.model, Path::new(folder));
+    }
     let (design, mesh) = made(&options.profile, options.stl.as_deref())?;
     let [columns, rows] = design.camera.pixels;
     println!("{}: {} triangles, {columns} x {rows} rays", options.profile, mesh.triangles.len());
@@ -166,13 +195,7 @@ fn least<T>(runs: usize, new: impl Fn() -> T, mut run: impl FnMut(&T)) -> f64 {
 
 fn dump(folder: &Path, trace: &CameraTrace, found: &[RayEnd]) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
-    let numbers = |name: &str, all: &mut dyn Iterator<Item = f64>| -> Result<(), Box<dyn Error>> {
-        let mut out = BufWriter::new(File::create(folder.join(name))?);
-        for number in all {
-            out.write_all(&number.to_le_bytes())?;
-        }
-        Ok(out.flush()?)
-    };
+    let numbers = |name: &str, all: &mut dyn Iterator<Item = f64>| numbers(folder, name, all);
     let mesh = trace.scene().mesh();
     numbers("vertices.f64", &mut mesh.vertices.iter().flat_map(DVec3::to_array))?;
     let triangles: Vec<u8> =
@@ -200,4 +223,39 @@ fn dump(folder: &Path, trace: &CameraTrace, found: &[RayEnd]) -> Result<(), Box<
             [outcome(seen.outcome), facet, seen.t, x, y, z]
         }),
     )
+}
+
+fn numbers(
+    folder: &Path,
+    name: &str,
+    all: &mut dyn Iterator<Item = f64>,
+) -> Result<(), Box<dyn Error>> {
+    let mut out = BufWriter::new(File::create(folder.join(name))?);
+    for number in all {
+        out.write_all(&number.to_le_bytes())?;
+    }
+    Ok(out.flush()?)
+}
+
+/// What is read of a calibration, and the rays of the pixels in `folder`.
+fn rays(file: &str, model: Option<LensModel>, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let read = CalibrationFile::parse(&fs::read(file)?)?;
+    let calibration = read.calibration(model, None)?;
+    calibration.check()?;
+    let Calibration { pixels, focal_px, principal_px, distortion } = calibration;
+    let coefficients = match distortion {
+        Distortion::None => Vec::new(),
+        Distortion::BrownConrady { radial: [k1, k2, far @ ..], tangential, prism } => {
+            [&[k1, k2], &tangential[..], &far, &prism].concat()
+        }
+        Distortion::KannalaBrandt { radial } => radial.to_vec(),
+    };
+    let frame = pixels.map(f64::from).into_iter().chain(focal_px).chain(principal_px);
+    numbers(folder, "calibration.f64", &mut frame.chain(coefficients))?;
+    let bytes = fs::read(folder.join("pixels.f64"))?;
+    let (numbers_read, _) = bytes.as_chunks::<8>();
+    let (pixels, _) = numbers_read.as_chunks::<2>();
+    let ray = |pixel: &[[u8; 8]; 2]| calibration.ray(pixel.map(|x| f64::from_le_bytes(x) + 0.5));
+    let rays = pixels.iter().map(ray).collect::<Result<Vec<_>, _>>()?;
+    numbers(folder, "rays.f64", &mut rays.into_iter().flatten())
 }

@@ -21,8 +21,8 @@ pub(super) enum NodeSet {
     Extrema,
 }
 
-/// Weight of a place beyond the frame: so little that it changes no figure within, and enough to determine the mirror.
-const BEYOND_FRAME: f64 = 1e-4;
+/// Weight of a place beyond the picture: so little that it changes no figure within, and enough to determine the mirror.
+const BEYOND_PICTURE: f64 = 1e-4;
 
 /// Basis functions B_j with their derivatives at chosen places.
 #[derive(Debug, Clone)]
@@ -138,36 +138,34 @@ impl Basis {
         self
     }
 
-    /// The functions of [`Basis::rectangle`], looked at where the frame of `camera` sees them: at places spread over
-    /// the picture as those are over the rectangle, weighted by their areas in the picture. What lies beyond the frame
+    /// The functions of [`Basis::rectangle`], looked at where `camera` sees them in a part of its `picture`: at places
+    /// spread over that as those are over the rectangle, weighted by their areas in the picture. What lies beyond it
     /// counts only so far as to determine the mirror there.
     #[must_use]
-    pub(super) fn over_frame(
-        area: Rect,
+    pub(super) fn over_picture(
+        (area, picture): (Rect, Rect),
         even_x: bool,
         degree: usize,
         places: NodeSet,
         camera: &Camera,
     ) -> Self {
-        let half_frame = camera.half_frame();
         let whole = Self::rectangle(area, even_x, degree, places);
-        let in_frame =
-            Self::rectangle(Rect { min: -half_frame, max: half_frame }, even_x, degree, places);
-        let frames = |q: DVec2| camera.frames(camera.picture.image_point(q));
+        let in_picture = Self::rectangle(picture, even_x, degree, places);
+        let shows = |q: DVec2| picture.contains(camera.picture.image_point(q));
         let density = |q: DVec2| camera.picture.density(q);
-        let seen = (0..in_frame.len()).map(|k| {
-            let q = camera.picture.chart_point(in_frame.at(k));
-            (q, in_frame.weight(k), in_frame.coarse(k))
+        let seen = (0..in_picture.len()).map(|k| {
+            let q = camera.picture.chart_point(in_picture.at(k));
+            (q, in_picture.weight(k), in_picture.coarse(k))
         });
         let all = (0..whole.len()).map(|k| {
             let q = whole.at(k);
-            let share = if frames(q) { 1.0 } else { BEYOND_FRAME };
+            let share = if shows(q) { 1.0 } else { BEYOND_PICTURE };
             (q, share * density(q) * whole.weight(k), whole.coarse(k))
         });
-        let beyond = all.clone().filter(|(q, ..)| places != NodeSet::Extrema && !frames(*q));
+        let beyond = all.clone().filter(|(q, ..)| places != NodeSet::Extrema && !shows(*q));
         let places: Vec<_> = match seen.clone().all(|(q, ..)| area.contains(q)) {
             true => seen.chain(beyond).collect(),
-            // A mirror smaller than the frame ends before it.
+            // A mirror smaller than the picture ends before it.
             false => all.collect(),
         };
         let (half, centre) = (0.5 * area.size(), area.centre());

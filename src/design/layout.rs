@@ -28,6 +28,9 @@ pub(super) struct DesignProblem {
     /// The panel of a `section`, mm, over which the mean of the logarithmic height is zero; of other
     /// strips that is the domain.
     pub section: Option<Rect>,
+    /// The part of the picture over which a mirror is fitted that the camera sees obliquely or through a lens with
+    /// distortion, or whose picture ends with the frame; of others it is the domain.
+    pub picture: Option<Rect>,
     /// Whether problem and panel are symmetric in x and in y.
     pub mirror_symmetric: [bool; 2],
 }
@@ -161,14 +164,19 @@ impl DesignProblem {
             azimuth,
             z: z_middle - (0.5 * height - below) / scale_mm,
         });
+        // What a distorted picture shows has bent sides; the mirror is the rectangle around it.
+        let is_bent = !camera.picture.is_identity();
+        let [outline, domain] =
+            if is_bent { [seen_rectangle(&camera, exact); 2] } else { [exact, domain] };
         Ok(Self {
             camera,
             view: ImagingTask { projection, target, origin_mm: 0.0, fold, picture: camera.picture },
-            outline: rectangle(&camera, exact),
+            outline: rectangle(&camera, outline),
             domain: Outline::Rect(domain),
             section: (widening != DVec2::ONE).then_some(exact),
+            picture: is_bent.then_some(exact),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
-            mirror_symmetric: [middle_deg % 180.0 == 0.0, false],
+            mirror_symmetric: [middle_deg % 180.0 == 0.0 && !is_bent, false],
         })
     }
 
@@ -197,6 +205,7 @@ impl DesignProblem {
             outline,
             domain: outline,
             section: None,
+            picture: None,
             mirror_symmetric: [true; 2],
         }
     }
@@ -225,6 +234,7 @@ impl DesignProblem {
             outline: rectangle(&camera, area),
             domain: Outline::Rect(area),
             section: None,
+            picture: Some(frame_of(&camera)),
         }
     }
 }
@@ -298,7 +308,7 @@ pub(super) fn rectangle_of(profile: &Profile, camera: &Camera) -> Rect {
     let height = match profile.layout {
         Layout::Rectangle { height_mm: Some(height_mm) } => height_mm,
         _ => {
-            let seen = seen_of_frame(camera).size();
+            let seen = seen_rectangle(camera, frame_of(camera)).size();
             width * seen.y / seen.x
         }
     };
@@ -306,18 +316,23 @@ pub(super) fn rectangle_of(profile: &Profile, camera: &Camera) -> Rect {
     Rect { min: -half, max: half }
 }
 
-/// The smallest rectangle of the reference plane that holds all that the frame sees of it.
-fn seen_of_frame(camera: &Camera) -> Rect {
-    /// Places along each side of the frame: between two of them the picture's edge is straight, or nearly so.
-    const SIDE: usize = 16;
+/// The frame, mm of the picture.
+fn frame_of(camera: &Camera) -> Rect {
     let half = camera.half_frame();
+    Rect { min: -half, max: half }
+}
+
+/// The smallest rectangle of the reference plane that holds all that a rectangle of the picture shows of it.
+fn seen_rectangle(camera: &Camera, picture: Rect) -> Rect {
+    /// Places along each side: between two of them the picture's edge is straight, or nearly so.
+    const SIDE: usize = 64;
     let mut seen = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
     for k in 0..=SIDE {
-        let t = 2.0 * k as f64 / SIDE as f64 - 1.0;
-        for edge in
-            [DVec2::new(t, 1.0), DVec2::new(t, -1.0), DVec2::new(1.0, t), DVec2::new(-1.0, t)]
-        {
-            let q = camera.picture.chart_point(edge * half);
+        let t = k as f64 / SIDE as f64;
+        let edges =
+            [DVec2::new(t, 1.0), DVec2::new(t, 0.0), DVec2::new(1.0, t), DVec2::new(0.0, t)];
+        for share in edges {
+            let q = camera.picture.chart_point(picture.min + share * picture.size());
             seen = Rect { min: seen.min.min(q), max: seen.max.max(q) };
         }
     }

@@ -48,8 +48,8 @@ fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
     match problem.domain {
         Outline::Rect(area) => {
             let (even_x, camera) = (problem.mirror_symmetric[0], &problem.camera);
-            if problem.view.is_framed() {
-                return Basis::over_frame(area, even_x, degree, places, camera);
+            if let Some(picture) = problem.picture {
+                return Basis::over_picture((area, picture), even_x, degree, places, camera);
             }
             let whole = Basis::rectangle(area, even_x, degree, places);
             match problem.section {

@@ -1,6 +1,7 @@
 //! Cameras: which ray each point of the picture sends out.
 
-use super::{Mount, PictureMap};
+use super::picture_map::LensMap;
+use super::{Distortion, Mount, PictureMap};
 use crate::geom::{Chart, DVec2, DVec3, Ray};
 use crate::num::units::{Mm, Px};
 
@@ -21,6 +22,19 @@ pub enum CameraModel {
         /// Distance of the reference plane from the pinhole along the optical axis, mm, positive.
         distance_mm: f64,
     },
+    /// Camera whose rays all pass through the middle of its entrance pupil, as a calibration found it.
+    Calibrated {
+        /// Width and height of the frame in pixels.
+        pixels: [u32; 2],
+        /// Focal length across and down the picture, in pixels, positive.
+        focal_px: [f64; 2],
+        /// Picture point of the optical axis, as of [`Camera::image_point`]: pixel centres at halves.
+        principal_px: [f64; 2],
+        /// Distortion of the lens; every pixel of the frame has a ray.
+        distortion: Distortion,
+        /// Distance of the reference plane from the entrance pupil along the optical axis, mm, positive.
+        distance_mm: f64,
+    },
 }
 
 impl CameraModel {
@@ -28,17 +42,23 @@ impl CameraModel {
     #[must_use]
     pub fn pixels(&self) -> [u32; 2] {
         match *self {
-            Self::Orthographic { pixels } | Self::Pinhole { pixels, .. } => pixels,
+            Self::Orthographic { pixels }
+            | Self::Pinhole { pixels, .. }
+            | Self::Calibrated { pixels, .. } => pixels,
         }
     }
 
     /// Side of a pixel on the reference plane, mm: the frame of a telecentric camera is as wide as the
-    /// mirror, `width_mm`.
+    /// mirror, `width_mm`. Of a calibrated camera it is that on the optical axis, the geometric mean of both
+    /// sides.
     #[must_use]
     pub fn pixel_mm(&self, width_mm: f64) -> f64 {
         match *self {
             Self::Orthographic { pixels } => width_mm / f64::from(pixels[0]),
             Self::Pinhole { focal_px, distance_mm, .. } => distance_mm / focal_px,
+            Self::Calibrated { focal_px: [across, down], distance_mm, .. } => {
+                distance_mm / (across * down).sqrt()
+            }
         }
     }
 
@@ -48,7 +68,7 @@ impl CameraModel {
     pub fn distance_mm(&self) -> f64 {
         match *self {
             Self::Orthographic { .. } => f64::INFINITY,
-            Self::Pinhole { distance_mm, .. } => distance_mm,
+            Self::Pinhole { distance_mm, .. } | Self::Calibrated { distance_mm, .. } => distance_mm,
         }
     }
 }
@@ -86,8 +106,9 @@ impl Camera {
         let shift = DVec2::from_array(mount.shift_mm) * vergence;
         let chart = Chart { vergence, plane_mm: 0.0, lean: shift - mount.towards() * (s / c) };
         let chart = if mount.is_on_axis() { Chart::on_axis(vergence, 0.0) } else { chart };
-        let picture = PictureMap::new(mount, distance_mm);
-        Self { pixels: model.pixels(), pixel_mm: model.pixel_mm(width_mm), chart, picture }
+        let pixel_mm = model.pixel_mm(width_mm);
+        let picture = PictureMap::new(mount, distance_mm).with_lens(LensMap::of(model, pixel_mm));
+        Self { pixels: model.pixels(), pixel_mm, chart, picture }
     }
 
     /// The image point, mm, of the picture point (`x`, `y`) pixels: x to the right, y downwards, both from the

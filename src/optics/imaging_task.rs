@@ -73,10 +73,11 @@ impl ImagingTask {
         self.projection.direction_of(self.picture.image_of(q))
     }
 
-    /// Whether the picture ends with the frame: a view has no other end.
+    /// Whether the picture ends with the frame: a view has no other end, and what a mirror has beyond a frame with
+    /// bent sides is nobody's.
     #[must_use]
     pub fn is_framed(&self) -> bool {
-        matches!(self.projection, Projection::Azimuthal(_))
+        matches!(self.projection, Projection::Azimuthal(_)) || !self.picture.is_identity()
     }
 
     /// The image point at which the camera of `chart` sees a point of space.

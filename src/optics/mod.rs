@@ -1,7 +1,9 @@
 //! Cameras, projections, laws and reflection: what the picture should be.
 
 mod azimuthal;
+mod calibration;
 mod camera;
+mod distortion;
 mod imaging_task;
 mod law;
 mod picture_map;
@@ -16,7 +18,9 @@ mod target;
 mod thinned_frame;
 
 pub use azimuthal::{Azimuthal, AzimuthalLaw};
+pub use calibration::{Calibration, PixelFault};
 pub use camera::{Camera, CameraModel};
+pub use distortion::{Distortion, DistortionFault};
 pub use imaging_task::{CurlBounds, Fold, ImagingTask};
 pub use law::StripLaw;
 pub use picture_map::{Mount, PictureMap};

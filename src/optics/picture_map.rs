@@ -5,6 +5,7 @@
 //! of the frame. For a camera over the part, looking straight down, both are one. A camera that looks at the
 //! plane obliquely sees it in perspective: w is a projective function of q (docs/theory.md, T97).
 
+use super::{CameraModel, Distortion};
 use crate::geom::{DVec2, DVec3};
 use crate::num::{Dual, Scalar, cos, radians, sin};
 use glam::DMat2;
@@ -55,6 +56,54 @@ pub(super) fn sine_and_cosine(angle_deg: f64) -> [f64; 2] {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PictureMap {
     plane: Option<ObliquePlane>,
+    lens: Option<LensMap>,
+}
+
+/// The lens of a calibrated camera: from the picture that it would make without distortion, and centred on its axis,
+/// to its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LensMap {
+    distortion: Distortion,
+    /// Distance of the reference plane along the optical axis, mm.
+    distance_mm: f64,
+    /// Focal lengths across and down, mm of the picture.
+    focal: DVec2,
+    /// Image point of the optical axis, mm.
+    principal: DVec2,
+}
+
+impl LensMap {
+    /// That of a model whose pixels have the side `pixel_mm`; none where the picture is a scaled plane.
+    pub(super) fn of(model: &CameraModel, pixel_mm: f64) -> Option<Self> {
+        let CameraModel::Calibrated { pixels, focal_px, principal_px, distortion, distance_mm } =
+            *model
+        else {
+            return None;
+        };
+        let [width, height] = pixels.map(f64::from);
+        let [x, y] = principal_px;
+        Some(Self {
+            distortion,
+            distance_mm,
+            focal: DVec2::from_array(focal_px) * pixel_mm,
+            principal: DVec2::new(x - 0.5 * width, 0.5 * height - y) * pixel_mm,
+        })
+    }
+
+    /// The image point of a place in the picture without distortion.
+    #[inline]
+    fn image_of<S: Scalar>(&self, ideal: [S; 2]) -> [S; 2] {
+        let ray = [ideal[0] / self.distance_mm, -ideal[1] / self.distance_mm];
+        let [x, y] = self.distortion.distorted(ray);
+        [x * self.focal.x + self.principal.x, -y * self.focal.y + self.principal.y]
+    }
+
+    /// The place in the picture without distortion of an image point; not finite where the lens has none.
+    fn ideal(&self, image: DVec2) -> DVec2 {
+        let at = (image - self.principal) / self.focal;
+        let ray = self.distortion.undistorted([at.x, -at.y]);
+        ray.map_or(DVec2::NAN, |[x, y]| DVec2::new(x, -y) * self.distance_mm)
+    }
 }
 
 /// A plane as a camera sees it that does not stand over it.
@@ -91,29 +140,53 @@ impl PictureMap {
             across,
             recession: towards * (s / distance_mm),
         };
-        Self { plane: Some(plane) }
+        Self { plane: Some(plane), lens: None }
+    }
+
+    /// The same through a lens.
+    #[must_use]
+    pub(super) fn with_lens(self, lens: Option<LensMap>) -> Self {
+        Self { lens, ..self }
     }
 
     /// Whether image points are chart coordinates.
     #[must_use]
     pub fn is_identity(&self) -> bool {
-        self.plane.is_none()
+        self.plane.is_none() && self.lens.is_none()
+    }
+
+    /// Whether straight lines on the part are straight in the picture.
+    #[must_use]
+    pub fn keeps_lines(&self) -> bool {
+        self.lens.is_none()
+    }
+
+    /// The place that an image point would have through a lens without distortion, from the optical axis: not finite
+    /// where the lens has none.
+    #[must_use]
+    pub fn undistorted(&self, image: DVec2) -> DVec2 {
+        self.lens.map_or(image, |lens| lens.ideal(image))
     }
 
     /// Whether what is symmetric about X = 0 on the part is so in the picture.
     #[must_use]
     pub fn is_symmetric_in_x(&self) -> bool {
-        self.plane.is_none_or(|plane| {
+        let upright = |plane: ObliquePlane| {
             plane.foot.x == 0.0 && plane.recession.x == 0.0 && plane.across.x_axis.y == 0.0
-        })
+        };
+        self.lens.is_none() && self.plane.is_none_or(upright)
     }
 
     /// The image point of chart coordinates, mm.
     #[inline]
     pub fn image_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
-        match &self.plane {
+        let ideal = match &self.plane {
             None => q,
             Some(plane) => plane.image_of(q),
+        };
+        match &self.lens {
+            None => ideal,
+            Some(lens) => lens.image_of(ideal),
         }
     }
 
@@ -128,9 +201,10 @@ impl PictureMap {
     #[inline]
     #[must_use]
     pub fn chart_point(&self, image: DVec2) -> DVec2 {
+        let ideal = self.undistorted(image);
         match &self.plane {
-            None => image,
-            Some(plane) => plane.chart_point(image),
+            None => ideal,
+            Some(plane) => plane.chart_point(ideal),
         }
     }
 
@@ -187,7 +261,7 @@ impl ObliquePlane {
 mod tests {
     use super::*;
     use crate::geom::Chart;
-    use crate::optics::{Camera, CameraModel};
+    use crate::optics::Camera;
 
     fn mounts() -> Vec<Mount> {
         [

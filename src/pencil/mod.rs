@@ -43,7 +43,7 @@ pub struct Pencil {
     pub seen: DVec2,
     /// J, the derivative of `seen` along the image point, 1/mm.
     pub turn: DMat2,
-    /// K, the shift of the image point (mm on the reference plane) per pupil point.
+    /// K, the shift of the image point (mm, without the lens's distortion) per pupil point.
     pub focus: DMat2,
 }
 
@@ -123,6 +123,7 @@ impl Bundle {
     /// That of a camera beside it: places lie in the plane across its axis through the pupil, or for parallel rays
     /// through the axis' foot on the reference plane.
     fn oblique(camera: &Camera, image: DVec2) -> Self {
+        let image = camera.picture.undistorted(image);
         let ([right, up], axis) = (camera.picture.axes(), camera.axis());
         let foot = camera.picture.foot().extend(camera.chart.plane_mm);
         let (origin, place, k) = match camera.chart.pupil() {

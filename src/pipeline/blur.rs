@@ -3,7 +3,7 @@
 use super::run::{Command, Run};
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::optics::Camera;
+use crate::optics::{Camera, CameraModel};
 use crate::pencil::{BlurEllipse, Quantiles, best_focus, map_pencils, quantiles};
 use crate::profile::Profile;
 use crate::report::Answer;
@@ -71,10 +71,13 @@ struct Lens {
 impl Lens {
     fn new(profile: &Profile, options: &BlurOptions) -> Result<Self, Error> {
         let BlurOptions { aperture, focus_mm } = *options;
-        let pinhole = matches!(profile.camera, crate::optics::CameraModel::Pinhole { .. });
+        let pinhole = profile.camera.distance_mm().is_finite();
         let wrong = |reason| Err(Error::Lens { profile: profile.name.clone(), reason });
         let Some(aperture) = aperture.or(profile.lens.aperture) else {
-            return wrong(if pinhole {
+            return wrong(if matches!(profile.camera, CameraModel::Calibrated { .. }) {
+                "how wide its lens is open is not known; give --pupil-mm, the diameter of its entrance \
+                 pupil, or write camera.calibrated.pupil_mm (or lens_mm and f_number)"
+            } else if pinhole {
                 "how wide its lens is open is not known; give --pupil-mm, the diameter of its entrance \
                  pupil, or write camera.pinhole.pupil_mm (or lens_mm, pixel_um and f_number)"
             } else {

@@ -166,5 +166,17 @@ fn inscribed(camera: &CameraModel, side: u32) -> CameraModel {
             let focal_px = focal_px * f64::from(side) / f64::from(width);
             CameraModel::Pinhole { pixels, focal_px, distance_mm }
         }
+        CameraModel::Calibrated {
+            pixels: [width, _],
+            focal_px,
+            principal_px,
+            distortion,
+            distance_mm,
+        } => {
+            let scale = f64::from(side) / f64::from(width);
+            let [focal_px, principal_px] =
+                [focal_px, principal_px].map(|px| px.map(|px| px * scale));
+            CameraModel::Calibrated { pixels, focal_px, principal_px, distortion, distance_mm }
+        }
     }
 }

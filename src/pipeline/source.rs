@@ -1,5 +1,5 @@
 //! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights
-//! that a profile names.
+//! and the calibration that a profile names.
 
 use crate::profile::{Complaints, GridError, Profile, SagGrid, ShapeSpec, shipped};
 use crate::publish::{self, FileError};
@@ -11,6 +11,8 @@ use thiserror::Error;
 const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
+/// As [`CalibrationFile::parse`](crate::profile::CalibrationFile::parse) has it.
+const MOST_CALIBRATION: u64 = 1_000_000;
 
 impl Profile {
     /// The measured form error that the profile names, if it names one.
@@ -107,13 +109,18 @@ impl ProfileText {
         Ok(Self { name: stem.into_owned(), named: named.into(), bytes })
     }
 
-    /// The profile, and the heights that it names, from its own folder.
+    /// The profile with the calibration and the heights that it names, from its own folder.
     ///
     /// # Errors
     /// [`SourceError`], with every complaint about the text.
     pub fn checked(&self) -> Result<Profile, SourceError> {
         let Self { name, named, bytes } = self;
-        let profile = Profile::parse(name, named, bytes)?;
+        let folder = Path::new(named).parent().unwrap_or(Path::new(""));
+        let read = |file: &str| {
+            let read = publish::read_named(&folder.join(file), MOST_CALIBRATION);
+            read.map_err(|error| error.to_string())
+        };
+        let profile = Profile::parse_with(name, named, bytes, &read)?;
         Profile { named: named.clone(), ..profile }.with_heights()
     }
 }
@@ -131,7 +138,7 @@ fn hint(named: &str) -> String {
 }
 
 /// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile;
-/// and the heights that it names, from its own folder.
+/// and the calibration and the heights that it names, from its own folder.
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.
@@ -149,6 +156,8 @@ fn grid(folder: &Path, file: &str) -> Result<SagGrid, SourceError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::CameraModel;
+    use crate::profile::Aperture;
     use std::fs;
 
     const GIVEN: &str = "camera.orthographic.pixels = [640, 480]
@@ -186,5 +195,94 @@ export.formats = [\"stl\"]
             ),
             "{fault}"
         );
+    }
+
+    const CALIBRATED: &str = "[camera.calibrated]
+file = \"data/camera.yaml\"
+distance_mm = 200
+[projection.cylindrical]
+azimuth_deg = [-90, 90]
+elevation_deg = [-30, 30]
+[layout.strip]
+[method.vector-field]
+degree = 12
+[part]
+width_mm = 60
+base_mm = 5
+[mesh]
+chord_um = 2
+[export]
+formats = [\"stl\"]
+";
+    const CAMERA: &str = "image_width: 640
+image_height: 480
+K: [[820.5, 0, 331.25], [0, 819.5, 236.75], [0, 0, 1]]
+D: [-0.3, 0.1, 0.001, 0]
+";
+
+    #[test]
+    fn a_calibration_is_found_beside_the_profile_and_its_faults_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("calibrated.toml");
+        fs::write(&path, CALIBRATED).unwrap();
+        fs::create_dir(folder.path().join("data")).unwrap();
+        let named = path.to_str().unwrap();
+        let camera = folder.path().join("data/camera.yaml");
+        let fault = |text: &str| {
+            fs::write(&camera, text).unwrap();
+            load(named).unwrap_err().to_string()
+        };
+        let missing = load(named).unwrap_err().to_string();
+        assert!(missing.contains("camera.calibrated.file: cannot read"), "{missing}");
+
+        let told = fault(&CAMERA.replace("331.25", "wide"));
+        let place = format!("{named}:2:8: camera.calibrated.file: data/camera.yaml: line 3: ");
+        let wanted = format!("{place}K must be a finite number, found the text \"wide\"");
+        assert_eq!(told.trim_end(), wanted);
+        let told = fault(&CAMERA.replace("-0.3, 0.1", "-3, 0"));
+        assert!(told.contains("camera.yaml: the pixel in column "), "{told}");
+        assert!(told.contains("the distortion folds the picture over there"), "{told}");
+        let told = fault(&"#".repeat(1_000_001));
+        assert!(told.contains("it has more than 1000000 bytes"), "{told}");
+        #[cfg(unix)]
+        {
+            fs::remove_file(&camera).unwrap();
+            std::os::unix::fs::symlink("/dev/zero", &camera).unwrap();
+            let told = load(named).unwrap_err().to_string();
+            assert!(told.contains("it is a pipe or a device"), "{told}");
+            fs::remove_file(&camera).unwrap();
+        }
+
+        fs::write(&camera, CAMERA).unwrap();
+        let found = load(named).unwrap();
+        assert_eq!(found.camera_file.as_deref(), Some("data/camera.yaml"));
+        let CameraModel::Calibrated { pixels, focal_px, principal_px, distance_mm, .. } =
+            found.camera
+        else {
+            panic!("{:?}", found.camera)
+        };
+        assert_eq!((pixels, focal_px), ([640, 480], [820.5, 819.5]));
+        assert_eq!((principal_px, distance_mm), ([331.75, 237.25], 200.0));
+
+        // The same numbers as keys are the same camera, which needs no file.
+        let keys = "pixels = [640, 480]\nfocal_px = [820.5, 819.5]\nprincipal_px = [331.25, 236.75]\n\
+                    distortion = [-0.3, 0.1, 0.001, 0]\nlens_mm = 8\nf_number = 4";
+        let keys = CALIBRATED.replace("file = \"data/camera.yaml\"", keys);
+        let same = Profile::parse("keys", "keys.toml", keys.as_bytes()).unwrap();
+        assert_eq!((same.camera, same.camera_file), (found.camera, None));
+        assert_eq!(same.lens.aperture, Some(Aperture::Pupil { pupil_mm: 2.0 }));
+        assert_eq!(same.lens.focal_mm, Some(8.0));
+    }
+
+    /// A build knows another camera by the numbers of its file.
+    #[test]
+    fn another_calibration_is_another_input_of_a_build() {
+        let read = |camera: String| {
+            let read = move |_: &str| Ok(camera.clone().into_bytes());
+            Profile::parse_with("p", "p.toml", CALIBRATED.as_bytes(), &read).unwrap()
+        };
+        let inputs = |camera: String| super::super::build_cache::inputs(&read(camera));
+        assert_eq!(inputs(CAMERA.to_owned()), inputs(CAMERA.to_owned() + "# again\n"));
+        assert_ne!(inputs(CAMERA.to_owned()), inputs(CAMERA.replace("0.001", "0.002")));
     }
 }

@@ -6,6 +6,7 @@
 
 mod accept;
 mod border;
+mod calibration;
 mod check;
 mod complaint;
 mod format;
@@ -29,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 pub use accept::{AcceptanceLimit, AcceptanceLimits, AcceptanceSpec};
 pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
+pub use calibration::{CalibrationError, CalibrationFile, CoefficientFault, LensModel};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use format::{CadFormat, FileFormat, MeshFormat};
@@ -42,6 +44,9 @@ pub use shipped::{Shipped, shipped};
 #[cfg(feature = "studio")]
 pub(crate) use source::text as text_of_profile;
 pub use tolerance::Tolerance;
+
+/// What has the bytes of a file that a profile names, or why they cannot be had.
+pub type ReadFile<'f> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'f;
 
 /// A checked profile: camera, projection, layout, shape, part, mesh, files and limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +64,8 @@ pub struct Profile {
     pub camera: CameraModel,
     /// Where it stands over the part: on the axis but for a rectangle.
     pub mount: Mount,
+    /// The calibration file that the camera comes from, if it comes from one.
+    pub camera_file: Option<String>,
     /// Its lens.
     pub lens: LensSpec,
     /// Part of the world that the picture must show, and its layout in the picture. A designed mirror
@@ -194,7 +201,7 @@ pub struct SagTable {
 }
 
 impl Profile {
-    /// Reads and checks a profile.
+    /// Reads and checks a profile that names no calibration file.
     ///
     /// `name` is what output goes under and `file` what complaints call the file. On failure every
     /// complaint that can be made is made, in the order of the file.
@@ -202,9 +209,28 @@ impl Profile {
     /// # Errors
     /// [`Complaints`], each with its place and a hint.
     pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
+        let none = |named: &str| {
+            Err(format!(
+                "{named}: it is read for a profile in a file alone; give its numbers as keys"
+            ))
+        };
+        Self::parse_with(name, file, bytes, &none)
+    }
+
+    /// Reads and checks a profile as [`Self::parse`] does; `read` has the bytes of the calibration file that it
+    /// may name, or why there are none.
+    ///
+    /// # Errors
+    /// [`Complaints`], each with its place and a hint.
+    pub fn parse_with(
+        name: &str,
+        file: &str,
+        bytes: &[u8],
+        read: &ReadFile,
+    ) -> Result<Profile, Complaints> {
         let text = source::text(file, bytes)?;
         let (tree, errors) = toml::de::DeTable::parse_recoverable(text);
-        let mut reader = reader::ProfileReader::new(file, text);
+        let mut reader = reader::ProfileReader::new(file, text, read);
         for error in &errors {
             reader.broken(error);
         }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Error};
 
+use super::ReadFile;
 use super::complaint::{Complaint, Complaints};
 use super::lines::LineIndex;
 use super::schema;
@@ -58,10 +59,12 @@ pub(super) struct ProfileReader<'a> {
     swallowing: bool,
     /// Offsets of lines that are neither a setting nor a table.
     stray: Vec<usize>,
+    /// What has the files that the profile names.
+    read: &'a ReadFile<'a>,
 }
 
 impl<'a> ProfileReader<'a> {
-    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+    pub(super) fn new(file: &'a str, text: &'a str, read: &'a ReadFile<'a>) -> Self {
         ProfileReader {
             file,
             text,
@@ -71,7 +74,13 @@ impl<'a> ProfileReader<'a> {
             torn: false,
             swallowing: false,
             stray: Vec::new(),
+            read,
         }
+    }
+
+    /// The bytes of a file that the profile names, or why there are none.
+    pub(super) fn file(&self, named: &str) -> Result<Vec<u8>, String> {
+        (self.read)(named)
     }
 
     /// Notes an error of syntax.
@@ -346,7 +355,7 @@ mod tests {
     #[test]
     fn a_bad_line_is_named_once() {
         let text = "a = = = 1\nb = x\nc 3\n";
-        let mut reader = ProfileReader::new("p.toml", text);
+        let mut reader = ProfileReader::new("p.toml", text, &|_| Err(String::new()));
         for error in &DeTable::parse_recoverable(text).1 {
             reader.broken(error);
         }
@@ -357,7 +366,7 @@ mod tests {
     #[test]
     fn a_flood_of_bad_lines_is_cut_short() {
         let text = "a = = 1\n".repeat(1000);
-        let mut reader = ProfileReader::new("p.toml", &text);
+        let mut reader = ProfileReader::new("p.toml", &text, &|_| Err(String::new()));
         for error in &DeTable::parse_recoverable(&text).1 {
             reader.broken(error);
         }

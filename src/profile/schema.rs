@@ -30,6 +30,9 @@ const RARE: &[&str] = &[
     "f_number",
     "pupil_mm",
     "wavelength_nm",
+    "model",
+    "principal_px",
+    "distortion",
     "target_radius_mm",
     "target_plane_mm",
     "inner_polar_deg",
@@ -68,7 +71,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "tolerance",
         ],
     ),
-    ("camera", &["orthographic", "pinhole"]),
+    ("camera", &["orthographic", "pinhole", "calibrated"]),
     ("camera.orthographic", &["pixels", "na", "wavelength_nm"]),
     (
         "camera.pinhole",
@@ -85,6 +88,22 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
         ],
     ),
     ("mount", &["fold_deg", "towards_deg", "shift_mm"]),
+    (
+        "camera.calibrated",
+        &[
+            "file",
+            "model",
+            "pixels",
+            "focal_px",
+            "principal_px",
+            "distortion",
+            "distance_mm",
+            "lens_mm",
+            "f_number",
+            "pupil_mm",
+            "wavelength_nm",
+        ],
+    ),
     (
         "projection",
         &[

@@ -77,6 +77,7 @@ fn kind(unit: &str) -> &'static str {
         "word" => "word",
         "list of words" => "words",
         "whole number" => "whole",
+        "list of numbers" => "toml",
         _ if unit.starts_with("[[") => "toml",
         _ if unit.starts_with('[') => "pair",
         _ => "number",
@@ -175,7 +176,7 @@ mod tests {
         assert_eq!(bounds("rising; required"), [None, None]);
         assert_eq!(words("`\"refit\"` (default) or `\"section\"`"), ["refit", "section"]);
         let camera = form().as_array().unwrap()[1].clone();
-        assert_eq!(camera["choices"], json!(["orthographic", "pinhole"]));
+        assert_eq!(camera["choices"], json!(["orthographic", "pinhole", "calibrated"]));
         assert_eq!(key_of("part.width_mm must be positive"), Some("part.width_mm"));
         assert_eq!(key_of("the text must be TOML"), None);
     }

@@ -45,6 +45,7 @@ pub(super) fn checked(name: &str, text: &str) -> Result<Profile, RequestFailure>
 pub(super) fn named_file(profile: &Profile) -> Option<&'static str> {
     match &profile.shape {
         ShapeSpec::Grid { .. } => Some("mirror.grid.file"),
+        _ if profile.camera_file.is_some() => Some("camera.calibrated.file"),
         _ => profile.tolerance.map_file.as_ref().map(|_| "tolerance.map_file"),
     }
 }

@@ -145,7 +145,8 @@ fn depth_test(
 
 impl<'a> Rasterizer<'a> {
     /// Intersects `rays` of the rows of some bands, or of the `wanted` ones of their pixels, with the facets of
-    /// `scene`. `None` where they start beside or below facets: such facets have no picture.
+    /// `scene`. `None` where they start beside or below facets, which have no picture then, and where the lens bends
+    /// the edges of facets.
     pub(super) fn new(
         scene: &'a Scene,
         rays: &'a CameraRays,
@@ -161,6 +162,7 @@ impl<'a> Rasterizer<'a> {
         let margin = MARGIN + 64.0 * f64::EPSILON * extent / camera.pixel_mm;
         // (NaN fails.)
         if !(start > hi.z
+            && camera.picture.keeps_lines()
             && view_scale >= LEAST_VIEW_SCALE
             && margin < 0.25
             && camera.pixels.iter().all(|&n| n <= MOST_PIXELS))

@@ -1,5 +1,7 @@
 //! The fuzzer's seeds and what it once found: what its targets assert holds for all of them.
 
+#[path = "../../fuzz/properties/calibration.rs"]
+mod calibration;
 #[path = "../../fuzz/properties/csv.rs"]
 mod csv;
 #[path = "../../fuzz/properties/glb.rs"]
@@ -66,4 +68,9 @@ fn glb_files_of_the_fuzzer_come_to_a_verdict() {
 #[test]
 fn tables_of_the_fuzzer_are_complete_or_refused() {
     replay("csv", csv::holds);
+}
+
+#[test]
+fn calibrations_of_the_fuzzer_have_rays_or_are_refused() {
+    replay("calibration", calibration::holds);
 }

@@ -4,7 +4,7 @@ use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, PairFormat, number, pair};
 use super::super::{Aperture, LensSpec};
-use super::{LARGE, is_large, only};
+use super::{LARGE, is_large};
 use crate::num::tan;
 use crate::optics::CameraModel;
 
@@ -19,6 +19,8 @@ pub(super) struct CameraEntry {
     pub(super) at: usize,
     pub(super) camera: Option<CameraModel>,
     pub(super) lens: LensSpec,
+    /// The calibration file that it names.
+    pub(super) file: Option<String>,
 }
 
 /// Which camera it is.
@@ -26,12 +28,17 @@ pub(super) struct CameraEntry {
 pub(super) enum CameraName {
     Orthographic,
     Pinhole,
+    Calibrated,
 }
 
 impl CameraName {
     /// The camera of a table's name: one that the schema has.
-    fn find(name: &str) -> Self {
-        if name == "pinhole" { Self::Pinhole } else { Self::Orthographic }
+    pub(super) fn find(name: &str) -> Self {
+        match name {
+            "pinhole" => Self::Pinhole,
+            "calibrated" => Self::Calibrated,
+            _ => Self::Orthographic,
+        }
     }
 
     /// Its table.
@@ -39,34 +46,30 @@ impl CameraName {
         match self {
             Self::Orthographic => "camera.orthographic",
             Self::Pinhole => "camera.pinhole",
+            Self::Calibrated => "camera.calibrated",
         }
     }
 }
 
-pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<CameraEntry> {
-    let hint = "an orthographic camera has a telecentric lens, a pinhole camera any other";
-    let read = reader
-        .alternatives(root, "camera", hint)
-        .into_iter()
-        .map(|(name, section)| {
-            let pixels = pixels(reader, &section);
-            let wavelength_nm = wavelength(reader, &section);
-            let name = CameraName::find(name);
-            let (camera, (aperture, focal_mm)) = match name {
-                CameraName::Pinhole => pinhole(reader, &section, pixels),
-                CameraName::Orthographic => {
-                    let camera = pixels.map(|pixels| CameraModel::Orthographic { pixels });
-                    (camera, (na(reader, &section), None))
-                }
-            };
-            let lens = LensSpec { aperture, focal_mm, wavelength_nm };
-            CameraEntry { name, at: section.at, camera, lens }
-        })
-        .collect();
-    only(read)
+/// A camera without distortion.
+pub(super) fn ideal(
+    reader: &mut ProfileReader,
+    name: CameraName,
+    section: &Section,
+) -> CameraEntry {
+    let pixels = pixels(reader, section);
+    let wavelength_nm = wavelength(reader, section);
+    let (camera, (aperture, focal_mm)) = if name == CameraName::Pinhole {
+        pinhole(reader, section, pixels)
+    } else {
+        let camera = pixels.map(|pixels| CameraModel::Orthographic { pixels });
+        (camera, (na(reader, section), None))
+    };
+    let lens = LensSpec { aperture, focal_mm, wavelength_nm };
+    CameraEntry { name, at: section.at, camera, lens, file: None }
 }
 
-fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
+pub(super) fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
     let form = "the size of the camera's frame in pixels, as in pixels = [640, 480]";
     let pixels = PairFormat {
         key: "pixels",
@@ -90,7 +93,7 @@ fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
     Some(pixels.value.map(|f| f as u32))
 }
 
-fn wavelength(reader: &mut ProfileReader, section: &Section) -> f64 {
+pub(super) fn wavelength(reader: &mut ProfileReader, section: &Section) -> f64 {
     let must = "a number from 100 to 20000";
     let hint = "nanometres of the light that the camera sees, as in wavelength_nm = 550 for green";
     let allowed = |f: f64| (100.0..=20000.0).contains(&f);
@@ -107,11 +110,12 @@ fn na(reader: &mut ProfileReader, section: &Section) -> Option<Aperture> {
     Some(Aperture::Na { na })
 }
 
-/// Any other lens's aperture; its f-number is told of the focal length in millimetres.
-fn pupil(
+/// Any other lens's aperture; its f-number is told of the focal length in millimetres, which `lens_keys` say.
+pub(super) fn pupil(
     reader: &mut ProfileReader,
     section: &Section,
     lens: Option<Located<f64>>,
+    lens_keys: &str,
 ) -> Option<Aperture> {
     let must = "a number from 0.000001 to 1000";
     let hint = "the diameter of the entrance pupil in millimetres, as in pupil_mm = 2";
@@ -132,8 +136,10 @@ fn pupil(
         (None, Some(stop)) => {
             let Some(lens) = lens else {
                 let message = format!("{path}.f_number must stand beside lens_mm, found none");
-                let hint = "the entrance pupil is lens_mm / f_number wide; write lens_mm and pixel_um, or pupil_mm";
-                reader.complain(stop.at, message, hint);
+                let hint = format!(
+                    "the entrance pupil is lens_mm / f_number wide; write {lens_keys}, or pupil_mm"
+                );
+                reader.complain(stop.at, message, &hint);
                 return None;
             };
             Some(Aperture::Pupil { pupil_mm: lens.value / stop.value })
@@ -162,13 +168,11 @@ fn pinhole(
     let hint =
         "the side of a pixel in micrometres, from the sensor's data sheet, as in pixel_um = 3.45";
     let pitch = number(reader, section, "pixel_um", Optional, must, hint, size);
-    let must = &format!("a number {LARGE}");
-    let hint = "millimetres from the entrance pupil to the mirror, as in distance_mm = 200";
-    let distance = number(reader, section, "distance_mm", Required, must, hint, is_large);
+    let distance = distance(reader, section);
     let placed = [&focal, &view, &lens, &pitch].into_iter().flatten().map(|found| found.at);
     let last = placed.max().unwrap_or(section.at);
     one_focal_length(reader, section, last);
-    let aperture = pupil(reader, section, lens);
+    let aperture = pupil(reader, section, lens, "lens_mm and pixel_um");
     let mut focal_px = |pixels: [u32; 2]| match (focal, view) {
         (Some(focal), _) => Some(focal.value),
         (None, Some(view)) => Some(focal_of_view(f64::from(pixels[0]), view.value)),
@@ -182,6 +186,13 @@ fn pinhole(
         distance_mm: distance.value,
     });
     (camera, (aperture, lens.map(|lens| lens.value)))
+}
+
+/// Distance of the mirror from the entrance pupil, mm.
+pub(super) fn distance(reader: &mut ProfileReader, section: &Section) -> Option<Located<f64>> {
+    let must = &format!("a number {LARGE}");
+    let hint = "millimetres from the entrance pupil to the mirror, as in distance_mm = 200";
+    number(reader, section, "distance_mm", Required, must, hint, is_large)
 }
 
 /// Complains where the focal length is said in no way, or, up to the place `last`, in more than one.

@@ -29,7 +29,34 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
         land(reader, parts, layout);
         wide_enough(reader, parts, layout);
     }
+    distortion_suits(reader, parts);
     height(reader, parts);
+}
+
+/// Under a camera with distortion there are designed strips alone.
+fn distortion_suits(reader: &mut ProfileReader, parts: &Entries) {
+    let Some(camera) = parts.camera.as_ref().filter(|c| c.name == CameraName::Calibrated) else {
+        return;
+    };
+    let given = parts.shape.as_ref().filter(|shape| shape.is_given);
+    let straight = [LayoutName::Strip, LayoutName::Rectangle];
+    let layout = parts.layout.as_ref().filter(|layout| !straight.contains(&layout.name));
+    let (with, hint) = match (given, layout) {
+        (Some(given), _) => (
+            given.path.clone(),
+            "a given mirror is judged by a picture without distortion; use [camera.pinhole]",
+        ),
+        (None, Some(layout)) => (
+            format!("layout.{}", layout.name),
+            "its fold or its circles lie about the optical axis, which a distorted picture does not keep; \
+             use [layout.strip] or [layout.rectangle]",
+        ),
+        (None, None) => return,
+    };
+    let message = format!(
+        "camera must be [camera.orthographic] or [camera.pinhole] with [{with}], found [camera.calibrated]"
+    );
+    reader.complain(camera.at, message, hint);
 }
 
 /// Some laws are made for one kind of camera.
@@ -55,7 +82,8 @@ fn camera_suits(
         }
         _ => return,
     };
-    if camera.name != needed {
+    // Of a calibrated camera the layout's rule tells.
+    if camera.name != needed && camera.name != CameraName::Calibrated {
         let message = format!(
             "camera must be [{}] with [{}], found [{}]",
             needed.table(),

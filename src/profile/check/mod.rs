@@ -1,6 +1,7 @@
 //! The rules of a profile: which values each key may take, and what goes with what.
 
 mod border;
+mod calibrated;
 mod camera;
 mod fits;
 mod layout;
@@ -75,7 +76,7 @@ impl<'t> Entries<'t> {
         let bare = given && !root.has("projection");
         let rectangle = bare && !root.has("layout");
         Self {
-            camera: camera::read(reader, root),
+            camera: camera(reader, root),
             projection: if bare { None } else { projection::read(reader, root) },
             layout: if rectangle { None } else { layout::read(reader, root) },
             shape: mirror::read(reader, root),
@@ -128,6 +129,7 @@ pub(super) fn profile(
         sha256: hex(&Sha256::digest(bytes)),
         summary: summary.unwrap_or_default(),
         lens: camera.as_ref()?.lens,
+        camera_file: camera.as_ref()?.file.clone(),
         camera: camera?.camera?,
         mount,
         projection: match projection {
@@ -148,6 +150,20 @@ pub(super) fn profile(
         tolerance,
         form_map: None,
     })
+}
+
+fn camera(reader: &mut ProfileReader, root: &Section) -> Option<camera::CameraEntry> {
+    let hint = "an orthographic camera has a telecentric lens, a pinhole camera any other; a calibrated \
+                camera has a lens with distortion";
+    let read = reader
+        .alternatives(root, "camera", hint)
+        .into_iter()
+        .map(|(name, section)| match camera::CameraName::find(name) {
+            camera::CameraName::Calibrated => calibrated::read(reader, &section),
+            name => camera::ideal(reader, name, &section),
+        })
+        .collect();
+    only(read)
 }
 
 fn summary(reader: &mut ProfileReader, root: &Section) -> Option<String> {

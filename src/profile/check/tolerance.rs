@@ -171,7 +171,10 @@ fn foreign(
     has_map: bool,
 ) -> Option<(&'static str, &'static str)> {
     let round = setting.layout.map(|l| matches!(l, Layout::Disc | Layout::Annulus { .. }));
-    let pinhole = matches!(setting.camera, Some(CameraModel::Pinhole { .. }));
+    let pinhole = matches!(
+        setting.camera,
+        Some(CameraModel::Pinhole { .. } | CameraModel::Calibrated { .. })
+    );
     match source.row().applies_to {
         AppliesTo::RoundMirror if round == Some(false) => {
             Some(("for a rectangular mirror", "its form errors are legendre_20_um and the like"))
