@@ -62,6 +62,23 @@ impl CameraModel {
         }
     }
 
+    /// The lens in the way of a picture whose pixels have the side `pixel_mm`; none where the picture is a scaled
+    /// plane, centred on the axis.
+    fn lens(&self, pixel_mm: f64) -> Option<LensMap> {
+        let Self::Calibrated { pixels, focal_px, principal_px, distortion, distance_mm } = *self
+        else {
+            return None;
+        };
+        let [width, height] = pixels.map(f64::from);
+        let [x, y] = principal_px;
+        Some(LensMap {
+            distortion,
+            distance_mm,
+            focal: DVec2::from_array(focal_px) * pixel_mm,
+            principal: DVec2::new(x - 0.5 * width, 0.5 * height - y) * pixel_mm,
+        })
+    }
+
     /// Distance of the reference plane from the entrance pupil along the optical axis, mm: infinite for parallel
     /// rays.
     #[must_use]
@@ -107,7 +124,7 @@ impl Camera {
         let chart = Chart { vergence, plane_mm: 0.0, lean: shift - mount.towards() * (s / c) };
         let chart = if mount.is_on_axis() { Chart::on_axis(vergence, 0.0) } else { chart };
         let pixel_mm = model.pixel_mm(width_mm);
-        let picture = PictureMap::new(mount, distance_mm).with_lens(LensMap::of(model, pixel_mm));
+        let picture = PictureMap::new(mount, distance_mm).with_lens(model.lens(pixel_mm));
         Self { pixels: model.pixels(), pixel_mm, chart, picture }
     }
 

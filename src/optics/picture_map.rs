@@ -5,7 +5,7 @@
 //! of the frame. For a camera over the part, looking straight down, both are one. A camera that looks at the
 //! plane obliquely sees it in perspective: w is a projective function of q (docs/theory.md, T97).
 
-use super::{CameraModel, Distortion};
+use super::Distortion;
 use crate::geom::{DVec2, DVec3};
 use crate::num::{Dual, Scalar, cos, radians, sin};
 use glam::DMat2;
@@ -63,33 +63,17 @@ pub struct PictureMap {
 /// to its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LensMap {
-    distortion: Distortion,
+    /// The distortion.
+    pub distortion: Distortion,
     /// Distance of the reference plane along the optical axis, mm.
-    distance_mm: f64,
+    pub distance_mm: f64,
     /// Focal lengths across and down, mm of the picture.
-    focal: DVec2,
+    pub focal: DVec2,
     /// Image point of the optical axis, mm.
-    principal: DVec2,
+    pub principal: DVec2,
 }
 
 impl LensMap {
-    /// That of a model whose pixels have the side `pixel_mm`; none where the picture is a scaled plane.
-    pub(super) fn of(model: &CameraModel, pixel_mm: f64) -> Option<Self> {
-        let CameraModel::Calibrated { pixels, focal_px, principal_px, distortion, distance_mm } =
-            *model
-        else {
-            return None;
-        };
-        let [width, height] = pixels.map(f64::from);
-        let [x, y] = principal_px;
-        Some(Self {
-            distortion,
-            distance_mm,
-            focal: DVec2::from_array(focal_px) * pixel_mm,
-            principal: DVec2::new(x - 0.5 * width, 0.5 * height - y) * pixel_mm,
-        })
-    }
-
     /// The image point of a place in the picture without distortion.
     #[inline]
     fn image_of<S: Scalar>(&self, ideal: [S; 2]) -> [S; 2] {
@@ -153,6 +137,12 @@ impl PictureMap {
     #[must_use]
     pub fn is_identity(&self) -> bool {
         self.plane.is_none() && self.lens.is_none()
+    }
+
+    /// Whether the camera stands on the part's axis and looks along it.
+    #[must_use]
+    pub fn is_over_axis(&self) -> bool {
+        self.plane.is_none()
     }
 
     /// Whether straight lines on the part are straight in the picture.
@@ -261,7 +251,7 @@ impl ObliquePlane {
 mod tests {
     use super::*;
     use crate::geom::Chart;
-    use crate::optics::Camera;
+    use crate::optics::{Camera, CameraModel};
 
     fn mounts() -> Vec<Mount> {
         [

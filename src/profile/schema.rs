@@ -37,7 +37,6 @@ const RARE: &[&str] = &[
     "target_plane_mm",
     "inner_polar_deg",
     "minimax",
-    "mount",
     "centre_deg",
     "roll_deg",
     "mirrored",

@@ -31,6 +31,7 @@ pub fn shipped() -> &'static [Shipped] {
         "side-view",
         "driver",
         "floor",
+        "calibrated",
         "conformal",
         "parabolic",
         "hyperbolic",

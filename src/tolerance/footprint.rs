@@ -1,7 +1,7 @@
 //! A pixel's footprint on the part: the mean of a texture over it displaces the pixel's content, and the
 //! deviation from the mean blurs it.
 
-use super::model::LineOfSight;
+use super::line_of_sight::LineOfSight;
 use crate::geom::{DVec2, DVec3};
 use crate::num::{Scalar, sin};
 use crate::optics::Camera;

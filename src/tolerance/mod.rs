@@ -22,6 +22,7 @@ mod extent;
 mod footprint;
 mod form_field;
 mod full_trace;
+mod line_of_sight;
 mod linear_model;
 mod linear_prediction;
 mod local_polynomial;

@@ -2,10 +2,10 @@
 
 use super::footprint::Footprint;
 use super::form_field::FormField;
+use super::line_of_sight::LineOfSight;
 use super::local_polynomial::{ExpansionSquare, Fitter, largest_difference, values};
 use super::model::{
-    BallCutter, FormBasis, LineOfSight, OpticalSystem, PartPose, PerturbedState, PixelSample,
-    TextureSite,
+    BallCutter, FormBasis, OpticalSystem, PartPose, PerturbedState, PixelSample, TextureSite,
 };
 use super::texture::TextureShape;
 use super::work_counts::{WorkCounts, WorkKind};

@@ -48,7 +48,9 @@ pub enum UnwrapError {
         sensor: [u32; 2],
     },
     /// Round mirrors and views have no panels that are parts of a panorama.
-    #[error("only a strip's picture can be cut into a panorama; leave --cuts out")]
+    #[error(
+        "only a strip's picture can be cut into a panorama, not a round mirror's or a view; leave --cuts out"
+    )]
     NotStrip,
     /// No pixel of the photo shows the mirror.
     #[error("the mirror is smaller than a pixel of the photo; take a larger photo")]

@@ -67,11 +67,11 @@ fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
 fn edge_towards(mirror: &Mirror, outline: &Outline, across: DVec2) -> DVec3 {
     /// More turns than the edge needs: each leaves a small share of the angle that is left.
     const MOST_TURNS: usize = 50;
-    let edge = |way: DVec2| rim(mirror, way, outline.reach(way));
     let mut way = across.normalize_or_zero();
     if mirror.chart.lean == DVec2::ZERO {
-        return edge(way);
+        return rim(mirror, way, outline.reach(across));
     }
+    let edge = |way: DVec2| rim(mirror, way, outline.reach(way));
     // The camera beside the axis sees directions turned.
     for _ in 0..MOST_TURNS {
         let found = edge(way).truncate();

@@ -66,7 +66,9 @@ fn shortcuts_change_nothing_for_shipped_mirrors() {
         profile.mesh = MeshGoal::limits(None, Some(8.0));
         let (_, counts) = swept(name, &profile, Precision::Single);
         println!("{name}: {counts:?}");
-        assert_eq!(counts.searched, 0, "{name}");
+        // The edges of facets are bent behind a lens with distortion.
+        let is_bent = *name == "calibrated";
+        assert_eq!(counts.searched > 0, is_bent, "{name}");
         assert!(counts.followed < counts.proven, "{name}: {counts:?}");
     });
 }

@@ -59,13 +59,47 @@ def camera_rays(profile, layout, corners):
         above = 2 * np.abs(corners).max()
         origins = np.column_stack([column * pixel, row * pixel, zero + above])
         return origins, np.column_stack([zero, zero, zero - 1])
-    if "lens_mm" in camera:
-        focal = 1e3 * camera["lens_mm"] / camera["pixel_um"]
+    if kind == "calibrated":
+        directions = calibrated_directions(camera)
     else:
-        focal = camera.get("focal_px") or width / 2 / math.tan(math.radians(camera["hfov_deg"]) / 2)
-    directions = np.column_stack([column, row, zero - focal])
+        directions = np.column_stack([column, row, zero - focal_px(camera)])
     directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = turned(directions, layout.get("looks_along", [0, 0, -1]))
     return zero[:, None] + np.array(layout["pupil_mm"]), directions
+
+
+def focal_px(camera):
+    """Focal length of a pinhole camera in pixels."""
+    if "lens_mm" in camera:
+        return 1e3 * camera["lens_mm"] / camera["pixel_um"]
+    half = math.radians(camera.get("hfov_deg", 0)) / 2
+    return camera.get("focal_px") or camera["pixels"][0] / 2 / math.tan(half)
+
+
+def calibrated_directions(camera):
+    """Directions of the rays of a lens with OpenCV's distortion (k1, k2, p1, p2, k3), by fixed-point iteration."""
+    width, height = camera["pixels"]
+    k1, k2, p1, p2, k3 = camera["distortion"]
+    (fx, fy), (cx, cy) = camera["focal_px"], camera["principal_px"]
+    u, v = np.meshgrid((np.arange(width) - cx) / fx, (np.arange(height) - cy) / fy)
+    u, v = u.ravel(), v.ravel()
+    x, y = u, v
+    for _ in range(200):
+        square = x * x + y * y
+        radial = 1 + square * (k1 + square * (k2 + square * k3))
+        x, y = (
+            (u - 2 * p1 * x * y - p2 * (square + 2 * x * x)) / radial,
+            (v - p1 * (square + 2 * y * y) - 2 * p2 * x * y) / radial,
+        )
+    return np.column_stack([x, -y, np.full_like(x, -1.0)])
+
+
+def turned(directions, along):
+    """The directions after the shortest turn that carries -Z to `along`."""
+    axis = np.cross([0, 0, -1], along)
+    cosine = -along[2]
+    across = np.cross(np.broadcast_to(axis, directions.shape), directions)
+    return directions * cosine + across + np.outer(directions @ axis, axis) / (1 + cosine)
 
 
 def seen_by_embree(corners, origins, directions):

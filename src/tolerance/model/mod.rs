@@ -16,7 +16,7 @@ mod system;
 
 pub(super) use ball_cutter::BallCutter;
 pub(super) use made_forms::FormBasis;
-pub(super) use sample::{LineOfSight, PixelSample, TextureSite};
+pub(super) use sample::{PixelSample, TextureSite};
 pub(super) use side_by_side::SideBySide;
 pub(super) use state::{PartPose, PerturbedState};
 pub(super) use system::OpticalSystem;

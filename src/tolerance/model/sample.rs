@@ -1,10 +1,9 @@
 //! Pixels that stand for the picture.
 
 use super::super::footprint::Footprint;
+use super::super::line_of_sight::LineOfSight;
 use super::super::local_polynomial::ExpansionSquare;
 use crate::geom::{DVec2, DVec3};
-use crate::optics::Camera;
-use glam::DMat2;
 
 /// Place of the mirror that a pixel sees, as far as textures depend on it.
 #[derive(Debug, Clone, Copy)]
@@ -13,23 +12,6 @@ pub(crate) struct TextureSite {
     pub groove: f64,
     /// The pixel's footprint: it sees the mean of a texture over this.
     pub footprint: Footprint,
-}
-
-/// Line of sight of an image point: the ray's chart coordinates, and how they follow the image point.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LineOfSight {
-    /// Chart coordinates, mm.
-    pub on_chart: DVec2,
-    /// Their derivatives along the picture's axes.
-    pub along: DMat2,
-}
-
-impl LineOfSight {
-    /// That of the image point `point`.
-    pub(crate) fn new(camera: &Camera, point: DVec2) -> Self {
-        let on_chart = camera.picture.chart_point(point);
-        Self { on_chart, along: camera.picture.jacobian(on_chart).inverse() }
-    }
 }
 
 /// Pixel that sees the mirror, and the mirror there.
