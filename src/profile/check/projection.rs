@@ -164,7 +164,7 @@ fn centre_elevation(
     centre: &Located<[f64; 2]>,
 ) -> bool {
     let elevation = centre.value[1];
-    if -89.0 <= elevation && elevation <= 90.0 {
+    if (-89.0..=90.0).contains(&elevation) {
         return true;
     }
     let path = section.path_of("centre_deg");

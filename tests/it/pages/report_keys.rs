@@ -28,6 +28,18 @@ mesh.chord_um = 5
 export.formats = [\"stl\"]
 ";
 
+/// A view from beside the part.
+const OBLIQUE: &str = "\
+camera.pinhole = { pixels = [160, 120], hfov_deg = 20, distance_mm = 60 }
+mount = { fold_deg = 40, towards_deg = 90 }
+projection.perspective.hfov_deg = 30
+layout.rectangle = {}
+method.vector-field.degree = 8
+part = { width_mm = 24, base_mm = 2 }
+mesh.facet_px = 3
+export.formats = [\"stl\"]
+";
+
 /// Runs in a folder of their own, and the JSON values that they made.
 struct Runs(tempfile::TempDir);
 
@@ -47,6 +59,7 @@ impl Runs {
             ("valley", edited(SMALL, &[valley]) + unmet),
             ("given", GIVEN.into()),
             ("round", ROUND.into()),
+            ("oblique", OBLIQUE.into()),
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
         }
@@ -130,7 +143,7 @@ fn hold(page: &str, headings: &[&str], values: &[Value]) {
 #[test]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
-    let mut reports: Vec<Value> = ["all", "budget", "valley", "given", "round"]
+    let mut reports: Vec<Value> = ["all", "budget", "valley", "given", "round", "oblique"]
         .map(|name| runs.printed(&format!("build {name}.toml")))
         .into();
     runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
