@@ -51,7 +51,9 @@ impl Mounting {
         let far = |view: &&ImagingTask| view.target != Target::Infinity;
         Self {
             pupil_mm: camera.chart.pupil().map(|pupil| pupil.to_array()),
-            looks_along: (!camera.picture.is_over_axis()).then(|| (-camera.axis()).to_array()),
+            // (No negative zero.)
+            looks_along: (!camera.picture.is_over_axis())
+                .then(|| (-camera.axis()).to_array().map(|part| part + 0.0)),
             target_origin_mm: view.filter(far).map(|view| on_axis(view.origin_mm)),
             size_mm: size.extend(top_mm).to_array(),
             mean_mm: mirror.mean_mm(&camera.chart),

@@ -186,12 +186,6 @@ impl Chart {
         (k != 0.0).then(|| (self.lean / k).extend(self.plane_mm + 1.0 / k))
     }
 
-    /// Direction towards the camera from the plane's origin, not of unit length.
-    #[must_use]
-    pub fn towards(&self) -> DVec3 {
-        self.lean.extend(1.0)
-    }
-
     /// The camera's ray through image point `q`: from the pinhole, or from height `top_mm`.
     #[inline]
     #[must_use]

@@ -126,3 +126,51 @@ fn the_drivers_view_has_the_least_ray_error_known() {
         assert!((ray.max - 14.6).abs() < 0.1, "{ray:?}");
     }
 }
+
+/// A strip under a camera of these keys.
+fn strip(camera: &str) -> Design {
+    designed(&format!(
+        "{camera}\nprojection.equirectangular = {{ azimuth_deg = [-70, 70], elevation_deg = [-25, 25] }}\n\
+         layout.strip = {{}}\nmethod.vector-field.degree = 14\n\
+         part = {{ width_mm = 60, base_mm = 5 }}\nmesh.facet_px = 1\nexport.formats = [\"stl\"]\n"
+    ))
+}
+
+#[test]
+fn a_calibrated_camera_without_distortion_is_a_pinhole() {
+    let pinhole =
+        strip("camera.pinhole = { pixels = [640, 480], focal_px = 900, distance_mm = 120 }");
+    let calibrated = strip(
+        "camera.calibrated = { pixels = [640, 480], focal_px = [900, 900], principal_px = [319.5, 239.5], \
+         distance_mm = 120 }",
+    );
+    // The fit's places differ: the exact mirror of the least squares is one.
+    for (x, y) in [(0.0, 0.0), (25.0, 9.0), (-14.0, -10.0), (29.0, -11.0)] {
+        let q = DVec2::new(x, y);
+        let off = pinhole.mirror.surface.at(q).f - calibrated.mirror.surface.at(q).f;
+        assert!(off.abs() < 1e-9, "{q}: {off:e}");
+    }
+    let [a, b] = [&pinhole, &calibrated].map(|design| design.facts.pixel_error_px.unwrap());
+    assert!((a.rms - b.rms).abs() < 1e-3 * a.rms, "{a:?} {b:?}");
+}
+
+/// The mirror compensates the lens: the picture is off by half a pixel as through a lens without distortion (what no
+/// mirror shows exactly differs a little), where a lens that is not compensated shifts it by many pixels.
+#[test]
+fn the_mirror_makes_up_for_the_lens() {
+    let camera = |distortion: &str| {
+        format!(
+            "camera.calibrated = {{ pixels = [640, 480], focal_px = [900, 904], principal_px = [328.1, 233.7], \
+             distance_mm = 120{distortion} }}"
+        )
+    };
+    let plain = strip(&camera(""));
+    let bent = strip(&camera(", distortion = [-0.31, 0.14, 0.0011, -0.0006, -0.02]"));
+    let [a, b] = [&plain, &bent].map(|design| design.facts.pixel_error_px.unwrap());
+    assert!(a.rms < 0.6 && b.rms < 0.6, "{a:?} {b:?}");
+    // A corner of the picture through both lenses.
+    let corner = bent.camera.half_frame() * DVec2::new(0.98, 0.5);
+    let [straight, through] =
+        [&plain, &bent].map(|design| design.camera.picture.chart_point(corner));
+    assert!((straight - through).length() > 5.0 * bent.camera.pixel_mm);
+}

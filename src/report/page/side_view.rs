@@ -85,7 +85,11 @@ fn draw_camera(drawing: &mut Drawing, pupil_mm: Option<DVec2>, top: f64, mean_mm
             let corners = [[-1.0, 0.0], [1.0, 0.0], [1.5, 2.0], [-1.5, 2.0], [-1.0, 0.0]];
             let body = corners.map(|corner| at + DVec2::from_array(corner) * size);
             drawing.lines(EDGE, [&body[..]]);
-            drawing.text(at, [20.0, -8.0], Anchor::Start, "entrance pupil");
+            // Beside the axis rays leave to the right of it.
+            match at.x {
+                0.0 => drawing.text(at, [20.0, -8.0], Anchor::Start, "entrance pupil"),
+                _ => drawing.text(at, [0.0, -26.0], Anchor::Middle, "entrance pupil"),
+            }
             let beside = DVec2::new(-drawing.mm(30.0), 0.0);
             let text = format!("{:.1} mm", at.y - mean_mm);
             drawing.length([DVec2::new(at.x, mean_mm) + beside, at + beside], &text);
