@@ -16,7 +16,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 /// Runs of which the median counts.
 const RUNS: usize = 5;
 /// Mirrors of every layout, all seen by 640 x 480 pixels or fewer.
-const NAMES: [&str; 4] = ["conquistador", "panoramic", "conformal", "equiangular"];
+const NAMES: [&str; 7] =
+    ["conquistador", "panoramic", "conformal", "equiangular", "webcam", "driver", "robot-floor"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("milliseconds, medians of {RUNS}");

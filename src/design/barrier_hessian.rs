@@ -24,12 +24,14 @@ impl ColumnBlocks {
         Self { unknowns, blocks: vec![Vec::new(); unknowns.div_ceil(LANES)] }
     }
 
-    /// Adds a place by its three rows.
-    pub(super) fn push(&mut self, rows: [&[f64]; 3]) {
-        for (p, block) in self.blocks.iter_mut().enumerate() {
+    /// Adds places, each by its three rows.
+    pub(super) fn extend(&mut self, places: &[[Vec<f64>; 3]]) {
+        parallel::for_each_mut(&mut self.blocks, 1, |p, block| {
             let entry = |row: &[f64], k: usize| row.get(p * LANES + k).copied().unwrap_or(0.0);
-            block.push(rows.map(|row| std::array::from_fn(|k| entry(row, k))));
-        }
+            block.extend(places.iter().map(|rows| -> [[f64; LANES]; 3] {
+                std::array::from_fn(|c| std::array::from_fn(|k| entry(&rows[c], k)))
+            }));
+        });
     }
 
     /// Change of the local values at every place for a change of the unknowns.
@@ -49,16 +51,16 @@ impl ColumnBlocks {
 
     /// Sum over the places of a slope in (f, x, y), carried back to the unknowns.
     pub(super) fn gather(&self, slopes: &[LocalValues]) -> Vec<f64> {
-        let mut sum: Vec<f64> = Vec::with_capacity(self.blocks.len() * LANES);
-        for block in &self.blocks {
+        let sums = parallel::map_slice(&self.blocks, 1, |block| {
             let mut lanes = [0.0; LANES];
             for (rows, slope) in block.iter().zip(slopes) {
                 for (k, lane) in lanes.iter_mut().enumerate() {
                     *lane += rows[0][k] * slope[0] + rows[1][k] * slope[1] + rows[2][k] * slope[2];
                 }
             }
-            sum.extend(lanes);
-        }
+            lanes
+        });
+        let mut sum = sums.concat();
         sum.truncate(self.unknowns);
         sum
     }
@@ -169,11 +171,9 @@ mod tests {
         let entry =
             |place: usize, c: usize, k: usize| sin(((place * 31 + c * 7 + 1) * (k + 2)) as f64);
         let mut blocks = ColumnBlocks::new(n);
-        for place in 0..9 {
-            let rows: [Vec<f64>; 3] =
-                std::array::from_fn(|c| (0..n).map(|k| entry(place, c, k)).collect());
-            blocks.push([&rows[0], &rows[1], &rows[2]]);
-        }
+        let rows =
+            |place: usize| std::array::from_fn(|c| (0..n).map(|k| entry(place, c, k)).collect());
+        blocks.extend(&(0..9).map(rows).collect::<Vec<_>>());
         let m = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.2], [0.5, -0.2, 2.0]];
         let roots = vec![root(m); 9];
         let curvature = blocks.curvature(&roots);

@@ -8,6 +8,7 @@ use crate::num::legendre::{derivatives, values};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, cos};
 use crate::optics::Camera;
+use crate::parallel;
 use std::f64::consts::PI;
 
 /// Places at which a basis is tabulated.
@@ -23,6 +24,9 @@ pub(super) enum NodeSet {
 
 /// Weight of a place beyond the picture: so little that it changes no figure within, and enough to determine the mirror.
 const BEYOND_PICTURE: f64 = 1e-4;
+
+/// Places fewer than which the threads cost more than they bring.
+const WORTH_THREADS: usize = 64;
 
 /// Basis functions B_j with their derivatives at chosen places.
 #[derive(Debug, Clone)]
@@ -175,7 +179,7 @@ impl Basis {
                 let d = derivatives(&p).iter().map(|d| d / half[axis]).collect();
                 AxisNode { at: q[axis], weight: if axis == 0 { weight } else { 1.0 }, coarse, p, d }
             };
-            AxisTable { places: places.iter().map(place).collect() }
+            AxisTable { places: parallel::map_slice(&places, WORTH_THREADS, place) }
         };
         Self { along: table(0), across: table(1), is_scattered: true, ..whole }
     }
@@ -295,7 +299,7 @@ impl Basis {
                 };
                 self.row(k).zip(coefficients).fold([0.0; 3], sum)
             };
-            return (0..self.len()).map(local).collect();
+            return parallel::map(self.len(), WORTH_THREADS, local);
         }
         let mut locals = vec![[0.0; 3]; self.len()];
         let count = self.across.places.len();

@@ -61,6 +61,6 @@ pub(crate) use {
 #[cfg(feature = "studio")]
 pub(crate) use {
     mesh_files::label as mesh_label,
-    page_figures::{part_figures, shadowed, sharpness_map},
+    page_figures::{coarse_part, glb, shadowed, sharpness_map, still},
     run::designed_unmeasured,
 };

@@ -16,25 +16,38 @@ use crate::verdict::sharpness::spot_sizes;
 
 /// The part's figures from a coarse mesh of its own; none where it has none.
 pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
-    let face = coarse_mesh(&design.mirror);
-    let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;
-    let mut glb = Vec::new();
-    write_glb(&mut glb, &solid, label).ok()?;
+    let solid = coarse_part(design)?;
+    let glb = glb(&solid, label)?;
     let mesh = solid.mesh();
     let sections = [AxialPlane::X0, AxialPlane::Y0].map(|plane| PartSection::new(mesh, plane));
     let side_view = SideView::new(design, mesh);
-    let scene = Scene::new(mesh.clone());
-    let still = shaded_view(&scene).to_png().ok()?;
+    let still = still(&solid)?;
     Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
+}
+
+/// The closed part around a coarse mesh, for drawings; none where it cannot be closed.
+pub(crate) fn coarse_part(design: &Design) -> Option<Solid> {
+    let face = coarse_mesh(&design.mirror);
+    Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()
+}
+
+/// A part as GLB.
+pub(crate) fn glb(part: &Solid, label: &Label) -> Option<Vec<u8>> {
+    let mut glb = Vec::new();
+    write_glb(&mut glb, part, label).ok()?;
+    Some(glb)
+}
+
+/// The picture of a part where nothing can be turned, PNG.
+pub(crate) fn still(part: &Solid) -> Option<Vec<u8>> {
+    shaded_view(&Scene::new(part.mesh().clone())).to_png().ok()
 }
 
 /// For each pixel of a thinned frame whether the part is in the way of what it sees: of the coarse part that a page
 /// turns. None where the part has no mesh.
 #[cfg(feature = "studio")]
 pub(crate) fn shadowed(design: &Design, frame: ThinnedFrame) -> Option<Vec<bool>> {
-    let face = coarse_mesh(&design.mirror);
-    let solid = Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()?;
-    let scene = Scene::new(solid.mesh().clone());
+    let scene = Scene::new(coarse_part(design)?.mesh().clone());
     let camera = design.camera.with_pixels(frame.pixels());
     let (ends, _) = CameraTrace::new(&scene, &camera, scene.above_mm()).run();
     Some(ends.iter().map(|end| matches!(end.outcome, Outcome::Shadowed(_))).collect())

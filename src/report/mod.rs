@@ -28,7 +28,7 @@ pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use build_figures::{BuildFigures, PartFigures};
 pub use maps::{form_map, gouge_map, pixel_error_map, spot_map};
 #[cfg(feature = "studio")]
-pub(crate) use page::{STYLE, THREE, VIEWER};
+pub(crate) use page::{MapLetter, STYLE, THREE, VIEWER, map_letters};
 pub(crate) use plot::{
     Anchor, Axis, Dash, Diagram, Ink, LETTER, Margins, Marker, Plot, Stroke, text_width,
 };

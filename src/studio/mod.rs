@@ -5,6 +5,7 @@
 
 mod access;
 mod build;
+mod designs;
 mod edit;
 mod failure;
 mod form;
@@ -21,11 +22,12 @@ use routes::{Studio, Subjects, tamed};
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::Builder;
 use tempfile::NamedTempFile;
 use thiserror::Error;
-use work_queue::WorkQueue;
+use work_queue::{Job, WorkQueue};
 
 /// The folder of profiles and results below that for results.
 const FOLDER: &str = "studio";
@@ -93,12 +95,15 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
     }
     let text = String::from_utf8_lossy(&found.bytes).into_owned();
     let (quick, quick_jobs) = WorkQueue::new();
+    let (beside, beside_jobs) = WorkQueue::new();
     let (slow, slow_jobs) = WorkQueue::new();
     let studio = Arc::new(Studio {
         first: [tamed(&found.name), text],
         folder: out.join(FOLDER),
         quick,
+        beside,
         slow,
+        designs: Arc::default(),
         subjects: Subjects::default(),
         build: Mutex::new(None),
         opening: Mutex::new(None),
@@ -107,10 +112,16 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
     let _ = OPENED.set(Arc::clone(&studio));
     let refused = |source| StudioError::Listen { port, source };
     let threads = parallel::threads();
-    let work = move || {
-        parallel::within(Some(threads), move || slow_jobs.into_iter().for_each(|job| job()));
+    let work = move |jobs: Receiver<Job>| {
+        parallel::within(Some(threads), move || jobs.into_iter().for_each(|job| job()));
     };
-    Builder::new().name("slow".to_owned()).spawn(work).map_err(refused)?;
+    let thread = |name: &str| Builder::new().name(name.to_owned());
+    thread("beside").spawn(move || work(beside_jobs)).map_err(refused)?;
+    let giving_way = move || {
+        give_way();
+        work(slow_jobs);
+    };
+    thread("slow").spawn(giving_way).map_err(refused)?;
     let (_listening, address) = server::listen(Arc::clone(&studio), port).map_err(refused)?;
     tell(&address);
     if opens {
@@ -120,6 +131,17 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
     // On this thread, which is of the pool.
     quick_jobs.iter().for_each(|job| job());
     Ok(())
+}
+
+/// Lets other threads go before this one and those that it starts, so that what follows a slider does not wait for
+/// what may take longer.
+fn give_way() {
+    /// The largest value that the system knows.
+    #[cfg(target_os = "linux")]
+    const NICE: i32 = 19;
+    // Of this thread alone, on Linux; elsewhere that would be the whole program.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, NICE);
 }
 
 /// Opens an address in the user's browser by a page in `folder` that only the user can read: other users see the

@@ -1,10 +1,12 @@
 //! Requests and their answers.
 
+use super::designs::LastDesigns;
 use super::edit::TextEdit;
 use super::failure::RequestFailure;
 use super::message::{Asked, Content};
 use super::work_queue::{Subject, WorkQueue};
 use super::{build::Build, form, page, view};
+use crate::design::Design;
 use crate::profile::{Profile, shipped};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -23,10 +25,14 @@ pub(super) struct Studio {
     pub first: [String; 2],
     /// Folder of profiles and results.
     pub folder: PathBuf,
-    /// What follows a slider.
+    /// What follows a slider first.
     pub quick: WorkQueue,
+    /// What follows it next.
+    pub beside: WorkQueue,
     /// What may take longer.
     pub slow: WorkQueue,
+    /// Designs of the profiles that were asked about last.
+    pub designs: Arc<LastDesigns>,
     /// One subject for each kind of request of which the newest counts.
     pub subjects: Subjects,
     /// The last build.
@@ -41,8 +47,8 @@ pub(super) struct Subjects {
     preview: Arc<Subject>,
     picture: Arc<Subject>,
     estimate: Arc<Subject>,
-    sharpness: Arc<Subject>,
     part: Arc<Subject>,
+    still: Arc<Subject>,
     pixel: Arc<Subject>,
 }
 
@@ -55,9 +61,7 @@ struct Source {
 
 /// A pixel of the camera's frame.
 #[derive(Debug, Deserialize)]
-struct PixelOf {
-    #[serde(flatten)]
-    source: Source,
+struct Pixel {
     x: u32,
     y: u32,
 }
@@ -85,7 +89,7 @@ impl Studio {
     /// # Errors
     /// [`RequestFailure`] with what is wrong.
     pub(super) fn answer(&self, asked: &Asked) -> Result<Content, RequestFailure> {
-        let Subjects { preview, picture, estimate, sharpness, part, pixel } = &self.subjects;
+        let Subjects { preview, picture, estimate, part, still, pixel } = &self.subjects;
         match (asked.method, asked.path) {
             ("GET", "/") => {
                 drop(self.opening.lock().unwrap_or_else(PoisonError::into_inner).take());
@@ -98,20 +102,25 @@ impl Studio {
                 let text = read::<TextEdit>(asked)?.made().map_err(RequestFailure::of_text)?;
                 Ok(Content::Json(json!({ "text": text })))
             }
-            ("POST", "/preview") => self.seen(&self.quick, preview, asked, view::preview),
-            ("POST", "/estimate") => self.seen(&self.slow, estimate, asked, view::estimate),
-            ("POST", "/sharpness") => self.seen(&self.slow, sharpness, asked, view::sharpness_map),
-            ("POST", "/part") => self.seen(&self.slow, part, asked, view::part),
-            ("POST", "/picture") => {
-                let profile = read::<Source>(asked)?.profile()?;
-                let made = self.slow.newest(picture, move || view::picture(&profile));
-                made.map_or_else(superseded, |made| made.map(Content::Png))
+            ("POST", "/preview") => {
+                self.of_design(&self.quick, preview, asked, |design| json(view::preview(design)))
             }
+            ("POST", "/part") => {
+                self.of_design(&self.beside, part, asked, |design| json(view::part(design)))
+            }
+            ("POST", "/still") => self.of_design(&self.slow, still, asked, |design| {
+                view::part_still(design).map(Content::Png)
+            }),
+            ("POST", "/estimate") => {
+                newest(&self.slow, estimate, asked, |profile| json(view::estimate(profile)))
+            }
+            ("POST", "/picture") => newest(&self.slow, picture, asked, |profile| {
+                view::picture(profile).map(Content::Png)
+            }),
             ("POST", "/pixel") => {
-                let PixelOf { source, x, y } = read(asked)?;
-                let profile = source.profile()?;
-                let made = self.quick.newest(pixel, move || view::pixel(&profile, [x, y]));
-                made.map_or_else(superseded, |made| made.map(Content::Json))
+                let Pixel { x, y } = read(asked)?;
+                let see = move |design: &Design| json(view::pixel(design, [x, y]));
+                self.of_design(&self.quick, pixel, asked, see)
             }
             ("POST", "/build") => self.build(&read(asked)?),
             ("POST", "/cancel") => Ok(Content::Json(self.cancelled())),
@@ -121,17 +130,16 @@ impl Studio {
         }
     }
 
-    /// What `see` makes of the text of a request, on a queue.
-    fn seen(
+    /// What `see` makes of the design of a request's text, on a queue.
+    fn of_design(
         &self,
         queue: &WorkQueue,
         subject: &Arc<Subject>,
         asked: &Asked,
-        see: fn(&Profile) -> Result<Json, RequestFailure>,
+        see: impl FnOnce(&Design) -> Result<Content, RequestFailure> + Send + 'static,
     ) -> Result<Content, RequestFailure> {
-        let profile = read::<Source>(asked)?.profile()?;
-        let made = queue.newest(subject, move || see(&profile));
-        made.map_or_else(superseded, |made| made.map(Content::Json))
+        let designs = Arc::clone(&self.designs);
+        newest(queue, subject, asked, move |profile| see(&*designs.of(profile)?))
     }
 
     fn start(&self) -> Json {
@@ -207,8 +215,20 @@ fn read<T: DeserializeOwned>(asked: &Asked) -> Result<T, RequestFailure> {
     serde_json::from_slice(asked.body).map_err(wrong)
 }
 
-fn superseded() -> Result<Content, RequestFailure> {
-    Err(RequestFailure::said(409, "a newer request took the place of this one"))
+/// What `see` makes of the profile of a request's text, on a queue.
+fn newest(
+    queue: &WorkQueue,
+    subject: &Arc<Subject>,
+    asked: &Asked,
+    see: impl FnOnce(&Profile) -> Result<Content, RequestFailure> + Send + 'static,
+) -> Result<Content, RequestFailure> {
+    let profile = read::<Source>(asked)?.profile()?;
+    let superseded = || RequestFailure::said(409, "a newer request took the place of this one");
+    queue.newest(subject, move || see(&profile)).ok_or_else(superseded)?
+}
+
+fn json(answer: Result<Json, RequestFailure>) -> Result<Content, RequestFailure> {
+    answer.map(Content::Json)
 }
 
 fn nothing_there() -> RequestFailure {

@@ -9,14 +9,14 @@ use crate::num::{asin, atan2, degrees};
 use crate::optics::ThinnedFrame;
 use crate::parallel;
 use crate::pipeline::{
-    Command, RenderOptions, Silent, SourceError, designed, designed_unmeasured, mesh_label,
-    part_figures, shadowed, sharpness_map as spot_map,
+    Command, RenderOptions, Silent, SourceError, coarse_part, designed, glb, mesh_label, shadowed,
+    sharpness_map as spot_map, still,
 };
 use crate::profile::{Profile, ShapeSpec};
-use crate::raster::FalseColourMap;
 use crate::raster::palette::hexadecimal;
+use crate::raster::{FalseColourMap, Srgb, key_text};
 use crate::render::{CameraPicture, CameraView, Distance, TestWorld, pixel_errors, reflected};
-use crate::report::{AnswerRows, PlainSharpness, pixel_error_map};
+use crate::report::{AnswerRows, MapLetter, PlainSharpness, map_letters, pixel_error_map};
 use crate::results::{SharpnessFacts, three_digits};
 use crate::verdict::sharpness::{reason, sharpness};
 use base64::Engine;
@@ -58,17 +58,19 @@ pub(super) fn files_refused(key: &str) -> String {
 }
 
 /// The small picture and the maps that follow a slider, and what is judged by them.
-pub(super) fn preview(profile: &Profile) -> Result<Json, RequestFailure> {
-    let design = designed_unmeasured(profile)?;
+pub(super) fn preview(design: &Design) -> Result<Json, RequestFailure> {
     let picture = || {
         let picture =
-            CameraPicture::new(&design, CameraView::Smooth, Distance::Target, PREVIEW_SAMPLES)
+            CameraPicture::new(design, CameraView::Smooth, Distance::Target, PREVIEW_SAMPLES)
                 .at_most(PREVIEW_COLUMNS)
                 .picture(&TestWorld::new());
         picture.to_png().map(|png| (png, [picture.width, picture.height]))
     };
     let frame = ThinnedFrame::at_most(design.camera.pixels, PREVIEW_COLUMNS);
-    let (picture, mut seen) = parallel::join(picture, || seen(profile, &design, frame, None, None));
+    let (picture, mut seen) = parallel::join(picture, || {
+        let sharp = sharpness(&design.profile, design);
+        seen(design, frame, None, sharp.as_ref())
+    });
     let (png, pixels) = picture?;
     seen["picture"] = BASE64_STANDARD.encode(png).into();
     seen["pixels"] = json!(pixels);
@@ -80,16 +82,7 @@ pub(super) fn estimate(profile: &Profile) -> Result<Json, RequestFailure> {
     let design = designed(profile)?;
     let frame = ThinnedFrame::new(design.camera.pixels);
     let sharp = sharpness(profile, &design);
-    Ok(seen(profile, &design, frame, design.facts.pixel_error_px, sharp.as_ref()))
-}
-
-/// The map of the sizes of spots, and how sharp the picture is, for pictures that follow a slider.
-pub(super) fn sharpness_map(profile: &Profile) -> Result<Json, RequestFailure> {
-    let design = designed_unmeasured(profile)?;
-    let sharp = sharpness(profile, &design);
-    let spots = spot_map(&design, sharp.as_ref()).as_ref().map(map);
-    let facts = AnswerRows::of(&[&sharp.as_ref().map(PlainSharpness)]);
-    Ok(json!({ "spots": spots, "facts": facts.plain().collect::<Vec<_>>() }))
+    Ok(seen(&design, frame, design.facts.pixel_error_px, sharp.as_ref()))
 }
 
 /// The picture as `morion render --scene grid` writes it, of the mesh with its shadows, PNG.
@@ -100,22 +93,24 @@ pub(super) fn picture(profile: &Profile) -> Result<Vec<u8>, RequestFailure> {
     Ok(file.ok_or_else(|| RequestFailure::said(500, "there is no picture"))?.bytes)
 }
 
-/// The part from a coarse mesh of its own: GLB and a still picture.
-pub(super) fn part(profile: &Profile) -> Result<Json, RequestFailure> {
-    let design = designed_unmeasured(profile)?;
-    let figures = part_figures(&design, &mesh_label(&design, None));
-    let none = || RequestFailure::of_text("the part has no mesh to show");
-    let figures = figures.ok_or_else(none)?;
-    Ok(json!({
-        "glb": BASE64_STANDARD.encode(figures.glb),
-        "still": BASE64_STANDARD.encode(figures.still),
-        "size": design.mounting.size(),
-    }))
+/// The part from a coarse mesh of its own, GLB, and its size.
+pub(super) fn part(design: &Design) -> Result<Json, RequestFailure> {
+    let part = coarse_part(design).and_then(|part| glb(&part, &mesh_label(design, None)));
+    let glb = part.ok_or_else(no_mesh)?;
+    Ok(json!({ "glb": BASE64_STANDARD.encode(glb), "size": design.mounting.size() }))
+}
+
+/// The still picture of the part, for browsers that cannot turn it and for paper.
+pub(super) fn part_still(design: &Design) -> Result<Vec<u8>, RequestFailure> {
+    coarse_part(design).and_then(|part| still(&part)).ok_or_else(no_mesh)
+}
+
+fn no_mesh() -> RequestFailure {
+    RequestFailure::of_text("the part has no mesh to show")
 }
 
 /// Maps and judgement of `design`; without a summary of the errors, by the pixels of `frame`.
 fn seen(
-    profile: &Profile,
     design: &Design,
     frame: ThinnedFrame,
     known: Option<Summary>,
@@ -131,29 +126,28 @@ fn seen(
         "frame": design.camera.pixels,
         "errors": has_target.then(|| map(&pixel_error_map(frame.pixels(), &errors))),
         "spots": spot_map(design, sharp).as_ref().map(map),
-        "judged": judged(profile, design, &errors, known, sharp),
+        "judged": judged(design, &errors, known, sharp),
     })
 }
 
 /// A map as data of the page.
 fn map(map: &FalseColourMap) -> Json {
-    let keys: Vec<Json> = map
-        .keys
-        .iter()
-        .map(|(srgb, text)| json!({ "colour": hexadecimal(*srgb), "text": text }))
-        .collect();
+    let key = |(k, (srgb, text)): (usize, &(Srgb, String))| json!({ "colour": hexadecimal(*srgb), "text": key_text(k, text) });
+    let keys: Vec<Json> = map.keys.iter().enumerate().map(key).collect();
+    let letter = |MapLetter { letter, at_percent, ink }: MapLetter| json!({ "letter": letter, "at_percent": at_percent, "colour": hexadecimal(ink) });
+    let letters: Vec<Json> = map_letters(map).into_iter().map(letter).collect();
     json!({
         "png": map.bare_png().ok().map(|png| BASE64_STANDARD.encode(png)),
         "title": map.title,
         "ticks": map.ticks,
         "stops": map.scale_colours().map(hexadecimal),
         "keys": keys,
+        "letters": letters,
     })
 }
 
 /// What is to be said of the smooth mirror, and whether it is within the limits; null without a projection.
 fn judged(
-    profile: &Profile,
     design: &Design,
     errors: &[Option<f64>],
     known: Option<Summary>,
@@ -161,7 +155,7 @@ fn judged(
 ) -> Json {
     let seen: Vec<f64> = errors.iter().flatten().copied().collect();
     let summary = known.or_else(|| Summary::weighted(seen.iter().map(|px| (*px, 1.0)).collect()));
-    let limits = profile.acceptance_limits();
+    let limits = design.profile.acceptance_limits();
     let [rms, max, least] =
         [limits.pixel_error_rms_px, limits.pixel_error_max_px, limits.frame_filled]
             .map(|limit| limit.value);
@@ -195,7 +189,7 @@ fn judged(
         if !(filled >= least) {
             reasons.push("too few pixels are filled".to_owned());
         }
-        reasons.extend(reason(profile, sharp).map(|reason| reason.to_string()));
+        reasons.extend(reason(&design.profile, sharp).map(|reason| reason.to_string()));
     }
     let sharp = sharp.map(PlainSharpness);
     facts.append(AnswerRows::of(&[&design.mounting, &sharp]));
@@ -212,8 +206,7 @@ fn judged(
 ///
 /// # Errors
 /// [`RequestFailure`] where there is no such pixel, or no mirror.
-pub(super) fn pixel(profile: &Profile, [x, y]: [u32; 2]) -> Result<Json, RequestFailure> {
-    let design = designed_unmeasured(profile)?;
+pub(super) fn pixel(design: &Design, [x, y]: [u32; 2]) -> Result<Json, RequestFailure> {
     let camera = &design.camera;
     let [columns, rows] = camera.pixels;
     if x >= columns || y >= rows {
@@ -224,7 +217,7 @@ pub(super) fn pixel(profile: &Profile, [x, y]: [u32; 2]) -> Result<Json, Request
     let [.., top_mm] = design.mounting.size_mm;
     let arriving = camera.ray(image, top_mm);
     let ray = json!({ "from_mm": arriving.origin.to_array(), "direction": arriving.direction.to_array() });
-    let Some(leaving) = reflected(&design, &[image])[0] else {
+    let Some(leaving) = reflected(design, &[image])[0] else {
         return Ok(json!({ "x": x, "y": y, "ray": ray, "hit_mm": null }));
     };
     let view = design.view.as_ref();

@@ -41,24 +41,38 @@ pub(in crate::report) fn map_figure(
 /// Least room of a letter around its place, as a share of the map's width.
 const LETTER_ROOM: f64 = 0.02;
 
-/// Letters of the key on the map.
-fn letters(map: &FalseColourMap) -> String {
+/// A letter of the key on a map.
+pub(crate) struct MapLetter {
+    /// The letter.
+    pub letter: char,
+    /// From the map's left and top, percent of its width and height.
+    pub at_percent: [f64; 2],
+    /// Its colour.
+    pub ink: Srgb,
+}
+
+/// Letters of the key where a map has room for them.
+pub(crate) fn map_letters(map: &FalseColourMap) -> Vec<MapLetter> {
     let [width, height] = map.pixels.map(f64::from);
     let marks = map.key_marks().into_iter().enumerate();
     let letter_of = |(k, place): (usize, Option<MarkedPlace>)| {
         let MarkedPlace { at: [x, y], room } = place?;
-        if f64::from(room) < LETTER_ROOM * width {
-            return None;
-        }
-        let [left, top] =
-            [(x, width), (y, height)].map(|(n, of)| 100.0 * (f64::from(n) + 0.5) / of);
-        let ink = hexadecimal(ink_on(map.keys[k].0));
-        Some(format!(
-            "<b aria-hidden=\"true\" style=\"left:{left:.1}%;top:{top:.1}%;color:{ink}\">{}</b>",
-            letter(k)
-        ))
+        let at_percent = [(x, width), (y, height)].map(|(n, of)| 100.0 * (f64::from(n) + 0.5) / of);
+        let has_room = f64::from(room) >= LETTER_ROOM * width;
+        has_room.then(|| MapLetter { letter: letter(k), at_percent, ink: ink_on(map.keys[k].0) })
     };
     marks.filter_map(letter_of).collect()
+}
+
+/// The same as markup.
+fn letters(map: &FalseColourMap) -> String {
+    let markup = |MapLetter { letter, at_percent: [left, top], ink }: MapLetter| {
+        let ink = hexadecimal(ink);
+        format!(
+            "<b aria-hidden=\"true\" style=\"left:{left:.1}%;top:{top:.1}%;color:{ink}\">{letter}</b>"
+        )
+    };
+    map_letters(map).into_iter().map(markup).collect()
 }
 
 /// A bar of a round length at most a quarter of the map wide; nothing for a sensor.

@@ -7,6 +7,8 @@ mod sections;
 mod side_view;
 
 pub(super) use map_figure::map_figure;
+#[cfg(feature = "studio")]
+pub(crate) use map_figure::{MapLetter, map_letters};
 pub(super) use part_viewer::part_figure;
 #[cfg(feature = "studio")]
 pub(crate) use part_viewer::{THREE, VIEWER};

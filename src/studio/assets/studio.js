@@ -98,7 +98,14 @@
   function showMap(figure, map) {
     figure.hidden = !map;
     if (!map) return;
-    figure.querySelector("img").src = "data:image/png;base64," + map.png;
+    const img = figure.querySelector("img");
+    img.src = "data:image/png;base64," + map.png;
+    img.parentElement.replaceChildren(img, ...map.letters.map(({ letter, at_percent: [left, top], colour }) => {
+      const mark = element("b", letter);
+      mark.ariaHidden = "true";
+      Object.assign(mark.style, { left: left + "%", top: top + "%", color: colour });
+      return mark;
+    }));
     const scale = element("div", "", "scale");
     const ramp = element("span", "", "ramp");
     for (const stop of map.stops) {
@@ -117,12 +124,6 @@
     figure.querySelector(".key-of").replaceChildren(scale, ...keys);
     figure.querySelector("figcaption").textContent = map.title;
   }
-  // Facts about sharpness come by themselves while a slider moves.
-  let sharpFacts = [];
-  let facts = [];
-  function showFacts() {
-    rows(by("facts"), [...facts.filter(([head]) => head !== "sharp"), ...sharpFacts]);
-  }
   function showJudged(judged, isWhole) {
     const words = { pass: "Within the limits", fail: "Over the limits" };
     by("verdict").textContent = words[judged.verdict] || "Nothing to judge";
@@ -130,17 +131,14 @@
     const fact = (wanted) => (judged.facts.find(([head]) => head === wanted) || ["", ""])[1];
     const parts = [fact("picture"), fact("part"), fact("camera"), ...judged.reasons].filter(Boolean);
     by("conclusion").textContent = "(smooth mirror" + (isWhole ? "" : ", by the small picture") + "): " + parts.join("; ");
-    facts = judged.facts;
-    if (isWhole) sharpFacts = facts.filter(([head]) => head === "sharp" || head === "");
-    facts = facts.filter(([head]) => head !== "");
-    showFacts();
+    rows(by("facts"), judged.facts);
   }
   function showSeen(seen, isWhole) {
     frame = seen.frame;
     by("column").max = frame[0] - 1;
     by("row").max = frame[1] - 1;
     showMap(by("errors-map"), seen.errors);
-    if (isWhole) showMap(by("spots-map"), seen.spots);
+    showMap(by("spots-map"), seen.spots);
     showJudged(seen.judged, isWhole);
   }
   let pictureUrl = "";
@@ -161,24 +159,6 @@
       if (now === change) refuse(error);
     }
   }
-  let isSharpening = false;
-  async function sharpen() {
-    if (isSharpening) return;
-    isSharpening = true;
-    const now = change;
-    try {
-      const found = await post("/sharpness", source());
-      if (now === change) {
-        showMap(by("spots-map"), found.spots);
-        sharpFacts = found.facts;
-        showFacts();
-      }
-    } catch (_) {
-      // The preview tells what is wrong.
-    }
-    isSharpening = false;
-    if (now !== change) sharpen();
-  }
   async function whole(now) {
     try {
       const png = await post("/picture", source());
@@ -188,28 +168,47 @@
       const seen = await post("/estimate", source());
       if (now !== change) return;
       showSeen(seen, true);
-      const part = await post("/part", source());
-      if (now === change) showPart(part);
+      const still = await post("/still", source());
+      if (now === change) showStill(still);
     } catch (error) {
       if (now === change) refuse(error);
     }
   }
+  // The part comes after the picture, one request at a time.
+  let isPartAsked = false;
+  async function nextPart() {
+    if (isPartAsked) return;
+    isPartAsked = true;
+    const now = change;
+    // What is wrong with a profile the picture has told.
+    const part = await post("/part", source()).catch(() => null);
+    isPartAsked = false;
+    if (now !== change) nextPart();
+    else if (part) showPart(part);
+  }
+  let stillUrl = "";
+  function showStill(png) {
+    const img = document.querySelector("#part3d img.still");
+    if (!img) return;
+    if (stillUrl) URL.revokeObjectURL(stillUrl);
+    img.src = stillUrl = URL.createObjectURL(png);
+  }
   function showPart(part) {
-    const old = document.querySelector("#part3d canvas");
-    const context = old && (old.getContext("webgl2") || old.getContext("webgl"));
-    const ending = context && context.getExtension("WEBGL_lose_context");
-    if (ending) ending.loseContext();
-    const box = element("div", "", "part3d");
-    box.id = "part3d";
-    const still = document.createElement("img");
-    still.className = "still";
-    still.alt = "The part seen from above and to the right of the picture's foot";
-    still.src = "data:image/png;base64," + part.still;
-    box.append(still);
-    by("part").replaceChildren(box);
-    by("part-glb").textContent = part.glb;
+    let box = by("part3d");
+    if (!box) {
+      box = element("div", "", "part3d");
+      box.id = "part3d";
+      const still = document.createElement("img");
+      still.className = "still";
+      still.alt = "The part seen from above and to the right of the picture's foot";
+      box.append(still);
+      by("part").replaceChildren(box);
+    }
+    const glb = by("part-glb");
+    glb.textContent = part.glb;
     by("part-size").textContent = part.size + ". Drag, or use the arrow keys, to turn it; wheel, + and - bring it nearer or farther; Home brings it back.";
-    drawPart();
+    if (glb.redraw) glb.redraw();
+    else drawPart();
   }
 
   // ---- Changes: one request at a time, of waiting ones the newest of each key ----
@@ -238,7 +237,7 @@
         if (edits.length) change += 1;
         const now = change;
         await Promise.all([check(now), preview(now)]);
-        if (now === change) sharpen();
+        if (now === change) nextPart();
         shown = now;
       } while (waiting.size || shown !== change);
     } catch (error) {

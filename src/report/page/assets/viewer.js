@@ -34,8 +34,6 @@
   } catch (_) {
     return; // The still picture stays.
   }
-  const text = atob(data.textContent.trim());
-  const bytes = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0xffffff);
   scene.add(new THREE.HemisphereLight(0xffffff, 0x8c95a0, 1.6));
@@ -45,21 +43,13 @@
     new THREE.MeshStandardMaterial({ color: 0x9fb9d6, metalness: 0.35, roughness: 0.28 }),
     new THREE.MeshStandardMaterial({ color: 0xb4b8bd, metalness: 0.1, roughness: 0.8 }),
   ];
-  const ball = new THREE.Sphere();
-  for (const [k, geometry] of triangles(bytes).entries()) {
-    geometry.computeBoundingSphere();
-    ball.radius = Math.max(ball.radius, geometry.boundingSphere.radius);
-    ball.center.copy(geometry.boundingSphere.center);
-    scene.add(new THREE.Mesh(geometry, materials[Math.min(k, 1)]));
-  }
-
-  const camera = new THREE.PerspectiveCamera(30, 4 / 3, ball.radius / 50, ball.radius * 50);
+  const camera = new THREE.PerspectiveCamera(30, 4 / 3);
   camera.up.set(0, 0, 1);
-  const far = 1.05 * ball.radius / Math.sin(Math.PI * 15 / 180);
-  const home = new THREE.Vector3(0.49, -0.67, 0.56).normalize().multiplyScalar(far);
-  // A part that takes the place of another is seen from where that was.
-  const arm = data.arm ? data.arm.clone().multiplyScalar(far) : home;
-  camera.position.copy(ball.center).add(arm);
+  const home = new THREE.Vector3(0.49, -0.67, 0.56).normalize();
+  let meshes = [];
+  const ball = new THREE.Sphere();
+  // Distance from which the whole part is seen.
+  let far = 1;
   camera.add(lamp);
   lamp.position.set(-0.5, 1, 1);
   scene.add(camera);
@@ -70,16 +60,42 @@
   canvas.setAttribute("aria-label",
     "The part, to be turned by dragging or with the arrow keys, nearer and farther with + and -, back with Home");
   const controls = new THREE.OrbitControls(camera, canvas);
-  controls.target.copy(ball.center);
   controls.enablePan = false;
-  controls.minDistance = 0.3 * far;
-  controls.maxDistance = 4 * far;
-  const draw = () => {
-    data.arm = camera.position.clone().sub(ball.center).divideScalar(far);
-    renderer.render(scene, camera);
+  const draw = () => renderer.render(scene, camera);
+  // Looks from a multiple of `far` along each axis.
+  const look = (arm) => {
+    camera.position.copy(ball.center).addScaledVector(arm, far);
+    controls.update();
+    draw();
   };
+
+  // Takes the part that the page holds, and keeps the side from which the one before was seen.
+  const load = () => {
+    const arm = meshes.length ? camera.position.clone().sub(ball.center).divideScalar(far) : home;
+    for (const mesh of meshes) {
+      mesh.geometry.dispose();
+      scene.remove(mesh);
+    }
+    const letters = atob(data.textContent.trim());
+    const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+    ball.radius = 0;
+    meshes = triangles(bytes).map((geometry, k) => {
+      geometry.computeBoundingSphere();
+      ball.radius = Math.max(ball.radius, geometry.boundingSphere.radius);
+      ball.center.copy(geometry.boundingSphere.center);
+      return new THREE.Mesh(geometry, materials[Math.min(k, 1)]);
+    });
+    scene.add(...meshes);
+    far = 1.05 * ball.radius / Math.sin(Math.PI * 15 / 180);
+    [camera.near, camera.far] = [ball.radius / 50, ball.radius * 50];
+    camera.updateProjectionMatrix();
+    controls.target.copy(ball.center);
+    [controls.minDistance, controls.maxDistance] = [0.3 * far, 4 * far];
+    look(arm);
+  };
+  load();
   controls.addEventListener("change", draw);
-  controls.update();
+  data.redraw = load;
 
   const turn = (around, up, zoom) => {
     const arm = camera.position.clone().sub(ball.center);
@@ -100,9 +116,7 @@
   };
   canvas.addEventListener("keydown", (event) => {
     if (event.key === "Home") {
-      camera.position.copy(ball.center).add(home);
-      controls.update();
-      draw();
+      look(home);
     } else if (keys[event.key] && !event.ctrlKey && !event.metaKey && !event.altKey) {
       turn(...keys[event.key]);
     } else {
