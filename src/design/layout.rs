@@ -166,8 +166,7 @@ impl DesignProblem {
         });
         // What a distorted picture shows has bent sides; the mirror is the rectangle around it.
         let is_bent = !camera.picture.is_identity();
-        let [outline, domain] =
-            if is_bent { [seen_rectangle(&camera, exact); 2] } else { [exact, domain] };
+        let [outline, domain] = if is_bent { [camera.seen_of(exact); 2] } else { [exact, domain] };
         Ok(Self {
             camera,
             view: ImagingTask { projection, target, origin_mm: 0.0, fold, picture: camera.picture },
@@ -234,7 +233,7 @@ impl DesignProblem {
             outline: rectangle(&camera, area),
             domain: Outline::Rect(area),
             section: None,
-            picture: Some(frame_of(&camera)),
+            picture: Some(camera.frame()),
         }
     }
 }
@@ -308,35 +307,12 @@ pub(super) fn rectangle_of(profile: &Profile, camera: &Camera) -> Rect {
     let height = match profile.layout {
         Layout::Rectangle { height_mm: Some(height_mm) } => height_mm,
         _ => {
-            let seen = seen_rectangle(camera, frame_of(camera)).size();
+            let seen = camera.seen_of(camera.frame()).size();
             width * seen.y / seen.x
         }
     };
     let half = 0.5 * DVec2::new(width, height);
     Rect { min: -half, max: half }
-}
-
-/// The frame, mm of the picture.
-fn frame_of(camera: &Camera) -> Rect {
-    let half = camera.half_frame();
-    Rect { min: -half, max: half }
-}
-
-/// The smallest rectangle of the reference plane that holds all that a rectangle of the picture shows of it.
-fn seen_rectangle(camera: &Camera, picture: Rect) -> Rect {
-    /// Places along each side: between two of them the picture's edge is straight, or nearly so.
-    const SIDE: usize = 64;
-    let mut seen = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
-    for k in 0..=SIDE {
-        let t = k as f64 / SIDE as f64;
-        let edges =
-            [DVec2::new(t, 1.0), DVec2::new(t, 0.0), DVec2::new(1.0, t), DVec2::new(0.0, t)];
-        for share in edges {
-            let q = camera.picture.chart_point(picture.min + share * picture.size());
-            seen = Rect { min: seen.min.min(q), max: seen.max.max(q) };
-        }
-    }
-    seen
 }
 
 /// A rectangular outline, in single precision where the chart's coordinates are the file's.

@@ -2,7 +2,7 @@
 
 use super::picture_map::LensMap;
 use super::{Distortion, Mount, PictureMap};
-use crate::geom::{Chart, DVec2, DVec3, Ray};
+use crate::geom::{Chart, DVec2, DVec3, Ray, Rect};
 use crate::num::units::{Mm, Px};
 
 /// Camera that looks into the mirror, by its frame and its focal length in pixels.
@@ -180,6 +180,32 @@ impl Camera {
     #[must_use]
     pub fn frames(&self, image: DVec2) -> bool {
         image.abs().cmple(self.half_frame()).all()
+    }
+
+    /// The frame, mm of the picture.
+    #[must_use]
+    pub fn frame(&self) -> Rect {
+        let half = self.half_frame();
+        Rect { min: -half, max: half }
+    }
+
+    /// The smallest rectangle of the reference plane, in chart coordinates, that holds all that a rectangle of the
+    /// picture shows of it.
+    #[must_use]
+    pub fn seen_of(&self, picture: Rect) -> Rect {
+        /// Places along each side: between two of them the picture's edge is straight, or nearly so.
+        const SIDE: usize = 64;
+        let mut seen = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+        for k in 0..=SIDE {
+            let t = k as f64 / SIDE as f64;
+            let edges =
+                [DVec2::new(t, 1.0), DVec2::new(t, 0.0), DVec2::new(1.0, t), DVec2::new(0.0, t)];
+            for share in edges {
+                let q = self.picture.chart_point(picture.min + share * picture.size());
+                seen = Rect { min: seen.min.min(q), max: seen.max.max(q) };
+            }
+        }
+        seen
     }
 
     /// Half the frame's width and height, mm of the image.

@@ -9,6 +9,7 @@ use crate::mesh::{
     forecast as forecast_within, mesh,
 };
 use crate::num::units::{Mm, Px, Um};
+use crate::optics::ImagingTask;
 use crate::profile::{MeshFormat, MeshGoal, Profile};
 use crate::results::{Obstacle, Refusal};
 use crate::solid::{added, rim};
@@ -28,11 +29,24 @@ pub(crate) struct AtPrecision<T> {
 }
 
 /// Why there is no face as a profile asks for it.
-#[derive(Debug, Error)]
-pub(crate) enum FaceError {
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FaceError {
     /// No mesh keeps the limits.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// No mesh keeps the limits of a mirror that is wider than what the frame shows of it.
+    #[error(
+        "{source}, or narrow part.width_mm = {width_mm} to {seen_mm:.0}: the frame shows no more of the mirror, and \
+         what is beyond it may be steep"
+    )]
+    BeyondFrame {
+        /// Why.
+        source: MeshError,
+        /// Width of the mirror, mm.
+        width_mm: f64,
+        /// Width of what the frame shows of its plane, mm.
+        seen_mm: f64,
+    },
     /// No mesh file but in single precision is asked for, and that cannot carry the limits: where, and what
     /// it carries.
     #[error("{0}")]
@@ -53,6 +67,7 @@ pub(crate) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Fac
             mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision))
         }
     })
+    .map_err(|error| beyond_frame(design, error))
 }
 
 /// What is foreseen of that face.
@@ -66,6 +81,7 @@ pub(crate) fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<Mes
             Ok(MeshPlan { limits, forecast: forecast(design, limits)? })
         }
     })
+    .map_err(|error| beyond_frame(design, error))
 }
 
 /// What is foreseen of the face that keeps `limits`.
@@ -126,12 +142,11 @@ impl ClosureCount for ClosingCount<'_> {
 /// # Errors
 /// `error`, where it ends the build.
 pub(crate) fn left_out(profile: &Profile, error: FaceError) -> Result<Refusal, FaceError> {
-    let FaceError::Mesh(source) = &error else { return Err(error) };
-    if cad(profile).next().is_none() {
+    if matches!(error, FaceError::Single(_)) || cad(profile).next().is_none() {
         return Err(error);
     }
     let files = meshes(profile).map(MeshFormat::file_name).collect();
-    Ok(Refusal { obstacle: Obstacle::NoMesh, files, why: source.to_string() })
+    Ok(Refusal { obstacle: Obstacle::NoMesh, files, why: error.to_string() })
 }
 
 /// Makes what single precision needs if there is to be a file in it; where that is what fails, what
@@ -170,6 +185,24 @@ fn at_precision<T>(
         return Err(FaceError::Single(refused.to_string()));
     }
     in_double(others, Some(refused))
+}
+
+/// The error with the width that the frame shows, where the mirror has more and the picture ends with the frame.
+fn beyond_frame(design: &Design, error: FaceError) -> FaceError {
+    /// How much wider a mirror may be for the frame to stay in it as the part is mounted.
+    const MARGIN: f64 = 1.02;
+    let FaceError::Mesh(source) = error else { return error };
+    let (width_mm, camera) = (design.profile.part.width_mm, &design.camera);
+    let seen_mm = camera.seen_of(camera.frame()).size().x.ceil();
+    let is_framed = design.view.as_ref().is_some_and(ImagingTask::is_framed);
+    match source {
+        MeshError::TooMany { .. } | MeshError::NotRefinable { .. }
+            if is_framed && width_mm > MARGIN * seen_mm =>
+        {
+            FaceError::BeyondFrame { source, width_mm, seen_mm }
+        }
+        source => FaceError::Mesh(source),
+    }
 }
 
 /// What single precision reaches, if `error` is due to it.
@@ -224,6 +257,26 @@ fn digits(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::design::design_unmeasured;
+    use crate::profile::shipped;
+
+    #[test]
+    fn a_mirror_wider_than_its_frame_is_to_be_narrowed() {
+        let shipped = shipped().iter().find(|shipped| shipped.name == "driver").unwrap();
+        let said = |width: &str| {
+            let text = shipped.text.replace("width_mm = 229", &format!("width_mm = {width}"));
+            let profile = Profile::parse("driver", "driver", text.as_bytes()).unwrap();
+            let design = design_unmeasured(&profile).unwrap();
+            let error = MeshError::TooMany { facets: 6.8e9, most: 1e8 };
+            beyond_frame(&design, error.into()).to_string()
+        };
+        let end = ", or narrow part.width_mm = 300 to ";
+        let wide = said("300");
+        let (_, rest) = wide.split_once(end).unwrap_or_else(|| panic!("{wide}"));
+        let value = rest.split(':').next().unwrap();
+        let narrowed = said(value);
+        assert!(narrowed.ends_with("loosen chord_um or facet_px"), "{narrowed}");
+    }
 
     #[test]
     fn what_has_no_bound_is_not_to_be_loosened() {

@@ -126,7 +126,7 @@ impl Made {
         let face = match run.stage(Stage::Mesh, mesh) {
             Ok(face) => Ok(face),
             Err(Error::Mesh { source, .. }) => {
-                let left_out = left_out(run.profile, source.into());
+                let left_out = left_out(run.profile, source);
                 Err(left_out.map_err(|error| Error::face(run.profile, error))?)
             }
             Err(error) => return Err(error),

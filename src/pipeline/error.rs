@@ -6,7 +6,6 @@ use crate::align::AlignError;
 use crate::design::DesignError;
 use crate::export::step::FitError;
 use crate::machining::MachiningError;
-use crate::mesh::MeshError;
 use crate::part::FaceError;
 use crate::profile::{MeshFormat, Profile};
 use crate::publish::FileError;
@@ -28,21 +27,13 @@ pub enum Error {
         /// Why.
         source: DesignError,
     },
-    /// No mesh keeps the limits.
+    /// There is no face as the profile asks for it.
     #[error("cannot mesh {profile}: {source}")]
     Mesh {
         /// Profile name.
         profile: String,
         /// Why.
-        source: MeshError,
-    },
-    /// No mesh file but in single precision is asked for, and that cannot carry the limits.
-    #[error("cannot mesh {profile}: {reason}")]
-    Single {
-        /// Profile name.
-        profile: String,
-        /// Where, and what it carries.
-        reason: String,
+        source: FaceError,
     },
     /// STEP is asked for, and no splines suit the mirror.
     #[error("cannot write {profile} as STEP: {source}")]
@@ -199,11 +190,7 @@ pub enum Error {
 impl Error {
     /// That there is no face as `profile` asks for it.
     pub(super) fn face(profile: &Profile, error: FaceError) -> Self {
-        let profile = profile.name.clone();
-        match error {
-            FaceError::Mesh(source) => Self::Mesh { profile, source },
-            FaceError::Single(reason) => Self::Single { profile, reason },
-        }
+        Self::Mesh { profile: profile.name.clone(), source: error }
     }
 
     /// That the cutter of `profile` does not reach from track to track.

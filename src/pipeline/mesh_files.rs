@@ -91,7 +91,7 @@ pub(super) fn write_meshes(
 /// copy of a symmetric mirror is meshed by itself and compared.
 ///
 /// # Errors
-/// [`Error::Mesh`], [`Error::Single`], and [`Error::Uneven`] when a copy differs.
+/// [`Error::Mesh`], and [`Error::Uneven`] when a copy differs.
 pub(crate) fn meshed(run: &Run, design: &Design) -> Result<(AtPrecision<Face>, String), Error> {
     let profile = run.profile;
     let face = |design: &Design| face(profile, design).map_err(|error| Error::face(profile, error));

@@ -133,7 +133,7 @@ fn refusal(error: &Error) -> Result<&'static str, String> {
     let text = error.to_string();
     let kind = match error {
         Error::Design { .. } => NO_DESIGN,
-        Error::Mesh { .. } | Error::Single { .. } => "no mesh",
+        Error::Mesh { .. } => "no mesh",
         Error::Step { .. } => "no splines",
         Error::Table { .. } => "too long a table",
         Error::NoProjection { .. } | Error::Unseen { .. } | Error::Tracks { .. } => "no tolerances",
