@@ -3,6 +3,7 @@
 use super::cause::{FailureCause, LocalFailure};
 use super::layout::DesignProblem;
 use super::solve::LeastSquaresFit;
+use super::straightness::Straightness;
 use crate::geom::{DVec2, angle};
 use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::stats::{Summary, or_null, unless_null};
@@ -66,6 +67,9 @@ pub struct DesignFacts {
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     #[schemars(with = "Summary")]
     pub pixel_error_px: Option<Summary>,
+    /// How straight lines of the world are in the picture; absent of projections that bend them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub straightness: Option<Straightness>,
 }
 
 /// A curl with its keys, all null when there is none: readers find the keys either way.
@@ -90,6 +94,7 @@ impl DesignFacts {
             curl: None,
             ray_error_mrad: None,
             pixel_error_px: None,
+            straightness: None,
         }
     }
 
@@ -129,6 +134,7 @@ impl DesignFacts {
             curl: Some(curl(mirror, camera, view)),
             ray_error_mrad: Some(ray.scaled(1e3)),
             pixel_error_px: Some(pixel.scaled(1.0 / camera.pixel_mm)),
+            straightness: Straightness::of(mirror, camera, view),
             ..self
         })
     }

@@ -21,6 +21,7 @@ mod residual;
 mod residual_sample;
 mod rising_law;
 mod solve;
+mod straightness;
 mod strip;
 mod surface;
 mod visibility;
@@ -31,6 +32,7 @@ pub use least_curl_law::LeastCurlError;
 pub use mounting::Mounting;
 pub use remedy::{KeyChange, KeyValue, MOST_TRIALS, Remedy};
 pub use solve::SolveError;
+pub use straightness::Straightness;
 
 use crate::geom::{Border, Outline};
 use crate::mirror::Mirror;

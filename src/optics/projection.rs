@@ -43,6 +43,17 @@ impl Projection {
         }
     }
 
+    /// Whether straight lines of the world are straight in the picture: whether it is in perspective.
+    #[must_use]
+    pub fn keeps_lines(&self) -> bool {
+        match self {
+            Self::Strip(_) => false,
+            Self::Radial { law, .. } | Self::Azimuthal(Azimuthal { law, .. }) => {
+                matches!(law, RadialLaw::Plane { .. })
+            }
+        }
+    }
+
     /// The length in mm that is 1 in the paper's units: one radian of azimuth of a strip, the rim's
     /// radius of a round image, one radian at the centre of a view.
     #[must_use]

@@ -85,8 +85,9 @@ impl BuildReport {
 
     /// Its facts in plain words.
     fn plain_rows(&self) -> AnswerRows {
-        let Self { layout, trace, frame, sharpness, accepted, .. } = self;
-        let mut rows = AnswerRows::of(&[layout, &plain_picture(trace, frame, accepted)]);
+        let Self { layout, design, trace, frame, sharpness, accepted, .. } = self;
+        let picture = plain_picture(trace, frame, accepted);
+        let mut rows = AnswerRows::of(&[layout, &picture, &design.straightness]);
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         rows
     }
@@ -99,7 +100,18 @@ impl BuildReport {
         let mut rows = AnswerRows::default();
         rows.page("profile sha256", &self.profile.sha256);
         rows.append(AnswerRows::of(&[
-            layout, design, form, step, sag, mesh, solid, trace, sharpness, accepted, frame,
+            layout,
+            design,
+            &design.straightness,
+            form,
+            step,
+            sag,
+            mesh,
+            solid,
+            trace,
+            sharpness,
+            accepted,
+            frame,
         ]));
         rows
     }
@@ -123,6 +135,7 @@ impl Answer for VerifyReport {
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let mut rows = AnswerRows::of(&[layout, files, units, alignment, form_error_um]);
         plain_picture(trace, frame, accepted).add_to(&mut rows);
+        design.straightness.add_to(&mut rows);
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         rows.details(|rows| {

@@ -1,7 +1,7 @@
 //! Facts of the mirror, its mesh and what the witness saw, in words.
 
 use super::answer::{AnswerRows, ToRows};
-use crate::design::{CurlFacts, DesignFacts, Mounting};
+use crate::design::{CurlFacts, DesignFacts, Mounting, Straightness};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
@@ -47,6 +47,15 @@ impl ToRows for DesignFacts {
         rows.page("curl of the field", self.curl.map_or("none".into(), curl));
         rows.page("design: ray error, mrad", ray);
         rows.page("design: pixel error, px", pixel);
+    }
+}
+
+impl ToRows for Straightness {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let [px, percent] = [self.departure_px, self.departure_percent].map(three_digits);
+        let sentence =
+            format!("the design bends straight ones by {px} px at most, {percent} % of the width");
+        rows.named("lines", "straight lines", sentence);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 29] = [
+const MEANINGS: [(&str, &str); 30] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -24,6 +24,7 @@ const MEANINGS: [(&str, &str); 29] = [
         "Angle between what a pixel of the designed mirror sees and what it should.",
     ),
     ("design: pixel error, px", "The same as a distance in the picture."),
+    ("straight lines", "How far images of straight lines are from the chords through their ends."),
     (
         "best-fit sphere and plane",
         "How far the face is from the nearest sphere and plane: what a shop asks first.",

@@ -2,14 +2,19 @@
 
 use morion::internals::design::{Design, design};
 use morion::internals::geom::{DVec2, DVec3};
-use morion::internals::num::{cos, log, radians, sin};
+use morion::internals::num::{cos, log, radians, sin, tan};
 use morion::internals::optics::stereographic;
-use morion::internals::profile::Profile;
+use morion::internals::profile::{Profile, shipped};
 
 fn designed(text: &str) -> Design {
     let profile =
         Profile::parse("v", "v.toml", text.as_bytes()).unwrap_or_else(|e| panic!("{e}\n{text}"));
     design(&profile).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// Largest departure of straight lines from straight in the picture.
+fn departure_px(design: &Design) -> f64 {
+    design.facts.straightness.unwrap().departure_px
 }
 
 /// A view of a pinhole camera with `frame_deg` across 640 x 480 pixels, 150 mm away.
@@ -38,6 +43,7 @@ fn a_view_of_the_cameras_own_angle_is_a_flat_mirrors() {
         let design = view(&mount, &projection, degree, 80.0);
         let ray = design.facts.ray_error_mrad.unwrap();
         assert!(ray.max < 1e-8, "{fold} {towards}: {ray:?}");
+        assert!(departure_px(&design) < 1e-7, "{fold} {towards}: {:?}", design.facts);
         // The plane's normal halves the angle between the camera and the middle of the view.
         let wanted = design.view.as_ref().unwrap().projection.direction_of([0.0; 2]);
         let normal = (stereographic::direction(wanted) + design.camera.axis()).normalize();
@@ -83,6 +89,10 @@ fn views_straight_back_are_exact() {
         let design = view("", projection, 20, 63.7);
         let ray = design.facts.ray_error_mrad.unwrap();
         assert!(ray.max < 1e-6, "{projection}: {ray:?}");
+        // A perspective picture keeps lines straight; a fisheye is not held to that.
+        let is_perspective = projection.contains("perspective");
+        assert_eq!(design.facts.straightness.is_some(), is_perspective, "{projection}");
+        assert!(!is_perspective || departure_px(&design) < 1e-5, "{:?}", design.facts);
     }
 }
 
@@ -125,6 +135,126 @@ fn the_drivers_view_has_the_least_ray_error_known() {
         assert!((ray.rms - 5.785).abs() < 0.002, "{ray:?}");
         assert!((ray.max - 14.6).abs() < 0.1, "{ray:?}");
     }
+}
+
+/// The shipped view of that name.
+fn shipped_view(name: &str) -> Design {
+    let text = shipped().iter().find(|shipped| shipped.name == name).unwrap().text;
+    designed(text)
+}
+
+/// The driver's picture by vectors alone: the unit direction that is seen at an image point in mm; none off the mirror
+/// and beyond the frame.
+struct DriversEye {
+    design: Design,
+    /// The world's directions to the right, upwards and to the middle in the wanted picture: those of the camera
+    /// after reflection in a flat part.
+    world: [DVec3; 3],
+    /// Tangent of half the angle of view, in half the frame's width.
+    tangent_per_mm: f64,
+}
+
+impl DriversEye {
+    fn new() -> Self {
+        let design = shipped_view("driver");
+        let half_fold = radians(30.0);
+        let axis = DVec3::new(-sin(half_fold), 0.0, cos(half_fold));
+        let right = DVec3::new(cos(half_fold), 0.0, sin(half_fold));
+        let world = [right, DVec3::Y, -axis].map(|d| d * DVec3::new(1.0, 1.0, -1.0));
+        let half_mm = 320.0 * design.camera.pixel_mm;
+        Self { design, world, tangent_per_mm: tan(radians(22.5)) / half_mm }
+    }
+
+    /// The direction that is wanted at an image point, not of unit length.
+    fn wanted(&self, image: DVec2) -> DVec3 {
+        let [right, up, middle] = self.world;
+        middle + (right * image.x + up * image.y) * self.tangent_per_mm
+    }
+
+    /// The direction seen, by the law of reflection, and whether the place is on the mirror and in the frame.
+    fn seen(&self, image: DVec2) -> (DVec3, bool) {
+        let Design { camera, mirror, .. } = &self.design;
+        let q = camera.picture.chart_point(image);
+        let point = mirror.at(q);
+        let normal = mirror.normal(q, &point).normalize();
+        let arriving = mirror.position(q, &point) - camera.chart.pupil().unwrap();
+        let seen = arriving - 2.0 * arriving.dot(normal) * normal;
+        (seen.normalize(), mirror.outline.contains(q) && camera.frames(image))
+    }
+
+    /// Where a point of a world line is seen: on the plane through the line and the eye, and on one across it. By
+    /// secants from a small triangle of image points.
+    fn place_of(&self, plane: DVec3, across: DVec3, near: DVec2) -> Option<DVec2> {
+        let off = |image: DVec2| {
+            let (seen, _) = self.seen(image);
+            DVec2::new(seen.dot(plane), seen.dot(across))
+        };
+        let (step, mut image) = (1e-3, near);
+        for _ in 0..12 {
+            let here = off(image);
+            let [along, up] = [DVec2::X, DVec2::Y].map(|d| (off(image + d * step) - here) / step);
+            let size = along.perp_dot(up);
+            image -= DVec2::new(here.perp_dot(up), along.perp_dot(here)) / size;
+        }
+        assert!(off(image).length() < 1e-12, "{near}: {}", off(image));
+        self.seen(image).1.then_some(image)
+    }
+
+    /// The largest distance of the image of a world line from the chord through the ends of what is seen of it, px.
+    fn departure_px(&self, [first, last]: [DVec2; 2]) -> Option<f64> {
+        // Points of a line in space.
+        let [a, b] = [first, last].map(|end| self.wanted(end));
+        let plane = a.cross(b).normalize();
+        let place = |k: usize| {
+            let share = k as f64 / 32.0;
+            let across = plane.cross(a.lerp(b, share)).normalize();
+            self.place_of(plane, across, first.lerp(last, share))
+        };
+        let places: Vec<DVec2> = (0..33).filter_map(place).collect();
+        let (from, to) = (*places.first()?, *places.last()?);
+        let distance = |at: &DVec2| (to - from).perp_dot(*at - from).abs() / (to - from).length();
+        let largest = places.iter().map(distance).reduce(f64::max);
+        Some(largest? / self.design.camera.pixel_mm)
+    }
+}
+
+/// The world lines' images are traced anew by the law of reflection and planes through the eye. Where pixels are off by
+/// e at most, lines lie in bands 2 e wide, and so do their chords.
+#[test]
+fn the_drivers_lines_are_as_straight_as_world_lines_that_are_traced() {
+    let eye = DriversEye::new();
+    let half = eye.design.camera.half_frame();
+    let shares = (0..9).map(|k| 0.25 * f64::from(k) - 1.0);
+    let lines = shares.flat_map(|at| {
+        [[-1.0, 1.0].map(|end| DVec2::new(end, at)), [-1.0, 1.0].map(|end| DVec2::new(at, end))]
+    });
+    let diagonals = [-1.0, 1.0].map(|up| [DVec2::new(-1.0, -up), DVec2::new(1.0, up)]);
+    let traced = lines.chain(diagonals).map(|ends| eye.departure_px(ends.map(|end| end * half)));
+    let largest = traced.flatten().fold(0.0, f64::max);
+    let found = eye.design.facts.straightness.unwrap();
+    assert!((found.departure_px - largest).abs() < 1e-6, "{found:?} {largest}");
+    assert!((found.departure_percent - largest / 6.4).abs() < 1e-6, "{found:?}");
+    let error = eye.design.facts.pixel_error_px.unwrap();
+    assert!(found.departure_px > 0.1 * error.max && found.departure_px < 2.0 * error.max);
+}
+
+/// Wanted is a perspective picture in raw pixels: the lens's own bend, some 20 px at the edges, is not in it.
+#[test]
+fn a_view_through_a_lens_is_as_straight_as_through_none() {
+    let through = |distortion: &str| {
+        let camera = format!(
+            "camera.calibrated = {{ pixels = [640, 480], focal_px = [900, 904], principal_px = [328.1, 233.7], \
+             distance_mm = 120{distortion} }}"
+        );
+        designed(&format!(
+            "{camera}\nprojection.perspective = {{ hfov_deg = 60, centre_deg = [0, 90] }}\n\
+             layout.rectangle = {{}}\nmethod.vector-field.degree = 20\n\
+             part = {{ width_mm = 92, base_mm = 5 }}\nmesh.facet_px = 1\nexport.formats = [\"stl\"]\n"
+        ))
+    };
+    let plain = departure_px(&through(""));
+    let bent = departure_px(&through(", distortion = [-0.31, 0.14, 0.0011, -0.0006, -0.02]"));
+    assert!(plain < 1.0 && bent < 1.0, "{plain} {bent}");
 }
 
 /// A strip under a camera of these keys.
