@@ -18,6 +18,7 @@ mod fragment;
 mod frame_fill;
 mod hierarchical_grid;
 mod occlusion;
+mod pixel_table;
 mod pixel_trace;
 mod rasterizer;
 mod ray_end;

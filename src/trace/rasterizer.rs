@@ -3,10 +3,11 @@
 use super::band_depths::{BAND_ROWS, BandDepths, greater};
 use super::camera_rays::CameraRays;
 use super::fragment::{Fragment, PixelSpan};
+use super::pixel_table::PixelTable;
 use super::ray_end::RayEnd;
 use super::scene::Scene;
 use super::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
-use crate::geom::{DVec2, DVec3, TriMesh};
+use crate::geom::{DVec2, DVec3, Ray, TriMesh};
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
 use std::ops::Range;
@@ -40,7 +41,8 @@ struct LargeFacet {
     facet: u32,
     /// Its corners in the picture, pixels.
     corners: [DVec2; 3],
-    /// First row whose pixel centres it may cover, and the one after the last.
+    /// First column and row whose pixel centres it may cover, and those after the last.
+    columns: [usize; 2],
     rows: [usize; 2],
     /// Least distance of a camera ray to the plane above its highest corner, mm.
     nearest: f64,
@@ -120,7 +122,9 @@ pub(super) struct Rasterizer<'a> {
     start: f64,
     /// Rounding of positions in the picture, pixels, and of distances, mm.
     margins: [f64; 2],
-    /// Pixel span of each vertex.
+    /// The pixels by where their rays cross the reference plane, of a lens that bends the edges of facets.
+    table: Option<PixelTable>,
+    /// Span of each vertex, in pixels or in the cells of the table.
     spans: Vec<PixelSpan>,
     /// The pixels of the rows that are asked for; all without.
     wanted: Option<Vec<bool>>,
@@ -145,8 +149,7 @@ fn depth_test(
 
 impl<'a> Rasterizer<'a> {
     /// Intersects `rays` of the rows of some bands, or of the `wanted` ones of their pixels, with the facets of
-    /// `scene`. `None` where they start beside or below facets, which have no picture then, and where the lens bends
-    /// the edges of facets.
+    /// `scene`. `None` where they start beside or below facets, which have no picture then.
     pub(super) fn new(
         scene: &'a Scene,
         rays: &'a CameraRays,
@@ -162,7 +165,6 @@ impl<'a> Rasterizer<'a> {
         let margin = MARGIN + 64.0 * f64::EPSILON * extent / camera.pixel_mm;
         // (NaN fails.)
         if !(start > hi.z
-            && camera.picture.keeps_lines()
             && view_scale >= LEAST_VIEW_SCALE
             && margin < 0.25
             && camera.pixels.iter().all(|&n| n <= MOST_PIXELS))
@@ -177,6 +179,7 @@ impl<'a> Rasterizer<'a> {
             per_mm: 1.0 / camera.pixel_mm,
             start,
             margins: [margin, 1e-9 * extent],
+            table: (!camera.picture.keeps_lines()).then(|| PixelTable::new(rays, rows)),
             spans: vec![],
             wanted,
             chunks: vec![],
@@ -194,15 +197,24 @@ impl<'a> Rasterizer<'a> {
             let first = (number * CHUNK) as u32;
             // Nothing is left of the shear of vertical rays.
             if camera.chart.is_plan() && camera.picture.is_identity() {
-                let ray = |x, y| VerticalRay { origin: DVec3::new(x, y, top_mm) };
+                let [xs, ys] = &self.rays.centres;
+                let ray =
+                    |column, row| VerticalRay { origin: DVec3::new(xs[column], ys[row], top_mm) };
                 self.chunk(buffers, first, chunk, ray)
             } else {
-                let ray = |x, y| ShearedRay::new(&camera.ray(DVec2::new(x, y), top_mm));
+                let ray = |column, row| ShearedRay::new(&self.ray(column, row));
                 self.chunk(buffers, first, chunk, ray)
             }
         };
         let scratch = ScratchPool::default();
         parallel::map_slice(&chunks, 1, |chunk| scratch.with(|buffers| hits(buffers, chunk)))
+    }
+
+    /// The ray of a pixel.
+    #[inline]
+    fn ray(&self, column: usize, row: usize) -> Ray {
+        let from_table = |table: &PixelTable| table.ray(self.rays, column, row);
+        self.table.as_ref().map_or_else(|| self.rays.at(column, row), from_table)
     }
 
     /// Whether a pixel's ray is asked for.
@@ -240,7 +252,10 @@ impl<'a> Rasterizer<'a> {
     /// Pixels whose centres the picture of a point may reach.
     #[inline]
     fn span(&self, v: DVec3) -> PixelSpan {
-        let [width, height] = self.rays.camera.pixels;
+        let Camera { pixels: [width, height], chart, pixel_mm, .. } = self.rays.camera;
+        if let Some(table) = &self.table {
+            return table.span(chart.coordinates(v).0, self.margins[0] * pixel_mm);
+        }
         let at = self.position(v);
         let [left, right] = self.between(at.x, at.x, width).map(|k| k as i16);
         let [first, last] = self.rows.map(|row| row as i16);
@@ -255,9 +270,8 @@ impl<'a> Rasterizer<'a> {
         (fragments, hits): &mut Buffers,
         first: u32,
         triangles: &[[u32; 3]],
-        ray: impl Fn(f64, f64) -> S,
+        ray: impl Fn(usize, usize) -> S,
     ) -> ChunkHits {
-        let [xs, ys] = &self.rays.centres;
         let mut large = Vec::new();
         let mut count = 0;
         fragments.resize(BLOCK * LARGE, Fragment::default());
@@ -272,7 +286,7 @@ impl<'a> Rasterizer<'a> {
                 }
                 let (facet, column, row) = fragment.parts();
                 let triangle = triangles[(facet - first) as usize];
-                let ray = ray(xs[usize::from(column)], ys[usize::from(row)]);
+                let ray = ray(usize::from(column), usize::from(row));
                 let [a, b, c] = triangle.map(|v| ray.project(self.mesh.vertices[v as usize]));
                 let (meets, t) = intersect(a, b, c);
                 // Half of them meet: a branch would be predicted wrongly as often.
@@ -303,6 +317,9 @@ impl<'a> Rasterizer<'a> {
         for ((a, b), c) in all.zip(of_b.as_flattened()).zip(of_c.as_flattened()) {
             *a = (*a).min(*b).min(*c);
         }
+        if let Some(table) = &self.table {
+            of_a[..triangles.len()].iter_mut().for_each(|span| *span = table.pixels(*span));
+        }
         let mut count = 0;
         for (facet, &[left, upper, right, lower]) in (first..).zip(&of_a[..triangles.len()]) {
             let [wide, high] = [-(left + right), -(upper + lower)].map(|n| n.max(0) as usize);
@@ -311,7 +328,7 @@ impl<'a> Rasterizer<'a> {
                 fragments[count..count + 4].copy_from_slice(&first.four(wide));
                 count += wide * high;
             } else if wide * high > LARGE {
-                large.push(self.large(facet, [upper, -lower].map(|row| row as usize)));
+                large.push(self.large(facet, [left, upper, -right, -lower].map(|n| n as usize)));
             } else {
                 for at in (0..high).flat_map(|y| (0..wide).map(move |x| [x, y])) {
                     fragments[count] = first.next(at);
@@ -322,11 +339,12 @@ impl<'a> Rasterizer<'a> {
         count
     }
 
-    fn large(&self, facet: u32, rows: [usize; 2]) -> LargeFacet {
+    fn large(&self, facet: u32, [left, upper, right, lower]: [usize; 4]) -> LargeFacet {
         let corners = self.mesh.corners(facet as usize);
         let [a, b, c] = corners.map(|v| v.z);
         let nearest = self.start - a.max(b).max(c) - self.margins[1];
-        LargeFacet { facet, corners: corners.map(|v| self.position(v)), rows, nearest }
+        let corners = corners.map(|v| self.position(v));
+        LargeFacet { facet, corners, columns: [left, right], rows: [upper, lower], nearest }
     }
 
     /// Resolves a band from row `first` on: `ends`, one entry a pixel, become what `shade` makes of
@@ -382,7 +400,7 @@ impl<'a> Rasterizer<'a> {
                 continue;
             }
             for column in left..right {
-                let ray = ShearedRay::new(&self.rays.at(column, row));
+                let ray = ShearedRay::new(&self.ray(column, row));
                 let [a, b, c] = corners.map(|v| ray.project(v));
                 let (meets, t) = intersect(a, b, c);
                 if meets {
@@ -395,7 +413,12 @@ impl<'a> Rasterizer<'a> {
     }
 
     /// First column where a facet may cover pixel centres in some rows, and the one after the last.
-    fn slice(&self, LargeFacet { corners, .. }: &LargeFacet, rows: [usize; 2]) -> [usize; 2] {
+    fn slice(&self, large: &LargeFacet, rows: [usize; 2]) -> [usize; 2] {
+        // Its bent sides are not followed.
+        if self.table.is_some() {
+            return large.columns;
+        }
+        let corners = large.corners;
         let margin = self.margins[0];
         let (upper, lower) = (rows[0] as f64 + 0.5 - margin, rows[1] as f64 - 0.5 + margin);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
