@@ -2,6 +2,9 @@
 
 use crate::geom::{DVec2, DVec3, Ray};
 use crate::optics::Camera;
+use crate::parallel;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Rays through the pixel centres of a camera, with the centres' image coordinates tabulated.
 #[derive(Debug, Clone)]
@@ -10,8 +13,19 @@ pub(super) struct CameraRays {
     pub camera: Camera,
     /// Z where parallel rays start, mm.
     pub top_mm: f64,
-    /// X of the pixel centres by column, and Y by row, on the reference plane, mm.
+    /// X of the pixel centres by column, and Y by row, image coordinates, mm.
     pub centres: [Vec<f64>; 2],
+    /// The pixels of some rows on the reference plane, where that takes long to find out: behind a lens.
+    pub charted: Option<ChartedRows>,
+}
+
+/// Chart coordinates of the rays through the pixel centres of some rows.
+#[derive(Debug, Clone)]
+pub(super) struct ChartedRows {
+    /// The first of the rows.
+    pub first: usize,
+    /// Row by row, mm; not finite where they were not asked for.
+    pub points: Vec<DVec2>,
 }
 
 impl CameraRays {
@@ -22,7 +36,7 @@ impl CameraRays {
             columns.map(|x| camera.image_point(x, 0.0).x).collect(),
             rows.map(|y| camera.image_point(0.0, y).y).collect(),
         ];
-        Self { camera: *camera, top_mm, centres }
+        Self { camera: *camera, top_mm, centres, charted: None }
     }
 
     /// Rays through `side` x `side` samples of each pixel of `camera`, those of a camera with so many times as
@@ -34,7 +48,27 @@ impl CameraRays {
             columns.map(|x| camera.image_point(x, 0.0).x).collect(),
             rows.map(|y| camera.image_point(0.0, y).y).collect(),
         ];
-        Self { camera: camera.with_pixels(camera.pixels.map(|n| n * side)), top_mm, centres }
+        let camera = camera.with_pixels(camera.pixels.map(|n| n * side));
+        Self { camera, top_mm, centres, charted: None }
+    }
+
+    /// The same rays with what helps to make those of `rows`, or of the `wanted` ones of their pixels, again and
+    /// again.
+    pub(super) fn of_rows(
+        self: &Arc<Self>,
+        rows: Range<usize>,
+        wanted: Option<&[bool]>,
+    ) -> Arc<Self> {
+        if self.camera.picture.keeps_lines() {
+            return Arc::clone(self);
+        }
+        let (first, columns) = (rows.start, self.camera.pixels[0] as usize);
+        let place = |k: usize| match wanted.is_none_or(|wanted| wanted[k]) {
+            true => self.charted(k % columns, first + k / columns),
+            false => DVec2::NAN,
+        };
+        let points = parallel::map(rows.len() * columns, columns, place);
+        Arc::new(Self { charted: Some(ChartedRows { first, points }), ..Self::clone(self) })
     }
 
     /// Image point of a pixel's centre, mm.
@@ -44,10 +78,20 @@ impl CameraRays {
         DVec2::new(xs[column], ys[row])
     }
 
-    /// Ray through a pixel's centre.
+    /// Ray through a pixel's centre; of rows that are charted.
     #[inline]
     pub(super) fn at(&self, column: usize, row: usize) -> Ray {
-        self.camera.ray(self.image_point(column, row), self.top_mm)
+        let q = match &self.charted {
+            None => self.charted(column, row),
+            Some(rows) => rows.points[(row - rows.first) * self.camera.pixels[0] as usize + column],
+        };
+        self.camera.chart.ray(q, self.top_mm)
+    }
+
+    /// Chart coordinates of the ray through a pixel's centre, mm.
+    #[inline]
+    fn charted(&self, column: usize, row: usize) -> DVec2 {
+        self.camera.picture.chart_point(self.image_point(column, row))
     }
 
     /// Point at distance `t` on the ray of a pixel, mm.

@@ -14,6 +14,7 @@ use crate::geom::Ray;
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
 use std::ops::{Add, Range};
+use std::sync::Arc;
 
 /// Side of the smallest squares of pixels whose reflected rays are proven unoccluded together; the
 /// largest are as high as a band.
@@ -49,7 +50,7 @@ impl Add for TraceCounts {
 #[derive(Debug, Clone)]
 pub struct CameraTrace<'a> {
     scene: &'a Scene,
-    rays: CameraRays,
+    rays: Arc<CameraRays>,
     shortcuts: bool,
     /// Most pixels of a strip, unless two bands have more.
     strip_pixels: usize,
@@ -59,7 +60,7 @@ impl<'a> CameraTrace<'a> {
     /// Trace of the rays of `camera`, where they are parallel from height `top_mm`, in `scene`.
     #[must_use]
     pub fn new(scene: &'a Scene, camera: &Camera, top_mm: f64) -> Self {
-        let rays = CameraRays::new(camera, top_mm);
+        let rays = Arc::new(CameraRays::new(camera, top_mm));
         Self { scene, rays, shortcuts: true, strip_pixels: Self::STRIP_PIXELS }
     }
 
@@ -255,7 +256,7 @@ pub(super) struct BandTrace {
 /// Rays, scene and the shortcuts that may be taken.
 pub(super) struct Tracer<'a> {
     scene: &'a Scene,
-    rays: &'a CameraRays,
+    rays: Arc<CameraRays>,
     /// Without one, every facet is searched for.
     rasterizer: Option<Rasterizer<'a>>,
     /// Without one, every reflected ray is followed.
@@ -267,7 +268,7 @@ impl<'a> Tracer<'a> {
         let CameraTrace { scene, ref rays, shortcuts, .. } = *trace;
         if !shortcuts {
             scene.prepare_search();
-            return Self { scene, rays, rasterizer: None, proof: None };
+            return Self { scene, rays: Arc::clone(rays), rasterizer: None, proof: None };
         }
         let proof = if trace.starts_outside() { scene.occlusion_proof() } else { None };
         let rasterizer = Rasterizer::new(scene, rays, rows, None);
@@ -275,7 +276,13 @@ impl<'a> Tracer<'a> {
         if rasterizer.is_none() || proof.is_none() {
             scene.prepare_search();
         }
+        let rays = Arc::clone(rasterizer.as_ref().map_or(rays, Rasterizer::rays));
         Self { scene, rays, rasterizer, proof }
+    }
+
+    /// The rays, those of the tracer's rows at hand.
+    pub(super) fn rays(&self) -> &CameraRays {
+        &self.rays
     }
 
     /// Traces the rays of the band from row `first` on. Where the scene has no grid, reflected rays that are

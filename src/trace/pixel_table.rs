@@ -5,18 +5,19 @@
 //! that it may cover are therefore looked up where it is straight: in square cells of the plane, each of which knows
 //! the block of pixels whose rays cross it, and in cells of twice, four times ... the size for larger facets.
 
-use super::camera_rays::CameraRays;
+use super::camera_rays::ChartedRows;
 use super::fragment::PixelSpan;
-use crate::geom::{DVec2, Ray};
-use crate::parallel;
-use std::ops::Range;
+use crate::geom::DVec2;
+use crate::optics::Camera;
 
 /// Most cells to a pixel; fewer where the lens shows the plane's rim much coarser than its middle.
 const CELLS_PER_PIXEL: f64 = 2.0;
 /// Most cells to a side: a [`PixelSpan`] holds them as 16-bit integers.
 const MOST_CELLS: f64 = 16_384.0;
-/// Most cells of a level that a block is looked up in, along each side.
-const LOOKUPS: usize = 4;
+/// Most cells of a level that a block is looked up in.
+const LOOKUPS: usize = 64;
+/// Pixels of a row that are held together against a large facet.
+const STRETCH: usize = 16;
 
 /// Block of pixels: first column and row, and those after the last.
 type PixelBlock = [u16; 4];
@@ -53,42 +54,33 @@ impl Level {
 /// The pixels of some rows by where their rays cross the reference plane.
 #[derive(Debug)]
 pub(super) struct PixelTable {
-    columns: usize,
-    first_row: usize,
-    /// Chart coordinates of the rays through the pixel centres, row by row, mm.
-    charted: Vec<DVec2>,
     /// The corner of the first cell, mm.
     corner: DVec2,
     /// Cells to a mm.
     per_mm: f64,
     levels: Vec<Level>,
+    columns: usize,
+    first_row: usize,
+    /// Least and largest chart coordinates of each stretch of pixels, row by row, mm.
+    stretches: Vec<[DVec2; 2]>,
 }
 
 impl PixelTable {
-    /// The table of the pixels of `rows`.
-    pub(super) fn new(rays: &CameraRays, rows: Range<usize>) -> Self {
-        let columns = rays.camera.pixels[0] as usize;
-        let first_row = rows.start;
-        let line = |row: usize| {
-            let at = move |column| rays.camera.picture.chart_point(rays.image_point(column, row));
-            (0..columns).map(at)
-        };
-        let charted: Vec<DVec2> = parallel::gather(rows.len(), 1, |piece| {
-            piece.flat_map(|row| line(first_row + row)).collect()
-        });
-        let finite = || charted.iter().filter(|q| q.is_finite());
-        let lo = finite().copied().fold(DVec2::INFINITY, DVec2::min);
-        let hi = finite().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
-        let extent = (hi - lo).max(DVec2::splat(rays.camera.pixel_mm));
-        let cells = CELLS_PER_PIXEL * charted.len() as f64;
+    /// The table of charted rows of `camera`.
+    pub(super) fn new(camera: &Camera, rows: &ChartedRows) -> Self {
+        let columns = camera.pixels[0] as usize;
+        let known = || rows.points.iter().enumerate().filter(|(_, q)| q.is_finite());
+        let [lo, hi] = bounds(&rows.points);
+        let extent = (hi - lo).max(DVec2::splat(camera.pixel_mm));
+        let cells = CELLS_PER_PIXEL * rows.points.len() as f64;
         let per_mm = f64::sqrt(cells / (extent.x * extent.y))
-            .min(1.0 / rays.camera.pixel_mm)
+            .min(1.0 / camera.pixel_mm)
             .min(MOST_CELLS / extent.max_element());
         let size = (extent * per_mm).to_array().map(|n| n as usize + 1);
         let mut finest = Level { size, blocks: vec![NONE; size[0] * size[1]] };
-        for (k, q) in charted.iter().enumerate().filter(|(_, q)| q.is_finite()) {
+        for (k, q) in known() {
             let [x, y] = ((*q - lo) * per_mm).to_array().map(|n| n as usize);
-            let [column, row] = [k % columns, first_row + k / columns].map(|n| n as u16);
+            let [column, row] = [k % columns, rows.first + k / columns].map(|n| n as u16);
             let block = &mut finest.blocks[y * size[0] + x];
             *block = union(*block, [column, row, column + 1, row + 1]);
         }
@@ -96,14 +88,9 @@ impl PixelTable {
         while let Some(last) = levels.last().filter(|last| last.size.iter().any(|&n| n > 1)) {
             levels.push(last.halved());
         }
-        Self { columns, first_row, charted, corner: lo, per_mm, levels }
-    }
-
-    /// The ray of a pixel of `rays`.
-    #[inline]
-    pub(super) fn ray(&self, rays: &CameraRays, column: usize, row: usize) -> Ray {
-        let q = self.charted[(row - self.first_row) * self.columns + column];
-        rays.camera.chart.ray(q, rays.top_mm)
+        let of_row = |row: &[DVec2]| row.chunks(STRETCH).map(bounds).collect::<Vec<_>>();
+        let stretches = rows.points.chunks(columns).flat_map(of_row).collect();
+        Self { corner: lo, per_mm, levels, columns, first_row: rows.first, stretches }
     }
 
     /// The span, in cells, of chart coordinates with an uncertainty of `margin_mm`.
@@ -128,7 +115,7 @@ impl PixelTable {
         let [mut first, mut last] =
             [[left, lower], [-right - 1, -upper - 1]].map(|cell| cell.map(|n| n as usize));
         let mut level = 0;
-        while (0..2).any(|k| last[k] - first[k] >= LOOKUPS) {
+        while (last[0] - first[0] + 1) * (last[1] - first[1] + 1) > LOOKUPS {
             (first, last, level) = (first.map(|n| n / 2), last.map(|n| n / 2), level + 1);
         }
         let Level { size, blocks } = &self.levels[level];
@@ -143,5 +130,69 @@ impl PixelTable {
         }
         let [left, upper, right, lower] = found.map(|n| n as i16);
         [left, upper, -right, -lower]
+    }
+
+    /// The stretches of a row's `columns`, each with the one after its last, whose pixels a triangle of these chart
+    /// coordinates may cover, which are uncertain by `margin_mm`.
+    pub(super) fn stretches(
+        &self,
+        triangle: [DVec2; 3],
+        margin_mm: f64,
+        row: usize,
+        [left, right]: [usize; 2],
+    ) -> impl Iterator<Item = [usize; 2]> {
+        let first = (row - self.first_row) * self.columns.div_ceil(STRETCH);
+        (left / STRETCH..right.div_ceil(STRETCH))
+            .filter(move |k| may_meet(triangle, self.stretches[first + k], margin_mm))
+            .map(move |k| [left.max(k * STRETCH), right.min((k + 1) * STRETCH)])
+    }
+}
+
+/// Least and largest coordinates of the points that are finite.
+fn bounds(points: &[DVec2]) -> [DVec2; 2] {
+    let finite = || points.iter().filter(|q| q.is_finite());
+    let lo = finite().fold(DVec2::INFINITY, |lo, q| lo.min(*q));
+    let hi = finite().fold(DVec2::NEG_INFINITY, |hi, q| hi.max(*q));
+    [lo, hi]
+}
+
+/// Whether no side of a triangle parts it from a box that is wider by `margin` all around; boxes without points are
+/// parted.
+fn may_meet(triangle: [DVec2; 3], [lo, hi]: [DVec2; 2], margin: f64) -> bool {
+    let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo) + margin);
+    lo.x <= hi.x
+        && (0..3).all(|k| {
+            let [a, b, c] = [0, 1, 2].map(|step| triangle[(k + step) % 3]);
+            let across = (b - a).perp();
+            let reach = half.dot(across.abs());
+            let [of_box, of_corner] = [middle, c].map(|q| across.dot(q - a));
+            // (A triangle without area parts nothing.)
+            if of_corner >= 0.0 { of_box >= -reach } else { of_box <= reach }
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_part_boxes_beyond_them() {
+        let triangle = [DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(0.0, 4.0)];
+        let around = |x: f64, y: f64| [DVec2::new(x, y) - 0.5, DVec2::new(x, y) + 0.5];
+        for [a, b, c] in [[0, 1, 2], [2, 1, 0]] {
+            let triangle = [a, b, c].map(|k: usize| triangle[k]);
+            for (x, y, meets) in [
+                (1.0, 1.0, true),
+                (-0.4, 2.0, true),
+                (-0.6, 2.0, false),
+                (2.4, 2.4, true),
+                (2.6, 2.6, false),
+                (2.0, -0.6, false),
+            ] {
+                assert_eq!(may_meet(triangle, around(x, y), 0.0), meets, "{x} {y}");
+            }
+            assert!(may_meet(triangle, around(-0.6, 2.0), 0.2));
+            assert!(!may_meet(triangle, bounds(&[DVec2::NAN]), 1.0));
+        }
     }
 }

@@ -7,10 +7,11 @@ use super::pixel_table::PixelTable;
 use super::ray_end::RayEnd;
 use super::scene::Scene;
 use super::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
-use crate::geom::{DVec2, DVec3, Ray, TriMesh};
+use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Facets of a chunk, rasterized by one thread, whatever the number of threads.
 const CHUNK: usize = 1 << 14;
@@ -39,7 +40,7 @@ struct FragmentHit {
 #[derive(Debug, Clone, Copy)]
 struct LargeFacet {
     facet: u32,
-    /// Its corners in the picture, pixels.
+    /// Its corners in the picture, pixels; of a lens that bends its sides in chart coordinates, mm.
     corners: [DVec2; 3],
     /// First column and row whose pixel centres it may cover, and those after the last.
     columns: [usize; 2],
@@ -113,7 +114,7 @@ type Buffers = (Vec<Fragment>, Vec<(f64, Fragment)>);
 #[derive(Debug)]
 pub(super) struct Rasterizer<'a> {
     mesh: &'a TriMesh,
-    rays: &'a CameraRays,
+    rays: Arc<CameraRays>,
     /// First row that is drawn, the first of a band, and the one after the last.
     rows: [usize; 2],
     /// Pixels per mm on the reference plane.
@@ -152,12 +153,12 @@ impl<'a> Rasterizer<'a> {
     /// `scene`. `None` where they start beside or below facets, which have no picture then.
     pub(super) fn new(
         scene: &'a Scene,
-        rays: &'a CameraRays,
+        rays: &Arc<CameraRays>,
         rows: Range<usize>,
         wanted: Option<Vec<bool>>,
     ) -> Option<Self> {
         let (lo, hi) = scene.bounds()?;
-        let CameraRays { camera, top_mm, .. } = *rays;
+        let CameraRays { camera, top_mm, .. } = **rays;
         let chart = camera.chart;
         let start = chart.pupil().map_or(top_mm, |pupil| pupil.z);
         let view_scale = chart.view_scale(hi.z);
@@ -172,6 +173,8 @@ impl<'a> Rasterizer<'a> {
             return None;
         }
         let mesh = scene.mesh();
+        let rays = rays.of_rows(rows.clone(), wanted.as_deref());
+        let table = rays.charted.as_ref().map(|rows| PixelTable::new(&camera, rows));
         let mut rasterizer = Self {
             mesh,
             rays,
@@ -179,7 +182,7 @@ impl<'a> Rasterizer<'a> {
             per_mm: 1.0 / camera.pixel_mm,
             start,
             margins: [margin, 1e-9 * extent],
-            table: (!camera.picture.keeps_lines()).then(|| PixelTable::new(rays, rows)),
+            table,
             spans: vec![],
             wanted,
             chunks: vec![],
@@ -191,7 +194,7 @@ impl<'a> Rasterizer<'a> {
 
     /// Hits of all chunks of facets.
     fn chunks(&self) -> Vec<ChunkHits> {
-        let CameraRays { camera, top_mm, .. } = *self.rays;
+        let CameraRays { ref camera, top_mm, .. } = *self.rays;
         let chunks: Vec<_> = self.mesh.triangles.chunks(CHUNK).enumerate().collect();
         let hits = |buffers: &mut Buffers, &(number, chunk): &(usize, &[[u32; 3]])| {
             let first = (number * CHUNK) as u32;
@@ -202,7 +205,7 @@ impl<'a> Rasterizer<'a> {
                     |column, row| VerticalRay { origin: DVec3::new(xs[column], ys[row], top_mm) };
                 self.chunk(buffers, first, chunk, ray)
             } else {
-                let ray = |column, row| ShearedRay::new(&self.ray(column, row));
+                let ray = |column, row| ShearedRay::new(&self.rays.at(column, row));
                 self.chunk(buffers, first, chunk, ray)
             }
         };
@@ -210,11 +213,9 @@ impl<'a> Rasterizer<'a> {
         parallel::map_slice(&chunks, 1, |chunk| scratch.with(|buffers| hits(buffers, chunk)))
     }
 
-    /// The ray of a pixel.
-    #[inline]
-    fn ray(&self, column: usize, row: usize) -> Ray {
-        let from_table = |table: &PixelTable| table.ray(self.rays, column, row);
-        self.table.as_ref().map_or_else(|| self.rays.at(column, row), from_table)
+    /// The rays, those of the rows that are drawn at hand.
+    pub(super) fn rays(&self) -> &Arc<CameraRays> {
+        &self.rays
     }
 
     /// Whether a pixel's ray is asked for.
@@ -343,7 +344,10 @@ impl<'a> Rasterizer<'a> {
         let corners = self.mesh.corners(facet as usize);
         let [a, b, c] = corners.map(|v| v.z);
         let nearest = self.start - a.max(b).max(c) - self.margins[1];
-        let corners = corners.map(|v| self.position(v));
+        let corners = corners.map(|v| match self.table {
+            Some(_) => self.rays.camera.chart.coordinates(v).0,
+            None => self.position(v),
+        });
         LargeFacet { facet, corners, columns: [left, right], rows: [upper, lower], nearest }
     }
 
@@ -395,12 +399,12 @@ impl<'a> Rasterizer<'a> {
         }
         let corners = self.mesh.corners(large.facet as usize);
         for row in upper..lower {
-            let pixels @ [left, right] = self.slice(large, [row, row + 1]);
+            let pixels = self.slice(large, [row, row + 1]);
             if !depths.reach(pixels, large.nearest) {
                 continue;
             }
-            for column in left..right {
-                let ray = ShearedRay::new(&self.ray(column, row));
+            for column in self.columns(large, row, pixels) {
+                let ray = ShearedRay::new(&self.rays.at(column, row));
                 let [a, b, c] = corners.map(|v| ray.project(v));
                 let (meets, t) = intersect(a, b, c);
                 if meets {
@@ -410,6 +414,21 @@ impl<'a> Rasterizer<'a> {
                 }
             }
         }
+    }
+
+    /// The columns, of these in a row, whose pixel centres a facet may cover.
+    fn columns(
+        &self,
+        large: &LargeFacet,
+        row: usize,
+        [left, right]: [usize; 2],
+    ) -> impl Iterator<Item = usize> {
+        let margin_mm = self.margins[0] * self.rays.camera.pixel_mm;
+        let bent = self.table.as_ref().map(|table| {
+            table.stretches(large.corners, margin_mm, row, [left, right]).flat_map(|[a, b]| a..b)
+        });
+        let straight = self.table.is_none().then_some(left..right);
+        straight.into_iter().flatten().chain(bent.into_iter().flatten())
     }
 
     /// First column where a facet may cover pixel centres in some rows, and the one after the last.

@@ -9,11 +9,12 @@ use super::scene::Scene;
 use crate::geom::Ray;
 use crate::optics::Camera;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Rays through the samples of the pixels of a camera: equal rows and columns of them in each.
 #[derive(Debug, Clone)]
 pub struct SampleRays {
-    rays: CameraRays,
+    rays: Arc<CameraRays>,
     side: u32,
 }
 
@@ -21,7 +22,7 @@ impl SampleRays {
     /// Rays through `side` x `side` samples of each pixel, where they are parallel from height `top_mm`.
     #[must_use]
     pub fn new(camera: &Camera, top_mm: f64, side: u32) -> Self {
-        Self { rays: CameraRays::through_samples(camera, top_mm, side), side }
+        Self { rays: Arc::new(CameraRays::through_samples(camera, top_mm, side)), side }
     }
 
     /// Ray through a sample, by its column and row among all samples.
@@ -78,12 +79,12 @@ impl<'a> SampleTrace<'a> {
     pub fn ends_into(&self, rows: Range<usize>, ends: &mut Vec<RayEnd>) {
         debug_assert_eq!((rows.start - self.rows.start) % BAND_ROWS, 0);
         let (columns, side) = (self.rays.rays.camera.pixels[0] as usize, self.rays.side as usize);
-        let first = rows.start * side;
+        let (first, rays) = (rows.start * side, self.rasterizer.rays());
         ends.resize(columns * rows.len() * side, RayEnd::MISSED);
         for (band, ends) in ends.chunks_mut(columns * BAND_ROWS).enumerate() {
             self.rasterizer.draw(first + band * BAND_ROWS, ends, |hit| {
                 let PixelHit { column, row, t, facet, normal } = hit;
-                let along = self.rays.at(column, row).direction;
+                let along = rays.at(column, row).direction;
                 let (outcome, direction) = reflect_at_facet(along, normal);
                 RayEnd { outcome, facet, t, direction }
             });

@@ -173,7 +173,7 @@ impl<'a> Comparison<'a> {
         table: &(impl Fn(u32) -> Vec<ExpectedRay> + Sync),
         pixels: &mut Vec<PixelTrace>,
     ) -> (TraceCounts, Vec<Digest>) {
-        let rays = trace.rays();
+        let rays = tracer.rays();
         let columns = trace.pixels()[0] as usize;
         pixels.resize(columns * rows.len(), PixelTrace::MISSED);
         let room = |pixels: usize| {

@@ -4,7 +4,6 @@ use super::vertex_check::worst_vertex;
 use crate::design::Design;
 use crate::export::{ImportedMesh, ReadError};
 use crate::geom::{DVec2, DVec3};
-use crate::mirror::HeightAndSlope;
 use crate::num::stats::Summary;
 use crate::optics::reflect;
 use crate::part::Promise;
@@ -163,9 +162,6 @@ fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
     witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
 
-/// An image point, its turn, the place on the mirror that it shows, and the mirror there.
-type SeenPlace = (((DVec2, [f64; 2]), DVec2), HeightAndSlope);
-
 /// The table of expected rays, a row of the sensor at a time. Rays that may pass by the rim of facets
 /// `chord_mm` off the mirror are not aimed at it.
 pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> Vec<ExpectedRay> {
@@ -188,19 +184,19 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
         let image_point =
             |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let points: Vec<DVec2> = (0..columns).map(image_point).collect();
-        let under = |&point: &DVec2| {
-            mirror.intersect_camera_ray(&camera.chart, camera.picture.chart_point(point))
-        };
+        let charted: Vec<DVec2> = points.iter().map(|w| camera.picture.chart_point(*w)).collect();
+        let under = |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q);
         let places: Vec<DVec2> =
-            points.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
+            charted.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
         let designed = mirror.eval_many(&places);
-        let expected = |(((point, turn), place), designed): SeenPlace| {
+        let expected = |k: usize| {
+            let (point, turn, place, designed) = (points[k], turns[k], places[k], designed[k]);
             let mut expected =
                 ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
             if !outline.aims(place) {
                 return expected;
             }
-            let arriving = camera.ray(point, 0.0).direction;
+            let arriving = camera.chart.ray(charted[k], 0.0).direction;
             let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
             expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);
             if let (true, Some(view)) = (expected.aimed, view) {
@@ -210,8 +206,7 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
             }
             expected
         };
-        let seen = points.into_iter().zip(turns.iter().copied()).zip(places).zip(designed);
-        seen.map(expected).collect()
+        (0..points.len()).map(expected).collect()
     }
 }
 
