@@ -5,7 +5,9 @@ use super::cad_exports::{CadCheck, CadExport, cad_exports, check_export};
 use super::check_file::{MeshSource, check_file};
 use super::dry_run::{check_room, least_bytes};
 use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
-use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS, part_figures, sharpness_map};
+use super::page_figures::{
+    ErrorMap, ErrorMapBuilder, MAP_COLUMNS, design_errors, part_figures, sharpness_map,
+};
 use super::run::{Command, Run};
 use super::{Error, Observer, Stage};
 use crate::design::Design;
@@ -25,7 +27,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// How much of a build's work is done: it writes every file that the profile asks for into NAME, with
-/// `preview.png`, `report.html`, `report.json` and `timings.json`.
+/// `preview.png`, `report.html`, `report.json` and `timings.json`, and with a projection `design_error.png`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BuildOptions {
     /// Work that changes no result.
@@ -232,6 +234,9 @@ struct Seen {
     errors: ErrorMap,
 }
 
+/// The map of the designed mirror's pixel errors.
+const DESIGN_ERROR: &str = "design_error.png";
+
 /// Most pixels in a row of `preview.png`.
 const PREVIEW_COLUMNS: u32 = 1600;
 
@@ -331,6 +336,12 @@ fn publish(
     let profile = run.profile;
     run.publish(Stage::Report, |files, timer| {
         files.add_bytes("preview.png", &seen.picture)?;
+        match design_errors(design).map(|map| map.png()).transpose() {
+            Ok(Some(png)) => drop(files.add_bytes(DESIGN_ERROR, &png)?),
+            // An older one would be another profile's.
+            Ok(None) => files.remove(DESIGN_ERROR),
+            Err(error) => return Err(Error::Picture(error.to_string())),
+        }
         let page = page(design, (&made.label, report, seen))?;
         files.add_bytes("report.html", page.as_bytes())?;
         files.add_report("report.json", &report.json())?;

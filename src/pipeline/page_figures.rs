@@ -6,7 +6,7 @@ use crate::geom::Precision;
 use crate::optics::ThinnedFrame;
 use crate::raster::FalseColourMap;
 use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors, shaded_view};
-use crate::report::{PartFigures, pixel_error_map, spot_map};
+use crate::report::{PartFigures, design_error_map, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
 #[cfg(feature = "studio")]
@@ -107,6 +107,16 @@ impl ErrorMapBuilder {
     pub(super) fn finish(self) -> ErrorMap {
         ErrorMap { pixels: self.thinned.pixels(), errors: self.errors }
     }
+}
+
+/// Most columns of the map of a design's errors, which change little from pixel to pixel.
+const DESIGN_MAP_COLUMNS: u32 = 800;
+
+/// The map of the designed mirror's pixel errors over the frame; none without a projection.
+pub(super) fn design_errors(design: &Design) -> Option<FalseColourMap> {
+    design.view.as_ref()?;
+    let thinned = ThinnedFrame::at_most(design.camera.pixels, DESIGN_MAP_COLUMNS);
+    Some(design_error_map(thinned.pixels(), &pixel_errors(design, thinned), &design.facts))
 }
 
 /// The map of the spots' sizes over the frame; none where no pixel has one.

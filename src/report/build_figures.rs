@@ -53,7 +53,9 @@ impl BuildFigures<'_> {
             figures.extend(sections_figure(&part.sections));
         }
         if let Some(map) = &self.errors {
-            figures.push(map_figure("Pixel error, px", map, about_errors(traces))?);
+            let about =
+                about_errors(traces) + " Those of the designed mirror are in design_error.png.";
+            figures.push(map_figure("Pixel error, px", map, about)?);
         }
         if let Some(map) = &self.spots {
             figures.push(map_figure("Size of the spots, px", map, about_spots(sharpness))?);

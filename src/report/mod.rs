@@ -26,7 +26,7 @@ mod visible;
 
 pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use build_figures::{BuildFigures, PartFigures};
-pub use maps::{form_map, gouge_map, pixel_error_map, spot_map};
+pub use maps::{design_error_map, form_map, gouge_map, pixel_error_map, spot_map};
 #[cfg(feature = "studio")]
 pub(crate) use page::{MapLetter, STYLE, THREE, VIEWER, map_letters};
 pub(crate) use plot::{

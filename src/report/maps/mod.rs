@@ -9,4 +9,4 @@ mod pixel_error;
 pub use blur::spot_map;
 pub use form_error::form_map;
 pub use gouge::gouge_map;
-pub use pixel_error::pixel_error_map;
+pub use pixel_error::{design_error_map, pixel_error_map};

@@ -1,5 +1,7 @@
 //! The pixel error over the frame.
 
+use crate::design::DesignFacts;
+use crate::num::degrees;
 use crate::num::rounding::ceil_125;
 use crate::num::stats::Summary;
 use crate::raster::palette::viridis;
@@ -36,10 +38,43 @@ pub fn pixel_error_map(pixels: [u32; 2], errors: &[Option<f64>]) -> FalseColourM
     }
 }
 
+/// The map of the pixel errors of a designed mirror (as of [`pixel_error_map`]); its title has those of the design's
+/// `facts`, with the angles in degrees.
+///
+/// # Panics
+/// When there is not one entry a pixel.
+#[must_use]
+pub fn design_error_map(
+    pixels: [u32; 2],
+    errors: &[Option<f64>],
+    facts: &DesignFacts,
+) -> FalseColourMap {
+    let map = pixel_error_map(pixels, errors);
+    let (Some(pixel), Some(ray)) = (facts.pixel_error_px, facts.ray_error_mrad) else { return map };
+    let [rms_deg, max_deg] = [ray.rms, ray.max].map(|mrad| digits(degrees(1e-3 * mrad)));
+    let [rms, max] = [pixel.rms, pixel.max].map(digits);
+    let title =
+        format!("design's pixel error, px: {rms} rms, {max} max ({rms_deg}, {max_deg} deg)");
+    FalseColourMap { title, ..map }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::raster::decoded;
+
+    /// A degree is pi / 180 of a radian.
+    #[test]
+    fn the_map_of_a_design_tells_angles_in_degrees() {
+        let of = |rms, max| Some(Summary { rms, p95: max, max });
+        let (pixel_error_px, ray_error_mrad) = (of(1.5, 4.0), of(17.453_292_52, 34.906_585_04));
+        let facts = DesignFacts { pixel_error_px, ray_error_mrad, ..DesignFacts::given(2) };
+        let map = design_error_map([1, 1], &[Some(1.0)], &facts);
+        let wanted = "design's pixel error, px: 1.500 rms, 4.000 max (1.000, 2.000 deg)";
+        assert_eq!(map.title, wanted);
+        let unknown = design_error_map([1, 1], &[Some(1.0)], &DesignFacts::given(2));
+        assert_eq!(unknown.title, "pixel error, px: 1.000 rms, 1.000 max");
+    }
 
     #[test]
     fn the_scale_ends_at_a_round_number_above_the_95th_percentile() {
