@@ -336,13 +336,16 @@ fn publish(
     let profile = run.profile;
     run.publish(Stage::Report, |files, timer| {
         files.add_bytes("preview.png", &seen.picture)?;
-        match design_errors(design).map(|map| map.png()).transpose() {
-            Ok(Some(png)) => drop(files.add_bytes(DESIGN_ERROR, &png)?),
+        let (map, page) = parallel::join(
+            || design_errors(design).map(|map| map.png()).transpose(),
+            || page(design, (&made.label, report, seen)),
+        );
+        let page = page?;
+        match map.map_err(|error| Error::Picture(error.to_string()))? {
+            Some(png) => drop(files.add_bytes(DESIGN_ERROR, &png)?),
             // An older one would be another profile's.
-            Ok(None) => files.remove(DESIGN_ERROR),
-            Err(error) => return Err(Error::Picture(error.to_string())),
+            None => files.remove(DESIGN_ERROR),
         }
-        let page = page(design, (&made.label, report, seen))?;
         files.add_bytes("report.html", page.as_bytes())?;
         files.add_report("report.json", &report.json())?;
         // A file of a format that is not written now would be another profile's.
