@@ -1,10 +1,14 @@
 //! Perspective and fisheye views: where they are exact, what their least error is, and that the file shows them.
 
+use crate::support::builds::folder;
 use morion::internals::design::{Design, design};
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::{cos, log, radians, sin, tan};
-use morion::internals::optics::stereographic;
+use morion::internals::optics::{ThinnedFrame, stereographic};
+use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::{Profile, shipped};
+use morion::internals::render::pixel_errors;
+use morion::internals::report::design_error_map;
 
 fn designed(text: &str) -> Design {
     let profile =
@@ -303,4 +307,31 @@ fn the_mirror_makes_up_for_the_lens() {
     let [straight, through] =
         [&plain, &bent].map(|design| design.camera.picture.chart_point(corner));
     assert!((straight - through).length() > 5.0 * bent.camera.pixel_mm);
+}
+
+/// The file is the map of the smooth mirror's errors. A mirror that is to show nothing has none, and that of an older
+/// profile in its folder goes.
+#[test]
+fn a_build_maps_the_errors_of_its_design() {
+    let folder = folder();
+    let path = folder.path().join("v/design_error.png");
+    let built = |shape: &str, height: &str| {
+        let text = format!(
+            "camera.orthographic.pixels = [160, 120]\n{shape}\npart = {{ width_mm = 20, base_mm = 5{height} }}\n\
+             mesh.chord_um = 20\nexport.formats = [\"stl\"]\n"
+        );
+        let profile = Profile::parse("v", "v.toml", text.as_bytes()).unwrap();
+        build(&profile, folder.path(), &Silent).unwrap();
+        design(&profile).unwrap()
+    };
+    let view = "projection.perspective = { hfov_deg = 60, centre_deg = [0, 90] }\nlayout.rectangle = {}\n\
+                method.vector-field.degree = 4";
+    let design = built(view, "");
+    let errors = pixel_errors(&design, ThinnedFrame::new([160, 120]));
+    assert!(errors.iter().flatten().count() > 19_000);
+    let map = design_error_map([160, 120], &errors, &design.facts);
+    assert!(map.title.ends_with(" deg)"), "{}", map.title);
+    assert_eq!(std::fs::read(&path).unwrap(), map.png().unwrap());
+    built("mirror.polynomial = { radius_mm = -40 }", ", height_mm = 15");
+    assert!(!path.exists());
 }
