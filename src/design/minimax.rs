@@ -23,11 +23,8 @@ const BOUND_GAP: f64 = 0.01;
 const GROWTH: f64 = 10.0;
 /// A place becomes active when its residual is within this part of the limit.
 const NEAR: f64 = 0.01;
-/// Newton's decrement (of the barrier, whose scale is 1 per place) that ends the last stage.
+/// Newton's decrement (of the barrier, whose scale is 1 per place) that ends a stage.
 const LAST_DECREMENT: f64 = 0.5;
-/// The same for the others, which need only come near the way of the leasts: more steps there would save none later
-/// (five of 24 in all, measured at degree 14).
-const MIDDLE_DECREMENT: f64 = 5.0;
 /// Stages without any change after which the search is given up.
 const MOST_IDLE: usize = 3;
 /// Most Newton steps of a stage.
@@ -75,9 +72,8 @@ pub(super) fn minimax<const N: usize>(
     search.limit = 1.1 * worst;
     let coarse: Vec<usize> = (0..basis.len()).filter(|&k| basis.coarse(k)).collect();
     search.activate(&coarse, &locals, &samples);
-    // Where the barrier would not move the limit, and one stage on.
     let mut pressure =
-        GROWTH * search.samples.iter().map(|s| 2.0 * search.limit / search.slack(s)).sum::<f64>();
+        search.samples.iter().map(|s| 2.0 * search.limit / search.slack(s)).sum::<f64>();
     let mut idle = 0;
     for _ in 0..MOST_STAGES {
         search.centre(pressure);
@@ -85,7 +81,7 @@ pub(super) fn minimax<const N: usize>(
         if idle == MOST_IDLE {
             break;
         }
-        let gap = search.gap(pressure);
+        let gap = search.active.len() as f64 / (pressure * search.limit);
         let locals = basis.locals(&search.coefficients);
         let samples = ResidualSample::all(basis, residual, &locals);
         let worst = largest(&samples);
@@ -171,11 +167,6 @@ impl<'a, R: PointwiseResidual<N>, const N: usize> BarrierSearch<'a, R, N> {
         self.limit * self.limit - s.square()
     }
 
-    /// Relative distance of the barrier's least from the optimum.
-    fn gap(&self, pressure: f64) -> f64 {
-        self.active.len() as f64 / (pressure * self.limit)
-    }
-
     /// The bound of the worst residual, where it is near enough to the `worst` over all places; `gap` is the
     /// relative distance of the barrier's least from the optimum.
     fn proven_bound(&self, gap: f64, worst: f64, rounding: f64) -> Option<f64> {
@@ -223,13 +214,11 @@ impl<'a, R: PointwiseResidual<N>, const N: usize> BarrierSearch<'a, R, N> {
 
     /// Newton's method to the least of the barrier at this pressure k.
     fn centre(&mut self, pressure: f64) {
-        let gap = self.gap(pressure);
-        let last = if gap > GAP { MIDDLE_DECREMENT } else { LAST_DECREMENT };
         for _ in 0..MOST_NEWTON_STEPS {
             let step = self.newton(pressure);
             let moved = self.advance(&step, pressure);
             self.steps += 1;
-            if !moved || !(step.decrement >= last) {
+            if !moved || !(step.decrement >= LAST_DECREMENT) {
                 return;
             }
         }
