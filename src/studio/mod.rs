@@ -136,10 +136,10 @@ pub(crate) fn serve(options: &StudioOptions, tell: impl FnOnce(&str)) -> Result<
 /// Lets other threads go before this one and those that it starts, so that what follows a slider does not wait for
 /// what may take longer.
 fn give_way() {
-    /// The largest value that the system knows.
+    /// The largest value that Linux knows. There it is of this thread alone; elsewhere it would be of the whole program.
     #[cfg(target_os = "linux")]
     const NICE: i32 = 19;
-    // Of this thread alone, on Linux; elsewhere that would be the whole program.
+    // (Where it is refused, all go alike.)
     #[cfg(target_os = "linux")]
     let _ = rustix::process::setpriority_process(None, NICE);
 }

@@ -132,9 +132,15 @@ fn seen(
 
 /// A map as data of the page.
 fn map(map: &FalseColourMap) -> Json {
-    let key = |(k, (srgb, text)): (usize, &(Srgb, String))| json!({ "colour": hexadecimal(*srgb), "text": key_text(k, text) });
+    let key = |(k, (srgb, text)): (usize, &(Srgb, String))| {
+        let (colour, text) = (hexadecimal(*srgb), key_text(k, text));
+        json!({ "colour": colour, "text": text })
+    };
     let keys: Vec<Json> = map.keys.iter().enumerate().map(key).collect();
-    let letter = |MapLetter { letter, at_percent, ink }: MapLetter| json!({ "letter": letter, "at_percent": at_percent, "colour": hexadecimal(ink) });
+    let letter = |MapLetter { letter, at_percent, ink }: MapLetter| {
+        let colour = hexadecimal(ink);
+        json!({ "letter": letter, "at_percent": at_percent, "colour": colour })
+    };
     let letters: Vec<Json> = map_letters(map).into_iter().map(letter).collect();
     json!({
         "png": map.bare_png().ok().map(|png| BASE64_STANDARD.encode(png)),
