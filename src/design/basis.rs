@@ -7,7 +7,7 @@ use crate::geom::{DVec2, Rect};
 use crate::num::legendre::{derivatives, values};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{Dual, cos};
-use crate::optics::Camera;
+use crate::optics::ImagingTask;
 use crate::parallel;
 use std::f64::consts::PI;
 
@@ -143,35 +143,42 @@ impl Basis {
         self
     }
 
-    /// The functions of [`Basis::rectangle`], looked at where `camera` sees them in a part of its `picture`: at places
-    /// spread over that as those are over the rectangle, weighted by their areas in the picture. What lies beyond it
-    /// counts only so far as to determine the mirror there.
+    /// The functions of [`Basis::rectangle`], looked at where the camera of `view` sees them in a part of its
+    /// `picture`: at places spread over that as those are over the rectangle, weighted by their areas in the picture.
+    /// What lies beyond it counts only so far as to determine the mirror there, and so does what is not wanted of it.
     #[must_use]
     pub(super) fn over_picture(
         (area, picture): (Rect, Rect),
         even_x: bool,
         degree: usize,
         places: NodeSet,
-        camera: &Camera,
+        view: &ImagingTask,
     ) -> Self {
         let whole = Self::rectangle(area, even_x, degree, places);
         let in_picture = Self::rectangle(picture, even_x, degree, places);
-        let shows = |q: DVec2| picture.contains(camera.picture.image_point(q));
-        let density = |q: DVec2| camera.picture.density(q);
-        let seen = (0..in_picture.len()).map(|k| {
-            let q = camera.picture.chart_point(in_picture.at(k));
-            (q, in_picture.weight(k), in_picture.coarse(k))
+        let is_wanted = |image: DVec2| view.projection.wants(image);
+        let share = |image: DVec2| match picture.contains(image) && is_wanted(image) {
+            true => 1.0,
+            false => BEYOND_PICTURE,
+        };
+        // A largest error is that of what is wanted.
+        let counts = |image: DVec2| places != NodeSet::Extrema || is_wanted(image);
+        let seen = (0..in_picture.len()).filter(|&k| counts(in_picture.at(k))).map(|k| {
+            let image = in_picture.at(k);
+            let weight = share(image) * in_picture.weight(k);
+            (view.picture.chart_point(image), weight, in_picture.coarse(k))
         });
         let all = (0..whole.len()).map(|k| {
             let q = whole.at(k);
-            let share = if shows(q) { 1.0 } else { BEYOND_PICTURE };
-            (q, share * density(q) * whole.weight(k), whole.coarse(k))
+            let (image, density) = (view.picture.image_point(q), view.picture.density(q));
+            (q, share(image) * density * whole.weight(k), whole.coarse(k))
         });
+        let shows = |q: DVec2| picture.contains(view.picture.image_point(q));
         let beyond = all.clone().filter(|(q, ..)| places != NodeSet::Extrema && !shows(*q));
         let places: Vec<_> = match seen.clone().all(|(q, ..)| area.contains(q)) {
             true => seen.chain(beyond).collect(),
             // A mirror smaller than the picture ends before it.
-            false => all.collect(),
+            false => all.filter(|(q, ..)| counts(view.picture.image_point(*q))).collect(),
         };
         let (half, centre) = (0.5 * area.size(), area.centre());
         let table = |axis: usize| {

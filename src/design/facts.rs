@@ -169,7 +169,7 @@ fn line_errors(
         let at = mirror.position(q, &point);
         let (on_chart, _) = camera.chart.coordinates(at);
         let image = camera.picture.image_point(on_chart);
-        if view.is_framed() && !camera.frames(image) {
+        if view.is_framed() && !(camera.frames(image) && view.projection.wants(image)) {
             continue;
         }
         let weight = weight * camera.picture.density(on_chart);

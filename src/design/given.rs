@@ -4,10 +4,8 @@ use super::conic::{along_radius, over_area, plus};
 use super::facts::DesignFacts;
 use super::layout::{self, DesignProblem, SelfConsistentGeometry};
 use super::{Design, DesignError, FailureCause, MOST_ROUNDS, place_on_base};
-use crate::geom::{Chart, DVec2, Outline, Rect};
-use crate::mirror::{
-    BicubicSpline, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
-};
+use crate::geom::{BicubicSpline, Chart, DVec2, Outline, Rect};
+use crate::mirror::{Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::optics::{Camera, ImagingTask};
 use crate::profile::{Layout, Monomial, Polynomial, Profile, SagGrid};

@@ -7,11 +7,14 @@ use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
 use crate::num::radians;
 use crate::optics::{
-    Azimuthal, Camera, Fold, ImagingTask, Mount, Projection, RimConditions, StripLaw, Target,
+    Azimuthal, Camera, Fold, ImagingTask, Mount, Projection, RimConditions, SampledMap, StripLaw,
+    Target,
 };
 use crate::profile::{
-    AzimuthalSpec, Layout, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge, StripSpec,
+    AzimuthalSpec, Layout, MapSpec, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge,
+    StripSpec,
 };
+use std::sync::Arc;
 
 /// The geometry that a profile fixes before anything is solved, with the reference plane at Z = 0.
 #[derive(Debug, Clone)]
@@ -116,6 +119,7 @@ impl DesignProblem {
             Some(ProjectionSpec::Azimuthal(wanted)) => {
                 Ok(Some(Self::azimuthal(profile, wanted, camera)))
             }
+            Some(ProjectionSpec::Map(wanted)) => Ok(Some(Self::map(profile, wanted, camera))),
         }
     }
 
@@ -220,12 +224,31 @@ impl DesignProblem {
         let symmetric = view.is_symmetric_in_x()
             && camera.picture.is_symmetric_in_x()
             && camera.chart.lean.x == 0.0;
+        let view = Projection::Azimuthal(view);
+        Self::framed(camera, area, view, wanted.target, symmetric)
+    }
+
+    /// The problem of a picture given as data, on a rectangle.
+    fn map(profile: &Profile, wanted: &MapSpec, camera: Camera) -> Self {
+        let area = rectangle_of(profile, &camera);
+        let map = SampledMap::new(&wanted.samples, camera.frame(), camera.image_of(area));
+        Self::framed(camera, area, Projection::Map(Arc::new(map)), wanted.target, false)
+    }
+
+    /// The problem of a picture that ends with the frame, on the rectangle `area`.
+    fn framed(
+        camera: Camera,
+        area: Rect,
+        projection: Projection,
+        target: Target,
+        is_symmetric_in_x: bool,
+    ) -> Self {
         Self {
             camera,
-            mirror_symmetric: [symmetric, false],
+            mirror_symmetric: [is_symmetric_in_x, false],
             view: ImagingTask {
-                projection: Projection::Azimuthal(view),
-                target: wanted.target,
+                projection,
+                target,
                 origin_mm: 0.0,
                 fold: None,
                 picture: camera.picture,

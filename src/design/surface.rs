@@ -47,9 +47,9 @@ pub(super) fn solved(
 fn basis(problem: &DesignProblem, degree: usize, places: NodeSet) -> Basis {
     match problem.domain {
         Outline::Rect(area) => {
-            let (even_x, camera) = (problem.mirror_symmetric[0], &problem.camera);
+            let (even_x, view) = (problem.mirror_symmetric[0], &problem.view);
             if let Some(picture) = problem.picture {
-                return Basis::over_picture((area, picture), even_x, degree, places, camera);
+                return Basis::over_picture((area, picture), even_x, degree, places, view);
             }
             let whole = Basis::rectangle(area, even_x, degree, places);
             match problem.section {

@@ -3,16 +3,20 @@
 //! Vectors are `glam`'s double-precision ones. Everything is in the part frame (millimetres;
 //! X = y, Y = z, Z = x of the paper) unless a name says otherwise.
 
+mod bicubic_spline;
 mod border;
 mod chart;
+mod derivative_bounds;
 mod outline;
 mod rect;
 mod sampling;
 mod split;
 mod trimesh;
 
+pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, LEAST_KNOTS};
 pub use border::{Border, Contour, Drilled, Land};
 pub use chart::Chart;
+pub use derivative_bounds::DerivativeBounds;
 pub use glam::{DVec2, DVec3};
 pub use outline::Outline;
 pub use rect::Rect;

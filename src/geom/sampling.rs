@@ -24,6 +24,13 @@ impl GridAxis {
         self.at(self.count - 1)
     }
 
+    /// The same with so many more places before the first and after the last.
+    #[must_use]
+    pub fn widened(self, places: usize) -> Self {
+        let first_mm = self.first_mm - self.step_mm * places as f64;
+        Self { first_mm, count: self.count + 2 * places, ..self }
+    }
+
     /// The interval that `x` is in (the end ones reach to infinity), and where in it, from 0 to 1.
     #[inline]
     #[must_use]

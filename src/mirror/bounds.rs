@@ -1,7 +1,6 @@
 //! Bounds of a surface's height and its first three derivatives over the cells of a rectangle.
 
-use crate::geom::{DVec2, Rect};
-use crate::num::Interval;
+use crate::geom::{DVec2, DerivativeBounds, Rect};
 use crate::parallel;
 
 /// Cells per side: fine enough that the bounds are within a few per cent of the local values.
@@ -9,20 +8,6 @@ const CELLS: usize = 32;
 
 /// How far evaluation may be off, as a share of the largest value: it is good to far better.
 pub(super) const OFF: f64 = 1e-11;
-
-/// What holds at every point of a region: ranges of f, (f_x, f_y), (f_xx, f_xy, f_yy) and
-/// (f_xxx, f_xxy, f_xyy, f_yyy), in mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DerivativeBounds {
-    /// f.
-    pub f: Interval,
-    /// First derivatives.
-    pub slope: [Interval; 2],
-    /// Second derivatives.
-    pub hessian: [Interval; 3],
-    /// Third derivatives.
-    pub third: [Interval; 4],
-}
 
 /// A bound that holds for two regions together.
 pub trait UnionBound: Copy {
@@ -33,15 +18,7 @@ pub trait UnionBound: Copy {
 
 impl UnionBound for DerivativeBounds {
     fn union(self, other: Self) -> Self {
-        fn both<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
-            std::array::from_fn(|k| a[k].hull(b[k]))
-        }
-        Self {
-            f: self.f.hull(other.f),
-            slope: both(self.slope, other.slope),
-            hessian: both(self.hessian, other.hessian),
-            third: both(self.third, other.third),
-        }
+        self.union(other)
     }
 }
 
@@ -101,21 +78,6 @@ impl BoundGrid<DerivativeBounds> {
     ) -> Self {
         let cells = BoundCells { rect, count: CELLS, size: rect.size() / CELLS as f64 };
         Self { values: bounds(&cells), cells }
-    }
-}
-
-impl DerivativeBounds {
-    /// What holds of the sum of two functions.
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        fn sums<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
-            std::array::from_fn(|k| a[k] + b[k])
-        }
-        Self {
-            f: self.f + other.f,
-            slope: sums(self.slope, other.slope),
-            hessian: sums(self.hessian, other.hessian),
-            third: sums(self.third, other.third),
-        }
     }
 }
 

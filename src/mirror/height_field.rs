@@ -1,7 +1,7 @@
 //! The contract of a surface: a height over the coordinates of a chart, with its derivatives and bounds of them.
 
-use super::bounds::{BoundCells, BoundGrid, DerivativeBounds};
-use crate::geom::{DVec2, Rect};
+use super::bounds::{BoundCells, BoundGrid};
+use crate::geom::{DVec2, DerivativeBounds, Rect};
 
 /// Height (mm) and slope of a surface at a point of its chart.
 #[derive(Debug, Clone, Copy, PartialEq)]

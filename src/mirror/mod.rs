@@ -20,8 +20,7 @@ mod surface;
 mod tensor_legendre;
 mod volume;
 
-pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, LEAST_KNOTS};
-pub use bounds::{BoundCells, BoundGrid, DerivativeBounds, UnionBound};
+pub use bounds::{BoundCells, BoundGrid, UnionBound};
 pub use form::{BestFitPlane, BestFitSphere, Departure, Form};
 pub use height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 pub use local_surface::{LocalSurface, PlanJacobian};

@@ -1,8 +1,8 @@
 //! Axisymmetric surfaces: one Legendre series along the radius.
 
-use super::bounds::{BoundCells, DerivativeBounds, OFF};
+use super::bounds::{BoundCells, OFF};
 use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
-use crate::geom::{DVec2, Outline};
+use crate::geom::{DVec2, DerivativeBounds, Outline};
 use crate::num::legendre::{Jet, Row, Series};
 use crate::num::{Interval, Scalar, bernstein};
 use crate::parallel;

@@ -1,10 +1,10 @@
 //! A conic or other axisymmetric surface plus a tensor series.
 
-use super::bounds::{BoundCells, DerivativeBounds};
+use super::bounds::BoundCells;
 use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 use super::radial_legendre::{RadialLegendre, RadialLegendreRow};
 use super::tensor_legendre::{TensorLegendre, TensorLegendreRow};
-use crate::geom::DVec2;
+use crate::geom::{DVec2, DerivativeBounds};
 
 /// The sum of an axisymmetric surface and a tensor series. A conic over a disc, with its root at the rim, keeps the
 /// few terms that it has along the radius.

@@ -1,12 +1,11 @@
 //! The surfaces of the program, and the one place that tells them apart.
 
-use super::bicubic_spline::BicubicSpline;
-use super::bounds::{BoundGrid, DerivativeBounds};
+use super::bounds::BoundGrid;
 use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian, bound_grid};
 use super::radial_legendre::RadialLegendre;
 use super::radial_tensor_sum::RadialTensorSum;
 use super::tensor_legendre::TensorLegendre;
-use crate::geom::{DVec2, Rect};
+use crate::geom::{BicubicSpline, DVec2, DerivativeBounds, Rect};
 
 /// Defines [`Surface`] and hands its services on to the height fields that are listed. (Rows are evaluated some
 /// hundred million times in a build, which an enumeration serves faster than a table of functions.)

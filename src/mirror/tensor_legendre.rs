@@ -1,8 +1,8 @@
 //! Surfaces over a rectangle: a tensor Legendre series in the coordinates of a chart.
 
-use super::bounds::{BoundCells, DerivativeBounds, OFF};
+use super::bounds::{BoundCells, OFF};
 use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
-use crate::geom::DVec2;
+use crate::geom::{DVec2, DerivativeBounds};
 use crate::num::legendre::{Jet, Row, Series};
 use crate::num::{Interval, bernstein};
 use crate::parallel;
@@ -192,7 +192,7 @@ impl TensorLegendreRow {
 mod tests {
     use super::*;
     use crate::geom::Rect;
-    use crate::mirror::{Surface, UnionBound};
+    use crate::mirror::Surface;
 
     #[test]
     fn a_reflection_is_the_sheet_at_reflected_places() {

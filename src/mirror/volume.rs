@@ -156,8 +156,8 @@ fn composite(breaks: &[f64], count: usize) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Chart, GridAxis, Rect};
-    use crate::mirror::{BicubicSpline, HeightField, RadialLegendre, Surface, TensorLegendre};
+    use crate::geom::{BicubicSpline, Chart, GridAxis, Rect};
+    use crate::mirror::{HeightField, RadialLegendre, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
 

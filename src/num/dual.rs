@@ -2,7 +2,7 @@
 //! differentiation).
 
 use super::elementary as m;
-use super::{Arithmetic, Scalar, SmoothFn};
+use super::{Arithmetic, PlaneEquations, PlaneFn, Scalar, SmoothFn, plane_root};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its gradient.
@@ -252,6 +252,25 @@ impl<const N: usize> Scalar for Dual<N> {
     fn map(self, curve: &impl SmoothFn) -> Self {
         let [value, slope, _] = curve.at(self.value);
         self.chain(value, slope)
+    }
+    #[inline]
+    fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
+        let [value, along_x, along_y] = f.first([x.value, y.value]);
+        x.mix(y, value, along_x, along_y)
+    }
+    fn solve_plane<const M: usize>(
+        equations: &impl PlaneEquations<M>,
+        parameters: [Self; M],
+        near: [f64; 2],
+    ) -> [Self; 2] {
+        let root = plane_root::at(equations, parameters.map(|p| p.value), near);
+        let inverse = plane_root::inverse_jacobian(equations, root, parameters.map(|p| p.value));
+        // At a fixed point the residuals vary with the parameters alone.
+        let [a, b] = equations.residuals(root.map(Self::constant), parameters);
+        [0, 1].map(|k| {
+            let [along_a, along_b] = inverse[k];
+            a.mix(b, root[k], -along_a, -along_b)
+        })
     }
 }
 

@@ -1,7 +1,8 @@
 //! `f64` as a [`Scalar`]: plain values.
 
 use super::elementary as f;
-use super::scalar::{Arithmetic, Base, Scalar, SmoothFn};
+use super::plane_root;
+use super::scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
 use super::special::{AtanOverRoot, TanOverRoot};
 
 impl Arithmetic for f64 {
@@ -86,11 +87,27 @@ impl Scalar for f64 {
     fn map(self, curve: &impl SmoothFn) -> Self {
         curve.at(self)[0]
     }
+    #[inline]
+    fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
+        f.first([x, y])[0]
+    }
+    fn solve_plane<const N: usize>(
+        equations: &impl PlaneEquations<N>,
+        parameters: [Self; N],
+        near: [f64; 2],
+    ) -> [Self; 2] {
+        plane_root::at(equations, parameters, near)
+    }
 }
 
 impl Base for f64 {
     #[inline]
     fn curve(self, curve: &impl SmoothFn) -> [Self; 3] {
         curve.at(self)
+    }
+    #[inline]
+    fn plane(x: Self, y: Self, f: &impl PlaneFn) -> [Self; 6] {
+        let ([f0, fx, fy], [fxx, fxy, fyy]) = (f.first([x, y]), f.second([x, y]));
+        [f0, fx, fy, fxx, fxy, fyy]
     }
 }

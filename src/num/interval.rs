@@ -4,7 +4,8 @@
 //! up for it; `libm`'s functions are good to under two units in the last place, and their ends
 //! move by more than that. What is not defined somewhere on its argument is the whole line.
 
-use super::scalar::{Arithmetic, Base, Scalar, SmoothFn};
+use super::plane_root;
+use super::scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -361,11 +362,24 @@ impl Scalar for Interval {
     fn map(self, curve: &impl SmoothFn) -> Self {
         self.curve(curve)[0]
     }
+    fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
+        f.over([x, y])[0]
+    }
+    fn solve_plane<const N: usize>(
+        equations: &impl PlaneEquations<N>,
+        parameters: [Self; N],
+        near: [f64; 2],
+    ) -> [Self; 2] {
+        plane_root::within(equations, parameters, near)
+    }
 }
 
 impl Base for Interval {
     fn curve(self, curve: &impl SmoothFn) -> [Self; 3] {
         curve.over([self.lo, self.hi]).map(|[lo, hi]| Self::new(lo.next_down(), hi.next_up()))
+    }
+    fn plane(x: Self, y: Self, f: &impl PlaneFn) -> [Self; 6] {
+        f.over([x, y])
     }
 }
 

@@ -1,6 +1,7 @@
 //! Exact first and second derivatives in two variables.
 
-use super::scalar::{Arithmetic, Base, Scalar, SmoothFn};
+use super::plane_root;
+use super::scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
 use super::special::{AtanOverRoot, Ln1pOverX, OneMinusExpOverX, TanOverRoot};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -251,6 +252,51 @@ impl<T: Base> Scalar for Jet2<T> {
     }
     fn map(self, curve: &impl SmoothFn) -> Self {
         self.chain(self.value.curve(curve))
+    }
+    fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
+        let [value, fx, fy, fxx, fxy, fyy] = T::plane(x.value, y.value, f);
+        // Indices of the two first derivatives that make each second one.
+        let second = |k: usize, i: usize, j: usize| {
+            let ([xi, xj], [yi, yj]) =
+                ([x.gradient[i], x.gradient[j]], [y.gradient[i], y.gradient[j]]);
+            let square = if i == j {
+                fxx * xi.square() + fxy * (xi * yi) * 2.0 + fyy * yi.square()
+            } else {
+                fxx * (xi * xj) + fxy * (xi * yj + xj * yi) + fyy * (yi * yj)
+            };
+            square + fx * x.hessian[k] + fy * y.hessian[k]
+        };
+        Self {
+            value,
+            gradient: std::array::from_fn(|i| fx * x.gradient[i] + fy * y.gradient[i]),
+            hessian: [second(0, 0, 0), second(1, 0, 1), second(2, 1, 1)],
+        }
+    }
+    fn solve_plane<const N: usize>(
+        equations: &impl PlaneEquations<N>,
+        parameters: [Self; N],
+        near: [f64; 2],
+    ) -> [Self; 2] {
+        let values = parameters.map(|p| p.value);
+        let root = T::solve_plane(equations, values, near);
+        let inverse = plane_root::inverse_jacobian(equations, root, values);
+        // With J the Jacobian by the point, the derivatives of order n of the root are -1/J times those of the residuals
+        // at a point that has those of all lower orders, and none of order n.
+        let steps =
+            |residuals: [T; 2]| inverse.map(|[a, b]| -(a * residuals[0] + b * residuals[1]));
+        let residuals = |at: [Self; 2]| equations.residuals(at, parameters);
+        let mut at = root.map(Self::flat);
+        let [a, b] = residuals(at);
+        for i in 0..2 {
+            let step = steps([a.gradient[i], b.gradient[i]]);
+            (at[0].gradient[i], at[1].gradient[i]) = (step[0], step[1]);
+        }
+        let [a, b] = residuals(at);
+        for k in 0..3 {
+            let step = steps([a.hessian[k], b.hessian[k]]);
+            (at[0].hessian[k], at[1].hessian[k]) = (step[0], step[1]);
+        }
+        at
     }
 }
 

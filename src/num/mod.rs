@@ -12,10 +12,12 @@ mod float;
 pub mod interval;
 pub mod jet;
 mod lanes;
+pub mod least_bending;
 pub mod least_squares;
 pub mod legendre;
 pub mod monotone;
 mod piecewise_cubic;
+mod plane_root;
 pub mod quadrature;
 pub mod random;
 pub mod rounding;
@@ -31,7 +33,7 @@ pub use interval::Interval;
 pub use jet::Jet2;
 pub use lanes::Lanes;
 pub use monotone::{Inverse, MonotoneCubic};
-pub use scalar::{Arithmetic, Base, Scalar, SmoothFn};
+pub use scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
 
 /// The larger of two errors; one that is no number is larger than all.
 #[inline]

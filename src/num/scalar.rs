@@ -1,5 +1,6 @@
 //! One formula, many kinds of number: plain, with exact derivatives, or with rigorous bounds.
 
+use super::Interval;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -71,6 +72,17 @@ pub trait Scalar: Arithmetic {
     /// The value of a smooth function at this number.
     #[must_use]
     fn map(self, curve: &impl SmoothFn) -> Self;
+    /// The value of a smooth function of the plane at the point (`x`, `y`).
+    #[must_use]
+    fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self;
+    /// The point of the plane that solves two equations with parameters, near `near`; not finite where none is found.
+    /// Of intervals: a box that surely holds the only solution in it for each value of the parameters.
+    #[must_use]
+    fn solve_plane<const N: usize>(
+        equations: &impl PlaneEquations<N>,
+        parameters: [Self; N],
+        near: [f64; 2],
+    ) -> [Self; 2];
 }
 
 /// A number that can carry derivatives: one for which a curve's slope and bend are known too.
@@ -78,6 +90,9 @@ pub trait Base: Scalar {
     /// (f, f', f'') of a smooth function at this number.
     #[must_use]
     fn curve(self, curve: &impl SmoothFn) -> [Self; 3];
+    /// (f, f_x, f_y, f_xx, f_xy, f_yy) of a smooth function of the plane at the point (`x`, `y`).
+    #[must_use]
+    fn plane(x: Self, y: Self, f: &impl PlaneFn) -> [Self; 6];
 }
 
 /// A function of one variable with its first two derivatives.
@@ -86,4 +101,22 @@ pub trait SmoothFn {
     fn at(&self, x: f64) -> [f64; 3];
     /// Ranges that hold f, f' and f'' over lo..=hi.
     fn over(&self, range: [f64; 2]) -> [[f64; 2]; 3];
+}
+
+/// A function of the plane with its first two derivatives.
+pub trait PlaneFn {
+    /// (f, f_x, f_y) at a point.
+    fn first(&self, at: [f64; 2]) -> [f64; 3];
+    /// (f_xx, f_xy, f_yy) at a point.
+    fn second(&self, at: [f64; 2]) -> [f64; 3];
+    /// Ranges that hold both, in that order, over the box of two ranges, x and y.
+    fn over(&self, ranges: [Interval; 2]) -> [Interval; 6];
+}
+
+/// Two equations for a point of the plane, with N parameters: both residuals are 0 at a solution.
+pub trait PlaneEquations<const N: usize> {
+    /// A length in the plane over which the equations may bend: a root is found to rounding of it.
+    fn scale(&self) -> f64;
+    /// The residuals at a point.
+    fn residuals<S: Scalar>(&self, at: [S; 2], parameters: [S; N]) -> [S; 2];
 }

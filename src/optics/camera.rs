@@ -193,19 +193,14 @@ impl Camera {
     /// picture shows of it.
     #[must_use]
     pub fn seen_of(&self, picture: Rect) -> Rect {
-        /// Places along each side: between two of them the picture's edge is straight, or nearly so.
-        const SIDE: usize = 64;
-        let mut seen = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
-        for k in 0..=SIDE {
-            let t = k as f64 / SIDE as f64;
-            let edges =
-                [DVec2::new(t, 1.0), DVec2::new(t, 0.0), DVec2::new(1.0, t), DVec2::new(0.0, t)];
-            for share in edges {
-                let q = self.picture.chart_point(picture.min + share * picture.size());
-                seen = Rect { min: seen.min.min(q), max: seen.max.max(q) };
-            }
-        }
-        seen
+        bounds_of_edge(picture, |image| self.picture.chart_point(image))
+    }
+
+    /// The smallest rectangle of the picture that holds the image of a rectangle of the reference plane, in chart
+    /// coordinates.
+    #[must_use]
+    pub fn image_of(&self, area: Rect) -> Rect {
+        bounds_of_edge(area, |q| self.picture.image_point(q))
     }
 
     /// Half the frame's width and height, mm of the image.
@@ -213,6 +208,23 @@ impl Camera {
     pub fn half_frame(&self) -> DVec2 {
         0.5 * self.pixel_mm * DVec2::from_array(self.pixels.map(f64::from))
     }
+}
+
+/// The smallest rectangle around the image of a rectangle's edge.
+fn bounds_of_edge(rect: Rect, image: impl Fn(DVec2) -> DVec2) -> Rect {
+    /// Places along each side: between two of them the image of an edge is straight, or nearly so.
+    const SIDE: usize = 64;
+    let mut bounds = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+    for k in 0..=SIDE {
+        let t = k as f64 / SIDE as f64;
+        let edges =
+            [DVec2::new(t, 1.0), DVec2::new(t, 0.0), DVec2::new(1.0, t), DVec2::new(0.0, t)];
+        for share in edges {
+            let q = image(rect.min + share * rect.size());
+            bounds = Rect { min: bounds.min.min(q), max: bounds.max.max(q) };
+        }
+    }
+    bounds
 }
 
 #[cfg(test)]

@@ -73,11 +73,12 @@ impl ImagingTask {
         self.projection.direction_of(self.picture.image_of(q))
     }
 
-    /// Whether the picture ends with the frame: a view has no other end, and what a mirror has beyond a frame with
+    /// Whether the picture ends with the frame: a view or a map has no other end, and what a mirror has beyond a frame with
     /// bent sides is nobody's.
     #[must_use]
     pub fn is_framed(&self) -> bool {
-        matches!(self.projection, Projection::Azimuthal(_)) || !self.picture.is_identity()
+        matches!(self.projection, Projection::Azimuthal(_) | Projection::Map(_))
+            || !self.picture.is_identity()
     }
 
     /// The image point at which the camera of `chart` sees a point of space.
@@ -186,7 +187,7 @@ impl ImagingTask {
     pub fn turn(&self, x: f64) -> [f64; 2] {
         match &self.projection {
             Projection::Strip(strip) => strip.turn(x),
-            Projection::Radial { .. } | Projection::Azimuthal(_) => [0.0, 1.0],
+            Projection::Radial { .. } | Projection::Azimuthal(_) | Projection::Map(_) => [0.0, 1.0],
         }
     }
 

@@ -1,6 +1,7 @@
 //! Cameras, projections, laws and reflection: what the picture should be.
 
 mod azimuthal;
+mod bounded_spline;
 mod calibration;
 mod camera;
 mod distortion;
@@ -10,6 +11,7 @@ mod picture_map;
 mod projection;
 mod radial;
 mod radial_kind;
+mod sampled_map;
 mod slope_field;
 pub mod stereographic;
 mod strip;
@@ -27,6 +29,7 @@ pub use picture_map::{Mount, PictureMap};
 pub use projection::Projection;
 pub use radial::RadialLaw;
 pub use radial_kind::{RadialLawKind, RimConditions};
+pub use sampled_map::{DirectionSamples, MapFault, SampledMap};
 pub use slope_field::SlopeField;
 pub use strip::Strip;
 pub use tabulated_law::TabulatedLaw;

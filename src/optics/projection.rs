@@ -1,9 +1,10 @@
 //! Projections: which direction of the world each image point must see, and back.
 
-use super::{Azimuthal, RadialLaw, Strip};
+use super::{Azimuthal, RadialLaw, SampledMap, Strip};
 use crate::geom::DVec2;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Direction of the world, from the target's origin, that an image point of the designed panel must see: G in
 /// the paper.
@@ -20,6 +21,8 @@ pub enum Projection {
     },
     /// A perspective or fisheye view about any direction.
     Azimuthal(Azimuthal),
+    /// Directions given as data.
+    Map(Arc<SampledMap>),
 }
 
 impl Projection {
@@ -30,6 +33,7 @@ impl Projection {
             Self::Strip(strip) => strip.direction_of(q),
             Self::Radial { law, .. } => law.direction_of(q),
             Self::Azimuthal(view) => view.direction_of(q),
+            Self::Map(map) => map.direction_of(q),
         }
     }
 
@@ -40,6 +44,17 @@ impl Projection {
             Self::Strip(strip) => strip.image_of(sigma, near),
             Self::Radial { law, .. } => law.image_of(sigma),
             Self::Azimuthal(view) => view.image_of(sigma),
+            Self::Map(map) => map.image_of(sigma, near),
+        }
+    }
+
+    /// Whether something is wanted of an image point: of gaps in a map nothing is.
+    #[inline]
+    #[must_use]
+    pub fn wants(&self, image: DVec2) -> bool {
+        match self {
+            Self::Map(map) => map.wants(image),
+            Self::Strip(_) | Self::Radial { .. } | Self::Azimuthal(_) => true,
         }
     }
 
@@ -47,7 +62,7 @@ impl Projection {
     #[must_use]
     pub fn keeps_lines(&self) -> bool {
         match self {
-            Self::Strip(_) => false,
+            Self::Strip(_) | Self::Map(_) => false,
             Self::Radial { law, .. } | Self::Azimuthal(Azimuthal { law, .. }) => {
                 matches!(law, RadialLaw::Plane { .. })
             }
@@ -62,6 +77,7 @@ impl Projection {
             Self::Strip(strip) => strip.scale_mm,
             Self::Radial { radius: [_, outer], .. } => *outer,
             Self::Azimuthal(view) => 1.0 / view.radians_per_mm(),
+            Self::Map(map) => 1.0 / map.radians_per_mm(),
         }
     }
 
@@ -74,6 +90,7 @@ impl Projection {
                 (law.polar(*outer) - law.polar(*inner)) / (outer - inner)
             }
             Self::Azimuthal(view) => view.radians_per_mm(),
+            Self::Map(map) => map.radians_per_mm(),
         }
     }
 

@@ -1,5 +1,5 @@
-//! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights
-//! and the calibration that a profile names.
+//! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights, the map and
+//! the calibration that a profile names.
 
 use crate::profile::{Complaints, GridError, Profile, SagGrid, ShapeSpec, shipped};
 use crate::publish::{self, FileError};
@@ -11,8 +11,6 @@ use thiserror::Error;
 const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
-/// As [`CalibrationFile::parse`](crate::profile::CalibrationFile::parse) has it.
-const MOST_CALIBRATION: u64 = 1_000_000;
 
 impl Profile {
     /// The measured form error that the profile names, if it names one.
@@ -109,15 +107,15 @@ impl ProfileText {
         Ok(Self { name: stem.into_owned(), named: named.into(), bytes })
     }
 
-    /// The profile with the calibration and the heights that it names, from its own folder.
+    /// The profile with the calibration, the map and the heights that it names, from its own folder.
     ///
     /// # Errors
     /// [`SourceError`], with every complaint about the text.
     pub fn checked(&self) -> Result<Profile, SourceError> {
         let Self { name, named, bytes } = self;
         let folder = Path::new(named).parent().unwrap_or(Path::new(""));
-        let read = |file: &str| {
-            let read = publish::read_named(&folder.join(file), MOST_CALIBRATION);
+        let read = |file: &str, most_bytes: u64| {
+            let read = publish::read_named(&folder.join(file), most_bytes);
             read.map_err(|error| error.to_string())
         };
         let profile = Profile::parse_with(name, named, bytes, &read)?;
@@ -138,7 +136,7 @@ fn hint(named: &str) -> String {
 }
 
 /// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile;
-/// and the calibration and the heights that it names, from its own folder.
+/// and the calibration, the map and the heights that it names, from its own folder.
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.
@@ -278,7 +276,7 @@ D: [-0.3, 0.1, 0.001, 0]
     #[test]
     fn another_calibration_is_another_input_of_a_build() {
         let read = |camera: String| {
-            let read = move |_: &str| Ok(camera.clone().into_bytes());
+            let read = move |_: &str, _| Ok(camera.clone().into_bytes());
             Profile::parse_with("p", "p.toml", CALIBRATED.as_bytes(), &read).unwrap()
         };
         let inputs = |camera: String| super::super::build_cache::inputs(&read(camera));

@@ -4,8 +4,8 @@
 use super::run::Run;
 use super::{Error, Stage};
 use crate::design::Design;
-use crate::geom::Outline;
-use crate::mirror::{BicubicSpline, Mirror};
+use crate::geom::{BicubicSpline, Outline};
+use crate::mirror::Mirror;
 use crate::num::units::Mm;
 use crate::part::plan;
 use crate::profile::{CadFormat, FileFormat, Profile};

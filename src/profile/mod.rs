@@ -21,6 +21,7 @@ mod shipped;
 mod source;
 pub mod tolerance;
 mod values;
+mod vector_map;
 mod words;
 
 use crate::geom::ScanPattern;
@@ -35,7 +36,7 @@ pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use format::{CadFormat, FileFormat, MeshFormat};
 pub use mesh_goal::MeshGoal;
-pub use projection::{AzimuthalSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+pub use projection::{AzimuthalSpec, MapSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]
 pub(crate) use schema::TABLES;
@@ -44,9 +45,10 @@ pub use shipped::{Shipped, shipped};
 #[cfg(feature = "studio")]
 pub(crate) use source::text as text_of_profile;
 pub use tolerance::Tolerance;
+pub use vector_map::{VectorMap, VectorMapError};
 
-/// What has the bytes of a file that a profile names, or why they cannot be had.
-pub type ReadFile<'f> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'f;
+/// What has the bytes of a file that a profile names, if they are not more than so many, or why they cannot be had.
+pub type ReadFile<'f> = dyn Fn(&str, u64) -> Result<Vec<u8>, String> + 'f;
 
 /// A checked profile: camera, projection, layout, shape, part, mesh, files and limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -209,7 +211,7 @@ impl Profile {
     /// # Errors
     /// [`Complaints`], each with its place and a hint.
     pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
-        let none = |named: &str| {
+        let none = |named: &str, _| {
             Err(format!(
                 "{named}: it is read for a profile in a file alone; give its numbers as keys"
             ))
@@ -217,8 +219,8 @@ impl Profile {
         Self::parse_with(name, file, bytes, &none)
     }
 
-    /// Reads and checks a profile as [`Self::parse`] does; `read` has the bytes of the calibration file that it
-    /// may name, or why there are none.
+    /// Reads and checks a profile as [`Self::parse`] does; `read` has the bytes of the calibration and of the
+    /// map that it may name, or why there are none.
     ///
     /// # Errors
     /// [`Complaints`], each with its place and a hint.

@@ -1,6 +1,7 @@
 //! The projection as a profile asks for it, in degrees and without the scale that the part gives it.
 
-use crate::optics::{AzimuthalLaw, RadialLawKind, StripLaw, Target};
+use crate::optics::{AzimuthalLaw, DirectionSamples, RadialLawKind, StripLaw, Target};
+use std::sync::Arc;
 
 /// Directions, or points of a target, that the image points must see.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +12,8 @@ pub enum ProjectionSpec {
     Radial(RadialSpec),
     /// A perspective or fisheye view about any direction.
     Azimuthal(AzimuthalSpec),
+    /// Directions given as data.
+    Map(MapSpec),
 }
 
 impl ProjectionSpec {
@@ -20,6 +23,7 @@ impl ProjectionSpec {
             ProjectionSpec::Strip(strip) => strip.target,
             ProjectionSpec::Radial(radial) => radial.target,
             ProjectionSpec::Azimuthal(view) => view.target,
+            ProjectionSpec::Map(map) => map.target,
         }
     }
 
@@ -29,6 +33,7 @@ impl ProjectionSpec {
             ProjectionSpec::Strip(strip) => &mut strip.target,
             ProjectionSpec::Radial(radial) => &mut radial.target,
             ProjectionSpec::Azimuthal(view) => &mut view.target,
+            ProjectionSpec::Map(map) => &mut map.target,
         }
     }
 }
@@ -97,6 +102,19 @@ pub struct AzimuthalSpec {
     pub target: Target,
 }
 
+/// A picture given as data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapSpec {
+    /// The file, as the profile names it.
+    pub file: String,
+    /// SHA-256 of its bytes, in lower-case hexadecimal.
+    pub sha256: String,
+    /// The directions that the frame must show, from the target's origin.
+    pub samples: Arc<DirectionSamples>,
+    /// Surface that the picture shows.
+    pub target: Target,
+}
+
 /// A law by its name in a profile.
 pub(super) enum LawName {
     /// Of a view: perspective where the law is known by the table's name.
@@ -105,6 +123,8 @@ pub(super) enum LawName {
     Strip(StripLawSpec),
     /// Of a disc or an annulus.
     Radial(RadialLawKind),
+    /// Given as data.
+    Map,
 }
 
 impl LawName {
@@ -119,6 +139,7 @@ impl LawName {
             "best" => Some(Self::Strip(StripLawSpec::LeastCurl)),
             "perspective" => Some(Self::Azimuthal(Some(AzimuthalLaw::Perspective))),
             "fisheye" => Some(Self::Azimuthal(None)),
+            "map" => Some(Self::Map),
             "table" => Some(Self::Strip(StripLawSpec::Table(Vec::new()))),
             name => {
                 let kind = RadialLawKind::ALL.into_iter().find(|kind| kind.name() == name);

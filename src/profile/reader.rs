@@ -78,9 +78,9 @@ impl<'a> ProfileReader<'a> {
         }
     }
 
-    /// The bytes of a file that the profile names, or why there are none.
-    pub(super) fn file(&self, named: &str) -> Result<Vec<u8>, String> {
-        (self.read)(named)
+    /// The bytes of a file that the profile names, at most so many, or why there are none.
+    pub(super) fn file(&self, named: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
+        (self.read)(named, most_bytes)
     }
 
     /// Notes an error of syntax.
@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn a_bad_line_is_named_once() {
         let text = "a = = = 1\nb = x\nc 3\n";
-        let mut reader = ProfileReader::new("p.toml", text, &|_| Err(String::new()));
+        let mut reader = ProfileReader::new("p.toml", text, &|_, _| Err(String::new()));
         for error in &DeTable::parse_recoverable(text).1 {
             reader.broken(error);
         }
@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn a_flood_of_bad_lines_is_cut_short() {
         let text = "a = = 1\n".repeat(1000);
-        let mut reader = ProfileReader::new("p.toml", &text, &|_| Err(String::new()));
+        let mut reader = ProfileReader::new("p.toml", &text, &|_, _| Err(String::new()));
         for error in &DeTable::parse_recoverable(&text).1 {
             reader.broken(error);
         }

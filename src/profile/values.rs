@@ -32,6 +32,28 @@ pub(super) fn number(
     Some(Located { value: figure, at: value.span().start })
 }
 
+/// The name of a file that must be given.
+pub(super) fn file(
+    reader: &mut ProfileReader,
+    section: &Section,
+    hint: &str,
+) -> Option<Located<String>> {
+    let must = "the name of a file";
+    let value = reader.value(section, "file", Required, must, hint)?;
+    let at = value.span().start;
+    match value.get_ref() {
+        DeValue::String(file) if !file.trim().is_empty() => {
+            Some(Located { value: file.to_string(), at })
+        }
+        _ => {
+            let path = section.path_of("file");
+            let message = format!("{path} must be {must}, found {}", reader.quote_type(value));
+            reader.complain(at, message, hint);
+            None
+        }
+    }
+}
+
 /// Form of a list of two numbers.
 pub(super) struct PairFormat<'h> {
     pub(super) key: &'h str,

@@ -10,6 +10,7 @@ mod text;
 
 pub use ::png::EncodingError;
 pub use canvas::{Canvas, Srgb};
+pub use decode::exr_channels;
 #[cfg(test)]
 pub(crate) use false_colour::decoded;
 pub use false_colour::{FalseColourMap, MarkedPlace, ink_on, key_text, letter};

@@ -7,7 +7,7 @@ use crate::optics::ThinnedFrame;
 use crate::parallel;
 
 /// Pixel error of the smooth mirror at the centre of each pixel of a thinned frame, px, row by row from the upper
-/// left: none off the mirror, and where what is seen has no place in the image. Without a projection all are none.
+/// left: none off the mirror, where nothing is wanted, and where what is seen has no place in the image. Without a projection all are none.
 ///
 /// It does not look for shadows; a mesh that is traced does.
 #[must_use]
@@ -23,7 +23,7 @@ pub fn pixel_errors(design: &Design, thinned: ThinnedFrame) -> Vec<Option<f64>> 
             let images: Vec<DVec2> = columns.iter().map(|&x| image(x, rows[k])).collect();
             let rays = reflected(design, &images);
             let error = |((near, turn), ray): ((DVec2, [f64; 2]), Option<Ray>)| {
-                let ray = ray?;
+                let ray = ray.filter(|_| view.projection.wants(near))?;
                 let seen = view.image_of_turned(ray.origin, ray.direction, near, turn);
                 let px = (seen - near).length() / camera.pixel_mm;
                 px.is_finite().then_some(px)

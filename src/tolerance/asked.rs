@@ -1,7 +1,7 @@
 //! What a profile asks of a tolerance study, with usual values where it says nothing.
 
 use super::{ErrorSource, Process, TextureShape, ToleranceSpec, form_of_pv};
-use crate::mirror::BicubicSpline;
+use crate::geom::BicubicSpline;
 use crate::profile::{Profile, Tolerance};
 use crate::tolerance_terms::{ErrorSourceRow, Perturbation};
 use thiserror::Error;

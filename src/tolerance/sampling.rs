@@ -9,8 +9,8 @@ use super::model::{
 };
 use super::texture::TextureShape;
 use super::work_counts::{WorkCounts, WorkKind};
-use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
-use crate::mirror::{BicubicSpline, Mirror};
+use crate::geom::{BicubicSpline, Chart, DVec2, DVec3, Outline, Rect};
+use crate::mirror::Mirror;
 use crate::num::{cos, sin};
 use crate::optics::{Camera, ImagingTask};
 use crate::parallel;

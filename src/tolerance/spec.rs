@@ -2,7 +2,7 @@
 
 use super::error_source::ErrorSource;
 use super::texture::TextureShape;
-use crate::mirror::BicubicSpline;
+use crate::geom::BicubicSpline;
 use crate::tolerance_terms::{Compensator, Criterion, FormMeasure, Reference};
 
 /// Specification of a tolerance study: errors, adjustments, budgets and the yield that is wanted.

@@ -2,8 +2,8 @@
 
 use super::{ImagingSystem, UnwrapError};
 use crate::geom::DVec2;
-use crate::num::{atan, atan2, cos, degrees, radians, sin, wrap_turn};
-use crate::optics::{Azimuthal, Projection, StripLaw};
+use crate::num::{atan, atan2, cos, degrees, sin, wrap_turn};
+use crate::optics::{Projection, StripLaw};
 use crate::raster::{MOST_PIXELS, MOST_SIDE};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -93,15 +93,17 @@ fn elevation_deg(law: &StripLaw, z: f64) -> f64 {
     90.0 - 2.0 * degrees(atan(law.stereographic_radius(z)))
 }
 
-/// The azimuths and elevations that a perspective or fisheye view shows within the frame.
-fn view_extent(optics: &ImagingSystem, view: &Azimuthal, px_per_mm: f64) -> PanoramaExtent {
+/// The azimuths and elevations that a view or a map shows within the frame.
+fn view_extent(optics: &ImagingSystem, px_per_mm: f64) -> PanoramaExtent {
     /// Places along each side of the picture that are looked at.
     const SIDE: usize = 64;
     let camera = optics.camera;
     let frame = 0.5 * camera.pixel_mm * DVec2::from(camera.pixels.map(f64::from));
     let panel = optics.mirror.outline.bounds();
     let (lo, hi) = (panel.min.max(-frame), panel.max.min(frame));
-    let centre = radians(view.centre_deg()[0]);
+    let view = &optics.view.projection;
+    let [x, y] = view.direction_of([0.0; 2]);
+    let centre = atan2(x, y);
     let (mut azimuth, mut elevation) = ([0.0f64; 2], [FRAC_PI_2, -FRAC_PI_2]);
     for k in 0..=SIDE * SIDE + 2 * SIDE {
         let share = DVec2::new((k % (SIDE + 1)) as f64, (k / (SIDE + 1)) as f64) / SIDE as f64;
@@ -111,7 +113,7 @@ fn view_extent(optics: &ImagingSystem, view: &Azimuthal, px_per_mm: f64) -> Pano
         let above = FRAC_PI_2 - 2.0 * atan((x * x + y * y).sqrt());
         elevation = [elevation[0].min(above), elevation[1].max(above)];
     }
-    let zenith = DVec2::from_array(view.image_of([0.0; 2]));
+    let zenith = DVec2::from_array(view.image_of([0.0; 2], DVec2::ZERO));
     if zenith.cmpge(lo).all() && zenith.cmple(hi).all() {
         (azimuth, elevation[1]) = ([-PI, PI], FRAC_PI_2);
     }
@@ -158,7 +160,7 @@ fn range(
                 width: TAU * outer * px_per_mm,
             }
         }
-        Projection::Azimuthal(view) => view_extent(optics, view, px_per_mm),
+        Projection::Azimuthal(_) | Projection::Map(_) => view_extent(optics, px_per_mm),
     };
     let Some(law) = law.filter(|law| *law != own.law) else { return Ok(own) };
     let elevation_deg = own.z.map(|z| elevation_deg(&own.law, z));

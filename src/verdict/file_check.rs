@@ -193,7 +193,8 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
             let (point, turn, place, designed) = (points[k], turns[k], places[k], designed[k]);
             let mut expected =
                 ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
-            if !outline.aims(place) {
+            let is_wanted = || view.as_ref().is_none_or(|view| view.projection.wants(point));
+            if !(outline.aims(place) && is_wanted()) {
                 return expected;
             }
             let arriving = camera.chart.ray(charted[k], 0.0).direction;

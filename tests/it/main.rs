@@ -25,6 +25,7 @@ mod given_mirrors;
 mod glb;
 mod machining;
 mod manners;
+mod maps;
 mod mesh_advice;
 mod mesh_tolerance;
 mod meshes;

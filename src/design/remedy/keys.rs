@@ -169,6 +169,7 @@ pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
                 view.hfov_deg = short(share * view.hfov_deg);
                 KeyChange::Set("hfov_deg", KeyValue::Number(view.hfov_deg))
             }
+            ProjectionSpec::Map(_) => return None,
         };
         Some(EditedProfile { change, profile })
     };

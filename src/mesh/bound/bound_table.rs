@@ -8,8 +8,8 @@ use super::deviation::Triangle;
 use super::imaging_problem::{ImagingProblem, is_outside};
 use super::region::RegionBounds;
 use super::tuning::TUNING;
-use crate::geom::{DVec2, Rect};
-use crate::mirror::{BoundGrid, DerivativeBounds, RadialLegendre, Rings, Surface, UnionBound};
+use crate::geom::{DVec2, DerivativeBounds, Rect};
+use crate::mirror::{BoundGrid, RadialLegendre, Rings, Surface, UnionBound};
 use crate::optics::{ImagingTask, Projection};
 use std::sync::OnceLock;
 

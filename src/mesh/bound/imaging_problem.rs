@@ -9,8 +9,8 @@ use super::content_bounds::{
 };
 use super::region::RegionBounds;
 use super::tuning::TUNING;
-use crate::geom::{Chart, DVec2, Outline};
-use crate::mirror::{DerivativeBounds, Mirror, UnionBound};
+use crate::geom::{Chart, DVec2, DerivativeBounds, Outline};
+use crate::mirror::{Mirror, UnionBound};
 use crate::num::{Arithmetic, Interval, Scalar, exp};
 use crate::optics::{ImagingTask, Target};
 

@@ -21,7 +21,7 @@ use tree::{TreeNode, Value, find};
 
 /// Most bytes of a file: a calibration has some two thousand, with all corners of its pictures a hundred times
 /// as many.
-const MOST_BYTES: usize = 1_000_000;
+pub(super) const MOST_BYTES: usize = 1_000_000;
 /// Focal lengths, px.
 const FOCAL: std::ops::RangeInclusive<f64> = 1e-3..=1e7;
 /// Pixels along a side of a frame, and in all, as of `camera.pinhole.pixels`.

@@ -1,9 +1,9 @@
 //! A calibrated camera: from its file, or from the same numbers as keys.
 
-use super::super::calibration::{CalibrationFile, LensModel};
-use super::super::reader::Need::{Optional, Required};
+use super::super::calibration::{CalibrationFile, LensModel, MOST_BYTES};
+use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, PairFormat, number, pair, within, word};
+use super::super::values::{Located, PairFormat, file, number, pair, within, word};
 use super::super::{Aperture, LensSpec};
 use super::camera::{CameraEntry, CameraName, distance, pixels, pupil, wavelength};
 use crate::optics::Calibration;
@@ -66,26 +66,17 @@ fn of_file(
             );
         }
     }
-    let must = "the name of a file";
     let hint =
         "a calibration of OpenCV's or ROS's beside the profile, as in file = \"camera.yaml\"";
-    let Some(value) = reader.value(section, "file", Required, must, hint) else {
+    let Some(Located { value: file, at }) = file(reader, section, hint) else {
         return (None, None);
     };
     let path = section.path_of("file");
-    let file = match value.get_ref() {
-        DeValue::String(file) if !file.trim().is_empty() => file.to_string(),
-        _ => {
-            let message = format!("{path} must be {must}, found {}", reader.quote_type(value));
-            reader.complain(value.span().start, message, hint);
-            return (None, None);
-        }
-    };
     // A frame that is wrong has its complaint, as keys beside the file have.
     if frame == Some(None) || !is_alone {
         return (Some(file), None);
     }
-    let read = reader.file(&file).and_then(|bytes| {
+    let read = reader.file(&file, MOST_BYTES as u64).and_then(|bytes| {
         let read = CalibrationFile::parse(&bytes);
         let read = read.and_then(|found| found.calibration(model, frame.flatten()));
         read.map_err(|error| format!("{file}: {error}"))
@@ -97,7 +88,7 @@ fn of_file(
         },
         Err(reason) => (reason, ""),
     };
-    reader.complain(value.span().start, format!("{path}: {reason}"), hint);
+    reader.complain(at, format!("{path}: {reason}"), hint);
     (Some(file), None)
 }
 

@@ -130,6 +130,11 @@ fn layout_suits(
             "a view's mirror is a rectangle, part.width_mm by part.height_mm or as high as the frame"
                 .to_owned(),
         ),
+        ProjectionKeys::Map(_) => (
+            &[LayoutName::Rectangle][..],
+            "a map's mirror is a rectangle, part.width_mm by part.height_mm or as high as the frame"
+                .to_owned(),
+        ),
         ProjectionKeys::Strip { .. } if given.is_some() => (
             &[LayoutName::Strip][..],
             "a conquistador is folded out of a designed panel; laws for a disc are radial"

@@ -6,6 +6,7 @@ mod camera;
 mod fits;
 mod layout;
 mod limits;
+mod map;
 mod mirror;
 mod mount;
 mod projection;
@@ -116,6 +117,7 @@ pub(super) fn profile(
     let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
     target::check(reader, &parts);
+    map::check(reader, &parts);
     reach::check(reader, &parts);
     border::check(reader, &parts);
     if !reader.is_clean() {

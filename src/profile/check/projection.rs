@@ -7,6 +7,7 @@ use super::super::values::{
     Located, PairFormat, RowsFormat, flag, number, pair, rows, within, word,
 };
 use super::super::{AzimuthalSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+use super::map::{self, MapKeys};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
 use crate::optics::{AzimuthalLaw, RadialLawKind, Target};
 
@@ -23,7 +24,9 @@ impl ProjectionEntry<'_> {
     pub(super) fn is_best(&self) -> bool {
         let law = match &self.keys {
             ProjectionKeys::Strip { law, .. } => law.as_ref(),
-            ProjectionKeys::Radial { .. } | ProjectionKeys::Azimuthal(_) => None,
+            ProjectionKeys::Radial { .. }
+            | ProjectionKeys::Azimuthal(_)
+            | ProjectionKeys::Map(_) => None,
         };
         law == Some(&StripLawSpec::LeastCurl)
     }
@@ -44,6 +47,8 @@ pub(super) enum ProjectionKeys {
     },
     /// A perspective or fisheye view.
     Azimuthal(AzimuthalKeys),
+    /// Directions or points as data; none without a sound file.
+    Map(Option<MapKeys>),
 }
 
 /// The keys of a perspective or fisheye view.
@@ -97,6 +102,7 @@ fn one<'t>(
             ProjectionKeys::Radial { law, inner, outer }
         }
         LawName::Azimuthal(law) => ProjectionKeys::Azimuthal(azimuthal(reader, &section, law)),
+        LawName::Map => ProjectionKeys::Map(map::read(reader, &section)),
     };
     let must = &format!("a number {LARGE}");
     let hint = "the radius of the cylinder that the picture shows, in millimetres";
@@ -331,13 +337,18 @@ impl ProjectionEntry<'_> {
         matches!(self.keys, ProjectionKeys::Radial { .. })
     }
 
-    /// The projection, if every figure of it is there; a disc has no inner rim.
-    pub(super) fn finish(self, disc: bool) -> Option<ProjectionSpec> {
-        let target = match (self.radius, self.plane) {
+    /// Surface that the picture shows.
+    pub(super) fn target(&self) -> Target {
+        match (self.radius, self.plane) {
             (Some(radius), _) => Target::Cylinder { radius_mm: radius.value },
             (None, Some(plane)) => Target::Plane { height_mm: plane.value },
             (None, None) => Target::Infinity,
-        };
+        }
+    }
+
+    /// The projection, if every figure of it is there; a disc has no inner rim.
+    pub(super) fn finish(self, disc: bool) -> Option<ProjectionSpec> {
+        let target = self.target();
         Some(match self.keys {
             ProjectionKeys::Strip { law, azimuth, elevation } => ProjectionSpec::Strip(StripSpec {
                 law: law?,
@@ -359,6 +370,7 @@ impl ProjectionEntry<'_> {
                 mirrored: keys.mirrored,
                 target,
             }),
+            ProjectionKeys::Map(keys) => ProjectionSpec::Map(keys?.finish(target)),
         })
     }
 }

@@ -31,6 +31,8 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
                 centre_meets(reader, projection, plane, centre);
             }
         }
+        // (Each of its directions is asked.)
+        ProjectionKeys::Map(_) => {}
     }
 }
 

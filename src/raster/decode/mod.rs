@@ -7,6 +7,8 @@ mod png;
 #[cfg(test)]
 mod tests;
 
+pub use exr::channels as exr_channels;
+
 use super::{MOST_PIXELS, MOST_SIDE, Raster, RasterError};
 
 /// The first bytes of a picture file, by which its format is known.

@@ -5,8 +5,8 @@ use super::super::form_field::{FormField, add_scaled, period_mm, ripple};
 use super::sample::{PixelSample, TextureSite};
 use super::state::PerturbedState;
 use super::system::OpticalSystem;
-use crate::geom::{DVec2, DVec3};
-use crate::mirror::{BicubicSpline, HeightField};
+use crate::geom::{BicubicSpline, DVec2, DVec3};
+use crate::mirror::HeightField;
 use crate::num::Scalar;
 
 impl OpticalSystem {

@@ -8,7 +8,7 @@ mod statistics;
 mod work;
 
 use morion::internals::design::Design;
-use morion::internals::mirror::BicubicSpline;
+use morion::internals::geom::BicubicSpline;
 use morion::internals::tolerance::{
     Compensator, Criterion, Distribution, Engine, ErrorSource, ErrorSourceRow, FormMeasure,
     Perturbation, Process, ProcessPreset, Reference, ToleranceSpec,

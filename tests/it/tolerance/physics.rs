@@ -3,9 +3,8 @@
 use super::{engine, fixed, spec, usual, with_map};
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::Design;
-use morion::internals::geom::{DVec2, DVec3, GridAxis};
+use morion::internals::geom::{BicubicSpline, DVec2, DVec3, GridAxis};
 use morion::internals::machining::{BallRaster, SurfaceAnalysis};
-use morion::internals::mirror::BicubicSpline;
 use morion::internals::num::random::RandomStream;
 use morion::internals::num::{cos, radians, sin};
 use morion::internals::optics::reflect;

@@ -3,8 +3,7 @@
 use super::{engine, fixed, spec, usual, with_map};
 use crate::support::shipped_builds;
 use crate::support::{designed, share, shipped};
-use morion::internals::geom::GridAxis;
-use morion::internals::mirror::BicubicSpline;
+use morion::internals::geom::{BicubicSpline, GridAxis};
 use morion::internals::tolerance::{
     AllocationError, Compensator, Criterion, DisplacementPx, Engine, ErrorSource, Perturbation,
     Process, ProcessPreset, Reference, SourceFacts, Study, ToleranceSpec, Trial, quantile,

@@ -5,10 +5,10 @@ pub mod errors;
 pub mod shape;
 
 use super::draws::Draws;
-use morion::internals::geom::{Chart, DVec2, GridAxis, Outline, Precision, Rect};
+use morion::internals::geom::{BicubicSpline, Chart, DVec2, GridAxis, Outline, Precision, Rect};
 use morion::internals::mesh::{Face, Limits, MeshError, mesh};
 use morion::internals::mirror::{
-    BicubicSpline, HeightField, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
+    HeightField, Mirror, RadialLegendre, RadialTensorSum, Surface, TensorLegendre,
 };
 use morion::internals::num::legendre::Series;
 use morion::internals::num::{cos, exp, log, radians, sin};

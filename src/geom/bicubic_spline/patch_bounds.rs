@@ -1,8 +1,7 @@
 //! Bounds of one patch of a spline: its derivatives are polynomials, bounded by their Bernstein coefficients.
 
-use super::super::bounds::DerivativeBounds;
+use super::super::{DerivativeBounds, GridAxis};
 use super::BicubicSpline;
-use crate::geom::GridAxis;
 use crate::num::Interval;
 
 /// Rounding of a patch's Bernstein coefficients, as a share of the largest height.
