@@ -3,6 +3,7 @@
 mod azimuthal;
 mod calibration;
 mod camera;
+mod charted_frame;
 mod distortion;
 mod imaging_task;
 mod law;
@@ -20,6 +21,7 @@ mod thinned_frame;
 pub use azimuthal::{Azimuthal, AzimuthalLaw};
 pub use calibration::{Calibration, PixelFault};
 pub use camera::{Camera, CameraModel};
+pub use charted_frame::ChartedFrame;
 pub use distortion::{Distortion, DistortionFault};
 pub use imaging_task::{CurlBounds, Fold, ImagingTask};
 pub use law::StripLaw;
