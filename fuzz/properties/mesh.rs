@@ -81,7 +81,7 @@ fn traced(read: &ImportedMesh) {
     let top = hi.z + (hi - lo).max_element();
     let camera = &DESIGN.camera;
     let expected = ExpectedRay { aimed: true, direction: DVec3::Z, designed: DVec2::ZERO };
-    let table = |_| vec![expected; camera.pixels[0] as usize];
+    let table = |_, _: &[_]| vec![expected; camera.pixels[0] as usize];
     let view = DESIGN.view.as_ref();
     let trace = CameraTrace::new(&scene, camera, top);
     let (at_once, _) = TraceResult::new(&trace, None, view, table);

@@ -136,6 +136,11 @@ impl Mirror {
         let mut points = Vec::with_capacity(places.len());
         let mut xs = Vec::new();
         for line in places.chunk_by(|a, b| a.y == b.y) {
+            // (A row takes longer than a place.)
+            if let [place] = line {
+                points.push(self.at(*place));
+                continue;
+            }
             xs.clear();
             xs.extend(line.iter().map(|q| q.x));
             self.row(line[0].y).extend_at(&xs, &mut points);

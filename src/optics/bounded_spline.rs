@@ -66,7 +66,8 @@ impl BoundedSpline {
         })
     }
 
-    fn bounds(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
+    /// Bounds over a box; none where many patches would have to go on beyond the knots.
+    fn bounds(&self, lo: DVec2, hi: DVec2) -> Option<DerivativeBounds> {
         let axes = self.spline.knots();
         let touched = [0, 1].map(|k: usize| {
             let (first, last) = (axes[k].interval(lo[k]).0, axes[k].interval(hi[k]).0);
@@ -75,12 +76,15 @@ impl BoundedSpline {
         let [[i0, i1], [j0, j1]] = touched;
         let is_inside = |k: usize| axes[k].first_mm <= lo[k] && hi[k] <= axes[k].last_mm();
         let few = i1 - i0 < FEW && j1 - j0 < FEW;
-        if few || !(is_inside(0) && is_inside(1)) {
-            return self.spline.bounds(lo, hi);
+        if few {
+            return Some(self.spline.bounds(lo, hi));
+        }
+        if !(is_inside(0) && is_inside(1)) {
+            return None;
         }
         let rows = j0 / BLOCK..=j1 / BLOCK;
         let blocks = rows.flat_map(|j| (i0 / BLOCK..=i1 / BLOCK).map(move |i| self.block(i, j)));
-        blocks.reduce(DerivativeBounds::union).expect("a box touches a block")
+        blocks.reduce(DerivativeBounds::union)
     }
 }
 
@@ -102,7 +106,7 @@ impl PlaneFn for BoundedSpline {
             return [Interval::WHOLE; 6];
         }
         let (lo, hi) = (DVec2::new(x.lo, y.lo), DVec2::new(x.hi, y.hi));
-        let all = self.bounds(lo, hi);
+        let Some(all) = self.bounds(lo, hi) else { return [Interval::WHOLE; 6] };
         let middle = [x.mid(), y.mid()];
         let aside = [x - Interval::point(middle[0]), y - Interval::point(middle[1])];
         let near = |at: f64, rates: [Interval; 2], known: Interval| {

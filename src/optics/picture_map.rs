@@ -5,8 +5,8 @@
 //! of the frame. For a camera over the part, looking straight down, both are one. A camera that looks at the
 //! plane obliquely sees it in perspective: w is a projective function of q (docs/theory.md, T97).
 
-use super::Distortion;
-use crate::geom::{DVec2, DVec3};
+use super::distortion::{Distortion, DistortionFault, InverseTable};
+use crate::geom::{DVec2, DVec3, Rect};
 use crate::num::{Dual, Scalar, cos, radians, sin};
 use glam::DMat2;
 
@@ -84,8 +84,19 @@ impl LensMap {
 
     /// The place in the picture without distortion of an image point; not finite where the lens has none.
     fn ideal(&self, image: DVec2) -> DVec2 {
+        self.place(self.distortion.undistorted(self.normalised(image)))
+    }
+
+    /// The distorted point of an image point.
+    #[inline]
+    fn normalised(&self, image: DVec2) -> [f64; 2] {
         let at = (image - self.principal) / self.focal;
-        let ray = self.distortion.undistorted([at.x, -at.y]);
+        [at.x, -at.y]
+    }
+
+    /// The place in the picture without distortion of a ray.
+    #[inline]
+    fn place(&self, ray: Result<[f64; 2], DistortionFault>) -> DVec2 {
         ray.map_or(DVec2::NAN, |[x, y]| DVec2::new(x, -y) * self.distance_mm)
     }
 }
@@ -191,11 +202,33 @@ impl PictureMap {
     #[inline]
     #[must_use]
     pub fn chart_point(&self, image: DVec2) -> DVec2 {
-        let ideal = self.undistorted(image);
+        self.on_plane(self.undistorted(image))
+    }
+
+    /// The chart coordinates of a place in the picture without distortion.
+    #[inline]
+    fn on_plane(&self, ideal: DVec2) -> DVec2 {
         match &self.plane {
             None => ideal,
             Some(plane) => plane.chart_point(ideal),
         }
+    }
+
+    /// The table of the lens's inverse over a rectangle of the picture, in so many cells; none where the lens does not
+    /// distort.
+    #[must_use]
+    pub(super) fn inverse_table(&self, picture: Rect, cells: [usize; 2]) -> Option<InverseTable> {
+        let lens = self.lens.filter(|lens| lens.distortion != Distortion::None)?;
+        let corners = [picture.min, picture.max].map(|image| lens.normalised(image));
+        Some(InverseTable::new(&lens.distortion, corners, cells))
+    }
+
+    /// [`PictureMap::chart_point`] by the table of this lens.
+    #[inline]
+    #[must_use]
+    pub(super) fn chart_point_by(&self, table: &InverseTable, image: DVec2) -> DVec2 {
+        let ideal = |lens: LensMap| lens.place(table.undistorted(lens.normalised(image)));
+        self.on_plane(self.lens.map_or(image, ideal))
     }
 
     /// The picture's axes, to the right and upwards, in the part's frame.

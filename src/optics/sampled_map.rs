@@ -212,7 +212,8 @@ impl SampledMap {
         let missing: Vec<bool> = given.iter().map(|sigma| sigma.is_nan()).collect();
         let rings = [0, 1].map(|axis| {
             let beyond = (frame.min - cover.min).max(cover.max - frame.max)[axis];
-            (beyond / axes[axis].step_mm + 1.0).clamp(1.0, axes[axis].count as f64) as usize
+            // (Bounds look some patches beyond.)
+            (beyond / axes[axis].step_mm + 8.0).clamp(8.0, axes[axis].count as f64) as usize
         });
         let filled = [0, 1].map(|part| {
             let mut values: Vec<f64> = given.iter().map(|sigma| sigma[part]).collect();

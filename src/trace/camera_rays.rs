@@ -1,8 +1,9 @@
 //! The rays through the pixel centres of a camera.
 
 use crate::geom::{DVec2, DVec3, Ray};
-use crate::optics::Camera;
+use crate::optics::{Camera, ChartedFrame};
 use crate::parallel;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ pub(super) struct CameraRays {
     pub top_mm: f64,
     /// X of the pixel centres by column, and Y by row, image coordinates, mm.
     pub centres: [Vec<f64>; 2],
+    /// Where image points are on the reference plane.
+    frame: Arc<ChartedFrame>,
     /// The pixels of some rows on the reference plane, where that takes long to find out: behind a lens.
     pub charted: Option<ChartedRows>,
 }
@@ -36,7 +39,8 @@ impl CameraRays {
             columns.map(|x| camera.image_point(x, 0.0).x).collect(),
             rows.map(|y| camera.image_point(0.0, y).y).collect(),
         ];
-        Self { camera: *camera, top_mm, centres, charted: None }
+        let frame = Arc::new(ChartedFrame::new(camera));
+        Self { camera: *camera, top_mm, centres, frame, charted: None }
     }
 
     /// Rays through `side` x `side` samples of each pixel of `camera`, those of a camera with so many times as
@@ -48,8 +52,9 @@ impl CameraRays {
             columns.map(|x| camera.image_point(x, 0.0).x).collect(),
             rows.map(|y| camera.image_point(0.0, y).y).collect(),
         ];
+        let frame = Arc::new(ChartedFrame::new(camera));
         let camera = camera.with_pixels(camera.pixels.map(|n| n * side));
-        Self { camera, top_mm, centres, charted: None }
+        Self { camera, top_mm, centres, frame, charted: None }
     }
 
     /// The same rays with what helps to make those of `rows`, or of the `wanted` ones of their pixels, again and
@@ -63,11 +68,14 @@ impl CameraRays {
             return Arc::clone(self);
         }
         let (first, columns) = (rows.start, self.camera.pixels[0] as usize);
-        let place = |k: usize| match wanted.is_none_or(|wanted| wanted[k]) {
-            true => self.charted(k % columns, first + k / columns),
-            false => DVec2::NAN,
-        };
-        let points = parallel::map(rows.len() * columns, columns, place);
+        let mut points = vec![DVec2::NAN; rows.len() * columns];
+        parallel::map_chunks_mut(&mut points, columns, |row, points| {
+            for (column, point) in points.iter_mut().enumerate() {
+                if wanted.is_none_or(|wanted| wanted[row * columns + column]) {
+                    *point = self.charted(column, first + row);
+                }
+            }
+        });
         Arc::new(Self { charted: Some(ChartedRows { first, points }), ..Self::clone(self) })
     }
 
@@ -88,10 +96,19 @@ impl CameraRays {
         self.camera.chart.ray(q, self.top_mm)
     }
 
+    /// Chart coordinates of the rays through the pixel centres of a row, mm.
+    pub(super) fn charted_row(&self, row: usize) -> Cow<'_, [DVec2]> {
+        let columns = self.camera.pixels[0] as usize;
+        match &self.charted {
+            None => (0..columns).map(|column| self.charted(column, row)).collect(),
+            Some(rows) => rows.points[(row - rows.first) * columns..][..columns].into(),
+        }
+    }
+
     /// Chart coordinates of the ray through a pixel's centre, mm.
     #[inline]
     fn charted(&self, column: usize, row: usize) -> DVec2 {
-        self.camera.picture.chart_point(self.image_point(column, row))
+        self.frame.chart_point(self.image_point(column, row))
     }
 
     /// Point at distance `t` on the ray of a pixel, mm.

@@ -9,6 +9,7 @@ use super::camera_rays::ChartedRows;
 use super::fragment::PixelSpan;
 use crate::geom::DVec2;
 use crate::optics::Camera;
+use crate::parallel;
 
 /// Most cells to a pixel; fewer where the lens shows the plane's rim much coarser than its middle.
 const CELLS_PER_PIXEL: f64 = 2.0;
@@ -42,10 +43,11 @@ impl Level {
     fn halved(&self) -> Self {
         let size = self.size.map(|n| n.div_ceil(2));
         let mut blocks = vec![NONE; size[0] * size[1]];
-        for (k, block) in self.blocks.iter().enumerate() {
-            let [x, y] = [k % self.size[0], k / self.size[0]];
-            let above = &mut blocks[y / 2 * size[0] + x / 2];
-            *above = union(*above, *block);
+        for (y, row) in self.blocks.chunks(self.size[0]).enumerate() {
+            let above = &mut blocks[y / 2 * size[0]..][..size[0]];
+            for (above, pair) in above.iter_mut().zip(row.chunks(2)) {
+                *above = pair.iter().fold(*above, |all, block| union(all, *block));
+            }
         }
         Self { size, blocks }
     }
@@ -69,8 +71,13 @@ impl PixelTable {
     /// The table of charted rows of `camera`.
     pub(super) fn new(camera: &Camera, rows: &ChartedRows) -> Self {
         let columns = camera.pixels[0] as usize;
-        let known = || rows.points.iter().enumerate().filter(|(_, q)| q.is_finite());
-        let [lo, hi] = bounds(&rows.points);
+        let of_row = columns.div_ceil(STRETCH);
+        let stretch = |k: usize| {
+            let row = &rows.points[k / of_row * columns..][..columns];
+            bounds(&row[k % of_row * STRETCH..columns.min((k % of_row + 1) * STRETCH)])
+        };
+        let stretches = parallel::map(rows.points.len() / columns * of_row, of_row, stretch);
+        let [lo, hi] = bounds(stretches.as_flattened());
         let extent = (hi - lo).max(DVec2::splat(camera.pixel_mm));
         let cells = CELLS_PER_PIXEL * rows.points.len() as f64;
         let per_mm = f64::sqrt(cells / (extent.x * extent.y))
@@ -78,18 +85,18 @@ impl PixelTable {
             .min(MOST_CELLS / extent.max_element());
         let size = (extent * per_mm).to_array().map(|n| n as usize + 1);
         let mut finest = Level { size, blocks: vec![NONE; size[0] * size[1]] };
-        for (k, q) in known() {
-            let [x, y] = ((*q - lo) * per_mm).to_array().map(|n| n as usize);
-            let [column, row] = [k % columns, rows.first + k / columns].map(|n| n as u16);
-            let block = &mut finest.blocks[y * size[0] + x];
-            *block = union(*block, [column, row, column + 1, row + 1]);
+        for (row, points) in (rows.first..).zip(rows.points.chunks(columns)) {
+            for (column, q) in points.iter().enumerate().filter(|(_, q)| q.is_finite()) {
+                let [x, y] = ((*q - lo) * per_mm).to_array().map(|n| n as usize);
+                let [column, row] = [column, row].map(|n| n as u16);
+                let block = &mut finest.blocks[y * size[0] + x];
+                *block = union(*block, [column, row, column + 1, row + 1]);
+            }
         }
         let mut levels = vec![finest];
         while let Some(last) = levels.last().filter(|last| last.size.iter().any(|&n| n > 1)) {
             levels.push(last.halved());
         }
-        let of_row = |row: &[DVec2]| row.chunks(STRETCH).map(bounds).collect::<Vec<_>>();
-        let stretches = rows.points.chunks(columns).flat_map(of_row).collect();
         Self { corner: lo, per_mm, levels, columns, first_row: rows.first, stretches }
     }
 

@@ -31,13 +31,13 @@ pub struct TraceResult {
 
 impl TraceResult {
     /// Traces all rays of `trace` and compares them with `table`, which gives the expected rays of a
-    /// row; with the counts of how they were traced. `task` carries errors back to the image (without
+    /// row from the chart coordinates of its rays; with the counts of how they were traced. `task` carries errors back to the image (without
     /// it there are outcomes only); `normals` are the file's own at each facet's corners.
     pub fn new(
         trace: &CameraTrace,
         normals: Option<&[[DVec3; 3]]>,
         task: Option<&ImagingTask>,
-        table: impl Fn(u32) -> Vec<ExpectedRay> + Sync,
+        table: impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> + Sync,
     ) -> (Self, TraceCounts) {
         let comparison = Comparison::new(trace, normals, task);
         let mut pixels = Vec::new();
@@ -101,13 +101,16 @@ impl TraceStrip {
         trace: &CameraTrace,
         normals: Option<&[[DVec3; 3]]>,
         task: Option<&ImagingTask>,
-        table: impl Fn(u32) -> Vec<ExpectedRay> + Sync,
+        table: impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> + Sync,
         mut each: impl FnMut(&Self),
     ) -> TraceCounts {
         let comparison = Comparison::new(trace, normals, task);
         let frame = trace.pixels().map(|n| n as usize);
         let aimed = |row: Option<usize>| match row {
-            Some(row) if row < frame[1] => table(row as u32).iter().map(|ray| ray.aimed).collect(),
+            Some(row) if row < frame[1] => {
+                let expected = table(row as u32, &trace.rays().charted_row(row));
+                expected.iter().map(|ray| ray.aimed).collect()
+            }
             _ => Vec::new(),
         };
         let (mut counts, mut pixels) = (TraceCounts::default(), Vec::new());
@@ -170,7 +173,7 @@ impl<'a> Comparison<'a> {
         &self,
         (trace, tracer): (&CameraTrace, &Tracer),
         rows: Range<usize>,
-        table: &(impl Fn(u32) -> Vec<ExpectedRay> + Sync),
+        table: &(impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> + Sync),
         pixels: &mut Vec<PixelTrace>,
     ) -> (TraceCounts, Vec<Digest>) {
         let rays = tracer.rays();
@@ -183,7 +186,7 @@ impl<'a> Comparison<'a> {
             let rows = pixels.chunks_mut(columns).zip(ends.chunks(columns));
             let mut digest = room(ends.len());
             for (row, (pixels, ends)) in (first..).zip(rows) {
-                let expected = table(row as u32);
+                let expected = table(row as u32, &rays.charted_row(row));
                 for (column, (pixel, expected)) in pixels.iter_mut().zip(&expected).enumerate() {
                     let ray = (rays.at(column, row), rays.image_point(column, row));
                     *pixel = self.compare((column, ray), expected, &ends[column]);

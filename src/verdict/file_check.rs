@@ -162,9 +162,12 @@ fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
     witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
 }
 
-/// The table of expected rays, a row of the sensor at a time. Rays that may pass by the rim of facets
-/// `chord_mm` off the mirror are not aimed at it.
-pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> Vec<ExpectedRay> {
+/// The table of expected rays, a row of the sensor at a time, from the chart coordinates of its camera rays. Rays that
+/// may pass by the rim of facets `chord_mm` off the mirror are not aimed at it.
+pub(crate) fn expected_rays(
+    design: &Design,
+    chord_mm: f64,
+) -> impl Fn(u32, &[DVec2]) -> Vec<ExpectedRay> {
     let Design { mirror, view, camera, .. } = design;
     let outline = mirror.full_outline();
     // The mirror's own camera sees the rim of the facets where the mirror's is.
@@ -180,23 +183,24 @@ pub(crate) fn expected_rays(design: &Design, chord_mm: f64) -> impl Fn(u32) -> V
         view.as_ref().map_or([0.0, 1.0], |view| view.turn(x))
     };
     let turns: Vec<[f64; 2]> = (0..columns).map(turn).collect();
-    move |row| {
+    move |row, charted| {
         let image_point =
             |column: u32| camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let points: Vec<DVec2> = (0..columns).map(image_point).collect();
-        let charted: Vec<DVec2> = points.iter().map(|w| camera.picture.chart_point(*w)).collect();
         let under = |&q: &DVec2| mirror.intersect_camera_ray(&camera.chart, q);
         let places: Vec<DVec2> =
             charted.iter().map(|q| under(q).unwrap_or(DVec2::INFINITY)).collect();
-        let designed = mirror.eval_many(&places);
+        let is_wanted = |image| view.as_ref().is_none_or(|view| view.projection.wants(image));
+        let aims = |image: DVec2, place: DVec2| outline.aims(place) && is_wanted(image);
+        let aimed = points.iter().zip(&places).filter(|(image, place)| aims(**image, **place));
+        let aimed: Vec<DVec2> = aimed.map(|(_, place)| *place).collect();
+        let mut of_aimed = mirror.eval_many(&aimed).into_iter();
         let expected = |k: usize| {
-            let (point, turn, place, designed) = (points[k], turns[k], places[k], designed[k]);
+            let (point, turn, place) = (points[k], turns[k], places[k]);
             let mut expected =
                 ExpectedRay { aimed: false, direction: DVec3::Z, designed: DVec2::ZERO };
-            let is_wanted = || view.as_ref().is_none_or(|view| view.projection.wants(point));
-            if !(outline.aims(place) && is_wanted()) {
-                return expected;
-            }
+            let designed = aims(point, place).then(|| of_aimed.next()).flatten();
+            let Some(designed) = designed else { return expected };
             let arriving = camera.chart.ray(charted[k], 0.0).direction;
             let (at, normal) = (mirror.position(place, &designed), mirror.normal(place, &designed));
             expected.aimed = off_mm == 0.0 || !beside(at, arriving, normal);

@@ -45,7 +45,7 @@ fn witness(design: &Design, scene: &Scene, normals: Option<&[[DVec3; 3]]>) -> Tr
     let camera = design.camera;
     let outline = design.mirror.full_outline();
     let view = design.view.as_ref().unwrap();
-    let row = |row: u32| {
+    let row = |row: u32, _: &[DVec2]| {
         let expected = |column: u32| {
             let point = camera.image_point(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let mirror = design.mirror.row(point.y).at(point.x);

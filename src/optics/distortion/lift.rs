@@ -1,11 +1,11 @@
 //! The inverse of a map of the plane along a straight way in its image, from the centre outwards.
 
-use super::radial_map::{RadialMap, determinant, solved};
+use super::radial_map::{RadialMap, determinant, relative_change, solved};
 
 /// Largest relative change of the Jacobian over a step (Frobenius norm), which keeps Newton's method within
 /// its reach: by Newton-Kantorovich it converges from a first error that moves the Jacobian by no more than
 /// a half.
-const MOST_CHANGE: f64 = 0.5;
+pub(super) const MOST_CHANGE: f64 = 0.5;
 /// Shortest step, as a share of the way: the determinant falls as the root of what is left up to a fold, so
 /// that a way which ends there has steps four times shorter each time.
 const SHORTEST: f64 = 1e-9;
@@ -93,11 +93,7 @@ impl<'m> Lift<'m> {
     fn is_near(&self, here: [[f64; 2]; 2], at: [f64; 2]) -> bool {
         [0.25, 0.5, 0.75, 1.0].into_iter().all(|part| {
             let between = [0, 1].map(|k| self.at[k] + part * (at[k] - self.at[k]));
-            let there = self.map.jacobian(between);
-            let columns = [0, 1].map(|k| solved(here, [there[0][k], there[1][k]]));
-            let [[a, b], [c, d]] = columns;
-            let change = (a - 1.0) * (a - 1.0) + b * b + c * c + (d - 1.0) * (d - 1.0);
-            change <= MOST_CHANGE * MOST_CHANGE
+            relative_change(here, self.map.jacobian(between)) <= MOST_CHANGE
         })
     }
 }

@@ -4,10 +4,13 @@
 //! with Z along the optical axis away from the camera: the place in the picture is the principal point plus
 //! the focal lengths times the distorted point.
 
+mod inverse_table;
 mod lift;
 mod radial_map;
 
-use crate::num::{Scalar, hypot};
+pub(super) use inverse_table::InverseTable;
+
+use crate::num::{Scalar, atan, degrees};
 use lift::Lift;
 use radial_map::RadialMap;
 use std::f64::consts::FRAC_PI_2;
@@ -20,6 +23,8 @@ const LEAST_DETERMINANT: f64 = 0.01;
 /// Largest angle of a ray to the optical axis, rad, 89 degrees: a ray beyond comes to the reference plane 57
 /// distances from the axis, or never.
 const MOST_ANGLE: f64 = FRAC_PI_2 * 89.0 / 90.0;
+/// Its tangent.
+const MOST_TANGENT: f64 = 57.289_961_630_759_42;
 /// Points along the way to a frame's boundary at which the determinant is looked at, beside the steps of the
 /// inverse, over each of which the Jacobian changes by half at most.
 const LOOKS: u32 = 16;
@@ -143,13 +148,14 @@ impl Distortion {
 
     /// The ray of a point of the model's own plane: X / Z and Y / Z, of a fisheye lens the angle's vector.
     fn ray(&self, w: [f64; 2]) -> Result<[f64; 2], DistortionFault> {
-        let radius = hypot(w[0], w[1]);
+        let u = w[0] * w[0] + w[1] * w[1];
         let is_angle = matches!(self, Self::KannalaBrandt { .. });
-        let angle = if is_angle { radius } else { crate::num::atan(radius) };
-        if !(angle <= MOST_ANGLE) {
-            return Err(DistortionFault::Aside { angle_deg: crate::num::degrees(angle) });
+        let most = if is_angle { MOST_ANGLE } else { MOST_TANGENT };
+        if !(u <= most * most) {
+            let angle = if is_angle { u.sqrt() } else { atan(u.sqrt()) };
+            return Err(DistortionFault::Aside { angle_deg: degrees(angle) });
         }
-        let stretch = if is_angle { radius.square().tan_over_root() } else { 1.0 };
+        let stretch = if is_angle { u.tan_over_root() } else { 1.0 };
         Ok(w.map(|w| w * stretch))
     }
 

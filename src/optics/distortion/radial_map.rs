@@ -33,6 +33,7 @@ fn slope(coefficients: &[f64], u: f64) -> f64 {
 
 impl RadialMap {
     /// Image of the point `w`.
+    #[inline]
     pub(super) fn image<S: Scalar>(&self, [x, y]: [S; 2]) -> [S; 2] {
         let [p1, p2] = self.tangential;
         let [s1, s2, s3, s4] = self.prism;
@@ -49,6 +50,7 @@ impl RadialMap {
     }
 
     /// Derivatives of the image: `[[dx'/dx, dx'/dy], [dy'/dx, dy'/dy]]`.
+    #[inline]
     pub(super) fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let [p1, p2] = self.tangential;
         let [s1, s2, s3, s4] = self.prism;
@@ -67,12 +69,19 @@ impl RadialMap {
     }
 }
 
+/// Frobenius norm of a^-1 b - 1: how far `b` is from `a`, as a share of it.
+pub(super) fn relative_change(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> f64 {
+    let [[p, q], [r, s]] = [0, 1].map(|k| solved(a, [b[0][k], b[1][k]]));
+    f64::sqrt((p - 1.0) * (p - 1.0) + q * q + r * r + (s - 1.0) * (s - 1.0))
+}
+
 /// Determinant of a matrix of 2 x 2.
 pub(super) fn determinant(m: [[f64; 2]; 2]) -> f64 {
     m[0][0] * m[1][1] - m[0][1] * m[1][0]
 }
 
 /// x with m x = b, by Cramer's rule.
+#[inline]
 pub(super) fn solved(m: [[f64; 2]; 2], b: [f64; 2]) -> [f64; 2] {
     let d = determinant(m);
     [(b[0] * m[1][1] - m[0][1] * b[1]) / d, (m[0][0] * b[1] - b[0] * m[1][0]) / d]

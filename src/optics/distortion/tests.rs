@@ -1,5 +1,6 @@
 //! Closed forms, round trips, and lenses that fold over.
 
+use super::radial_map::solved;
 use super::*;
 use crate::num::sample::Draws;
 use crate::num::{Interval, acos, atan, cos, exp, hypot, log};
@@ -87,6 +88,7 @@ fn without_distortion_points_stay() {
     let p = [0.7, -1.3];
     assert_eq!(Distortion::None.distorted(p), p);
     assert_eq!(Distortion::None.undistorted(p), Ok(p));
+    assert!((crate::num::tan(MOST_ANGLE) / MOST_TANGENT - 1.0).abs() < 1e-14);
     assert!(matches!(
         Distortion::None.undistorted([60.0, 0.0]),
         Err(DistortionFault::Aside { .. })
@@ -194,4 +196,70 @@ fn a_wide_lens_of_the_rational_model_is_no_fold() {
     let lens = Distortion::BrownConrady { radial, tangential: [0.0; 2], prism: [0.0; 4] };
     let r = crate::num::tan(75.0_f64.to_radians());
     assert_eq!(lens.first_fault(lens.distorted(at(r, 0.3))), None);
+}
+
+/// Rectangles of distorted points, about the centre and beside it, for each lens: the last ones reach over folds.
+fn rectangles() -> impl Iterator<Item = (Distortion, [[f64; 2]; 2])> {
+    let around =
+        |half: f64| [[[-half, -0.7 * half], [half, 0.8 * half]], [[0.1, half], [half, 0.2]]];
+    lenses().into_iter().flat_map(move |lens| {
+        [0.3, 0.6, 1.2].into_iter().flat_map(around).map(move |corners| (lens, corners))
+    })
+}
+
+/// Random points of a rectangle.
+fn points_of([a, b]: [[f64; 2]; 2], count: usize) -> impl Iterator<Item = [f64; 2]> {
+    let mut draws = Draws::new(11);
+    (0..count).map(move |_| [0, 1].map(|k| draws.inside([a[k].min(b[k]), a[k].max(b[k])])))
+}
+
+#[test]
+fn a_table_of_the_inverse_is_the_inverse_to_rounding() {
+    let (mut followed, mut refined, mut none) = (0, 0, 0);
+    for (lens, corners) in rectangles() {
+        let table = InverseTable::new(&lens, corners, [40, 30]);
+        for p in points_of(corners, 200) {
+            let Ok(q) = lens.undistorted(p) else {
+                assert!(table.undistorted(p).is_err(), "{lens:?} {p:?}");
+                none += 1;
+                continue;
+            };
+            let found = table.undistorted(p).unwrap();
+            let Some(w) = table.refined(p) else {
+                assert_eq!(found, q);
+                followed += 1;
+                continue;
+            };
+            refined += 1;
+            // Rounding of the image, through the inverse Jacobian of the model and the tangent of an angle.
+            let map = lens.map();
+            let jacobian = map.jacobian(w);
+            let inverse = [[1.0, 0.0], [0.0, 1.0]].map(|unit| radius(solved(jacobian, unit)));
+            let is_angle = matches!(lens, Distortion::KannalaBrandt { .. });
+            let stretch = if is_angle { 1.0 + q[0] * q[0] + q[1] * q[1] } else { 1.0 };
+            let scale = radius(q) + (inverse[0] + inverse[1]) * radius(p) * stretch;
+            let off = radius([found[0] - q[0], found[1] - q[1]]) / scale;
+            assert!(off < 1e-15, "{lens:?} {p:?} {off:e}");
+        }
+    }
+    println!("{refined} refined, {followed} followed, {none} without a ray");
+    assert!(refined > 100_000 && none > 1000, "{refined}, {followed}, {none}");
+    assert!(followed < refined / 10, "{refined}, {followed}, {none}");
+}
+
+/// What is beyond the rectangle, and at its corners.
+#[test]
+fn a_table_of_the_inverse_answers_beyond_its_rectangle_too() {
+    let lens = radial(-0.3);
+    let corners = [[-0.3, 0.2], [0.4, -0.25]];
+    let table = InverseTable::new(&lens, corners, [1, 5]);
+    for p in [[0.5, 0.0], [-0.31, 0.0], [0.0, 0.21], [0.0, -0.26]] {
+        assert!(table.refined(p).is_none());
+        assert_eq!(table.undistorted(p), lens.undistorted(p));
+    }
+    for p in [corners[0], corners[1], [-0.3, -0.25], [0.4, 0.2], [0.0; 2]] {
+        let [found, exact] = [table.undistorted(p), lens.undistorted(p)].map(Result::unwrap);
+        assert!(radius([found[0] - exact[0], found[1] - exact[1]]) < 2e-16, "{p:?}");
+    }
+    assert_eq!(table.undistorted([f64::NAN, 0.0]), lens.undistorted([f64::NAN, 0.0]));
 }

@@ -57,7 +57,7 @@ fn found(design: &Design, scene: &Scene, strip_pixels: usize) -> (Found, usize) 
     let (mut pixels, mut classes, mut strips) = (Vec::new(), Vec::new(), 0);
     let (mut summary, mut fill) = (TraceSummary::default(), FrameFillBuilder::default());
     let mut coverage = CoverageBuilder::new(camera, view);
-    let table = |row| expected(design, row);
+    let table = |row, _: &[DVec2]| expected(design, row);
     let counts = TraceStrip::each(&trace, None, Some(view), table, |strip| {
         let of_strip = classify_pixels(strip, camera.pixel_mm, TOLERANCE_PX, view.fold.is_some());
         summary.add(strip);
