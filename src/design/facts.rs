@@ -7,7 +7,8 @@ use super::straightness::Straightness;
 use crate::geom::{DVec2, angle};
 use crate::mirror::{HeightAndSlope, Mirror};
 use crate::num::stats::{Summary, or_null, unless_null};
-use crate::optics::{Camera, CurlBounds, ImagingTask, reflect};
+use crate::num::units::Mm;
+use crate::optics::{Camera, CurlBounds, ImagingTask, Projection, reflect};
 use crate::parallel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
@@ -32,6 +33,25 @@ pub struct CurlFacts {
     /// Proven bound of the curl's rounding error, by intervals.
     #[schemars(with = "Option<f64>")]
     pub rounding: f64,
+}
+
+/// Samples of a picture that is given as data.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MapFacts {
+    /// Columns and rows.
+    pub samples: [usize; 2],
+    /// Share of them that may show anything.
+    pub gaps: f64,
+    /// Largest error of the interpolation between them, about, pixels.
+    pub interpolation_px: f64,
+}
+
+impl MapFacts {
+    fn of(camera: &Camera, view: &ImagingTask) -> Option<Self> {
+        let Projection::Map(map) = &view.projection else { return None };
+        let px = camera.to_px(Mm(map.interpolation_error() / map.radians_per_mm()));
+        Some(Self { samples: map.size(), gaps: map.gap_share(), interpolation_px: px.0 })
+    }
 }
 
 /// The errors themselves leave the range of double precision.
@@ -67,6 +87,9 @@ pub struct DesignFacts {
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     #[schemars(with = "Summary")]
     pub pixel_error_px: Option<Summary>,
+    /// The samples of a picture that is given as data; absent of others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapFacts>,
     /// How straight lines of the world are in the picture; absent of projections that bend them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub straightness: Option<Straightness>,
@@ -94,6 +117,7 @@ impl DesignFacts {
             curl: None,
             ray_error_mrad: None,
             pixel_error_px: None,
+            map: None,
             straightness: None,
         }
     }
@@ -134,6 +158,7 @@ impl DesignFacts {
             curl: Some(curl(mirror, camera, view)),
             ray_error_mrad: Some(ray.scaled(1e3)),
             pixel_error_px: Some(pixel.scaled(1.0 / camera.pixel_mm)),
+            map: MapFacts::of(camera, view),
             straightness: Straightness::of(mirror, camera, view),
             ..self
         })

@@ -221,9 +221,7 @@ impl DesignProblem {
         let centre_deg = wanted.centre_deg.unwrap_or([towards_deg, 90.0 - fold_deg]);
         let view =
             Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount);
-        let symmetric = view.is_symmetric_in_x()
-            && camera.picture.is_symmetric_in_x()
-            && camera.chart.lean.x == 0.0;
+        let symmetric = view.is_symmetric_in_x();
         let view = Projection::Azimuthal(view);
         Self::framed(camera, area, view, wanted.target, symmetric)
     }
@@ -232,20 +230,24 @@ impl DesignProblem {
     fn map(profile: &Profile, wanted: &MapSpec, camera: Camera) -> Self {
         let area = rectangle_of(profile, &camera);
         let map = SampledMap::new(&wanted.samples, camera.frame(), camera.image_of(area));
-        Self::framed(camera, area, Projection::Map(Arc::new(map)), wanted.target, false)
+        let symmetric = map.is_symmetric_in_x();
+        Self::framed(camera, area, Projection::Map(Arc::new(map)), wanted.target, symmetric)
     }
 
-    /// The problem of a picture that ends with the frame, on the rectangle `area`.
+    /// The problem of a picture that ends with the frame, on the rectangle `area`; `symmetric`: reflecting it in X = 0
+    /// reflects the world.
     fn framed(
         camera: Camera,
         area: Rect,
         projection: Projection,
         target: Target,
-        is_symmetric_in_x: bool,
+        symmetric: bool,
     ) -> Self {
+        let symmetric =
+            symmetric && camera.picture.is_symmetric_in_x() && camera.chart.lean.x == 0.0;
         Self {
             camera,
-            mirror_symmetric: [is_symmetric_in_x, false],
+            mirror_symmetric: [symmetric, false],
             view: ImagingTask {
                 projection,
                 target,

@@ -27,7 +27,7 @@ mod surface;
 mod visibility;
 
 pub use cause::{FailureCause, FitStage, LocalFailure};
-pub use facts::{CurlFacts, DesignFacts};
+pub use facts::{CurlFacts, DesignFacts, MapFacts};
 pub use least_curl_law::LeastCurlError;
 pub use mounting::Mounting;
 pub use remedy::{KeyChange, KeyValue, MOST_TRIALS, Remedy};

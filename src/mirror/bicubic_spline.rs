@@ -200,30 +200,51 @@ mod tests {
     }
 
     #[test]
-    fn linear_ends_leave_the_grid_as_it_is_and_go_on_with_its_slope() {
+    fn third_derivatives_of_a_patch_are_those_of_its_bounds() {
+        let patches = rough(13);
+        let [x, y] = patches.knots();
+        for (i, j) in (0..x.count - 1).flat_map(|i| (0..y.count - 1).map(move |j| (i, j))) {
+            let (lo, hi) = (DVec2::new(x.at(i), y.at(j)), DVec2::new(x.at(i + 1), y.at(j + 1)));
+            let inside = 1e-6 * (hi - lo);
+            let whole = patches.bounds(lo + inside, hi - inside).third;
+            for (a, b) in patches.third_of_patch(i, j).into_iter().zip(whole) {
+                let off = (a.lo - b.lo).abs().max((a.hi - b.hi).abs());
+                assert!(off <= 1e-10 * (1.0 + a.magnitude()), "{i} {j}: {a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn ends_go_on_smoothly_and_leave_the_grid_as_it_is() {
         let patches = rough(11);
         let [x, y] = patches.knots();
-        let wide = patches.with_linear_ends([3, 2]);
+        let wide = patches.with_ends(2, [3, 2]);
         let (mut r, step) = (Draws::new(12), 1e-8);
+        let edge = x.last_mm() + x.step_mm;
         for _ in 0..200 {
             // As far as one step beyond the grid.
             let q = DVec2::new(
-                r.inside([x.first_mm - x.step_mm, x.last_mm() + x.step_mm]),
+                r.inside([x.first_mm - x.step_mm, edge]),
                 r.inside([y.first_mm - y.step_mm, y.last_mm() + y.step_mm]),
             );
             assert!((wide.at(q).f - patches.at(q).f).abs() < 1e-12, "{q}");
-            // From there on: up to the end of the rings and beyond.
-            let edge = DVec2::new(x.last_mm() + x.step_mm, q.y);
-            let HeightAndSlope { f, slope } = patches.at(edge);
-            let far = r.inside([0.0, 6.0]);
-            let there = wide.at(edge + DVec2::new(far, 0.0));
-            assert!((there.f - f - far * slope.x).abs() < 1e-9, "{q} {far}");
-            assert!((there.slope.x - slope.x).abs() < 1e-9);
-            // Value and slope have no jump on the way round.
-            let corner = DVec2::new(edge.x + far, y.last_mm() + y.step_mm);
+            // Over two steps with the second derivative there, and from there on linear.
+            let HeightAndSlope { f, slope } = patches.at(q.with_x(edge));
+            let bend = patches.hessian(q.with_x(edge)).xx;
+            let far = r.inside([0.0, 2.0]) * x.step_mm;
+            let there = wide.at(q.with_x(edge + far));
+            assert!((there.f - f - far * (slope.x + 0.5 * far * bend)).abs() < 1e-10, "{q} {far}");
+            assert!((there.slope.x - slope.x - far * bend).abs() < 1e-10);
+            let last = wide.at(q.with_x(edge + 2.0 * x.step_mm));
+            let beyond = wide.at(q.with_x(edge + 2.0 * x.step_mm + far));
+            assert!((beyond.f - last.f - far * last.slope.x).abs() < 1e-9, "{q} {far}");
+            // No second derivative jumps along the upper edge, nor at the corner.
+            let corner = DVec2::new(edge + far, y.last_mm() + y.step_mm);
             let (below, above) =
-                (wide.at(corner - step * DVec2::Y), wide.at(corner + step * DVec2::Y));
-            assert!((below.slope - above.slope).length() < 1e-3, "{corner}");
+                (wide.hessian(corner - step * DVec2::Y), wide.hessian(corner + step * DVec2::Y));
+            let jump = [below.xx - above.xx, below.xy - above.xy, below.yy - above.yy];
+            let size = 1.0 + below.norm();
+            assert!(jump.into_iter().all(|jump| jump.abs() < 1e-5 * size), "{corner} {jump:?}");
         }
     }
 }

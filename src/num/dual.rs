@@ -2,7 +2,7 @@
 //! differentiation).
 
 use super::elementary as m;
-use super::{Arithmetic, PlaneEquations, PlaneFn, Scalar, SmoothFn, plane_root};
+use super::{Arithmetic, PlaneFn, Scalar, SmoothFn, plane_inverse};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its gradient.
@@ -258,19 +258,17 @@ impl<const N: usize> Scalar for Dual<N> {
         let [value, along_x, along_y] = f.first([x.value, y.value]);
         x.mix(y, value, along_x, along_y)
     }
-    fn solve_plane<const M: usize>(
-        equations: &impl PlaneEquations<M>,
-        parameters: [Self; M],
+    fn invert_plane(
+        map: &[impl PlaneFn; 2],
+        scale: f64,
+        value: [Self; 2],
         near: [f64; 2],
     ) -> [Self; 2] {
-        let root = plane_root::at(equations, parameters.map(|p| p.value), near);
-        let inverse = plane_root::inverse_jacobian(equations, root, parameters.map(|p| p.value));
-        // At a fixed point the residuals vary with the parameters alone.
-        let [a, b] = equations.residuals(root.map(Self::constant), parameters);
-        [0, 1].map(|k| {
-            let [along_a, along_b] = inverse[k];
-            a.mix(b, root[k], -along_a, -along_b)
-        })
+        let at = plane_inverse::at(map, scale, value.map(|v| v.value), near);
+        let [[_, p, q], [_, r, s]] = [0, 1].map(|k: usize| map[k].first(at));
+        let inverse = plane_inverse::inverse([[p, q], [r, s]]);
+        let [a, b] = value;
+        [0, 1].map(|k: usize| a.mix(b, at[k], inverse[k][0], inverse[k][1]))
     }
 }
 

@@ -1,8 +1,8 @@
 //! `f64` as a [`Scalar`]: plain values.
 
 use super::elementary as f;
-use super::plane_root;
-use super::scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
+use super::plane_inverse;
+use super::scalar::{Arithmetic, Base, PlaneFn, Scalar, SmoothFn};
 use super::special::{AtanOverRoot, TanOverRoot};
 
 impl Arithmetic for f64 {
@@ -91,12 +91,13 @@ impl Scalar for f64 {
     fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
         f.first([x, y])[0]
     }
-    fn solve_plane<const N: usize>(
-        equations: &impl PlaneEquations<N>,
-        parameters: [Self; N],
+    fn invert_plane(
+        map: &[impl PlaneFn; 2],
+        scale: f64,
+        value: [Self; 2],
         near: [f64; 2],
     ) -> [Self; 2] {
-        plane_root::at(equations, parameters, near)
+        plane_inverse::at(map, scale, value, near)
     }
 }
 

@@ -4,8 +4,8 @@
 //! up for it; `libm`'s functions are good to under two units in the last place, and their ends
 //! move by more than that. What is not defined somewhere on its argument is the whole line.
 
-use super::plane_root;
-use super::scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
+use super::plane_inverse;
+use super::scalar::{Arithmetic, Base, PlaneFn, Scalar, SmoothFn};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -365,12 +365,13 @@ impl Scalar for Interval {
     fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
         f.over([x, y])[0]
     }
-    fn solve_plane<const N: usize>(
-        equations: &impl PlaneEquations<N>,
-        parameters: [Self; N],
+    fn invert_plane(
+        map: &[impl PlaneFn; 2],
+        scale: f64,
+        value: [Self; 2],
         near: [f64; 2],
     ) -> [Self; 2] {
-        plane_root::within(equations, parameters, near)
+        plane_inverse::within(map, scale, value, near)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Exact first and second derivatives in two variables.
 
-use super::plane_root;
-use super::scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
+use super::plane_inverse;
+use super::scalar::{Arithmetic, Base, PlaneFn, Scalar, SmoothFn};
 use super::special::{AtanOverRoot, Ln1pOverX, OneMinusExpOverX, TanOverRoot};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -272,31 +272,33 @@ impl<T: Base> Scalar for Jet2<T> {
             hessian: [second(0, 0, 0), second(1, 0, 1), second(2, 1, 1)],
         }
     }
-    fn solve_plane<const N: usize>(
-        equations: &impl PlaneEquations<N>,
-        parameters: [Self; N],
+    fn invert_plane(
+        map: &[impl PlaneFn; 2],
+        scale: f64,
+        value: [Self; 2],
         near: [f64; 2],
     ) -> [Self; 2] {
-        let values = parameters.map(|p| p.value);
-        let root = T::solve_plane(equations, values, near);
-        let inverse = plane_root::inverse_jacobian(equations, root, values);
-        // With J the Jacobian by the point, the derivatives of order n of the root are -1/J times those of the residuals
-        // at a point that has those of all lower orders, and none of order n.
-        let steps =
-            |residuals: [T; 2]| inverse.map(|[a, b]| -(a * residuals[0] + b * residuals[1]));
-        let residuals = |at: [Self; 2]| equations.residuals(at, parameters);
-        let mut at = root.map(Self::flat);
-        let [a, b] = residuals(at);
-        for i in 0..2 {
-            let step = steps([a.gradient[i], b.gradient[i]]);
-            (at[0].gradient[i], at[1].gradient[i]) = (step[0], step[1]);
-        }
-        let [a, b] = residuals(at);
-        for k in 0..3 {
-            let step = steps([a.hessian[k], b.hessian[k]]);
-            (at[0].hessian[k], at[1].hessian[k]) = (step[0], step[1]);
-        }
-        at
+        let at = T::invert_plane(map, scale, value.map(|v| v.value), near);
+        let parts = [0, 1].map(|k: usize| T::plane(at[0], at[1], &map[k]));
+        let inverse =
+            plane_inverse::inverse(parts.map(|[_, along_x, along_y, ..]| [along_x, along_y]));
+        let carried = |[a, b]: [T; 2]| inverse.map(|[p, q]| p * a + q * b);
+        let [x, y] = value;
+        // By the variable i, both coordinates of the point.
+        let first = [0, 1].map(|i: usize| carried([x.gradient[i], y.gradient[i]]));
+        // F' q'' = value'' - F''(q', q').
+        let second = [(0, 0, 0), (1, 0, 1), (2, 1, 1)].map(|(k, i, j): (usize, usize, usize)| {
+            let bend = parts.map(|[_, _, _, xx, xy, yy]| {
+                let ([ui, vi], [uj, vj]) = (first[i], first[j]);
+                xx * (ui * uj) + xy * (ui * vj + vi * uj) + yy * (vi * vj)
+            });
+            carried([x.hessian[k] - bend[0], y.hessian[k] - bend[1]])
+        });
+        [0, 1].map(|k: usize| Self {
+            value: at[k],
+            gradient: first.map(|by| by[k]),
+            hessian: second.map(|by| by[k]),
+        })
     }
 }
 

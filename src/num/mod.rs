@@ -17,7 +17,7 @@ pub mod least_squares;
 pub mod legendre;
 pub mod monotone;
 mod piecewise_cubic;
-mod plane_root;
+mod plane_inverse;
 pub mod quadrature;
 pub mod random;
 pub mod rounding;
@@ -33,7 +33,7 @@ pub use interval::Interval;
 pub use jet::Jet2;
 pub use lanes::Lanes;
 pub use monotone::{Inverse, MonotoneCubic};
-pub use scalar::{Arithmetic, Base, PlaneEquations, PlaneFn, Scalar, SmoothFn};
+pub use scalar::{Arithmetic, Base, PlaneFn, Scalar, SmoothFn};
 
 /// The larger of two errors; one that is no number is larger than all.
 #[inline]

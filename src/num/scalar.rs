@@ -75,12 +75,14 @@ pub trait Scalar: Arithmetic {
     /// The value of a smooth function of the plane at the point (`x`, `y`).
     #[must_use]
     fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self;
-    /// The point of the plane that solves two equations with parameters, near `near`; not finite where none is found.
-    /// Of intervals: a box that surely holds the only solution in it for each value of the parameters.
+    /// The point of the plane near `near` at which the two functions of `map` have the values `value`, to rounding of
+    /// lengths of `scale`; not finite where none is found. Of intervals: a box that surely holds the point of each
+    /// value, and of each no other.
     #[must_use]
-    fn solve_plane<const N: usize>(
-        equations: &impl PlaneEquations<N>,
-        parameters: [Self; N],
+    fn invert_plane(
+        map: &[impl PlaneFn; 2],
+        scale: f64,
+        value: [Self; 2],
         near: [f64; 2],
     ) -> [Self; 2];
 }
@@ -111,12 +113,4 @@ pub trait PlaneFn {
     fn second(&self, at: [f64; 2]) -> [f64; 3];
     /// Ranges that hold both, in that order, over the box of two ranges, x and y.
     fn over(&self, ranges: [Interval; 2]) -> [Interval; 6];
-}
-
-/// Two equations for a point of the plane, with N parameters: both residuals are 0 at a solution.
-pub trait PlaneEquations<const N: usize> {
-    /// A length in the plane over which the equations may bend: a root is found to rounding of it.
-    fn scale(&self) -> f64;
-    /// The residuals at a point.
-    fn residuals<S: Scalar>(&self, at: [S; 2], parameters: [S; N]) -> [S; 2];
 }

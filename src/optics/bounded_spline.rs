@@ -1,24 +1,28 @@
 //! A bicubic spline with bounds that take the same time over boxes of any size.
 
-use crate::geom::{BicubicSpline, DVec2, DerivativeBounds, Rect};
-use crate::num::{Interval, PlaneFn, Scalar};
+use crate::geom::{BicubicSpline, DVec2, Rect};
+use crate::num::{Interval, PlaneFn};
 use std::sync::OnceLock;
 
-/// Patches along a block's side: bounds of larger boxes are those of blocks.
-const BLOCK: usize = 8;
-/// Most patches along each side of a box that are bounded one by one.
-const FEW: usize = 3;
-/// How far evaluation may be off, as a share of the largest value: it is good to far better.
+/// Patches along the side of a block, whose bounds are made once.
+const BLOCK: usize = 4;
+/// Steps beyond the grid without a jump of second derivatives: what bounds of regions at the edge look at beside them is
+/// no wider, and noise of the samples grows with half the square of it.
+const STEPS: usize = 32;
+/// How far evaluation may be off, as a share of the sizes that are summed up: it is good to far better.
 const OFF: f64 = 1e-13;
 
-/// A bicubic spline, and bounds over blocks of its patches as they are asked for.
+/// A bicubic spline, linear beyond its grid, and bounds of its higher derivatives over blocks of its patches as they
+/// are asked for.
 #[derive(Debug)]
 pub(super) struct BoundedSpline {
     spline: BicubicSpline,
     /// Where its second derivatives are continuous.
     smooth: Rect,
+    /// Largest magnitude of its values at the knots.
+    size: f64,
     /// Row by row.
-    blocks: Vec<OnceLock<DerivativeBounds>>,
+    blocks: Vec<OnceLock<Derivatives>>,
 }
 
 impl PartialEq for BoundedSpline {
@@ -28,16 +32,17 @@ impl PartialEq for BoundedSpline {
 }
 
 impl BoundedSpline {
-    /// The spline on its grid, and linear beyond: over so many `rings` and on.
+    /// The spline on its grid and [`STEPS`] beyond, and linear from there on: over so many further `rings`.
     pub(super) fn new(on_grid: &BicubicSpline, rings: [usize; 2]) -> Self {
-        let [x, y] = on_grid.knots().map(|axis| axis.widened(1));
+        let [x, y] = on_grid.knots().map(|axis| axis.widened(1 + STEPS));
         let smooth = Rect {
             min: DVec2::new(x.first_mm, y.first_mm),
             max: DVec2::new(x.last_mm(), y.last_mm()),
         };
-        let spline = on_grid.with_linear_ends(rings);
+        let spline = on_grid.with_ends(STEPS, rings);
         let [across, up] = spline.knots().map(|axis| (axis.count - 1).div_ceil(BLOCK));
-        Self { blocks: vec![OnceLock::new(); across * up], spline, smooth }
+        let size = spline.largest_value();
+        Self { blocks: vec![OnceLock::new(); across * up], spline, smooth, size }
     }
 
     /// The rectangle of its knots, the rings included.
@@ -52,39 +57,82 @@ impl BoundedSpline {
     }
 
     /// Bounds over the block of a column and a row of blocks.
-    fn block(&self, i: usize, j: usize) -> DerivativeBounds {
+    fn block(&self, i: usize, j: usize) -> Derivatives {
         let [x, y] = self.spline.knots();
         let across = (x.count - 1).div_ceil(BLOCK);
         *self.blocks[j * across + i].get_or_init(|| {
             let end = |k: usize, count: usize| ((k + 1) * BLOCK).min(count - 1);
-            // (A patch's bounds hold to its edges.)
             let patches = (j * BLOCK..end(j, y.count)).flat_map(|row| {
-                (i * BLOCK..end(i, x.count))
-                    .map(move |column| self.spline.bounds_of_patch(column, row))
+                (i * BLOCK..end(i, x.count)).map(move |column| self.patch(column, row))
             });
-            patches.reduce(DerivativeBounds::union).expect("a block has patches")
+            patches.reduce(Derivatives::union).expect("a block has patches")
         })
     }
 
-    /// Bounds over a box; none where many patches would have to go on beyond the knots.
-    fn bounds(&self, lo: DVec2, hi: DVec2) -> Option<DerivativeBounds> {
+    /// Bounds over the patch of a column and a row.
+    fn patch(&self, i: usize, j: usize) -> Derivatives {
+        let [x, y] = self.spline.knots();
+        let half = 0.5 * DVec2::new(x.step_mm, y.step_mm);
+        let middle = DVec2::new(x.at(i), y.at(j)) + half;
+        let third = self.spline.third_of_patch(i, j);
+        let second = self.second_near(middle, half, &third);
+        Derivatives { first: self.first_near(middle, half, &second), second, third }
+    }
+
+    /// Ranges of the second derivatives up to `half` to all sides of `middle`, where those of the third are known and the
+    /// second have no jump.
+    fn second_near(&self, middle: DVec2, half: DVec2, third: &[Interval; 4]) -> [Interval; 3] {
+        let [x, y] = [half.x, half.y].map(|half| Interval::around(0.0, half));
+        let [per_x, per_y] = self.spline.knots().map(|axis| 1.0 / axis.step_mm);
+        let slack = [per_x * per_x, per_x * per_y, per_y * per_y];
+        let at = self.spline.second(middle);
+        std::array::from_fn(|k| {
+            let here = Interval::around(at[k], OFF * self.size * slack[k]);
+            here + third[k] * x + third[k + 1] * y
+        })
+    }
+
+    /// Ranges of value and first derivatives up to `half` to all sides of `middle`, where those of the second are known.
+    fn first_near(&self, middle: DVec2, half: DVec2, second: &[Interval; 3]) -> [Interval; 3] {
+        let [x, y] = [half.x, half.y].map(|half| Interval::around(0.0, half));
+        let [per_x, per_y] = self.spline.knots().map(|axis| 1.0 / axis.step_mm);
+        let [f, fx, fy] = self.first(middle.to_array());
+        let here = |at: f64, per: f64| Interval::around(at, OFF * self.size * per);
+        let [xx, xy, yy] = *second;
+        let along = here(fx, per_x) + xx * x + xy * y;
+        let up = here(fy, per_y) + xy * x + yy * y;
+        [here(f, 1.0) + along * x + up * y, along, up]
+    }
+
+    /// Bounds over a box between the knots.
+    fn derivatives(&self, lo: DVec2, hi: DVec2) -> Derivatives {
         let axes = self.spline.knots();
-        let touched = [0, 1].map(|k: usize| {
-            let (first, last) = (axes[k].interval(lo[k]).0, axes[k].interval(hi[k]).0);
-            [first, last]
-        });
-        let [[i0, i1], [j0, j1]] = touched;
-        let is_inside = |k: usize| axes[k].first_mm <= lo[k] && hi[k] <= axes[k].last_mm();
-        let few = i1 - i0 < FEW && j1 - j0 < FEW;
-        if few {
-            return Some(self.spline.bounds(lo, hi));
+        let touched =
+            |k: usize| axes[k].interval(lo[k]).0 / BLOCK..=axes[k].interval(hi[k]).0 / BLOCK;
+        let blocks = touched(1).flat_map(|j| touched(0).map(move |i| self.block(i, j)));
+        blocks.reduce(Derivatives::union).expect("a box touches a block")
+    }
+}
+
+/// Ranges of (f, f_x, f_y), (f_xx, f_xy, f_yy) and (f_xxx, f_xxy, f_xyy, f_yyy) over a region.
+#[derive(Debug, Clone, Copy)]
+struct Derivatives {
+    first: [Interval; 3],
+    second: [Interval; 3],
+    third: [Interval; 4],
+}
+
+impl Derivatives {
+    /// What holds in both of two regions.
+    fn union(self, other: Self) -> Self {
+        fn hull<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
+            std::array::from_fn(|k| a[k].hull(b[k]))
         }
-        if !(is_inside(0) && is_inside(1)) {
-            return None;
+        Self {
+            first: hull(self.first, other.first),
+            second: hull(self.second, other.second),
+            third: hull(self.third, other.third),
         }
-        let rows = j0 / BLOCK..=j1 / BLOCK;
-        let blocks = rows.flat_map(|j| (i0 / BLOCK..=i1 / BLOCK).map(move |i| self.block(i, j)));
-        blocks.reduce(DerivativeBounds::union)
     }
 }
 
@@ -100,31 +148,33 @@ impl PlaneFn for BoundedSpline {
         self.spline.second(DVec2::from_array(at))
     }
 
-    /// The bounds of the patches, narrowed by those of the next derivatives about the middle of the box.
+    /// The whole line beyond the knots.
     fn over(&self, [x, y]: [Interval; 2]) -> [Interval; 6] {
-        if !(x.is_finite() && y.is_finite()) {
+        let (lo, hi) = (DVec2::new(x.lo, y.lo), DVec2::new(x.hi, y.hi));
+        let grid = self.grid();
+        if !(grid.contains(lo) && grid.contains(hi)) {
             return [Interval::WHOLE; 6];
         }
-        let (lo, hi) = (DVec2::new(x.lo, y.lo), DVec2::new(x.hi, y.hi));
-        let Some(all) = self.bounds(lo, hi) else { return [Interval::WHOLE; 6] };
-        let middle = [x.mid(), y.mid()];
-        let aside = [x - Interval::point(middle[0]), y - Interval::point(middle[1])];
-        let near = |at: f64, rates: [Interval; 2], known: Interval| {
-            let slack = OFF * (known.magnitude() + known.width());
-            let here = Interval::around(at, slack) + rates[0] * aside[0] + rates[1] * aside[1];
-            let (lo, hi) = (here.lo.max(known.lo), here.hi.min(known.hi));
-            if lo <= hi { Interval::new(lo, hi) } else { known }
+        let half = 0.5 * (hi - lo);
+        let middle = (lo + half).clamp(lo, hi);
+        // (Rounding of the middle may be to the one side.)
+        let half = (middle - lo).max(hi - middle);
+        let Derivatives { first, second, third } = self.derivatives(lo, hi);
+        let is_smooth = self.smooth.contains(lo) && self.smooth.contains(hi);
+        let second = match is_smooth {
+            true => common(second, self.second_near(middle, half, &third)),
+            false => second,
         };
-        let ([f, fx, fy], [fxx, fxy, fyy]) = (self.first(middle), self.second(middle));
-        let [xxx, xxy, xyy, yyy] = all.third;
-        let [xx, xy, yy] = if self.smooth.contains(lo) && self.smooth.contains(hi) {
-            let [xx, xy, yy] = all.hessian;
-            [near(fxx, [xxx, xxy], xx), near(fxy, [xxy, xyy], xy), near(fyy, [xyy, yyy], yy)]
-        } else {
-            all.hessian
-        };
-        let along = near(fx, [xx, xy], all.slope[0]);
-        let up = near(fy, [xy, yy], all.slope[1]);
-        [near(f, [along, up], all.f), along, up, xx, xy, yy]
+        let [f, along, up] = common(first, self.first_near(middle, half, &second));
+        let [xx, xy, yy] = second;
+        [f, along, up, xx, xy, yy]
     }
+}
+
+/// What is in both of two ranges that hold the same.
+fn common<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
+    std::array::from_fn(|k| {
+        let (lo, hi) = (a[k].lo.max(b[k].lo), a[k].hi.min(b[k].hi));
+        if lo <= hi { Interval::new(lo, hi) } else { a[k] }
+    })
 }

@@ -2,12 +2,12 @@
 //!
 //! Stereographic coordinates of the directions are interpolated, which needs no normalising and knows no seam: by
 //! the bicubic spline through them, twice differentiable. The way back, from a direction to its image point, is
-//! the root of two equations ([`PlaneEquations`]), proven where bounds are asked for.
+//! found by Newton's method, and proven where bounds are asked for.
 
 use super::bounded_spline::BoundedSpline;
 use super::stereographic;
 use crate::geom::{BicubicSpline, DVec2, DVec3, GridAxis, Rect};
-use crate::num::{PlaneEquations, PlaneFn, Scalar, least_bending};
+use crate::num::{PlaneFn, Scalar, least_bending};
 use crate::parallel;
 use thiserror::Error;
 
@@ -171,6 +171,7 @@ pub struct SampledMap {
     /// Image points here and there with their stereographic coordinates: where a search begins that finds nothing from
     /// its own start.
     starts: Vec<[DVec2; 2]>,
+    is_symmetric: bool,
     radians_per_mm: f64,
     interpolation: f64,
 }
@@ -212,8 +213,9 @@ impl SampledMap {
         let missing: Vec<bool> = given.iter().map(|sigma| sigma.is_nan()).collect();
         let rings = [0, 1].map(|axis| {
             let beyond = (frame.min - cover.min).max(cover.max - frame.max)[axis];
-            // (Bounds look some patches beyond.)
-            (beyond / axes[axis].step_mm + 8.0).clamp(8.0, axes[axis].count as f64) as usize
+            let count = axes[axis].count as f64;
+            // (An eighth more, as bounds look beyond the mirror.)
+            ((beyond.max(0.0) / axes[axis].step_mm).min(count) + count / 8.0) as usize + 1
         });
         let filled = [0, 1].map(|part| {
             let mut values: Vec<f64> = given.iter().map(|sigma| sigma[part]).collect();
@@ -226,8 +228,9 @@ impl SampledMap {
         let sigma = splines.map(|spline| BoundedSpline::new(&spline, rings));
         let radians_per_mm = radians_per_mm(&sigma, frame.centre());
         let starts = starts(&sigma, frame);
+        let is_symmetric = frame.min.x == -frame.max.x && is_symmetric(&given, columns);
         let size = samples.size();
-        Self { size, sigma, gaps, starts, radians_per_mm, interpolation }
+        Self { size, sigma, gaps, starts, is_symmetric, radians_per_mm, interpolation }
     }
 
     /// Direction that image point `q` must see, as a stereographic coordinate.
@@ -239,16 +242,16 @@ impl SampledMap {
     /// The image point near `near` that must see `sigma`; not finite where there is none.
     #[inline]
     pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
-        let found = S::solve_plane(self, sigma, near.to_array());
+        let found = self.inverse(sigma, near);
         // (Far beyond its grid a spline of linear ends is no picture.)
         if self.sigma[0].grid().contains(DVec2::from_array(found.map(Scalar::mid))) {
             return found;
         }
-        S::solve_plane(
-            self,
-            sigma,
-            self.start(DVec2::from_array(sigma.map(Scalar::mid))).to_array(),
-        )
+        self.inverse(sigma, self.start(DVec2::from_array(sigma.map(Scalar::mid))))
+    }
+
+    fn inverse<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
+        S::invert_plane(&self.sigma, self.sigma[0].step_mm(), sigma, near.to_array())
     }
 
     /// The image point among [`Self::starts`] that sees the nearest to `sigma`.
@@ -273,6 +276,12 @@ impl SampledMap {
         self.size
     }
 
+    /// Whether reflecting the picture in X = 0 reflects the world: to far less than any use of it shows.
+    #[must_use]
+    pub fn is_symmetric_in_x(&self) -> bool {
+        self.is_symmetric
+    }
+
     /// Share of the samples of which nothing is wanted.
     #[must_use]
     pub fn gap_share(&self) -> f64 {
@@ -295,18 +304,6 @@ impl SampledMap {
     }
 }
 
-impl PlaneEquations<2> for SampledMap {
-    fn scale(&self) -> f64 {
-        self.sigma[0].step_mm()
-    }
-
-    #[inline]
-    fn residuals<S: Scalar>(&self, at: [S; 2], [x, y]: [S; 2]) -> [S; 2] {
-        let [a, b] = self.direction_of(at);
-        [a - x, b - y]
-    }
-}
-
 fn spline([x, y]: [GridAxis; 2], values: &[f64]) -> BicubicSpline {
     BicubicSpline::new(x, y, values).expect("a checked grid")
 }
@@ -314,6 +311,18 @@ fn spline([x, y]: [GridAxis; 2], values: &[f64]) -> BicubicSpline {
 /// How far a unit step of stereographic coordinates turns a direction at `sigma`.
 fn turn_per_sigma(sigma: DVec2) -> f64 {
     2.0 / (1.0 + sigma.length_squared())
+}
+
+/// Whether the stereographic coordinates, row by row of so many columns, are odd and even across the picture.
+fn is_symmetric(sigma: &[DVec2], columns: usize) -> bool {
+    /// Largest departure from it: rounding of double precision.
+    const ROUNDING: f64 = 1e-13;
+    (0..sigma.len()).all(|k| {
+        let other = sigma[k + columns - 1 - 2 * (k % columns)];
+        let off = sigma[k] - DVec2::new(-other.x, other.y);
+        let both_missing = sigma[k].is_nan() && other.is_nan();
+        both_missing || off.abs().max_element() <= ROUNDING * (1.0 + sigma[k].length())
+    })
 }
 
 /// Image points over the frame with their stereographic coordinates.

@@ -212,9 +212,7 @@ impl Profile {
     /// [`Complaints`], each with its place and a hint.
     pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
         let none = |named: &str, _| {
-            Err(format!(
-                "{named}: it is read for a profile in a file alone; give its numbers as keys"
-            ))
+            Err(format!("{named}: such a file is read for a profile that is a file itself"))
         };
         Self::parse_with(name, file, bytes, &none)
     }

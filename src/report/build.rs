@@ -87,7 +87,7 @@ impl BuildReport {
     fn plain_rows(&self) -> AnswerRows {
         let Self { layout, design, trace, frame, sharpness, accepted, .. } = self;
         let picture = plain_picture(trace, frame, accepted);
-        let mut rows = AnswerRows::of(&[layout, &picture, &design.straightness]);
+        let mut rows = AnswerRows::of(&[layout, &picture, &design.map, &design.straightness]);
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         rows
     }
@@ -102,6 +102,7 @@ impl BuildReport {
         rows.append(AnswerRows::of(&[
             layout,
             design,
+            &design.map,
             &design.straightness,
             form,
             step,

@@ -1,7 +1,7 @@
 //! Facts of the mirror, its mesh and what the witness saw, in words.
 
 use super::answer::{AnswerRows, ToRows};
-use crate::design::{CurlFacts, DesignFacts, Mounting, Straightness};
+use crate::design::{CurlFacts, DesignFacts, MapFacts, Mounting, Straightness};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
@@ -47,6 +47,18 @@ impl ToRows for DesignFacts {
         rows.page("curl of the field", self.curl.map_or("none".into(), curl));
         rows.page("design: ray error, mrad", ray);
         rows.page("design: pixel error, px", pixel);
+    }
+}
+
+impl ToRows for MapFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let Self { samples: [columns, height], gaps, interpolation_px } = *self;
+        let px = three_digits(interpolation_px);
+        let mut sentence = format!("{columns} x {height} samples, between them good to {px} px");
+        if gaps > 0.0 {
+            sentence += &format!("; {} % of them may show anything", three_digits(100.0 * gaps));
+        }
+        rows.named("map", "wanted picture", sentence);
     }
 }
 

@@ -1,9 +1,12 @@
 //! Pictures given as data: the same mirrors as by their laws, gaps, and what is refused.
 
+use crate::support::builds::folder;
 use morion::internals::design::{Design, design};
 use morion::internals::geom::DVec2;
 use morion::internals::optics::stereographic;
+use morion::internals::pipeline::{Silent, build};
 use morion::internals::profile::{Profile, shipped};
+use morion::internals::results::{BuildReport, Verdict};
 use std::fmt::Write;
 
 /// Unit directions, row by row from the upper left, of a picture of so many columns and rows that covers the frame of
@@ -112,4 +115,110 @@ fn a_law_through_a_map_is_itself() {
         );
         assert!(off < 1e-9, "{name}: {off:e}");
     }
+}
+
+/// A view straight back by a small camera, as data with a change.
+fn small(change: impl Fn(usize, &mut [f64; 3])) -> Vec<u8> {
+    let mut vectors: Vec<[f64; 3]> = (0..40 * 30)
+        .map(|k| {
+            let [x, y] = [(k % 40) as f64 - 19.5, 14.5 - (k / 40) as f64].map(|x| 0.04 * x);
+            let length = (x * x + y * y + 1.0).sqrt();
+            [x / length, y / length, 1.0 / length]
+        })
+        .collect();
+    vectors.iter_mut().enumerate().for_each(|(k, vector)| change(k, vector));
+    npy(40, &vectors)
+}
+
+const SMALL: &str = "camera.pinhole = { pixels = [160, 120], hfov_deg = 30, distance_mm = 60 }
+projection.map = { file = \"w.npy\" }
+layout.rectangle = {}
+method.vector-field.degree = 8
+part = { width_mm = 32, base_mm = 3 }
+mesh.facet_px = 1
+export.formats = [\"stl\"]
+";
+
+/// Nothing is wanted of the middle and of a corner: their pixels have no errors and are not filled, and the others are
+/// shown as before.
+#[test]
+fn gaps_in_a_map_are_left_out_of_the_picture() {
+    let folder = folder();
+    let built = |name: &str, file: &[u8]| {
+        let mut profile = parsed(SMALL, file).unwrap();
+        profile.name = name.to_owned();
+        build(&profile, folder.path(), &Silent).unwrap()
+    };
+    let is_gap = |k: usize| {
+        let (column, row) = (k % 40, k / 40);
+        column < 8 && row < 6 || (15..25).contains(&column) && (10..20).contains(&row)
+    };
+    let gapped = |k: usize, vector: &mut [f64; 3]| {
+        if is_gap(k) {
+            *vector = [f64::NAN; 3];
+        }
+    };
+    let (whole, gapped) = (built("whole", &small(|_, _| ())), built("gapped", &small(gapped)));
+    let traced = |report: &BuildReport| report.trace[0].clone();
+    // A sample covers 4 x 4 pixels; 148 of 1200 are gaps.
+    let (all, some) = (traced(&whole), traced(&gapped));
+    assert_eq!(all.rays, 160 * 120);
+    assert_eq!(all.rays - some.rays, 148 * 16);
+    assert_eq!(gapped.design.map.unwrap().gaps, 148.0 / 1200.0);
+    // The mirror is exact here but for the interpolation beside a gap.
+    for report in [&whole, &gapped] {
+        let px = report.design.pixel_error_px.unwrap();
+        assert!(px.rms < 0.005 && px.max < 0.2, "{px:?}");
+        assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    }
+    let filled = |report: &BuildReport| report.frame.as_ref().unwrap().filled;
+    let lost = filled(&whole) - filled(&gapped);
+    assert!((lost - 148.0 / 1200.0).abs() < 0.01, "{lost}");
+}
+
+#[test]
+fn what_is_no_map_is_refused_at_its_place() {
+    let refused = |text: &str, file: &[u8]| parsed(text, file).unwrap_err();
+    let told = |text: &str, file: &[u8], wanted: &str| {
+        let found = refused(text, file);
+        assert!(found.contains(wanted), "{found}\n{wanted}");
+    };
+    // Degrees in the place of directions.
+    let degrees = small(|_, v| *v = [v[0].to_degrees(), v[1].to_degrees(), 0.0]);
+    told(
+        SMALL,
+        &degrees,
+        "m.toml:2:27: projection.map.file: w.npy: row 1, column 1: a direction must have the length 1",
+    );
+    told(
+        SMALL,
+        &small(|k, v| {
+            if k % 40 > 20 {
+                v[0] = -v[0]
+            }
+        }),
+        "the picture folds over there",
+    );
+    told(SMALL, &degrees[..999], "numbers of 8 bytes are 28800 bytes, found");
+    told(SMALL, b"1 2 3\n", "w.npy: line 1: it must hold row, column, X, Y and Z, found 3 of them");
+    let with = |more: &str| SMALL.replace("\"w.npy\" }", &format!("\"w.npy\", {more} }}"));
+    told(&with("kind = \"angle\""), &degrees, "projection.map.kind must be");
+    let points = small(|_, v| *v = v.map(|x| x * 500.0 / v[2]));
+    told(&with("kind = \"point\""), &points, "must come with target_plane_mm or target_radius_mm");
+    let on = "kind = \"point\", target_plane_mm = ";
+    assert_eq!(parsed(&with(&format!("{on}500")), &points).err(), None);
+    told(
+        &with(&format!("{on}501")),
+        &points,
+        "each point must be on the target, target_plane_mm = 501; found",
+    );
+    told(&with("target_plane_mm = -500"), &small(|_, _| ()), "each direction must meet the target");
+    let strip = SMALL.replace("layout.rectangle", "layout.strip");
+    told(
+        &strip,
+        &small(|_, _| ()),
+        "layout must be [layout.rectangle] with [projection.map], found [layout.strip]",
+    );
+    let missing = SMALL.replace("file = \"w.npy\"", "");
+    told(&missing, b"", "projection.map.file must be the name of a file, found nothing");
 }

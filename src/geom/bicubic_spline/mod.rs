@@ -128,6 +128,12 @@ impl BicubicSpline {
         [self.x, self.y]
     }
 
+    /// Largest magnitude of its values at the knots.
+    #[must_use]
+    pub fn largest_value(&self) -> f64 {
+        self.nodes.iter().fold(0.0, |most, [f, ..]| most.max(f.abs()))
+    }
+
     /// Bounds over a box: those of the patches that it touches, each only a little wider than its
     /// share of the box.
     #[must_use]
@@ -138,12 +144,6 @@ impl BicubicSpline {
         };
         let all = patch_bounds::touched(&self.y, lo.y, hi.y).flat_map(across);
         all.reduce(DerivativeBounds::union).expect("a box touches a patch")
-    }
-
-    /// Bounds over the whole patch between four knots, of which the first has the numbers `i` and `j`.
-    #[must_use]
-    pub fn bounds_of_patch(&self, i: usize, j: usize) -> DerivativeBounds {
-        self.patch_bounds(i, j, [0.0, 1.0], [0.0, 1.0])
     }
 
     /// The spline on the line of constant `y`.
@@ -177,28 +177,51 @@ impl BicubicSpline {
         ]
     }
 
-    /// The same function on the grid and one step beyond, where the end patches go on, and from there on linear: over
-    /// so many further `rings` along X and Y to either side, and on without end. Its second derivatives jump where the
-    /// linear part begins.
+    /// The same function on the grid and a step beyond, where its end patches go on; over so many further `steps` with
+    /// constant second derivatives across the edge, and from there on linear: over so many `rings` along X and Y, and on
+    /// without end. Its second derivatives have no jump but where the linear part begins.
     #[must_use]
-    pub fn with_linear_ends(&self, rings: [usize; 2]) -> Self {
+    pub fn with_ends(&self, steps: usize, rings: [usize; 2]) -> Self {
         let (x, y) = (self.x.widened(1), self.y.widened(1));
         let going_on = |k: usize| self.node_at(DVec2::new(x.at(k % x.count), y.at(k / x.count)));
         let nodes = parallel::map(x.count * y.count, x.count, going_on);
-        let ring = Self { x, y, nodes };
-        let (x, y) = (x.widened(rings[0]), y.widened(rings[1]));
-        // The nearest node of the grid, and how many steps beyond it.
-        let nearest = |k: usize, rings: usize, count: usize| {
-            let inside = k.clamp(rings, rings + count - 1);
-            (inside - rings, k as f64 - inside as f64)
-        };
+        let wider = Self { x, y, nodes }.continued(0, steps, true).continued(1, steps, true);
+        wider.continued(0, rings[0], false).continued(1, rings[1], false)
+    }
+
+    /// The same function, going on over so many steps to either side along an axis: with the second derivatives that it
+    /// has at the ends, or none.
+    fn continued(&self, axis: usize, steps: usize, bends: bool) -> Self {
+        let mut wider = Self { nodes: Vec::new(), ..self.clone() };
+        let along = if axis == 0 { &mut wider.x } else { &mut wider.y };
+        *along = along.widened(steps);
+        let (count, columns) = ([self.x, self.y][axis].count, wider.x.count);
+        // A node's value and slope along the axis, and the same of its slope across.
+        let pairs = if axis == 0 { [[0, 1], [2, 3]] } else { [[0, 2], [1, 3]] };
         let node = |k: usize| {
-            let (i, s) = nearest(k % x.count, rings[0], ring.x.count);
-            let (j, t) = nearest(k / x.count, rings[1], ring.y.count);
-            let [f, f_s, f_t, f_st] = ring.nodes[j * ring.x.count + i];
-            [f + s * f_s + t * f_t + s * t * f_st, f_s + t * f_st, f_t + s * f_st, f_st]
+            let mut at = [k % columns, k / columns];
+            let inside = at[axis].clamp(steps, steps + count - 1);
+            let t = at[axis] as f64 - inside as f64;
+            at[axis] = inside - steps;
+            let of = |at: [usize; 2]| self.nodes[at[1] * self.x.count + at[0]];
+            let mut node = of(at);
+            if t == 0.0 {
+                return node;
+            }
+            let inwards = if t < 0.0 { at[axis] + 1 } else { at[axis] - 1 };
+            let next = of(if axis == 0 { [inwards, at[1]] } else { [at[0], inwards] });
+            for [value, slope] in pairs {
+                let (f, d) = (node[value], node[slope]);
+                // Of the cubic between both nodes, at this one.
+                let second = 6.0 * (next[value] - f) + t.signum() * (4.0 * d + 2.0 * next[slope]);
+                let second = if bends { second } else { 0.0 };
+                node[value] = f + t * (d + 0.5 * t * second);
+                node[slope] = d + t * second;
+            }
+            node
         };
-        Self { x, y, nodes: parallel::map(x.count * y.count, x.count, node) }
+        wider.nodes = parallel::map(wider.x.count * wider.y.count, columns, node);
+        wider
     }
 
     /// What a node at `q` would hold.

@@ -116,8 +116,8 @@ fn bounds_hold_both_ways() {
             }
         }
     }
-    // Of boxes that are not many patches wide the way back is proven.
-    assert!(finite > 200, "{finite}");
+    // Of boxes that are not many patches wide, nor beyond the knots, the way back is proven.
+    assert!(finite > 180, "{finite}");
 }
 
 #[test]

@@ -40,6 +40,17 @@ mesh.facet_px = 3
 export.formats = [\"stl\"]
 ";
 
+/// A picture given as data: lines of row, column, X, Y and Z.
+const MAP: &str = "\
+camera.orthographic.pixels = [160, 120]
+projection.map.file = \"wanted.csv\"
+layout.rectangle = {}
+method.vector-field.degree = 8
+part = { width_mm = 20, base_mm = 2 }
+mesh.facet_px = 3
+export.formats = [\"stl\"]
+";
+
 /// Runs in a folder of their own, and the JSON values that they made.
 struct Runs(tempfile::TempDir);
 
@@ -60,9 +71,18 @@ impl Runs {
             ("given", GIVEN.into()),
             ("round", ROUND.into()),
             ("oblique", OBLIQUE.into()),
+            ("map", MAP.into()),
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
         }
+        let direction = |k: u32| {
+            let (row, column) = (k / 16, k % 16);
+            let [x, y] = [f64::from(column) - 7.5, 5.5 - f64::from(row)].map(|x| x / 16.0);
+            let length = (x * x + y * y + 1.0).sqrt();
+            format!("{row},{column},{},{},{}\n", x / length, y / length, 1.0 / length)
+        };
+        let lines: String = (0..192).map(direction).collect();
+        std::fs::write(runs.path("wanted.csv"), lines).unwrap();
         runs
     }
 
@@ -143,7 +163,7 @@ fn hold(page: &str, headings: &[&str], values: &[Value]) {
 #[test]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
-    let mut reports: Vec<Value> = ["all", "budget", "valley", "given", "round", "oblique"]
+    let mut reports: Vec<Value> = ["all", "budget", "valley", "given", "round", "oblique", "map"]
         .map(|name| runs.printed(&format!("build {name}.toml")))
         .into();
     runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
