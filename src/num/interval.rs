@@ -269,6 +269,11 @@ impl Mul<f64> for Interval {
     }
 }
 
+/// Most boxes that are tried: each is the one before, enlarged by what its own derivatives ask for.
+const MOST_BOXES: usize = 6;
+/// Enlargement of a box over what the derivatives of the last one ask for.
+const ROOM: f64 = 1.25;
+
 impl Arithmetic for Interval {
     fn constant(x: f64) -> Self {
         Self::point(x)
@@ -363,15 +368,46 @@ impl Scalar for Interval {
         self.curve(curve)[0]
     }
     fn of_plane(x: Self, y: Self, f: &impl PlaneFn) -> Self {
-        f.over([x, y])[0]
+        Self::plane(x, y, f)[0]
     }
+    /// The interval Newton method; the whole plane where that does not prove it.
     fn invert_plane(
         map: &[impl PlaneFn; 2],
         scale: f64,
         value: [Self; 2],
         near: [f64; 2],
     ) -> [Self; 2] {
-        plane_inverse::within(map, scale, value, near)
+        let whole = [Self::WHOLE; 2];
+        let middle = plane_inverse::at(map, scale, value.map(Scalar::mid), near);
+        if !middle.into_iter().all(f64::is_finite) {
+            return whole;
+        }
+        let on = middle.map(Self::point);
+        let off = [0, 1].map(|k: usize| Self::of_plane(on[0], on[1], &map[k]) - value[k]);
+        // What is to be taken from the middle, by some Jacobians.
+        let steps = |jacobian: [[Self; 2]; 2]| {
+            plane_inverse::inverse(jacobian).map(|[a, b]| (a * off[0] + b * off[1]).magnitude())
+        };
+        let here = [0, 1].map(|k: usize| map[k].first(middle));
+        let mut reach = steps(here.map(|[_, x, y]| [Self::point(x), Self::point(y)]));
+        for _ in 0..MOST_BOXES {
+            let tried = [0, 1].map(|k: usize| {
+                let room = plane_inverse::ROUNDING * (middle[k].abs() + scale);
+                Self::around(middle[k], ROOM * reach[k] + room)
+            });
+            let over = [0, 1].map(|k: usize| Self::plane(tried[0], tried[1], &map[k]));
+            let asked = steps(over.map(|[_, x, y, ..]| [x, y]));
+            if !asked.into_iter().all(f64::is_finite) {
+                return whole;
+            }
+            let found = [0, 1].map(|k: usize| Self::around(middle[k], asked[k]));
+            let is_inside = |k: usize| tried[k].lo < found[k].lo && found[k].hi < tried[k].hi;
+            if is_inside(0) && is_inside(1) {
+                return found;
+            }
+            reach = asked;
+        }
+        whole
     }
 }
 
@@ -380,7 +416,7 @@ impl Base for Interval {
         curve.over([self.lo, self.hi]).map(|[lo, hi]| Self::new(lo.next_down(), hi.next_up()))
     }
     fn plane(x: Self, y: Self, f: &impl PlaneFn) -> [Self; 6] {
-        f.over([x, y])
+        f.over([x, y].map(|range| [range.lo, range.hi])).map(|[lo, hi]| Self::new(lo, hi))
     }
 }
 

@@ -123,7 +123,7 @@ mod tests {
         let mut values = all.clone();
         for (k, value) in values.iter_mut().enumerate() {
             let [x, y] = place(k);
-            let in_hole = (x - 0.4).hypot(y - 0.3) < 0.12;
+            let in_hole = crate::num::hypot(x - 0.4, y - 0.3) < 0.12;
             if in_hole || x + y < 0.2 || x > 0.95 {
                 *value = f64::NAN;
             }

@@ -1,17 +1,11 @@
-//! The inverse of a map of the plane: Newton's method for numbers, and its proof for intervals.
+//! The inverse of a map of the plane by Newton's method; `Interval` has its proof.
 
-use super::Interval;
-use super::scalar::{Arithmetic, PlaneFn, Scalar};
+use super::scalar::{Arithmetic, PlaneFn};
 
 /// Most steps, halved ones included: quadratic convergence takes three from a pixel away.
 const MOST_STEPS: usize = 60;
 /// Largest step, as a share of the point, that rounding alone may make.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Most boxes that are tried: each is the one before, enlarged by what its own derivatives ask for.
-const MOST_BOXES: usize = 6;
-/// Enlargement of a box over what the derivatives of the last one ask for.
-const ROOM: f64 = 1.25;
-
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The point near `near` that `map` carries to `value`; not finite where Newton's method finds none.
 pub(super) fn at(map: &[impl PlaneFn; 2], scale: f64, value: [f64; 2], near: [f64; 2]) -> [f64; 2] {
     let (mut from, mut step, mut last) = (near, [0.0; 2], f64::INFINITY);
@@ -57,52 +51,11 @@ pub(super) fn inverse<T: Arithmetic>([[p, q], [r, s]]: [[T; 2]; 2]) -> [[T; 2]; 
     [[s * per, -(q * per)], [-(r * per), p * per]]
 }
 
-/// A box that holds the point near `near` that `map` carries to each of the values, and of each no other: the interval
-/// Newton method. The whole plane where that is not proven.
-pub(super) fn within(
-    map: &[impl PlaneFn; 2],
-    scale: f64,
-    value: [Interval; 2],
-    near: [f64; 2],
-) -> [Interval; 2] {
-    let whole = [Interval::WHOLE; 2];
-    let middle = at(map, scale, value.map(Scalar::mid), near);
-    if !middle.into_iter().all(f64::is_finite) {
-        return whole;
-    }
-    let on = middle.map(Interval::point);
-    let off = [0, 1].map(|k: usize| map[k].over(on)[0] - value[k]);
-    // What is to be taken from the middle, by some Jacobians.
-    let steps = |jacobian: [[Interval; 2]; 2]| {
-        inverse(jacobian).map(|[a, b]| (a * off[0] + b * off[1]).magnitude())
-    };
-    let here = [0, 1].map(|k: usize| map[k].first(middle));
-    let mut reach = steps(here.map(|[_, x, y]| [Interval::point(x), Interval::point(y)]));
-    for _ in 0..MOST_BOXES {
-        let tried = [0, 1].map(|k: usize| {
-            let room = ROUNDING * (middle[k].abs() + scale);
-            Interval::around(middle[k], ROOM * reach[k] + room)
-        });
-        let over = [0, 1].map(|k: usize| map[k].over(tried));
-        let asked = steps(over.map(|[_, x, y, ..]| [x, y]));
-        if !asked.into_iter().all(f64::is_finite) {
-            return whole;
-        }
-        let found = [0, 1].map(|k: usize| Interval::around(middle[k], asked[k]));
-        let is_inside = |k: usize| tried[k].lo < found[k].lo && found[k].hi < tried[k].hi;
-        if is_inside(0) && is_inside(1) {
-            return found;
-        }
-        reach = asked;
-    }
-    whole
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::num::sample::Draws;
-    use crate::num::{Dual, Jet2};
+    use crate::num::{Dual, Interval, Jet2, Scalar};
 
     /// x exp(y / 5), and 2 y - 0.3 x y.
     enum Bent {
@@ -134,8 +87,9 @@ mod tests {
             let [_, _, _, xx, xy, yy] = jet(self, at);
             [xx, xy, yy]
         }
-        fn over(&self, ranges: [Interval; 2]) -> [Interval; 6] {
-            jet(self, ranges)
+        fn over(&self, ranges: [[f64; 2]; 2]) -> [[f64; 2]; 6] {
+            let over = jet(self, ranges.map(|[lo, hi]| Interval::new(lo, hi)));
+            over.map(|range| [range.lo, range.hi])
         }
     }
 
@@ -210,9 +164,16 @@ mod tests {
             fn second(&self, _: [f64; 2]) -> [f64; 3] {
                 [2.0, 0.0, 0.0]
             }
-            fn over(&self, [x, _]: [Interval; 2]) -> [Interval; 6] {
-                let zero = Interval::point(0.0);
-                [x.square(), x * 2.0, zero, Interval::point(2.0), zero, zero]
+            fn over(&self, [[lo, hi], _]: [[f64; 2]; 2]) -> [[f64; 2]; 6] {
+                let square = Interval::new(lo, hi).square();
+                [
+                    [square.lo, square.hi],
+                    [2.0 * lo, 2.0 * hi],
+                    [0.0; 2],
+                    [2.0; 2],
+                    [0.0; 2],
+                    [0.0; 2],
+                ]
             }
         }
         let map = [Square, Square];

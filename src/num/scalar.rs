@@ -1,6 +1,5 @@
 //! One formula, many kinds of number: plain, with exact derivatives, or with rigorous bounds.
 
-use super::Interval;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -112,5 +111,5 @@ pub trait PlaneFn {
     /// (f_xx, f_xy, f_yy) at a point.
     fn second(&self, at: [f64; 2]) -> [f64; 3];
     /// Ranges that hold both, in that order, over the box of two ranges, x and y.
-    fn over(&self, ranges: [Interval; 2]) -> [Interval; 6];
+    fn over(&self, ranges: [[f64; 2]; 2]) -> [[f64; 2]; 6];
 }

@@ -149,11 +149,11 @@ impl PlaneFn for BoundedSpline {
     }
 
     /// The whole line beyond the knots.
-    fn over(&self, [x, y]: [Interval; 2]) -> [Interval; 6] {
-        let (lo, hi) = (DVec2::new(x.lo, y.lo), DVec2::new(x.hi, y.hi));
+    fn over(&self, [x, y]: [[f64; 2]; 2]) -> [[f64; 2]; 6] {
+        let (lo, hi) = (DVec2::new(x[0], y[0]), DVec2::new(x[1], y[1]));
         let grid = self.grid();
         if !(grid.contains(lo) && grid.contains(hi)) {
-            return [Interval::WHOLE; 6];
+            return [[f64::NEG_INFINITY, f64::INFINITY]; 6];
         }
         let half = 0.5 * (hi - lo);
         let middle = (lo + half).clamp(lo, hi);
@@ -167,7 +167,7 @@ impl PlaneFn for BoundedSpline {
         };
         let [f, along, up] = common(first, self.first_near(middle, half, &second));
         let [xx, xy, yy] = second;
-        [f, along, up, xx, xy, yy]
+        [f, along, up, xx, xy, yy].map(|range| [range.lo, range.hi])
     }
 }
 

@@ -62,20 +62,19 @@ impl BicubicSpline {
         let scales = [6.0 / (w * w * w), 18.0 / (w * w * h), 18.0 / (w * h * h), 6.0 / (h * h * h)];
         std::array::from_fn(|q| {
             let lines = [0, 1, 2, 3].map(|line| along(line, 3 - q));
-            let entries = q + 1;
-            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-            for first in 0..4 - q {
-                for k in 0..entries {
-                    let c = |line: usize| lines[first + line][k];
-                    let difference = match q {
-                        0 => c(0),
-                        1 => c(1) - c(0),
-                        2 => c(2) - 2.0 * c(1) + c(0),
-                        _ => c(3) - 3.0 * (c(2) - c(1)) - c(0),
-                    };
-                    (lo, hi) = (lo.min(difference), hi.max(difference));
-                }
-            }
+            // Entry by entry down the lines.
+            let differences = (0..=q).flat_map(|k| {
+                let [a, b, c, d] = lines.map(|line| line[k]);
+                let all = match q {
+                    0 => [a, b, c, d],
+                    1 => [b - a, c - b, d - c, d - c],
+                    2 => [c - 2.0 * b + a, d - 2.0 * c + b, d - 2.0 * c + b, d - 2.0 * c + b],
+                    _ => [d - 3.0 * (c - b) - a; 4],
+                };
+                all.into_iter().take(4 - q)
+            });
+            let none = (f64::INFINITY, f64::NEG_INFINITY);
+            let (lo, hi) = differences.fold(none, |(lo, hi), c| (lo.min(c), hi.max(c)));
             let slack = 8.0 * ROUNDING * size;
             Interval::new((lo - slack) * scales[q], (hi + slack) * scales[q])
         })

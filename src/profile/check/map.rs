@@ -1,11 +1,10 @@
-//! A picture given as data: its file, and whether its directions meet the target.
+//! A picture given as data: its keys and its file.
 
 use super::super::MapSpec;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, file, word};
 use super::super::vector_map::{MOST_BYTES, VectorMap};
-use super::projection::{ProjectionEntry, ProjectionKeys};
-use super::{Entries, hex};
+use super::hex;
 use crate::geom::DVec3;
 use crate::optics::{DirectionSamples, Target};
 use sha2::{Digest, Sha256};
@@ -20,16 +19,13 @@ pub(super) enum VectorKind {
     Point,
 }
 
-/// Largest distance of a point from the target, as a share of its own from the origin: a table of five digits is
-/// within.
-const OFF: f64 = 1e-4;
-
 /// A map's keys.
 pub(super) struct MapKeys {
-    file: Located<String>,
+    pub(super) file: Located<String>,
     sha256: String,
-    kind: VectorKind,
-    map: VectorMap,
+    pub(super) kind: VectorKind,
+    /// As the file has them.
+    pub(super) map: VectorMap,
     samples: DirectionSamples,
 }
 
@@ -73,69 +69,4 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> Option<MapK
             None
         }
     }
-}
-
-/// Whether the directions meet the target, and the points are on it.
-pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
-    let Some(projection) = &parts.projection else { return };
-    let ProjectionKeys::Map(Some(keys)) = &projection.keys else { return };
-    let target = projection.target();
-    if keys.kind == VectorKind::Point && target == Target::Infinity {
-        let path = projection.section.path_of("kind");
-        let message =
-            format!("{path} = \"point\" must come with target_plane_mm or target_radius_mm");
-        let hint = "points lie on a plane across the axis or on a cylinder about it; what is far away is given \
-                    by directions";
-        reader.complain(keys.file.at, message, hint);
-        return;
-    }
-    let off = |v: &DVec3| -> f64 {
-        let share = match target {
-            Target::Infinity => 0.0,
-            Target::Plane { height_mm } => height_mm / v.z,
-            Target::Cylinder { radius_mm } => radius_mm / v.truncate().length(),
-        };
-        match keys.kind {
-            // It must be met ahead.
-            VectorKind::Direction if share >= 0.0 && share.is_finite() => 0.0,
-            VectorKind::Direction => f64::INFINITY,
-            VectorKind::Point => (share - 1.0).abs(),
-        }
-    };
-    let found = keys.map.vectors.iter().position(|v| !v.is_nan() && !(off(v) <= OFF));
-    if let Some(k) = found {
-        complain_of_target(reader, projection, keys, k);
-    }
-}
-
-fn complain_of_target(
-    reader: &mut ProfileReader,
-    projection: &ProjectionEntry,
-    keys: &MapKeys,
-    k: usize,
-) {
-    let (row, column) = (k / keys.map.columns + 1, k % keys.map.columns + 1);
-    let target = match projection.target() {
-        Target::Plane { height_mm } => format!("target_plane_mm = {height_mm}"),
-        Target::Cylinder { radius_mm } => format!("target_radius_mm = {radius_mm}"),
-        Target::Infinity => return,
-    };
-    let (what, hint) = match keys.kind {
-        VectorKind::Direction => (
-            "direction must meet the target",
-            "directions lead from the middle of the mirror; NaN leaves out what is not wanted",
-        ),
-        VectorKind::Point => (
-            "point must be on the target",
-            "points are mm in the part's frame, from the middle of the mirror: X to the right of the picture, Y up \
-             in it, Z towards the camera",
-        ),
-    };
-    let v = keys.map.vectors[k];
-    let path = projection.section.path_of("file");
-    let message = format!(
-        "{path}: {}: row {row}, column {column}: each {what}, {target}; found ({}, {}, {})",
-        keys.file.value, v.x, v.y, v.z
-    );
-    reader.complain(keys.file.at, message, hint);
 }

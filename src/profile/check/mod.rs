@@ -117,7 +117,6 @@ pub(super) fn profile(
     let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
     target::check(reader, &parts);
-    map::check(reader, &parts);
     reach::check(reader, &parts);
     border::check(reader, &parts);
     if !reader.is_clean() {

@@ -3,15 +3,24 @@
 use super::super::reader::ProfileReader;
 use super::super::values::Located;
 use super::layout::LayoutName;
+use super::map::{MapKeys, VectorKind};
 use super::projection::{ProjectionEntry, ProjectionKeys};
 use super::{Entries, layout};
+use crate::geom::DVec3;
 use crate::num::{degrees, radians};
-use crate::optics::{RadialLawKind, RimConditions};
+use crate::optics::{RadialLawKind, RimConditions, Target};
+
+/// Largest distance of a point from the target, as a share of its own from the origin: a table of five digits is
+/// within.
+const OFF: f64 = 1e-4;
 
 pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
     let Some(projection) = &parts.projection else { return };
     if let Some(radius) = projection.radius {
         cylinder(reader, parts, projection, radius);
+    }
+    if let ProjectionKeys::Map(Some(keys)) = &projection.keys {
+        map_meets(reader, projection, keys);
     }
     let Some(plane) = projection.plane else { return };
     match &projection.keys {
@@ -31,7 +40,6 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
                 centre_meets(reader, projection, plane, centre);
             }
         }
-        // (Each of its directions is asked.)
         ProjectionKeys::Map(_) => {}
     }
 }
@@ -175,4 +183,67 @@ fn parabolic_inner(parts: &Entries, outer_deg: f64) -> Option<f64> {
     let radius = [inner.value, parts.part.width?.value].map(|diameter| 0.5 * diameter);
     let rims = RimConditions { radius, psi: [0.0, radians(outer_deg)], vergence: 0.0 };
     Some(degrees(rims.law(RadialLawKind::Parabolic).polar(radius[0])))
+}
+
+/// Whether the directions meet the target, and the points are on it.
+fn map_meets(reader: &mut ProfileReader, projection: &ProjectionEntry, keys: &MapKeys) {
+    let target = projection.target();
+    if keys.kind == VectorKind::Point && target == Target::Infinity {
+        let path = projection.section.path_of("kind");
+        let message =
+            format!("{path} = \"point\" must come with target_plane_mm or target_radius_mm");
+        let hint = "points lie on a plane across the axis or on a cylinder about it; what is far away is given \
+                    by directions";
+        reader.complain(keys.file.at, message, hint);
+        return;
+    }
+    let off = |v: &DVec3| -> f64 {
+        let share = match target {
+            Target::Infinity => 0.0,
+            Target::Plane { height_mm } => height_mm / v.z,
+            Target::Cylinder { radius_mm } => radius_mm / v.truncate().length(),
+        };
+        match keys.kind {
+            // It must be met ahead.
+            VectorKind::Direction if share >= 0.0 && share.is_finite() => 0.0,
+            VectorKind::Direction => f64::INFINITY,
+            VectorKind::Point => (share - 1.0).abs(),
+        }
+    };
+    let found = keys.map.vectors.iter().position(|v| !v.is_nan() && !(off(v) <= OFF));
+    if let Some(k) = found {
+        complain_of_target(reader, projection, keys, k);
+    }
+}
+
+fn complain_of_target(
+    reader: &mut ProfileReader,
+    projection: &ProjectionEntry,
+    keys: &MapKeys,
+    k: usize,
+) {
+    let (row, column) = (k / keys.map.columns + 1, k % keys.map.columns + 1);
+    let target = match projection.target() {
+        Target::Plane { height_mm } => format!("target_plane_mm = {height_mm}"),
+        Target::Cylinder { radius_mm } => format!("target_radius_mm = {radius_mm}"),
+        Target::Infinity => return,
+    };
+    let (what, hint) = match keys.kind {
+        VectorKind::Direction => (
+            "direction must meet the target",
+            "directions lead from the middle of the mirror; NaN leaves out what is not wanted",
+        ),
+        VectorKind::Point => (
+            "point must be on the target",
+            "points are mm in the part's frame, from the middle of the mirror: X to the right of the picture, Y up \
+             in it, Z towards the camera",
+        ),
+    };
+    let v = keys.map.vectors[k];
+    let path = projection.section.path_of("file");
+    let message = format!(
+        "{path}: {}: row {row}, column {column}: each {what}, {target}; found ({}, {}, {})",
+        keys.file.value, v.x, v.y, v.z
+    );
+    reader.complain(keys.file.at, message, hint);
 }
