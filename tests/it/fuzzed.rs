@@ -6,6 +6,8 @@ mod calibration;
 mod csv;
 #[path = "../../fuzz/properties/glb.rs"]
 pub(crate) mod glb;
+#[path = "../../fuzz/properties/map.rs"]
+mod map;
 #[path = "../../fuzz/properties/mesh.rs"]
 mod mesh;
 #[path = "../../fuzz/properties/obj.rs"]
@@ -73,4 +75,9 @@ fn tables_of_the_fuzzer_are_complete_or_refused() {
 #[test]
 fn calibrations_of_the_fuzzer_have_rays_or_are_refused() {
     replay("calibration", calibration::holds);
+}
+
+#[test]
+fn maps_of_the_fuzzer_are_pictures_or_refused() {
+    replay("map", map::holds);
 }
