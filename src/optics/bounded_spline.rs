@@ -1,6 +1,6 @@
 //! A bicubic spline with bounds that take the same time over boxes of any size.
 
-use crate::geom::{BicubicSpline, DVec2, Rect};
+use crate::geom::{BicubicSpline, DVec2, DerivativeBounds, Rect};
 use crate::num::{Interval, PlaneFn};
 use std::sync::OnceLock;
 
@@ -22,7 +22,7 @@ pub(super) struct BoundedSpline {
     /// Largest magnitude of its values at the knots.
     size: f64,
     /// Row by row.
-    blocks: Vec<OnceLock<Derivatives>>,
+    blocks: Vec<OnceLock<DerivativeBounds>>,
 }
 
 impl PartialEq for BoundedSpline {
@@ -57,7 +57,7 @@ impl BoundedSpline {
     }
 
     /// Bounds over the block of a column and a row of blocks.
-    fn block(&self, i: usize, j: usize) -> Derivatives {
+    fn block(&self, i: usize, j: usize) -> DerivativeBounds {
         let [x, y] = self.spline.knots();
         let across = (x.count - 1).div_ceil(BLOCK);
         *self.blocks[j * across + i].get_or_init(|| {
@@ -65,18 +65,19 @@ impl BoundedSpline {
             let patches = (j * BLOCK..end(j, y.count)).flat_map(|row| {
                 (i * BLOCK..end(i, x.count)).map(move |column| self.patch(column, row))
             });
-            patches.reduce(Derivatives::union).expect("a block has patches")
+            patches.reduce(DerivativeBounds::union).expect("a block has patches")
         })
     }
 
     /// Bounds over the patch of a column and a row.
-    fn patch(&self, i: usize, j: usize) -> Derivatives {
+    fn patch(&self, i: usize, j: usize) -> DerivativeBounds {
         let [x, y] = self.spline.knots();
         let half = 0.5 * DVec2::new(x.step_mm, y.step_mm);
         let middle = DVec2::new(x.at(i), y.at(j)) + half;
         let third = self.spline.third_of_patch(i, j);
-        let second = self.second_near(middle, half, &third);
-        Derivatives { first: self.first_near(middle, half, &second), second, third }
+        let hessian = self.second_near(middle, half, &third);
+        let [f, along, up] = self.first_near(middle, half, &hessian);
+        DerivativeBounds { f, slope: [along, up], hessian, third }
     }
 
     /// Ranges of the second derivatives up to `half` to all sides of `middle`, where those of the third are known and the
@@ -105,34 +106,12 @@ impl BoundedSpline {
     }
 
     /// Bounds over a box between the knots.
-    fn derivatives(&self, lo: DVec2, hi: DVec2) -> Derivatives {
+    fn derivatives(&self, lo: DVec2, hi: DVec2) -> DerivativeBounds {
         let axes = self.spline.knots();
         let touched =
             |k: usize| axes[k].interval(lo[k]).0 / BLOCK..=axes[k].interval(hi[k]).0 / BLOCK;
         let blocks = touched(1).flat_map(|j| touched(0).map(move |i| self.block(i, j)));
-        blocks.reduce(Derivatives::union).expect("a box touches a block")
-    }
-}
-
-/// Ranges of (f, f_x, f_y), (f_xx, f_xy, f_yy) and (f_xxx, f_xxy, f_xyy, f_yyy) over a region.
-#[derive(Debug, Clone, Copy)]
-struct Derivatives {
-    first: [Interval; 3],
-    second: [Interval; 3],
-    third: [Interval; 4],
-}
-
-impl Derivatives {
-    /// What holds in both of two regions.
-    fn union(self, other: Self) -> Self {
-        fn hull<const N: usize>(a: [Interval; N], b: [Interval; N]) -> [Interval; N] {
-            std::array::from_fn(|k| a[k].hull(b[k]))
-        }
-        Self {
-            first: hull(self.first, other.first),
-            second: hull(self.second, other.second),
-            third: hull(self.third, other.third),
-        }
+        blocks.reduce(DerivativeBounds::union).expect("a box touches a block")
     }
 }
 
@@ -159,13 +138,14 @@ impl PlaneFn for BoundedSpline {
         let middle = (lo + half).clamp(lo, hi);
         // (Rounding of the middle may be to the one side.)
         let half = (middle - lo).max(hi - middle);
-        let Derivatives { first, second, third } = self.derivatives(lo, hi);
+        let DerivativeBounds { f, slope: [along, up], hessian, third } = self.derivatives(lo, hi);
         let is_smooth = self.smooth.contains(lo) && self.smooth.contains(hi);
         let second = match is_smooth {
-            true => common(second, self.second_near(middle, half, &third)),
-            false => second,
+            true => common(hessian, self.second_near(middle, half, &third)),
+            false => hessian,
         };
-        let [f, along, up] = common(first, self.first_near(middle, half, &second));
+        let first = self.first_near(middle, half, &second);
+        let [f, along, up] = common([f, along, up], first);
         let [xx, xy, yy] = second;
         [f, along, up, xx, xy, yy].map(|range| [range.lo, range.hi])
     }
