@@ -148,7 +148,7 @@ fn facets_finer_than_pixels_average_out() {
     let designs =
         [designed(&shipped("conquistador")), designed(&shipped("parabolic")), designed(&webcam())];
     for design in &designs {
-        for limit in share(2, 1, [0.5, 1.0, 2.0, 4.0]) {
+        for limit in share(4, 1, [0.5, 1.0, 2.0, 4.0]) {
             let [mean, points, density] = by_facets(design, limit);
             assert!((points / limit - 0.5).abs() < 0.12, "{limit}: {points}");
             assert!((facets_bound(density) / limit - 1.0).abs() < 0.25, "{limit}: {density}");

@@ -369,7 +369,7 @@ fn fixed_errors_have_a_sign() {
 fn every_shipped_mirror_passes_polished_and_none_is_better_printed_than_milled() {
     let folder = folder();
     let home = folder.path();
-    for shipped in share(9, 0, morion::internals::profile::shipped()) {
+    for shipped in share(12, 0, morion::internals::profile::shipped()) {
         let run = |preset: &str| -> serde_json::Value {
             save(home, &format!("{}\n[tolerance]\npreset = \"{preset}\"\n", shipped.text));
             let arguments = ["tolerance", "small.toml", "--trials", "100", "--format", "json"];
