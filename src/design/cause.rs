@@ -3,7 +3,7 @@
 use super::least_curl_law::LeastCurlError;
 use super::solve::SolveError;
 use crate::geom::{Chart, DVec2, DVec3};
-use crate::num::{asin, degrees};
+use crate::num::{asin, atan2, degrees};
 use crate::optics::{ImagingTask, Target, stereographic};
 use thiserror::Error;
 
@@ -42,6 +42,27 @@ pub enum LocalFailure {
         /// By how much, mm.
         by_mm: f64,
     },
+    /// The direction that the picture should show does not meet the target surface.
+    #[error(
+        "the picture should show azimuth {:.4}, elevation {:.4} degrees from the viewpoint, which never meets the \
+         target surface", angles_deg[0], angles_deg[1]
+    )]
+    WantedMissesTarget {
+        /// Azimuth and elevation, degrees.
+        angles_deg: [f64; 2],
+    },
+    /// The direction that the mirror shows does not meet the target surface.
+    #[error(
+        "the mirror shows azimuth {:.4}, elevation {:.4} degrees, which never meets the target surface",
+        angles_deg[0], angles_deg[1]
+    )]
+    SeenMissesTarget {
+        /// Azimuth and elevation, degrees.
+        angles_deg: [f64; 2],
+    },
+    /// The target surface lies before the mirror.
+    #[error("the mirror reaches through the target surface")]
+    ThroughTarget,
     /// The direction that the mirror shows has no place in the picture.
     #[error(
         "the mirror shows elevation {elevation_deg:.4} degrees, which the projection's law puts nowhere"
@@ -82,8 +103,23 @@ impl LocalFailure {
         let seen = stereographic::reflect(camera, slope);
         let elevation = |z: f64| degrees(asin(z.clamp(-1.0, 1.0)));
         let up = |sigma| stereographic::direction(sigma).z;
+        let angles_deg = |sigma| {
+            let d = stereographic::direction(sigma);
+            [degrees(atan2(d.x, d.y)), elevation(d.z)]
+        };
         match view.target {
             Target::Infinity => {}
+            Target::Posed(target) => {
+                if target.reach_mm(stereographic::direction(wanted)).is_nan() {
+                    return Some(Self::WantedMissesTarget { angles_deg: angles_deg(wanted) });
+                }
+                if !target.is_before(from) {
+                    return Some(Self::ThroughTarget);
+                }
+                if finite(seen) && !finite(target.direction_from_origin(from.to_array(), seen)) {
+                    return Some(Self::SeenMissesTarget { angles_deg: angles_deg(seen) });
+                }
+            }
             Target::Cylinder { radius_mm } => {
                 let by_mm = from.truncate().length() - radius_mm;
                 if !(by_mm < 0.0) {

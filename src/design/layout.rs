@@ -179,7 +179,10 @@ impl DesignProblem {
             section: (widening != DVec2::ONE).then_some(exact),
             picture: is_bent.then_some(exact),
             // The field is (odd, even) in azimuth about the directions 0 and 180 degrees.
-            mirror_symmetric: [middle_deg % 180.0 == 0.0 && !is_bent, false],
+            mirror_symmetric: [
+                middle_deg % 180.0 == 0.0 && !is_bent && target.is_symmetric_in_x(),
+                false,
+            ],
         })
     }
 
@@ -243,8 +246,10 @@ impl DesignProblem {
         target: Target,
         symmetric: bool,
     ) -> Self {
-        let symmetric =
-            symmetric && camera.picture.is_symmetric_in_x() && camera.chart.lean.x == 0.0;
+        let symmetric = symmetric
+            && target.is_symmetric_in_x()
+            && camera.picture.is_symmetric_in_x()
+            && camera.chart.lean.x == 0.0;
         Self {
             camera,
             mirror_symmetric: [symmetric, false],

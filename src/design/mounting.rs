@@ -5,7 +5,7 @@
 //! shortest turn carries these axes to. Elevations count towards +Z, and azimuths from +Y to +X.
 
 use super::border;
-use crate::geom::{Border, Contour, DVec2};
+use crate::geom::{Border, Contour, DVec2, DVec3};
 use crate::mirror::Mirror;
 use crate::num::{acos, degrees};
 use crate::optics::{Camera, ImagingTask, Target};
@@ -48,13 +48,19 @@ impl Mounting {
             Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
             None => border::extent(mirror).size(),
         };
-        let far = |view: &&ImagingTask| view.target != Target::Infinity;
+        let origin = |view: &ImagingTask| match view.target {
+            Target::Infinity => None,
+            Target::Cylinder { .. } | Target::Plane { .. } => Some(on_axis(view.origin_mm)),
+            Target::Posed(target) => {
+                Some((target.viewpoint_mm() + DVec3::Z * view.origin_mm).to_array())
+            }
+        };
         Self {
             pupil_mm: camera.chart.pupil().map(|pupil| pupil.to_array()),
             // (No negative zero.)
             looks_along: (!camera.picture.is_over_axis())
                 .then(|| (-camera.axis()).to_array().map(|part| part + 0.0)),
-            target_origin_mm: view.filter(far).map(|view| on_axis(view.origin_mm)),
+            target_origin_mm: view.and_then(origin),
             size_mm: size.extend(top_mm).to_array(),
             mean_mm: mirror.mean_mm(&camera.chart),
             up: on_axis(1.0),
@@ -100,7 +106,8 @@ impl Mounting {
     #[must_use]
     pub fn world(&self) -> String {
         let target = match self.target_origin_mm {
-            Some([.., z]) => format!("target's origin at Z {z:.3} mm"),
+            Some([0.0, 0.0, z]) => format!("target's origin at Z {z:.3} mm"),
+            Some([x, y, z]) => format!("viewpoint at X {x:.3}, Y {y:.3}, Z {z:.3} mm"),
             None => "target far away".into(),
         };
         format!("elevation 90 deg is +Z, azimuth 0 is +Y, 90 deg is +X; {target}")

@@ -1,10 +1,11 @@
 //! Target surfaces: where the world that the picture shows is.
 
-use super::stereographic;
+use super::{PosedTarget, stereographic};
+use crate::geom::DVec3;
 use crate::num::Scalar;
 
-/// The surface S that is imaged. The projection gives directions from the target's origin, a point
-/// on the axis; a ray that leaves the mirror elsewhere meets the surface where another direction
+/// The surface S that is imaged. The projection gives directions from the target's origin, the middle of the mirror
+/// or a viewpoint; a ray that leaves the mirror elsewhere meets the surface where another direction
 /// from the origin does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
@@ -20,9 +21,32 @@ pub enum Target {
         /// Height, mm.
         height_mm: f64,
     },
+    /// A surface in any pose, whose origin is the viewpoint.
+    Posed(PosedTarget),
 }
 
 impl Target {
+    /// Distance from the origin in the unit direction `direction` to the surface, mm; NaN or negative where it is not
+    /// met.
+    #[must_use]
+    pub fn reach_mm(&self, direction: DVec3) -> f64 {
+        match self {
+            Self::Infinity => f64::INFINITY,
+            Self::Cylinder { radius_mm } => radius_mm / direction.truncate().length(),
+            Self::Plane { height_mm } => height_mm / direction.z,
+            Self::Posed(target) => target.reach_mm(direction),
+        }
+    }
+
+    /// Whether it is its own reflection in the plane X = 0.
+    #[must_use]
+    pub fn is_symmetric_in_x(&self) -> bool {
+        match self {
+            Self::Infinity | Self::Cylinder { .. } | Self::Plane { .. } => true,
+            Self::Posed(target) => target.is_symmetric_in_x(),
+        }
+    }
+
     /// The direction from the origin to where a ray that leaves `from` (mm, relative to the origin)
     /// in direction `sigma` meets the target. Not finite where it never does, and for points beyond
     /// the target.
@@ -30,6 +54,7 @@ impl Target {
     pub fn direction_from_origin<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
         match *self {
             Self::Infinity => sigma,
+            Self::Posed(ref target) => target.direction_from_origin(from, sigma),
             Self::Cylinder { radius_mm } => {
                 let u = stereographic::vector(sigma);
                 let p = [from[0] / radius_mm, from[1] / radius_mm];
@@ -65,6 +90,7 @@ impl Target {
     pub fn direction_at<S: Scalar>(&self, from: [S; 3], sigma: [S; 2]) -> [S; 2] {
         match *self {
             Self::Infinity => sigma,
+            Self::Posed(ref target) => target.direction_at(from, sigma),
             Self::Cylinder { radius_mm } => {
                 let u = stereographic::vector(sigma);
                 let across = stereographic::norm_squared(sigma).sqrt();
@@ -86,7 +112,7 @@ impl Target {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{DVec2, DVec3};
+    use crate::geom::DVec2;
 
     #[test]
     fn aim_and_seen_undo_each_other_and_meet_the_surface() {
@@ -104,11 +130,10 @@ mod tests {
                 assert!((back - DVec2::from_array(sigma)).length() < 1e-14, "{target:?} {back}");
                 // Both lines meet in one point of the surface.
                 let (a, b) = (stereographic::direction(sigma), stereographic::direction(sent));
-                let reach = match target {
-                    Target::Infinity => continue,
-                    Target::Cylinder { radius_mm } => radius_mm / a.truncate().length(),
-                    Target::Plane { height_mm } => height_mm / a.z,
-                };
+                let reach = target.reach_mm(a);
+                if target == Target::Infinity {
+                    continue;
+                }
                 let off = (a * reach - from).normalize() - b;
                 assert!(reach > 0.0 && off.length() < 1e-14, "{target:?}: {off}");
             }

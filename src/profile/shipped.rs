@@ -32,6 +32,7 @@ pub fn shipped() -> &'static [Shipped] {
         "driver",
         "floor",
         "calibrated",
+        "dome",
         "conformal",
         "parabolic",
         "hyperbolic",

@@ -1,4 +1,4 @@
-//! Reading one key: a number, a pair, a flag or one of a few words.
+//! Reading one key: a number, a few numbers, a flag or one of a few words.
 
 use toml::de::DeValue;
 
@@ -54,8 +54,8 @@ pub(super) fn file(
     }
 }
 
-/// Form of a list of two numbers.
-pub(super) struct PairFormat<'h> {
+/// Form of a list of a few numbers.
+pub(super) struct NumbersFormat<'h> {
     pub(super) key: &'h str,
     pub(super) parts: &'h str,
     pub(super) each: &'h str,
@@ -65,32 +65,36 @@ pub(super) struct PairFormat<'h> {
     pub(super) limit: &'h str,
 }
 
-/// Two numbers in a list, each of which `allowed` lets pass.
-pub(super) fn pair(
+/// `N` numbers in a list, each of which `allowed` lets pass.
+pub(super) fn numbers<const N: usize>(
     reader: &mut ProfileReader,
     section: &Section,
-    pair: &PairFormat,
+    keys: &NumbersFormat,
     allowed: impl Fn(f64) -> bool,
-) -> Option<Located<[f64; 2]>> {
-    let path = section.path_of(pair.key);
-    let must = format!("{}, each {}", pair.parts, pair.each);
-    let value = reader.value(section, pair.key, Required, &must, pair.form)?;
+) -> Option<Located<[f64; N]>> {
+    let path = section.path_of(keys.key);
+    let must = format!("{}, each {}", keys.parts, keys.each);
+    let value = reader.value(section, keys.key, Required, &must, keys.form)?;
     let at = value.span().start;
     let DeValue::Array(items) = value.get_ref() else {
         let message = format!("{path} must be {must}, found {}", reader.quote_type(value));
-        reader.complain(at, message, pair.form);
+        reader.complain(at, message, keys.form);
         return None;
     };
-    if items.len() != 2 {
+    if items.len() != N {
         let message = format!("{path} must be {must}, found {}", counted(items.len()));
-        reader.complain(at, message, pair.form);
+        reader.complain(at, message, keys.form);
         return None;
     }
-    let mut figures = [None; 2];
+    let mut figures = [None; N];
     for (figure, item) in figures.iter_mut().zip(items) {
-        *figure = within(reader, &path, item, pair.each, pair.limit, &allowed);
+        *figure = within(reader, &path, item, keys.each, keys.limit, &allowed);
     }
-    Some(Located { value: [figures[0]?, figures[1]?], at })
+    let mut found = [0.0; N];
+    for (found, figure) in found.iter_mut().zip(figures) {
+        *found = figure?;
+    }
+    Some(Located { value: found, at })
 }
 
 /// Form of a list of lists.

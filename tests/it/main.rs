@@ -54,6 +54,7 @@ mod stress;
 #[cfg(feature = "studio")]
 mod studio;
 mod support;
+mod targets;
 mod tolerance;
 mod tracing;
 mod unchanged;

@@ -204,7 +204,7 @@ fn what_is_no_map_is_refused_at_its_place() {
     let with = |more: &str| SMALL.replace("\"w.npy\" }", &format!("\"w.npy\", {more} }}"));
     told(&with("kind = \"angle\""), &degrees, "projection.map.kind must be");
     let points = small(|_, v| *v = v.map(|x| x * 500.0 / v[2]));
-    told(&with("kind = \"point\""), &points, "must come with target_plane_mm or target_radius_mm");
+    told(&with("kind = \"point\""), &points, "must come with a target");
     let on = "kind = \"point\", target_plane_mm = ";
     assert_eq!(parsed(&with(&format!("{on}500")), &points).err(), None);
     told(

@@ -99,7 +99,8 @@ pub(super) fn targets(profile: &Profile) -> Vec<EditedProfile> {
     };
     let moved = |factor: f64| {
         let (key, far, to) = match target {
-            Target::Infinity => return None,
+            // Of a surface in any pose it is for its owner to say where it may be.
+            Target::Infinity | Target::Posed(_) => return None,
             Target::Cylinder { radius_mm } => {
                 let far = short(factor * radius_mm);
                 ("target_radius_mm", far, Target::Cylinder { radius_mm: far })
@@ -121,6 +122,7 @@ pub(super) fn untargeted(profile: &Profile) -> Vec<EditedProfile> {
         None | Some(Target::Infinity) => return Vec::new(),
         Some(Target::Cylinder { .. }) => "target_radius_mm",
         Some(Target::Plane { .. }) => "target_plane_mm",
+        Some(Target::Posed(_)) => "target",
     };
     vec![changed(profile, KeyChange::Without(key), |p| set_target(p, Target::Infinity))]
 }

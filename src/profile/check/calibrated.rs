@@ -3,7 +3,7 @@
 use super::super::calibration::{CalibrationFile, LensModel, MOST_BYTES};
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, PairFormat, file, number, pair, within, word};
+use super::super::values::{Located, NumbersFormat, file, number, numbers, within, word};
 use super::super::{Aperture, LensSpec};
 use super::camera::{CameraEntry, CameraName, distance, pixels, pupil, wavelength};
 use crate::optics::Calibration;
@@ -100,23 +100,23 @@ fn of_keys(
 ) -> Option<Calibration> {
     let form = "the first and the fifth number of OpenCV's camera matrix, as in focal_px = [820.1, 819.4]; \
                 a file of the calibration is file = \"camera.yaml\"";
-    let focal = PairFormat {
+    let focal = NumbersFormat {
         key: "focal_px",
         parts: "[across, down]",
         each: "a number from 0.001 to 1e7",
         form,
         limit: form,
     };
-    let focal = pair(reader, section, &focal, |f| (1e-3..=1e7).contains(&f));
+    let focal = numbers(reader, section, &focal, |f| (1e-3..=1e7).contains(&f));
     let form = "the third and the sixth number of OpenCV's camera matrix, as in principal_px = [331.2, 236.9]";
-    let principal = PairFormat {
+    let principal = NumbersFormat {
         key: "principal_px",
         parts: "[x, y]",
         each: "a number from -1e6 to 1e6",
         form,
         limit: form,
     };
-    let principal = pair(reader, section, &principal, |f| f.abs() <= 1e6);
+    let principal = numbers(reader, section, &principal, |f| f.abs() <= 1e6);
     let coefficients = coefficients(reader, section)?;
     let distortion = model.unwrap_or(LensModel::OpenCv).distortion(&coefficients.value);
     let path = section.path_of("distortion");

@@ -2,7 +2,7 @@
 
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, PairFormat, number, pair};
+use super::super::values::{Located, NumbersFormat, number, numbers};
 use super::super::{Aperture, LensSpec};
 use super::{LARGE, is_large};
 use crate::num::tan;
@@ -71,7 +71,7 @@ pub(super) fn ideal(
 
 pub(super) fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {
     let form = "the size of the camera's frame in pixels, as in pixels = [640, 480]";
-    let pixels = PairFormat {
+    let pixels = NumbersFormat {
         key: "pixels",
         parts: "[width, height]",
         each: "a whole number from 1 to 32767",
@@ -79,7 +79,7 @@ pub(super) fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u
         limit: form,
     };
     let pixels =
-        pair(reader, section, &pixels, |f| f.fract() == 0.0 && (1.0..=MAX_PIXELS).contains(&f))?;
+        numbers(reader, section, &pixels, |f| f.fract() == 0.0 && (1.0..=MAX_PIXELS).contains(&f))?;
     let [width, height] = pixels.value;
     if width * height > MOST_PIXELS {
         let path = section.path_of("pixels");

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub(super) enum VectorKind {
     /// Unit vectors.
     Direction,
-    /// Points of the target, mm.
+    /// Points of the target, mm from the middle of the mirror.
     Point,
 }
 
@@ -36,7 +36,12 @@ impl MapKeys {
     }
 }
 
-pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> Option<MapKeys> {
+/// `viewpoint_mm`: where directions start, mm from the middle of the mirror.
+pub(super) fn read(
+    reader: &mut ProfileReader,
+    section: &Section,
+    viewpoint_mm: DVec3,
+) -> Option<MapKeys> {
     let kinds = [("direction", VectorKind::Direction), ("point", VectorKind::Point)];
     let hint =
         "direction: unit vectors; point: millimetres on the target; both in the part's frame";
@@ -54,7 +59,7 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> Option<MapK
         let towards = |v: &DVec3| match kind {
             VectorKind::Direction => *v,
             // (Of a gap it is none.)
-            VectorKind::Point => v.normalize(),
+            VectorKind::Point => (*v - viewpoint_mm).normalize(),
         };
         let directions = map.vectors.iter().map(towards).collect();
         let samples =

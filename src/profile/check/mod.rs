@@ -9,6 +9,7 @@ mod limits;
 mod map;
 mod mirror;
 mod mount;
+mod posed_target;
 mod projection;
 mod reach;
 mod sag;
@@ -46,6 +47,8 @@ struct Entries<'t> {
     layout: Option<layout::LayoutEntry>,
     shape: Option<mirror::ShapeEntry>,
     part: limits::PartEntry,
+    /// The target surface in any pose.
+    posed: Option<posed_target::PosedEntry>,
     /// The mirror is given and there is no projection.
     bare: bool,
     /// Neither is there a layout.
@@ -76,9 +79,12 @@ impl<'t> Entries<'t> {
         let given = root.has("mirror") && !root.has("method") && !reader.is_torn();
         let bare = given && !root.has("projection");
         let rectangle = bare && !root.has("layout");
+        let posed = posed_target::read(reader, root);
+        let target = posed.as_ref().and_then(|posed| posed.target);
         Self {
             camera: camera(reader, root),
-            projection: if bare { None } else { projection::read(reader, root) },
+            projection: if bare { None } else { projection::read(reader, root, target) },
+            posed,
             layout: if rectangle { None } else { layout::read(reader, root) },
             shape: mirror::read(reader, root),
             part: limits::part(reader, root),
@@ -116,6 +122,7 @@ pub(super) fn profile(
     };
     let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
+    posed_target::suits(reader, &parts);
     target::check(reader, &parts);
     reach::check(reader, &parts);
     border::check(reader, &parts);

@@ -2,7 +2,7 @@
 
 use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{PairFormat, number, pair};
+use super::super::values::{NumbersFormat, number, numbers};
 use super::Entries;
 use super::layout::LayoutName;
 use crate::optics::Mount;
@@ -26,15 +26,17 @@ pub(super) fn read(reader: &mut ProfileReader, root: &Section, parts: &Entries) 
     let towards =
         number(reader, &section, "towards_deg", Optional, must, hint, |f| f.abs() <= 360.0);
     let form = "where the camera's axis meets the part, as in shift_mm = [10, 0]";
-    let keys = PairFormat {
+    let keys = NumbersFormat {
         key: "shift_mm",
         parts: "[X, Y]",
         each: "from -1000000 to 1000000",
         form,
         limit: form,
     };
-    let shift =
-        section.has(keys.key).then(|| pair(reader, &section, &keys, |f| f.abs() <= 1e6)).flatten();
+    let shift = section
+        .has(keys.key)
+        .then(|| numbers(reader, &section, &keys, |f| f.abs() <= 1e6))
+        .flatten();
     let mount = Mount {
         fold_deg: fold.map_or(0.0, |fold| fold.value),
         towards_deg: towards.map_or(0.0, |towards| towards.value),

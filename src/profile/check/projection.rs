@@ -4,12 +4,13 @@ use super::super::projection::LawName;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{
-    Located, PairFormat, RowsFormat, flag, number, pair, rows, within, word,
+    Located, NumbersFormat, RowsFormat, flag, number, numbers, rows, within, word,
 };
 use super::super::{AzimuthalSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 use super::map::{self, MapKeys};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
-use crate::optics::{AzimuthalLaw, RadialLawKind, Target};
+use crate::geom::DVec3;
+use crate::optics::{AzimuthalLaw, PosedTarget, RadialLawKind, Target};
 
 /// A projection's figures, each with its place.
 pub(super) struct ProjectionEntry<'t> {
@@ -17,6 +18,8 @@ pub(super) struct ProjectionEntry<'t> {
     pub(super) keys: ProjectionKeys,
     pub(super) radius: Option<Located<f64>>,
     pub(super) plane: Option<Located<f64>>,
+    /// In any pose.
+    pub(super) posed: Option<PosedTarget>,
 }
 
 impl ProjectionEntry<'_> {
@@ -63,13 +66,14 @@ pub(super) struct AzimuthalKeys {
 pub(super) fn read<'t>(
     reader: &mut ProfileReader,
     root: &Section<'t>,
+    posed: Option<PosedTarget>,
 ) -> Option<ProjectionEntry<'t>> {
     let hint = "[projection.cylindrical] is the paper's law; with [projection.mercator] an exact \
                 mirror exists";
     let read = reader
         .alternatives(root, "projection", hint)
         .into_iter()
-        .filter_map(|(name, section)| Some(one(reader, name, LawName::find(name)?, section)))
+        .filter_map(|(name, section)| Some(one(reader, name, LawName::find(name)?, section, posed)))
         .collect();
     only(read)
 }
@@ -79,6 +83,7 @@ fn one<'t>(
     name: &'static str,
     law: LawName,
     section: Section<'t>,
+    posed: Option<PosedTarget>,
 ) -> ProjectionEntry<'t> {
     let keys = match law {
         LawName::Strip(StripLawSpec::Table(_)) => {
@@ -102,7 +107,10 @@ fn one<'t>(
             ProjectionKeys::Radial { law, inner, outer }
         }
         LawName::Azimuthal(law) => ProjectionKeys::Azimuthal(azimuthal(reader, &section, law)),
-        LawName::Map => ProjectionKeys::Map(map::read(reader, &section)),
+        LawName::Map => {
+            let viewpoint_mm = posed.map_or(DVec3::ZERO, |target| target.viewpoint_mm());
+            ProjectionKeys::Map(map::read(reader, &section, viewpoint_mm))
+        }
     };
     let must = &format!("a number {LARGE}");
     let hint = "the radius of the cylinder that the picture shows, in millimetres";
@@ -116,7 +124,7 @@ fn one<'t>(
         let hint = "target_radius_mm is a cylinder, target_plane_mm a plane; remove one of them";
         reader.complain(radius.at.max(plane.at), message, hint);
     }
-    ProjectionEntry { section, keys, radius, plane }
+    ProjectionEntry { section, keys, radius, plane, posed }
 }
 
 /// The keys of a perspective view, or of a fisheye, whose law is a key of its own.
@@ -137,7 +145,7 @@ fn azimuthal(
     });
     let form = "the direction that the picture's centre shows, as in centre_deg = [90, 30]; \
                 elevation 90 looks back to the camera";
-    let keys = PairFormat {
+    let keys = NumbersFormat {
         key: "centre_deg",
         parts: "[azimuth, elevation]",
         each: "from -360 to 360",
@@ -146,7 +154,7 @@ fn azimuthal(
     };
     let centre = section
         .has(keys.key)
-        .then(|| pair(reader, section, &keys, |f| (-360.0..=360.0).contains(&f)))
+        .then(|| numbers(reader, section, &keys, |f| (-360.0..=360.0).contains(&f)))
         .flatten()
         .filter(|centre| centre_elevation(reader, section, centre));
     let (must, most) = match law {
@@ -183,14 +191,14 @@ fn centre_elevation(
 
 fn azimuth(reader: &mut ProfileReader, section: &Section) -> Option<Located<[f64; 2]>> {
     let form = "a full turn is azimuth_deg = [-180, 180]";
-    let azimuth = PairFormat {
+    let azimuth = NumbersFormat {
         key: "azimuth_deg",
         parts: "[first, last]",
         each: "from -360 to 360",
         form,
         limit: form,
     };
-    let range = pair(reader, section, &azimuth, |f| (-360.0..=360.0).contains(&f))?;
+    let range = numbers(reader, section, &azimuth, |f| (-360.0..=360.0).contains(&f))?;
     let path = section.path_of("azimuth_deg");
     rising(reader, &path, &range)?;
     let span = range.value[1] - range.value[0];
@@ -215,14 +223,14 @@ fn elevation(
         }
         _ => POLE.to_owned(),
     };
-    let elevation = PairFormat {
+    let elevation = NumbersFormat {
         key: "elevation_deg",
         parts: "[lowest, highest]",
         each: "strictly between -90 and 90",
         form: "degrees above the horizon, as in elevation_deg = [-30, 30]",
         limit: &limit,
     };
-    let range = pair(reader, section, &elevation, below_the_pole)?;
+    let range = numbers(reader, section, &elevation, below_the_pole)?;
     rising(reader, &section.path_of("elevation_deg"), &range)?;
     Some(range)
 }
@@ -339,10 +347,11 @@ impl ProjectionEntry<'_> {
 
     /// Surface that the picture shows.
     pub(super) fn target(&self) -> Target {
-        match (self.radius, self.plane) {
-            (Some(radius), _) => Target::Cylinder { radius_mm: radius.value },
-            (None, Some(plane)) => Target::Plane { height_mm: plane.value },
-            (None, None) => Target::Infinity,
+        match (self.radius, self.plane, self.posed) {
+            (Some(radius), ..) => Target::Cylinder { radius_mm: radius.value },
+            (None, Some(plane), _) => Target::Plane { height_mm: plane.value },
+            (None, None, Some(target)) => Target::Posed(target),
+            (None, None, None) => Target::Infinity,
         }
     }
 

@@ -188,20 +188,23 @@ fn parabolic_inner(parts: &Entries, outer_deg: f64) -> Option<f64> {
 /// Whether the directions meet the target, and the points are on it.
 fn map_meets(reader: &mut ProfileReader, projection: &ProjectionEntry, keys: &MapKeys) {
     let target = projection.target();
+    let viewpoint_mm = projection.posed.map_or(DVec3::ZERO, |target| target.viewpoint_mm());
     if keys.kind == VectorKind::Point && target == Target::Infinity {
         let path = projection.section.path_of("kind");
-        let message =
-            format!("{path} = \"point\" must come with target_plane_mm or target_radius_mm");
-        let hint = "points lie on a plane across the axis or on a cylinder about it; what is far away is given \
+        let message = format!("{path} = \"point\" must come with a target");
+        let hint = "points lie on target_plane_mm, target_radius_mm or a surface of [target]; what is far away is given \
                     by directions";
         reader.complain(keys.file.at, message, hint);
         return;
     }
     let off = |v: &DVec3| -> f64 {
+        let from = match keys.kind {
+            VectorKind::Direction => *v,
+            VectorKind::Point => *v - viewpoint_mm,
+        };
         let share = match target {
             Target::Infinity => 0.0,
-            Target::Plane { height_mm } => height_mm / v.z,
-            Target::Cylinder { radius_mm } => radius_mm / v.truncate().length(),
+            target => target.reach_mm(from.normalize()) / from.length(),
         };
         match keys.kind {
             // It must be met ahead.
@@ -226,12 +229,13 @@ fn complain_of_target(
     let target = match projection.target() {
         Target::Plane { height_mm } => format!("target_plane_mm = {height_mm}"),
         Target::Cylinder { radius_mm } => format!("target_radius_mm = {radius_mm}"),
+        Target::Posed(_) => "[target]".to_owned(),
         Target::Infinity => return,
     };
     let (what, hint) = match keys.kind {
         VectorKind::Direction => (
             "direction must meet the target",
-            "directions lead from the middle of the mirror; NaN leaves out what is not wanted",
+            "directions lead from the middle of the mirror or from viewpoint_mm; NaN leaves out what is not wanted",
         ),
         VectorKind::Point => (
             "point must be on the target",
