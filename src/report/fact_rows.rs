@@ -47,7 +47,31 @@ impl ToRows for DesignFacts {
         rows.page("curl of the field", self.curl.map_or("none".into(), curl));
         rows.page("design: ray error, mrad", ray);
         rows.page("design: pixel error, px", pixel);
+        if let (Some(curl), 1..) = (self.curl, self.unknowns) {
+            rows.named("why", "why not less", why_not_less(&curl, self));
+        }
     }
+}
+
+/// Why a designed mirror has the error that it has, and what would have less.
+fn why_not_less(curl: &CurlFacts, design: &DesignFacts) -> String {
+    let degree = design.degree;
+    if curl.max <= curl.rounding {
+        return format!(
+            "a mirror without error exists; what is left is that of degree {degree}, and falls as the degree rises"
+        );
+    }
+    let spread = match design.minimax {
+        true => "the largest is the least of this degree",
+        false => {
+            "the fit's mean square is the least of this degree, minimax = true lowers the largest"
+        }
+    };
+    format!(
+        "no single mirror is without error: the slopes that the picture asks for are those of no surface (curl up to {}); \
+         {spread}; a smaller part of the world or another law leaves less",
+        three_digits(curl.max)
+    )
 }
 
 impl ToRows for MapFacts {

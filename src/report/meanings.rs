@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 31] = [
+const MEANINGS: [(&str, &str); 32] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -24,6 +24,10 @@ const MEANINGS: [(&str, &str); 31] = [
         "Angle between what a pixel of the designed mirror sees and what it should.",
     ),
     ("design: pixel error, px", "The same as a distance in the picture."),
+    (
+        "why not less",
+        "Whether a mirror without error exists: what the picture asks for must be the slopes of a surface.",
+    ),
     (
         "wanted picture",
         "Samples of the picture that is given as data, and what is lost between them.",

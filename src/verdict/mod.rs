@@ -2,6 +2,7 @@
 
 mod cutter_survey;
 mod file_check;
+mod plan_edge;
 mod remedy;
 pub(crate) mod sharpness;
 mod vertex_check;

@@ -1,10 +1,11 @@
 //! Is every vertex of a file where the part has one: on the designed mirror, on the base, on the
 //! skirt between them, on the land inside a ring, or on the stock around the mirror?
 
+use super::plan_edge::PlanEdge;
 use crate::design::Design;
 use crate::geom::{Border, DVec2, DVec3, Outline};
 use crate::mirror::Mirror;
-use crate::num::{atan2, cos, sin};
+use crate::num::{cos, sin};
 use crate::parallel;
 use std::f64::consts::TAU;
 
@@ -17,6 +18,7 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
     let Design { mirror, border: stock, .. } = design;
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     let land = land(mirror);
+    let leaning = PlanEdge::new(mirror);
     let chunks: Vec<_> = vertices.chunks(CHUNK).enumerate().collect();
     let worst = parallel::map_slice(&chunks, 1, |&(chunk, vertices)| {
         let places: Vec<DVec2> = vertices.iter().map(|&v| mirror.chart.coordinates(v).0).collect();
@@ -28,7 +30,7 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
                 let f = row.as_ref().map_or_else(|| mirror.height(q), |row| row.at(q.x).f);
                 let on_mirror = mirror.chart.point(q, f);
                 let v = vertices[k - chunk * CHUNK];
-                let off = distance(mirror, on_mirror, q, v, land, stock.as_ref());
+                let off = distance(mirror, on_mirror, q, v, land, leaning.as_ref(), stock.as_ref());
                 worst = farther(worst, (k, off));
                 k += 1;
             }
@@ -63,25 +65,14 @@ fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
     mirror.position(q, &mirror.row(q.y).at(q.x))
 }
 
-/// The point of the mirror's edge that lies in the direction of `across` from the part's axis.
-fn edge_towards(mirror: &Mirror, outline: &Outline, across: DVec2) -> DVec3 {
-    /// More turns than the edge needs: each leaves a small share of the angle that is left.
-    const MOST_TURNS: usize = 50;
-    let mut way = across.normalize_or_zero();
-    if mirror.chart.lean == DVec2::ZERO {
-        return rim(mirror, way, outline.reach(across));
+/// The point of the mirror's edge next to `across` in the plan, and how far that lies beyond it, mm: in the direction from the
+/// part's axis, or the nearest where the camera stands beside the axis.
+fn edge_at(mirror: &Mirror, leaning: Option<&PlanEdge>, across: DVec2) -> (DVec3, f64) {
+    if let Some(edge) = leaning {
+        return edge.nearest(across);
     }
-    let edge = |way: DVec2| rim(mirror, way, outline.reach(way));
-    // The camera beside the axis sees directions turned.
-    for _ in 0..MOST_TURNS {
-        let found = edge(way).truncate();
-        let left = atan2(found.perp_dot(across), found.dot(across));
-        if !(left.abs() > f64::EPSILON) {
-            break;
-        }
-        way = DVec2::new(cos(left), sin(left)).rotate(way);
-    }
-    edge(way)
+    let edge = rim(mirror, across.normalize_or_zero(), mirror.full_outline().reach(across));
+    (edge, across.length() - edge.truncate().length())
 }
 
 /// Distance of the vertex `v`, which is at `q` in the chart, from the part's surface, mm; `over` is the mirror's
@@ -92,6 +83,7 @@ fn distance(
     q: DVec2,
     v: DVec3,
     land: Option<(f64, [f64; 2])>,
+    leaning: Option<&PlanEdge>,
     stock: Option<&Border>,
 ) -> f64 {
     let outline = mirror.full_outline();
@@ -114,8 +106,7 @@ fn distance(
         return on_mirror;
     }
     let across = v.truncate();
-    let edge = edge_towards(mirror, &outline, across);
-    let beside = across.length() - edge.truncate().length();
+    let (edge, beside) = edge_at(mirror, leaning, across);
     if let Some(stock) = stock {
         let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(stock.top_mm)).length();
         let on_stock = stock.distance(v, beside, false).min(on_skirt);

@@ -238,6 +238,22 @@ formats = [\"obj\"]
     }
 
     #[test]
+    fn a_skirt_below_an_edge_that_is_seen_obliquely_is_where_it_should_be() {
+        // The edge turns back as seen from the part's axis.
+        let text = "\
+camera.orthographic = { pixels = [7, 2] }
+mount = { fold_deg = -82.86, towards_deg = 41.36 }
+projection.perspective = { hfov_deg = 40.95, centre_deg = [112.3, 11.3], target_radius_mm = 117.9 }
+layout.rectangle = {}
+method.fixed-surface = { degree = 7, minimax = false }
+part = { width_mm = 35.57, base_mm = 0.96 }
+mesh = { chord_um = 14.79, facet_px = 28.45 }
+export.formats = [\"obj\", \"stl\"]
+";
+        assert_eq!(ends(text), "passed");
+    }
+
+    #[test]
     fn nor_for_what_single_precision_does_to_its_sides() {
         let text = "\
 camera.orthographic = { pixels = [7, 1] }

@@ -1,6 +1,8 @@
 //! Random profiles from lists of numbers, which proptest makes smaller when something is wrong: the
 //! smaller the numbers, the plainer the profile.
 
+mod views;
+
 use morion::internals::num::{exp, log};
 use proptest::prelude::*;
 use std::fmt;
@@ -88,7 +90,7 @@ impl Draft {
     }
 
     fn wanted(mut self) -> Wanted {
-        let family = self.pick(&["strip", "radial", "given"]);
+        let family = self.pick(&["strip", "radial", "given", "view"]);
         let width = self.octaves([1.0, 300.0]);
         let pinhole = self.chance(0.4);
         self.camera(width, pinhole);
@@ -102,6 +104,10 @@ impl Draft {
             "radial" => {
                 setting.round = true;
                 self.radial(&setting);
+                self.method();
+            }
+            "view" => {
+                self.view(&setting);
                 self.method();
             }
             _ => (height, heights) = self.given(&mut setting),
