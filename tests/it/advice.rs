@@ -62,6 +62,10 @@ fn set(text: &str, key: &str, value: &str) -> String {
 }
 
 fn without(text: &str, key: &str) -> String {
+    // A target in any pose is a table of its own.
+    if key == "target" {
+        return text.split_inclusive('\n').filter(|line| !line.starts_with("target.")).collect();
+    }
     let value = value_of(text, key);
     let first = value.start - key.len() - " = ".len();
     let (before, after) = (&text[..first], &text[value.end..]);

@@ -93,7 +93,9 @@ impl Draft {
         let family = self.pick(&["strip", "radial", "given", "view"]);
         let width = self.octaves([1.0, 300.0]);
         let pinhole = self.chance(0.4);
-        self.camera(width, pinhole);
+        // What a mirror has beyond a narrow frame is free, and may be anything.
+        let least = if family == "view" { 8.0 } else { 1.0 };
+        self.camera(width, pinhole, least);
         let mut setting = Setting { width, pinhole, round: false, bare: false };
         let (mut height, mut heights) = (None, None);
         match family {
@@ -120,8 +122,9 @@ impl Draft {
         Wanted { text: self.text, heights, toleranced }
     }
 
-    fn camera(&mut self, width: f64, pinhole: bool) {
-        let [columns, rows] = [(); 2].map(|()| self.inside([1.0, 25.0]).floor());
+    /// A camera of `least` to 25 pixels along and across.
+    fn camera(&mut self, width: f64, pinhole: bool, least: f64) {
+        let [columns, rows] = [(); 2].map(|()| self.inside([least, 25.0]).floor());
         let pixels = format!("pixels = [{columns}, {rows}]");
         if !pinhole {
             return self.line(format_args!("camera.orthographic = {{ {pixels} }}"));
