@@ -1,6 +1,7 @@
 //! Target surfaces in any pose: where a mirror for them is known, and that the file shows them.
 
 use crate::support::builds::folder;
+use crate::support::share;
 use morion::internals::design::{Design, DesignError, FailureCause, LocalFailure, design};
 use morion::internals::geom::{DVec2, DVec3};
 use morion::internals::num::{atan, cos, degrees, radians, sin};
@@ -160,10 +161,10 @@ fn the_dome_shows_its_picture_as_far_off_as_the_report_says() {
     assert!(most <= said.max * (1.0 + 1e-9) && most > 0.9 * said.max, "{most} {said:?}");
 }
 
-/// Mesh, witness and STEP for each kind of surface.
+/// Mesh, witness and STEP for each kind of surface, by turns from inside and from outside.
 #[test]
 fn files_show_every_kind_of_surface() {
-    for surface in SURFACES {
+    for surface in share(2, 1, SURFACES) {
         let rest = format!(
             "projection.perspective.hfov_deg = 40\n{surface}, viewpoint_mm = [5, -9, -60] }}"
         );
