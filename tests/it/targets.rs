@@ -161,10 +161,10 @@ fn the_dome_shows_its_picture_as_far_off_as_the_report_says() {
     assert!(most <= said.max * (1.0 + 1e-9) && most > 0.9 * said.max, "{most} {said:?}");
 }
 
-/// Mesh, witness and STEP for each kind of surface, by turns from inside and from outside.
+/// Mesh, witness and STEP: of a sphere from inside and a cylinder from outside, and of all in a long run.
 #[test]
 fn files_show_every_kind_of_surface() {
-    for surface in share(2, 1, SURFACES) {
+    for surface in share(3, 2, SURFACES) {
         let rest = format!(
             "projection.perspective.hfov_deg = 40\n{surface}, viewpoint_mm = [5, -9, -60] }}"
         );
