@@ -57,7 +57,8 @@ pub fn verified(bytes: &[u8], extension: &str, read: &ImportedMesh, lot: u8) {
         std::fs::write(&path, bytes).expect("the folder takes a file");
         let report = verify(&SOURCE, &path, &Silent).expect("a mesh that is read gets a verdict");
         assert_eq!(report.files.len(), 1);
-        let json = report.json();
+        // The name of a temporary folder may hold any letters.
+        let json = report.json().replace(&*folder.path().to_string_lossy(), "");
         assert!(!json.contains("NaN"), "{json}");
     }
     if lot < 4 {
