@@ -11,12 +11,13 @@ use morion::internals::optics::{Calibration, Distortion};
 use morion::internals::pipeline::load;
 use morion::internals::profile::{CalibrationFile, LensModel};
 use morion::internals::solid::Solid;
-use morion::internals::trace::{CameraTrace, Outcome, RayEnd, Scene, TraceCounts};
+use morion::internals::trace::{CameraTrace, Obstacles, Outcome, RayEnd, Scene, TraceCounts};
 use std::error::Error;
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 // As the program's own.
@@ -31,8 +32,8 @@ cargo bench --bench trace -- [OPTIONS]
     --runs K        the fastest counts [default: 9]
     --dump FOLDER   mesh, rays and what became of them for other programs, as plain little-endian
                     numbers: vertices.f64, triangles.u32, rays.f64 (origin, direction), found.f64
-                    (outcome: 0 reflected, 1 missed, 2 shadowed, 3 back face; facet; distance;
-                    direction), and morion.txt with our times
+                    (outcome: 0 reflected, 1 missed, 2 shadowed, 3 back face, 4 + k behind the
+                    profile's obstacle k, from 0; facet; distance; direction), and morion.txt with our times
     --calibration FILE
                     reads a calibration of a camera, and nothing else: of the pixels in FOLDER/pixels.f64
                     (x, y in OpenCV's convention) the rays X / Z, Y / Z in FOLDER/rays.f64, and what was read in
@@ -105,15 +106,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (design, mesh) = made(&options.profile, options.stl.as_deref())?;
     let [columns, rows] = design.camera.pixels;
     println!("{}: {} triangles, {columns} x {rows} rays", options.profile, mesh.triangles.len());
-    let top = mesh.bounds().map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element());
-    let scene = Scene::new(mesh);
+    let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref()).map(Arc::new);
+    let among = |mesh: TriMesh| Scene::new(mesh).among(obstacles.clone());
+    let scene = among(mesh);
+    let top = scene.above_mm();
     let mut lines = Vec::new();
     let mut found = Vec::new();
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         pool.install(|| {
             let copy = || scene.mesh().clone();
-            let plain = || Scene::new(copy());
+            let plain = || among(copy());
             let general = least(options.runs, copy, |mesh| {
                 black_box(Scene::new(mesh.clone()));
             });
@@ -214,6 +217,7 @@ fn dump(folder: &Path, trace: &CameraTrace, found: &[RayEnd]) -> Result<(), Box<
         Outcome::Missed => 1.0,
         Outcome::Shadowed(_) => 2.0,
         Outcome::BackFace => 3.0,
+        Outcome::Obstructed(number) => 4.0 + f64::from(number),
     };
     numbers(
         "found.f64",

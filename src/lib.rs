@@ -113,8 +113,8 @@ pub use profile::{Complaints, MeshFormat, Profile, Shipped, shipped};
 pub use report::{Answer, TextLayout};
 pub use results::{
     BlurReport, BuildForecast, BuildReport, CuttingFault, FileFault, FrameReport, LeastFilled,
-    MachiningReport, Obstacle, PictureFault, PixelErrorFigure, RayFault, Reason, ReasonKind,
-    Refusal, RenderReport, ReplayFault, ReplayReport, ShapeFault, StudyFault, ToleranceReport,
+    MachiningReport, PictureFault, PixelErrorFigure, RayFault, Reason, ReasonKind, Refusal,
+    RefusalCause, RenderReport, ReplayFault, ReplayReport, ShapeFault, StudyFault, ToleranceReport,
     UnwrapReport, Verdict, VerifyReport,
 };
 pub use solid::{Solid, SolidError};

@@ -14,6 +14,7 @@ mod layout;
 mod least_curl_law;
 mod minimax;
 mod mounting;
+mod obstacles;
 #[cfg(test)]
 mod paper_mirrors;
 mod remedy;
@@ -34,7 +35,7 @@ pub use remedy::{KeyChange, KeyValue, MOST_TRIALS, Remedy};
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
-use crate::geom::{Border, Outline};
+use crate::geom::{Border, Obstacle, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, Profile, ShapeSpec};
@@ -58,6 +59,9 @@ pub struct Design {
     pub border: Option<Border>,
     /// Places of camera and target, and the size of the part.
     pub mounting: Mounting,
+    /// What stands beside the mirror and may hide what rays would show: the profile's obstacles in its order and
+    /// last, where it has one, the camera's body; mm of the part's frame.
+    pub obstacles: Vec<Obstacle>,
     /// Figures of merit; of a mirror that was not measured those of its fit alone.
     pub facts: DesignFacts,
 }
@@ -282,8 +286,9 @@ fn place_on_base(
     let border = border::around(profile, &mirror)?;
     let mounting =
         Mounting::new(&mirror, &camera, view.as_ref(), border.as_ref(), max_height + lift);
+    let obstacles = obstacles::placed(profile, &camera, &mounting);
     let profile = Arc::new(profile.clone());
-    Ok(Design { profile, mirror, view, camera, border, mounting, facts })
+    Ok(Design { profile, mirror, view, camera, border, mounting, obstacles, facts })
 }
 
 #[cfg(test)]

@@ -168,6 +168,13 @@ impl ImagingTask {
         [at[0], at[1], at[2] - self.origin_mm]
     }
 
+    /// Distance from the mirror point `at` in the unit direction `direction` to the target, mm; infinite where it is
+    /// not met.
+    #[must_use]
+    pub fn distance_to_target(&self, at: DVec3, direction: DVec3) -> f64 {
+        self.target.distance_mm(at - DVec3::Z * self.origin_mm, direction)
+    }
+
     /// Whether image point `q` belongs to a reflected panel.
     #[inline]
     #[must_use]

@@ -156,6 +156,13 @@ impl PosedTarget {
         self.distance([0.0; 3], direction.to_array()) * self.scale_mm
     }
 
+    /// Distance from `from` (mm from the middle of the mirror) in the unit direction `direction` to the surface, mm; NaN
+    /// where it is not met.
+    #[must_use]
+    pub fn distance_mm(&self, from: DVec3, direction: DVec3) -> f64 {
+        self.distance(self.placed(from.to_array()), direction.to_array()) * self.scale_mm
+    }
+
     /// Place of the viewpoint, mm from the middle of the mirror.
     #[must_use]
     pub fn viewpoint_mm(&self) -> DVec3 {
@@ -271,6 +278,8 @@ mod tests {
                 let wanted = stereographic::direction(sigma);
                 let met = VIEWPOINT + wanted * target.reach_mm(wanted);
                 assert!(off(surface, met).abs() < 1e-12, "{surface:?}: {met}");
+                let met_after = target.distance_mm(from, (met - from).normalize());
+                assert!((met_after / (met - from).length() - 1.0).abs() < 1e-13, "{surface:?}");
                 let sent = target.direction_at(from.to_array(), sigma);
                 let apart = (met - from).normalize() - stereographic::direction(sent);
                 assert!(apart.length() < 1e-14, "{surface:?}: {apart}");

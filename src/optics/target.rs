@@ -38,6 +38,26 @@ impl Target {
         }
     }
 
+    /// Distance from `from` (mm, relative to the origin) in the unit direction `direction` to where a ray first meets
+    /// the surface, mm; infinite where it never does.
+    #[must_use]
+    pub fn distance_mm(&self, from: DVec3, direction: DVec3) -> f64 {
+        let distance = match self {
+            Self::Infinity => f64::INFINITY,
+            Self::Cylinder { radius_mm } => {
+                let (p, u) = (from.truncate(), direction.truncate());
+                let (along, square) = (p.dot(u), u.length_squared());
+                let inside = radius_mm * radius_mm - p.length_squared();
+                // Of a place inside, the meeting ahead: no two numbers of nearly equal size are subtracted.
+                let root = (along * along + square * inside).sqrt();
+                if along < 0.0 { (root - along) / square } else { inside / (along + root) }
+            }
+            Self::Plane { height_mm } => (height_mm - from.z) / direction.z,
+            Self::Posed(target) => target.distance_mm(from, direction),
+        };
+        if distance >= 0.0 { distance } else { f64::INFINITY }
+    }
+
     /// Whether it is its own reflection in the plane X = 0.
     #[must_use]
     pub fn is_symmetric_in_x(&self) -> bool {
@@ -137,6 +157,38 @@ mod tests {
                 let off = (a * reach - from).normalize() - b;
                 assert!(reach > 0.0 && off.length() < 1e-14, "{target:?}: {off}");
             }
+        }
+    }
+
+    /// The place at that distance is where directions from the origin and from the place meet.
+    #[test]
+    fn the_distance_of_a_target_ends_on_it() {
+        let from = DVec3::new(11.0, -7.0, 4.0);
+        let direction = DVec3::new(0.48, -0.6, 0.64);
+        for target in [
+            Target::Cylinder { radius_mm: 20.0 },
+            Target::Cylinder { radius_mm: 1e12 },
+            Target::Plane { height_mm: 90.0 },
+        ] {
+            for direction in [direction, DVec3::new(-0.48, 0.6, 0.64)] {
+                let distance = target.distance_mm(from, direction);
+                let met = from + direction * distance;
+                let sigma = stereographic::sigma(direction.to_array());
+                let seen = target.direction_from_origin(from.to_array(), sigma);
+                let apart = met.normalize() - stereographic::direction(seen);
+                assert!(apart.length() < 1e-14, "{target:?}: {apart}");
+                let reach = target.reach_mm(met.normalize());
+                assert!((reach / met.length() - 1.0).abs() < 1e-14, "{target:?}: {reach}");
+            }
+        }
+        let plane = Target::Plane { height_mm: 90.0 };
+        for (target, direction) in [
+            (plane, -DVec3::Z),
+            (plane, DVec3::X),
+            (Target::Cylinder { radius_mm: 20.0 }, DVec3::Z),
+            (Target::Infinity, DVec3::X),
+        ] {
+            assert_eq!(target.distance_mm(from, direction), f64::INFINITY, "{target:?}");
         }
     }
 

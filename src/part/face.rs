@@ -11,7 +11,7 @@ use crate::mesh::{
 use crate::num::units::{Mm, Px, Um};
 use crate::optics::ImagingTask;
 use crate::profile::{MeshFormat, MeshGoal, Profile};
-use crate::results::{Obstacle, Refusal};
+use crate::results::{Refusal, RefusalCause};
 use crate::solid::{added, rim};
 use thiserror::Error;
 
@@ -146,7 +146,7 @@ pub(crate) fn left_out(profile: &Profile, error: FaceError) -> Result<Refusal, F
         return Err(error);
     }
     let files = meshes(profile).map(MeshFormat::file_name).collect();
-    Ok(Refusal { obstacle: Obstacle::NoMesh, files, why: error.to_string() })
+    Ok(Refusal { cause: RefusalCause::NoMesh, files, why: error.to_string() })
 }
 
 /// Makes what single precision needs if there is to be a file in it; where that is what fails, what
@@ -177,7 +177,7 @@ fn at_precision<T>(
     };
     let Some(why) = beyond_single(profile, design, &error) else { return Err(error.into()) };
     let files = single.into_iter().map(MeshFormat::file_name).collect();
-    let refused = Refusal { obstacle: Obstacle::SinglePrecision, files, why };
+    let refused = Refusal { cause: RefusalCause::SinglePrecision, files, why };
     if others.is_empty() && cad(profile).next().is_some() {
         others.push(TRACED);
     }
@@ -283,7 +283,7 @@ mod tests {
         let said = |reached: &[(&str, f64)]| {
             let why = reaches(reached, DVec2::new(58.34694, -0.4649));
             let files = vec!["mirror.stl", "mirror.3mf"];
-            Refusal { obstacle: Obstacle::SinglePrecision, files, why }.to_string()
+            Refusal { cause: RefusalCause::SinglePrecision, files, why }.to_string()
         };
         assert_eq!(
             said(&[("facet_px", f64::INFINITY)]),

@@ -11,7 +11,7 @@ use crate::pencil::{Pencil, map_pencils, mirror_symmetric_weights};
 use crate::profile::{Layout, Profile, shipped};
 use crate::report::Answer;
 use crate::results::{FrameReport, LeastFilled, PixelSolidAngle, Reason, RoundMirror};
-use crate::trace::{CoverageBuilder, MinMeanMax};
+use crate::trace::{CoverageBuilder, MinMeanMax, ObstructionBuilder};
 use crate::verdict;
 use std::ops::Range;
 
@@ -40,11 +40,13 @@ impl Command for FrameOptions {
         let camera = &design.camera;
         let Some(view) = &design.view else { return Err(no_projection(profile)) };
         let mut coverage = CoverageBuilder::new(camera, view);
+        let mut obstructions = ObstructionBuilder::new(camera, view, design.obstacles.len());
         let thinned = ThinnedFrame::new(camera.pixels);
         let (mut map, mut map_usr) = (Vec::new(), Vec::new());
         let mut resolution = ResolutionBuilder::default();
         let InMemoryBuild { frame, .. } = build_in_memory(run, &design, &mut |strip, classes| {
             coverage.add(strip, classes);
+            obstructions.add(strip);
             let rows = strip.rows.start as u32..strip.rows.end as u32;
             let usr = solid_angles(&design, [0..camera.pixels[0], rows]);
             resolution.add(usr.iter().map(|usr| (*usr, 1)));
@@ -58,14 +60,17 @@ impl Command for FrameOptions {
             (coverage, note)
         });
         let unfilled = verdict::unfilled(&frame, LeastFilled::Asked(min));
-        let way_out = || verdict::filling(profile);
-        let reason = unfilled.map(|fault| Reason { way_out: way_out(), ..fault.into() });
+        let reason = unfilled.map(|fault| {
+            let way_out = verdict::filling(profile, &fault);
+            Reason { way_out, ..fault.into() }
+        });
         let reasons = Vec::from_iter(reason);
         let report = FrameReport {
             schema: 1,
             profile: profile.into(),
             frame,
             coverage,
+            obstacles: obstructions.finish(design.obstacles.iter().map(|o| o.name.clone())),
             resolution: resolution.finish(),
             round_mirrors: round_mirrors(camera)?,
             min,

@@ -16,6 +16,7 @@ mod in_memory_build;
 mod machining;
 mod mesh_files;
 mod observer;
+mod obstacles;
 mod page_figures;
 mod render;
 mod replay;

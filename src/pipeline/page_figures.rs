@@ -10,9 +10,11 @@ use crate::report::{PartFigures, design_error_map, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
 #[cfg(feature = "studio")]
-use crate::trace::{CameraTrace, Outcome};
+use crate::trace::{CameraTrace, Obstacles, Outcome, RayEnd};
 use crate::trace::{PixelTrace, Scene, TraceStrip};
 use crate::verdict::sharpness::spot_sizes;
+#[cfg(feature = "studio")]
+use std::sync::Arc;
 
 /// The part's figures from a coarse mesh of its own; none where it has none.
 pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures> {
@@ -43,14 +45,17 @@ pub(crate) fn still(part: &Solid) -> Option<Vec<u8>> {
     shaded_view(&Scene::new(part.mesh().clone())).to_png().ok()
 }
 
-/// For each pixel of a thinned frame whether the part is in the way of what it sees: of the coarse part that a page
-/// turns. None where the part has no mesh.
+/// For each pixel of a thinned frame whether the part or an obstacle is in the way of what it sees: of the coarse part
+/// that a page turns. None where the part has no mesh.
 #[cfg(feature = "studio")]
 pub(crate) fn shadowed(design: &Design, frame: ThinnedFrame) -> Option<Vec<bool>> {
-    let scene = Scene::new(coarse_part(design)?.mesh().clone());
+    let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref()).map(Arc::new);
+    let scene = Scene::new(coarse_part(design)?.mesh().clone()).among(obstacles);
     let camera = design.camera.with_pixels(frame.pixels());
     let (ends, _) = CameraTrace::new(&scene, &camera, scene.above_mm()).run();
-    Some(ends.iter().map(|end| matches!(end.outcome, Outcome::Shadowed(_))).collect())
+    let is_hidden =
+        |end: &RayEnd| matches!(end.outcome, Outcome::Shadowed(_) | Outcome::Obstructed(_));
+    Some(ends.iter().map(is_hidden).collect())
 }
 
 /// Most columns of a map on a page.

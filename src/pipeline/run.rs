@@ -2,6 +2,7 @@
 
 use super::Error;
 use super::observer::{Observer, Stage, StageTimer};
+use super::obstacles;
 use crate::design::{Design, DesignError, design, design_unmeasured};
 use crate::profile::Profile;
 use crate::publish::{OutputFile, StagedFile, Transaction};
@@ -205,5 +206,8 @@ fn designed_by(
     profile: &Profile,
     design: fn(&Profile) -> Result<Design, DesignError>,
 ) -> Result<Design, Error> {
-    design(profile).map_err(|source| Error::Design { profile: profile.name.clone(), source })
+    let design = design(profile)
+        .map_err(|source| Error::Design { profile: profile.name.clone(), source })?;
+    obstacles::check(&design)?;
+    Ok(design)
 }

@@ -1,7 +1,8 @@
-//! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights, the map and
-//! the calibration that a profile names.
+//! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights, the map, the
+//! meshes and the calibration that a profile names.
 
-use crate::profile::{Complaints, GridError, Profile, SagGrid, ShapeSpec, shipped};
+use crate::export::read_stl;
+use crate::profile::{Complaints, GridError, NamedFiles, Profile, SagGrid, ShapeSpec, shipped};
 use crate::publish::{self, FileError};
 use std::borrow::Cow;
 use std::path::Path;
@@ -11,6 +12,8 @@ use thiserror::Error;
 const MOST_TEXT: u64 = 16_000_000;
 /// Some 200 bytes for each node of the largest grid.
 const MOST_HEIGHTS: u64 = 800_000_000;
+/// An STL of ten million facets, far more than a holder's or a robot's has.
+const MOST_MESH: u64 = 500_000_084;
 
 impl Profile {
     /// The measured form error that the profile names, if it names one.
@@ -107,7 +110,7 @@ impl ProfileText {
         Ok(Self { name: stem.into_owned(), named: named.into(), bytes })
     }
 
-    /// The profile with the calibration, the map and the heights that it names, from its own folder.
+    /// The profile with the calibration, the map, the meshes and the heights that it names, from its own folder.
     ///
     /// # Errors
     /// [`SourceError`], with every complaint about the text.
@@ -118,7 +121,12 @@ impl ProfileText {
             let read = publish::read_named(&folder.join(file), most_bytes);
             read.map_err(|error| error.to_string())
         };
-        let profile = Profile::parse_with(name, named, bytes, &read)?;
+        let mesh = |file: &str| {
+            let read = read_stl(&read(file, MOST_MESH)?);
+            read.map(|found| found.mesh).map_err(|error| format!("{file}: {error}"))
+        };
+        let files = NamedFiles { bytes: &read, mesh: &mesh };
+        let profile = Profile::parse_with(name, named, bytes, files)?;
         Profile { named: named.clone(), ..profile }.with_heights()
     }
 }
@@ -136,7 +144,7 @@ fn hint(named: &str) -> String {
 }
 
 /// Loads and checks the profile that `named` means: a file if there is one, else a shipped profile;
-/// and the calibration, the map and the heights that it names, from its own folder.
+/// and the calibration, the map, the meshes and the heights that it names, from its own folder.
 ///
 /// # Errors
 /// [`SourceError`], with every complaint about the file.
@@ -277,7 +285,8 @@ D: [-0.3, 0.1, 0.001, 0]
     fn another_calibration_is_another_input_of_a_build() {
         let read = |camera: String| {
             let read = move |_: &str, _| Ok(camera.clone().into_bytes());
-            Profile::parse_with("p", "p.toml", CALIBRATED.as_bytes(), &read).unwrap()
+            let files = NamedFiles { bytes: &read, ..NamedFiles::NONE };
+            Profile::parse_with("p", "p.toml", CALIBRATED.as_bytes(), files).unwrap()
         };
         let inputs = |camera: String| super::super::build_cache::inputs(&read(camera));
         assert_eq!(inputs(CAMERA.to_owned()), inputs(CAMERA.to_owned() + "# again\n"));

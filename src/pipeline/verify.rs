@@ -7,7 +7,7 @@ use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
 use crate::design::Design;
 use crate::export::ImportedMesh;
-use crate::geom::Welder;
+use crate::geom::{DVec3, Welder};
 use crate::mirror::Form;
 use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
@@ -15,7 +15,6 @@ use crate::publish;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::report::form_map;
 use crate::results::{AlignmentFacts, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport};
-use crate::trace::Outcome;
 use crate::verdict::{self, CheckedMesh, FileCheck, Findings};
 use std::path::{Path, PathBuf};
 
@@ -207,7 +206,7 @@ impl Verify<'_> {
                 map.add(strip.rows.clone(), |[column, row]| {
                     let pixel = (row - strip.rows.start) * strip.frame[0] + column;
                     let end = &strip.traced.pixels[pixel];
-                    (end.outcome != Outcome::Missed).then_some(end.hit_point)
+                    (end.hit_point != DVec3::ZERO).then_some(end.hit_point)
                 });
             }
         });

@@ -12,6 +12,7 @@ mod complaint;
 mod format;
 mod lines;
 mod mesh_goal;
+mod obstacle;
 mod projection;
 mod reader;
 mod sag;
@@ -24,7 +25,7 @@ mod values;
 mod vector_map;
 mod words;
 
-use crate::geom::ScanPattern;
+use crate::geom::{ScanPattern, TriMesh};
 use crate::optics::{CameraModel, Mount};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,10 +37,11 @@ pub use check::hex;
 pub use complaint::{Complaint, Complaints};
 pub use format::{CadFormat, FileFormat, MeshFormat};
 pub use mesh_goal::MeshGoal;
+pub use obstacle::{CameraBody, ObstacleSpec};
 pub use projection::{AzimuthalSpec, MapSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]
-pub(crate) use schema::TABLES;
+pub(crate) use schema::{LISTS, TABLES};
 pub use shape::{Conic, Method, MethodKind, Monomial, Polynomial, ShapeSpec};
 pub use shipped::{Shipped, shipped};
 #[cfg(feature = "studio")]
@@ -49,6 +51,28 @@ pub use vector_map::{VectorMap, VectorMapError};
 
 /// What has the bytes of a file that a profile names, if they are not more than so many, or why they cannot be had.
 pub type ReadFile<'f> = dyn Fn(&str, u64) -> Result<Vec<u8>, String> + 'f;
+
+/// What has the triangles of an STL that a profile names, or why they cannot be had.
+pub type ReadMesh<'f> = dyn Fn(&str) -> Result<TriMesh, String> + 'f;
+
+/// What has the files that a profile names.
+#[derive(Clone, Copy)]
+pub struct NamedFiles<'f> {
+    /// Bytes of calibrations and maps.
+    pub bytes: &'f ReadFile<'f>,
+    /// Triangles of obstacles, mm.
+    pub mesh: &'f ReadMesh<'f>,
+}
+
+impl NamedFiles<'_> {
+    /// No files: each is refused by its name.
+    pub const NONE: NamedFiles<'static> =
+        NamedFiles { bytes: &|named, _| Err(no_file(named)), mesh: &|named| Err(no_file(named)) };
+}
+
+fn no_file(named: &str) -> String {
+    format!("{named}: such a file is read for a profile that is a file itself")
+}
 
 /// A checked profile: camera, projection, layout, shape, part, mesh, files and limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +94,10 @@ pub struct Profile {
     pub camera_file: Option<String>,
     /// Its lens.
     pub lens: LensSpec,
+    /// Its body, if it may be in the way; never of a telecentric camera.
+    pub camera_body: Option<CameraBody>,
+    /// What else may stand in the way of rays, in the profile's order.
+    pub obstacles: Vec<ObstacleSpec>,
     /// Part of the world that the picture must show, and its layout in the picture. A designed mirror
     /// always has one; without one a given mirror has no pixel error to limit.
     pub projection: Option<ProjectionSpec>,
@@ -203,7 +231,7 @@ pub struct SagTable {
 }
 
 impl Profile {
-    /// Reads and checks a profile that names no calibration file.
+    /// Reads and checks a profile that names no file.
     ///
     /// `name` is what output goes under and `file` what complaints call the file. On failure every
     /// complaint that can be made is made, in the order of the file.
@@ -211,14 +239,11 @@ impl Profile {
     /// # Errors
     /// [`Complaints`], each with its place and a hint.
     pub fn parse(name: &str, file: &str, bytes: &[u8]) -> Result<Profile, Complaints> {
-        let none = |named: &str, _| {
-            Err(format!("{named}: such a file is read for a profile that is a file itself"))
-        };
-        Self::parse_with(name, file, bytes, &none)
+        Self::parse_with(name, file, bytes, NamedFiles::NONE)
     }
 
-    /// Reads and checks a profile as [`Self::parse`] does; `read` has the bytes of the calibration and of the
-    /// map that it may name, or why there are none.
+    /// Reads and checks a profile as [`Self::parse`] does; `files` has the calibration, the map and the
+    /// meshes that it may name, or why there are none.
     ///
     /// # Errors
     /// [`Complaints`], each with its place and a hint.
@@ -226,11 +251,11 @@ impl Profile {
         name: &str,
         file: &str,
         bytes: &[u8],
-        read: &ReadFile,
+        files: NamedFiles,
     ) -> Result<Profile, Complaints> {
         let text = source::text(file, bytes)?;
         let (tree, errors) = toml::de::DeTable::parse_recoverable(text);
-        let mut reader = reader::ProfileReader::new(file, text, read);
+        let mut reader = reader::ProfileReader::new(file, text, files);
         for error in &errors {
             reader.broken(error);
         }

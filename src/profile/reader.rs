@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue, Error};
+use toml::de::{DeString, DeTable, DeValue, Error};
 
-use super::ReadFile;
+use super::NamedFiles;
 use super::complaint::{Complaint, Complaints};
 use super::lines::LineIndex;
 use super::schema;
 use super::words::{list, shown, syntax_hint};
+use crate::geom::TriMesh;
 
 /// A value and where it stands.
 pub(super) type TomlValue<'t> = Spanned<DeValue<'t>>;
@@ -60,11 +61,11 @@ pub(super) struct ProfileReader<'a> {
     /// Offsets of lines that are neither a setting nor a table.
     stray: Vec<usize>,
     /// What has the files that the profile names.
-    read: &'a ReadFile<'a>,
+    files: NamedFiles<'a>,
 }
 
 impl<'a> ProfileReader<'a> {
-    pub(super) fn new(file: &'a str, text: &'a str, read: &'a ReadFile<'a>) -> Self {
+    pub(super) fn new(file: &'a str, text: &'a str, files: NamedFiles<'a>) -> Self {
         ProfileReader {
             file,
             text,
@@ -74,13 +75,23 @@ impl<'a> ProfileReader<'a> {
             torn: false,
             swallowing: false,
             stray: Vec::new(),
-            read,
+            files,
         }
     }
 
     /// The bytes of a file that the profile names, at most so many, or why there are none.
     pub(super) fn file(&self, named: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
-        (self.read)(named, most_bytes)
+        (self.files.bytes)(named, most_bytes)
+    }
+
+    /// The triangles of an STL that the profile names, or why there are none.
+    pub(super) fn mesh(&self, named: &str) -> Result<TriMesh, String> {
+        (self.files.mesh)(named)
+    }
+
+    /// Line and column of a byte offset, from 1.
+    pub(super) fn place(&self, at: usize) -> (usize, usize) {
+        self.lines.place(at)
     }
 
     /// Notes an error of syntax.
@@ -283,20 +294,7 @@ impl<'a> ProfileReader<'a> {
         key: &str,
         hint: &str,
     ) -> Vec<(&'static str, Section<'t>)> {
-        let names = schema::keys(key);
-        let tables: Vec<String> = names.iter().map(|name| format!("[{key}.{name}]")).collect();
-        let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
-        // A long list is easier to read without brackets.
-        let (must, form) = match tables.as_slice() {
-            [first, .., _] if tables.len() > MAX_BRACKETED => (
-                format!("{key} must hold exactly one of {}", list(names, "and")),
-                format!("write {first} or another table of [{key}]"),
-            ),
-            tables => (
-                format!("{key} must hold exactly one of {}", list(tables, "and")),
-                format!("write {}", list(tables, "or")),
-            ),
-        };
+        let (must, form) = exactly_one(key, &schema::tables(key));
         if !root.has(key) {
             self.missing(root, format!("{must}, found nothing"), hint);
             return Vec::new();
@@ -304,19 +302,64 @@ impl<'a> ProfileReader<'a> {
         let Some(parent) = self.table(root, key, &form, hint) else {
             return Vec::new();
         };
+        self.one_of(&parent, hint)
+    }
+
+    /// The tables inside a table that is open; a complaint unless it is exactly one.
+    pub(super) fn one_of<'t>(
+        &mut self,
+        parent: &Section<'t>,
+        hint: &str,
+    ) -> Vec<(&'static str, Section<'t>)> {
+        let names = schema::tables(&parent.path);
+        let (must, _) = exactly_one(&parent.path, &names);
         let mut found: Vec<_> = names
             .iter()
-            .filter_map(|name| Some((*name, self.section(&parent, name, Need::Optional)?)))
+            .filter_map(|name| Some((*name, self.section(parent, name, Need::Optional)?)))
             .collect();
         found.sort_by_key(|(_, section)| section.at);
         if let [_, .., (_, last)] = found.as_slice() {
             let message = format!("{must}, found {}", found.len());
             self.complain(last.at, message, "remove all but one");
         }
-        if parent.entries.is_empty() {
-            self.missing(&parent, format!("{must}, found nothing"), hint);
+        let is_any = |(key, _): (&Spanned<DeString>, &TomlValue)| {
+            let key = key.get_ref().as_ref();
+            names.contains(&key) || !schema::keys(&parent.path).contains(&key)
+        };
+        if !parent.entries.iter().any(is_any) {
+            self.missing(parent, format!("{must}, found nothing"), hint);
         }
         found
+    }
+
+    /// The tables of a list of tables, `most` at the most; none if the key is absent.
+    pub(super) fn sections<'t>(
+        &mut self,
+        parent: &Section<'t>,
+        key: &str,
+        most: usize,
+        hint: &str,
+    ) -> Vec<Section<'t>> {
+        let path = parent.path_of(key);
+        let must = format!("a list of tables [[{path}]], at most {most}");
+        let Some(value) = self.value(parent, key, Need::Optional, &must, hint) else {
+            return Vec::new();
+        };
+        let tables: Option<Vec<_>> = value.get_ref().as_array().and_then(|list| {
+            list.iter().map(|v| Some((v.span().start, v.get_ref().as_table()?))).collect()
+        });
+        let (found, hint) = match tables {
+            Some(tables) if tables.len() <= most => {
+                let open = |(at, table)| self.open(path.clone(), at, table, "");
+                return tables.into_iter().map(open).collect();
+            }
+            Some(tables) => (tables.len().to_string(), "an STL may hold several bodies".to_owned()),
+            None => {
+                (self.quote_type(value), format!("write [[{path}]] with double brackets; {hint}"))
+            }
+        };
+        self.complain(value.span().start, format!("{path} must be {must}, found {found}"), &hint);
+        Vec::new()
     }
 
     /// The value of a key. If it is required and absent, a complaint.
@@ -344,6 +387,23 @@ impl<'a> ProfileReader<'a> {
     }
 }
 
+/// What a table of alternatives must hold, and how that is written.
+fn exactly_one(path: &str, names: &[&'static str]) -> (String, String) {
+    let tables: Vec<String> = names.iter().map(|name| format!("[{path}.{name}]")).collect();
+    let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+    // A long list is easier to read without brackets.
+    match tables.as_slice() {
+        [first, .., _] if tables.len() > MAX_BRACKETED => (
+            format!("{path} must hold exactly one of {}", list(names, "and")),
+            format!("write {first} or another table of [{path}]"),
+        ),
+        tables => (
+            format!("{path} must hold exactly one of {}", list(tables, "and")),
+            format!("write {}", list(tables, "or")),
+        ),
+    }
+}
+
 fn is_list_of_tables(value: &DeValue) -> bool {
     value.as_array().is_some_and(|list| list.iter().any(|v| v.get_ref().is_table()))
 }
@@ -355,7 +415,7 @@ mod tests {
     #[test]
     fn a_bad_line_is_named_once() {
         let text = "a = = = 1\nb = x\nc 3\n";
-        let mut reader = ProfileReader::new("p.toml", text, &|_, _| Err(String::new()));
+        let mut reader = ProfileReader::new("p.toml", text, NamedFiles::NONE);
         for error in &DeTable::parse_recoverable(text).1 {
             reader.broken(error);
         }
@@ -366,7 +426,7 @@ mod tests {
     #[test]
     fn a_flood_of_bad_lines_is_cut_short() {
         let text = "a = = 1\n".repeat(1000);
-        let mut reader = ProfileReader::new("p.toml", &text, &|_, _| Err(String::new()));
+        let mut reader = ProfileReader::new("p.toml", &text, NamedFiles::NONE);
         for error in &DeTable::parse_recoverable(&text).1 {
             reader.broken(error);
         }

@@ -30,6 +30,7 @@ const RARE: &[&str] = &[
     "f_number",
     "pupil_mm",
     "wavelength_nm",
+    "body_mm",
     "model",
     "principal_px",
     "distortion",
@@ -61,6 +62,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "mount",
             "projection",
             "target",
+            "obstacle",
             "layout",
             "method",
             "mirror",
@@ -85,6 +87,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "f_number",
             "pupil_mm",
             "wavelength_nm",
+            "body_mm",
         ],
     ),
     ("mount", &["fold_deg", "towards_deg", "shift_mm"]),
@@ -102,6 +105,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "f_number",
             "pupil_mm",
             "wavelength_nm",
+            "body_mm",
         ],
     ),
     (
@@ -206,11 +210,28 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
     ("tolerance.limits", SOURCES),
     ("tolerance.distributions", SOURCES),
     ("tolerance.weights", SOURCES),
+    ("obstacle", &["name", "box", "cylinder", "tube", "stl"]),
+    ("obstacle.box", &["centre_mm", "size_mm"]),
+    ("obstacle.cylinder", &["from_mm", "to_mm", "radius_mm", "solid"]),
+    ("obstacle.tube", &["from_mm", "to_mm", "inner_radius_mm", "outer_radius_mm"]),
+    ("obstacle.stl", &["file"]),
 ];
+
+/// Tables of which a profile may have several, each written `[[path]]`.
+pub(crate) const LISTS: &[&str] = &["obstacle"];
 
 /// The keys of a table; none for a path that is no table.
 pub(super) fn keys(path: &str) -> &'static [&'static str] {
     TABLES.iter().find(|(table, _)| *table == path).map_or(&[], |(_, keys)| keys)
+}
+
+/// The keys of a table that are tables themselves.
+pub(super) fn tables(path: &str) -> Vec<&'static str> {
+    let is_table = |key: &&str| {
+        let inside = format!("{path}.{key}");
+        TABLES.iter().any(|(table, _)| *table == inside)
+    };
+    keys(path).iter().copied().filter(is_table).collect()
 }
 
 /// The keys of a table that most profiles use.

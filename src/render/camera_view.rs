@@ -11,7 +11,7 @@ use crate::optics::{Camera, reflect};
 use crate::parallel::{self, ScratchPool};
 use crate::raster::png;
 use crate::trace::{
-    CameraTrace, Outcome, PixelTrace, RayEnd, SampleRays, SampleTrace, Scene, TraceStrip,
+    CameraTrace, Obstacles, Outcome, PixelTrace, RayEnd, SampleRays, SampleTrace, Scene, TraceStrip,
 };
 use std::convert::Infallible;
 use std::io::{self, Write};
@@ -77,6 +77,8 @@ pub(crate) struct CameraPicture<'a> {
     camera: Camera,
     samples_per_side: u32,
     turned: bool,
+    /// What hides the designed mirror and what it shows; a mesh has its own.
+    obstacles: Option<Obstacles>,
 }
 
 impl<'a> CameraPicture<'a> {
@@ -89,7 +91,11 @@ impl<'a> CameraPicture<'a> {
         samples_per_side: u32,
     ) -> Self {
         let camera = design.camera;
-        Self { design, view, distance, camera, samples_per_side, turned: false }
+        let obstacles = match view {
+            CameraView::Smooth => Obstacles::new(&design.obstacles, design.view.as_ref()),
+            CameraView::Mesh(_) | CameraView::Shut => None,
+        };
+        Self { design, view, distance, camera, samples_per_side, turned: false, obstacles }
     }
 
     /// The same of a camera with fewer pixels, if it has more than `columns` of them in a row.
@@ -283,16 +289,26 @@ impl<'a> CameraPicture<'a> {
         }
         let ray = self.camera.ray(self.camera.image_point(x, y), scene.above_mm());
         let end = scene.trace_primary(&ray);
-        self.on_mesh(end.outcome, end.hit_point(&ray), end.direction)
+        self.on_mesh(scene.obstructed(&ray, &end), end.hit_point(&ray), end.direction)
+    }
+
+    /// The obstacle that hides what the camera sees at `point`, where the designed mirror reflects its ray as `end`.
+    fn hidden(&self, point: DVec2, end: Option<&Ray>) -> Option<u32> {
+        let obstacles = self.obstacles.as_ref()?;
+        let top_mm = obstacles.above_mm().max(2.0 * self.design.mounting.size_mm[2]);
+        obstacles.on_the_way(&self.camera.ray(point, top_mm), end)
     }
 
     /// The rays of places of a row of the picture, by the designed mirror.
     fn on_mirror(&self, columns: &[f64], y: f64) -> Vec<PictureRay> {
         let point = |&x: &f64| self.camera.image_point(x, y);
         let points: Vec<DVec2> = columns.iter().map(point).collect();
-        let painted =
-            |end: Option<Ray>| end.map_or(MISSED, |ray| self.leaving(ray.origin, ray.direction));
-        reflected(self.design, &points).into_iter().map(painted).collect()
+        let painted = |(&point, end): (&DVec2, Option<Ray>)| match self.hidden(point, end.as_ref())
+        {
+            Some(number) => PictureRay::lost(Outcome::Obstructed(number)),
+            None => end.map_or(MISSED, |ray| self.leaving(ray.origin, ray.direction)),
+        };
+        points.iter().zip(reflected(self.design, &points)).map(painted).collect()
     }
 }
 
@@ -325,8 +341,9 @@ impl<F: Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync> Sight for MeshSight<'_, 
                 }
                 let (column, row) = ((x * side as f64) as usize, (y * side as f64) as usize);
                 let end = &ends[(row - rows.start * side) * columns + column];
-                let hit_point = end.hit_point(&self.rays.at(column, row));
-                self.picture.on_mesh(end.outcome, hit_point, end.direction)
+                let ray = self.rays.at(column, row);
+                let outcome = self.scene.obstructed(&ray, end);
+                self.picture.on_mesh(outcome, end.hit_point(&ray), end.direction)
             };
         Box::new(move |rows| {
             let sampled = &edges[(rows.start - first) * width..(rows.end - first) * width];

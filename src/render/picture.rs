@@ -17,6 +17,8 @@ pub const MISSED: u32 = 0x3a3a3c;
 pub const SHADOWED: u32 = 0x7a1018;
 /// sRGB code of [`Outcome::BackFace`]: magenta.
 pub const BACK_FACE: u32 = 0xff00ff;
+/// sRGB code of [`Outcome::Obstructed`]: light grey, as no lit world is all over.
+pub const OBSTRUCTED: u32 = 0x9a9a9a;
 
 /// An 8-bit sRGB picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -191,6 +193,7 @@ impl<'a> StripPainter<'a> {
             Outcome::Shadowed(_) => hex(SHADOWED),
             Outcome::Missed => hex(MISSED),
             Outcome::BackFace => hex(BACK_FACE),
+            Outcome::Obstructed(_) => hex(OBSTRUCTED),
         }
     }
 }

@@ -288,9 +288,14 @@ impl ToRows for AcceptanceLimits {
 
 /// What became of the rays that were aimed at the mirror.
 pub(super) fn ray_counts(trace: &TraceFacts, noun: &str) -> String {
-    let TraceFacts { hit, rays, missed, shadowed, back_face, .. } = trace;
+    let TraceFacts { hit, rays, missed, shadowed, back_face, obstructed, .. } = trace;
+    let obstacles = match obstructed {
+        0 => String::new(),
+        count => format!(", {count} were behind obstacles"),
+    };
     format!(
-        "{hit} of {rays} {noun}hit, {missed} missed, {shadowed} shadowed, {back_face} met a back face"
+        "{hit} of {rays} {noun}hit, {missed} missed, {shadowed} shadowed, {back_face} met a back \
+         face{obstacles}"
     )
 }
 

@@ -4,11 +4,11 @@ use super::answer::{Answer, AnswerRows, Head};
 use super::page::{map_figure, page_of};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{FrameReport, digits};
-use crate::trace::{Coverage, FrameFill};
+use crate::trace::{Coverage, FrameFill, Obstruction};
 use std::fmt::Write;
 
 /// Names of the causes, in the order of [`crate::trace::PixelClass::LOST`].
-pub(super) const LOST: [&str; 7] = [
+pub(super) const LOST: [&str; 8] = [
     "beyond the mirror",
     "at the rim",
     "at the ridge",
@@ -16,6 +16,7 @@ pub(super) const LOST: [&str; 7] = [
     "wrong content",
     "back face",
     "missed",
+    "behind obstacles",
 ];
 
 impl FrameReport {
@@ -64,6 +65,7 @@ impl Answer for FrameReport {
         let mut rows = AnswerRows::labelled(10);
         self.add_frame(&mut rows);
         self.add_coverage(&mut rows);
+        self.add_obstacles(&mut rows);
         self.add_solid_angles(&mut rows);
         rows
     }
@@ -109,6 +111,22 @@ impl FrameReport {
                     low.min, low.max, low.mean, high.min, high.max, high.mean
                 ),
             );
+        }
+    }
+
+    /// What each obstacle hides.
+    fn add_obstacles(&self, rows: &mut AnswerRows) {
+        for Obstruction { name, pixels, azimuth_deg, elevation_deg } in &self.obstacles {
+            let azimuths: Vec<String> =
+                azimuth_deg.iter().map(|[a, b]| format!("{a:.3} to {b:.3}")).collect();
+            let sentence = match elevation_deg {
+                Some([low, high]) => format!(
+                    "{name}: {pixels} pixels, azimuth {} deg, elevation {low:.3} to {high:.3} deg",
+                    azimuths.join(" and ")
+                ),
+                None => format!("{name}: {pixels} pixels"),
+            };
+            rows.add("obstacle", sentence);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 32] = [
+const MEANINGS: [(&str, &str); 33] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -65,6 +65,10 @@ const MEANINGS: [(&str, &str); 32] = [
     (
         "frame filled",
         "Share of the pixels that see what they should within the largest error allowed.",
+    ),
+    (
+        "obstacle",
+        "What it hides of the world: its pixels, and the directions that they would show.",
     ),
     (
         "gain over a disc",

@@ -154,6 +154,9 @@ pub struct TraceFacts {
     pub shadowed: usize,
     /// Number of rays that meet the back of a facet.
     pub back_face: usize,
+    /// Number of rays that an obstacle hides, before the mirror or behind it; left out where there is none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub obstructed: usize,
     /// Against the projection and the designed mirror, by facet normals.
     #[serde(flatten)]
     pub errors: ErrorFacts,
@@ -164,6 +167,10 @@ pub struct TraceFacts {
     pub worst_vertex: Option<VertexFacts>,
     /// The check of the file's mesh.
     pub solid: SolidFacts,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// A vertex and how far it is from where the part has its surface.

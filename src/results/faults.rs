@@ -153,6 +153,13 @@ fn rim(by_rim: usize) -> String {
     )
 }
 
+fn behind_obstacles(share: f64) -> String {
+    match share {
+        0.0 => String::new(),
+        share => format!("; {:.3} % are behind obstacles", 100.0 * share),
+    }
+}
+
 /// What is wrong with a picture.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PictureFault {
@@ -187,8 +194,8 @@ pub enum PictureFault {
     },
     /// Too little of the frame is filled.
     #[error(
-        "{:.3} % of the frame see their part of the world within {tolerance_px} px, {least}",
-        100.0 * filled
+        "{:.3} % of the frame see their part of the world within {tolerance_px} px, {least}{}",
+        100.0 * filled, behind_obstacles(*hidden)
     )]
     FrameFilled {
         /// The share that is, 0 to 1.
@@ -197,6 +204,8 @@ pub enum PictureFault {
         tolerance_px: f64,
         /// The share that is to be.
         least: LeastFilled,
+        /// The share that obstacles hide, 0 to 1.
+        hidden: f64,
     },
     /// It is not sharp.
     #[error(
@@ -282,17 +291,17 @@ impl Display for LeastFilled {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{}", self.said(if self.files.len() == 1 { "was" } else { "were" }, "not"))]
 pub struct Refusal {
-    /// What stands in the way.
-    pub obstacle: Obstacle,
+    /// The kind of cause.
+    pub cause: RefusalCause,
     /// The files; none where it is a mesh for the rays alone.
     pub files: Vec<&'static str>,
     /// What the mesher said.
     pub why: String,
 }
 
-/// What stands in the way of a file of a mesh.
+/// Kind of cause for which a file of a mesh is not written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Obstacle {
+pub enum RefusalCause {
     /// Single precision does not carry the tolerances.
     SinglePrecision,
     /// No mesh keeps the tolerances.

@@ -1,7 +1,7 @@
 //! What the frame-fill check found.
 
 use super::{ProfileId, Reason, Verdict};
-use crate::trace::{Coverage, FrameFill, MinMeanMax};
+use crate::trace::{Coverage, FrameFill, MinMeanMax, Obstruction};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -16,6 +16,9 @@ pub struct FrameReport {
     pub frame: FrameFill,
     /// What the filled pixels cover of the world.
     pub coverage: Coverage,
+    /// What each obstacle hides, in the order of the profile, the camera's body last; left out without obstacles.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<Obstruction>,
     /// The solid angle of a pixel of the designed mirror.
     pub resolution: PixelSolidAngle,
     /// The shipped round mirrors, inscribed in the same sensor.

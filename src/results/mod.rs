@@ -29,7 +29,8 @@ pub use facts::{
     SolidFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
 };
 pub use faults::{
-    FileFault, LeastFilled, Obstacle, PictureFault, PixelErrorFigure, RayFault, Refusal, ShapeFault,
+    FileFault, LeastFilled, PictureFault, PixelErrorFigure, RayFault, Refusal, RefusalCause,
+    ShapeFault,
 };
 pub use frame::{FrameReport, PixelSolidAngle, RoundMirror};
 pub use machining::{

@@ -1,15 +1,18 @@
 //! The form: every key of a profile with what it is, from the table of the schema and the page of keys.
 
-use crate::profile::TABLES;
+use crate::profile::{LISTS, TABLES};
 use serde_json::{Map, Value as Json, json};
 use toml_edit::{DocumentMut, Item, Value};
 
 /// The page of all keys: a row for each, `| key | unit or type | range and default | meaning |`.
 const PAGE: &str = include_str!("../../docs/profile.md");
 
-/// The tables of a profile, each with its keys, and with the tables of which one is chosen.
+/// The tables of a profile, each with its keys, and with the tables of which one is chosen; not those of which there
+/// may be several, which are written in the text.
 pub(super) fn form() -> Json {
-    TABLES.iter().map(|(path, keys)| table(path, keys)).collect()
+    let is_several = |path: &str| LISTS.contains(&path.split('.').next().unwrap_or(path));
+    let once = TABLES.iter().filter(|(path, _)| !is_several(path));
+    once.map(|(path, keys)| table(path, keys)).collect()
 }
 
 fn is_table(path: &str) -> bool {

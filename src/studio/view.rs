@@ -46,6 +46,7 @@ pub(super) fn named_file(profile: &Profile) -> Option<&'static str> {
     match &profile.shape {
         ShapeSpec::Grid { .. } => Some("mirror.grid.file"),
         _ if profile.camera_file.is_some() => Some("camera.calibrated.file"),
+        _ if profile.obstacles.iter().any(|spec| spec.file.is_some()) => Some("obstacle.stl.file"),
         _ => profile.tolerance.map_file.as_ref().map(|_| "tolerance.map_file"),
     }
 }

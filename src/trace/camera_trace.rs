@@ -305,8 +305,22 @@ impl<'a> Tracer<'a> {
                 *end = self.scene.trace_primary(&ray);
             }
         }
+        self.obstruct(first, ends);
         OcclusionPass { tracer: self, columns, first, ends, band: &mut band }.run();
         band
+    }
+
+    /// Finds the obstructed ones among the rays of the band from row `first` on. (What is proven of the others,
+    /// that the mesh is in no reflected ray's way, holds with obstacles as without.)
+    fn obstruct(&self, first: usize, ends: &mut [RayEnd]) {
+        if self.scene.obstacles().is_none() {
+            return;
+        }
+        let columns = self.rays.camera.pixels[0] as usize;
+        for (k, end) in ends.iter_mut().enumerate() {
+            let ray = self.rays.at(k % columns, first + k / columns);
+            end.outcome = self.scene.obstructed(&ray, end);
+        }
     }
 }
 

@@ -335,7 +335,7 @@ fn extrapolate(points: &[[f64; 2]], x: f64) -> f64 {
 }
 
 /// Union of intervals of azimuth (radians, first end in [-pi, pi]), within -pi to pi, sorted.
-fn union(intervals: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+pub(super) fn union(intervals: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut parts = Vec::with_capacity(intervals.len());
     for [a, b] in intervals {
         if b - a >= TAU {

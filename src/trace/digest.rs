@@ -42,6 +42,8 @@ pub(super) struct Digest {
     pub shadowed: usize,
     /// Meeting the back of a facet.
     pub back_face: usize,
+    /// Hidden by an obstacle.
+    pub obstructed: usize,
     /// Errors by facets.
     pub facet: ErrorList,
     /// Errors by the file's own normals.
@@ -75,6 +77,7 @@ impl Digest {
                 Outcome::Missed => self.missed += 1,
                 Outcome::Shadowed(_) => self.shadowed += 1,
                 Outcome::BackFace => self.back_face += 1,
+                Outcome::Obstructed(_) => self.obstructed += 1,
             }
         }
     }

@@ -41,6 +41,8 @@ pub enum PixelClass {
     BackFace,
     /// Its ray is reflected and then meets the part.
     Shadow,
+    /// An obstacle is in the way of its ray, before the mirror or behind it.
+    Obstacle,
     /// It shows something else than the designed mirror does, or nothing, within a pixel of where
     /// the mirror ends.
     Rim,
@@ -55,7 +57,7 @@ pub enum PixelClass {
 
 impl PixelClass {
     /// The causes of loss, in the order of [`LostPixels`].
-    pub const LOST: [Self; 7] = [
+    pub const LOST: [Self; 8] = [
         Self::Beyond,
         Self::Rim,
         Self::Ridge,
@@ -63,6 +65,7 @@ impl PixelClass {
         Self::Content,
         Self::BackFace,
         Self::Missed,
+        Self::Obstacle,
     ];
 }
 
@@ -83,14 +86,21 @@ pub struct LostPixels {
     pub back_face: usize,
     /// Pixels whose ray meets nothing, far from the rim.
     pub missed: usize,
+    /// Pixels that an obstacle hides; left out where there is none.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub obstacle: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl LostPixels {
     /// The numbers in the order of [`PixelClass::LOST`].
     #[must_use]
-    pub fn counts(&self) -> [usize; 7] {
-        let Self { beyond, rim, ridge, shadow, content, back_face, missed } = *self;
-        [beyond, rim, ridge, shadow, content, back_face, missed]
+    pub fn counts(&self) -> [usize; 8] {
+        let Self { beyond, rim, ridge, shadow, content, back_face, missed, obstacle } = *self;
+        [beyond, rim, ridge, shadow, content, back_face, missed, obstacle]
     }
 }
 
@@ -119,6 +129,7 @@ pub fn classify_pixels(
             _ if !pixel.aimed => PixelClass::Beyond,
             Outcome::BackFace => PixelClass::BackFace,
             Outcome::Shadowed(_) => PixelClass::Shadow,
+            Outcome::Obstructed(_) => PixelClass::Obstacle,
             Outcome::Hit if pixel.errors.is_some_and(|e| e.image_mm <= limit) => PixelClass::Filled,
             Outcome::Hit if as_designed => PixelClass::Content,
             _ if at_rim(column, row) => PixelClass::Rim,
@@ -139,7 +150,7 @@ pub struct FrameFillBuilder {
     azimuth: ValueRange,
     /// Least and greatest Z of the directions seen.
     rise: ValueRange,
-    lost: [usize; 7],
+    lost: [usize; 8],
 }
 
 /// Least and greatest of some values.
@@ -228,7 +239,7 @@ impl FrameFillBuilder {
         let radius = 0.5 * width.min(height);
         let disc = std::f64::consts::PI * radius * radius;
         let filled = self.filled as f64;
-        let [beyond, rim, ridge, shadow, content, back_face, missed] = self.lost;
+        let [beyond, rim, ridge, shadow, content, back_face, missed, obstacle] = self.lost;
         FrameFill {
             pixels,
             filled: filled / (width * height),
@@ -239,7 +250,7 @@ impl FrameFillBuilder {
                 .0
                 .map(|range| range.map(|z| degrees(asin(z.clamp(-1.0, 1.0))))),
             gain_over_disc: filled / disc - 1.0,
-            lost: LostPixels { beyond, rim, ridge, shadow, content, back_face, missed },
+            lost: LostPixels { beyond, rim, ridge, shadow, content, back_face, missed, obstacle },
         }
     }
 }
@@ -302,7 +313,7 @@ mod tests {
             pixel(Outcome::Missed, 0.0),
             pixel(Outcome::Shadowed(3), 0.0),
             pixel(Outcome::BackFace, 0.0),
-            pixel(Outcome::Hit, 0.7),
+            pixel(Outcome::Obstructed(1), 0.0),
             PixelTrace { aimed: false, ..pixel(Outcome::Hit, 0.0) },
             pixel(Outcome::Hit, f64::NAN),
         ]);
@@ -337,6 +348,7 @@ mod tests {
             (5, 3, pixel(Outcome::Missed, 0.0), PixelClass::Missed),
             (3, 2, pixel(Outcome::Shadowed(1), 0.0), PixelClass::Shadow),
             (1, 1, pixel(Outcome::BackFace, 0.0), PixelClass::BackFace),
+            (6, 0, pixel(Outcome::Obstructed(0), 0.0), PixelClass::Obstacle),
         ];
         for (row, column, pixel, _) in cases {
             traced[row * width + column] = pixel;
@@ -345,7 +357,7 @@ mod tests {
         for (row, column, _, class) in cases {
             assert_eq!(found[row * width + column], class, "row {row}, column {column}");
         }
-        assert_eq!(frame.lost.counts(), [8, 2, 2, 1, 3, 1, 1]);
-        assert_eq!(frame.filled, (72.0 - 18.0) / 72.0);
+        assert_eq!(frame.lost.counts(), [8, 2, 2, 1, 3, 1, 1, 1]);
+        assert_eq!(frame.filled, (72.0 - 19.0) / 72.0);
     }
 }

@@ -1,5 +1,6 @@
 //! One ray's end: its nearest facet, the reflection there, and occlusion by the mesh itself.
 
+use super::obstacles::Obstacles;
 use super::scene::{LeavingRay, Scene};
 use crate::geom::{DVec3, Ray};
 use crate::optics::reflect;
@@ -15,6 +16,9 @@ pub enum Outcome {
     Shadowed(u32),
     /// Its nearest facet shows it the back.
     BackFace,
+    /// It meets the obstacle of this number before the mesh, or after it is reflected and before it meets the mesh
+    /// again or the target.
+    Obstructed(u32),
 }
 
 /// Outcome of a camera ray with the facet, the distance and the reflected direction.
@@ -58,14 +62,35 @@ impl Scene {
         RayEnd { outcome, facet: hit.facet, t: hit.t, direction }
     }
 
-    /// End of a ray: [`Scene::trace_primary`], then occlusion of the reflected ray by the mesh.
+    /// End of a ray: [`Scene::trace_primary`], then obstacles in its way, then occlusion of the reflected ray by the
+    /// mesh.
     #[must_use]
     pub fn trace(&self, ray: &Ray) -> RayEnd {
         let mut end = self.trace_primary(ray);
+        end.outcome = self.obstructed(ray, &end);
         if end.outcome == Outcome::Hit {
             end.outcome = self.occlusion(ray, &end);
         }
         end
+    }
+
+    /// Outcome of a ray of which `end` says what it meets of the mesh first: obstructed where an obstacle is before
+    /// that, or before anything else that the reflected ray meets; otherwise as before.
+    #[must_use]
+    pub fn obstructed(&self, ray: &Ray, end: &RayEnd) -> Outcome {
+        let Some(obstacles) = self.obstacles() else { return end.outcome };
+        if let Some((number, _)) = obstacles.between(ray, [Obstacles::clear(ray), end.t]) {
+            return Outcome::Obstructed(number);
+        }
+        if end.outcome != Outcome::Hit {
+            return end.outcome;
+        }
+        let LeavingRay { ray, from, clear } = LeavingRay::new(ray, end);
+        let Some((number, t)) = obstacles.before_target(&ray, clear) else { return Outcome::Hit };
+        match self.occluder_before(&ray, from, [clear, t]) {
+            Some(_) => Outcome::Hit,
+            None => Outcome::Obstructed(number),
+        }
     }
 
     /// Outcome of a ray that `end` says to be reflected: occluded by a facet, or not.

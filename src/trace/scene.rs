@@ -1,22 +1,12 @@
 //! A mesh with the search structures for rays against it.
 
-use super::hierarchical_grid::HierarchicalGrid;
+use super::mesh_search::{Hit, MeshSearch};
+use super::obstacles::Obstacles;
 use super::occlusion::OcclusionProof;
-use super::sheared_ray::{Shear, ShearedRay, ShearedVertex, barycentric, intersect};
+use super::sheared_ray::ShearedRay;
 use crate::geom::{DVec3, Ray, TriMesh};
 use crate::parallel;
-use std::sync::OnceLock;
-
-/// Intersection of a ray with a facet.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Distance along the ray, mm.
-    pub t: f64,
-    /// The facet.
-    pub facet: u32,
-    /// Barycentric coordinates in the facet.
-    pub barycentric: [f64; 3],
-}
+use std::sync::{Arc, OnceLock};
 
 /// Facets whose box is held against rays at once: neighbours in a file are near each other.
 const PIECE: usize = 256;
@@ -53,15 +43,15 @@ fn may_enter(ray: &Ray, [lo, hi]: [DVec3; 2]) -> bool {
 /// A triangle mesh with the grid that finds the facets a ray meets.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    mesh: TriMesh,
+    search: MeshSearch,
     bounds: Option<(DVec3, DVec3)>,
     /// Whether the mesh is known to be closed, as `is_closed` has it; no: not yet looked at.
     closed: bool,
     /// Made when it is first needed: never from within a trace, whose threads would wait for it
-    /// while it waits for them. Without it rays are held against every facet.
-    grid: OnceLock<HierarchicalGrid>,
-    /// Likewise.
+    /// while it waits for them.
     occlusion_proof: OnceLock<Option<OcclusionProof>>,
+    /// Bodies beside the mesh that hide what rays would show; none where nothing is there.
+    obstacles: Option<Arc<Obstacles>>,
 }
 
 impl Scene {
@@ -81,24 +71,40 @@ impl Scene {
     #[must_use]
     pub fn for_cameras(mesh: TriMesh, closed: bool) -> Self {
         let bounds = mesh.bounds();
-        Self { mesh, bounds, closed, grid: OnceLock::new(), occlusion_proof: OnceLock::new() }
+        let (search, occlusion_proof) = (MeshSearch::new(mesh), OnceLock::new());
+        Self { search, bounds, closed, occlusion_proof, obstacles: None }
+    }
+
+    /// The same scene among `obstacles`. What rays meet of the mesh before an obstacle is searched for in the grid.
+    #[must_use]
+    pub fn among(self, obstacles: Option<Arc<Obstacles>>) -> Self {
+        if obstacles.is_some() {
+            self.prepare_search();
+        }
+        Self { obstacles, ..self }
+    }
+
+    /// The bodies beside the mesh, if there are any.
+    #[must_use]
+    pub fn obstacles(&self) -> Option<&Obstacles> {
+        self.obstacles.as_deref()
     }
 
     /// Makes the grid that searches for single rays, unless it is there. It must not be called from work that
     /// is shared out among threads.
     pub fn prepare_search(&self) {
-        self.grid.get_or_init(|| HierarchicalGrid::new(&self.mesh));
+        self.search.prepare();
     }
 
     /// Whether single rays are searched for in the grid.
     pub(super) fn has_search(&self) -> bool {
-        self.grid.get().is_some()
+        self.search.is_prepared()
     }
 
     /// The triangles.
     #[must_use]
     pub fn mesh(&self) -> &TriMesh {
-        &self.mesh
+        self.search.mesh()
     }
 
     /// Smallest and largest coordinates; `None` without vertices.
@@ -110,60 +116,32 @@ impl Scene {
     /// A height above everything in it, mm, for camera rays to start from.
     #[must_use]
     pub fn above_mm(&self) -> f64 {
-        self.bounds.map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element())
+        let above = self.bounds.map_or(0.0, |(lo, hi)| hi.z + (hi - lo).max_element());
+        self.obstacles().map_or(above, |obstacles| above.max(obstacles.above_mm()))
     }
 
     /// Proof that reflected rays are unoccluded; `None` for a mesh that is not closed.
     pub(super) fn occlusion_proof(&self) -> Option<&OcclusionProof> {
-        self.occlusion_proof.get_or_init(|| OcclusionProof::new(&self.mesh, self.closed)).as_ref()
+        self.occlusion_proof.get_or_init(|| OcclusionProof::new(self.mesh(), self.closed)).as_ref()
     }
 
     /// Nearest intersection ahead of the ray's origin; of two at the same distance (a ray through an
     /// edge) that with the lower facet number.
     #[must_use]
     pub fn nearest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let line = ShearedRay::new(ray);
-        let mut nearest: Option<(f64, u32)> = None;
-        self.walk(ray, |facets| {
-            for &facet in facets {
-                if let Some(t) = self.intersect(&line, facet) {
-                    let nearer = nearest.is_none_or(|nearest| (t, facet) < nearest);
-                    if t > 0.0 && nearer {
-                        nearest = Some((t, facet));
-                    }
-                }
-            }
-            nearest.map_or(f64::INFINITY, |(t, _)| t)
-        });
-        nearest.map(|(t, facet)| Hit { t, facet, barycentric: self.barycentric(ray, facet) })
+        self.search.nearest_hit(ray, 0.0)
     }
 
     /// A facet other than `from` that the ray meets further than `clear` mm from its origin; the
     /// first one found.
     #[must_use]
     pub fn occluder(&self, ray: &Ray, from: u32, clear: f64) -> Option<u32> {
-        let line = ShearedRay::new(ray);
-        let mut found = None;
-        self.walk(ray, |facets| {
-            let blocks = |&&facet: &&u32| {
-                facet != from && self.intersect(&line, facet).is_some_and(|t| t > clear)
-            };
-            found = found.or(facets.iter().find(blocks).copied());
-            if found.is_some() { 0.0 } else { f64::INFINITY }
-        });
-        found
+        self.occluder_before(ray, from, [clear, f64::INFINITY])
     }
 
-    /// Visits the facets that a ray may meet, as [`HierarchicalGrid::walk`] does.
-    #[inline]
-    fn walk(&self, ray: &Ray, mut visit: impl FnMut(&[u32]) -> f64) {
-        if let Some(grid) = self.grid.get() {
-            grid.walk(ray, visit);
-        } else {
-            (0..self.mesh.triangles.len() as u32).for_each(|facet| {
-                visit(&[facet]);
-            });
-        }
+    /// The same between two distances from its origin, mm.
+    pub(super) fn occluder_before(&self, ray: &Ray, from: u32, between: [f64; 2]) -> Option<u32> {
+        self.search.occluder(ray, from, between)
     }
 
     /// Whether a facet other than the ray's own blocks any of `rays` further than `clear` mm from its origin:
@@ -172,7 +150,7 @@ impl Scene {
         let margin =
             self.bounds.map_or(0.0, |(lo, hi)| 1e-9 * lo.abs().max(hi.abs()).max_element());
         let blocks = |first: usize, facets: &[[u32; 3]]| {
-            let corners = facets.iter().flatten().map(|&v| self.mesh.vertices[v as usize]);
+            let corners = facets.iter().flatten().map(|&v| self.mesh().vertices[v as usize]);
             let none = [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)];
             let [lo, hi] = corners.fold(none, |[lo, hi], v| [lo.min(v), hi.max(v)]);
             let [lo, hi] = [lo - DVec3::splat(margin), hi + DVec3::splat(margin)];
@@ -180,35 +158,22 @@ impl Scene {
                 let line = ShearedRay::new(&leaving.ray);
                 (first as u32..).take(facets.len()).any(|facet| {
                     facet != leaving.from
-                        && self.intersect(&line, facet).is_some_and(|t| t > leaving.clear)
+                        && self.search.intersect(&line, facet).is_some_and(|t| t > leaving.clear)
                 })
             })
         };
-        let pieces = self.mesh.triangles.len().div_ceil(PIECE);
+        let pieces = self.mesh().triangles.len().div_ceil(PIECE);
         let piece = |k: usize| {
             let first = k * PIECE;
-            let end = self.mesh.triangles.len().min(first + PIECE);
-            blocks(first, &self.mesh.triangles[first..end])
+            let end = self.mesh().triangles.len().min(first + PIECE);
+            blocks(first, &self.mesh().triangles[first..end])
         };
         parallel::map(pieces, 64, piece).contains(&true)
     }
 
     /// Barycentric coordinates in `facet` where the ray's line meets its plane.
     pub(super) fn barycentric(&self, ray: &Ray, facet: u32) -> [f64; 3] {
-        let [a, b, c] = self.sheared(&ShearedRay::new(ray), facet);
-        barycentric(a, b, c)
-    }
-
-    #[inline]
-    fn intersect(&self, line: &ShearedRay, facet: u32) -> Option<f64> {
-        let [a, b, c] = self.sheared(line, facet);
-        let (met, t) = intersect(a, b, c);
-        met.then_some(t)
-    }
-
-    #[inline]
-    fn sheared(&self, line: &ShearedRay, facet: u32) -> [ShearedVertex; 3] {
-        self.mesh.corners(facet as usize).map(|v| line.project(v))
+        self.search.barycentric(ray, facet)
     }
 }
 
@@ -250,9 +215,9 @@ mod tests {
     }
 
     fn brute_force(scene: &Scene, ray: &Ray) -> Option<Hit> {
-        let facets = 0..scene.mesh.triangles.len() as u32;
+        let facets = 0..scene.mesh().triangles.len() as u32;
         let hits = facets.filter_map(|facet| {
-            let t = scene.intersect(&ShearedRay::new(ray), facet)?;
+            let t = scene.search.intersect(&ShearedRay::new(ray), facet)?;
             Some(Hit { t, facet, barycentric: scene.barycentric(ray, facet) })
         });
         hits.filter(|h| h.t > 0.0).min_by(|a, b| a.t.total_cmp(&b.t).then(a.facet.cmp(&b.facet)))
@@ -277,8 +242,9 @@ mod tests {
             let expected = brute_force(&scene, &ray);
             assert_eq!(scene.nearest_hit(&ray), expected, "ray {k} {ray:?}");
             let clear = 1e-6;
-            let blocked = (0..scene.mesh.triangles.len() as u32).any(|t| {
-                t != 7 && scene.intersect(&ShearedRay::new(&ray), t).is_some_and(|t| t > clear)
+            let blocked = (0..scene.mesh().triangles.len() as u32).any(|t| {
+                t != 7
+                    && scene.search.intersect(&ShearedRay::new(&ray), t).is_some_and(|t| t > clear)
             });
             assert_eq!(scene.occluder(&ray, 7, clear).is_some(), blocked, "ray {k} {ray:?}");
             hits += usize::from(expected.is_some());
@@ -320,7 +286,7 @@ mod tests {
             mesh.vertices.iter_mut().for_each(|v| *v *= width);
             let scene = Scene::new(mesh);
             let inside = |x: &f64| (0.5 * width..23.5 * width).contains(x);
-            for border in scene.grid.get().unwrap().borders().into_iter().filter(inside) {
+            for border in scene.search.grid.get().unwrap().borders().into_iter().filter(inside) {
                 for (ulps, other) in (-6..=6).flat_map(|u| [3.3, 20.1].map(|o| (u, o * width))) {
                     let x = nudge(border, ulps);
                     for direction in [DVec3::NEG_Z, DVec3::new(1e-17, -1e-17, -1.0)] {

@@ -18,6 +18,8 @@ pub struct TraceSummary {
     pub shadowed: usize,
     /// Meeting the back of a facet.
     pub back_face: usize,
+    /// Hidden by an obstacle.
+    pub obstructed: usize,
     facet: ErrorSummary,
     smooth: ErrorSummary,
 }
@@ -67,6 +69,7 @@ impl TraceSummary {
             self.missed += digest.missed;
             self.shadowed += digest.shadowed;
             self.back_face += digest.back_face;
+            self.obstructed += digest.obstructed;
         }
         let [facet, smooth]: [Vec<&ErrorList>; 2] = [
             digests.iter().map(|digest| &digest.facet).collect(),

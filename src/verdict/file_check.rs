@@ -11,9 +11,10 @@ use crate::profile::{MeshFormat, Profile};
 use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::{SolidCheck, check};
 use crate::trace::{
-    CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Outcome, PixelClass, Scene, TraceCounts,
-    TraceResult, TraceStrip, TraceSummary, classify_pixels,
+    CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Obstacles, Outcome, PixelClass, Scene,
+    TraceCounts, TraceResult, TraceStrip, TraceSummary, classify_pixels,
 };
+use std::sync::Arc;
 
 /// What the bytes of one file showed.
 pub(crate) struct FileCheck {
@@ -76,7 +77,8 @@ impl FileCheck {
         let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
         let camera = &design.camera;
         let closed = solid.check.closed && solid.check.oriented && solid.check.manifold;
-        let scene = Scene::for_cameras(mesh, closed);
+        let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
+        let scene = Scene::for_cameras(mesh, closed).among(obstacles.map(Arc::new));
         let table = expected_rays(design, promise.chord_mm);
         let trace = CameraTrace::new(&scene, camera, scene.above_mm());
         let trace = if shortcuts { trace } else { trace.without_shortcuts() };
@@ -230,7 +232,7 @@ fn trace_facts(
             facet_error_px: scaled(facet, 1.0 / pixel_mm),
         }
     };
-    let TraceSummary { aimed, hit, missed, shadowed, back_face, .. } = summary;
+    let TraceSummary { aimed, hit, missed, shadowed, back_face, obstructed, .. } = summary;
     let [by_facets, by_normals] = summary.errors();
     TraceFacts {
         file,
@@ -239,6 +241,7 @@ fn trace_facts(
         missed,
         shadowed,
         back_face,
+        obstructed,
         errors: facts(by_facets),
         interpolated_normals: has_normals.then(|| facts(by_normals)),
         worst_vertex: None,

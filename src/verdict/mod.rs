@@ -108,11 +108,13 @@ pub(crate) fn bytes(check: &FileCheck) -> impl Iterator<Item = FileFault> {
 
 /// That too little of the frame is filled.
 pub(crate) fn unfilled(frame: &FrameFill, least: LeastFilled) -> Option<PictureFault> {
-    let FrameFill { filled, tolerance_px, .. } = *frame;
+    let FrameFill { filled, tolerance_px, pixels: [width, height], lost, .. } = *frame;
+    let hidden = lost.obstacle as f64 / (f64::from(width) * f64::from(height));
     (!(filled >= least.share())).then_some(PictureFault::FrameFilled {
         filled,
         tolerance_px,
         least,
+        hidden,
     })
 }
 

@@ -4,7 +4,7 @@
 use crate::design::{Design, design};
 use crate::optics::CameraModel;
 use crate::profile::{Layout, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
-use crate::results::{PictureFault, Reason, ReasonKind};
+use crate::results::{LeastFilled, PictureFault, Reason, ReasonKind};
 
 /// How much less of an error another law must leave to be worth a change.
 const WORTH: f64 = 0.7;
@@ -13,17 +13,20 @@ const NARROW: f64 = 0.999;
 
 /// Adds to the first reason of its kind how to do better.
 pub(crate) fn add(profile: &Profile, designed: &Design, reasons: &mut [Reason]) {
-    let mut amend = |is_kind: fn(&ReasonKind) -> bool, way: &dyn Fn() -> Option<String>| {
-        if let Some(reason) = reasons.iter_mut().find(|reason| is_kind(&reason.kind)) {
-            reason.way_out = way();
+    let mut amend = |is_kind: fn(&PictureFault) -> bool,
+                     way: &dyn Fn(&PictureFault) -> Option<String>| {
+        let of_picture = reasons.iter_mut().find_map(|reason| match &reason.kind {
+            ReasonKind::Picture(fault) if is_kind(fault) => Some((way(fault), reason)),
+            _ => None,
+        });
+        if let Some((way_out, reason)) = of_picture {
+            reason.way_out = way_out;
         }
     };
-    let is_off =
-        |kind: &ReasonKind| matches!(kind, ReasonKind::Picture(PictureFault::PixelError { .. }));
-    amend(is_off, &|| another_law(profile, designed));
-    let is_unfilled =
-        |kind: &ReasonKind| matches!(kind, ReasonKind::Picture(PictureFault::FrameFilled { .. }));
-    amend(is_unfilled, &|| filling(profile));
+    let is_off = |fault: &PictureFault| matches!(fault, PictureFault::PixelError { .. });
+    amend(is_off, &|_| another_law(profile, designed));
+    let is_unfilled = |fault: &PictureFault| matches!(fault, PictureFault::FrameFilled { .. });
+    amend(is_unfilled, &|fault| filling(profile, fault));
 }
 
 /// The law that leaves a smaller error, if it is much smaller, with that error.
@@ -46,8 +49,21 @@ fn another_law(profile: &Profile, designed: &Design) -> Option<String> {
     })
 }
 
-/// How more of the frame is filled.
-pub(crate) fn filling(profile: &Profile) -> Option<String> {
+/// How more of the frame is filled, or, where only obstacles hide what is missing, how that is accepted.
+pub(crate) fn filling(profile: &Profile, fault: &PictureFault) -> Option<String> {
+    if let PictureFault::FrameFilled { filled, hidden, least, .. } = *fault
+        && hidden > 0.0
+        && filled + hidden >= least.share()
+    {
+        // Rounded down, so that the number written down is kept.
+        let share = (filled * 1e4).floor() / 1e4;
+        return Some(match least {
+            LeastFilled::Accepted(_) => {
+                format!("write frame_filled = {share} in [accept] to accept what obstacles hide")
+            }
+            LeastFilled::Asked(_) => format!("ask for {share} to accept what obstacles hide"),
+        });
+    }
     let Some(ProjectionSpec::Strip(strip)) = &profile.projection else { return wider(profile) };
     let [first, last] = strip.azimuth_deg;
     let folds = matches!(profile.layout, Layout::Strip { .. }) && [first, last] == [-180.0, 180.0];

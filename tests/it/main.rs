@@ -31,6 +31,7 @@ mod mesh_tolerance;
 mod meshes;
 mod methods;
 mod numerics;
+mod obstacles;
 mod outside;
 mod packages;
 mod packed;

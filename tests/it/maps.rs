@@ -5,7 +5,7 @@ use morion::internals::design::{Design, design};
 use morion::internals::geom::DVec2;
 use morion::internals::optics::stereographic;
 use morion::internals::pipeline::{Silent, build};
-use morion::internals::profile::{Profile, shipped};
+use morion::internals::profile::{NamedFiles, Profile, shipped};
 use morion::internals::results::{BuildReport, Verdict};
 use std::fmt::Write;
 
@@ -51,7 +51,8 @@ fn with_projection(text: &str, projection: &str) -> String {
 
 fn parsed(text: &str, file: &[u8]) -> Result<Profile, String> {
     let read = |_: &str, _| Ok(file.to_vec());
-    Profile::parse_with("m", "m.toml", text.as_bytes(), &read).map_err(|found| found.to_string())
+    let files = NamedFiles { bytes: &read, ..NamedFiles::NONE };
+    Profile::parse_with("m", "m.toml", text.as_bytes(), files).map_err(|found| found.to_string())
 }
 
 /// Largest difference of height over the part, mm.

@@ -26,6 +26,8 @@ fn the_shipped_conquistador_is_the_papers() {
             summary: "Panoramic mirror folded to fill a 640 x 480 frame".into(),
             camera: CameraModel::Orthographic { pixels: [640, 480] },
             mount: Mount::default(),
+            camera_body: None,
+            obstacles: vec![],
             camera_file: None,
             lens: LensSpec { aperture: None, focal_mm: None, wavelength_nm: 550.0 },
             projection: Some(ProjectionSpec::Strip(StripSpec {

@@ -5,7 +5,7 @@ use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, NumbersFormat, file, number, numbers, within, word};
 use super::super::{Aperture, LensSpec};
-use super::camera::{CameraEntry, CameraName, distance, pixels, pupil, wavelength};
+use super::camera::{CameraEntry, CameraName, body, distance, pixels, pupil, wavelength};
 use crate::optics::Calibration;
 use toml::de::DeValue;
 
@@ -33,7 +33,8 @@ pub(super) fn read(reader: &mut ProfileReader, section: &Section) -> CameraEntry
     let (aperture, focal_mm) = lens(reader, section);
     let lens = LensSpec { aperture, focal_mm, wavelength_nm: wavelength(reader, section) };
     let camera = calibration.zip(distance).map(|(found, distance)| found.camera(distance.value));
-    CameraEntry { name: CameraName::Calibrated, at: section.at, camera, lens, file }
+    let body = body(reader, section);
+    CameraEntry { name: CameraName::Calibrated, at: section.at, camera, lens, file, body }
 }
 
 /// Its aperture and focal length in millimetres, if they are known.

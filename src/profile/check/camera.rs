@@ -3,7 +3,8 @@
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, NumbersFormat, number, numbers};
-use super::super::{Aperture, LensSpec};
+use super::super::{Aperture, CameraBody, LensSpec};
+use super::obstacle::size;
 use super::{LARGE, is_large};
 use crate::num::tan;
 use crate::optics::CameraModel;
@@ -21,6 +22,8 @@ pub(super) struct CameraEntry {
     pub(super) lens: LensSpec,
     /// The calibration file that it names.
     pub(super) file: Option<String>,
+    /// Its body.
+    pub(super) body: Option<CameraBody>,
 }
 
 /// Which camera it is.
@@ -66,7 +69,19 @@ pub(super) fn ideal(
         (camera, (na(reader, section), None))
     };
     let lens = LensSpec { aperture, focal_mm, wavelength_nm };
-    CameraEntry { name, at: section.at, camera, lens, file: None }
+    let body = body(reader, section);
+    CameraEntry { name, at: section.at, camera, lens, file: None, body }
+}
+
+/// Its body: never of a telecentric camera, whose lens is at no known place and which has no such key.
+pub(super) fn body(reader: &mut ProfileReader, section: &Section) -> Option<CameraBody> {
+    let key = "body_mm";
+    if !section.has(key) {
+        return None;
+    }
+    let example = "as in body_mm = [29, 29, 42]; the front face goes through the entrance pupil";
+    let found = size(reader, section, key, "[width, height, depth]", example)?;
+    Some(CameraBody { size_mm: found.value, place: reader.place(found.at) })
 }
 
 pub(super) fn pixels(reader: &mut ProfileReader, section: &Section) -> Option<[u32; 2]> {

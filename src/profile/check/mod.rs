@@ -9,6 +9,7 @@ mod limits;
 mod map;
 mod mirror;
 mod mount;
+mod obstacle;
 mod posed_target;
 mod projection;
 mod reach;
@@ -111,6 +112,7 @@ pub(super) fn profile(
     let summary = summary(reader, &root);
     let parts = Entries::read(reader, &root);
     let mount = mount::read(reader, &root, &parts);
+    let obstacles = obstacle::read(reader, &root);
     let mesh = limits::mesh(reader, &root, parts.bare);
     let export = reader.section(&root, "export", Required);
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
@@ -138,6 +140,8 @@ pub(super) fn profile(
         summary: summary.unwrap_or_default(),
         lens: camera.as_ref()?.lens,
         camera_file: camera.as_ref()?.file.clone(),
+        camera_body: camera.as_ref()?.body,
+        obstacles,
         camera: camera?.camera?,
         mount,
         projection: match projection {

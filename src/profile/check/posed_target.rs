@@ -2,7 +2,7 @@
 
 use super::super::reader::Need::Required;
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{NumbersFormat, number, numbers};
+use super::super::values::{Located, NumbersFormat, number, numbers};
 use super::layout::LayoutName;
 use super::{Entries, LARGE, is_large, only};
 use crate::geom::DVec3;
@@ -38,7 +38,7 @@ fn one(reader: &mut ProfileReader, name: &str, section: &Section) -> PosedEntry 
         _ => cylinder(reader, section),
     };
     let viewpoint = match section.has("viewpoint_mm") {
-        true => place(reader, section, "viewpoint_mm"),
+        true => seen_place(reader, section, "viewpoint_mm"),
         false => Some(DVec3::ZERO),
     };
     let target = surface.zip(viewpoint).and_then(|(surface, viewpoint)| {
@@ -48,19 +48,19 @@ fn one(reader: &mut ProfileReader, name: &str, section: &Section) -> PosedEntry 
 }
 
 fn plane(reader: &mut ProfileReader, section: &Section) -> Option<PosedSurface> {
-    let point_mm = place(reader, section, "point_mm");
+    let point_mm = seen_place(reader, section, "point_mm");
     let normal = direction(reader, section, "normal");
     Some(PosedSurface::Plane { point_mm: point_mm?, normal: normal? })
 }
 
 fn sphere(reader: &mut ProfileReader, section: &Section) -> Option<PosedSurface> {
-    let centre_mm = place(reader, section, "centre_mm");
+    let centre_mm = seen_place(reader, section, "centre_mm");
     let radius_mm = radius(reader, section);
     Some(PosedSurface::Sphere { centre_mm: centre_mm?, radius_mm: radius_mm? })
 }
 
 fn cylinder(reader: &mut ProfileReader, section: &Section) -> Option<PosedSurface> {
-    let point_mm = place(reader, section, "point_mm");
+    let point_mm = seen_place(reader, section, "point_mm");
     let axis = direction(reader, section, "axis");
     let radius_mm = radius(reader, section);
     Some(PosedSurface::Cylinder { point_mm: point_mm?, axis: axis?, radius_mm: radius_mm? })
@@ -72,11 +72,21 @@ fn radius(reader: &mut ProfileReader, section: &Section) -> Option<f64> {
     Some(number(reader, section, "radius_mm", Required, &must, hint, is_large)?.value)
 }
 
-/// A place in the part's frame, mm from the middle of the mirror.
-fn place(reader: &mut ProfileReader, section: &Section, key: &str) -> Option<DVec3> {
+/// A place of what is seen, mm from the middle of the mirror.
+fn seen_place(reader: &mut ProfileReader, section: &Section, key: &str) -> Option<DVec3> {
+    place(reader, section, key, [0, 0, 500]).map(|place| place.value)
+}
+
+/// A place in the part's frame, mm from the middle of the mirror, with an example of it.
+pub(super) fn place(
+    reader: &mut ProfileReader,
+    section: &Section,
+    key: &str,
+    example: [i32; 3],
+) -> Option<Located<DVec3>> {
     let form = format!(
         "millimetres from the middle of the mirror: X to the right of the picture, Y up in it, Z towards \
-         the camera, as in {key} = [0, 0, 500]"
+         the camera, as in {key} = {example:?}"
     );
     let keys = NumbersFormat {
         key,
@@ -85,7 +95,8 @@ fn place(reader: &mut ProfileReader, section: &Section, key: &str) -> Option<DVe
         form: &form,
         limit: &form,
     };
-    numbers(reader, section, &keys, |f| f.abs() <= 1e12).map(|place| DVec3::from_array(place.value))
+    let Located { value, at } = numbers(reader, section, &keys, |f| f.abs() <= 1e12)?;
+    Some(Located { value: DVec3::from_array(value), at })
 }
 
 /// A direction in the part's frame, of any length.

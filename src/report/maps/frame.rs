@@ -10,7 +10,7 @@ use crate::trace::PixelClass;
 const BEYOND: f64 = 0.02;
 
 /// Colours of the causes, in the order of [`PixelClass::LOST`].
-const COLOURS: [Srgb; 7] = [
+const COLOURS: [Srgb; 8] = [
     [31, 59, 115],
     [255, 140, 0],
     [255, 225, 0],
@@ -18,6 +18,7 @@ const COLOURS: [Srgb; 7] = [
     [224, 0, 192],
     [0, 160, 0],
     [0, 200, 216],
+    [128, 80, 32],
 ];
 
 impl FrameReport {

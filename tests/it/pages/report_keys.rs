@@ -51,6 +51,12 @@ mesh.facet_px = 3
 export.formats = [\"stl\"]
 ";
 
+/// A leg beside the round mirror.
+const LEG: &str = "\
+[[obstacle]]
+cylinder = { from_mm = [0, 16, -30], to_mm = [0, 16, 4], radius_mm = 1.5 }
+";
+
 /// Runs in a folder of their own, and the JSON values that they made.
 struct Runs(tempfile::TempDir);
 
@@ -70,6 +76,7 @@ impl Runs {
             ("valley", edited(SMALL, &[valley]) + unmet),
             ("given", GIVEN.into()),
             ("round", ROUND.into()),
+            ("obstructed", format!("{ROUND}{LEG}")),
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
         ] {
@@ -163,9 +170,9 @@ fn hold(page: &str, headings: &[&str], values: &[Value]) {
 #[test]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
-    let mut reports: Vec<Value> = ["all", "budget", "valley", "given", "round", "oblique", "map"]
-        .map(|name| runs.printed(&format!("build {name}.toml")))
-        .into();
+    let names = ["all", "budget", "valley", "given", "round", "obstructed", "oblique", "map"];
+    let mut reports: Vec<Value> =
+        names.map(|name| runs.printed(&format!("build {name}.toml"))).into();
     runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
     reports.push(runs.printed("verify scan.stl --profile round.toml --align"));
     reports.push(runs.printed("verify out/all/mirror.obj --profile all.toml"));
@@ -188,13 +195,15 @@ fn the_page_of_reports_has_every_key() {
 #[test]
 fn the_page_of_studies_has_every_key() {
     let runs = Runs::new();
-    let frames = ["all", "round"].map(|name| runs.printed(&format!("frame {name}.toml")));
+    let frames =
+        ["all", "round", "obstructed"].map(|name| runs.printed(&format!("frame {name}.toml")));
     hold(STUDIES, &["## `frame.json`"], &frames);
     let blur =
         ["blur all.toml --na 0.01", "blur round.toml --pupil-mm 1"].map(|it| runs.printed(it));
     hold(STUDIES, &["## `blur.json`"], &blur);
     let cut = [
         "machining all.toml --ball-mm 1 --stepover-mm 0.3",
+        "machining obstructed.toml --ball-mm 1 --stepover-mm 0.3",
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));

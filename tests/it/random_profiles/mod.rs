@@ -10,7 +10,7 @@ use morion::internals::pipeline::{Command, Error, Silent, ToleranceOptions, buil
 use morion::internals::profile::{Profile, SagGrid};
 use morion::internals::results::ReasonKind::{self, NotWritten, Picture, Rays};
 use morion::internals::results::{
-    BuildReport, FileFault, Obstacle, PictureFault, RayFault, Refusal, Verdict,
+    BuildReport, FileFault, PictureFault, RayFault, Refusal, RefusalCause, Verdict,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
@@ -55,8 +55,8 @@ static PARDONED: [Pardoned; 8] = pardoned! {
     "not finite", Picture(PictureFault::NotFinite { .. }), 0.05;
     "nothing aimed", Rays(RayFault::NothingAimed), 0.2;
     "empty table", ReasonKind::File(FileFault::EmptyTable), 0.05;
-    "single precision", NotWritten(Refusal { obstacle: Obstacle::SinglePrecision, .. }), 0.05;
-    "no mesh", NotWritten(Refusal { obstacle: Obstacle::NoMesh, .. }), 0.1;
+    "single precision", NotWritten(Refusal { cause: RefusalCause::SinglePrecision, .. }), 0.05;
+    "no mesh", NotWritten(Refusal { cause: RefusalCause::NoMesh, .. }), 0.1;
 };
 
 /// How often each ending, and each kind of pardoned reason, was seen.
