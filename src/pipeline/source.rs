@@ -162,6 +162,7 @@ fn grid(folder: &Path, file: &str) -> Result<SagGrid, SourceError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::{DVec3, TriMesh};
     use crate::optics::CameraModel;
     use crate::profile::Aperture;
     use std::fs;
@@ -291,5 +292,24 @@ D: [-0.3, 0.1, 0.001, 0]
         let inputs = |camera: String| super::super::build_cache::inputs(&read(camera));
         assert_eq!(inputs(CAMERA.to_owned()), inputs(CAMERA.to_owned() + "# again\n"));
         assert_ne!(inputs(CAMERA.to_owned()), inputs(CAMERA.replace("0.001", "0.002")));
+    }
+
+    /// A build knows another obstacle by the triangles of its file.
+    #[test]
+    fn another_mesh_of_an_obstacle_is_another_input_of_a_build() {
+        let text = format!("{GIVEN}\n[[obstacle]]\nstl.file = \"bracket.stl\"\n");
+        let text =
+            text.replace("mirror.grid.file = \"data/sag.csv\"", "mirror.polynomial.radius_mm = -9");
+        let inputs = |high: f64| {
+            let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::new(0.0, 1.0, high)];
+            let mesh = move |_: &str| {
+                Ok(TriMesh { vertices: vertices.clone(), triangles: vec![[0, 1, 2]] })
+            };
+            let files = NamedFiles { mesh: &mesh, ..NamedFiles::NONE };
+            let profile = Profile::parse_with("p", "p.toml", text.as_bytes(), files);
+            super::super::build_cache::inputs(&profile.unwrap_or_else(|e| panic!("{e}")))
+        };
+        assert_eq!(inputs(2.0), inputs(2.0));
+        assert_ne!(inputs(2.0), inputs(2.5));
     }
 }

@@ -218,6 +218,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
 ];
 
 /// Tables of which a profile may have several, each written `[[path]]`.
+#[cfg(feature = "studio")]
 pub(crate) const LISTS: &[&str] = &["obstacle"];
 
 /// The keys of a table; none for a path that is no table.

@@ -54,6 +54,18 @@ fn a_refit_crest_is_the_same_on_any_number_of_threads() {
 }
 
 #[test]
+fn what_obstacles_hide_is_the_same_on_any_number_of_threads() {
+    let bodies = "
+[[obstacle]]
+cylinder = { from_mm = [0, 20, -9], to_mm = [1, 20, 30], radius_mm = 2 }
+[[obstacle]]
+box = { centre_mm = [4, 2, 9], size_mm = [1, 3, 1] }
+";
+    // Fewer pixels are filled than are asked for.
+    the_thread_count_leaves_no_trace(&format!("{SMALL}{bodies}"), 1);
+}
+
+#[test]
 fn a_refit_valley_is_the_same_on_any_number_of_threads() {
     // Its panels shadow each other, which fails, and must fail the same way.
     the_thread_count_leaves_no_trace(&small_but("\"crest\"", "\"valley\""), 1);

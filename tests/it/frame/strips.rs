@@ -2,14 +2,16 @@
 
 use crate::support::{designed, meshed, profile, shipped_but};
 use morion::internals::design::Design;
-use morion::internals::geom::{DVec2, Precision};
+use morion::internals::geom::{Cuboid, Cylinder, DVec2, DVec3, Obstacle, ObstacleShape, Precision};
 use morion::internals::optics::reflect;
 use morion::internals::profile::Profile;
 use morion::internals::solid::Solid;
 use morion::internals::trace::{
-    CameraTrace, Coverage, CoverageBuilder, ExpectedRay, FrameFill, FrameFillBuilder, Outcome,
-    PixelClass, PixelTrace, Scene, TraceCounts, TraceStrip, TraceSummary, classify_pixels,
+    CameraTrace, Coverage, CoverageBuilder, ExpectedRay, FrameFill, FrameFillBuilder, Obstacles,
+    Obstruction, ObstructionBuilder, Outcome, PixelClass, PixelTrace, Scene, TraceCounts,
+    TraceStrip, TraceSummary, classify_pixels,
 };
+use std::sync::Arc;
 
 /// A tolerance under which some pixels are lost by their content.
 const TOLERANCE_PX: f64 = 2.0;
@@ -49,7 +51,14 @@ fn expected(design: &Design, row: u32) -> Vec<ExpectedRay> {
 }
 
 /// All that is found of a frame.
-type Found = (Vec<PixelTrace>, Vec<PixelClass>, TraceCounts, FrameFill, Coverage, String);
+type Found = (
+    Vec<PixelTrace>,
+    Vec<PixelClass>,
+    TraceCounts,
+    FrameFill,
+    (Coverage, Vec<Obstruction>),
+    String,
+);
 
 fn found(design: &Design, scene: &Scene, strip_pixels: usize) -> (Found, usize) {
     let (camera, view) = (&design.camera, design.view.as_ref().unwrap());
@@ -57,12 +66,14 @@ fn found(design: &Design, scene: &Scene, strip_pixels: usize) -> (Found, usize) 
     let (mut pixels, mut classes, mut strips) = (Vec::new(), Vec::new(), 0);
     let (mut summary, mut fill) = (TraceSummary::default(), FrameFillBuilder::default());
     let mut coverage = CoverageBuilder::new(camera, view);
+    let mut hidden = ObstructionBuilder::new(camera, view, design.obstacles.len());
     let table = |row, _: &[DVec2]| expected(design, row);
     let counts = TraceStrip::each(&trace, None, Some(view), table, |strip| {
         let of_strip = classify_pixels(strip, camera.pixel_mm, TOLERANCE_PX, view.fold.is_some());
         summary.add(strip);
         fill.add(&strip.traced, &of_strip);
         coverage.add(strip, &of_strip);
+        hidden.add(strip);
         pixels.extend_from_slice(&strip.traced.pixels);
         classes.extend(of_strip);
         strips += 1;
@@ -70,19 +81,36 @@ fn found(design: &Design, scene: &Scene, strip_pixels: usize) -> (Found, usize) 
     let fill = fill.finish(camera.pixels, TOLERANCE_PX);
     let coverage = coverage.finish(design.mirror.outline.bounds().size().x);
     let errors = format!("{:?}", summary.errors());
-    ((pixels, classes, counts, fill, coverage, errors), strips)
+    let hidden = hidden.finish(design.obstacles.iter().map(|obstacle| obstacle.name.clone()));
+    ((pixels, classes, counts, fill, (coverage, hidden), errors), strips)
+}
+
+/// A wall in the north, and a leg in the south, where azimuths jump.
+fn obstacles() -> Vec<Obstacle> {
+    let wall = Cuboid::aligned(DVec3::new(3.0, 90.0, 10.0), DVec3::new(50.0, 4.0, 60.0));
+    let leg = Cylinder {
+        from_mm: DVec3::new(1.0, -70.0, -50.0),
+        to_mm: DVec3::new(-1.0, -70.0, 60.0),
+        radius_mm: 5.0,
+        is_solid: true,
+    };
+    let named = |(name, shape): (&str, ObstacleShape)| Obstacle { name: name.into(), shape };
+    [("wall", ObstacleShape::Cuboid(wall)), ("leg", ObstacleShape::Cylinder(leg))].map(named).into()
 }
 
 #[test]
 fn no_answer_depends_on_the_strips() {
-    let mut lost = 0;
+    let (mut lost, mut hidden) = (0, [0; 2]);
     for (name, facet_px, pixels) in [
         // Facets of many pixels, and of few.
         ("conquistador", "facet_px = 30", [200, 150]),
         ("conquistador", "facet_px = 1", [161, 203]),
         ("panoramic", "facet_px = 5", [97, 331]),
     ] {
-        let (design, scene) = part(name, facet_px, pixels);
+        let (mut design, scene) = part(name, facet_px, pixels);
+        design.obstacles = obstacles();
+        let bodies = Obstacles::new(&design.obstacles, design.view.as_ref());
+        let scene = scene.among(bodies.map(Arc::new));
         let (whole, strips) = found(&design, &scene, usize::MAX);
         assert_eq!(strips, 1);
         let (parts, strips) = found(&design, &scene, 1);
@@ -91,12 +119,15 @@ fn no_answer_depends_on_the_strips() {
         assert_eq!(whole.1, parts.1, "{name}: classes");
         assert_eq!(whole.2, parts.2, "{name}: counts");
         assert_eq!(whole.3, parts.3, "{name}: fill");
-        assert_eq!(whole.4, parts.4, "{name}: coverage");
+        assert_eq!(whole.4, parts.4, "{name}: coverage and obstructions");
+        for (count, of) in hidden.iter_mut().zip(&whole.4.1) {
+            *count += of.pixels;
+        }
         assert_eq!(whole.5, parts.5, "{name}: errors");
         assert!(whole.1.contains(&PixelClass::Filled), "{name}");
         lost += whole.3.lost.rim + whole.3.lost.content;
     }
-    assert!(lost > 0);
+    assert!(lost > 0 && hidden.iter().all(|count| *count > 100), "{lost} {hidden:?}");
 }
 
 /// Of the rays of a ridge that is a valley many are shadowed, of a bulging mirror few are in doubt.

@@ -94,6 +94,8 @@ fn what_is_hidden_is_no_error_and_not_filled() {
     let error = |report: &Value| report["trace"][0]["pixel_error_px"]["max"].as_f64().unwrap();
     assert!(error(&hidden) <= error(&free));
     assert_eq!((&free["verdict"], &hidden["verdict"]), (&"pass".into(), &"pass".into()));
+    let file = json(folder.path(), &["verify", "out/small/mirror.stl", "--profile", "small.toml"]);
+    assert_eq!((count(&file, "obstructed"), frame(&file, "obstacle")), (lost, lost));
     // Where more is asked for than obstacles leave, the reason names them, and its way out is one.
     let between = 0.5 * (filled(&free) + filled(&hidden)) / (240.0 * 240.0);
     let filling = format!("frame_filled = {between}");
