@@ -101,7 +101,7 @@ impl SelfConsistentGeometry {
 }
 
 impl DesignProblem {
-    /// Lays out `profile`, if it has a projection.
+    /// Lays out `profile`, if it has one projection for all of the mirror.
     ///
     /// # Errors
     /// [`FailureCause`] when a law that is to be found cannot be.
@@ -111,7 +111,8 @@ impl DesignProblem {
     ) -> Result<Option<Self>, FailureCause> {
         let camera = Camera::new(&profile.camera, &profile.mount, profile.part.width_mm);
         match &profile.projection {
-            None => Ok(None),
+            // Panels are problems of their own.
+            None | Some(ProjectionSpec::Panels(_)) => Ok(None),
             Some(ProjectionSpec::Strip(wanted)) => Self::strip(profile, wanted, camera).map(Some),
             Some(ProjectionSpec::Radial(wanted)) => {
                 Ok(Some(Self::round(profile, wanted, camera, geometry)))
@@ -239,7 +240,7 @@ impl DesignProblem {
 
     /// The problem of a picture that ends with the frame, on the rectangle `area`; `symmetric`: reflecting it in X = 0
     /// reflects the world.
-    fn framed(
+    pub(super) fn framed(
         camera: Camera,
         area: Rect,
         projection: Projection,

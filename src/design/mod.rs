@@ -15,6 +15,7 @@ mod least_curl_law;
 mod minimax;
 mod mounting;
 mod obstacles;
+mod panels;
 #[cfg(test)]
 mod paper_mirrors;
 mod remedy;
@@ -38,7 +39,7 @@ pub use straightness::Straightness;
 use crate::geom::{Border, Obstacle, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
-use crate::profile::{Method, Profile, ShapeSpec};
+use crate::profile::{Method, Profile, ProjectionSpec, ShapeSpec};
 use broyden::Broyden;
 use layout::{DesignProblem, SelfConsistentGeometry};
 use std::sync::Arc;
@@ -205,6 +206,16 @@ fn try_design(profile: &Profile) -> Result<Design, DesignError> {
 fn solve(profile: &Profile) -> Result<Design, DesignError> {
     match &profile.shape {
         ShapeSpec::Designed(method) => {
+            if let Some(ProjectionSpec::Panels(wanted)) = &profile.projection {
+                let found = panels::solved(profile, wanted, method)?;
+                return place_on_base(
+                    profile,
+                    found.camera,
+                    Some(found.view),
+                    found.mirror,
+                    found.facts,
+                );
+            }
             let (problem, mirror, facts) = solve_self_consistently(profile, method)?;
             place_on_base(profile, problem.camera, Some(problem.view), mirror, facts)
         }

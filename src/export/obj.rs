@@ -151,6 +151,14 @@ fn mean<T>(items: &[T], line: impl Fn(&mut Vec<u8>, &T) -> io::Result<()>) -> f6
 
 /// The mirror's unit normals at `vertices`.
 fn normals(mirror: &Mirror, vertices: &[DVec3]) -> Vec<DVec3> {
+    if mirror.has_steps() {
+        let panels = mirror.panels();
+        let unit = |v: &DVec3| {
+            let (q, panel) = (mirror.chart.coordinates(*v).0, &panels[mirror.panel_at(*v)]);
+            panel.normal(q, &panel.at(q)).normalize() + DVec3::ZERO
+        };
+        return parallel::map_slice(vertices, 1 << 10, unit);
+    }
     let places: Vec<DVec2> = vertices.iter().map(|&v| mirror.chart.coordinates(v).0).collect();
     let lines: Vec<&[DVec2]> = places.chunk_by(|a, b| a.y == b.y).collect();
     let evaluate = |line: &&[DVec2]| {

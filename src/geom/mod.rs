@@ -9,9 +9,11 @@ mod chart;
 mod derivative_bounds;
 mod obstacle;
 mod outline;
+mod panels;
 mod rect;
 mod sampling;
 mod split;
+mod triangulate;
 mod trimesh;
 
 pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, LEAST_KNOTS};
@@ -21,8 +23,10 @@ pub use derivative_bounds::DerivativeBounds;
 pub use glam::{DVec2, DVec3};
 pub use obstacle::{Cuboid, Cylinder, Obstacle, ObstacleShape, Tube};
 pub use outline::Outline;
+pub use panels::{CommonStretch, DividingLine, Panels};
 pub use rect::Rect;
 pub use sampling::{GridAxis, ScanPath, ScanPattern};
+pub use triangulate::{TriangulationFault, triangulate_loops};
 pub use trimesh::{TriMesh, Welder, turn};
 
 /// How many digits the coordinates of a file carry.

@@ -15,6 +15,18 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// All facets of several meshes, which share no vertices.
+    #[must_use]
+    pub fn side_by_side(meshes: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Self::default();
+        for mesh in meshes {
+            let first = all.vertices.len() as u32;
+            all.vertices.extend(mesh.vertices);
+            all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        all
+    }
+
     /// The three corners of facet `t`.
     #[inline]
     #[must_use]

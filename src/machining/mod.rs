@@ -48,6 +48,12 @@ pub enum MachiningError {
         /// What it is.
         found: f64,
     },
+    /// Walls between panels.
+    #[error(
+        "a mirror of panels has walls between them, beside which a ball leaves material that is not foreseen here; have \
+         each panel made apart, or give one view alone"
+    )]
+    Panels,
     /// Lines too far apart for the ball.
     #[error(
         "with a stepover of {stepover_mm} mm the lines are {apart_mm:.3} mm apart on the mirror at X {:.3} \

@@ -2,6 +2,7 @@
 
 use super::bound::error_bound::ErrorBound;
 use crate::geom::DVec2;
+use crate::mirror::WallFault;
 use thiserror::Error;
 
 /// Largest number of facets of the whole face: about 15 GB in all stages.
@@ -106,6 +107,9 @@ pub enum MeshError {
         /// Place of the smallest ones in the chart, mm.
         at: DVec2,
     },
+    /// A wall between panels cannot be made.
+    #[error(transparent)]
+    Wall(#[from] WallFault),
     /// The Delaunay triangulation (spade) refused a point.
     #[error("the point ({x}, {y}) cannot be triangulated: {reason}")]
     PointRejected {

@@ -25,7 +25,9 @@ mod bound;
 mod budget;
 mod coarse;
 mod error;
+mod face;
 mod mesher;
+mod panel_mesher;
 mod refine;
 mod sizing;
 #[cfg(test)]
@@ -36,13 +38,13 @@ pub use bound::error_bounder::ErrorBounder;
 pub use bound::vertex::SurfaceVertex;
 pub use budget::{Budget, ClosureCount, MeshPlan};
 pub use error::{ImageSingularity, MeshError};
-pub use mesher::{Face, FaceForecast};
+pub use face::{Face, FaceForecast};
 pub use sizing::optimum::Optimum;
 
 use crate::geom::Chart;
 use crate::mirror::Mirror;
 use crate::optics::ImagingTask;
-use mesher::Mesher;
+use mesher::{Mesher, SmoothPanels};
 
 /// The optical face of `mirror` with facets that keep `limits` as the camera of chart `camera` sees them.
 ///
@@ -60,7 +62,7 @@ pub fn mesh(
     view: Option<&ImagingTask>,
     limits: Limits,
 ) -> Result<Face, MeshError> {
-    Mesher::new(mirror, camera, view).mesh(limits)
+    Mesher::new(&SmoothPanels::new(mirror, view), camera).mesh(limits)
 }
 
 /// Forecast of the size of the mesh that [`mesh`] makes of the same arguments, mostly without making it.
@@ -76,5 +78,5 @@ pub fn forecast(
     view: Option<&ImagingTask>,
     limits: Limits,
 ) -> Result<FaceForecast, MeshError> {
-    Mesher::new(mirror, camera, view).forecast(limits)
+    Mesher::new(&SmoothPanels::new(mirror, view), camera).forecast(limits)
 }

@@ -14,22 +14,29 @@ pub(crate) mod fixtures;
 mod form;
 mod height_field;
 mod local_surface;
+mod panelled;
 mod radial_legendre;
 mod radial_tensor_sum;
 mod surface;
 mod tensor_legendre;
 mod volume;
+mod walls;
 
 pub use bounds::{BoundCells, BoundGrid, UnionBound};
 pub use form::{BestFitPlane, BestFitSphere, Departure, Form};
 pub use height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 pub use local_surface::{LocalSurface, PlanJacobian};
+pub use panelled::PanelledSurface;
 pub use radial_legendre::{RadialLegendre, RadialLegendreRow, Rings};
 pub use radial_tensor_sum::{RadialTensorSum, RadialTensorSumRow};
 pub use surface::{Surface, SurfaceRow};
 pub use tensor_legendre::{TensorLegendre, TensorLegendreRow};
+pub use walls::WallFault;
 
 use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
+
+/// How far beyond the line between two panels rounding takes a vertex, as a share of the mirror's size.
+const ROUNDED: f64 = 1e-6;
 
 /// A designed or given mirror in the part frame.
 #[derive(Debug, Clone)]
@@ -78,10 +85,57 @@ impl Mirror {
         }
     }
 
-    /// Each panel as a mirror of its own, the designed one first, whose surface goes on beyond the
+    /// Whether there are steps between panels.
+    #[must_use]
+    pub fn has_steps(&self) -> bool {
+        matches!(self.surface, Surface::Panels(_))
+    }
+
+    /// The share of the panels' circumferences that lies between panels.
+    #[must_use]
+    pub fn inner_share(&self) -> f64 {
+        let Surface::Panels(PanelledSurface { parts, .. }) = &self.surface else { return 0.0 };
+        let around = |rect: &Rect| 2.0 * rect.size().element_sum();
+        let all: f64 = parts.0.iter().map(around).sum();
+        1.0 - around(&self.outline.bounds()) / all
+    }
+
+    /// The index in [`Mirror::panels`] of the panel of `q`.
+    #[must_use]
+    pub fn panel_of(&self, q: DVec2) -> usize {
+        match &self.surface {
+            Surface::Panels(panelled) => panelled.parts.index_of(q),
+            _ => usize::from(self.reflects(q)),
+        }
+    }
+
+    /// The index in [`Mirror::panels`] of the panel of a point of space on the mirror, mm: where panels meet, of the one
+    /// that is the nearest.
+    #[must_use]
+    pub fn panel_at(&self, point: DVec3) -> usize {
+        let (q, f) = self.chart.coordinates(point);
+        match &self.surface {
+            Surface::Panels(panelled) => {
+                panelled.nearest(q, f, ROUNDED * self.outline.bounds().size().max_element())
+            }
+            _ => usize::from(self.reflects(q)),
+        }
+    }
+
+    /// Each panel as a mirror of its own, of a folded mirror the designed one first, whose surface goes on beyond the
     /// ridge.
     #[must_use]
     pub fn panels(&self) -> Vec<Self> {
+        if let Surface::Panels(PanelledSurface { parts, sheets }) = &self.surface {
+            let panel = |(part, sheet): (&Rect, &TensorLegendre)| Self {
+                surface: Surface::Tensor(sheet.clone()),
+                outline: Outline::Rect(*part),
+                folded: false,
+                mirror_symmetric: [false; 2],
+                chart: self.chart,
+            };
+            return parts.0.iter().zip(sheets).map(panel).collect();
+        }
         let one = Self { folded: false, ..self.clone() };
         let Outline::Rect(Rect { min, max }) = self.outline else { return vec![one] };
         if !self.folded {
@@ -146,6 +200,16 @@ impl Mirror {
             self.row(line[0].y).extend_at(&xs, &mut points);
         }
         points
+    }
+
+    /// Position (mm) of a panel's point over `q`, by the panel's number of those with steps between them.
+    #[must_use]
+    pub fn position_on(&self, panel: usize, q: DVec2) -> DVec3 {
+        let point = match &self.surface {
+            Surface::Panels(panelled) => panelled.sheets[panel].at(q),
+            _ => self.row(q.y).at(q.x),
+        };
+        self.position(q, &point)
     }
 
     /// Position (mm) of the mirror's point over `q`.

@@ -2,6 +2,7 @@
 
 use super::bounds::BoundGrid;
 use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian, bound_grid};
+use super::panelled::PanelledSurface;
 use super::radial_legendre::RadialLegendre;
 use super::radial_tensor_sum::RadialTensorSum;
 use super::tensor_legendre::TensorLegendre;
@@ -142,6 +143,8 @@ surfaces! {
     Sum(RadialTensorSum),
     /// A spline through sag on a grid.
     Spline(BicubicSpline),
+    /// Tensor series side by side.
+    Panels(PanelledSurface),
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Volume between a mirror and the base plane.
 
-use super::{HeightAndSlope, Mirror};
-use crate::geom::{Chart, DVec2, DVec3, Outline};
+use super::{HeightAndSlope, HeightField, Mirror, PanelledSurface, Surface, TensorLegendre};
+use crate::geom::{Chart, CommonStretch, DVec2, DVec3, Outline};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{asin, cos, sin};
 use crate::parallel;
@@ -34,7 +34,10 @@ impl Mirror {
             }
             _ => 0.0,
         };
-        panels * self.under_panel(&|at, _| at.z) + land
+        // The height over the reference plane is (1 - e) / k where the view has shrunk to e.
+        let (plane, k) = (self.chart.plane_mm, self.chart.vergence);
+        let under = |e: f64| 0.5 * plane * e * e + (0.5 * e * e - e * e * e / 3.0) / k;
+        panels * self.under_panel(&|at, _| at.z) + self.under_walls(&under) + land
     }
 
     /// Area that the mirror, a land inside a ring included, covers of the (X, Y) plane, mm^2.
@@ -47,7 +50,7 @@ impl Mirror {
             }
             Outline::Rect(_) => 0.0,
         };
-        panels * self.under_panel(&|_, _| 1.0) + land
+        panels * self.under_panel(&|_, _| 1.0) + self.under_walls(&|e| 0.5 * e * e) + land
     }
 
     /// Mean of Z over equal angles at `radius` from the axis, mm.
@@ -98,6 +101,27 @@ impl Mirror {
             }
             Outline::Ring { inner, outer } => self.disc(outer, of) - self.disc(inner, of),
         }
+    }
+
+    /// The integral of a function of height over what the walls between panels cover of the (X, Y) plane, negative where a
+    /// wall overhangs: `primitive` is that of the function times e, by the shrinkage e of the view at the height.
+    fn under_walls(&self, primitive: &dyn Fn(f64) -> f64) -> f64 {
+        let Surface::Panels(PanelledSurface { parts, sheets }) = &self.surface else { return 0.0 };
+        let shrunk = |sheet: &TensorLegendre, q: DVec2| {
+            self.chart.view_scale(self.chart.point(q, sheet.height(q)).z)
+        };
+        let mut sum = 0.0;
+        for line in parts.dividing_lines() {
+            for CommonStretch { pair, ends } in line.stretches(parts) {
+                let [below, above] = pair.map(|k| &sheets[k]);
+                let rise = |(along, w): (f64, f64)| {
+                    let q = line.place(along);
+                    w * (primitive(shrunk(above, q)) - primitive(shrunk(below, q)))
+                };
+                sum += line.at * composite(&ends, NODES).into_iter().map(rise).sum::<f64>();
+            }
+        }
+        sum
     }
 
     /// The same under a disc about the axis: along its chords, the chords at y = radius sin(angle),

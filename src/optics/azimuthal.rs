@@ -48,6 +48,8 @@ pub struct Azimuthal {
     rotation: [DVec2; 2],
     /// Cosine and sine of the picture's turn, and -1 where left and right are exchanged.
     turn: [f64; 3],
+    /// Image point of the centre, mm.
+    middle: DVec2,
 }
 
 impl Azimuthal {
@@ -71,13 +73,24 @@ impl Azimuthal {
         let side = if mirrored { 1.0 } else { -1.0 };
         // (1 s + axis) / (1 - conj(axis) s) after the same for the centre.
         let a = DVec2::X - complex_product(axis, conjugate(centre));
-        Self { law, rotation: [a, centre + axis], turn: [roll_c, roll_s, side] }
+        Self {
+            law,
+            rotation: [a, centre + axis],
+            turn: [roll_c, roll_s, side],
+            middle: DVec2::ZERO,
+        }
+    }
+
+    /// The same view with its centre at another image point, mm.
+    #[must_use]
+    pub fn about(self, middle: DVec2) -> Self {
+        Self { middle, ..self }
     }
 
     /// Azimuth and elevation of the centre in the part's frame, degrees.
     #[must_use]
     pub fn centre_deg(&self) -> [f64; 2] {
-        let [x, y] = self.direction_of([0.0; 2]);
+        let [x, y] = self.direction_of(self.middle.to_array());
         let radius = (x * x + y * y).sqrt();
         [degrees(atan2(x, y)), 90.0 - 2.0 * degrees(atan(radius))]
     }
@@ -86,13 +99,14 @@ impl Azimuthal {
     #[must_use]
     pub fn is_symmetric_in_x(&self) -> bool {
         let [a, b] = self.rotation;
-        a.y == 0.0 && b.x == 0.0 && self.turn[1] == 0.0
+        a.y == 0.0 && b.x == 0.0 && self.turn[1] == 0.0 && self.middle.x == 0.0
     }
 
     /// Direction that image point `q` must see, as a stereographic coordinate.
     #[inline]
     pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
         let [c, s, side] = self.turn;
+        let q = [q[0] - self.middle.x, q[1] - self.middle.y];
         let turned = [(q[0] * c - q[1] * s) * side, q[0] * s + q[1] * c];
         let [a, b] = self.rotation;
         moebius([a, b], self.law.direction_of(turned))
@@ -105,7 +119,7 @@ impl Azimuthal {
         let [a, b] = self.rotation;
         let [x, y] = self.law.image_of(moebius([conjugate(a), -b], sigma));
         let x = x * side;
-        [x * c + y * s, y * c - x * s]
+        [x * c + y * s + self.middle.x, y * c - x * s + self.middle.y]
     }
 
     /// Radians of the world to a millimetre of the image, at the centre.

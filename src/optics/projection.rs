@@ -1,6 +1,6 @@
 //! Projections: which direction of the world each image point must see, and back.
 
-use super::{Azimuthal, RadialLaw, SampledMap, Strip};
+use super::{Azimuthal, PanelledView, RadialLaw, SampledMap, Strip};
 use crate::geom::DVec2;
 use crate::num::Scalar;
 use std::f64::consts::TAU;
@@ -23,6 +23,8 @@ pub enum Projection {
     Azimuthal(Azimuthal),
     /// Directions given as data.
     Map(Arc<SampledMap>),
+    /// Views side by side.
+    Panels(Arc<PanelledView>),
 }
 
 impl Projection {
@@ -34,6 +36,7 @@ impl Projection {
             Self::Radial { law, .. } => law.direction_of(q),
             Self::Azimuthal(view) => view.direction_of(q),
             Self::Map(map) => map.direction_of(q),
+            Self::Panels(views) => views.direction_of(q),
         }
     }
 
@@ -45,6 +48,7 @@ impl Projection {
             Self::Radial { law, .. } => law.image_of(sigma),
             Self::Azimuthal(view) => view.image_of(sigma),
             Self::Map(map) => map.image_of(sigma, near),
+            Self::Panels(views) => views.image_of(sigma, near),
         }
     }
 
@@ -54,7 +58,7 @@ impl Projection {
     pub fn wants(&self, image: DVec2) -> bool {
         match self {
             Self::Map(map) => map.wants(image),
-            Self::Strip(_) | Self::Radial { .. } | Self::Azimuthal(_) => true,
+            Self::Strip(_) | Self::Radial { .. } | Self::Azimuthal(_) | Self::Panels(_) => true,
         }
     }
 
@@ -62,7 +66,7 @@ impl Projection {
     #[must_use]
     pub fn keeps_lines(&self) -> bool {
         match self {
-            Self::Strip(_) | Self::Map(_) => false,
+            Self::Strip(_) | Self::Map(_) | Self::Panels(_) => false,
             Self::Radial { law, .. } | Self::Azimuthal(Azimuthal { law, .. }) => {
                 matches!(law, RadialLaw::Plane { .. })
             }
@@ -78,6 +82,7 @@ impl Projection {
             Self::Radial { radius: [_, outer], .. } => *outer,
             Self::Azimuthal(view) => 1.0 / view.radians_per_mm(),
             Self::Map(map) => 1.0 / map.radians_per_mm(),
+            Self::Panels(views) => 1.0 / views.radians_per_mm(),
         }
     }
 
@@ -91,6 +96,7 @@ impl Projection {
             }
             Self::Azimuthal(view) => view.radians_per_mm(),
             Self::Map(map) => map.radians_per_mm(),
+            Self::Panels(views) => views.radians_per_mm(),
         }
     }
 

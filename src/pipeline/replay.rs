@@ -9,6 +9,7 @@ use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
 use crate::geom::{DVec3, Precision, TriMesh};
+use crate::mesh::Face;
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::part::{self, AtPrecision, codec};
@@ -126,25 +127,33 @@ impl<'a> ImperfectPart<'a> {
         if longest_edge_mm.is_some_and(too_fine) { Err(part.too_fine()) } else { Ok(part) }
     }
 
-    /// The optical face with the part's form, and how many facets its mesh has as designed.
-    fn face(&self) -> Result<(AtPrecision<TriMesh>, String), Error> {
+    /// The optical face with the part's form and the number of facets of its walls, and how many facets its mesh has as designed.
+    fn face(&self) -> Result<(AtPrecision<(TriMesh, usize)>, String), Error> {
         let AtPrecision { made, precision, formats, refused } =
             part::face(self.profile, self.design)
                 .map_err(|error| Error::face(self.profile, error))?;
         let note = format!("{} optical triangles", made.mesh.triangles.len());
-        let mut mesh = made.mesh;
+        let Face { mut mesh, mut walls, .. } = made;
         if let Some(edge) = self.longest_edge_mm {
             let between = |a: DVec3, b: DVec3| middle(self.design, a, b);
+            // Walls follow the edges of the panels, which are split.
+            mesh.triangles.truncate(mesh.triangles.len() - walls);
             mesh = mesh.split(edge, MOST_FACETS, between).ok_or_else(|| self.too_fine())?;
+            let walled = self.design.mirror.with_walls(mesh).map_err(|fault| Error::Replay {
+                profile: self.profile.name.clone(),
+                reason: fault.to_string(),
+            })?;
+            (mesh, walls) = walled;
         }
-        let made = displaced(self.engine, &self.made, mesh);
+        let made = (displaced(self.engine, &self.made, mesh), walls);
         Ok((AtPrecision { made, precision, formats, refused }, note))
     }
 
     /// The closed part in the digits of a format, and how many triangles it has.
-    fn solid(&self, face: &TriMesh, format: MeshFormat) -> Result<(Solid, String), Error> {
+    fn solid(&self, face: &(TriMesh, usize), format: MeshFormat) -> Result<(Solid, String), Error> {
         let name = || self.profile.name.clone();
-        let solid = Solid::from_face(face, self.design.border.as_ref(), Precision::Double)
+        let (face, walls) = face;
+        let solid = Solid::from_face(face, *walls, self.design.border.as_ref(), Precision::Double)
             .and_then(|solid| {
                 solid.grown(self.engine.growth(&self.made), codec(format).precision())
             })
@@ -274,7 +283,7 @@ fn facets_of(design: &Design, edge: f64) -> f64 {
 fn middle(design: &Design, a: DVec3, b: DVec3) -> DVec3 {
     let mirror = &design.mirror;
     let q = 0.5 * (mirror.chart.coordinates(a).0 + mirror.chart.coordinates(b).0);
-    mirror.position(q, &mirror.row(q.y).at(q.x))
+    mirror.position_on(mirror.panel_at(a), q)
 }
 
 /// The designed face with the form of a made one.

@@ -279,6 +279,10 @@ fn tracks(
     PreparedStudy { design, engine, .. }: &PreparedStudy,
 ) -> Result<Option<MachiningReport>, Error> {
     let ToleranceSpec { sources, texture, budget_px, .. } = &engine.spec;
+    // What a ball leaves beside the walls between panels is not foreseen.
+    if design.mirror.has_steps() {
+        return Ok(None);
+    }
     let Some(tracks) = sources.iter().find(|source| source.kind == Perturbation::Stepover) else {
         return Ok(None);
     };

@@ -38,7 +38,9 @@ pub use complaint::{Complaint, Complaints};
 pub use format::{CadFormat, FileFormat, MeshFormat};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
-pub use projection::{AzimuthalSpec, MapSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+pub use projection::{
+    AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec,
+};
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]
 pub(crate) use schema::{LISTS, TABLES};

@@ -14,6 +14,8 @@ pub enum ProjectionSpec {
     Azimuthal(AzimuthalSpec),
     /// Directions given as data.
     Map(MapSpec),
+    /// Views side by side, each on a panel of its own: at least two, which tile the frame without gaps or overlaps.
+    Panels(Vec<PanelSpec>),
 }
 
 impl ProjectionSpec {
@@ -24,16 +26,18 @@ impl ProjectionSpec {
             ProjectionSpec::Radial(radial) => radial.target,
             ProjectionSpec::Azimuthal(view) => view.target,
             ProjectionSpec::Map(map) => map.target,
+            ProjectionSpec::Panels(_) => Target::Infinity,
         }
     }
 
-    /// The same, to be changed.
-    pub fn target_mut(&mut self) -> &mut Target {
+    /// The same, to be changed; none of panels, which show what is far away.
+    pub fn target_mut(&mut self) -> Option<&mut Target> {
         match self {
-            ProjectionSpec::Strip(strip) => &mut strip.target,
-            ProjectionSpec::Radial(radial) => &mut radial.target,
-            ProjectionSpec::Azimuthal(view) => &mut view.target,
-            ProjectionSpec::Map(map) => &mut map.target,
+            ProjectionSpec::Strip(strip) => Some(&mut strip.target),
+            ProjectionSpec::Radial(radial) => Some(&mut radial.target),
+            ProjectionSpec::Azimuthal(view) => Some(&mut view.target),
+            ProjectionSpec::Map(map) => Some(&mut map.target),
+            ProjectionSpec::Panels(_) => None,
         }
     }
 }
@@ -100,6 +104,18 @@ pub struct AzimuthalSpec {
     pub mirrored: bool,
     /// Surface that the picture shows.
     pub target: Target,
+}
+
+/// A view in a part of the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanelSpec {
+    /// Columns of the frame from the first edge to the last, pixels: rising, within the frame.
+    pub columns: [u32; 2],
+    /// Rows of the frame from the upper edge to the lower one, pixels: rising, within the frame.
+    pub rows: [u32; 2],
+    /// The view, whose angle is the one across the panel's width and whose centre is in the panel's middle. Its
+    /// centre is always given, and its target is far away.
+    pub view: AzimuthalSpec,
 }
 
 /// A picture given as data.

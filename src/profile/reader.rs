@@ -338,7 +338,7 @@ impl<'a> ProfileReader<'a> {
         parent: &Section<'t>,
         key: &str,
         most: usize,
-        hint: &str,
+        [hint, too_many]: [&str; 2],
     ) -> Vec<Section<'t>> {
         let path = parent.path_of(key);
         let must = format!("a list of tables [[{path}]], at most {most}");
@@ -353,7 +353,7 @@ impl<'a> ProfileReader<'a> {
                 let open = |(at, table)| self.open(path.clone(), at, table, "");
                 return tables.into_iter().map(open).collect();
             }
-            Some(tables) => (tables.len().to_string(), "an STL may hold several bodies".to_owned()),
+            Some(tables) => (tables.len().to_string(), too_many.to_owned()),
             None => {
                 (self.quote_type(value), format!("write [[{path}]] with double brackets; {hint}"))
             }

@@ -17,6 +17,8 @@ const FISHEYE: &[&str] = &[
     "target_radius_mm",
     "target_plane_mm",
 ];
+const PANEL: &[&str] =
+    &["columns", "rows", "law", "centre_deg", "hfov_deg", "roll_deg", "mirrored"];
 const METHOD: &[&str] = &["degree", "minimax"];
 /// Error sources, each with its unit.
 const SOURCES: &[&str] = Perturbation::KEYS;
@@ -61,6 +63,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "camera",
             "mount",
             "projection",
+            "panel",
             "target",
             "obstacle",
             "layout",
@@ -149,6 +152,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
     ("projection.perspective", PERSPECTIVE),
     ("projection.fisheye", FISHEYE),
     ("projection.map", &["file", "kind", "target_radius_mm", "target_plane_mm"]),
+    ("panel", PANEL),
     ("target", &["plane", "sphere", "cylinder"]),
     ("target.plane", &["point_mm", "normal", "viewpoint_mm"]),
     ("target.sphere", &["centre_mm", "radius_mm", "viewpoint_mm"]),
@@ -219,7 +223,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
 
 /// Tables of which a profile may have several, each written `[[path]]`.
 #[cfg(feature = "studio")]
-pub(crate) const LISTS: &[&str] = &["obstacle"];
+pub(crate) const LISTS: &[&str] = &["obstacle", "panel"];
 
 /// The keys of a table; none for a path that is no table.
 pub(super) fn keys(path: &str) -> &'static [&'static str] {

@@ -33,6 +33,7 @@ pub fn shipped() -> &'static [Shipped] {
         "floor",
         "calibrated",
         "dome",
+        "four-views",
         "conformal",
         "parabolic",
         "hyperbolic",

@@ -11,11 +11,22 @@ const CELLS: f64 = 96.0;
 const AROUND: u32 = 144;
 const OUTWARDS: u32 = 48;
 
-/// The optical face of all panels in some 14 000 facets, part frame, mm.
+/// The optical face of all panels in some 14 000 facets, part frame, mm, and how many facets, the last ones, are walls
+/// between panels; none where the walls cross.
 #[must_use]
-pub fn coarse_mesh(mirror: &Mirror) -> TriMesh {
+pub fn coarse_mesh(mirror: &Mirror) -> Option<(TriMesh, usize)> {
+    if !mirror.has_steps() {
+        return Some((smooth_mesh(mirror, mirror.full_outline().bounds().size()), 0));
+    }
+    let whole = mirror.outline.bounds().size();
+    let panels = mirror.panels().into_iter().map(|panel| smooth_mesh(&panel, whole));
+    mirror.with_walls(TriMesh::side_by_side(panels)).ok()
+}
+
+/// The same of a mirror without steps, by the size of the whole.
+fn smooth_mesh(mirror: &Mirror, whole: DVec2) -> TriMesh {
     let (places, triangles) = match mirror.outline {
-        Outline::Rect(panel) => rectangle(panel, mirror.full_outline().bounds().size()),
+        Outline::Rect(panel) => rectangle(panel, whole),
         Outline::Ring { inner, outer } => ring(inner, outer),
     };
     let points = mirror.eval_many(&places);
@@ -88,9 +99,10 @@ mod tests {
         for shipped in shipped() {
             let profile = Profile::parse(shipped.name, "", shipped.text.as_bytes()).unwrap();
             let design = crate::design::design_unmeasured(&profile).unwrap();
-            let mesh = coarse_mesh(&design.mirror);
+            let (mesh, walls) = coarse_mesh(&design.mirror).unwrap();
             assert!((3_000..20_000).contains(&mesh.triangles.len()), "{}", shipped.name);
-            let solid = Solid::from_face(&mesh, design.border.as_ref(), Precision::Single).unwrap();
+            let solid =
+                Solid::from_face(&mesh, walls, design.border.as_ref(), Precision::Single).unwrap();
             let (found, expected) = (solid.check().volume_mm3, design.volume());
             assert!((found / expected - 1.0).abs() < 5e-3, "{}: {found} {expected}", shipped.name);
         }

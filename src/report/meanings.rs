@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 33] = [
+const MEANINGS: [(&str, &str); 34] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -60,6 +60,7 @@ const MEANINGS: [(&str, &str); 33] = [
     ),
     (", its normals, mrad", "The same by the normals that the file has."),
     (", its normals, px", "The same by the normals that the file has."),
+    ("through the lens", "The same through the lens as the profile has it."),
     ("sharpest", "The opening of the lens at which spots are least."),
     ("allowed", "Limits to which the verdict holds the picture."),
     (

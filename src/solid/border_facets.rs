@@ -1,8 +1,9 @@
 //! The stock around a face: its flat top, side and base, with marks and through holes.
 
 use super::{SolidError, add_polygon, rounded, sides, wall};
-use crate::geom::{Border, DVec2, Drilled, Land, Precision, TriMesh};
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use crate::geom::{
+    Border, DVec2, Drilled, Land, Precision, TriMesh, TriangulationFault, triangulate_loops,
+};
 
 /// A hole's loops at its upper end and in the base, counter-clockwise from above.
 type HoleLoops = [Vec<u32>; 2];
@@ -93,7 +94,7 @@ fn loop_pair(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> HoleLoops {
 }
 
 /// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
-fn triangulate_between(
+pub(super) fn triangulate_between(
     mesh: &TriMesh,
     outer: &[u32],
     inner: &[&[u32]],
@@ -101,56 +102,14 @@ fn triangulate_between(
 ) -> Result<Vec<[u32; 3]>, SolidError> {
     let numbers: Vec<u32> = [&[outer], inner].concat().concat();
     let at = |v: u32| rounded(mesh.vertices[v as usize], precision).truncate();
-    let points = numbers.iter().map(|&v| Point2::new(at(v).x, at(v).y)).collect();
-    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(numbers.len());
-    for corners in std::iter::once(&outer).chain(inner) {
-        let (first, count) = (edges.len(), corners.len());
-        edges.extend((0..count).map(|k| [first + k, first + (k + 1) % count]));
-    }
-    let refuse =
-        |near: u32, reason: String| SolidError::BorderTriangulation { near: at(near), reason };
-    let mut crossing = None;
-    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(
-        points,
-        edges,
-        |[from, _]| crossing = crossing.or(Some(from)),
-    );
-    let cdt = cdt.map_err(|error| refuse(outer[0], error.to_string()))?;
-    if cdt.num_vertices() < numbers.len() {
-        // The first that is not where it was put is the one after the first left out.
-        let moved = cdt.vertices().zip(&numbers).find(|(found, v)| {
-            let place = found.position();
-            DVec2::new(place.x, place.y) != at(**v)
-        });
-        let near = moved.map_or(numbers[numbers.len() - 1], |(_, &v)| v);
-        return Err(refuse(near, "two corners fall together".to_owned()));
-    }
-    if let Some(from) = crossing {
-        return Err(refuse(numbers[from], "two edges cross".to_owned()));
-    }
-
-    // Outside and inside change at every loop.
-    let mut inside: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
-    inside[cdt.outer_face().fix().index()] = Some(false);
-    let mut next: Vec<_> = cdt.convex_hull().collect();
-    while let Some(edge) = next.pop() {
-        let (one, other) = (edge.face().fix().index(), edge.rev().face().fix().index());
-        let (from, to, beyond) =
-            if inside[one].is_some() { (one, other, edge.rev()) } else { (other, one, edge) };
-        if inside[to].is_none() {
-            inside[to] = inside[from].map(|known| known != edge.is_constraint_edge());
-            next.extend([beyond.next().rev(), beyond.prev().rev()]);
-        }
-    }
-    let triangles: Vec<[u32; 3]> = cdt
-        .inner_faces()
-        .filter(|face| inside[face.fix().index()] == Some(true))
-        .map(|face| face.vertices().map(|v| numbers[v.fix().index()]))
-        .collect();
-    if triangles.len() != numbers.len() + 2 * inner.len() - 2 {
-        return Err(refuse(outer[0], "a corner lies on another loop".to_owned()));
-    }
-    Ok(triangles)
+    let points: Vec<DVec2> = numbers.iter().map(|&v| at(v)).collect();
+    let sizes: Vec<usize> =
+        std::iter::once(&outer).chain(inner).map(|corners| corners.len()).collect();
+    let triangles =
+        triangulate_loops(&points, &sizes).map_err(|TriangulationFault { near, reason }| {
+            SolidError::BorderTriangulation { near: points[near], reason }
+        })?;
+    Ok(triangles.into_iter().map(|t| t.map(|k| numbers[k as usize])).collect())
 }
 
 #[cfg(test)]
@@ -170,7 +129,7 @@ mod tests {
     }
 
     fn closed(stock: &Border, precision: Precision) -> Result<Solid, SolidError> {
-        Solid::from_face(&tests::face(), Some(stock), precision)
+        Solid::from_face(&tests::face(), 0, Some(stock), precision)
     }
 
     #[test]

@@ -72,13 +72,15 @@ impl Solid {
     /// height of its rim. Every rim vertex has its own base vertex, so nothing meets in the middle
     /// of an edge. With `stock` the skirt ends on its flat top, which has the stock's holes and
     /// marks, and its side leads to the base. Facets come in the order face, land, skirt, flat top,
-    /// marks, holes, side, base. The check sees the coordinates as `precision` leaves them.
+    /// marks, holes, side, base. The last `walls` facets of the face are walls between panels, which do not belong to the
+    /// optical face; their edges at the rim may point to the axis. The check sees the coordinates as `precision` leaves them.
     ///
     /// # Errors
     /// [`SolidError`] when the rim is not of one loop or two, the face touches the base or the
     /// flat top, what is in the flat top touches each other or the result fails `check`.
     pub fn from_face(
         face: &TriMesh,
+        walls: usize,
         stock: Option<&Border>,
         precision: Precision,
     ) -> Result<Self, SolidError> {
@@ -91,14 +93,14 @@ impl Solid {
             return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
         // A solid shows that no edge of the rim is missing.
-        let likely = || Self::on_rim(check::likely_open_edges(face), face, stock, precision);
-        likely().or_else(|_| Self::on_rim(check::open_edges(face), face, stock, precision))
+        let on_rim = |edges| Self::on_rim(edges, (face, walls), stock, precision);
+        on_rim(check::likely_open_edges(face)).or_else(|_| on_rim(check::open_edges(face)))
     }
 
     /// The same with a rim of these edges.
     fn on_rim(
         rim_edges: Vec<(u32, u32)>,
-        face: &TriMesh,
+        (face, walls): (&TriMesh, usize),
         stock: Option<&Border>,
         precision: Precision,
     ) -> Result<Self, SolidError> {
@@ -120,6 +122,10 @@ impl Solid {
         let feet = add_polygon(&mut mesh, &rim, top_mm);
         wall(&mut mesh, &outer, &feet);
         match stock {
+            None if walls > 0 => {
+                let base = border_facets::triangulate_between(&mesh, &feet, &[], precision)?;
+                mesh.triangles.extend(base.into_iter().map(|[a, b, c]| [a, c, b]));
+            }
             None => {
                 let centre = mesh.vertices.len() as u32;
                 mesh.vertices.push(DVec3::ZERO);
@@ -130,7 +136,7 @@ impl Solid {
         parallel::for_each_mut(&mut mesh.vertices, 1 << 14, |_, v| *v = rounded(*v, precision));
         let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
         if check.is_solid() {
-            Ok(Self { mesh, check, optical: face.triangles.len() })
+            Ok(Self { mesh, check, optical: face.triangles.len() - walls })
         } else {
             Err(SolidError::Check(check))
         }
@@ -300,7 +306,7 @@ mod tests {
 
     #[test]
     fn a_face_becomes_a_box() {
-        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), 0, None, Precision::Double).unwrap();
         assert_eq!(solid.check().volume_mm3, 8.0);
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
@@ -309,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_body_grows_about_the_origin_and_is_checked_again() {
-        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), 0, None, Precision::Double).unwrap();
         let grown = solid.grown(1.5, Precision::Single).unwrap();
         assert_eq!((grown.check().volume_mm3, grown.optical()), (27.0, 2));
         assert_eq!(grown.mesh().vertices[2], DVec3::new(1.5, 1.5, 3.0));
@@ -323,7 +329,7 @@ mod tests {
         let mut low = face();
         low.vertices[2].z = 0.0;
         assert_eq!(
-            Solid::from_face(&low, None, Precision::Double).unwrap_err(),
+            Solid::from_face(&low, 0, None, Precision::Double).unwrap_err(),
             SolidError::BelowBasePlane { lowest_mm: 0.0 }
         );
     }
@@ -346,7 +352,7 @@ mod tests {
     #[test]
     fn a_hole_gets_a_land() {
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&holed(DVec3::ZERO), None, precision).unwrap();
+            let solid = Solid::from_face(&holed(DVec3::ZERO), 0, None, precision).unwrap();
             // A box of height 2 and the frustum of a pyramid of height 1/2.
             let exact = 8.0 + 0.5 / 3.0 * (4.0 + 1.0 + 2.0);
             assert!((solid.check().volume_mm3 - exact).abs() < 1e-12);
@@ -365,7 +371,7 @@ mod tests {
         face.triangles.remove(0);
         let refused = |face: &TriMesh| {
             matches!(
-                Solid::from_face(face, None, Precision::Single),
+                Solid::from_face(face, 0, None, Precision::Single),
                 Err(SolidError::BoundaryLoops { .. })
             )
         };
@@ -383,8 +389,9 @@ mod tests {
         let mut fine = face();
         fine.vertices.push(DVec3::new(1.0 + 1e-12, 0.0, 2.0));
         fine.triangles.push([1, 4, 2]);
-        assert!(Solid::from_face(&fine, None, Precision::Double).is_ok());
-        let Err(SolidError::Check(check)) = Solid::from_face(&fine, None, Precision::Single) else {
+        assert!(Solid::from_face(&fine, 0, None, Precision::Double).is_ok());
+        let Err(SolidError::Check(check)) = Solid::from_face(&fine, 0, None, Precision::Single)
+        else {
             panic!("not refused")
         };
         assert!(check.reasons()[0].contains("facet 2 "), "{:?}", check.reasons());

@@ -3,9 +3,10 @@
 
 use super::compensate::DisplacementPx;
 use super::engine::Engine;
-use super::model::{PartPose, PixelSample};
+use super::model::{OpticalSystem, PartPose, PixelSample};
 use super::perturbed_system::PerturbedSystem;
 use crate::geom::{DVec2, DVec3, Ray};
+use crate::mirror::Mirror;
 use crate::num::max_or_nan;
 use crate::num::random::RandomStream;
 use crate::num::stats::{Summary, or_null};
@@ -15,6 +16,9 @@ use crate::tolerance_terms::Perturbation;
 use crate::trace::{Outcome, Scene};
 use schemars::JsonSchema;
 use serde::Serialize;
+
+/// How far errors of form may take a vertex beyond the line between two panels, as a share of the mirror's size.
+const BEYOND: f64 = 1e-3;
 
 /// Displacement of the picture, px, as made and after adjustment.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -113,11 +117,17 @@ impl Engine {
         RigidTransform { turn, shift_mm: pose.shift }
     }
 
-    /// The made surface, Z and slope, under a place of the grown part that is near it.
-    fn surface(&self, made: &PerturbedSystem, at: DVec3) -> [f64; 3] {
+    /// The mirror as designed, without steps near a panel.
+    fn designed_near(&self, panel: usize) -> &Mirror {
+        let OpticalSystem { mirror, panels, .. } = &self.system;
+        if mirror.has_steps() { &panels[panel] } else { mirror }
+    }
+
+    /// The made surface of `design`, Z and slope, under a place of the grown part that is near it.
+    fn surface(&self, made: &PerturbedSystem, design: &Mirror, at: DVec3) -> [f64; 3] {
         let growth = self.growth(made);
         let at = at / growth;
-        let design = self.system.designed(&self.system.mirror, at.truncate().to_array(), at.z);
+        let design = self.system.designed(design, at.truncate().to_array(), at.z);
         let more = self.system.departure(&made.state, at);
         [growth * (design[0] + more[0]), design[1] + more[1], design[2] + more[2]]
     }
@@ -125,7 +135,19 @@ impl Engine {
     /// The largest distance along Z, mm, of `vertices` of a file from the made surface.
     #[must_use]
     pub fn off_surface(&self, made: &PerturbedSystem, vertices: &[DVec3]) -> f64 {
-        let off = |v: &DVec3| (v.z - self.surface(made, *v)[0]).abs();
+        let OpticalSystem { mirror, panels, .. } = &self.system;
+        let growth = self.growth(made);
+        let off_of = |design: &Mirror, v: DVec3| (v.z - self.surface(made, design, v)[0]).abs();
+        let off = |v: &DVec3| {
+            if !mirror.has_steps() {
+                return off_of(mirror, *v);
+            }
+            // Errors take the rim of a panel beyond its line.
+            let q = mirror.chart.coordinates(*v / growth).0;
+            let beyond = BEYOND * mirror.outline.bounds().size().max_element();
+            let near = panels.iter().filter(|panel| panel.outline.distance_outside(q) <= beyond);
+            near.map(|panel| off_of(panel, *v)).reduce(f64::min).unwrap_or(f64::NAN)
+        };
         parallel::map_slice(vertices, 1, off).into_iter().fold(0.0, max_or_nan)
     }
 
@@ -133,10 +155,11 @@ impl Engine {
     /// mirror: Newton's method.
     fn meets(&self, made: &PerturbedSystem, sample: &PixelSample, ray: &Ray) -> bool {
         const MOST_STEPS: usize = 40;
+        let design = self.designed_near(sample.panel);
         let mut t = (sample.hit.z - ray.origin.z) / ray.direction.z;
         for _ in 0..MOST_STEPS {
             let at = ray.at(t);
-            let [z, x, y] = self.surface(made, at);
+            let [z, x, y] = self.surface(made, design, at);
             let rate = ray.direction.z - ray.direction.x * x - ray.direction.y * y;
             let step = (at.z - z) / rate;
             t -= step;
@@ -184,7 +207,7 @@ impl Engine {
                 let leaving = out(leaving).to_array();
                 DVec2::from_array(self.system.image_of_reflected(sample.point, world, leaving))
             };
-            let [_, x, y] = self.surface(made, at);
+            let [_, x, y] = self.surface(made, self.designed_near(sample.panel), at);
             let by_surface = content(reflect(direction, DVec3::new(-x, -y, 1.0)));
             let by_facet = content(traced.direction);
             let base = DVec2::new(self.base[2 * k], self.base[2 * k + 1]);

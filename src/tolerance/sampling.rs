@@ -199,7 +199,7 @@ impl OpticalSystem {
 
     /// The number of the panel at `place` of the chart.
     fn panel(&self, place: DVec2) -> usize {
-        usize::from(self.mirror.reflects(place))
+        self.mirror.panel_of(place)
     }
 
     /// Whether a place of the part, before it is grown, is on the panel that `sample` sees.

@@ -139,17 +139,17 @@ impl<'a> CoverageBuilder<'a> {
             .collect();
         let covered = parallel::map(lines.len() - 1, 1, |k| {
             let ((row, line), (_, below)) = (lines[k], lines[k + 1]);
-            let same_panel = self.reflects(row) == self.reflects(row + 1);
-            union(azimuths(line, same_panel.then_some(below)))
+            union(self.azimuths(row, line, Some(below)))
         });
         self.covered.extend(covered.into_iter().flatten());
         self.ends.extend(parallel::map_slice(&rows, 1, |row| ends(row)));
-        let starts_panel =
-            |row: usize| row > 0 && self.reflects(row as u32) != self.reflects(row as u32 - 1);
-        let starts: Vec<bool> = strip.rows.clone().map(starts_panel).collect();
+        let (camera, view) = (self.camera, self.view);
         parallel::for_each_mut(&mut self.columns, 1, |column, runs| {
-            for (k, row) in rows.iter().enumerate() {
-                runs.add((first + k) as f64, row[column], starts[k]);
+            let panel = |row: usize| panel_of(camera, view, column, row as u32);
+            for (k, directions) in rows.iter().enumerate() {
+                let row = first + k;
+                let starts_panel = row > 0 && panel(row) != panel(row - 1);
+                runs.add(row as f64, directions[column], starts_panel);
             }
         });
         self.last = rows.last().map(|row| row.to_vec());
@@ -159,7 +159,8 @@ impl<'a> CoverageBuilder<'a> {
     #[must_use]
     pub fn finish(mut self, width_mm: f64) -> Coverage {
         let last = self.last.take().unwrap_or_default();
-        self.covered.extend(union(azimuths(&last, None)));
+        let row = self.camera.pixels[1] - 1;
+        self.covered.extend(union(self.azimuths(row, &last, None)));
         let covered = union(std::mem::take(&mut self.covered));
         let columns: Vec<ColumnCoverage> =
             std::mem::take(&mut self.columns).into_iter().map(ColumnRuns::finish).collect();
@@ -178,9 +179,24 @@ impl<'a> CoverageBuilder<'a> {
         }
     }
 
-    /// Whether a row shows the reflected panel of a folded mirror.
-    fn reflects(&self, row: u32) -> bool {
-        self.view.reflects(self.camera.image_point(0.5, f64::from(row) + 0.5))
+    /// Intervals of azimuth covered by the pixels of a row and between them and those below, panel by panel.
+    fn azimuths(&self, row: u32, line: &[Direction], below: Option<&[Direction]>) -> Vec<[f64; 2]> {
+        let panel = |column: usize, row: u32| panel_of(self.camera, self.view, column, row);
+        let mut intervals = Vec::new();
+        let mut from = 0;
+        while from < line.len() {
+            let this = panel(from, row);
+            let ends = |column: &usize| panel(*column, row) != this;
+            let to = (from + 1..line.len()).find(ends).unwrap_or(line.len());
+            let below = below.map(|below| -> Vec<Direction> {
+                let on_panel =
+                    |column: usize| below[column].filter(|_| panel(column, row + 1) == this);
+                (from..to).map(on_panel).collect()
+            });
+            intervals.extend(azimuths(&line[from..to], below.as_deref()));
+            from = to;
+        }
+        intervals
     }
 
     /// The seams of a picture of the full turn.
@@ -224,8 +240,13 @@ impl<'a> CoverageBuilder<'a> {
     }
 }
 
-/// Intervals of azimuth covered by the pixels of a row: to their neighbours to the right and in the row
-/// below, if that is of the same panel, and to both ends.
+/// The panel of the mirror that a pixel shows.
+fn panel_of(camera: &Camera, view: &ImagingTask, column: usize, row: u32) -> usize {
+    view.panel_of(camera.image_point(column as f64 + 0.5, f64::from(row) + 0.5))
+}
+
+/// Intervals of azimuth covered by the pixels of a row of one panel: to their neighbours to the right and in the row
+/// below, and to both ends.
 fn azimuths(line: &[Direction], below: Option<&[Direction]>) -> Vec<[f64; 2]> {
     let mut intervals = Vec::new();
     let mut span = |from: f64, to: f64| {

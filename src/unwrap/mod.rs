@@ -52,6 +52,12 @@ pub enum UnwrapError {
         "only a strip's picture can be cut into a panorama, not a round mirror's or a view; leave --cuts out"
     )]
     NotStrip,
+    /// Panels show views of their own.
+    #[error(
+        "a picture of panels is no panorama: each is a view of its own; cut them out of the photo by their columns \
+         and rows"
+    )]
+    Panels,
     /// No pixel of the photo shows the mirror.
     #[error("the mirror is smaller than a pixel of the photo; take a larger photo")]
     Nothing,

@@ -160,6 +160,7 @@ fn range(
                 width: TAU * outer * px_per_mm,
             }
         }
+        Projection::Panels(_) => return Err(UnwrapError::Panels),
         Projection::Azimuthal(_) | Projection::Map(_) => view_extent(optics, px_per_mm),
     };
     let Some(law) = law.filter(|law| *law != own.law) else { return Ok(own) };

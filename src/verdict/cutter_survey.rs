@@ -79,6 +79,9 @@ impl<'a> CutterSurvey<'a> {
         options: &MachiningOptions,
     ) -> Result<Self, MachiningError> {
         let mirror = &design.mirror;
+        if mirror.has_steps() {
+            return Err(MachiningError::Panels);
+        }
         let analysis = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());
         let (best, mut raster) = directed(&analysis, options);
         let least_hollow_mm = analysis.least_hollow_mm();

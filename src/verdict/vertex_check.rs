@@ -19,6 +19,7 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 <= a.1 { a } else { b };
     let land = land(mirror);
     let leaning = PlanEdge::new(mirror);
+    let panels = if mirror.has_steps() { mirror.panels() } else { Vec::new() };
     let chunks: Vec<_> = vertices.chunks(CHUNK).enumerate().collect();
     let worst = parallel::map_slice(&chunks, 1, |&(chunk, vertices)| {
         let places: Vec<DVec2> = vertices.iter().map(|&v| mirror.chart.coordinates(v).0).collect();
@@ -27,9 +28,13 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
             // Some meshes list rows of equal Y together; for one vertex a row is costly to begin.
             let row = (line.len() > SHORT).then(|| mirror.row(line[0].y));
             for &q in line {
-                let f = row.as_ref().map_or_else(|| mirror.height(q), |row| row.at(q.x).f);
-                let on_mirror = mirror.chart.point(q, f);
                 let v = vertices[k - chunk * CHUNK];
+                let f = match &row {
+                    _ if mirror.has_steps() => panels[mirror.panel_at(v)].height(q),
+                    Some(row) => row.at(q.x).f,
+                    None => mirror.height(q),
+                };
+                let on_mirror = mirror.chart.point(q, f);
                 let off = distance(mirror, on_mirror, q, v, land, leaning.as_ref(), stock.as_ref());
                 worst = farther(worst, (k, off));
                 k += 1;
@@ -39,6 +44,11 @@ pub(crate) fn worst_vertex(design: &Design, vertices: &[DVec3]) -> Option<(usize
     });
     worst.into_iter().reduce(farther)
 }
+
+/// How far rounding to single precision may take a vertex off the mirror, as a share of its size, and how far inside
+/// its outline the edge is farther away than that under every camera.
+const ROUNDED: f64 = 1e-6;
+const FAR_INSIDE: f64 = 1e-3;
 
 /// Vertices of equal Y for which a row is not begun.
 const SHORT: usize = 4;
@@ -101,8 +111,11 @@ fn distance(
         }
         return on_mirror.min((lo - v.z).max(v.z - hi).max(0.0)).min(v.z.abs());
     }
-    // Most vertices are on the mirror, and there nothing else is asked.
-    if inside >= 0.0 && on_mirror <= 1e-9 * outline.bounds().size().max_element() {
+    // Most vertices are on the mirror, and there nothing else is asked: nor where only rounding takes them off it, far
+    // from its edge.
+    let size = outline.bounds().size().max_element();
+    let is_rounded = inside >= FAR_INSIDE * size && on_mirror <= ROUNDED * size;
+    if inside >= 0.0 && on_mirror <= 1e-9 * size || is_rounded {
         return on_mirror;
     }
     let across = v.truncate();

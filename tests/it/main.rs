@@ -36,6 +36,7 @@ mod outside;
 mod packages;
 mod packed;
 mod pages;
+mod panels;
 mod part;
 mod part_refusals;
 mod profile_checks;

@@ -24,7 +24,11 @@ fn outcome(case: &Case) -> Outcome {
         Err(MeshError::OnAxis { .. } | MeshError::SizeContrast { .. }) => {
             return Outcome::Refused("a look along the axis");
         }
-        Err(error @ (MeshError::PointRejected { .. } | MeshError::BudgetTooSmall { .. })) => {
+        Err(
+            error @ (MeshError::PointRejected { .. }
+            | MeshError::BudgetTooSmall { .. }
+            | MeshError::Wall(_)),
+        ) => {
             return Outcome::Wrong(error.to_string());
         }
     };

@@ -44,8 +44,8 @@ fn the_volume_is_that_of_a_face_on_a_plate() {
         let face = meshed(&profile, &design).unwrap();
         let [outer, hole] = rim(&face.mesh).unwrap();
         for precision in [Precision::Single, Precision::Double] {
-            let bare = Solid::from_face(&face.mesh, None, precision).unwrap();
-            let solid = Solid::from_face(&face.mesh, Some(stock), precision).unwrap();
+            let bare = Solid::from_face(&face.mesh, face.walls, None, precision).unwrap();
+            let solid = Solid::from_face(&face.mesh, face.walls, Some(stock), precision).unwrap();
             let check = solid.check();
             assert!(check.is_solid() && check.components == 1, "{what}");
             assert_eq!(check.euler, 2 - 2 * design.holes() as i64, "{what}");

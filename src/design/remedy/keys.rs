@@ -87,8 +87,8 @@ pub(super) fn degree_down(profile: &Profile) -> Vec<EditedProfile> {
 }
 
 fn set_target(profile: &mut Profile, to: Target) {
-    if let Some(projection) = &mut profile.projection {
-        *projection.target_mut() = to;
+    if let Some(target) = profile.projection.as_mut().and_then(ProjectionSpec::target_mut) {
+        *target = to;
     }
 }
 
@@ -171,7 +171,7 @@ pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
                 view.hfov_deg = short(share * view.hfov_deg);
                 KeyChange::Set("hfov_deg", KeyValue::Number(view.hfov_deg))
             }
-            ProjectionSpec::Map(_) => return None,
+            ProjectionSpec::Map(_) | ProjectionSpec::Panels(_) => return None,
         };
         Some(EditedProfile { change, profile })
     };

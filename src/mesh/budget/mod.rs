@@ -8,7 +8,8 @@ mod tuning;
 
 use super::bound::error_bound::Limits;
 use super::error::MeshError;
-use super::mesher::{Face, FaceForecast, Mesher};
+use super::face::{Face, FaceForecast};
+use super::mesher::{Mesher, SmoothPanels};
 use super::sizing::optimum::Optimum;
 use crate::geom::{Chart, Precision};
 use crate::mirror::Mirror;
@@ -68,10 +69,10 @@ struct BudgetSearch<'a> {
 }
 
 impl<'a> BudgetSearch<'a> {
-    fn new(budget: &'a Budget<'a>) -> Self {
+    fn new(budget: &'a Budget<'a>, panels: &'a SmoothPanels) -> Self {
         Self {
             budget,
-            mesher: budget.mesher(),
+            mesher: budget.mesher(panels),
             bracket: budget.bracket(),
             best: None,
             refusals: 0,
@@ -169,7 +170,8 @@ impl Budget<'_> {
     /// # Errors
     /// [`MeshError::BudgetTooSmall`] when there is none, and what no looser limit helps against.
     pub fn mesh(&self) -> Result<Face, MeshError> {
-        let mut search = BudgetSearch::new(self);
+        let panels = SmoothPanels::new(self.mirror, self.view);
+        let mut search = BudgetSearch::new(self, &panels);
         let fewest = self.loosest(&mut search.mesher);
         search.try_loosest(&fewest)?;
         let aim = self.limit_of(&self.aim(&mut search.mesher, fewest)?);
@@ -202,7 +204,8 @@ impl Budget<'_> {
     /// # Errors
     /// [`MeshError`] as far as it can be foreseen.
     pub fn foresee(&self) -> Result<MeshPlan, MeshError> {
-        let mut mesher = self.mesher();
+        let panels = SmoothPanels::new(self.mirror, self.view);
+        let mut mesher = self.mesher(&panels);
         let fewest = self.loosest(&mut mesher);
         let plan = self.aim(&mut mesher, fewest)?;
         if self.foreseen(&plan.forecast) <= TUNING.forecast_error * self.triangles as f64 {
@@ -273,8 +276,8 @@ impl Budget<'_> {
         plan.map_or_else(|| fewest.map(|(plan, _)| plan), |(plan, _)| Ok(plan))
     }
 
-    fn mesher(&self) -> Mesher<'_> {
-        Mesher::new(self.mirror, self.camera, self.view)
+    fn mesher<'m>(&'m self, panels: &'m SmoothPanels) -> Mesher<'m> {
+        Mesher::new(panels, self.camera)
     }
 
     /// The number of triangles that a forecast comes to, closed.

@@ -32,6 +32,18 @@ const SADDLE: [f64; 2] = [0.2236, 1.0];
 /// Quadrature nodes along each axis: more than the terms of a mirror's series that matter.
 const NODES: usize = 24;
 
+impl std::iter::Sum for Optimum {
+    /// The bounds of several mirrors together.
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        let none = Self { curved: 0.0, weighted_area: 0.0, isotropic: [0.0; 2] };
+        all.fold(none, |sum, one| Self {
+            curved: sum.curved + one.curved,
+            weighted_area: sum.weighted_area + one.weighted_area,
+            isotropic: [0, 1].map(|k| sum.isotropic[k] + one.isotropic[k]),
+        })
+    }
+}
+
 impl Optimum {
     /// The integrals over all panels of `mirror`, in which the camera of chart `camera` is meant to see `view`.
     #[must_use]

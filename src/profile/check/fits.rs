@@ -135,6 +135,10 @@ fn layout_suits(
             "a map's mirror is a rectangle, part.width_mm by part.height_mm or as high as the frame"
                 .to_owned(),
         ),
+        ProjectionKeys::Panels(_) => (
+            &[LayoutName::Rectangle][..],
+            "panels make up a rectangle, part.width_mm by part.height_mm or as high as the frame".to_owned(),
+        ),
         ProjectionKeys::Strip { .. } if given.is_some() => (
             &[LayoutName::Strip][..],
             "a conquistador is folded out of a designed panel; laws for a disc are radial"
@@ -149,6 +153,7 @@ fn layout_suits(
         let tables: Vec<String> = needed.iter().map(|name| format!("[layout.{name}]")).collect();
         let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
         let with = match given {
+            _ if matches!(projection.keys, ProjectionKeys::Panels(_)) => "[[panel]]".to_owned(),
             Some(given) if !projection.is_radial() => format!("[{path}] and [{}]", given.path),
             _ => format!("[{path}]"),
         };

@@ -10,12 +10,14 @@ mod map;
 mod mirror;
 mod mount;
 mod obstacle;
+mod panels;
 mod posed_target;
 mod projection;
 mod reach;
 mod sag;
 mod target;
 mod tolerance;
+mod view;
 
 use sha2::{Digest, Sha256};
 use toml::de::{DeTable, DeValue};
@@ -78,7 +80,7 @@ impl<'t> Entries<'t> {
 
     fn read(reader: &mut ProfileReader, root: &Section<'t>) -> Self {
         let given = root.has("mirror") && !root.has("method") && !reader.is_torn();
-        let bare = given && !root.has("projection");
+        let bare = given && !root.has("projection") && !root.has("panel");
         let rectangle = bare && !root.has("layout");
         let posed = posed_target::read(reader, root);
         let target = posed.as_ref().and_then(|posed| posed.target);
@@ -125,6 +127,12 @@ pub(super) fn profile(
     let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
     posed_target::suits(reader, &parts);
+    if let Some(panels) = parts.projection.as_ref().and_then(|projection| projection.panels()) {
+        panels::suits(reader, &root, &parts, &mount, panels);
+        if let (Some(export), Some(formats)) = (&export, &formats) {
+            panels::formats_suit(reader, export, formats);
+        }
+    }
     target::check(reader, &parts);
     reach::check(reader, &parts);
     border::check(reader, &parts);

@@ -16,7 +16,8 @@ const MOST: usize = 100;
 const FORM: &str = "below [[obstacle]] write its shape, as in cylinder = { from_mm = [40, 0, 0], to_mm = [40, 0, 150], radius_mm = 2 }";
 
 pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Vec<ObstacleSpec> {
-    let sections = reader.sections(root, "obstacle", MOST, FORM);
+    let sections =
+        reader.sections(root, "obstacle", MOST, [FORM, "an STL may hold several bodies"]);
     let read = |(k, section): (usize, &Section)| one(reader, k + 1, section);
     sections.iter().enumerate().filter_map(read).collect()
 }

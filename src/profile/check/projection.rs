@@ -3,14 +3,14 @@
 use super::super::projection::LawName;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{
-    Located, NumbersFormat, RowsFormat, flag, number, numbers, rows, within, word,
-};
-use super::super::{AzimuthalSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+use super::super::values::{Located, NumbersFormat, RowsFormat, number, numbers, rows, within};
+use super::super::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
 use super::map::{self, MapKeys};
+use super::panels::{self, PanelKeys};
+use super::view::{AzimuthalKeys, LAWS, azimuthal};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
 use crate::geom::DVec3;
-use crate::optics::{AzimuthalLaw, PosedTarget, RadialLawKind, Target};
+use crate::optics::{PosedTarget, RadialLawKind, Target};
 
 /// A projection's figures, each with its place.
 pub(super) struct ProjectionEntry<'t> {
@@ -29,7 +29,8 @@ impl ProjectionEntry<'_> {
             ProjectionKeys::Strip { law, .. } => law.as_ref(),
             ProjectionKeys::Radial { .. }
             | ProjectionKeys::Azimuthal(_)
-            | ProjectionKeys::Map(_) => None,
+            | ProjectionKeys::Map(_)
+            | ProjectionKeys::Panels(_) => None,
         };
         law == Some(&StripLawSpec::LeastCurl)
     }
@@ -52,15 +53,8 @@ pub(super) enum ProjectionKeys {
     Azimuthal(AzimuthalKeys),
     /// Directions or points as data; none without a sound file.
     Map(Option<MapKeys>),
-}
-
-/// The keys of a perspective or fisheye view.
-pub(super) struct AzimuthalKeys {
-    pub(super) law: Option<AzimuthalLaw>,
-    pub(super) centre: Option<Located<[f64; 2]>>,
-    pub(super) hfov: Option<Located<f64>>,
-    pub(super) roll_deg: f64,
-    pub(super) mirrored: bool,
+    /// Views side by side.
+    Panels(Vec<PanelKeys>),
 }
 
 pub(super) fn read<'t>(
@@ -70,6 +64,11 @@ pub(super) fn read<'t>(
 ) -> Option<ProjectionEntry<'t>> {
     let hint = "[projection.cylindrical] is the paper's law; with [projection.mercator] an exact \
                 mirror exists";
+    if root.has("panel") {
+        let (section, panels) = panels::read(reader, root)?;
+        let keys = ProjectionKeys::Panels(panels);
+        return Some(ProjectionEntry { section, keys, radius: None, plane: None, posed: None });
+    }
     let read = reader
         .alternatives(root, "projection", hint)
         .into_iter()
@@ -106,7 +105,10 @@ fn one<'t>(
             let outer = outer_polar(reader, &section, law);
             ProjectionKeys::Radial { law, inner, outer }
         }
-        LawName::Azimuthal(law) => ProjectionKeys::Azimuthal(azimuthal(reader, &section, law)),
+        LawName::Azimuthal(law) => {
+            let laws = if law.is_some() { &LAWS[..1] } else { &LAWS[1..] };
+            ProjectionKeys::Azimuthal(azimuthal(reader, &section, laws))
+        }
         LawName::Map => {
             let viewpoint_mm = posed.map_or(DVec3::ZERO, |target| target.viewpoint_mm());
             ProjectionKeys::Map(map::read(reader, &section, viewpoint_mm))
@@ -125,68 +127,6 @@ fn one<'t>(
         reader.complain(radius.at.max(plane.at), message, hint);
     }
     ProjectionEntry { section, keys, radius, plane, posed }
-}
-
-/// The keys of a perspective view, or of a fisheye, whose law is a key of its own.
-fn azimuthal(
-    reader: &mut ProfileReader,
-    section: &Section,
-    law: Option<AzimuthalLaw>,
-) -> AzimuthalKeys {
-    const LAWS: [(&str, AzimuthalLaw); 3] = [
-        ("equidistant", AzimuthalLaw::Equidistant),
-        ("equisolid", AzimuthalLaw::Equisolid),
-        ("stereographic", AzimuthalLaw::Stereographic),
-    ];
-    let hint = "equidistant: the distance from the centre is proportional to the angle";
-    let law = law.or_else(|| match section.has("law") {
-        true => word(reader, section, "law", &LAWS, hint),
-        false => Some(AzimuthalLaw::Equidistant),
-    });
-    let form = "the direction that the picture's centre shows, as in centre_deg = [90, 30]; \
-                elevation 90 looks back to the camera";
-    let keys = NumbersFormat {
-        key: "centre_deg",
-        parts: "[azimuth, elevation]",
-        each: "from -360 to 360",
-        form,
-        limit: form,
-    };
-    let centre = section
-        .has(keys.key)
-        .then(|| numbers(reader, section, &keys, |f| (-360.0..=360.0).contains(&f)))
-        .flatten()
-        .filter(|centre| centre_elevation(reader, section, centre));
-    let (must, most) = match law {
-        Some(AzimuthalLaw::Perspective) => ("a number from 0.001 to 175", 175.0),
-        _ => ("a number from 0.001 to 350", 350.0),
-    };
-    let hint = "the angle of view across the frame's width, in degrees";
-    let hfov =
-        number(reader, section, "hfov_deg", Required, must, hint, |f| (1e-3..=most).contains(&f));
-    let must = "a number from -360 to 360";
-    let hint = "the turn of the world in the picture, clockwise, in degrees";
-    let roll = number(reader, section, "roll_deg", Optional, must, hint, |f| f.abs() <= 360.0);
-    let mirrored = flag(reader, section, "mirrored").is_none_or(|mirrored| mirrored.value);
-    AzimuthalKeys { law, centre, hfov, roll_deg: roll.map_or(0.0, |roll| roll.value), mirrored }
-}
-
-/// Whether the elevation of a view's centre is one.
-fn centre_elevation(
-    reader: &mut ProfileReader,
-    section: &Section,
-    centre: &Located<[f64; 2]>,
-) -> bool {
-    let elevation = centre.value[1];
-    if (-89.0..=90.0).contains(&elevation) {
-        return true;
-    }
-    let path = section.path_of("centre_deg");
-    let message =
-        format!("{path} must have an elevation from -89 to 90 degrees, found {elevation}");
-    let hint = "90 looks back to the camera, 0 across its axis; no mirror shows what is straight behind it";
-    reader.complain(centre.at, message, hint);
-    false
 }
 
 fn azimuth(reader: &mut ProfileReader, section: &Section) -> Option<Located<[f64; 2]>> {
@@ -341,6 +281,14 @@ fn outer_polar(
 }
 
 impl ProjectionEntry<'_> {
+    /// The panels, if it is of panels.
+    pub(super) fn panels(&self) -> Option<&[PanelKeys]> {
+        match &self.keys {
+            ProjectionKeys::Panels(panels) => Some(panels),
+            _ => None,
+        }
+    }
+
     pub(super) fn is_radial(&self) -> bool {
         matches!(self.keys, ProjectionKeys::Radial { .. })
     }
@@ -371,15 +319,12 @@ impl ProjectionEntry<'_> {
                 outer_polar_deg: outer?.value,
                 target,
             }),
-            ProjectionKeys::Azimuthal(keys) => ProjectionSpec::Azimuthal(AzimuthalSpec {
-                law: keys.law?,
-                centre_deg: keys.centre.map(|centre| centre.value),
-                hfov_deg: keys.hfov?.value,
-                roll_deg: keys.roll_deg,
-                mirrored: keys.mirrored,
-                target,
-            }),
+            ProjectionKeys::Azimuthal(keys) => ProjectionSpec::Azimuthal(keys.finish(target)?),
             ProjectionKeys::Map(keys) => ProjectionSpec::Map(keys?.finish(target)),
+            ProjectionKeys::Panels(panels) => {
+                let panels: Option<_> = panels.into_iter().map(PanelKeys::finish).collect();
+                ProjectionSpec::Panels(panels?)
+            }
         })
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
                 centre_meets(reader, projection, plane, centre);
             }
         }
-        ProjectionKeys::Map(_) => {}
+        ProjectionKeys::Map(_) | ProjectionKeys::Panels(_) => {}
     }
 }
 

@@ -1,0 +1,270 @@
+//! Panels side by side: each is a mirror that is solved for alone, and all are raised or lowered to meet with the least
+//! steps.
+//!
+//! Under a pinhole a mirror that shows what is far away may be scaled about the entrance pupil, which adds a constant to
+//! its height f over the chart and changes nothing of what it shows. A panel's height is therefore free. Where two
+//! panels meet, the wall between them lies in a plane through the pupil, so that the camera sees its edge alone.
+//!
+//! A wall must not cross itself: along the whole of a line between panels those on one side are above those on the
+//! other. Which side is above follows from an order of the panels; every order is tried.
+
+use super::cause::FailureCause;
+use super::facts::DesignFacts;
+use super::layout::{DesignProblem, rectangle_of};
+use super::surface;
+use crate::geom::{CommonStretch, DividingLine, Outline, Panels, Rect};
+use crate::mirror::{HeightField, Mirror, PanelledSurface, Surface, TensorLegendre};
+use crate::num::legendre::Series;
+use crate::num::radians;
+use crate::optics::{Azimuthal, Camera, ImagingTask, PanelledView, Projection, Target};
+use crate::profile::{Method, PanelSpec, Profile};
+use std::sync::Arc;
+
+/// Least height of a wall, mm: more than flat facets depart from the mirror, and than a file rounds.
+const LEAST_STEP_MM: f64 = 0.1;
+/// Places along a line between panels at which their heights are compared.
+const PLACES: usize = 257;
+
+/// The panels' problem as a whole, and its mirror.
+pub(super) struct PanelledDesign {
+    pub camera: Camera,
+    pub view: ImagingTask,
+    pub mirror: Mirror,
+    pub facts: DesignFacts,
+}
+
+/// Solves each panel and joins them.
+///
+/// # Errors
+/// [`FailureCause`] when a panel has no answer, or no order of the panels keeps the walls apart.
+pub(super) fn solved(
+    profile: &Profile,
+    wanted: &[PanelSpec],
+    method: &Method,
+) -> Result<PanelledDesign, FailureCause> {
+    let camera = Camera::new(&profile.camera, &profile.mount, profile.part.width_mm);
+    let area = rectangle_of(profile, &camera);
+    let parts = Panels(wanted.iter().map(|panel| part(&camera, area, panel)).collect());
+    let views: Vec<Azimuthal> = wanted.iter().map(|panel| view(profile, &camera, panel)).collect();
+    let (mut sheets, mut all_facts) = (Vec::new(), Vec::new());
+    for (part, view) in parts.0.iter().zip(&views) {
+        let view = Projection::Azimuthal(*view);
+        let problem = DesignProblem::framed(camera, *part, view, Target::Infinity, false);
+        let (mirror, facts) = surface::solved(&problem, method)?;
+        let Surface::Tensor(sheet) = mirror.surface else {
+            unreachable!("a rectangle's mirror is a tensor series")
+        };
+        sheets.push(sheet);
+        all_facts.push(facts);
+    }
+    let raised = heights(&parts, &sheets).ok_or(FailureCause::NotFinite { what: "step" })?;
+    let sheets = sheets.iter().zip(raised).map(|(sheet, by)| raise(sheet, by)).collect();
+    let mirror = Mirror {
+        surface: Surface::Panels(PanelledSurface { parts: parts.clone(), sheets }),
+        chart: camera.chart,
+        outline: Outline::Rect(area),
+        folded: false,
+        mirror_symmetric: [false; 2],
+    };
+    let view = ImagingTask {
+        projection: Projection::Panels(Arc::new(PanelledView { parts, views })),
+        target: Target::Infinity,
+        origin_mm: 0.0,
+        fold: None,
+        picture: camera.picture,
+    };
+    Ok(PanelledDesign { camera, view, mirror, facts: joint(&all_facts) })
+}
+
+/// The panel's part of the frame, mm.
+fn picture_of(camera: &Camera, panel: &PanelSpec) -> Rect {
+    let ([left, right], [top, bottom]) = (panel.columns.map(f64::from), panel.rows.map(f64::from));
+    Rect { min: camera.image_point(left, bottom), max: camera.image_point(right, top) }
+}
+
+/// The panel's part of the mirror: at the frame's edges it ends with the mirror.
+fn part(camera: &Camera, area: Rect, panel: &PanelSpec) -> Rect {
+    let Rect { mut min, mut max } = picture_of(camera, panel);
+    let [columns, rows] = camera.pixels;
+    if panel.columns[0] == 0 {
+        min.x = area.min.x;
+    }
+    if panel.columns[1] == columns {
+        max.x = area.max.x;
+    }
+    if panel.rows[1] == rows {
+        min.y = area.min.y;
+    }
+    if panel.rows[0] == 0 {
+        max.y = area.max.y;
+    }
+    Rect { min, max }
+}
+
+fn view(profile: &Profile, camera: &Camera, panel: &PanelSpec) -> Azimuthal {
+    let (picture, wanted) = (picture_of(camera, panel), &panel.view);
+    let law = wanted.law.to_reach(radians(0.5 * wanted.hfov_deg), 0.5 * picture.size().x);
+    let centre_deg = wanted.centre_deg.unwrap_or([0.0, 90.0]);
+    Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount)
+        .about(picture.centre())
+}
+
+/// The surface higher by so many mm.
+fn raise(sheet: &TensorLegendre, by: f64) -> TensorLegendre {
+    let (rows, columns) = sheet.series.shape();
+    let series = Series::from_fn(rows, columns, |i, j| {
+        let rise = if i == 0 && j == 0 { by / sheet.scale_mm } else { 0.0 };
+        sheet.series.coefficient(i, j) + rise
+    });
+    TensorLegendre { series, ..sheet.clone() }
+}
+
+/// The figures of all fits together.
+fn joint(all: &[DesignFacts]) -> DesignFacts {
+    let most = |of: fn(&DesignFacts) -> Option<f64>| all.iter().filter_map(of).reduce(f64::max);
+    DesignFacts {
+        unknowns: all.iter().map(|facts| facts.unknowns).sum(),
+        steps: all.iter().map(|facts| facts.steps).max().unwrap_or(0),
+        condition: most(|facts| facts.condition),
+        gradient_residual: all.iter().map(|facts| facts.gradient_residual).sum(),
+        ..all[0].clone()
+    }
+}
+
+/// Two panels on both sides of a line between panels.
+struct Meeting {
+    /// The line.
+    line: usize,
+    /// The panel below the line's coordinate and the one above.
+    pair: [usize; 2],
+    /// Least and largest height of the first over the second, mm.
+    over: [f64; 2],
+    /// Length of the line that they have in common, mm: 0 where they touch at a corner alone.
+    length_mm: f64,
+    /// Mean height of the first over the second, mm.
+    mean_mm: f64,
+}
+
+/// How much each panel is raised, mm; none where no order of the panels keeps the walls from crossing.
+fn heights(parts: &Panels, sheets: &[TensorLegendre]) -> Option<Vec<f64>> {
+    let lines = parts.dividing_lines();
+    let meetings: Vec<Meeting> =
+        lines.iter().enumerate().flat_map(|(k, line)| meetings(parts, sheets, k, line)).collect();
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for_each_order(parts.0.len(), &mut |order| {
+        let Some(signs) = sides_above(&lines, order) else { return };
+        let raised = least_steps(&meetings, &signs, order);
+        let walls_mm2: f64 = meetings
+            .iter()
+            .map(|m| {
+                m.length_mm * signs[m.line] * (m.mean_mm + raised[m.pair[0]] - raised[m.pair[1]])
+            })
+            .sum();
+        if walls_mm2.is_finite() && best.as_ref().is_none_or(|(least, _)| walls_mm2 < *least) {
+            best = Some((walls_mm2, raised));
+        }
+    });
+    let (_, raised) = best?;
+    let area: f64 = parts.0.iter().map(Rect::area).sum();
+    let mean = parts.0.iter().zip(&raised).map(|(part, by)| part.area() * by).sum::<f64>() / area;
+    Some(raised.into_iter().map(|by| by - mean).collect())
+}
+
+/// The pairs of panels on both sides of a line.
+fn meetings(
+    parts: &Panels,
+    sheets: &[TensorLegendre],
+    number: usize,
+    line: &DividingLine,
+) -> Vec<Meeting> {
+    let meeting = |stretch: CommonStretch| {
+        let CommonStretch { pair, ends: [from, to] } = stretch;
+        let length_mm = to - from;
+        let over = |k: usize| {
+            let q = line.place(from + length_mm * (k as f64 / (PLACES - 1) as f64));
+            let [below, above] = pair.map(|k| sheets[k].height(q));
+            below - above
+        };
+        let all: Vec<f64> = (0..PLACES).map(over).collect();
+        let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mean_mm = all.iter().sum::<f64>() / PLACES as f64;
+        Meeting { line: number, pair, over: [least, most], length_mm, mean_mm }
+    };
+    line.stretches(parts).into_iter().map(meeting).collect()
+}
+
+/// Calls `visit` with every order of the numbers below `count`, each as the rank of each number.
+fn for_each_order(count: usize, visit: &mut impl FnMut(&[usize])) {
+    fn place(ranks: &mut Vec<usize>, count: usize, visit: &mut impl FnMut(&[usize])) {
+        if ranks.len() == count {
+            return visit(ranks);
+        }
+        for rank in 0..count {
+            if !ranks.contains(&rank) {
+                ranks.push(rank);
+                place(ranks, count, visit);
+                ranks.pop();
+            }
+        }
+    }
+    place(&mut Vec::new(), count, visit);
+}
+
+/// For each line 1 where its first side is above the second in this order of the panels and -1 where it is below;
+/// none where a line has panels on one side between those on the other.
+fn sides_above(lines: &[DividingLine], rank: &[usize]) -> Option<Vec<f64>> {
+    let sign = |line: &DividingLine| {
+        let ranks = |side: usize| line.sides[side].iter().map(|&k| rank[k]);
+        if ranks(0).min() > ranks(1).max() {
+            Some(1.0)
+        } else if ranks(0).max() < ranks(1).min() {
+            Some(-1.0)
+        } else {
+            None
+        }
+    };
+    lines.iter().map(sign).collect()
+}
+
+/// How much each panel is raised in an order of them, mm: one after the other as little as the walls below take, and then
+/// each as far as makes the walls smaller, until nothing changes.
+fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> {
+    let count = rank.len();
+    // The upper and the lower panel of each meeting, and by how much more the upper one must be raised.
+    let steps: Vec<([usize; 2], f64, f64)> = meetings
+        .iter()
+        .map(|m| {
+            let ([a, b], [least, most]) = (m.pair, m.over);
+            match signs[m.line] > 0.0 {
+                true => ([a, b], LEAST_STEP_MM - least, m.length_mm),
+                false => ([b, a], LEAST_STEP_MM + most, m.length_mm),
+            }
+        })
+        .collect();
+    let mut raised = vec![0.0f64; count];
+    let floor = |raised: &[f64], k: usize| {
+        let needed = steps.iter().filter(|(pair, ..)| pair[0] == k);
+        needed.map(|(pair, rise, _)| raised[pair[1]] + rise).reduce(f64::max)
+    };
+    let ceiling = |raised: &[f64], k: usize| {
+        let needed = steps.iter().filter(|(pair, ..)| pair[1] == k);
+        needed.map(|(pair, rise, _)| raised[pair[0]] - rise).reduce(f64::min)
+    };
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by_key(|&k| rank[k]);
+    for &k in &order {
+        raised[k] = floor(&raised, k).unwrap_or(0.0);
+    }
+    // Each round settles at least one more panel.
+    for _ in 0..count {
+        for &k in order.iter().rev() {
+            let length = |side: usize| -> f64 {
+                steps.iter().filter(|(pair, ..)| pair[side] == k).map(|step| step.2).sum()
+            };
+            let to = if length(0) > length(1) { floor(&raised, k) } else { ceiling(&raised, k) };
+            raised[k] = to.unwrap_or(raised[k]);
+        }
+    }
+    raised
+}

@@ -1,0 +1,176 @@
+//! Meshes and forecasts of one smooth mirror by several limits: what is known of the mirror is found out once.
+
+use super::bound::error_bound::{ErrorBound, Limits};
+use super::bound::error_bounder::ErrorBounder;
+use super::bound::imaging_problem::ImagingProblem;
+use super::coarse::candidate::CoarseCandidate;
+use super::coarse::coarse_mesh::CoarseMesh;
+use super::error::MeshError;
+use super::face::{Face, FaceForecast};
+use super::refine::facet_check::FacetCheck;
+use super::refine::repair::refine;
+use super::refine::subdivide::subdivide;
+use super::sizing::field::SizingField;
+use super::sizing::optimum::Optimum;
+use crate::geom::{Chart, DVec2, Rect, TriMesh};
+use crate::mirror::Mirror;
+use crate::optics::ImagingTask;
+use crate::parallel;
+use std::collections::HashSet;
+
+/// Meshes and forecasts for one imaging problem.
+pub(super) struct PanelMesher<'a> {
+    problem: ImagingProblem<'a>,
+    /// The sizing field of the last limits.
+    sizing: Option<SizingField>,
+    /// The bounder of the last precision.
+    bounder: Option<ErrorBounder<'a>>,
+}
+
+impl<'a> PanelMesher<'a> {
+    /// A mesher of `mirror`, which the camera of chart `camera` looks at to see `view`.
+    pub(super) fn new(mirror: &'a Mirror, camera: &Chart, view: Option<&'a ImagingTask>) -> Self {
+        Self {
+            problem: ImagingProblem { mirror, camera: *camera, view },
+            sizing: None,
+            bounder: None,
+        }
+    }
+
+    /// See [`mesh`](super::mesh).
+    ///
+    /// # Errors
+    /// [`MeshError`] when there is no such mesh.
+    pub(super) fn mesh(&mut self, limits: Limits) -> Result<Face, MeshError> {
+        let ImagingProblem { mirror, camera, view } = self.problem;
+        let panel =
+            || self.with_coarse_mesh(limits, |bounder, coarse| panel(bounder, coarse, limits));
+        // From a thread of the pool, the others are reached more quickly.
+        let (panel, optimum) = parallel::join(panel, || Optimum::new(mirror, &camera, view));
+        let (mut mesh, bound) = panel?;
+        let designed = mesh.triangles.len();
+        if mirror.folded {
+            mesh = mesh.with_reflection(1);
+        }
+        let precision = limits.precision;
+        Ok(Face { mesh, designed, walls: 0, bound, optimum, precision, next_finer: None })
+    }
+
+    /// See [`forecast`](super::forecast).
+    ///
+    /// # Errors
+    /// [`MeshError`] as far as it can be foreseen.
+    pub(super) fn forecast(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
+        self.forecast_by(limits, |bounder, coarse| {
+            let mirror = bounder.mirror();
+            if !coarse.must_be_made_to_count(copies(mirror)) {
+                return Ok(estimate(mirror, coarse));
+            }
+            let panel = panel(bounder, coarse, limits)?.0;
+            let panels = if mirror.folded { 2.0 } else { 1.0 };
+            let [facets, rim] = [panel.triangles.len(), rim_edges(mirror, &panel)];
+            Ok(FaceForecast { facets: panels * facets as f64, rim: panels * rim as f64 })
+        })
+    }
+
+    /// The forecast from samples of the coarse mesh alone.
+    ///
+    /// # Errors
+    /// [`MeshError`] as far as it can be foreseen.
+    pub(super) fn estimate(&mut self, limits: Limits) -> Result<FaceForecast, MeshError> {
+        self.forecast_by(limits, |bounder, coarse| Ok(estimate(bounder.mirror(), coarse)))
+    }
+
+    fn forecast_by(
+        &mut self,
+        limits: Limits,
+        by: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<FaceForecast, MeshError> + Send,
+    ) -> Result<FaceForecast, MeshError> {
+        // From a thread of the pool, the others are reached more quickly.
+        parallel::join(|| self.with_coarse_mesh(limits, by), || ()).0
+    }
+
+    /// The result of `make` for the bounder and the coarse mesh of `limits`.
+    fn with_coarse_mesh<T>(
+        &mut self,
+        limits: Limits,
+        make: impl FnOnce(&ErrorBounder, &CoarseMesh) -> Result<T, MeshError>,
+    ) -> Result<T, MeshError> {
+        let problem = self.problem;
+        assert!(problem.view.is_some() || limits.facet_mm.is_none(), "a facet error needs a view");
+        let domain = domain(problem.mirror);
+        let known = self.sizing.take().and_then(|sizing| sizing.with_limits(limits));
+        let sizing = known.unwrap_or_else(|| SizingField::new(&problem, domain, limits));
+        self.sizing = Some(sizing.clone());
+        let known = self.bounder.take().filter(|bounder| bounder.precision == limits.precision);
+        // Neither keeps all threads busy.
+        let (bounder, candidate) = parallel::join(
+            || known.unwrap_or_else(|| ErrorBounder::for_part(domain, problem, limits.precision)),
+            || CoarseCandidate::new(problem.mirror, &sizing, domain, copies(problem.mirror)),
+        );
+        let bounder = self.bounder.insert(bounder);
+        let coarse = candidate?.choose_size(bounder, limits)?;
+        make(bounder, &coarse)
+    }
+}
+
+/// The mesh of the designed panel that comes of a coarse mesh, and its bound.
+fn panel(
+    bounder: &ErrorBounder,
+    coarse: &CoarseMesh,
+    limits: Limits,
+) -> Result<(TriMesh, ErrorBound), MeshError> {
+    let mirror = bounder.mirror();
+    let CoarseMesh { frames, arcs, net, .. } = coarse;
+    let fine = subdivide(net, arcs, frames.parts);
+    let check = FacetCheck { bounder, limits };
+    let (mut mesh, bound) = refine(&check, frames, arcs, fine, copies(mirror))?;
+    for axis in [0, 1] {
+        if mirror.mirror_symmetric[axis] {
+            mesh = mesh.with_reflection(axis);
+        }
+    }
+    Ok((mesh, bound))
+}
+
+/// The size of the mesh that comes of a coarse mesh, by samples of its facets.
+fn estimate(mirror: &Mirror, coarse: &CoarseMesh) -> FaceForecast {
+    // Sides on which the part meets its reflection are inside the face.
+    let seam = [mirror.mirror_symmetric[0], mirror.mirror_symmetric[1] || mirror.folded];
+    let is_rim = |[a, b]: &[DVec2; 2]| !(0..2).any(|k| seam[k] && a[k] == 0.0 && b[k] == 0.0);
+    let copies = copies(mirror);
+    let edges = coarse.net.boundary_edges().filter(is_rim).count() * coarse.frames.parts * copies;
+    FaceForecast { facets: coarse.facets() * copies as f64, rim: edges as f64 }
+}
+
+/// The number of edges at the rim of a mirror's panel; those on which a folded mirror's two panels meet are inside the
+/// face.
+fn rim_edges(mirror: &Mirror, panel: &TriMesh) -> usize {
+    let mut open = HashSet::new();
+    for &[a, b, c] in &panel.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if !open.remove(&(to, from)) {
+                open.insert((from, to));
+            }
+        }
+    }
+    let is_fold = |v: u32| mirror.folded && panel.vertices[v as usize].y == 0.0;
+    open.into_iter().filter(|&(a, b)| !(is_fold(a) && is_fold(b))).count()
+}
+
+/// Number of copies of the meshed part in the face.
+fn copies(mirror: &Mirror) -> usize {
+    let twice = [mirror.mirror_symmetric[0], mirror.mirror_symmetric[1], mirror.folded];
+    1 << twice.iter().filter(|&&twice| twice).count()
+}
+
+/// The bounds of the part of the panel that is meshed: x >= 0 or y >= 0 where the rest is its mirror image.
+fn domain(mirror: &Mirror) -> Rect {
+    let Rect { mut min, max } = mirror.outline.bounds();
+    for axis in [0, 1] {
+        if mirror.mirror_symmetric[axis] {
+            min[axis] = 0.0;
+        }
+    }
+    Rect { min, max }
+}

@@ -1,0 +1,38 @@
+//! Views side by side in one picture.
+
+use super::Azimuthal;
+use crate::geom::{DVec2, Panels};
+use crate::num::Scalar;
+
+/// A view for each part of a picture that rectangles cut up, over image points in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PanelledView {
+    /// The parts of the picture.
+    pub parts: Panels,
+    /// The view of each.
+    pub views: Vec<Azimuthal>,
+}
+
+impl PanelledView {
+    /// Direction that image point `q` must see, as a stereographic coordinate.
+    #[inline]
+    pub fn direction_of<S: Scalar>(&self, q: [S; 2]) -> [S; 2] {
+        self.view_at(DVec2::new(q[0].mid(), q[1].mid())).direction_of(q)
+    }
+
+    /// The image point, in the view of `near`, that must see `sigma`.
+    #[inline]
+    pub fn image_of<S: Scalar>(&self, sigma: [S; 2], near: DVec2) -> [S; 2] {
+        self.view_at(near).image_of(sigma)
+    }
+
+    /// The most radians of the world to a millimetre of the image, at a view's centre.
+    #[must_use]
+    pub fn radians_per_mm(&self) -> f64 {
+        self.views.iter().fold(0.0, |most: f64, view| most.max(view.radians_per_mm()))
+    }
+
+    fn view_at(&self, q: DVec2) -> &Azimuthal {
+        &self.views[self.parts.index_of(q)]
+    }
+}

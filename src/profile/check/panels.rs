@@ -1,0 +1,250 @@
+//! Views side by side, each on a panel of its own: the parts of the frame, and what goes with them.
+
+use super::super::reader::Need::Optional;
+use super::super::reader::{ProfileReader, Section};
+use super::super::values::{Located, NumbersFormat, numbers};
+use super::super::{AzimuthalSpec, FileFormat, PanelSpec};
+use super::Entries;
+use super::camera::CameraName;
+use super::view::{AzimuthalKeys, LAWS, azimuthal};
+use crate::optics::{CameraModel, Mount, Target};
+
+/// Most panels: their heights are chosen among all orders of them.
+const MOST: usize = 6;
+/// More pixels than a frame has on a side.
+const MOST_PIXELS: f64 = 32767.0;
+
+/// A panel's keys.
+pub(super) struct PanelKeys {
+    at: usize,
+    path: String,
+    columns: Option<Located<[u32; 2]>>,
+    rows: Option<Located<[u32; 2]>>,
+    view: AzimuthalKeys,
+}
+
+impl PanelKeys {
+    /// The panel, if every figure of it is there.
+    pub(super) fn finish(self) -> Option<PanelSpec> {
+        let view: AzimuthalSpec = self.view.finish(Target::Infinity)?;
+        Some(PanelSpec { columns: self.columns?.value, rows: self.rows?.value, view })
+    }
+
+    /// Columns and rows, if both are there.
+    fn area(&self) -> Option<[[u32; 2]; 2]> {
+        Some([self.columns.as_ref()?.value, self.rows.as_ref()?.value])
+    }
+}
+
+pub(super) fn read<'t>(
+    reader: &mut ProfileReader,
+    root: &Section<'t>,
+) -> Option<(Section<'t>, Vec<PanelKeys>)> {
+    let hints = [
+        "each has columns, rows, centre_deg and hfov_deg",
+        "the heights of the panels are chosen among all orders of them; make two frames of it",
+    ];
+    let mut sections = reader.sections(root, "panel", MOST, hints);
+    if let [one] = &sections[..] {
+        let message = format!("there must be 2 to {MOST} panels, found 1");
+        reader.complain(one.at, message, "one view alone is [projection.perspective]");
+    }
+    for (k, section) in sections.iter_mut().enumerate() {
+        section.path = format!("panel[{}]", k + 1);
+    }
+    let panels = sections.iter().map(|section| one(reader, section)).collect();
+    Some((sections.into_iter().next()?, panels))
+}
+
+fn one(reader: &mut ProfileReader, section: &Section) -> PanelKeys {
+    let columns = edges(reader, section, "columns");
+    let rows = edges(reader, section, "rows");
+    let view = azimuthal(reader, section, &LAWS);
+    if !section.has("centre_deg") {
+        let message =
+            format!("{}.centre_deg must be [azimuth, elevation], found nothing", section.path);
+        let hint = "the direction that the panel's middle shows, as in centre_deg = [90, 10]";
+        reader.missing(section, message, hint);
+    }
+    PanelKeys { at: section.at, path: section.path.clone(), columns, rows, view }
+}
+
+/// The first and the last edge of a panel across or down the frame.
+fn edges(
+    reader: &mut ProfileReader,
+    section: &Section,
+    key: &'static str,
+) -> Option<Located<[u32; 2]>> {
+    let form = "the panel's first and last edge in the frame, in pixels, as in [0, 320]";
+    let format = NumbersFormat {
+        key,
+        parts: "[first, last]",
+        each: "a whole number from 0 to 32767",
+        form,
+        limit: form,
+    };
+    let whole = |f: f64| f.fract() == 0.0 && (0.0..=MOST_PIXELS).contains(&f);
+    let found = numbers(reader, section, &format, whole)?;
+    let [first, last] = found.value.map(|f| f as u32);
+    if first >= last {
+        let path = section.path_of(key);
+        let message = format!("{path} must rise from first to last, found [{first}, {last}]");
+        reader.complain(found.at, message, form);
+        return None;
+    }
+    Some(Located { value: [first, last], at: found.at })
+}
+
+/// Panels fill the frame of a pinhole on the axis, and come in the place of another projection.
+pub(super) fn suits(
+    reader: &mut ProfileReader,
+    root: &Section,
+    parts: &Entries,
+    mount: &Mount,
+    panels: &[PanelKeys],
+) {
+    let Some(first) = panels.first() else { return };
+    let mut refuse = |message: String, hint: &str| reader.complain(first.at, message, hint);
+    if root.has("projection") {
+        let hint = "panels are views of their own; remove [projection] or the panels";
+        refuse("there must be a projection or panels, found both".to_owned(), hint);
+    }
+    if parts.posed.is_some() {
+        let hint = "the panels are raised and lowered to meet, which leaves far directions as they are; remove [target]";
+        refuse("panels must show what is far away, found [target]".to_owned(), hint);
+    }
+    if parts.shape.as_ref().is_some_and(|shape| shape.is_given) {
+        let hint = "each panel is a mirror that is solved for; remove [mirror]";
+        refuse("panels must be designed, found a given mirror".to_owned(), hint);
+    }
+    if !mount.is_on_axis() {
+        let hint = "the panels' edges are parallel to the part's sides; remove [mount]";
+        refuse("the camera must be on the axis with panels, found [mount]".to_owned(), hint);
+    }
+    let Some(camera) = &parts.camera else { return };
+    if camera.name != CameraName::Pinhole {
+        let found = camera.name.table();
+        let message = format!("camera must be [camera.pinhole] with panels, found [{found}]");
+        let hint = "the walls between panels lie along the rays of a pinhole";
+        reader.complain(camera.at, message, hint);
+    }
+    let Some(camera) = camera.camera else { return };
+    let areas: Option<Vec<_>> = panels.iter().map(PanelKeys::area).collect();
+    if let Some(areas) = areas.filter(|areas| areas.len() > 1) {
+        tile(reader, panels, &areas, camera.pixels());
+        lines_on_mirror(reader, panels, parts, &camera);
+    }
+}
+
+/// Panels have steps, which is nothing for files of one smooth surface.
+pub(super) fn formats_suit(reader: &mut ProfileReader, export: &Section, formats: &[FileFormat]) {
+    let smooth = formats.iter().find(|format| matches!(format, FileFormat::Cad(_)));
+    if let Some(format) = smooth {
+        let at =
+            reader.value(export, "formats", Optional, "", "").map_or(export.at, |v| v.span().start);
+        let message = format!(
+            "{} must be mesh formats with panels, found \"{}\"",
+            export.path_of("formats"),
+            format.name()
+        );
+        let hint = "there are steps between panels, and that format has one smooth surface here; write stl, obj, 3mf or glb";
+        reader.complain(at, message, hint);
+    }
+}
+
+/// No line between panels lies beside the mirror.
+fn lines_on_mirror(
+    reader: &mut ProfileReader,
+    panels: &[PanelKeys],
+    parts: &Entries,
+    camera: &CameraModel,
+) {
+    let Some(width) = parts.part.width else { return };
+    let pixel_mm = camera.pixel_mm(width.value);
+    let sizes = [Some(width.value), parts.part.height.map(|height| height.value)];
+    for panel in panels {
+        let keys = [("columns", &panel.columns), ("rows", &panel.rows)];
+        for (k, (key, edges)) in keys.into_iter().enumerate() {
+            let (Some(size), Some(edges)) = (sizes[k], edges) else { continue };
+            let pixels = camera.pixels()[k];
+            let off = |edge: u32| (f64::from(edge) - 0.5 * f64::from(pixels)).abs() * pixel_mm;
+            let mut inner = edges.value.into_iter().filter(|edge| (1..pixels).contains(edge));
+            if let Some(edge) = inner.find(|&edge| off(edge) >= 0.5 * size) {
+                let (path, most) = (&panel.path, 0.5 * size);
+                let message = format!(
+                    "{path}.{key} must have edges on the mirror, less than {most} mm from its middle, found {edge}, which is \
+                     {:.3} mm from it",
+                    off(edge)
+                );
+                return reader.complain(
+                    edges.at,
+                    message,
+                    "make the part larger, or the panel wider",
+                );
+            }
+        }
+    }
+}
+
+/// The panels are within the frame, apart from each other, and leave no gap.
+fn tile(
+    reader: &mut ProfileReader,
+    panels: &[PanelKeys],
+    areas: &[[[u32; 2]; 2]],
+    frame: [u32; 2],
+) {
+    for (panel, area) in panels.iter().zip(areas) {
+        let [[_, right], [_, bottom]] = *area;
+        for (edges, key, last, most) in
+            [(&panel.columns, "columns", right, frame[0]), (&panel.rows, "rows", bottom, frame[1])]
+        {
+            if let Some(edges) = edges.as_ref().filter(|_| last > most) {
+                let path = &panel.path;
+                let message = format!("{path}.{key} must end at {most} or before, found {last}");
+                return reader.complain(edges.at, message, "the frame ends there");
+            }
+        }
+    }
+    let common = |a: [u32; 2], b: [u32; 2]| a[0].max(b[0]) < a[1].min(b[1]);
+    for (k, (panel, a)) in panels.iter().zip(areas).enumerate() {
+        let over = areas[..k].iter().position(|b| common(a[0], b[0]) && common(a[1], b[1]));
+        if let Some(over) = over {
+            let message = format!(
+                "{} must be apart from the others, found pixels that {} has too",
+                panel.path, panels[over].path
+            );
+            return reader.complain(panel.at, message, "a pixel belongs to one panel");
+        }
+    }
+    if let Some([column, row]) = uncovered(areas, frame) {
+        let message = format!(
+            "the panels must fill the frame of {} x {} pixels, found none at column {column}, row {row}",
+            frame[0], frame[1]
+        );
+        reader.complain(
+            panels[0].at,
+            message,
+            "columns and rows are edges: [0, 320] ends where [320, 640] begins",
+        );
+    }
+}
+
+/// The first pixel of the frame that no panel has.
+fn uncovered(areas: &[[[u32; 2]; 2]], frame: [u32; 2]) -> Option<[u32; 2]> {
+    // What is covered changes at the edges of panels alone.
+    let starts = |axis: usize| {
+        let mut starts: Vec<u32> = areas.iter().flat_map(|area| area[axis]).collect();
+        starts.push(0);
+        starts.retain(|&start| start < frame[axis]);
+        starts.sort_unstable();
+        starts
+    };
+    let (columns, rows) = (starts(0), starts(1));
+    let covered = |at: [u32; 2]| {
+        let within =
+            |area: &[[u32; 2]; 2]| (0..2).all(|k| area[k][0] <= at[k] && at[k] < area[k][1]);
+        areas.iter().any(within)
+    };
+    let corners = rows.iter().flat_map(|&row| columns.iter().map(move |&column| [column, row]));
+    corners.into_iter().find(|&at| !covered(at))
+}

@@ -1,0 +1,253 @@
+//! Panels side by side: what each shows, how they are joined, and what is made of them.
+
+use crate::support::builds::folder;
+use crate::support::share;
+use morion::internals::design::{Design, design};
+use morion::internals::geom::{DVec2, DVec3, Precision};
+use morion::internals::mirror::{Mirror, Surface};
+use morion::internals::num::{cos, radians, sin, tan};
+use morion::internals::optics::reflect;
+use morion::internals::pipeline::{
+    Command, ReplayOptions, Silent, ToleranceOptions, Verify, VerifyOptions, build, load,
+};
+use morion::internals::profile::{Profile, shipped};
+use morion::internals::results::{BuildReport, Verdict};
+use morion::internals::solid::Solid;
+
+/// A panel: columns, rows, centre, angle of view, turn.
+type Panel = ([u32; 2], [u32; 2], [f64; 2], f64, f64);
+
+/// The four quarters of the frame, each the right way up.
+const QUARTERS: [Panel; 4] = [
+    ([0, 160], [0, 120], [-45.0, 0.0], 60.0, 135.0),
+    ([160, 320], [0, 120], [45.0, 0.0], 60.0, -135.0),
+    ([0, 160], [120, 240], [-135.0, 0.0], 60.0, 45.0),
+    ([160, 320], [120, 240], [135.0, 0.0], 60.0, -45.0),
+];
+
+/// Ahead and behind over a view straight back.
+const THREE: [Panel; 3] = [
+    ([0, 160], [0, 120], [-20.0, 20.0], 40.0, 0.0),
+    ([160, 320], [0, 120], [20.0, 20.0], 40.0, 0.0),
+    ([0, 320], [120, 240], [0.0, 90.0], 50.0, 0.0),
+];
+
+/// Side by side, whose walls slant.
+const COLUMNS: [Panel; 3] = [
+    ([0, 100], [0, 240], [-90.0, 50.0], 16.0, 0.0),
+    ([100, 230], [0, 240], [0.0, 70.0], 20.0, 0.0),
+    ([230, 320], [0, 240], [90.0, 40.0], 14.0, 0.0),
+];
+
+/// No line goes across the frame.
+const PINWHEEL: [Panel; 5] = [
+    ([0, 200], [0, 80], [0.0, 45.0], 30.0, 0.0),
+    ([200, 320], [0, 160], [90.0, 45.0], 20.0, 0.0),
+    ([120, 320], [160, 240], [180.0, 45.0], 30.0, 0.0),
+    ([0, 120], [80, 240], [-90.0, 45.0], 20.0, 0.0),
+    ([120, 200], [80, 160], [0.0, 90.0], 12.0, 0.0),
+];
+
+fn layouts() -> [&'static [Panel]; 4] {
+    [&QUARTERS, &THREE, &COLUMNS, &PINWHEEL]
+}
+
+fn text(panels: &[Panel], degree: usize, formats: &str) -> String {
+    let panel = |(columns, rows, centre, hfov, roll): &Panel| {
+        format!(
+            "[[panel]]\ncolumns = {columns:?}\nrows = {rows:?}\ncentre_deg = {centre:?}\nhfov_deg = {hfov}\n\
+             roll_deg = {roll}\nmirrored = false\n"
+        )
+    };
+    let panels: String = panels.iter().map(panel).collect();
+    format!(
+        "camera.pinhole = {{ pixels = [320, 240], hfov_deg = 30, distance_mm = 150, pupil_mm = 0.8 }}\n\
+         layout.rectangle = {{}}\nmethod.vector-field.degree = {degree}\n\
+         part = {{ width_mm = 80.4, base_mm = 5 }}\nmesh.facet_px = 1\nexport.formats = [{formats}]\n\
+         accept = {{ pixel_error_rms_px = 5, pixel_error_max_px = 20 }}\n{panels}"
+    )
+}
+
+fn parsed(text: &str) -> Profile {
+    Profile::parse("p", "p.toml", text.as_bytes()).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn designed(text: &str) -> Design {
+    design(&parsed(text)).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// A perspective view by vectors alone: to the front right and up in its picture, with straight lines straight. Not
+/// mirrored, and turned by its azimuth and half a turn, it is the right way up.
+#[test]
+fn views_around_are_the_right_way_up() {
+    let design = designed(&text(&QUARTERS, 4, "\"stl\""));
+    let view = design.view.as_ref().unwrap();
+    for (columns, rows, [azimuth, _], hfov, _) in QUARTERS {
+        let [s, c] = [sin(radians(azimuth)), cos(radians(azimuth))];
+        let (front, right) = (DVec3::new(s, c, 0.0), DVec3::new(c, -s, 0.0));
+        let per_px = tan(radians(0.5 * hfov)) / 80.0;
+        for k in 0..25 {
+            let share = DVec2::new(f64::from(k % 5) + 0.5, f64::from(k / 5) + 0.5) / 5.0;
+            let [x, y] = [(columns, share.x), (rows, share.y)]
+                .map(|([from, to], share)| f64::from(from) + share * f64::from(to - from));
+            let across =
+                [(columns, x), (rows, y)].map(|([from, to], at)| at - 0.5 * f64::from(from + to));
+            let wanted = front + per_px * (right * across[0] - DVec3::Z * across[1]);
+            let found = view.direction_of(design.camera.image_point(x, y), DVec3::ZERO);
+            assert!(
+                (found - wanted.normalize()).length() < 1e-12,
+                "{azimuth} at {x}, {y}: {found}"
+            );
+        }
+    }
+}
+
+/// The root mean square of the ray error over a panel's picture, mrad, by the law of reflection.
+fn ray_error(design: &Design, ([left, right], [top, bottom], ..): &Panel) -> f64 {
+    let (camera, mirror) = (&design.camera, &design.mirror);
+    let (view, pupil) = (design.view.as_ref().unwrap(), camera.chart.pupil().unwrap());
+    let (mut sum, mut count) = (0.0, 0.0);
+    for row in (2 * top + 1..2 * bottom).step_by(3) {
+        for column in (2 * left + 1..2 * right).step_by(3) {
+            let image = camera.image_point(0.5 * f64::from(column), 0.5 * f64::from(row));
+            let q = camera.picture.chart_point(image);
+            let point = mirror.at(q);
+            let at = mirror.position(q, &point);
+            let seen = reflect((at - pupil).normalize(), mirror.normal(q, &point));
+            let off = (seen - view.direction_of(image, at)).length();
+            sum += off * off;
+            count += 1.0;
+        }
+    }
+    1e3 * f64::sqrt(sum / count)
+}
+
+/// A panel's own optimum is the mirror of its view alone, under a camera whose frame is the panel: the same camera with
+/// its principal point beside the frame.
+#[test]
+fn each_panel_is_as_good_as_its_view_alone() {
+    let all = designed(&text(&QUARTERS, 12, "\"stl\""));
+    let pixel_mm = all.camera.pixel_mm;
+    for panel in &QUARTERS {
+        let (columns, rows, centre, hfov, roll) = panel;
+        let principal = [160.0 - f64::from(columns[0]), 120.0 - f64::from(rows[0])];
+        let shift = [principal[0] - 80.0, 60.0 - principal[1]].map(|px| px * pixel_mm);
+        let focal = 160.0 / tan(radians(15.0));
+        let lone = designed(&format!(
+            "camera.calibrated = {{ pixels = [160, 120], focal_px = [{focal}, {focal}], \
+             principal_px = {principal:?}, distortion = [0, 0, 0, 0], distance_mm = 150 }}\n\
+             mount.shift_mm = {shift:?}\nlayout.rectangle = {{}}\nmethod.vector-field.degree = 12\n\
+             projection.perspective = {{ centre_deg = {centre:?}, hfov_deg = {hfov}, roll_deg = {roll}, \
+             mirrored = false }}\npart = {{ width_mm = {}, base_mm = 5 }}\nmesh.facet_px = 1\n\
+             export.formats = [\"stl\"]\n",
+            160.0 * pixel_mm
+        ));
+        let alone = ray_error(&lone, &([0, 160], [0, 120], *centre, *hfov, *roll));
+        let found = ray_error(&all, panel);
+        println!("{centre:?}: {found:.4} mrad, alone {alone:.4}");
+        assert!((found / alone - 1.0).abs() < 0.01, "{centre:?}: {found} mrad, alone {alone}");
+    }
+}
+
+/// The heights of both panels at places on the lines between panels, mm.
+fn meetings(mirror: &Mirror) -> Vec<[f64; 2]> {
+    let Surface::Panels(surface) = &mirror.surface else { panic!("one surface") };
+    let mut steps = Vec::new();
+    for line in surface.parts.dividing_lines() {
+        for stretch in line.stretches(&surface.parts) {
+            for k in 0..=100 {
+                let [from, to] = stretch.ends;
+                let q = line.place(from + (to - from) * f64::from(k) / 100.0);
+                let panels = mirror.panels();
+                steps.push(stretch.pair.map(|k| panels[k].height(q)));
+            }
+        }
+    }
+    steps
+}
+
+/// Walls are as high everywhere as facets need, closed bodies, and their volume is that of the design.
+#[test]
+fn walls_close_the_part_in_every_arrangement() {
+    for panels in layouts() {
+        let coarse = text(panels, 8, "\"stl\"").replace("mesh.facet_px = 1", "mesh.chord_um = 5");
+        let design = designed(&coarse);
+        let steps = meetings(&design.mirror).into_iter().map(|[a, b]| (a - b).abs());
+        let least = steps.fold(f64::INFINITY, f64::min);
+        assert!((0.0999..=0.1 + 1e-9).contains(&least), "{panels:?}: a step of {least} mm");
+        let face = design.mesh().unwrap();
+        assert!(face.walls > 0);
+        for precision in [Precision::Single, Precision::Double] {
+            let solid = Solid::from_face(&face.mesh, face.walls, None, precision).unwrap();
+            let check = solid.check();
+            assert_eq!((check.euler, check.components), (2, 1), "{panels:?}");
+            assert_eq!(solid.optical(), face.mesh.triangles.len() - face.walls);
+            let (found, exact) = (check.volume_mm3, design.volume());
+            let explained = design.mirror.footprint() * face.bound.chord_mm;
+            assert!((found - exact).abs() < 1.1 * explained, "{panels:?}: {found} {exact}");
+            assert!((found - exact).abs() > 1e-9, "{panels:?}");
+        }
+    }
+}
+
+/// The witness reads the files, and every vertex is on its panel or its wall.
+#[test]
+fn files_of_panels_pass_and_show_their_views() {
+    for panels in share(2, 1, [&QUARTERS[..], &COLUMNS[..]]) {
+        let text = text(panels, 10, "\"stl\", \"obj\", \"3mf\", \"glb\"");
+        let folder = folder();
+        let report: BuildReport = build(&parsed(&text), folder.path(), &Silent).unwrap();
+        assert_eq!(report.verdict, Verdict::Pass, "{panels:?}: {:?}", report.reasons);
+        for trace in &report.trace {
+            assert_eq!((trace.hit, trace.missed, trace.shadowed), (trace.rays, 0, 0));
+            let facet = trace.errors.facet_error_px.unwrap();
+            assert!(facet.max > 0.7 && facet.max <= 1.0, "{facet:?}");
+        }
+    }
+}
+
+/// Four views of 60 degrees around show 240 degrees of the horizon, and what lies between them is no one's.
+#[test]
+fn what_lies_between_two_views_is_not_called_covered() {
+    let folder = folder();
+    let profile = parsed(&text(&QUARTERS, 12, "\"stl\""));
+    let coverage = morion::frame(&profile, folder.path()).unwrap().coverage;
+    // At the corners of its picture a perspective view of 60 degrees shows as wide a turn.
+    assert!((coverage.azimuth_deg - 240.0).abs() < 8.0, "{}", coverage.azimuth_deg);
+    assert_eq!(coverage.gaps_deg.len(), 4, "{:?}", coverage.gaps_deg);
+}
+
+/// A copy is measured, trials are made and a trial's part is traced; what knows one smooth surface alone refuses panels.
+#[test]
+fn commands_know_panels_or_refuse_them() {
+    let folder = folder();
+    let path = folder.path().join("p.toml");
+    std::fs::write(&path, text(&QUARTERS, 8, "\"stl\"")).unwrap();
+    let profile = load(path.to_str().unwrap()).unwrap();
+    let out = folder.path().join("out");
+    build(&profile, &out, &Silent).unwrap();
+    let (copy, options) = (out.join("p/mirror.stl"), VerifyOptions { units: None, align: true });
+    let verify = Verify { path: &copy, options };
+    let (found, _) = verify.in_memory(&profile, &Silent).unwrap();
+    assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);
+
+    let trials = ToleranceOptions { range: 0..20, ..ToleranceOptions::default() };
+    let report = trials.publish(&profile, &out, &Silent).unwrap();
+    assert_eq!(report.study.trials, 20);
+    let without = ["stepover_mm", "slope_mrad", "waviness_um"].map(String::from);
+    let replay = ReplayOptions { trial: 3, seed: trials.seed, without: &without };
+    let replay = replay.publish(&profile, &out, &Silent).unwrap();
+    assert_eq!(replay.verdict, Verdict::Pass, "{:?}", replay.reasons);
+
+    let machining = morion::machining(&profile, &out).unwrap_err().to_string();
+    assert!(machining.contains("a mirror of panels has walls"), "{machining}");
+    let photo = out.join("p/preview.png");
+    let unwrapped = morion::unwrap(&profile, &photo, &out).unwrap_err().to_string();
+    assert!(unwrapped.contains("a picture of panels is no panorama"), "{unwrapped}");
+}
+
+#[test]
+fn the_shipped_four_views_are_a_profile_of_panels() {
+    let found = shipped().iter().find(|shipped| shipped.name == "four-views").unwrap();
+    assert!(designed(found.text).mirror.has_steps());
+}
