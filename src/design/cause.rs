@@ -202,8 +202,8 @@ pub enum FailureCause {
     /// The law of least curl was not found.
     #[error("the law of least curl was not found: {0}")]
     LeastCurl(#[from] LeastCurlError),
-    /// Rows or elevations of a table differ by no more than rounding.
-    #[error("the rows and elevations of the table are too close to each other")]
+    /// Places or angles of a table differ by no more than rounding.
+    #[error("the entries of the table are too close to each other")]
     DegenerateTable,
     /// The place of the mirror in its target surface was not found.
     #[error(

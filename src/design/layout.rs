@@ -5,14 +5,14 @@ use super::strip::{self, StripPanel};
 use crate::geom::{DVec2, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::quadrature::gauss_legendre;
-use crate::num::radians;
+use crate::num::{RadialCubic, radians};
 use crate::optics::{
-    Azimuthal, Camera, Fold, ImagingTask, Mount, Projection, RimConditions, SampledMap, StripLaw,
-    Target,
+    Azimuthal, Camera, Fold, ImagingTask, Mount, Projection, RadialLaw, RimConditions, SampledMap,
+    StripLaw, Target,
 };
 use crate::profile::{
-    AzimuthalSpec, Layout, MapSpec, PanelSource, Profile, ProjectionSpec, RadialSpec, Ridge,
-    StripSpec,
+    AzimuthalSpec, Layout, MapSpec, PanelSource, Profile, ProjectionSpec, RadialLawSpec,
+    RadialSpec, Ridge, StripSpec,
 };
 use std::sync::Arc;
 
@@ -115,7 +115,7 @@ impl DesignProblem {
             None | Some(ProjectionSpec::Panels(_)) => Ok(None),
             Some(ProjectionSpec::Strip(wanted)) => Self::strip(profile, wanted, camera).map(Some),
             Some(ProjectionSpec::Radial(wanted)) => {
-                Ok(Some(Self::round(profile, wanted, camera, geometry)))
+                Self::round(profile, wanted, camera, geometry).map(Some)
             }
             Some(ProjectionSpec::Azimuthal(wanted)) => {
                 Ok(Some(Self::azimuthal(profile, wanted, camera)))
@@ -127,10 +127,8 @@ impl DesignProblem {
     /// Whether the inner rim of a ring comes to lie outside the outer one.
     pub(super) fn occluded_rim(&self) -> Option<FailureCause> {
         match self.domain {
-            Outline::Ring { inner, outer } if !(inner < outer) => {
-                Some(FailureCause::OccludedRim { inner_mm: inner, outer_mm: outer })
-            }
-            _ => None,
+            Outline::Ring { inner, outer } => occluded([inner, outer]),
+            Outline::Rect(_) => None,
         }
     }
 
@@ -193,14 +191,19 @@ impl DesignProblem {
         wanted: &RadialSpec,
         camera: Camera,
         geometry: &SelfConsistentGeometry,
-    ) -> Self {
+    ) -> Result<Self, FailureCause> {
         let radius = [geometry.inner_mm, 0.5 * profile.part.width_mm];
-        let psi = [wanted.inner_polar_deg.unwrap_or(0.0), wanted.outer_polar_deg].map(radians);
-        let rims = RimConditions { radius, psi, vergence: camera.chart.vergence };
-        let law = rims.law(wanted.law);
+        let law = match &wanted.law {
+            RadialLawSpec::Named(kind) => {
+                let inner = wanted.inner_polar_deg.unwrap_or(0.0);
+                let psi = [inner, wanted.outer_polar_deg].map(radians);
+                RimConditions { radius, psi, vergence: camera.chart.vergence }.law(*kind)
+            }
+            RadialLawSpec::Table(rows) => tabulated(rows, radius)?,
+        };
         let projection = Projection::Radial { law, radius };
         let outline = Outline::Ring { inner: radius[0], outer: radius[1] };
-        Self {
+        Ok(Self {
             camera,
             view: ImagingTask {
                 projection,
@@ -214,7 +217,7 @@ impl DesignProblem {
             section: None,
             picture: None,
             mirror_symmetric: [true; 2],
-        }
+        })
     }
 
     /// The problem of a perspective or fisheye view on a rectangle: the angle of view is that of the frame's width.
@@ -266,6 +269,22 @@ impl DesignProblem {
             section: None,
             picture: Some(camera.frame()),
         }
+    }
+}
+
+/// Failure of an inner rim that comes to lie outside the outer one, both image radii in mm.
+fn occluded([inner_mm, outer_mm]: [f64; 2]) -> Option<FailureCause> {
+    (!(inner_mm < outer_mm)).then_some(FailureCause::OccludedRim { inner_mm, outer_mm })
+}
+
+/// The law through polar angles in degrees at shares of the way between the rims' image radii in mm.
+fn tabulated(rows: &[[f64; 2]], radius: [f64; 2]) -> Result<RadialLaw, FailureCause> {
+    let [inner, outer] = radius;
+    let radii: Vec<f64> = rows.iter().map(|[share, _]| inner + share * (outer - inner)).collect();
+    let polar: Vec<f64> = rows.iter().map(|[_, degrees]| radians(*degrees)).collect();
+    match RadialCubic::new(&radii, &polar) {
+        Some(curve) => Ok(RadialLaw::Tabulated(Arc::new(curve))),
+        None => Err(occluded(radius).unwrap_or(FailureCause::DegenerateTable)),
     }
 }
 

@@ -48,7 +48,7 @@ pub(super) fn solved(
     let views: Vec<Azimuthal> = wanted.iter().map(|panel| view(profile, &camera, panel)).collect();
     let (mut sheets, mut all_facts) = (Vec::new(), Vec::new());
     for (part, view) in parts.0.iter().zip(&views) {
-        let view = Projection::Azimuthal(*view);
+        let view = Projection::Azimuthal(view.clone());
         let problem = DesignProblem::framed(camera, *part, view, Target::Infinity, false);
         let (mirror, facts) = surface::solved(&problem, method)?;
         let Surface::Tensor(sheet) = mirror.surface else {

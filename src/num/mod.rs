@@ -19,6 +19,7 @@ pub mod monotone;
 mod piecewise_cubic;
 mod plane_inverse;
 pub mod quadrature;
+mod radial_cubic;
 pub mod random;
 pub mod rounding;
 mod scalar;
@@ -33,6 +34,7 @@ pub use interval::Interval;
 pub use jet::Jet2;
 pub use lanes::Lanes;
 pub use monotone::{Inverse, MonotoneCubic};
+pub use radial_cubic::RadialCubic;
 pub use scalar::{Arithmetic, Base, PlaneFn, Scalar, SmoothFn};
 
 /// The larger of two errors; one that is no number is larger than all.

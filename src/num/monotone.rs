@@ -13,7 +13,7 @@ const STEEPEST: f64 = 2.5;
 /// Its second derivative jumps at knots. Outside the knots it is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonotoneCubic {
-    pieces: PiecewiseCubic,
+    pub(super) pieces: PiecewiseCubic,
     /// Values at the knots, times `sense`, so that they rise.
     levels: Vec<f64>,
     /// 1 if rising, -1 if falling.
@@ -92,7 +92,7 @@ impl SmoothFn for MonotoneCubic {
     }
 
     fn over(&self, range: [f64; 2]) -> [[f64; 2]; 3] {
-        hulls(self.pieces.parts(range))
+        hulls(self.pieces.parts(range).map(|(_, ranges)| ranges))
     }
 }
 
@@ -134,7 +134,7 @@ impl Inverse<'_> {
     }
 
     /// x(`y`) moved by more than its error, down or up as `side` is -1 or 1.
-    fn bound(&self, y: f64, side: f64) -> f64 {
+    pub(super) fn bound(&self, y: f64, side: f64) -> f64 {
         let Self(MonotoneCubic { pieces, sense, .. }) = self;
         let x = self.value(y);
         let mut step = 4.0 * f64::EPSILON * x.abs() + f64::MIN_POSITIVE;
@@ -144,7 +144,7 @@ impl Inverse<'_> {
             let past = |f: &[Interval; 3]| {
                 if side * sense > 0.0 { f[0].lo > y } else { f[0].hi < y }
             };
-            if pieces.parts([end, end]).all(|f| past(&f)) {
+            if pieces.parts([end, end]).all(|(_, f)| past(&f)) {
                 return end;
             }
             step *= 2.0;
@@ -163,7 +163,7 @@ impl SmoothFn for Inverse<'_> {
     fn over(&self, [lo, hi]: [f64; 2]) -> [[f64; 2]; 3] {
         let [first, last] = if self.0.sense > 0.0 { [lo, hi] } else { [hi, lo] };
         let xs = Interval::new(self.bound(first, -1.0), self.bound(last, 1.0));
-        let parts = self.0.pieces.parts([xs.lo, xs.hi]).map(|[_, d, dd]| {
+        let parts = self.0.pieces.parts([xs.lo, xs.hi]).map(|(_, [_, d, dd])| {
             let slope = Interval::constant(1.0) / d;
             [xs, slope, -dd * slope * slope.square()]
         });

@@ -60,15 +60,18 @@ impl PiecewiseCubic {
         cubic(self.terms[k], x - self.anchors[k])
     }
 
-    /// Ranges of f, f' and f'' on each piece's share of the range; both sides of a border count.
-    pub(super) fn parts(&self, [lo, hi]: [f64; 2]) -> impl Iterator<Item = [Interval; 3]> {
+    /// Each piece's share of the range, and the ranges of f, f' and f'' on it; both sides of a border count.
+    pub(super) fn parts(
+        &self,
+        [lo, hi]: [f64; 2],
+    ) -> impl Iterator<Item = (Interval, [Interval; 3])> {
         let inner = &self.borders[1..self.terms.len()];
         let first = inner.partition_point(|&border| border < lo);
         let last = inner.partition_point(|&border| border <= hi).max(first);
         (first..=last).map(move |k| {
-            let from = lo.max(self.borders[k]) - self.anchors[k];
-            let to = hi.min(self.borders[k + 1]) - self.anchors[k];
-            cubic_over(self.terms[k], from, to)
+            let (from, to) = (lo.max(self.borders[k]), hi.min(self.borders[k + 1]));
+            let anchor = self.anchors[k];
+            (Interval::new(from, to), cubic_over(self.terms[k], from - anchor, to - anchor))
         })
     }
 }

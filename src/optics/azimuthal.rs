@@ -39,7 +39,7 @@ impl AzimuthalLaw {
 }
 
 /// A round law about a centre direction, over image points in mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Azimuthal {
     /// The law of the distance from the picture's centre.
     pub law: RadialLaw,
@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn a_perspective_view_keeps_lines_straight_and_an_unmirrored_one_is_its_reflection() {
         let plane = law(Perspective, 40.0);
-        let view = Azimuthal::new(plane, [90.0, 30.0], 0.0, true, &Mount::default());
+        let view = Azimuthal::new(plane.clone(), [90.0, 30.0], 0.0, true, &Mount::default());
         let other = Azimuthal::new(plane, [90.0, 30.0], 0.0, false, &Mount::default());
         // Directions to points of a line in space.
         let on_line = |t: f64| DVec3::new(3.0, -1.0, 1.0) + DVec3::new(-0.2, 0.9, 0.4) * t;
@@ -279,7 +279,8 @@ mod tests {
             (90.0, 0.0, false),
             (0.0, 5.0, false),
         ] {
-            let view = Azimuthal::new(plane, [azimuth, 40.0], roll, true, &Mount::default());
+            let view =
+                Azimuthal::new(plane.clone(), [azimuth, 40.0], roll, true, &Mount::default());
             assert_eq!(view.is_symmetric_in_x(), symmetric, "{azimuth} {roll}");
             if symmetric {
                 let [x, y] = view.direction_of([7.0, 3.0]);

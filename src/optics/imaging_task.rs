@@ -77,7 +77,7 @@ impl ImagingTask {
     #[must_use]
     pub fn of_panel(&self, panel: usize) -> Self {
         let projection = match &self.projection {
-            Projection::Panels(views) => Projection::Azimuthal(views.views[panel]),
+            Projection::Panels(views) => Projection::Azimuthal(views.views[panel].clone()),
             other => other.clone(),
         };
         Self { projection, ..self.clone() }

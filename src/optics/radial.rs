@@ -6,11 +6,12 @@
 //! r / t against t^2: smooth at the centre wherever the mirror is.
 
 use crate::geom::DVec2;
-use crate::num::{Scalar, atan};
+use crate::num::{RadialCubic, Scalar, atan};
+use std::sync::Arc;
 
 /// The law of the radii (docs/theory.md, T19). Lengths are mm on the reference plane, angles
 /// radians.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum RadialLaw {
     /// Nayar: t = r * rate. The paraboloid, single viewpoint, orthographic.
     Parabolic {
@@ -75,6 +76,8 @@ pub enum RadialLaw {
         /// 1/mm.
         rate: f64,
     },
+    /// psi as a curve through given points, against r in mm.
+    Tabulated(Arc<RadialCubic>),
 }
 
 impl RadialLaw {
@@ -115,6 +118,10 @@ impl RadialLaw {
                 let r = v.sqrt();
                 let c = -(r - inner) * rate + cot;
                 half_tangent(c) / r
+            }
+            Self::Tabulated(ref curve) => {
+                let half = v.map(&curve.quotient()) * 0.5;
+                half * (v * half.square()).tan_over_root()
             }
         }
     }
@@ -159,6 +166,10 @@ impl RadialLaw {
                 let c = (-w + 1.0) / (t * 2.0);
                 ((-c + cot) / rate + inner) / t
             }
+            Self::Tabulated(ref curve) => {
+                let per_t = w.atan_over_root() * 2.0;
+                (w * per_t.square()).map(&curve.inverse_quotient()) * per_t
+            }
         }
     }
 
@@ -193,7 +204,8 @@ fn half_tangent<S: Scalar>(cot: S) -> S {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::num::{cos, degrees, radians, tan};
+    use crate::num::sample::Draws;
+    use crate::num::{Interval, Jet2, cos, degrees, radians, tan};
     use crate::optics::{RadialLawKind, RimConditions};
 
     fn laws(rims: &RimConditions) -> Vec<(&'static str, RadialLaw)> {
@@ -269,6 +281,113 @@ mod tests {
                 assert!((found - exact).abs() < 1e-14, "{name} {rims:?}: {found} {exact}");
                 let outer = degrees(law.polar(r1) - psi1).abs();
                 assert!(outer < 1e-12, "{name} {rims:?}: {outer}");
+            }
+        }
+    }
+
+    /// The table of `n` + 1 even samples of a law.
+    fn sampled(law: &RadialLaw, radius: [f64; 2], n: u32) -> RadialLaw {
+        let at = |k: u32| radius[0] + (radius[1] - radius[0]) * f64::from(k) / f64::from(n);
+        let radii: Vec<f64> = (0..=n).map(at).collect();
+        let polar = |r: &f64| if *r == 0.0 { 0.0 } else { law.polar(*r) };
+        let polar: Vec<f64> = radii.iter().map(polar).collect();
+        RadialLaw::Tabulated(Arc::new(RadialCubic::new(&radii, &polar).unwrap()))
+    }
+
+    /// The largest third derivative of the polar angle between the rims, rad/mm^3, by central differences.
+    fn third_derivative(law: &RadialLaw, [inner, outer]: [f64; 2]) -> f64 {
+        let e = 1e-3 * outer;
+        let polar = |r: f64| law.polar(r.abs()).copysign(r);
+        let at = |k: u32| {
+            let r = inner + (outer - inner) * f64::from(k) / 200.0;
+            let ends = polar(r + 2.0 * e) - polar(r - 2.0 * e);
+            (ends - 2.0 * (polar(r + e) - polar(r - e))).abs() / (2.0 * e * e * e)
+        };
+        (1..=200).map(at).fold(0.0, f64::max)
+    }
+
+    /// Interpolation by cubics whose slopes are those of parabolas, over steps h: the slope of the longest parabola,
+    /// from -h over h to 2 h, is off by h^2 / 3 times the third derivative, and the cubic beside it by h / 2 times that.
+    #[test]
+    fn a_table_of_a_law_has_its_polar_angles_to_third_order() {
+        for rims in rims() {
+            let [inner, outer] = rims.radius;
+            // The cone has no polar angle of 0 at the centre.
+            let smooth = |name: &str| name != "conical" || inner > 0.0;
+            for (name, law) in laws(&rims).into_iter().filter(|(name, _)| smooth(name)) {
+                let steepest = third_derivative(&law, rims.radius);
+                for n in [32, 64, 128] {
+                    let table = sampled(&law, rims.radius, n);
+                    let apart = |k: u32| {
+                        let r = inner + (outer - inner) * f64::from(k) / 997.0;
+                        (table.polar(r) - law.polar(r)).abs()
+                    };
+                    let found = (1..=997).map(apart).fold(0.0, f64::max);
+                    let h = (outer - inner) / f64::from(n);
+                    // The fourth derivative's part is less by a step's share of the law's own length.
+                    let bound = h * h * h / 6.0 * steepest * (1.0 + 8.0 / f64::from(n)) + 1e-14;
+                    assert!(found < bound, "{name} {rims:?} {n}: {found:e} {bound:e}");
+                }
+            }
+        }
+    }
+
+    fn tables() -> [RadialLaw; 2] {
+        let radii = [0.0, 4.0, 13.0, 15.0, 26.0, 30.0];
+        let polar = [0.0, 24.0, 61.0, 80.0, 88.0, 110.0].map(radians);
+        [(radii, polar), (radii.map(|r| r + 9.0), polar.map(|psi| psi + 0.3))]
+            .map(|(r, psi)| RadialLaw::Tabulated(Arc::new(RadialCubic::new(&r, &psi).unwrap())))
+    }
+
+    #[test]
+    fn image_points_of_a_table_are_found_again() {
+        for (law, first) in tables().iter().zip([1e-9, 9.0]) {
+            for k in 0..=60 {
+                let r = first + 0.5 * f64::from(k);
+                let q = DVec2::new(-0.8 * r, 0.6 * r);
+                let back = DVec2::from_array(law.image_of(law.direction_of(q.to_array())));
+                assert!((back - q).length() < 1e-13 * r, "{q} {back}");
+            }
+        }
+        // At the centre itself, where the angle is proportional to the radius.
+        let [disc, _] = tables();
+        assert_eq!(disc.direction_of([0.0, 0.0]), [0.0, 0.0]);
+        let slope = |r: f64| disc.polar(r) / r;
+        assert!((slope(1e-7) / slope(1e-9) - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn bounds_of_a_table_hold_values_and_derivatives_both_ways() {
+        let parts = |j: Jet2<f64>| [j.value].into_iter().chain(j.gradient).chain(j.hessian);
+        let mut r = Draws::new(11);
+        // About the centre, and clear of what lies within the inner rim.
+        for (law, [lo, hi]) in tables().iter().zip([[-22.0, 22.0], [7.0, 28.0]]) {
+            for _ in 0..400 {
+                let [x, y] = [r.range([lo, hi]), r.range([lo, hi])];
+                let box_of = |[lo, hi]: [f64; 2]| Interval::new(lo, hi);
+                let over =
+                    law.direction_of([Jet2::variable_x(box_of(x)), Jet2::variable_y(box_of(y))]);
+                let [sx, sy] = over.map(|sigma| sigma.value);
+                let back = law.image_of([Jet2::variable_x(sx), Jet2::variable_y(sy)]);
+                for _ in 0..4 {
+                    let at = [Jet2::variable_x(r.inside(x)), Jet2::variable_y(r.inside(y))];
+                    let found = law.direction_of(at);
+                    let sigma = found.map(|sigma| sigma.value);
+                    let undone =
+                        law.image_of([Jet2::variable_x(sigma[0]), Jet2::variable_y(sigma[1])]);
+                    for (over, at) in
+                        over.into_iter().chain(back).zip(found.into_iter().chain(undone))
+                    {
+                        let over: Vec<Interval> = [over.value]
+                            .into_iter()
+                            .chain(over.gradient)
+                            .chain(over.hessian)
+                            .collect();
+                        for (over, at) in over.into_iter().zip(parts(at)) {
+                            assert!(over.contains(at), "{at} {over:?} at {x:?} {y:?}");
+                        }
+                    }
+                }
             }
         }
     }

@@ -39,7 +39,8 @@ pub use format::{CadFormat, FileFormat, MeshFormat};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
 pub use projection::{
-    AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialSpec, StripLawSpec, StripSpec,
+    AzimuthalSpec, MapSpec, PanelSpec, ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec,
+    StripSpec,
 };
 pub use sag::{GridError, SagGrid};
 #[cfg(feature = "studio")]

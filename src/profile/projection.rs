@@ -71,20 +71,31 @@ pub enum StripLawSpec {
 
 /// A projection about the axis. The polar angle of a direction is the one between it and the axis
 /// towards the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RadialSpec {
     /// Relation of image radius and polar angle.
-    pub law: RadialLawKind,
+    pub law: RadialLawSpec,
     /// Polar angle in degrees at the inner rim of an annulus, 0 or more and less than the outer
-    /// one. Given exactly for an annulus and a law of two parameters; a disc starts at 0.
+    /// one. Given exactly for an annulus and a table or a law of two parameters; a disc starts at 0.
     pub inner_polar_deg: Option<f64>,
-    /// Polar angle in degrees at the mirror's outer rim: strictly between 0 and 180, for
+    /// Polar angle in degrees at the mirror's outer rim, of a table too: strictly between 0 and 180, for
     /// [`RadialLawKind::Plane`] 90.
     pub outer_polar_deg: f64,
     /// Surface that the picture shows. A cylinder is there for an annulus only; a
     /// plane is on the side that the given polar angles look to. The polar angle at the inner rim
     /// of a hyperbolic or conical annulus is an outcome and is not checked here.
     pub target: Target,
+}
+
+/// Relation of image radius and polar angle, as a profile asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RadialLawSpec {
+    /// A law that the polar angles at the rims complete.
+    Named(RadialLawKind),
+    /// Shares of the way from the inner to the outer rim in the picture (of a disc, from the centre), and the polar
+    /// angles there in degrees: 2 to 1000 of them, from share 0 to share 1, both strictly rising. A disc's begins
+    /// with polar angle 0.
+    Table(Vec<[f64; 2]>),
 }
 
 /// A perspective or fisheye view.
@@ -141,6 +152,8 @@ pub(super) enum LawName {
     Radial(RadialLawKind),
     /// Given as data.
     Map,
+    /// Of a strip, or of a disc or an annulus, as its keys tell.
+    Table,
 }
 
 impl LawName {
@@ -156,7 +169,7 @@ impl LawName {
             "perspective" => Some(Self::Azimuthal(Some(AzimuthalLaw::Perspective))),
             "fisheye" => Some(Self::Azimuthal(None)),
             "map" => Some(Self::Map),
-            "table" => Some(Self::Strip(StripLawSpec::Table(Vec::new()))),
+            "table" => Some(Self::Table),
             name => {
                 let kind = RadialLawKind::ALL.into_iter().find(|kind| kind.name() == name);
                 kind.map(Self::Radial)

@@ -3,6 +3,8 @@
 use crate::tolerance_terms::Perturbation;
 
 const STRIP: &[&str] = &["azimuth_deg", "elevation_deg", "target_radius_mm", "target_plane_mm"];
+const TABLE: &[&str] =
+    &["azimuth_deg", "elevation_deg", "polar_deg", "target_radius_mm", "target_plane_mm"];
 const ONE_PARAMETER: &[&str] = &["outer_polar_deg", "target_radius_mm", "target_plane_mm"];
 const TWO_PARAMETERS: &[&str] =
     &["inner_polar_deg", "outer_polar_deg", "target_radius_mm", "target_plane_mm"];
@@ -139,7 +141,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
     ("projection.equirectangular", STRIP),
     ("projection.equal-area", STRIP),
     ("projection.best", STRIP),
-    ("projection.table", STRIP),
+    ("projection.table", TABLE),
     ("projection.parabolic", ONE_PARAMETER),
     ("projection.hyperbolic", ONE_PARAMETER),
     ("projection.conical", ONE_PARAMETER),

@@ -42,6 +42,7 @@ mod part_refusals;
 mod profile_checks;
 mod profile_combinations;
 mod proof;
+mod radial_tables;
 mod random_profiles;
 mod readme;
 mod refusals;

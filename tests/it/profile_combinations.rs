@@ -3,8 +3,8 @@
 use crate::support::least::{strip_of, with};
 use morion::internals::optics::{CameraModel, RadialLawKind, StripLaw, Target};
 use morion::internals::profile::{
-    Conic, Layout, Method, MethodKind, Monomial, Polynomial, ProjectionSpec, RadialSpec, ShapeSpec,
-    StripLawSpec, StripSpec,
+    Conic, Layout, Method, MethodKind, Monomial, Polynomial, ProjectionSpec, RadialLawSpec,
+    RadialSpec, ShapeSpec, StripLawSpec, StripSpec,
 };
 
 const STRIP: (&str, &str) = ("layout.conquistador", "layout.strip");
@@ -118,7 +118,7 @@ fn radial_laws_with_every_camera_and_outline() {
                     assert_eq!(found.is_ok(), valid, "{text} {layout:?} {found:?}");
                     let Ok(profile) = found else { continue };
                     let expected = RadialSpec {
-                        law,
+                        law: RadialLawSpec::Named(law),
                         inner_polar_deg: inner.filter(|_| annulus),
                         outer_polar_deg: 60.0,
                         target: Target::Infinity,
@@ -132,6 +132,41 @@ fn radial_laws_with_every_camera_and_outline() {
                 }
             }
         }
+    }
+}
+
+/// A table of polar angles with every camera and outline: what is valid, and what becomes of its ends.
+#[test]
+fn tables_of_polar_angles_with_every_camera_and_outline() {
+    let table = |rows: &[[f64; 2]]| format!("projection.table = {{ polar_deg = {rows:?} }}");
+    for camera in [("640", "640"), PINHOLE] {
+        for (layout, annulus) in [(DISC, false), (ANNULUS, true), (STRIP, false)] {
+            for first in [0.0, 25.0] {
+                let rows = vec![[0.0, first], [0.25, 40.0], [1.0, 179.9]];
+                let found = with(&[camera, layout, (PROJECTION, &table(&rows))]);
+                let valid = layout != STRIP && (annulus || first == 0.0);
+                assert_eq!(found.is_ok(), valid, "{layout:?} {first} {found:?}");
+                let Ok(profile) = found else { continue };
+                let expected = RadialSpec {
+                    law: RadialLawSpec::Table(rows),
+                    inner_polar_deg: annulus.then_some(first),
+                    outer_polar_deg: 179.9,
+                    target: Target::Infinity,
+                };
+                assert_eq!(profile.projection, Some(ProjectionSpec::Radial(expected)));
+            }
+        }
+    }
+    for rows in [
+        &[[0.0, 0.0]][..],
+        &[[0.0, 0.0], [0.5, 20.0]],
+        &[[0.5, 0.0], [1.0, 20.0]],
+        &[[0.0, 0.0], [0.5, 20.0], [0.5, 30.0], [1.0, 40.0]],
+        &[[0.0, 0.0], [0.5, 20.0], [1.0, 20.0]],
+        &[[0.0, 0.0], [1.0, 180.0]],
+        &[[0.0, 0.0], [1.5, 80.0]],
+    ] {
+        assert!(with(&[DISC, (PROJECTION, &table(rows))]).is_err(), "{rows:?}");
     }
 }
 
@@ -156,6 +191,14 @@ fn radial_targets() {
             "equiangular = { inner_polar_deg = 0, outer_polar_deg = 80, target_plane_mm = 9 }",
             true,
         ),
+        (DISC, "table = { polar_deg = [[0, 0], [1, 89]], target_plane_mm = 200 }", true),
+        (DISC, "table = { polar_deg = [[0, 0], [1, 90]], target_plane_mm = 200 }", false),
+        (DISC, "table = { polar_deg = [[0, 0], [1, 89]], target_radius_mm = 200 }", false),
+        (DISC, "table = { polar_deg = [[0, 0], [1, 89]], target_plane_mm = -200 }", false),
+        (ANNULUS, "table = { polar_deg = [[0, 91], [1, 120]], target_plane_mm = -9 }", true),
+        (ANNULUS, "table = { polar_deg = [[0, 90], [1, 120]], target_plane_mm = -9 }", false),
+        (ANNULUS, "table = { polar_deg = [[0, 1], [1, 120]], target_radius_mm = 200 }", true),
+        (ANNULUS, "table = { polar_deg = [[0, 0], [1, 120]], target_radius_mm = 200 }", false),
     ] {
         assert_eq!(parse(layout, law).is_ok(), valid, "{law}");
     }

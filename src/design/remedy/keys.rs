@@ -3,7 +3,9 @@
 use super::{KeyChange, KeyValue};
 use crate::num::rounding::significant;
 use crate::optics::{CameraModel, RadialLawKind, StripLaw, Target};
-use crate::profile::{Layout, MethodKind, Profile, ProjectionSpec, ShapeSpec, StripLawSpec};
+use crate::profile::{
+    Layout, MethodKind, Profile, ProjectionSpec, RadialLawSpec, RadialSpec, ShapeSpec, StripLawSpec,
+};
 
 /// A profile after a change.
 pub(super) struct EditedProfile {
@@ -163,9 +165,21 @@ pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
                     Target::Plane { height_mm } if height_mm < 0.0 => inner.max(90.0),
                     _ => inner,
                 };
-                let outer = short(floor + share * (radial.outer_polar_deg - floor));
-                radial.outer_polar_deg = outer;
-                KeyChange::Set("outer_polar_deg", KeyValue::Number(outer))
+                let narrowed = |degrees: f64| floor + share * (degrees - floor);
+                match &mut radial.law {
+                    RadialLawSpec::Named(_) => {
+                        radial.outer_polar_deg = short(narrowed(radial.outer_polar_deg));
+                        let outer = KeyValue::Number(radial.outer_polar_deg);
+                        KeyChange::Set("outer_polar_deg", outer)
+                    }
+                    RadialLawSpec::Table(rows) => {
+                        for [_, degrees] in rows.iter_mut() {
+                            *degrees = round(narrowed(*degrees));
+                        }
+                        radial.outer_polar_deg = rows[rows.len() - 1][1];
+                        KeyChange::Set("polar_deg", KeyValue::Rows(rows.clone()))
+                    }
+                }
             }
             ProjectionSpec::Azimuthal(view) => {
                 view.hfov_deg = short(share * view.hfov_deg);
@@ -193,10 +207,10 @@ pub(super) fn law(profile: &Profile) -> Vec<EditedProfile> {
             }
             _ => return Vec::new(),
         },
-        Some(ProjectionSpec::Radial(radial))
-            if radial.law.has_two_parameters() && radial.law != RadialLawKind::Equiangular =>
+        Some(ProjectionSpec::Radial(RadialSpec { law: RadialLawSpec::Named(kind), .. }))
+            if kind.has_two_parameters() && *kind != RadialLawKind::Equiangular =>
         {
-            radial.law = RadialLawKind::Equiangular;
+            *kind = RadialLawKind::Equiangular;
             "equiangular"
         }
         _ => return Vec::new(),

@@ -38,7 +38,7 @@ pub enum KeyValue {
     Number(f64),
     /// A range.
     Range([f64; 2]),
-    /// Rows and their elevations.
+    /// Entries of a table.
     Rows(Vec<[f64; 2]>),
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::reader::ProfileReader;
 use super::super::words::list;
-use super::super::{StripLawSpec, schema};
+use super::super::{RadialLawSpec, StripLawSpec, schema};
 use super::camera::CameraName;
 use super::layout::LayoutName;
 use super::projection::{INNER_POLAR, ProjectionKeys};
@@ -66,7 +66,10 @@ fn camera_suits(
     projection: &projection::ProjectionEntry,
 ) {
     let Some(camera) = &parts.camera else { return };
-    let ProjectionKeys::Radial { law, .. } = &projection.keys else { return };
+    let ProjectionKeys::Radial { law: Some(RadialLawSpec::Named(law)), .. } = &projection.keys
+    else {
+        return;
+    };
     let (needed, hint) = match law {
         RadialLawKind::Parabolic => (
             CameraName::Orthographic,
@@ -117,13 +120,15 @@ fn layout_suits(
     let path = &projection.section.path;
     let given = parts.shape.as_ref().filter(|shape| shape.is_given);
     let (needed, hint) = match &projection.keys {
-        ProjectionKeys::Radial { law, .. } if law.needs_annulus() => (
+        ProjectionKeys::Radial { law: Some(RadialLawSpec::Named(law)), .. }
+            if law.needs_annulus() =>
+        (
             &[LayoutName::Annulus][..],
             "the mirror of this law is not smooth at the centre".to_owned(),
         ),
         ProjectionKeys::Radial { .. } => (
             &[LayoutName::Disc, LayoutName::Annulus][..],
-            format!("laws for a strip are {}", laws("elevation_deg")),
+            other_laws(projection, "a strip", &["elevation_deg"]),
         ),
         ProjectionKeys::Azimuthal(_) => (
             &[LayoutName::Rectangle][..],
@@ -146,7 +151,7 @@ fn layout_suits(
         ),
         ProjectionKeys::Strip { .. } => (
             &[LayoutName::Strip, LayoutName::Conquistador][..],
-            format!("laws for a disc or an annulus are {}", laws("outer_polar_deg")),
+            other_laws(projection, "a disc or an annulus", &["outer_polar_deg", "polar_deg"]),
         ),
     };
     if !needed.contains(&layout.name) {
@@ -178,11 +183,17 @@ fn layout_suits(
     true
 }
 
-/// The names of the laws that have a key.
-fn laws(key: &str) -> String {
-    let has = |law: &&str| schema::keys(&format!("projection.{law}")).contains(&key);
+/// The laws for a layout: those that have one of `keys`, or the table's own of them.
+fn other_laws(projection: &projection::ProjectionEntry, layout: &str, keys: &[&str]) -> String {
+    if projection.is_table() {
+        return format!("a table for {layout} has {}", keys[keys.len() - 1]);
+    }
+    let has = |law: &&str| {
+        let of_law = schema::keys(&format!("projection.{law}"));
+        keys.iter().any(|key| of_law.contains(key))
+    };
     let laws: Vec<&str> = schema::keys("projection").iter().copied().filter(has).collect();
-    list(&laws, "and")
+    format!("laws for {layout} are {}", list(&laws, "and"))
 }
 
 /// An annulus lets laws of two parameters choose the polar angle at its inner rim.
@@ -192,18 +203,22 @@ fn polar_angles(
     layout: &layout::LayoutEntry,
 ) {
     let ProjectionKeys::Radial { law, inner, outer } = &projection.keys else { return };
-    let path = projection.section.path_of("inner_polar_deg");
+    let path = projection.polar_path("inner_polar_deg");
     if layout.name == LayoutName::Disc {
         if let Some(inner) = inner
             && inner.value != 0.0
         {
+            let must = if projection.is_table() { "0" } else { "0 or left out" };
             let message =
-                format!("{path} must be 0 or left out with [layout.disc], found {}", inner.value);
+                format!("{path} must be {must} with [layout.disc], found {}", inner.value);
             let hint = "a disc looks back along the axis at its centre; [layout.annulus] has an \
                         inner rim";
             reader.complain(inner.at, message, hint);
         }
-    } else if law.has_two_parameters() && !projection.section.has("inner_polar_deg") {
+    } else if let Some(RadialLawSpec::Named(law)) = law
+        && law.has_two_parameters()
+        && !projection.section.has("inner_polar_deg")
+    {
         let must = match law {
             RadialLawKind::Cylinder => "strictly between 0 and 180",
             _ => "0 or more and less than 180",

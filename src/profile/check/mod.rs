@@ -15,6 +15,7 @@ mod posed_target;
 mod projection;
 mod reach;
 mod sag;
+mod table;
 mod target;
 mod tolerance;
 mod view;

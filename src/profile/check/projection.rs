@@ -3,10 +3,11 @@
 use super::super::projection::LawName;
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, NumbersFormat, RowsFormat, number, numbers, rows, within};
-use super::super::{ProjectionSpec, RadialSpec, StripLawSpec, StripSpec};
+use super::super::values::{Located, NumbersFormat, number, numbers};
+use super::super::{ProjectionSpec, RadialLawSpec, RadialSpec, StripLawSpec, StripSpec};
 use super::map::{self, MapKeys};
 use super::panels::{self, PanelKeys};
+use super::table::{self, POLE, Table, below_the_pole};
 use super::view::{AzimuthalKeys, LAWS, azimuthal};
 use super::{LARGE, SIGNED, is_large, is_signed, only};
 use crate::geom::DVec3;
@@ -45,7 +46,8 @@ pub(super) enum ProjectionKeys {
         elevation: Option<Located<[f64; 2]>>,
     },
     Radial {
-        law: RadialLawKind,
+        law: Option<RadialLawSpec>,
+        /// Polar angle at the inner rim, of a table always.
         inner: Option<Located<f64>>,
         outer: Option<Located<f64>>,
     },
@@ -72,7 +74,7 @@ pub(super) fn read<'t>(
     let read = reader
         .alternatives(root, "projection", hint)
         .into_iter()
-        .filter_map(|(name, section)| Some(one(reader, name, LawName::find(name)?, section, posed)))
+        .filter_map(|(name, section)| one(reader, name, LawName::find(name)?, section, posed))
         .collect();
     only(read)
 }
@@ -83,18 +85,9 @@ fn one<'t>(
     law: LawName,
     section: Section<'t>,
     posed: Option<PosedTarget>,
-) -> ProjectionEntry<'t> {
+) -> Option<ProjectionEntry<'t>> {
     let keys = match law {
-        LawName::Strip(StripLawSpec::Table(_)) => {
-            let azimuth = azimuth(reader, &section);
-            let table = table(reader, &section);
-            let elevation = table.as_ref().map(|table| {
-                let ends = [table.value.last(), table.value.first()];
-                Located { value: ends.map(|end| end.map_or(0.0, |end| end[1])), at: table.at }
-            });
-            let law = table.map(|table| StripLawSpec::Table(table.value));
-            ProjectionKeys::Strip { law, azimuth, elevation }
-        }
+        LawName::Table => table_keys(reader, &section)?,
         LawName::Strip(law) => {
             let azimuth = azimuth(reader, &section);
             let elevation = elevation(reader, &section, name, &law);
@@ -103,7 +96,7 @@ fn one<'t>(
         LawName::Radial(law) => {
             let inner = inner_polar(reader, &section, law);
             let outer = outer_polar(reader, &section, law);
-            ProjectionKeys::Radial { law, inner, outer }
+            ProjectionKeys::Radial { law: Some(RadialLawSpec::Named(law)), inner, outer }
         }
         LawName::Azimuthal(law) => {
             let laws = if law.is_some() { &LAWS[..1] } else { &LAWS[1..] };
@@ -126,7 +119,29 @@ fn one<'t>(
         let hint = "target_radius_mm is a cylinder, target_plane_mm a plane; remove one of them";
         reader.complain(radius.at.max(plane.at), message, hint);
     }
-    ProjectionEntry { section, keys, radius, plane, posed }
+    Some(ProjectionEntry { section, keys, radius, plane, posed })
+}
+
+/// The keys of a table, by what it is of.
+fn table_keys(reader: &mut ProfileReader, section: &Section) -> Option<ProjectionKeys> {
+    Some(match table::read(reader, section)? {
+        Table::Strip(entries) => {
+            let elevation = entries.as_ref().map(|entries| {
+                let [highest, lowest] = table::ends(entries);
+                Located { value: [lowest.value, highest.value], at: entries.at }
+            });
+            let law = entries.map(|entries| StripLawSpec::Table(entries.value));
+            ProjectionKeys::Strip { law, azimuth: azimuth(reader, section), elevation }
+        }
+        Table::Radial(entries) => {
+            let [inner, outer] = match &entries {
+                Some(entries) => table::ends(entries).map(Some),
+                None => [None; 2],
+            };
+            let law = entries.map(|entries| RadialLawSpec::Table(entries.value));
+            ProjectionKeys::Radial { law, inner, outer }
+        }
+    })
 }
 
 fn azimuth(reader: &mut ProfileReader, section: &Section) -> Option<Located<[f64; 2]>> {
@@ -175,12 +190,6 @@ fn elevation(
     Some(range)
 }
 
-const POLE: &str = "at the pole all azimuths are one direction; use 89 or less, -89 or more";
-
-fn below_the_pole(degrees: f64) -> bool {
-    -90.0 < degrees && degrees < 90.0
-}
-
 fn rising(reader: &mut ProfileReader, path: &str, range: &Located<[f64; 2]>) -> Option<()> {
     let [low, high] = range.value;
     if low < high {
@@ -194,45 +203,6 @@ fn rising(reader: &mut ProfileReader, path: &str, range: &Located<[f64; 2]>) -> 
     };
     reader.complain(range.at, message, &hint);
     None
-}
-
-/// Rows of the picture and their elevations.
-fn table(reader: &mut ProfileReader, section: &Section) -> Option<Located<Vec<[f64; 2]>>> {
-    let list = RowsFormat {
-        key: "elevation_deg",
-        need: Required,
-        entry: "[row, degrees]",
-        count: [2, 1000],
-        hint: "rows run down the picture, as in elevation_deg = [[0, 30], [240, 0], [480, -30]]",
-    };
-    let path = section.path_of(list.key);
-    let entries = rows::<2>(reader, section, &list)?;
-    let mut table: Vec<[f64; 2]> = Vec::with_capacity(entries.value.len());
-    for entry in entries.value {
-        let [row, degrees] = entry.value;
-        let rows = format!("the rows in {path}");
-        let must = "from -1000000 to 1000000";
-        let row = within(reader, &rows, row, must, list.hint, |f| f.abs() <= 1e6);
-        let elevations = format!("the degrees in {path}");
-        let must = "strictly between -90 and 90";
-        let degrees = within(reader, &elevations, degrees, must, POLE, below_the_pole);
-        let (row, degrees) = (row?, degrees?);
-        if let Some([above, higher]) = table.last() {
-            let wrong = if row <= *above {
-                Some(format!("rows that rise from entry to entry, found {row} after {above}"))
-            } else if degrees >= *higher {
-                Some(format!("degrees that fall down the rows, found {degrees} after {higher}"))
-            } else {
-                None
-            };
-            if let Some(wrong) = wrong {
-                reader.complain(entry.at, format!("{path} must have {wrong}"), list.hint);
-                return None;
-            }
-        }
-        table.push([row, degrees]);
-    }
-    Some(Located { value: table, at: entries.at })
 }
 
 fn inner_polar(
@@ -293,6 +263,27 @@ impl ProjectionEntry<'_> {
         matches!(self.keys, ProjectionKeys::Radial { .. })
     }
 
+    /// Whether its law is a table.
+    pub(super) fn is_table(&self) -> bool {
+        match &self.keys {
+            ProjectionKeys::Strip { law, .. } => matches!(law, Some(StripLawSpec::Table(_))),
+            ProjectionKeys::Radial { law, .. } => matches!(law, Some(RadialLawSpec::Table(_))),
+            ProjectionKeys::Azimuthal(_) | ProjectionKeys::Map(_) | ProjectionKeys::Panels(_) => {
+                false
+            }
+        }
+    }
+
+    /// The key of the polar angle at the inner or outer rim, `named` where it is not a table's.
+    pub(super) fn polar_path(&self, named: &str) -> String {
+        if self.is_table() {
+            let end = if named == "inner_polar_deg" { "first" } else { "last" };
+            format!("the {end} of the degrees in {}", self.section.path_of("polar_deg"))
+        } else {
+            self.section.path_of(named)
+        }
+    }
+
     /// Surface that the picture shows.
     pub(super) fn target(&self) -> Target {
         match (self.radius, self.plane, self.posed) {
@@ -314,7 +305,7 @@ impl ProjectionEntry<'_> {
                 target,
             }),
             ProjectionKeys::Radial { law, inner, outer } => ProjectionSpec::Radial(RadialSpec {
-                law,
+                law: law?,
                 inner_polar_deg: inner.filter(|_| !disc).map(|inner| inner.value),
                 outer_polar_deg: outer?.value,
                 target,

@@ -1,5 +1,6 @@
 //! Whether the directions that the picture shows meet the target.
 
+use super::super::RadialLawSpec;
 use super::super::reader::ProfileReader;
 use super::super::values::Located;
 use super::layout::LayoutName;
@@ -29,12 +30,10 @@ pub(super) fn check(reader: &mut ProfileReader, parts: &Entries) {
                 elevations_meet(reader, projection, plane, elevation);
             }
         }
-        ProjectionKeys::Radial { law, inner, outer } => {
-            if let Some(outer) = outer {
-                let ends = (inner.as_ref(), outer);
-                polar_angles_meet(reader, parts, projection, plane, *law, ends);
-            }
+        ProjectionKeys::Radial { law: Some(law), inner, outer: Some(outer) } => {
+            polar_angles_meet(reader, parts, projection, plane, law, (inner.as_ref(), outer));
         }
+        ProjectionKeys::Radial { .. } => {}
         ProjectionKeys::Azimuthal(keys) => {
             if let Some(centre) = &keys.centre {
                 centre_meets(reader, projection, plane, centre);
@@ -63,7 +62,7 @@ fn cylinder(
     let ProjectionKeys::Radial { law, inner, .. } = &projection.keys else { return };
     let on = |name| parts.layout.as_ref().is_some_and(|layout| layout.name == name);
     let hint = "what lies along the axis never meets a cylinder about it";
-    if on(LayoutName::Disc) && !law.needs_annulus() {
+    if on(LayoutName::Disc) && !needs_annulus(law.as_ref()) {
         let message = format!("{path} must be left out with [layout.disc], found {}", radius.value);
         reader.complain(radius.at, message, &format!("{hint}; [layout.annulus] leaves it out"));
     }
@@ -71,7 +70,7 @@ fn cylinder(
         && on(LayoutName::Annulus)
         && inner.value == 0.0
     {
-        let path = projection.section.path_of("inner_polar_deg");
+        let path = projection.polar_path("inner_polar_deg");
         let message =
             format!("{path} must be more than 0 with target_radius_mm = {}, found 0", radius.value);
         reader.complain(inner.at, message, hint);
@@ -128,14 +127,14 @@ fn polar_angles_meet(
     parts: &Entries,
     projection: &ProjectionEntry,
     plane: Located<f64>,
-    law: RadialLawKind,
+    law: &RadialLawSpec,
     (inner, outer): (Option<&Located<f64>>, &Located<f64>),
 ) {
     let path = |key| projection.section.path_of(key);
     let height = plane.value;
     if height > 0.0 {
         if outer.value >= 90.0 {
-            let key = path("outer_polar_deg");
+            let key = projection.polar_path("outer_polar_deg");
             let found = outer.value;
             let message = format!(
                 "{key} must be less than 90 with target_plane_mm = {height}, found {found}"
@@ -144,7 +143,7 @@ fn polar_angles_meet(
         }
         return;
     }
-    if law == RadialLawKind::Plane {
+    if *law == RadialLawSpec::Named(RadialLawKind::Plane) {
         let key = path("target_plane_mm");
         let message = format!("{key} must be more than 0, found {height}");
         let hint = "this law shows a plane on the camera's side";
@@ -152,7 +151,7 @@ fn polar_angles_meet(
     }
     // A disc that this law cannot have is complained of already.
     if parts.layout.as_ref().is_some_and(|layout| layout.name == LayoutName::Disc)
-        && !law.needs_annulus()
+        && !needs_annulus(Some(law))
     {
         let key = path("target_plane_mm");
         let message = format!("{key} must be more than 0 with [layout.disc], found {height}");
@@ -164,10 +163,11 @@ fn polar_angles_meet(
         Some(inner) => ("inner_polar_deg", inner),
         None => ("outer_polar_deg", outer),
     };
-    let must = format!("{} must be more than 90 with target_plane_mm = {height}", path(key));
+    let key = projection.polar_path(key);
+    let must = format!("{key} must be more than 90 with target_plane_mm = {height}");
     if end.value <= 90.0 {
         reader.complain(end.at, format!("{must}, found {}", end.value), FAR_SIDE);
-    } else if law == RadialLawKind::Parabolic
+    } else if *law == RadialLawSpec::Named(RadialLawKind::Parabolic)
         && let Some(least) = parabolic_inner(parts, outer.value)
         && least <= 90.0
     {
@@ -175,6 +175,11 @@ fn polar_angles_meet(
         let message = format!("{must}, found {}, which makes it {least:.3} there", outer.value);
         reader.complain(outer.at, message, FAR_SIDE);
     }
+}
+
+/// Whether a disc of this law is complained of already.
+fn needs_annulus(law: Option<&RadialLawSpec>) -> bool {
+    matches!(law, Some(RadialLawSpec::Named(kind)) if kind.needs_annulus())
 }
 
 /// The polar angle at the inner rim of a paraboloid, in degrees.

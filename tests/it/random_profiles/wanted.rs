@@ -36,7 +36,7 @@ struct Draft {
 
 const STRIP_LAWS: [&str; 6] =
     ["cylindrical", "mercator", "equirectangular", "equal-area", "best", "table"];
-const RADIAL_LAWS: [&str; 9] = [
+const RADIAL_LAWS: [&str; 10] = [
     "equiangular",
     "parabolic",
     "hyperbolic",
@@ -46,6 +46,7 @@ const RADIAL_LAWS: [&str; 9] = [
     "plane",
     "equi-areal",
     "cylinder",
+    "table",
 ];
 const FORMATS: [&str; 6] = ["stl", "obj", "3mf", "glb", "step", "csv"];
 const PRESETS: [&str; 3] = ["precision-cnc", "spdt", "sla-print"];
@@ -212,15 +213,33 @@ impl Draft {
         let outer = self.inside([10.0, most]);
         let two = !["parabolic", "hyperbolic", "conical", "plane"].contains(&law);
         let inner = rounded(outer * self.inside([0.05, 0.9]));
-        let inner = match two && annulus {
+        let inner_key = match two && annulus {
             true => format!("inner_polar_deg = {inner}, "),
             false => String::new(),
         };
         let (target, _) = self.target(setting.width);
-        self.line(format_args!(
-            "projection.{law} = {{ {inner}outer_polar_deg = {outer}{target} }}"
-        ));
+        let keys = match law {
+            "table" => self.polar_angles([if annulus { inner } else { 0.0 }, outer]),
+            _ => format!("{inner_key}outer_polar_deg = {outer}"),
+        };
+        self.line(format_args!("projection.{law} = {{ {keys}{target} }}"));
         self.round(setting, annulus);
+    }
+
+    /// A table of two to six polar angles between those of the rims, at uneven places.
+    fn polar_angles(&mut self, [inner, outer]: [f64; 2]) -> String {
+        let count = 1 + (self.unit() * 5.0) as usize;
+        let mut ways = vec![[0.0; 2]];
+        for k in 0..count {
+            ways.push([(); 2].map(|()| self.octaves([0.2, 5.0])));
+            ways[k + 1] = [0, 1].map(|side| ways[k][side] + ways[k + 1][side]);
+        }
+        let whole = ways[count];
+        let entry = |way: &[f64; 2]| {
+            let [share, part] = [0, 1].map(|side| way[side] / whole[side]);
+            format!("[{}, {}]", rounded(share), rounded(inner + part * (outer - inner)))
+        };
+        format!("polar_deg = [{}]", ways.iter().map(entry).collect::<Vec<_>>().join(", "))
     }
 
     fn round(&mut self, setting: &Setting, annulus: bool) {
