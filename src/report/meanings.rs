@@ -60,8 +60,11 @@ const MEANINGS: [(&str, &str); 34] = [
     ),
     (", its normals, mrad", "The same by the normals that the file has."),
     (", its normals, px", "The same by the normals that the file has."),
-    ("through the lens", "The same through the lens as the profile has it."),
     ("sharpest", "The opening of the lens at which spots are least."),
+    (
+        "through the lens",
+        "How long spots are, and what contrast is left, at the opening of this lens.",
+    ),
     ("allowed", "Limits to which the verdict holds the picture."),
     (
         "frame filled",
