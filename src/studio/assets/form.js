@@ -227,8 +227,10 @@ class ProfileForm {
   // A line of text, or of TOML.
   lineControl(field, inputs, id) {
     const isText = field.key.kind === "text";
-    const input = document.createElement("input");
-    input.type = "text";
+    // Lists may have lines, and comments in them.
+    const isToml = field.key.kind === "toml";
+    const input = document.createElement(isToml ? "textarea" : "input");
+    if (isToml) input.wrap = "off"; else input.type = "text";
     input.id = id;
     input.addEventListener("change", () => {
       const text = input.value;
@@ -239,6 +241,7 @@ class ProfileForm {
     field.show = (found) => {
       if (document.activeElement === input) return;
       input.value = !found ? "" : typeof found.value === "string" ? found.value : found.toml || "";
+      if (isToml) input.rows = Math.min(input.value.split("\n").length, 12);
     };
   }
 
