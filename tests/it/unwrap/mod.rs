@@ -132,6 +132,14 @@ mirror.polynomial = { radius_mm = -32, conic = -1, terms = [[3, 0, 1e-5]] }
 mesh.chord_um = 20
 export.formats = [\"stl\"]
 ";
+    let bands = "camera.pinhole = { pixels = [240, 240], focal_px = 400, distance_mm = 100 }
+projection.table.polar_deg = [[0, 0], [0.35, 50], [0.6, 68], [0.8, 84], [1, 100]]
+layout.disc = {}
+method.vector-field.degree = 40
+part = { width_mm = 60, base_mm = 5 }
+mesh.chord_um = 20
+export.formats = [\"stl\"]
+";
     let pinhole = support::profile(&[
         ("camera.orthographic.pixels = [640, 480]", pinhole),
         ("azimuth_deg = [-180, 180]", "azimuth_deg = [-90, 150]"),
@@ -148,6 +156,7 @@ export.formats = [\"stl\"]
         (half("hyperbolic", &[]), 0.0),
         (half("cylinder", &[near_ring]), 0.0),
         (parsed(given), 0.0),
+        (parsed(bands), 0.0),
     ]
 }
 
