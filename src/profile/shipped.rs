@@ -28,6 +28,7 @@ pub fn shipped() -> &'static [Shipped] {
         "pi-hq",
         "phone",
         "robot-floor",
+        "soccer",
         "side-view",
         "driver",
         "floor",

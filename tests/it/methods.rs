@@ -99,7 +99,8 @@ fn each_method_is_at_the_bottom_of_its_own_measure() {
 
 #[test]
 fn every_method_makes_the_same_mirror_where_an_exact_one_exists() {
-    for name in oracle::round() {
+    // The table of `soccer` bends at its entries, where each method's polynomial leaves something else.
+    for name in oracle::round().filter(|name| *name != "soccer") {
         let text = shipped_text(name);
         let target = match name {
             "cylinder" => "# target_radius_mm = 500",

@@ -1,7 +1,7 @@
-//! Tables of polar angles on discs and annuli: mirrors of the laws that they are samples of.
+//! Tables of polar angles on discs and annuli: mirrors of the laws that they are samples of, and `soccer`.
 
 use crate::support::oracle::{self, Trace, Wish, eye, order, pinhole, polar, trace};
-use crate::support::rims;
+use crate::support::{designed, rims, shipped, shipped_but};
 use morion::internals::design::Design;
 use morion::internals::geom::DVec2;
 use morion::internals::num::{atan, degrees, radians};
@@ -184,4 +184,42 @@ fn entries_are_seen_where_the_table_has_them() {
             assert!((width - inner_mm).abs() < 1e-10, "{width}");
         }
     }
+}
+
+/// Height of the mirror's rim over the floor in the comments of `soccer`, mm.
+const RIM_MM: f64 = 200.0;
+
+#[test]
+fn soccer_shows_the_floor_in_even_steps_and_the_horizon_in_a_ring() {
+    let design = designed(&shipped("soccer"));
+    let [_, outer] = rims(&design);
+    let eye = eye(&design, 68.1);
+    let look = |share: f64| trace(&design, eye, DVec2::new(-0.8, 0.6) * (share * outer));
+    let rim = look(1.0).at.z;
+    for k in 6..=60 {
+        let share = f64::from(k) / 100.0;
+        let Trace { at, seen, .. } = look(share);
+        // The floor is on the camera's side of the mirror.
+        let floor = at + seen * ((rim + RIM_MM - at.z) / seen.z);
+        let steps = floor.truncate().length() / (1000.0 / 0.6 * share);
+        assert!((steps - 1.0).abs() < 0.02, "{share}: {steps}");
+    }
+    let angle = |share: f64| degrees(polar(look(share).seen));
+    for k in 0..=30 {
+        let share = 0.7 + f64::from(k) / 100.0;
+        let even = 83.0 + 40.0 * (share - 0.7);
+        assert!((angle(share) - even).abs() < 0.1, "{share}: {}", angle(share));
+    }
+}
+
+/// The law's second derivative jumps at entries, and what a polynomial leaves of that falls with its degree squared.
+#[test]
+fn what_the_polynomial_leaves_falls_with_the_square_of_its_degree() {
+    let points = [20u32, 24, 28, 32, 36, 40].map(|degree| {
+        let text = format!("degree = {degree} ");
+        let design = designed(&shipped_but("soccer", &[("degree = 40 ", &text)]));
+        (f64::from(degree), design.facts.pixel_error_px.unwrap().rms)
+    });
+    println!("{points:?}");
+    assert!(order(&points) < -2.0, "{points:?}");
 }

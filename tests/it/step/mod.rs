@@ -23,7 +23,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::Path;
 
-const SHIPPED: [&str; 12] = [
+const SHIPPED: [&str; 13] = [
     "area-proportional",
     "conformal",
     "conical",
@@ -35,6 +35,7 @@ const SHIPPED: [&str; 12] = [
     "panoramic",
     "parabolic",
     "plane",
+    "soccer",
     "tangent-proportional",
 ];
 
@@ -359,7 +360,9 @@ fn shipped_mirrors_take_few_bytes() {
         let bytes = written(&case, &fit);
         assert!(bytes.len() <= 300_000, "{}: {} bytes", case.name, bytes.len());
         let annulus = matches!(case.mirror.outline, Outline::Ring { inner, .. } if inner > 0.0);
-        assert_eq!(is_turned(&fit), annulus || case.name == "equi-areal", "{}", case.name);
+        // Over a square these discs would take too many control points.
+        let turned = annulus || ["equi-areal", "soccer"].contains(&case.name.as_str());
+        assert_eq!(is_turned(&fit), turned, "{}", case.name);
     }
 }
 
