@@ -6,7 +6,7 @@
 
 use super::FitError;
 use crate::geom::{DVec2, DVec3, Outline, Rect};
-use crate::mirror::{HeightField, HeightRow, Mirror, Surface};
+use crate::mirror::{HeightField, HeightRow, LocalSurface, Mirror, Surface};
 use crate::parallel;
 
 /// How far the parameters of a round mirror reach beyond its rim: a rim curve should not touch the
@@ -107,12 +107,39 @@ impl<'a> ParametricSurface<'a> {
             let point = sum.radial.at(place);
             return Some((point.f, point.slope.x));
         }
-        let surface = self.mirror.local_surface_over(place, self.mirror.chart.plane_mm)?;
+        let surface = match self.mirror.surface.radii() {
+            Some([inner, outer]) if inner > 0.0 => self.between_rims(place, [inner, outer]),
+            _ => self.mirror.local_surface_over(place, self.mirror.chart.plane_mm),
+        }?;
         Some((surface.at.z, surface.slope.x))
+    }
+
+    /// The point of an annulus over `place`, if it has one between its rims, image radii. The search for it begins where
+    /// the reference plane is seen, which may be inside of the inner rim: the mirror's series may grow without bound in
+    /// there, the parabola by which it is extended does not.
+    fn between_rims(&self, place: DVec2, [inner, outer]: [f64; 2]) -> Option<LocalSurface> {
+        /// Share of the outer radius by which a rim's own point may be off.
+        const OFF: f64 = 1e-11;
+        let surface = self.mirror.extended_surface_over(place)?;
+        let r = self.mirror.chart.coordinates(surface.at).0.length();
+        (inner - OFF * outer..=outer + OFF * outer).contains(&r).then_some(surface)
+    }
+
+    /// Whether the distance from the axis does not grow all the way from rim to rim of the image.
+    fn hangs_over(&self) -> bool {
+        let Outline::Ring { inner, outer } = self.mirror.outline else { return false };
+        let distance = |k: usize| {
+            let q = DVec2::new(inner + (outer - inner) * k as f64 / STEPS as f64, 0.0);
+            self.mirror.position(q, &self.mirror.surface.at(q)).x
+        };
+        (0..STEPS).any(|k| !(distance(k) < distance(k + 1)))
     }
 
     /// The round part; that of a sum is smooth inside an annulus too.
     fn radial(&self, [inner, rim]: [f64; 2]) -> Result<RadialProfile, FitError> {
+        if self.is_round() && self.hangs_over() {
+            return Err(FitError::Overhang);
+        }
         let from = if self.is_round() { inner } else { 0.0 };
         let step = (rim - from) / STEPS as f64;
         let at = |rho: f64| self.radius(rho).ok_or(FitError::Overhang);

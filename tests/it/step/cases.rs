@@ -92,6 +92,14 @@ pub fn cases() -> Vec<Case> {
         let mirror = design(&Profile { heights: Some(wavy()), ..unmeshed(&text) }).unwrap().mirror;
         cases.push(bare(name, mirror));
     }
+    let bands = "\
+camera.pinhole = { pixels = [96, 96], focal_px = 150, distance_mm = 95 }
+projection.table.polar_deg = [[0, 43.8], [0.2, 54.1], [0.34, 59.4], [0.44, 62.1], [0.65, 69.5], [0.78, 72.6], [1, 80.9]]
+layout.annulus.inner_width_mm = 22
+method.vector-field.degree = 36
+part = { width_mm = 60, base_mm = 5 }
+";
+    cases.push(bare("bands", design(&unmeshed(bands)).unwrap().mirror));
     let stocked = [
         ("conquistador", Contour::Rect { half: DVec2::new(40.0, 32.0), corner_mm: 0.0 }),
         ("panoramic", Contour::Rect { half: DVec2::new(41.0, 16.0), corner_mm: 6.0 }),
