@@ -338,7 +338,10 @@ fn random_slope_on_facets_never_improves_the_figure() {
 fn the_samples_are_the_picture_of_every_shipped_mirror() {
     for shipped in morion::internals::profile::shipped() {
         let design = designed(&crate::support::shipped(shipped.name));
-        let engine = engine(&design, ToleranceSpec { samples: SAMPLES, ..spec(Vec::new(), &[]) });
+        // Errors of panels beside each other are spread in as many ways.
+        let panels = if design.mirror.has_steps() { design.mirror.panels().len() } else { 1 };
+        let samples = SAMPLES * panels;
+        let engine = engine(&design, ToleranceSpec { samples, ..spec(Vec::new(), &[]) });
         let nominal = engine.nominal();
         let whole = shipped_builds::report(shipped.name).design.pixel_error_px.unwrap();
         // A mirror that is exact is so but for rounding. What the polynomial leaves of a table goes up and down some
@@ -348,7 +351,7 @@ fn the_samples_are_the_picture_of_every_shipped_mirror() {
         let (share, count) = (engine.share(), engine.samples());
         let what = format!("{}: {nominal:?} {whole:?} {share} {count}", shipped.name);
         assert!(near(nominal.rms_px, whole.rms) && near(nominal.p95_px, whole.p95), "{what}");
-        assert!(share == 1.0 && count > SAMPLES * 3 / 4, "{what}");
+        assert!(share == 1.0 && count > samples * 3 / 4, "{what}");
     }
 }
 
