@@ -247,6 +247,21 @@ fn commands_know_panels_or_refuse_them() {
     assert!(unwrapped.contains("a picture of panels is no panorama"), "{unwrapped}");
 }
 
+/// The floor under an upturned camera between what is ahead and behind: walls shadow next to nothing in that order.
+#[test]
+fn front_floor_and_rear_fill_the_frame() {
+    let stacked: [Panel; 3] = [
+        ([0, 320], [0, 80], [0.0, 20.0], 80.0, 180.0),
+        ([0, 320], [80, 160], [0.0, 90.0], 80.0, 0.0),
+        ([0, 320], [160, 240], [180.0, 20.0], 80.0, 0.0),
+    ];
+    let text = text(&stacked, 12, "\"stl\"").replace("mesh.facet_px = 1", "mesh.facet_px = 2");
+    let folder = folder();
+    let frame = morion::frame(&parsed(&text), folder.path()).unwrap().frame;
+    assert!(frame.filled > 0.97, "{frame:?}");
+    assert_eq!(frame.lost.content + frame.lost.missed, 0, "{frame:?}");
+}
+
 #[test]
 fn the_shipped_four_views_are_a_profile_of_panels() {
     let found = shipped().iter().find(|shipped| shipped.name == "four-views").unwrap();
