@@ -228,7 +228,7 @@ fn sides_above(lines: &[DividingLine], rank: &[usize]) -> Option<Vec<f64>> {
 }
 
 /// How much each panel is raised in an order of them, mm: one after the other as little as the walls below take, and then
-/// each as far as makes the walls smaller, until nothing changes.
+/// each as far as makes the walls smaller, as often as there are panels.
 fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> {
     let count = rank.len();
     // The upper and the lower panel of each meeting, and by how much more the upper one must be raised.
@@ -256,7 +256,7 @@ fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> 
     for &k in &order {
         raised[k] = floor(&raised, k).unwrap_or(0.0);
     }
-    // Each round settles at least one more panel.
+    // A panel that moves may free its neighbours.
     for _ in 0..count {
         for &k in order.iter().rev() {
             let length = |side: usize| -> f64 {

@@ -3,6 +3,7 @@
 use super::{DVec2, DVec3};
 use crate::parallel;
 use hashbrown::hash_table::{Entry, HashTable};
+use std::collections::HashSet;
 
 /// Vertices (mm) and the triples of vertex indices that are its facets, counter-clockwise seen
 /// from outside. Nothing is promised about closedness, orientation or shape.
@@ -25,6 +26,20 @@ impl TriMesh {
             all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
         }
         all
+    }
+
+    /// The edges that one facet alone has, from vertex to vertex with the facet on their left, in no order.
+    #[must_use]
+    pub fn open_edges(&self) -> HashSet<(u32, u32)> {
+        let mut open = HashSet::new();
+        for &[a, b, c] in &self.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                if !open.remove(&(to, from)) {
+                    open.insert((from, to));
+                }
+            }
+        }
+        open
     }
 
     /// The three corners of facet `t`.

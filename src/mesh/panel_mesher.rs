@@ -16,7 +16,6 @@ use crate::geom::{Chart, DVec2, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::ImagingTask;
 use crate::parallel;
-use std::collections::HashSet;
 
 /// Meshes and forecasts for one imaging problem.
 pub(super) struct PanelMesher<'a> {
@@ -146,16 +145,8 @@ fn estimate(mirror: &Mirror, coarse: &CoarseMesh) -> FaceForecast {
 /// The number of edges at the rim of a mirror's panel; those on which a folded mirror's two panels meet are inside the
 /// face.
 fn rim_edges(mirror: &Mirror, panel: &TriMesh) -> usize {
-    let mut open = HashSet::new();
-    for &[a, b, c] in &panel.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if !open.remove(&(to, from)) {
-                open.insert((from, to));
-            }
-        }
-    }
     let is_fold = |v: u32| mirror.folded && panel.vertices[v as usize].y == 0.0;
-    open.into_iter().filter(|&(a, b)| !(is_fold(a) && is_fold(b))).count()
+    panel.open_edges().into_iter().filter(|&(a, b)| !(is_fold(a) && is_fold(b))).count()
 }
 
 /// Number of copies of the meshed part in the face.

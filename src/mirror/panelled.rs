@@ -5,8 +5,8 @@ use super::height_field::{HeightAndSlope, HeightField, HeightRow, Hessian};
 use super::tensor_legendre::{TensorLegendre, TensorLegendreRow};
 use crate::geom::{DVec2, DerivativeBounds, Outline, Panels, Rect};
 
-/// A tensor series for each of the rectangles that tile a rectangle of the chart. On a seam it has the height of one
-/// of its panels; derivatives and bounds are those within the panels.
+/// A tensor series for each of the rectangles that tile a rectangle of the chart. On a line between panels it has the height
+/// of one of them; derivatives and bounds are those within the panels.
 #[derive(Debug, Clone)]
 pub struct PanelledSurface {
     /// The rectangles.

@@ -5,7 +5,6 @@
 
 use super::{Mirror, Surface};
 use crate::geom::{DVec2, DividingLine, TriMesh, triangulate_loops};
-use std::collections::HashSet;
 use thiserror::Error;
 
 /// How far rounding takes a vertex from the line between panels that it is on, as a share of the mirror's size: far less
@@ -102,17 +101,9 @@ impl Mirror {
     }
 }
 
-/// The vertices of the edges that one facet alone has, by their numbers.
+/// The vertices of the edges that one facet alone has, by their rising numbers.
 fn rim_vertices(mesh: &TriMesh) -> Vec<u32> {
-    let mut open = HashSet::new();
-    for &[a, b, c] in &mesh.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if !open.remove(&(to, from)) {
-                open.insert((from, to));
-            }
-        }
-    }
-    let mut vertices: Vec<u32> = open.into_iter().map(|(from, _)| from).collect();
+    let mut vertices: Vec<u32> = mesh.open_edges().into_iter().map(|(from, _)| from).collect();
     vertices.sort_unstable();
     vertices
 }
