@@ -345,15 +345,16 @@ impl<F: Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync> Sight for MeshSight<'_, 
                 let outcome = self.scene.obstructed(&ray, end);
                 self.picture.on_mesh(outcome, end.hit_point(&ray), end.direction)
             };
-        Box::new(move |rows| {
-            let sampled = &edges[(rows.start - first) * width..(rows.end - first) * width];
-            let count = sampled.iter().filter(|edge| **edge).count() * side * side;
-            let mut rays = Vec::with_capacity(count);
+        Box::new(move |rows, take| {
             scratch.with(|ends| {
                 trace.ends_into(rows.clone(), ends);
-                rays.extend(pixels.samples(rows.clone()).map(|sample| see(ends, &rows, sample)));
+                let mut rays = Vec::new();
+                for y in rows.clone() {
+                    rays.clear();
+                    rays.extend(pixels.samples(y..y + 1).map(|sample| see(ends, &rows, sample)));
+                    take(&rays);
+                }
             });
-            rays
         })
     }
 }

@@ -52,10 +52,11 @@ impl Picture {
         let rows = 0..grid.height as usize;
         assert_eq!(coarse.len(), grid.width as usize * rows.len(), "one centre a pixel");
         let edges = edges(grid, rows.clone(), (0, coarse));
-        let lights = |piece| {
-            grid.samples(&edges, 0, piece).map(|(_, [x, y])| light(x, y)).collect::<Vec<_>>()
+        let fine = |piece| {
+            let lights = grid.samples(&edges, 0, piece).map(|(_, [x, y])| light(x, y));
+            means(grid, &lights.collect::<Vec<_>>())
         };
-        let (rgb, samples) = refined_rows(grid, rows, (coarse, &edges), lights);
+        let (rgb, samples) = refined_rows(grid, rows, (coarse, &edges), fine);
         Self { width: grid.width, height: grid.height, rgb, samples }
     }
 
@@ -76,27 +77,33 @@ impl Picture {
     }
 }
 
+/// The mean light of each pixel whose samples' are `lights`, pixel by pixel.
+fn means(grid: &SampleGrid, lights: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    lights.chunks_exact(grid.samples_of_pixel()).map(|pixel| mean(pixel.iter().copied())).collect()
+}
+
+/// The mean of some lights.
+fn mean(lights: impl ExactSizeIterator<Item = [f32; 3]>) -> [f32; 3] {
+    let count = lights.len() as f32;
+    let add = |sum: [f32; 3], light: [f32; 3]| std::array::from_fn(|c| sum[c] + light[c]);
+    lights.fold([0.0_f32; 3], add).map(|s| s / count)
+}
+
 /// Some rows of a picture, as red, green and blue of each pixel, and the number of their samples: `coarse`
-/// is the light at their pixels' centres, and `lights` gives that of all samples of the edge pixels of some
-/// of the rows, pixel by pixel.
+/// is the light at their pixels' centres, and `fine` gives the mean light of each edge pixel of some of the
+/// rows, in order.
 fn refined_rows(
     grid: &SampleGrid,
     rows: Range<usize>,
     (coarse, edges): (&[[f32; 3]], &[bool]),
-    lights: impl Fn(Range<usize>) -> Vec<[f32; 3]> + Sync,
+    fine: impl Fn(Range<usize>) -> Vec<[f32; 3]> + Sync,
 ) -> (Vec<u8>, u64) {
     let width = grid.width as usize;
-    let each = grid.samples_per_side.max(1).pow(2);
-    let mean = |lights: &[[f32; 3]]| {
-        let add = |sum: [f32; 3], light: &[f32; 3]| std::array::from_fn(|c| sum[c] + light[c]);
-        lights.iter().fold([0.0_f32; 3], add).map(|s| s / each as f32)
-    };
     let mut rgb = vec![0; 3 * width * rows.len()];
     let size = (width * PIECE_ROWS).max(1);
     parallel::map_chunks_mut(&mut rgb, 3 * size, |piece, rgb| {
         let first = rows.start + piece * PIECE_ROWS;
-        let lights = lights(first..(first + PIECE_ROWS).min(rows.end));
-        let mut fine = lights.chunks_exact(each as usize).map(mean);
+        let mut fine = fine(first..(first + PIECE_ROWS).min(rows.end)).into_iter();
         let pixels = coarse[piece * size..].iter().zip(&edges[piece * size..]);
         for (pixel, (coarse, edge)) in rgb.chunks_exact_mut(3).zip(pixels) {
             let light = if *edge { fine.next().unwrap_or(*coarse) } else { *coarse };
@@ -105,8 +112,8 @@ fn refined_rows(
             }
         }
     });
-    let sampled = edges.iter().filter(|edge| **edge).count() as u64;
-    (rgb, sampled * u64::from(each) + (width * rows.len()) as u64)
+    let sampled = edges.iter().filter(|edge| **edge).count();
+    (rgb, (sampled * grid.samples_of_pixel() + width * rows.len()) as u64)
 }
 
 /// A picture of a world that is painted strip after strip of rows, from the top, with what it takes of the
@@ -181,10 +188,18 @@ impl<'a> StripPainter<'a> {
         let edges = edges(&self.grid, rows.clone(), (first, &coarse));
         let pixels = EdgePixels { grid: &self.grid, first: rows.start, centres, edges: &edges };
         let sight = sight.samples(pixels);
-        let lights = |piece| {
-            sight(piece).into_iter().map(|ray| self.light(ray, footprint)).collect::<Vec<_>>()
+        let each = self.grid.samples_of_pixel();
+        let fine = |piece| {
+            let mut means = Vec::new();
+            sight(piece, &mut |rays| {
+                let light = |pixel: &[PictureRay]| {
+                    mean(pixel.iter().map(|ray| self.light(*ray, footprint)))
+                };
+                means.extend(rays.chunks_exact(each).map(light));
+            });
+            means
         };
-        refined_rows(&self.grid, rows.clone(), (light, &edges), lights)
+        refined_rows(&self.grid, rows.clone(), (light, &edges), fine)
     }
 
     fn light(&self, end: PictureRay, footprint: f64) -> [f32; 3] {

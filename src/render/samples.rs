@@ -46,6 +46,11 @@ pub struct SampleGrid {
 }
 
 impl SampleGrid {
+    /// Number of samples of a pixel at an edge.
+    pub(super) fn samples_of_pixel(&self) -> usize {
+        (self.samples_per_side.max(1) as usize).pow(2)
+    }
+
     /// The samples of the pixels of `rows` that are `edges`, which begin with the row `first`: each pixel's
     /// number among these and the sample's place, pixel by pixel, row by row of samples.
     pub(super) fn samples(
@@ -116,9 +121,9 @@ pub struct EdgePixels<'a> {
     pub edges: &'a [bool],
 }
 
-/// What gives the rays of the samples of the edge pixels of some rows, `PIECE_ROWS` at the most: in the order of
-/// [`EdgePixels::samples`].
-pub type SampleSight<'a> = Box<dyn Fn(Range<usize>) -> Vec<PictureRay> + Sync + 'a>;
+/// What hands over the rays of the samples of the edge pixels of some rows, `PIECE_ROWS` at the most: those of
+/// whole pixels at a time, in the order of [`EdgePixels::samples`].
+pub type SampleSight<'a> = Box<dyn Fn(Range<usize>, &mut dyn FnMut(&[PictureRay])) + Sync + 'a>;
 
 impl<'a> EdgePixels<'a> {
     /// The samples of some of the rows: each pixel's number in the strip and the sample's place, pixel by
@@ -140,7 +145,14 @@ pub struct OneByOne<F>(pub F);
 impl<F: Fn(&PictureRay, [f64; 2]) -> PictureRay + Sync> Sight for OneByOne<F> {
     fn samples<'a>(&'a self, pixels: EdgePixels<'a>) -> SampleSight<'a> {
         let see = move |(pixel, at): (usize, [f64; 2])| self.0(&pixels.centres[pixel], at);
-        Box::new(move |rows| pixels.samples(rows).map(see).collect())
+        Box::new(move |rows, take| {
+            let mut rays = Vec::new();
+            for y in rows {
+                rays.clear();
+                rays.extend(pixels.samples(y..y + 1).map(see));
+                take(&rays);
+            }
+        })
     }
 }
 
@@ -151,7 +163,7 @@ impl<F: Fn(&[f64], f64) -> Vec<PictureRay> + Sync> Sight for LineByLine<F> {
     fn samples<'a>(&'a self, pixels: EdgePixels<'a>) -> SampleSight<'a> {
         let EdgePixels { grid, first, edges, .. } = pixels;
         let (width, side) = (grid.width as usize, grid.samples_per_side.max(1));
-        Box::new(move |rows| {
+        Box::new(move |rows, take| {
             let mut rays = Vec::new();
             for y in rows {
                 let row = &edges[(y - first) * width..][..width];
@@ -160,12 +172,13 @@ impl<F: Fn(&[f64], f64) -> Vec<PictureRay> + Sync> Sight for LineByLine<F> {
                     columns.flat_map(|x| (0..side).map(move |k| place(side, x, k))).collect();
                 let lines: Vec<Vec<PictureRay>> =
                     (0..side).map(|k| self.0(&columns, place(side, y, k))).collect();
+                rays.clear();
                 for pixel in (0..columns.len()).step_by(side as usize) {
                     let of_pixel = lines.iter().map(|line| &line[pixel..pixel + side as usize]);
                     of_pixel.for_each(|samples| rays.extend_from_slice(samples));
                 }
+                take(&rays);
             }
-            rays
         })
     }
 }
@@ -186,10 +199,18 @@ mod tests {
         let pixels = EdgePixels { grid: &grid, first: 1, centres: &centres, edges: &edges };
         let alone = OneByOne(|_: &PictureRay, [x, y]: [f64; 2]| ray(x, y));
         let lines = LineByLine(|xs: &[f64], y: f64| xs.iter().map(|x| ray(*x, y)).collect());
+        let all = |sight: SampleSight, rows: Range<usize>| {
+            let mut all = Vec::new();
+            sight(rows, &mut |rays| {
+                assert!(rays.len().is_multiple_of(9), "whole pixels");
+                all.extend_from_slice(rays);
+            });
+            all
+        };
         for rows in [1..4, 2..3] {
-            let found = lines.samples(pixels)(rows.clone());
+            let found = all(lines.samples(pixels), rows.clone());
             assert!(!found.is_empty());
-            assert_eq!(found, alone.samples(pixels)(rows));
+            assert_eq!(found, all(alone.samples(pixels), rows));
         }
     }
 }
