@@ -71,11 +71,13 @@ fn gauss(count: usize) -> AxisNodes {
     nodes.into_iter().zip(weights).map(|(x, w)| (x, w, true)).collect()
 }
 
-/// Extrema five times as dense as the degree; half of them are the coarse ones. Between them the
-/// worst error of a best fit exceeds that at them by 1 % at most (measured on the panoramic).
+/// Extrema five times as dense as the degree. Between them the worst error of a best fit exceeds that at them by
+/// 1 % at most (measured on the panoramic). A quarter of them are the coarse ones: 1.25 places for each unknown
+/// of a direction, both ends among them; a search that begins with twice as many takes as many steps of
+/// thrice the work.
 fn extrema(degree: usize) -> AxisNodes {
     let steps = 2 * (2 * ((5 * degree).div_ceil(4)) + 8);
-    (0..=steps).map(|k| (-cos(PI * k as f64 / steps as f64), 1.0, k % 2 == 0)).collect()
+    (0..=steps).map(|k| (-cos(PI * k as f64 / steps as f64), 1.0, k % 4 == 0)).collect()
 }
 
 /// The means of the Legendre polynomials up to `degree` over part of [-1, 1], by
