@@ -12,10 +12,10 @@ mod styles;
 
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
-use crate::pipeline::{Command, ToleranceOptions, TrialsPart, dry_run, load, merge};
+use crate::pipeline::{Command, ToleranceOptions, TrialsPart, check, dry_run, load, merge};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, TextLayout, visible};
-use crate::results::{NamedOutput, PartTrials, ProfileCheck, ShippedProfile, Verdict};
+use crate::results::{NamedOutput, PartTrials, ShippedProfile, Verdict};
 #[cfg(feature = "studio")]
 use crate::studio::{StudioOptions, serve};
 #[cfg(feature = "studio")]
@@ -165,9 +165,8 @@ impl Terminal {
     }
 
     fn check(&self, named: &str) -> Result<u8, CommandFailure> {
-        let valid = ProfileCheck::from(&load(named)?);
-        let ProfileCheck { name, sha256 } = &valid;
-        self.show(|| visible(&format!("{name}: valid ({sha256})\n")), || line(&valid))?;
+        let valid = check(&load(named)?);
+        self.show(|| valid.laid_out(&self.layout(None)), || line(&valid))?;
         Ok(PASSED)
     }
 
@@ -259,16 +258,16 @@ impl Terminal {
         let warn = |warning: &String| complain("warning", anstyle::AnsiColor::Yellow, warning);
         head.warnings.iter().for_each(warn);
         let folder = folder.map(|folder| folder.display().to_string());
-        let layout = TextLayout {
-            columns: columns(&std::io::stdout()),
-            details: self.verbose,
-            folder: folder.as_deref(),
-        };
         self.show(
-            || answer.laid_out(&layout),
+            || answer.laid_out(&self.layout(folder.as_deref())),
             || if self.lines { answer.json_line() } else { answer.json() },
         )?;
         Ok(if head.verdict == Some(Verdict::Fail) { FAILED } else { PASSED })
+    }
+
+    /// How a summary is laid out; `folder`: where the files are.
+    fn layout<'a>(&self, folder: Option<&'a str>) -> TextLayout<'a> {
+        TextLayout { columns: columns(&std::io::stdout()), details: self.verbose, folder }
     }
 
     /// Makes the trials of a part of a run.

@@ -11,6 +11,8 @@ use crate::optics::ImagingTask;
 use crate::parallel;
 use std::f64::consts::PI;
 
+mod splines;
+
 /// Places at which a basis is tabulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NodeSet {

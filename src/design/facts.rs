@@ -2,6 +2,7 @@
 
 use super::cause::{FailureCause, LocalFailure};
 use super::layout::DesignProblem;
+use super::least_error::LeastError;
 use super::solve::LeastSquaresFit;
 use super::straightness::Straightness;
 use crate::geom::{DVec2, angle};
@@ -87,6 +88,9 @@ pub struct DesignFacts {
     #[serde(serialize_with = "or_null", deserialize_with = "unless_null")]
     #[schemars(with = "Summary")]
     pub pixel_error_px: Option<Summary>,
+    /// The least error that any single mirror has; absent without a projection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_error: Option<LeastError>,
     /// The samples of a picture that is given as data; absent of others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapFacts>,
@@ -117,6 +121,7 @@ impl DesignFacts {
             curl: None,
             ray_error_mrad: None,
             pixel_error_px: None,
+            least_error: None,
             map: None,
             straightness: None,
         }

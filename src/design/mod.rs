@@ -12,6 +12,7 @@ mod given;
 mod heights;
 mod layout;
 mod least_curl_law;
+mod least_error;
 mod minimax;
 mod mounting;
 mod obstacles;
@@ -31,15 +32,16 @@ mod visibility;
 pub use cause::{FailureCause, FitStage, LocalFailure};
 pub use facts::{CurlFacts, DesignFacts, MapFacts};
 pub use least_curl_law::LeastCurlError;
+pub use least_error::{LeastError, SQUARE, WorstPart, own_errors_px};
 pub use mounting::Mounting;
-pub use remedy::{KeyChange, KeyValue, MOST_TRIALS, Remedy};
+pub use remedy::{KeyChange, KeyValue, LesserError, MOST_TRIALS, Remedy, lesser_errors};
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
 use crate::geom::{Border, Obstacle, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
-use crate::profile::{Method, Profile, ProjectionSpec, ShapeSpec};
+use crate::profile::{Method, MethodKind, Profile, ProjectionSpec, ShapeSpec};
 use broyden::Broyden;
 use layout::{DesignProblem, SelfConsistentGeometry};
 use std::sync::Arc;
@@ -87,6 +89,11 @@ impl Design {
             self.facts = self.facts.against(&self.mirror, &self.camera, view)?;
         }
         Ok(self)
+    }
+
+    /// The least error that any single mirror has for this camera and picture; none without a projection.
+    fn least_error(&self) -> Option<LeastError> {
+        LeastError::of(&self.mirror, &self.camera, self.view.as_ref()?)
     }
 
     /// Number of holes through the part.
@@ -173,7 +180,9 @@ const MOST_ROUNDS: usize = 100;
 /// [`DesignError`] when the problem has no answer in finite numbers, or a given mirror cannot be
 /// represented or does not cover its outline.
 pub fn design(profile: &Profile) -> Result<Design, DesignError> {
-    try_design(profile).map_err(|error| remedied(profile, error))
+    let mut design = try_design(profile).map_err(|error| remedied(profile, error))?;
+    design.facts.least_error = design.least_error();
+    Ok(design)
 }
 
 /// [`design`] without the figures that compare the mirror with what it is to show, which take longer than a
@@ -184,6 +193,19 @@ pub fn design(profile: &Profile) -> Result<Design, DesignError> {
 /// represented or does not cover its outline.
 pub fn design_unmeasured(profile: &Profile) -> Result<Design, DesignError> {
     solve(profile).map_err(|error| remedied(profile, error))
+}
+
+/// The least error that any single mirror has for the camera and the picture of `profile`, before its mirror is designed;
+/// none without a projection. Heights, which matter before near targets alone, are those of the vector field's fit.
+///
+/// # Errors
+/// [`DesignError`] when that fit, or a given mirror, has no answer.
+pub fn least_error(profile: &Profile) -> Result<Option<LeastError>, DesignError> {
+    let mut profile = profile.clone();
+    if let ShapeSpec::Designed(method) = &mut profile.shape {
+        *method = Method { kind: MethodKind::VectorField, minimax: false, ..*method };
+    }
+    Ok(solve(&profile)?.least_error())
 }
 
 /// The error with what helps.

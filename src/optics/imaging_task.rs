@@ -142,11 +142,24 @@ impl ImagingTask {
     /// exact mirror exists (paper, section 3.2), and the same for every length of W.
     #[must_use]
     pub fn curl(&self, chart: &Chart, q: DVec2, f: f64) -> f64 {
+        let (s, along) = self.field_and_derivatives(chart, q, f);
+        self.slope_field(chart).curl(q.to_array(), f, s, along)
+    }
+
+    /// The twist at height `f` over chart coordinates `q`, 1/mm: the curl of the slope field over the chart along a
+    /// mirror that has its slopes.
+    #[must_use]
+    pub fn twist(&self, chart: &Chart, q: DVec2, f: f64) -> f64 {
+        let (s, along) = self.field_and_derivatives(chart, q, f);
+        SlopeField::twist(s, along)
+    }
+
+    /// The field, and its derivatives along X, Y and the height.
+    fn field_and_derivatives(&self, chart: &Chart, q: DVec2, f: f64) -> ([f64; 2], [[f64; 2]; 3]) {
         let [x, y, h] = [q.x, q.y, f];
         let [x, y, h] = [Dual::variable(x, 0), Dual::variable(y, 1), Dual::variable(h, 2)];
         let s: [Dual<3>; 2] = self.field(chart, [x, y], h);
-        let along = std::array::from_fn(|k| s.map(|s| s.slope[k]));
-        self.slope_field(chart).curl(q.to_array(), f, s.map(|s| s.value), along)
+        (s.map(|s| s.value), std::array::from_fn(|k| s.map(|s| s.slope[k])))
     }
 
     /// Bounds of the curl at a place, and its condition.

@@ -39,9 +39,14 @@ impl SlopeField<'_> {
     /// is the integrand, and the chart's map gives the volume and the length of W.
     #[inline]
     pub fn curl<S: Scalar>(&self, q: [S; 2], f: S, s: [S; 2], along: [[S; 2]; 3]) -> S {
+        Self::twist(s, along) / self.curl_denominator(q, f, s)
+    }
+
+    /// Numerator of the curl, 1/mm, of a field `s` whose derivatives along X, Y and the height are `along`.
+    #[inline]
+    pub fn twist<S: Scalar>(s: [S; 2], along: [[S; 2]; 3]) -> S {
         let [x, y, h] = along;
-        let twist = y[0] - x[1] + s[1] * h[0] - s[0] * h[1];
-        twist / self.curl_denominator(q, f, s)
+        y[0] - x[1] + s[1] * h[0] - s[0] * h[1]
     }
 
     /// Denominator of the curl, by which a twist of the field is divided.

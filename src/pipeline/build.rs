@@ -6,7 +6,7 @@ use super::check_file::{MeshSource, check_file};
 use super::dry_run::{check_room, least_bytes};
 use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
 use super::page_figures::{
-    ErrorMap, ErrorMapBuilder, MAP_COLUMNS, design_errors, part_figures, sharpness_map,
+    ErrorMap, ErrorMapBuilder, MAP_COLUMNS, curl, design_errors, part_figures, sharpness_map,
 };
 use super::run::{Command, Run};
 use super::{Error, Observer, Stage};
@@ -18,6 +18,7 @@ use crate::parallel;
 use crate::part::{self, SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
+use crate::raster::FalseColourMap;
 use crate::render::{CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh};
 use crate::report::BuildFigures;
 use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts, StepFacts};
@@ -27,7 +28,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// How much of a build's work is done: it writes every file that the profile asks for into NAME, with
-/// `preview.png`, `report.html`, `report.json` and `timings.json`, and with a projection `design_error.png`.
+/// `preview.png`, `report.html`, `report.json` and `timings.json`, and with a projection `design_error.png` and
+/// `curl.png`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BuildOptions {
     /// Work that changes no result.
@@ -236,6 +238,8 @@ struct Seen {
 
 /// The map of the designed mirror's pixel errors.
 const DESIGN_ERROR: &str = "design_error.png";
+/// The map of the curl of the slopes that the picture asks for.
+const CURL: &str = "curl.png";
 
 /// Most pixels in a row of `preview.png`.
 const PREVIEW_COLUMNS: u32 = 1600;
@@ -315,13 +319,14 @@ fn report(
 fn page(
     design: &Design,
     (label, report, seen): (&Label, &BuildReport, &Seen),
+    curl: Option<&FalseColourMap>,
 ) -> Result<String, Error> {
     let (part, spots) = parallel::join(
         || part_figures(design, label),
         || sharpness_map(design, report.sharpness.as_ref()),
     );
     let errors = seen.errors.drawn(design);
-    let figures = BuildFigures { part, preview: &seen.picture, errors, spots };
+    let figures = BuildFigures { part, preview: &seen.picture, errors, curl, spots };
     let page = report.html(&design.profile.summary, &figures);
     page.map_err(|error| Error::Picture(error.to_string()))
 }
@@ -336,15 +341,19 @@ fn publish(
     let profile = run.profile;
     run.publish(Stage::Report, |files, timer| {
         files.add_bytes("preview.png", &seen.picture)?;
-        let (map, page) = parallel::join(
-            || design_errors(design).map(|map| map.png()).transpose(),
-            || page(design, (&made.label, report, seen)),
+        let curl = curl(design);
+        let (errors, page) = parallel::join(
+            || design_errors(design),
+            || page(design, (&made.label, report, seen), curl.as_ref()),
         );
         let page = page?;
-        match map.map_err(|error| Error::Picture(error.to_string()))? {
-            Some(png) => drop(files.add_bytes(DESIGN_ERROR, &png)?),
-            // An older one would be another profile's.
-            None => files.remove(DESIGN_ERROR),
+        for (name, map) in [(DESIGN_ERROR, errors), (CURL, curl)] {
+            let png = map.map(|map| map.png()).transpose();
+            match png.map_err(|error| Error::Picture(error.to_string()))? {
+                Some(png) => drop(files.add_bytes(name, &png)?),
+                // An older one would be another profile's.
+                None => files.remove(name),
+            }
         }
         files.add_bytes("report.html", page.as_bytes())?;
         files.add_report("report.json", &report.json())?;

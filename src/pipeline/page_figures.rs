@@ -1,12 +1,12 @@
 //! What the pages of a build and of a verification show of the part.
 
-use crate::design::Design;
+use crate::design::{Design, own_errors_px};
 use crate::export::{Label, write_glb};
-use crate::geom::Precision;
+use crate::geom::{DVec2, Precision};
 use crate::optics::ThinnedFrame;
 use crate::raster::FalseColourMap;
 use crate::render::{AxialPlane, PartSection, SideView, coarse_mesh, pixel_errors, shaded_view};
-use crate::report::{PartFigures, design_error_map, pixel_error_map, spot_map};
+use crate::report::{PartFigures, curl_map, design_error_map, pixel_error_map, spot_map};
 use crate::results::SharpnessFacts;
 use crate::solid::Solid;
 #[cfg(feature = "studio")]
@@ -122,6 +122,21 @@ pub(super) fn design_errors(design: &Design) -> Option<FalseColourMap> {
     design.view.as_ref()?;
     let thinned = ThinnedFrame::at_most(design.camera.pixels, DESIGN_MAP_COLUMNS);
     Some(design_error_map(thinned.pixels(), &pixel_errors(design, thinned), &design.facts))
+}
+
+/// Most columns of the map of a picture's curl, which changes little from pixel to pixel.
+const CURL_MAP_COLUMNS: u32 = 200;
+
+/// The map of the curl of the slopes that the picture asks for; none without a projection.
+pub(super) fn curl(design: &Design) -> Option<FalseColourMap> {
+    let Design { mirror, camera, .. } = design;
+    let view = design.view.as_ref()?;
+    let thinned = ThinnedFrame::at_most(camera.pixels, CURL_MAP_COLUMNS);
+    let columns: Vec<usize> = thinned.columns().collect();
+    let image = |x: usize, y: usize| camera.image_point(x as f64 + 0.5, y as f64 + 0.5);
+    let row = |y: usize| columns.iter().map(move |&x| image(x, y));
+    let images: Vec<DVec2> = thinned.rows(0..camera.pixels[1] as usize).flat_map(row).collect();
+    Some(curl_map(thinned.pixels(), &own_errors_px(mirror, camera, view, &images)))
 }
 
 /// The map of the spots' sizes over the frame; none where no pixel has one.

@@ -59,6 +59,7 @@ impl BuildReport {
             &self.trace,
             self.sharpness.as_ref(),
             self.layout.as_ref(),
+            self.design.least_error.as_ref(),
         )?);
         page.files(&self.files);
         page.folded_facts("All figures, and what each means", &self.page_rows());
@@ -87,7 +88,9 @@ impl BuildReport {
     fn plain_rows(&self) -> AnswerRows {
         let Self { layout, design, trace, frame, sharpness, accepted, .. } = self;
         let picture = plain_picture(trace, frame, accepted);
-        let mut rows = AnswerRows::of(&[layout, &picture, &design.map, &design.straightness]);
+        let parts: [&dyn ToRows; 5] =
+            [layout, &picture, &design.least_error, &design.map, &design.straightness];
+        let mut rows = AnswerRows::of(&parts);
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         rows
     }
@@ -102,6 +105,7 @@ impl BuildReport {
         rows.append(AnswerRows::of(&[
             layout,
             design,
+            &design.least_error,
             &design.map,
             &design.straightness,
             form,
@@ -136,6 +140,7 @@ impl Answer for VerifyReport {
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let mut rows = AnswerRows::of(&[layout, files, units, alignment, form_error_um]);
         plain_picture(trace, frame, accepted).add_to(&mut rows);
+        design.least_error.add_to(&mut rows);
         design.straightness.add_to(&mut rows);
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };

@@ -1,7 +1,8 @@
 //! Figures of a part: the part itself, its side view, what the camera sees, and maps over the frame.
 
+use super::least_error::least_error_sentence;
 use super::page::{Figure, image, map_figure, part_figure, sections_figure, side_view_figure};
-use crate::design::Mounting;
+use crate::design::{LeastError, Mounting};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::render::{PartSection, SideView};
 use crate::results::{SharpnessFacts, TraceFacts, three_digits};
@@ -15,6 +16,8 @@ pub struct BuildFigures<'a> {
     pub preview: &'a [u8],
     /// Pixel errors over the frame; none without a projection.
     pub errors: Option<FalseColourMap>,
+    /// Curl of the wanted slopes over the frame; none without a projection.
+    pub curl: Option<&'a FalseColourMap>,
     /// Sizes of spots over the frame; none where no pixel has one.
     pub spots: Option<FalseColourMap>,
 }
@@ -41,6 +44,7 @@ impl BuildFigures<'_> {
         traces: &[TraceFacts],
         sharpness: Option<&SharpnessFacts>,
         layout: Option<&Mounting>,
+        least: Option<&LeastError>,
     ) -> Result<Vec<Figure>, EncodingError> {
         let mut figures = Vec::new();
         let size = layout.map_or(String::new(), Mounting::size);
@@ -56,6 +60,9 @@ impl BuildFigures<'_> {
             let about =
                 about_errors(traces) + " Those of the designed mirror are in design_error.png.";
             figures.push(map_figure("Pixel error, px", map, about)?);
+        }
+        if let Some(map) = self.curl {
+            figures.push(map_figure("Curl of the wanted slopes, px", map, about_curl(least))?);
         }
         if let Some(map) = &self.spots {
             figures.push(map_figure("Size of the spots, px", map, about_spots(sharpness))?);
@@ -85,6 +92,18 @@ pub(super) fn about_errors(traces: &[TraceFacts]) -> String {
              pixels are off by at most {p95} px, none by more than {max} px."
         )
     })
+}
+
+/// What to conclude from a map of the curl.
+fn about_curl(least: Option<&LeastError>) -> String {
+    let conclusion = least.map_or("Nothing is known of the picture as a whole.".into(), |least| {
+        format!("The picture as a whole: {}.", least_error_sentence(least))
+    });
+    format!(
+        "How far a square of a tenth of the frame's width around each pixel is off for itself, RMS, whatever the rest of \
+         the mirror does: 0 everywhere where a mirror without error exists. Bright places are those to leave out or to \
+         give a panel of their own. {conclusion}"
+    )
 }
 
 fn about_spots(sharpness: Option<&SharpnessFacts>) -> String {

@@ -68,8 +68,9 @@ fn why_not_less(curl: &CurlFacts, design: &DesignFacts) -> String {
         }
     };
     format!(
-        "no single mirror is without error: the slopes that the picture asks for are those of no surface (curl up to {}); \
-         {spread}; a smaller part of the world or another law leaves less",
+        "no single mirror is without error: it is one function of the image point, the picture asks for two slopes at each, \
+         and these are those of no surface (curl up to {}); {spread}; a narrower field, another centre, `mirrored` the \
+         other way, another law or a panel for each part leaves less",
         three_digits(curl.max)
     )
 }

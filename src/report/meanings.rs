@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 34] = [
+const MEANINGS: [(&str, &str); 35] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -27,6 +27,10 @@ const MEANINGS: [(&str, &str); 34] = [
     (
         "why not less",
         "Whether a mirror without error exists: what the picture asks for must be the slopes of a surface.",
+    ),
+    (
+        "least possible error",
+        "What no single mirror without steps is below for this camera and picture, to first order in the error.",
     ),
     (
         "wanted picture",

@@ -1,11 +1,36 @@
 //! Answers of a line: small results that are printed as JSON only.
 
 use super::ProfileId;
+use crate::design::LeastError;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A valid profile: the answer of `morion check`.
-pub type ProfileCheck = ProfileId;
+/// A valid profile, and what no single mirror can do better: the answer of `morion check`.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ProfileCheck {
+    /// Name and fingerprint of the profile.
+    #[serde(flatten)]
+    pub profile: ProfileId,
+    /// The least error that any single mirror has for its camera and picture; absent without a projection, and where it is
+    /// not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_error: Option<LeastError>,
+    /// Changes of one key that leave at least a tenth less of it; each was tried.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub alternatives: Vec<LesserErrorFacts>,
+    /// Why the least error is not known: no mirror can be designed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unsolved: Option<String>,
+}
+
+/// A change of one key of a profile, and the least error after it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LesserErrorFacts {
+    /// The change, in words.
+    pub change: String,
+    /// The least error.
+    pub least_error: LeastError,
+}
 
 /// A shipped profile: a line of `morion profiles`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]

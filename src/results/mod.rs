@@ -20,7 +20,9 @@ mod unwrap;
 mod wording;
 
 pub use crate::profile::Aperture;
-pub use answers::{ErrorLine, NamedOutput, PartTrials, ProfileCheck, ShippedProfile, ToldError};
+pub use answers::{
+    ErrorLine, LesserErrorFacts, NamedOutput, PartTrials, ProfileCheck, ShippedProfile, ToldError,
+};
 pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
 pub use build::{BuildReport, VerifyReport};
 pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};

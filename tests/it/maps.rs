@@ -223,3 +223,27 @@ fn what_is_no_map_is_refused_at_its_place() {
     let missing = SMALL.replace("file = \"w.npy\"", "");
     told(&missing, b"", "projection.map.file must be the name of a file, found nothing");
 }
+
+/// Each method makes the same mirror of a map as of the law that the map was made of.
+#[test]
+fn every_method_makes_a_law_s_mirror_of_its_map() {
+    let vector = "[method.vector-field]\ndegree = 12";
+    for method in [
+        "[method.fixed-surface]\ndegree = 10",
+        "[method.distribution]\ndegree = 10",
+        "[method.vector-field]\nminimax = true\ndegree = 8",
+        "[method.fixed-surface]\nminimax = true\ndegree = 8",
+        "[method.distribution]\nminimax = true\ndegree = 8",
+    ] {
+        let text = LENS.replace(vector, method);
+        assert_ne!(text, LENS);
+        let own = design(&Profile::parse("l", "l", text.as_bytes()).unwrap()).unwrap();
+        let size = own.camera.pixels.map(|n| n as usize);
+        let file = npy(size[0], &directions(&own, size));
+        let text = with_projection(&text, "file = \"w.npy\"");
+        let by_map = design(&parsed(&text, &file).unwrap()).unwrap();
+        let off = apart(&own, &by_map);
+        println!("{method}: {off:e} mm, {:?}", by_map.facts.pixel_error_px);
+        assert!(off < 1e-7, "{method}: {off:e}");
+    }
+}

@@ -192,6 +192,27 @@ pub(super) fn elevation(profile: &Profile) -> Vec<EditedProfile> {
     [0.5, 0.25, 0.0625].into_iter().filter_map(of).collect()
 }
 
+/// A view with left and right the other way round.
+pub(super) fn mirrored(profile: &Profile) -> Vec<EditedProfile> {
+    let mut projection = profile.projection.clone();
+    let Some(ProjectionSpec::Azimuthal(view)) = &mut projection else { return Vec::new() };
+    view.mirrored = !view.mirrored;
+    let change = KeyChange::Set("mirrored", KeyValue::Flag(view.mirrored));
+    vec![changed(profile, change, |p| p.projection = projection)]
+}
+
+/// The law between the same elevations with the least curl.
+pub(super) fn best(profile: &Profile) -> Vec<EditedProfile> {
+    let mut projection = profile.projection.clone();
+    let Some(ProjectionSpec::Strip(strip)) = &mut projection else { return Vec::new() };
+    if strip.law == StripLawSpec::LeastCurl || !matches!(profile.shape, ShapeSpec::Designed(_)) {
+        return Vec::new();
+    }
+    strip.law = StripLawSpec::LeastCurl;
+    let change = KeyChange::Take("projection", "best");
+    vec![changed(profile, change, |p| p.projection = projection)]
+}
+
 /// A law that has a place for every direction.
 pub(super) fn law(profile: &Profile) -> Vec<EditedProfile> {
     let mut projection = profile.projection.clone();

@@ -2,6 +2,9 @@
 //! here by designing the changed profile before it is advised.
 
 mod keys;
+mod less_error;
+
+pub use less_error::{LesserError, lesser_errors};
 
 use super::cause::{FailureCause, FitStage, LocalFailure};
 use super::solve::SolveError;
@@ -38,6 +41,8 @@ pub enum KeyValue {
     Number(f64),
     /// A range.
     Range([f64; 2]),
+    /// True or false.
+    Flag(bool),
     /// Entries of a table.
     Rows(Vec<[f64; 2]>),
 }
@@ -46,6 +51,7 @@ impl fmt::Display for KeyValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(x) => write!(f, "{x}"),
+            Self::Flag(flag) => write!(f, "{flag}"),
             Self::Range(range) => write!(f, "{range:?}"),
             Self::Rows(rows) => write!(f, "{rows:?}"),
         }

@@ -1,0 +1,55 @@
+//! The least error that any single mirror has, in words.
+
+use super::answer::{Answer, AnswerRows, Head, ToRows};
+use crate::design::{LeastError, SQUARE};
+use crate::results::{ProfileCheck, three_digits};
+
+/// The least error as a sentence without its full stop.
+pub(super) fn least_error_sentence(least: &LeastError) -> String {
+    let LeastError { pixel_rms_px, ray_rms_deg, worst } = least;
+    if least.is_exact() {
+        return "a mirror without error exists".into();
+    }
+    let [px, deg] = [*pixel_rms_px, *ray_rms_deg].map(three_digits);
+    let mut sentence = format!("no single mirror is off by less than {px} px RMS ({deg} deg RMS)");
+    if let Some(worst) = worst {
+        let [own, best] = [worst.own_px, worst.best_px].map(three_digits);
+        sentence += &format!(
+            "; most of it at the picture's {}, where a square of {SQUARE} of the width is off by {own} px for itself, and by \
+             {best} px in the best part",
+            worst.name()
+        );
+    }
+    sentence
+}
+
+impl ToRows for LeastError {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        rows.named("least", "least possible error", least_error_sentence(self));
+    }
+}
+
+impl Answer for ProfileCheck {
+    fn head(&self) -> Head<'_> {
+        Head::default()
+    }
+
+    fn rows(&self) -> AnswerRows {
+        let Self { profile, least_error, alternatives, unsolved } = self;
+        let mut rows = AnswerRows::labelled(5);
+        rows.line(format!("{}: valid ({})", profile.name, profile.sha256));
+        least_error.add_to(&mut rows);
+        for changed in alternatives {
+            let least = &changed.least_error;
+            let then = match least.is_exact() {
+                true => "a mirror without error exists".into(),
+                false => format!("no less than {} px RMS", three_digits(least.pixel_rms_px)),
+            };
+            rows.terminal("", format!("with {}: {then}", changed.change));
+        }
+        if let Some(why) = unsolved {
+            rows.terminal("least", format!("not known: {why}"));
+        }
+        rows
+    }
+}
