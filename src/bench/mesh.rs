@@ -48,11 +48,11 @@ pub(super) fn sweep(
     for subject in subjects {
         let design = &subject.design;
         let unit_mm = match rule {
-            GoverningLimit::Facet if design.view.is_none() => continue,
+            GoverningLimit::Facet if design.bounded_view().is_none() => continue,
             GoverningLimit::Facet => design.camera.pixel_mm,
             GoverningLimit::Chord => 1e-3,
         };
-        let (mirror, chart, view) = (&design.mirror, &design.camera.chart, design.view.as_ref());
+        let (mirror, chart, view) = (&design.mirror, &design.camera.chart, design.bounded_view());
         let fail = |error: MeshError| Error::Mesh {
             profile: subject.name().to_owned(),
             source: error.into(),

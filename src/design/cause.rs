@@ -107,7 +107,7 @@ impl LocalFailure {
             let d = stereographic::direction(sigma);
             [degrees(atan2(d.x, d.y)), elevation(d.z)]
         };
-        match view.target {
+        match &view.target {
             Target::Infinity => {}
             Target::Posed(target) => {
                 if target.reach_mm(stereographic::direction(wanted)).is_nan() {
@@ -120,13 +120,13 @@ impl LocalFailure {
                     return Some(Self::SeenMissesTarget { angles_deg: angles_deg(seen) });
                 }
             }
-            Target::Cylinder { radius_mm } => {
+            &Target::Cylinder { radius_mm } => {
                 let by_mm = from.truncate().length() - radius_mm;
                 if !(by_mm < 0.0) {
                     return Some(Self::OutsideCylinder { by_mm });
                 }
             }
-            Target::Plane { height_mm } => {
+            &Target::Plane { height_mm } => {
                 let side = height_mm.signum();
                 if !(side * up(wanted) > 0.0) {
                     return Some(Self::WantedMissesPlane { elevation_deg: elevation(up(wanted)) });
@@ -253,6 +253,32 @@ pub enum FailureCause {
     BeyondHorizon {
         /// Rows of the frame past the horizon.
         rows: f64,
+    },
+    /// The target has nothing where a pixel should see it.
+    #[error(
+        "pixel ({}, {}) should show azimuth {:.4}, elevation {:.4} degrees from the viewpoint, where [target.mesh] has no \
+         facet; {share_percent:.2} % of the frame's pixels miss it (extend the mesh, or leave them out as NaN in [projection.map])", pixel[0], pixel[1], angles_deg[0], angles_deg[1]
+    )]
+    MissedTarget {
+        /// Column and row, from 0.
+        pixel: [usize; 2],
+        /// Azimuth and elevation, degrees.
+        angles_deg: [f64; 2],
+        /// How many do, percent.
+        share_percent: f64,
+    },
+    /// The target jumps in depth by more than a mirror without steps can follow.
+    #[error(
+        "[target.mesh] jumps in depth beside pixel ({}, {}), by {jump_px:.1} pixels as seen from the mirror: any mirror is off \
+         by half of that on one side, more than pixel_error_max_px = {most_px} (show another part of it, or accept more)", pixel[0], pixel[1]
+    )]
+    DepthJump {
+        /// Column and row, from 0.
+        pixel: [usize; 2],
+        /// Jump of what is wanted, pixels.
+        jump_px: f64,
+        /// Largest error that is accepted, pixels.
+        most_px: f64,
     },
     /// The numbers leave the range of double precision.
     #[error("the mirror's {what} is not finite")]

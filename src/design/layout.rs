@@ -72,7 +72,7 @@ impl SelfConsistentGeometry {
         let rim =
             mirror.position(DVec2::new(inner, 0.0), &mirror.surface.at(DVec2::new(inner, 0.0)));
         let inner_mm = if wanted == 0.0 { 0.0 } else { wanted * inner / rim.x };
-        let far = |projection: &ProjectionSpec| projection.target() == Target::Infinity;
+        let far = |projection: &ProjectionSpec| *projection.target() == Target::Infinity;
         if profile.projection.as_ref().is_none_or(far) {
             return Self { inner_mm, ..*self };
         }
@@ -141,7 +141,7 @@ impl DesignProblem {
 
         let StripTiling { across, panels, fill_frame, fold, below, widening } =
             StripTiling::new(profile.layout, span);
-        let (scale_mm, target) = (width / across, wanted.target);
+        let (scale_mm, target) = (width / across, &wanted.target);
         let azimuth = radians(middle_deg);
         let panel = StripPanel { camera: &camera, target, scale_mm, azimuth, across, below };
         let filling = fill_frame.then_some(frame_height / panels);
@@ -172,7 +172,13 @@ impl DesignProblem {
         let [outline, domain] = if is_bent { [camera.seen_of(exact); 2] } else { [exact, domain] };
         Ok(Self {
             camera,
-            view: ImagingTask { projection, target, origin_mm: 0.0, fold, picture: camera.picture },
+            view: ImagingTask {
+                projection,
+                target: target.clone(),
+                origin_mm: 0.0,
+                fold,
+                picture: camera.picture,
+            },
             outline: rectangle(&camera, outline),
             domain: Outline::Rect(domain),
             section: (widening != DVec2::ONE).then_some(exact),
@@ -207,7 +213,7 @@ impl DesignProblem {
             camera,
             view: ImagingTask {
                 projection,
-                target: wanted.target,
+                target: wanted.target.clone(),
                 origin_mm: geometry.origin_mm,
                 fold: None,
                 picture: camera.picture,
@@ -230,7 +236,7 @@ impl DesignProblem {
             Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount);
         let symmetric = view.is_symmetric_in_x();
         let view = Projection::Azimuthal(view);
-        Self::framed(camera, area, view, wanted.target, symmetric)
+        Self::framed(camera, area, view, wanted.target.clone(), symmetric)
     }
 
     /// The problem of a picture given as data, on a rectangle.
@@ -238,7 +244,7 @@ impl DesignProblem {
         let area = rectangle_of(profile, &camera);
         let map = SampledMap::new(&wanted.samples, camera.frame(), camera.image_of(area));
         let symmetric = map.is_symmetric_in_x();
-        Self::framed(camera, area, Projection::Map(Arc::new(map)), wanted.target, symmetric)
+        Self::framed(camera, area, Projection::Map(Arc::new(map)), wanted.target.clone(), symmetric)
     }
 
     /// The problem of a picture that ends with the frame, on the rectangle `area`; `symmetric`: reflecting it in X = 0
@@ -330,7 +336,7 @@ impl StripTiling {
 /// [`FailureCause::BeyondPole`] or [`FailureCause::BeyondHorizon`] when it does not.
 fn check_frame_filled(
     law: &StripLaw,
-    target: Target,
+    target: &Target,
     z: [f64; 2],
     rows: f64,
 ) -> Result<(), FailureCause> {
@@ -343,7 +349,7 @@ fn check_frame_filled(
     // Isometric latitude 0.
     let horizon = law.image_coordinate(1.0);
     let past = match target {
-        Target::Plane { height_mm } if height_mm > 0.0 => horizon - z[0],
+        Target::Plane { height_mm } if *height_mm > 0.0 => horizon - z[0],
         Target::Plane { .. } => z[1] - horizon,
         _ => return Ok(()),
     };

@@ -241,7 +241,7 @@ mod tests {
     use crate::optics::{ImagingTask, PictureMap, Projection, Strip, StripLaw};
     use std::sync::Arc;
 
-    fn search(chart: &Chart, target: Target, below: f64) -> LeastCurlProblem<'_> {
+    fn search<'a>(chart: &'a Chart, target: &'a Target, below: f64) -> LeastCurlProblem<'a> {
         let across = radians(200.0);
         LeastCurlProblem {
             field: SlopeField { chart, target, origin_mm: 0.0 },
@@ -268,7 +268,7 @@ mod tests {
         let strip = Strip { law, scale_mm: unit, azimuth: search.azimuth, z: below };
         let view = ImagingTask {
             projection: Projection::Strip(strip),
-            target: search.field.target,
+            target: search.field.target.clone(),
             origin_mm: search.field.origin_mm,
             fold: None,
             picture: PictureMap::default(),
@@ -300,7 +300,7 @@ mod tests {
     fn derivatives_agree_with_differences() {
         for (chart, target) in charts().iter().zip([CYLINDER, Target::Infinity, CYLINDER]) {
             for below in [0.0, 0.5, 1.0] {
-                let search = search(chart, target, below);
+                let search = search(chart, &target, below);
                 let rows = search.rows();
                 let g = [0.1, -0.2, 0.05, 0.1];
                 let (a, _) = search.linear(&rows, &g);
@@ -320,7 +320,7 @@ mod tests {
     #[test]
     fn far_away_mercator_is_found_from_other_laws() {
         let chart = &charts()[0];
-        let search = search(chart, Target::Infinity, 0.5);
+        let search = search(chart, &Target::Infinity, 0.5);
         let rows = search.rows();
         let lean = |m: f64| log(0.5 * (exp(m) + exp(-m)));
         // dz/dm is cosh m for the paper's law, its inverse for the equirectangular one.
@@ -351,7 +351,7 @@ mod tests {
             (far, CYLINDER, 0.0),
             (parallel, Target::Cylinder { radius_mm: 45.0 }, 0.0),
         ] {
-            let search = search(chart, target, below);
+            let search = search(chart, &target, below);
             let (table, height) = search.law().unwrap();
             let least = rms_of(&search, (table.clone(), height));
             for law in [
@@ -396,7 +396,7 @@ mod tests {
     #[test]
     fn a_target_out_of_sight_is_an_error() {
         let chart = &charts()[0];
-        let found = search(chart, Target::Plane { height_mm: -100.0 }, 0.5).law();
+        let found = search(chart, &Target::Plane { height_mm: -100.0 }, 0.5).law();
         assert!(matches!(found, Err(LeastCurlError::NotConverged { .. })));
     }
 }

@@ -7,6 +7,7 @@ mod border;
 mod broyden;
 mod cause;
 mod conic;
+mod faceted_target;
 mod facts;
 mod given;
 mod heights;
@@ -89,6 +90,13 @@ impl Design {
             self.facts = self.facts.against(&self.mirror, &self.camera, view)?;
         }
         Ok(self)
+    }
+
+    /// The imaging task by which the displacement of the picture by facets is bounded; none where it has no bounds, or
+    /// nothing is wanted.
+    #[must_use]
+    pub fn bounded_view(&self) -> Option<&ImagingTask> {
+        self.view.as_ref().filter(|view| view.has_bounds())
     }
 
     /// The least error that any single mirror has for this camera and picture; none without a projection.
@@ -263,6 +271,7 @@ fn solve_self_consistently(
     for round in 1..=MOST_ROUNDS {
         let problem =
             DesignProblem::new(profile, &geometry)?.expect("a designed mirror has a projection");
+        faceted_target::check(profile, &problem)?;
         let (mirror, facts) = surface::solved(&problem, method)
             .map_err(|cause| problem.occluded_rim().unwrap_or(cause))?;
         let found = geometry.updated(profile, &problem, &mirror);
@@ -315,6 +324,9 @@ fn place_on_base(
     camera.chart.plane_mm += lift;
     if let Some(view) = &mut view {
         view.origin_mm += lift;
+    }
+    if let Some(view) = &view {
+        faceted_target::check_mirror(&mirror, view)?;
     }
     let border = border::around(profile, &mirror)?;
     let mounting =

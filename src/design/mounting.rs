@@ -48,7 +48,7 @@ impl Mounting {
             Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
             None => border::extent(mirror).size(),
         };
-        let origin = |view: &ImagingTask| match view.target {
+        let origin = |view: &ImagingTask| match &view.target {
             Target::Infinity => None,
             Target::Cylinder { .. } | Target::Plane { .. } => Some(on_axis(view.origin_mm)),
             Target::Posed(target) => {

@@ -13,7 +13,7 @@ pub(super) struct StripPanel<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// Surface that the picture shows, its origin on the camera's reference plane.
-    pub target: Target,
+    pub target: &'a Target,
     /// mm per radian of azimuth.
     pub scale_mm: f64,
     /// Azimuth at X = 0, radians.

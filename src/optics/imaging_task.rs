@@ -83,6 +83,12 @@ impl ImagingTask {
         Self { projection, ..self.clone() }
     }
 
+    /// Whether what is seen has derivatives that can be bounded over boxes: not across the edges of a target's facets.
+    #[must_use]
+    pub fn has_bounds(&self) -> bool {
+        !self.target.is_faceted()
+    }
+
     /// Whether the picture ends with the frame: a view or a map has no other end, and what a mirror has beyond a frame with
     /// bent sides is nobody's.
     #[must_use]
@@ -131,7 +137,7 @@ impl ImagingTask {
         near: DVec2,
     ) -> [S; 2] {
         let seen = stereographic::reflect(stereographic::towards_camera(view), p);
-        let seen = match self.target {
+        let seen = match &self.target {
             Target::Infinity => seen,
             target => target.direction_from_origin(self.relative(at()), seen),
         };
@@ -169,7 +175,7 @@ impl ImagingTask {
         let flat = Jet2::flat;
         let (in_x, in_y) = (Jet2::variable_x(x), Jet2::variable_y(y));
         let s = self.field(chart, [in_x, in_y], flat(h));
-        let by_h = match self.target {
+        let by_h = match &self.target {
             Target::Infinity => [flat(Interval::point(0.0)); 2],
             _ => self.field(chart, [flat(x), flat(y)], Jet2::variable_x(h)),
         };
@@ -184,8 +190,8 @@ impl ImagingTask {
     }
 
     /// The slope field's camera and target.
-    fn slope_field<'a>(&self, chart: &'a Chart) -> SlopeField<'a> {
-        SlopeField { chart, target: self.target, origin_mm: self.origin_mm }
+    fn slope_field<'a>(&'a self, chart: &'a Chart) -> SlopeField<'a> {
+        SlopeField { chart, target: &self.target, origin_mm: self.origin_mm }
     }
 
     /// `at` relative to the target's origin.
@@ -253,7 +259,7 @@ impl ImagingTask {
     /// `direction` shows; the direction itself for targets at infinity.
     #[must_use]
     pub fn direction_from_origin(&self, at: DVec3, direction: DVec3) -> DVec3 {
-        match self.target {
+        match &self.target {
             Target::Infinity => direction,
             target => {
                 let from = self.relative(at.to_array());

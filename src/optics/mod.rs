@@ -20,6 +20,7 @@ pub mod stereographic;
 mod strip;
 mod tabulated_law;
 mod target;
+mod target_mesh;
 mod thinned_frame;
 
 pub use azimuthal::{Azimuthal, AzimuthalLaw};

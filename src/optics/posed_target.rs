@@ -1,11 +1,13 @@
 //! Target surfaces in any pose, and the viewpoint from which they show the picture.
 
 use super::stereographic;
-use crate::geom::DVec3;
+use super::target_mesh::TargetMesh;
+use crate::geom::{DVec3, TriMesh};
 use crate::num::Scalar;
+use std::sync::Arc;
 
 /// A surface of the world in the part's frame, mm from the middle of the mirror.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum PosedSurface {
     /// A plane.
     Plane {
@@ -30,10 +32,12 @@ pub enum PosedSurface {
         /// Radius, mm.
         radius_mm: f64,
     },
+    /// Triangles, seen from both sides.
+    Mesh(Arc<TriMesh>),
 }
 
 /// A surface and the viewpoint: the projection gives directions from there to the surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PosedTarget {
     /// Place of the viewpoint, mm from the middle of the mirror.
     viewpoint_mm: DVec3,
@@ -43,12 +47,14 @@ pub struct PosedTarget {
 }
 
 /// A surface from the viewpoint, in lengths of the scale.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Shape {
     /// The plane at the distance 1 in the direction of its unit normal.
     Plane { normal: DVec3 },
     /// The sphere of radius 1, or with an axis the cylinder of radius 1, about `centre`; `hollow`: seen from inside.
     Quadric { centre: DVec3, axis: Option<DVec3>, hollow: bool },
+    /// Triangles, of which the first that a ray meets counts.
+    Mesh(TargetMesh),
 }
 
 /// Reason why a surface shows nothing.
@@ -84,9 +90,17 @@ impl PosedTarget {
                 let hollow = centre.length() < 1.0;
                 (radius_mm, Shape::Quadric { centre, axis: Some(axis), hollow })
             }
+            PosedSurface::Mesh(mesh) => {
+                let mut mesh = (*mesh).clone();
+                let from = mesh.vertices.iter().map(|v| (*v - viewpoint_mm).length());
+                let scale_mm = from.fold(0.0, f64::max);
+                mesh.vertices.iter_mut().for_each(|v| *v = (*v - viewpoint_mm) / scale_mm);
+                (scale_mm, Shape::Mesh(TargetMesh::new(mesh)))
+            }
         };
         let target = Self { viewpoint_mm, scale_mm, shape };
-        let [mirror, viewpoint] = [DVec3::ZERO, viewpoint_mm].map(|at| target.inside(at));
+        let inside = |at| target.inside(at).unwrap_or(1.0);
+        let [mirror, viewpoint] = [DVec3::ZERO, viewpoint_mm].map(inside);
         // A plane through the viewpoint has no scale.
         if viewpoint == 0.0 || scale_mm == 0.0 {
             return Err(PoseFault::ViewpointOnSurface);
@@ -94,27 +108,43 @@ impl PosedTarget {
         if mirror == 0.0 {
             return Err(PoseFault::MirrorOnSurface);
         }
-        if mirror * viewpoint < 0.0 { Err(PoseFault::Parted) } else { Ok(target) }
+        if target.parts(viewpoint_mm, DVec3::ZERO) { Err(PoseFault::Parted) } else { Ok(target) }
     }
 
     /// How far a place (mm from the middle of the mirror) lies inside the surface, or on the viewpoint's side of a
-    /// plane, as a share of radius or distance; negative beyond it.
-    #[must_use]
-    pub fn inside(&self, at_mm: DVec3) -> f64 {
+    /// plane, as a share of radius or distance; negative beyond it. None of triangles, which may have no inside.
+    fn inside(&self, at_mm: DVec3) -> Option<f64> {
         let at = (at_mm - self.viewpoint_mm) / self.scale_mm;
         match self.shape {
-            Shape::Plane { normal } => 1.0 - normal.dot(at),
+            Shape::Plane { normal } => Some(1.0 - normal.dot(at)),
             Shape::Quadric { centre, axis, .. } => {
                 let from = at - centre;
-                1.0 - axis.map_or(from, |axis| from.reject_from_normalized(axis)).length()
+                Some(1.0 - axis.map_or(from, |axis| from.reject_from_normalized(axis)).length())
             }
+            Shape::Mesh(_) => None,
         }
+    }
+
+    /// Whether the surface lies between two places, mm from the middle of the mirror.
+    #[must_use]
+    pub fn parts(&self, a_mm: DVec3, b_mm: DVec3) -> bool {
+        if let Shape::Mesh(mesh) = &self.shape {
+            let [a, b] = [a_mm, b_mm].map(|at| (at - self.viewpoint_mm) / self.scale_mm);
+            return mesh.parts(a, b);
+        }
+        self.inside(a_mm).zip(self.inside(b_mm)).is_some_and(|(a, b)| a * b < 0.0)
+    }
+
+    /// Whether it is made of flat facets, across whose edges what is seen has no derivatives.
+    #[must_use]
+    pub fn is_faceted(&self) -> bool {
+        matches!(self.shape, Shape::Mesh(_))
     }
 
     /// Whether a place is on the side of the surface on which the viewpoint is.
     #[must_use]
     pub fn is_before(&self, at_mm: DVec3) -> bool {
-        self.inside(at_mm) * self.inside(self.viewpoint_mm) > 0.0
+        !self.parts(at_mm, self.viewpoint_mm) && self.inside(at_mm) != Some(0.0)
     }
 
     /// Whether surface and viewpoint are their own reflections in the plane X = 0.
@@ -127,6 +157,7 @@ impl PosedTarget {
                 Shape::Quadric { centre, axis: Some(axis), .. } => {
                     (axis.x == 0.0 && centre.x == 0.0) || axis.x.abs() == 1.0
                 }
+                Shape::Mesh(_) => false,
             }
     }
 
@@ -179,14 +210,15 @@ impl PosedTarget {
     /// Distance along the unit vector `u` from `start` to the surface, in lengths of the scale; NaN where it is not met.
     #[inline]
     fn distance<S: Scalar>(&self, start: [S; 3], u: [S; 3]) -> S {
-        match self.shape {
-            Shape::Plane { normal } => {
+        match &self.shape {
+            Shape::Mesh(mesh) => mesh.distance(start, u),
+            &Shape::Plane { normal } => {
                 let inside = -dot(start, normal) + 1.0;
                 let along = dot(u, normal);
                 let ahead = inside.mid() > 0.0 && along.mid() > 0.0;
                 if ahead { inside / along } else { S::constant(f64::NAN) }
             }
-            Shape::Quadric { centre, axis, hollow } => {
+            &Shape::Quadric { centre, axis, hollow } => {
                 let centre = centre.to_array();
                 let mut from = [0, 1, 2].map(|k| start[k] - centre[k]);
                 let mut across = u;
@@ -259,13 +291,14 @@ mod tests {
     }
 
     /// What vanishes on a surface, mm.
-    fn off(surface: PosedSurface, at: DVec3) -> f64 {
+    fn off(surface: &PosedSurface, at: DVec3) -> f64 {
         match surface {
-            PosedSurface::Plane { point_mm, normal } => (at - point_mm).dot(normal.normalize()),
-            PosedSurface::Sphere { centre_mm, radius_mm } => at.distance(centre_mm) - radius_mm,
+            PosedSurface::Plane { point_mm, normal } => (at - *point_mm).dot(normal.normalize()),
+            PosedSurface::Sphere { centre_mm, radius_mm } => at.distance(*centre_mm) - radius_mm,
             PosedSurface::Cylinder { point_mm, axis, radius_mm } => {
-                (at - point_mm).cross(axis.normalize()).length() - radius_mm
+                (*point_mm - at).cross(axis.normalize()).length() - radius_mm
             }
+            PosedSurface::Mesh(_) => f64::NAN,
         }
     }
 
@@ -273,11 +306,11 @@ mod tests {
     fn both_lines_meet_the_surface_in_one_point_and_undo_each_other() {
         let from = DVec3::new(11.0, -7.0, 4.0);
         for surface in surfaces() {
-            let target = PosedTarget::new(surface, VIEWPOINT).unwrap();
+            let target = PosedTarget::new(surface.clone(), VIEWPOINT).unwrap();
             for sigma in [[0.1, -0.15], [0.05, -0.2], [0.15, -0.05]] {
                 let wanted = stereographic::direction(sigma);
                 let met = VIEWPOINT + wanted * target.reach_mm(wanted);
-                assert!(off(surface, met).abs() < 1e-12, "{surface:?}: {met}");
+                assert!(off(&surface, met).abs() < 1e-12, "{surface:?}: {met}");
                 let met_after = target.distance_mm(from, (met - from).normalize());
                 assert!((met_after / (met - from).length() - 1.0).abs() < 1e-13, "{surface:?}");
                 let sent = target.direction_at(from.to_array(), sigma);
@@ -294,12 +327,12 @@ mod tests {
     #[test]
     fn the_first_meeting_counts() {
         for surface in surfaces() {
-            let target = PosedTarget::new(surface, VIEWPOINT).unwrap();
+            let target = PosedTarget::new(surface.clone(), VIEWPOINT).unwrap();
             let wanted = stereographic::direction([0.1, -0.15]);
             let reach = target.reach_mm(wanted);
             for share in 1..100 {
                 let way = VIEWPOINT + wanted * (reach * f64::from(share) / 100.0);
-                assert!(off(surface, way) * off(surface, VIEWPOINT) > 0.0, "{surface:?} {share}");
+                assert!(off(&surface, way) * off(&surface, VIEWPOINT) > 0.0, "{surface:?} {share}");
             }
         }
     }
@@ -309,11 +342,11 @@ mod tests {
         // Of a plane what leads away from it; of a sphere and a cylinder seen from outside what leads past them too.
         let (away, past) = ([0.1, 9.0], [-0.9, 0.6]);
         for (surface, missing) in [
-            (surfaces()[0], vec![away]),
-            (surfaces()[3], vec![away, past]),
-            (surfaces()[5], vec![away, past]),
+            (surfaces()[0].clone(), vec![away]),
+            (surfaces()[3].clone(), vec![away, past]),
+            (surfaces()[5].clone(), vec![away, past]),
         ] {
-            let target = PosedTarget::new(surface, VIEWPOINT).unwrap();
+            let target = PosedTarget::new(surface.clone(), VIEWPOINT).unwrap();
             for sigma in missing {
                 let reach = target.reach_mm(stereographic::direction(sigma));
                 assert!(reach.is_nan(), "{surface:?}: {reach}");
@@ -343,7 +376,7 @@ mod tests {
                 [[0.3, 0.2], [2.0, -1.0]],
             ),
         ] {
-            let posed = Target::Posed(PosedTarget::new(surface, DVec3::ZERO).unwrap());
+            let posed = Target::Posed(PosedTarget::new(surface.clone(), DVec3::ZERO).unwrap());
             for sigma in sigmas {
                 for [a, b] in [
                     [posed.direction_at(at, sigma), axial.direction_at(at, sigma)],
@@ -362,7 +395,7 @@ mod tests {
     #[test]
     fn bounds_hold_what_lies_in_a_box() {
         for surface in surfaces() {
-            let target = PosedTarget::new(surface, VIEWPOINT).unwrap();
+            let target = PosedTarget::new(surface.clone(), VIEWPOINT).unwrap();
             let (at, sigma) = ([11.0, -7.0, 4.0], [0.1, -0.15]);
             let around = |x: f64, half: f64| Interval::new(x - half, x + half);
             let boxes = (at.map(|x| around(x, 0.5)), sigma.map(|s| around(s, 1e-3)));
@@ -393,7 +426,7 @@ mod tests {
         assert_eq!(new(plane(0.0), 50.0), Some(PoseFault::MirrorOnSurface));
         assert_eq!(new(plane(50.0), 40.0), None);
         let dome = PosedSurface::Sphere { centre_mm: DVec3::Z * 90.0, radius_mm: 100.0 };
-        assert_eq!(new(dome, 200.0), Some(PoseFault::Parted));
+        assert_eq!(new(dome.clone(), 200.0), Some(PoseFault::Parted));
         assert_eq!(new(dome, 90.0), None);
     }
 }

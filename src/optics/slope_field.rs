@@ -10,7 +10,7 @@ pub struct SlopeField<'a> {
     /// The camera.
     pub chart: &'a Chart,
     /// Surface that the picture shows.
-    pub target: Target,
+    pub target: &'a Target,
     /// Z of the target's origin, mm.
     pub origin_mm: f64,
 }

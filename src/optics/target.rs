@@ -7,7 +7,7 @@ use crate::num::Scalar;
 /// The surface S that is imaged. The projection gives directions from the target's origin, the middle of the mirror
 /// or a viewpoint; a ray that leaves the mirror elsewhere meets the surface where another direction
 /// from the origin does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Target {
     /// Infinity: the world is so far away that only directions count.
     Infinity,
@@ -56,6 +56,12 @@ impl Target {
             Self::Posed(target) => target.distance_mm(from, direction),
         };
         if distance >= 0.0 { distance } else { f64::INFINITY }
+    }
+
+    /// Whether it is made of flat facets, across whose edges what is seen has no derivatives.
+    #[must_use]
+    pub fn is_faceted(&self) -> bool {
+        matches!(self, Self::Posed(target) if target.is_faceted())
     }
 
     /// Whether it is its own reflection in the plane X = 0.
@@ -183,7 +189,7 @@ mod tests {
         }
         let plane = Target::Plane { height_mm: 90.0 };
         for (target, direction) in [
-            (plane, -DVec3::Z),
+            (plane.clone(), -DVec3::Z),
             (plane, DVec3::X),
             (Target::Cylinder { radius_mm: 20.0 }, DVec3::Z),
             (Target::Infinity, DVec3::X),

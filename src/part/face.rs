@@ -58,13 +58,13 @@ pub enum FaceError {
 /// # Errors
 /// [`FaceError`].
 pub(crate) fn face(profile: &Profile, design: &Design) -> Result<AtPrecision<Face>, FaceError> {
-    let Design { mirror, camera, view, .. } = design;
+    let Design { mirror, camera, .. } = design;
     at_precision(profile, design, |precision| match profile.mesh {
         MeshGoal::Budget(triangles) => {
             ClosingCount::new(design).budget(triangles, precision).mesh()
         }
         MeshGoal::Limits { .. } => {
-            mesh(mirror, &camera.chart, view.as_ref(), limits(profile, design, precision))
+            mesh(mirror, &camera.chart, design.bounded_view(), limits(profile, design, precision))
         }
     })
     .map_err(|error| beyond_frame(design, error))
@@ -86,7 +86,7 @@ pub(crate) fn plan(profile: &Profile, design: &Design) -> Result<AtPrecision<Mes
 
 /// What is foreseen of the face that keeps `limits`.
 pub(crate) fn forecast(design: &Design, limits: Limits) -> Result<FaceForecast, MeshError> {
-    forecast_within(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)
+    forecast_within(&design.mirror, &design.camera.chart, design.bounded_view(), limits)
 }
 
 /// The profile's limits on the mirror of `design`.
@@ -118,8 +118,8 @@ impl<'a> ClosingCount<'a> {
     }
 
     fn budget(&self, triangles: usize, precision: Precision) -> Budget<'_> {
-        let Design { mirror, camera, view, .. } = self.0;
-        let (camera, view) = (&camera.chart, view.as_ref());
+        let Design { mirror, camera, .. } = self.0;
+        let (camera, view) = (&camera.chart, self.0.bounded_view());
         Budget { mirror, camera, view, precision, triangles, closing: self }
     }
 }

@@ -87,8 +87,8 @@ impl SizeWarnings<'_> {
 
     /// What finer limits come to, up to the first that do not fit `most`.
     fn finer(&self, made: &MeshFacts, most: usize) -> String {
-        let Design { mirror, camera, view, .. } = self.design;
-        let closing = made.triangles - made.optical_triangles;
+        let Design { mirror, camera, .. } = self.design;
+        let (closing, view) = (made.triangles - made.optical_triangles, self.design.bounded_view());
         let (mut by, mut counts) = (1.0, Vec::new());
         while counts.len() < FINER_MESHES && counts.last().is_none_or(|&count| count <= most) {
             by *= FINER;
@@ -97,7 +97,7 @@ impl SizeWarnings<'_> {
                 None => [Some(by * made.chord_um.bound * 1e-3), None],
             };
             let limits = Limits { chord_mm, facet_mm, precision: self.precision };
-            match mesh(mirror, &camera.chart, view.as_ref(), limits) {
+            match mesh(mirror, &camera.chart, view, limits) {
                 Ok(face) => counts.push(face.mesh.triangles.len() + closing),
                 Err(error) => return format!("a finer mesh cannot be made: {error}"),
             }

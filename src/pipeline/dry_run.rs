@@ -166,7 +166,7 @@ fn made_length(
     limits: Limits,
     label: &Label,
 ) -> Option<u64> {
-    let (camera, view) = (&design.camera.chart, design.view.as_ref());
+    let (camera, view) = (&design.camera.chart, design.bounded_view());
     let face = mesh(&design.mirror, camera, view, limits).ok()?;
     let solid =
         Solid::from_face(&face.mesh, face.walls, design.border.as_ref(), codec.precision()).ok()?;
@@ -200,7 +200,7 @@ fn reached(design: &Design, plan: &MeshPlan) -> [Option<f64>; 2] {
     };
     let coarser = (plan.forecast.facets / COARSE).max(1.0);
     let limits = Limits { chord_mm: None, facet_mm: Some(facet * coarser.sqrt()), precision };
-    let (camera, view) = (&design.camera.chart, design.view.as_ref());
+    let (camera, view) = (&design.camera.chart, design.bounded_view());
     let chord = mesh(&design.mirror, camera, view, limits);
     [chord.ok().map(|face| face.bound.chord_mm / coarser), Some(facet)]
 }

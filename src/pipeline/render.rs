@@ -161,8 +161,8 @@ fn cylinder(design: &Design, scene: &Scene) -> Picture {
     const STEPS: i32 = 96;
     let half_mm = design.mirror.full_outline().bounds().size() * 0.5;
     let reach = half_mm.length();
-    let radius_mm = match design.view.as_ref().map(|view| view.target) {
-        Some(Target::Cylinder { radius_mm }) if radius_mm < 4.0 * reach => radius_mm,
+    let radius_mm = match design.view.as_ref().map(|view| &view.target) {
+        Some(&Target::Cylinder { radius_mm }) if radius_mm < 4.0 * reach => radius_mm,
         _ => 1.6 * reach,
     };
     let horizon = design.view.as_ref().map_or(design.camera.chart.plane_mm, |v| v.origin_mm);

@@ -1,7 +1,7 @@
 //! Where profiles come from: a file, or one of the shipped ones by its bare name; and the heights, the map, the
 //! meshes and the calibration that a profile names.
 
-use crate::export::read_stl;
+use crate::export::{read_obj, read_stl};
 use crate::profile::{Complaints, GridError, NamedFiles, Profile, SagGrid, ShapeSpec, shipped};
 use crate::publish::{self, FileError};
 use std::borrow::Cow;
@@ -122,7 +122,10 @@ impl ProfileText {
             read.map_err(|error| error.to_string())
         };
         let mesh = |file: &str| {
-            let read = read_stl(&read(file, MOST_MESH)?);
+            let bytes = read(file, MOST_MESH)?;
+            let is_obj =
+                Path::new(file).extension().is_some_and(|end| end.eq_ignore_ascii_case("obj"));
+            let read = if is_obj { read_obj(&bytes) } else { read_stl(&bytes) };
             read.map(|found| found.mesh).map_err(|error| format!("{file}: {error}"))
         };
         let files = NamedFiles { bytes: &read, mesh: &mesh };

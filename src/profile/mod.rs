@@ -55,7 +55,7 @@ pub use vector_map::{VectorMap, VectorMapError};
 /// What has the bytes of a file that a profile names, if they are not more than so many, or why they cannot be had.
 pub type ReadFile<'f> = dyn Fn(&str, u64) -> Result<Vec<u8>, String> + 'f;
 
-/// What has the triangles of an STL that a profile names, or why they cannot be had.
+/// What has the triangles of an STL or OBJ that a profile names, or why they cannot be had.
 pub type ReadMesh<'f> = dyn Fn(&str) -> Result<TriMesh, String> + 'f;
 
 /// What has the files that a profile names.
@@ -63,7 +63,7 @@ pub type ReadMesh<'f> = dyn Fn(&str) -> Result<TriMesh, String> + 'f;
 pub struct NamedFiles<'f> {
     /// Bytes of calibrations and maps.
     pub bytes: &'f ReadFile<'f>,
-    /// Triangles of obstacles, mm.
+    /// Triangles of obstacles (mm) and of a target.
     pub mesh: &'f ReadMesh<'f>,
 }
 

@@ -20,13 +20,14 @@ pub enum ProjectionSpec {
 
 impl ProjectionSpec {
     /// Surface that the picture shows.
-    pub fn target(&self) -> Target {
+    pub fn target(&self) -> &Target {
+        static FAR: Target = Target::Infinity;
         match self {
-            ProjectionSpec::Strip(strip) => strip.target,
-            ProjectionSpec::Radial(radial) => radial.target,
-            ProjectionSpec::Azimuthal(view) => view.target,
-            ProjectionSpec::Map(map) => map.target,
-            ProjectionSpec::Panels(_) => Target::Infinity,
+            ProjectionSpec::Strip(strip) => &strip.target,
+            ProjectionSpec::Radial(radial) => &radial.target,
+            ProjectionSpec::Azimuthal(view) => &view.target,
+            ProjectionSpec::Map(map) => &map.target,
+            ProjectionSpec::Panels(_) => &FAR,
         }
     }
 
@@ -99,7 +100,7 @@ pub enum RadialLawSpec {
 }
 
 /// A perspective or fisheye view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AzimuthalSpec {
     /// Relation of the distance from the picture's centre and the angle from the centre direction.
     pub law: AzimuthalLaw,
@@ -118,7 +119,7 @@ pub struct AzimuthalSpec {
 }
 
 /// A view in a part of the frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PanelSpec {
     /// Columns of the frame from the first edge to the last, pixels: rising, within the frame.
     pub columns: [u32; 2],

@@ -84,7 +84,7 @@ impl<'a> ProfileReader<'a> {
         (self.files.bytes)(named, most_bytes)
     }
 
-    /// The triangles of an STL that the profile names, or why there are none.
+    /// The triangles of an STL or OBJ that the profile names, or why there are none.
     pub(super) fn mesh(&self, named: &str) -> Result<TriMesh, String> {
         (self.files.mesh)(named)
     }

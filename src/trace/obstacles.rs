@@ -1,8 +1,7 @@
 //! Bodies beside the mesh that stand in the way of rays: between camera and mirror, or between mirror and target.
 
 use super::closed_mesh::is_closed;
-use super::mesh_search::MeshSearch;
-use crate::geom::{Cuboid, Cylinder, DVec3, Obstacle, ObstacleShape, Ray, Tube};
+use crate::geom::{Cuboid, Cylinder, DVec3, MeshSearch, Obstacle, ObstacleShape, Ray, Tube};
 use crate::optics::ImagingTask;
 
 /// Obstacles in the frame of a scene, ready for rays.

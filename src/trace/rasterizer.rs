@@ -6,7 +6,7 @@ use super::fragment::{Fragment, PixelSpan};
 use super::pixel_table::PixelTable;
 use super::ray_end::RayEnd;
 use super::scene::Scene;
-use super::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
+use crate::geom::sheared_ray::{Shear, ShearedRay, VerticalRay, intersect};
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};

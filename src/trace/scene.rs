@@ -1,10 +1,9 @@
 //! A mesh with the search structures for rays against it.
 
-use super::mesh_search::{Hit, MeshSearch};
 use super::obstacles::Obstacles;
 use super::occlusion::OcclusionProof;
-use super::sheared_ray::ShearedRay;
-use crate::geom::{DVec3, Ray, TriMesh};
+use crate::geom::sheared_ray::ShearedRay;
+use crate::geom::{DVec3, Hit, MeshSearch, Ray, TriMesh};
 use crate::parallel;
 use std::sync::{Arc, OnceLock};
 

@@ -28,6 +28,7 @@ mod machining;
 mod manners;
 mod maps;
 mod mesh_advice;
+mod mesh_targets;
 mod mesh_tolerance;
 mod meshes;
 mod methods;

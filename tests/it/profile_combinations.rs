@@ -77,7 +77,7 @@ fn strip_laws_and_targets() {
         let range = format!("{elevation}, target_{target}");
         let profile = with(&[("[-30, 30]", &range)]).expect("valid");
         assert_eq!(strip_of(&profile).target, expected);
-        assert_eq!(profile.projection.expect("there").target(), expected);
+        assert_eq!(*profile.projection.expect("there").target(), expected);
     }
 }
 

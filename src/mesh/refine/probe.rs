@@ -148,7 +148,7 @@ impl<'a> RefinementProbe<'a> {
     fn nearest_singularity(&self, q: DVec2) -> Option<ImageSingularity> {
         self.limits.facet_mm?;
         let ImagingProblem { mirror, camera, view } = self.bounder.problem;
-        let target = view?.target;
+        let target = &view?.target;
         let point = mirror.surface.at(q);
         let towards =
             stereographic::towards_camera(camera.view(mirror.position(q, &point).to_array()));

@@ -25,7 +25,7 @@ fn views() -> Vec<ImagingTask> {
             let fold = Some(Fold::Above);
             views.push(ImagingTask {
                 projection: strip(law),
-                target,
+                target: target.clone(),
                 origin_mm: 8.0,
                 fold,
                 picture: PictureMap::default(),
@@ -121,9 +121,9 @@ fn curl_vanishes_where_a_mirror_exists() {
     for q in points() {
         let mercator = exact(strip(StripLaw::Mercator), Target::Infinity);
         assert!(mercator.curl(&chart, q, 0.0).abs() < 1e-16);
-        for target in [Target::Infinity, cylinder] {
+        for target in [Target::Infinity, cylinder.clone()] {
             for chart in charts() {
-                assert!(exact(ring(), target).curl(&chart, q, 1.0).abs() < 1e-16);
+                assert!(exact(ring(), target.clone()).curl(&chart, q, 1.0).abs() < 1e-16);
             }
         }
     }
@@ -184,7 +184,7 @@ fn bounds_of_the_curl_tell_exact_mirrors_from_others() {
                 let mut of = |projection| {
                     let view = ImagingTask {
                         projection,
-                        target,
+                        target: target.clone(),
                         origin_mm: 3.0,
                         fold: None,
                         picture: PictureMap::default(),

@@ -84,7 +84,7 @@ impl<'t> Entries<'t> {
         let bare = given && !root.has("projection") && !root.has("panel");
         let rectangle = bare && !root.has("layout");
         let posed = posed_target::read(reader, root);
-        let target = posed.as_ref().and_then(|posed| posed.target);
+        let target = posed.as_ref().and_then(|posed| posed.target.clone());
         Self {
             camera: camera(reader, root),
             projection: if bare { None } else { projection::read(reader, root, target) },
@@ -128,6 +128,7 @@ pub(super) fn profile(
     let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
     posed_target::suits(reader, &parts);
+    posed_target::mesh_suits(reader, &root, &parts);
     if let Some(panels) = parts.projection.as_ref().and_then(|projection| projection.panels()) {
         panels::suits(reader, &root, &parts, &mount, panels);
         if let (Some(export), Some(formats)) = (&export, &formats) {

@@ -1,12 +1,13 @@
 //! The target surface in any pose: `[target]`.
 
-use super::super::reader::Need::Required;
+use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, NumbersFormat, number, numbers};
+use super::super::values::{Located, NumbersFormat, file, number, numbers};
 use super::layout::LayoutName;
 use super::{Entries, LARGE, is_large, only};
 use crate::geom::DVec3;
 use crate::optics::{PoseFault, PosedSurface, PosedTarget};
+use std::sync::Arc;
 
 /// A target surface and its place in the profile.
 pub(super) struct PosedEntry {
@@ -15,6 +16,25 @@ pub(super) struct PosedEntry {
     pub(super) at: usize,
     /// None where it has a complaint.
     pub(super) target: Option<PosedTarget>,
+}
+
+impl PosedEntry {
+    /// Whether it is made of flat facets.
+    fn is_faceted(&self) -> bool {
+        self.target.as_ref().is_some_and(PosedTarget::is_faceted)
+    }
+}
+
+/// Facets of the mirror before facets of a target have heights alone as limits.
+pub(super) fn mesh_suits(reader: &mut ProfileReader, root: &Section, parts: &Entries) {
+    let Some(posed) = parts.posed.as_ref().filter(|posed| posed.is_faceted()) else { return };
+    let Some(mesh) = reader.section(root, "mesh", Optional) else { return };
+    for key in ["facet_px", "max_triangles"].into_iter().filter(|key| mesh.has(key)) {
+        let message = format!("mesh must hold chord_um alone with [{}], found {key}", posed.path);
+        let hint = "across the edges of a target's facets no displacement of the picture can be proven; with chord_um = 1 \
+                    facets of the mirror are seldom off by a pixel";
+        reader.complain(mesh.at, message, hint);
+    }
 }
 
 pub(super) fn read(reader: &mut ProfileReader, root: &Section) -> Option<PosedEntry> {
@@ -35,6 +55,7 @@ fn one(reader: &mut ProfileReader, name: &str, section: &Section) -> PosedEntry 
     let surface = match name {
         "plane" => plane(reader, section),
         "sphere" => sphere(reader, section),
+        "mesh" => mesh(reader, section),
         _ => cylinder(reader, section),
     };
     let viewpoint = match section.has("viewpoint_mm") {
@@ -64,6 +85,29 @@ fn cylinder(reader: &mut ProfileReader, section: &Section) -> Option<PosedSurfac
     let axis = direction(reader, section, "axis");
     let radius_mm = radius(reader, section);
     Some(PosedSurface::Cylinder { point_mm: point_mm?, axis: axis?, radius_mm: radius_mm? })
+}
+
+fn mesh(reader: &mut ProfileReader, section: &Section) -> Option<PosedSurface> {
+    let hint = "an OBJ or STL beside the profile, from the middle of the mirror, as in file = \"room.obj\"";
+    let file = file(reader, section, hint);
+    let must = format!("a number {LARGE}");
+    let hint = "the length of the file's unit in millimetres, as in unit_mm = 1000 for metres";
+    let unit = match section.has("unit_mm") {
+        true => number(reader, section, "unit_mm", Required, &must, hint, is_large)?.value,
+        false => 1.0,
+    };
+    let Located { value: file, at } = file?;
+    match reader.mesh(&file) {
+        Ok(mut mesh) => {
+            mesh.vertices.iter_mut().for_each(|v| *v *= unit);
+            Some(PosedSurface::Mesh(Arc::new(mesh)))
+        }
+        Err(reason) => {
+            let path = section.path_of("file");
+            reader.complain(at, format!("{path}: {reason}"), "");
+            None
+        }
+    }
 }
 
 fn radius(reader: &mut ProfileReader, section: &Section) -> Option<f64> {
@@ -162,6 +206,14 @@ pub(super) fn suits(reader: &mut ProfileReader, parts: &Entries) {
                 format!("there must be at most one target, found [{}] and {path}", posed.path);
             reader.complain(posed.at, message, "remove one of them");
         }
+    }
+    if posed.is_faceted() && projection.is_best() {
+        let message = format!(
+            "projection must be a law of known height with [{}], found [projection.best]",
+            posed.path
+        );
+        let hint = "the curl of flat facets has no law; with [projection.mercator] little is lost";
+        reader.complain(projection.section.at, message, hint);
     }
     let straight = [LayoutName::Strip, LayoutName::Rectangle];
     if let Some(layout) = parts.layout.as_ref().filter(|layout| !straight.contains(&layout.name)) {

@@ -74,7 +74,9 @@ pub(super) fn read<'t>(
     let read = reader
         .alternatives(root, "projection", hint)
         .into_iter()
-        .filter_map(|(name, section)| one(reader, name, LawName::find(name)?, section, posed))
+        .filter_map(|(name, section)| {
+            one(reader, name, LawName::find(name)?, section, posed.clone())
+        })
         .collect();
     only(read)
 }
@@ -103,7 +105,7 @@ fn one<'t>(
             ProjectionKeys::Azimuthal(azimuthal(reader, &section, laws))
         }
         LawName::Map => {
-            let viewpoint_mm = posed.map_or(DVec3::ZERO, |target| target.viewpoint_mm());
+            let viewpoint_mm = posed.as_ref().map_or(DVec3::ZERO, |target| target.viewpoint_mm());
             ProjectionKeys::Map(map::read(reader, &section, viewpoint_mm))
         }
     };
@@ -286,10 +288,10 @@ impl ProjectionEntry<'_> {
 
     /// Surface that the picture shows.
     pub(super) fn target(&self) -> Target {
-        match (self.radius, self.plane, self.posed) {
+        match (self.radius, self.plane, &self.posed) {
             (Some(radius), ..) => Target::Cylinder { radius_mm: radius.value },
             (None, Some(plane), _) => Target::Plane { height_mm: plane.value },
-            (None, None, Some(target)) => Target::Posed(target),
+            (None, None, Some(target)) => Target::Posed(target.clone()),
             (None, None, None) => Target::Infinity,
         }
     }

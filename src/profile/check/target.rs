@@ -193,7 +193,8 @@ fn parabolic_inner(parts: &Entries, outer_deg: f64) -> Option<f64> {
 /// Whether the directions meet the target, and the points are on it.
 fn map_meets(reader: &mut ProfileReader, projection: &ProjectionEntry, keys: &MapKeys) {
     let target = projection.target();
-    let viewpoint_mm = projection.posed.map_or(DVec3::ZERO, |target| target.viewpoint_mm());
+    let viewpoint_mm =
+        projection.posed.as_ref().map_or(DVec3::ZERO, |target| target.viewpoint_mm());
     if keys.kind == VectorKind::Point && target == Target::Infinity {
         let path = projection.section.path_of("kind");
         let message = format!("{path} = \"point\" must come with a target");
@@ -207,7 +208,7 @@ fn map_meets(reader: &mut ProfileReader, projection: &ProjectionEntry, keys: &Ma
             VectorKind::Direction => *v,
             VectorKind::Point => *v - viewpoint_mm,
         };
-        let share = match target {
+        let share = match &target {
             Target::Infinity => 0.0,
             target => target.reach_mm(from.normalize()) / from.length(),
         };

@@ -9,14 +9,14 @@
 use crate::geom::{DVec2, DVec3, Ray};
 
 /// A ray along which vertices are sheared into the plane across it.
-pub(super) trait Shear {
+pub(crate) trait Shear {
     /// A vertex sheared into the plane across the ray.
     fn project(&self, v: DVec3) -> ShearedVertex;
 }
 
 /// A ray of any direction, with its shear.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ShearedRay {
+pub(crate) struct ShearedRay {
     origin: DVec3,
     /// Indices of the two lesser axes of the direction and of the greatest.
     axes: [usize; 3],
@@ -26,7 +26,7 @@ pub(super) struct ShearedRay {
 
 /// A vertex sheared along a ray into the plane across it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ShearedVertex {
+pub(crate) struct ShearedVertex {
     /// Position in that plane, mm.
     at: DVec2,
     /// Distance along the ray, mm.
@@ -36,7 +36,7 @@ pub(super) struct ShearedVertex {
 impl ShearedRay {
     /// `ray` with its shear.
     #[inline]
-    pub(super) fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let size = d.abs();
         let axes = if size.z >= size.x && size.z >= size.y {
@@ -66,7 +66,7 @@ impl Shear for ShearedRay {
 
 /// A ray along -Z: equal to its [`ShearedRay`] to the last bit, for its shear vanishes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct VerticalRay {
+pub(crate) struct VerticalRay {
     /// Origin of the ray, mm.
     pub origin: DVec3,
 }
@@ -82,7 +82,7 @@ impl Shear for VerticalRay {
 /// Whether a line meets the triangle of these corners, edges included, and, if so, the distance along
 /// it, mm. A triangle seen edge-on is not met; its neighbours then are.
 #[inline]
-pub(super) fn intersect(a: ShearedVertex, b: ShearedVertex, c: ShearedVertex) -> (bool, f64) {
+pub(crate) fn intersect(a: ShearedVertex, b: ShearedVertex, c: ShearedVertex) -> (bool, f64) {
     let all = edge_functions(a.at, b.at, c.at);
     let met = if all[0] * all[1] * all[2] == 0.0 {
         on_edge(all)
@@ -103,7 +103,7 @@ fn on_edge(sides: [f64; 3]) -> bool {
 
 /// Barycentric coordinates of the point where a line meets the triangle of these corners.
 #[inline]
-pub(super) fn barycentric(a: ShearedVertex, b: ShearedVertex, c: ShearedVertex) -> [f64; 3] {
+pub(crate) fn barycentric(a: ShearedVertex, b: ShearedVertex, c: ShearedVertex) -> [f64; 3] {
     let sides = edge_functions(a.at, b.at, c.at);
     let sum = sides[0] + sides[1] + sides[2];
     sides.map(|side| side / sum)

@@ -20,7 +20,7 @@ const MOST_CELLS: f64 = 6.4e7;
 
 /// Uniform grids over the plane, finest first.
 #[derive(Debug, Clone)]
-pub(super) struct HierarchicalGrid {
+pub(crate) struct HierarchicalGrid {
     origin: DVec2,
     levels: [UniformGrid; LEVELS],
     /// Facets no larger than a coarsest cell, by finest cell.
@@ -33,7 +33,7 @@ pub(super) struct HierarchicalGrid {
 
 impl HierarchicalGrid {
     /// The grids over `mesh`.
-    pub(super) fn new(mesh: &TriMesh) -> Self {
+    pub(crate) fn new(mesh: &TriMesh) -> Self {
         let (lo, hi) = mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
         let extent = Some((hi - lo).max_element()).filter(|&e| e > 0.0).unwrap_or(1.0);
         let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * extent));
@@ -74,7 +74,7 @@ impl HierarchicalGrid {
 
     /// X of the borders between the columns of cells of every level.
     #[cfg(test)]
-    pub fn borders(&self) -> Vec<f64> {
+    pub(crate) fn borders(&self) -> Vec<f64> {
         let columns = |grid: &UniformGrid| {
             (0..=grid.count[0]).map(|k| grid.border(k) + self.origin.x).collect::<Vec<_>>()
         };
@@ -84,7 +84,7 @@ impl HierarchicalGrid {
     /// Visits, in the order of the ray, the facets that it may meet ahead of its origin. `visit`
     /// gets the facets and returns the distance beyond which nothing matters any more.
     #[inline]
-    pub(super) fn walk(&self, ray: &Ray, mut visit: impl FnMut(&[u32]) -> f64) {
+    pub(crate) fn walk(&self, ray: &Ray, mut visit: impl FnMut(&[u32]) -> f64) {
         let ray = GridRay::new(ray, self.origin);
         let mut end = f64::INFINITY;
         let top = LEVELS - 1;

@@ -1,8 +1,12 @@
 //! Triangles with the grid that finds those which a ray meets.
 
-use super::hierarchical_grid::HierarchicalGrid;
-use super::sheared_ray::{Shear, ShearedRay, ShearedVertex, barycentric, intersect};
+mod hierarchical_grid;
+pub(crate) mod sheared_ray;
+mod uniform_grid;
+
 use crate::geom::{Ray, TriMesh};
+use hierarchical_grid::HierarchicalGrid;
+use sheared_ray::{Shear, ShearedRay, ShearedVertex, barycentric, intersect};
 use std::sync::OnceLock;
 
 /// Intersection of a ray with a facet.
@@ -18,38 +22,38 @@ pub struct Hit {
 
 /// A triangle mesh with the grid that finds the facets a ray meets.
 #[derive(Debug, Clone)]
-pub(super) struct MeshSearch {
+pub(crate) struct MeshSearch {
     mesh: TriMesh,
     /// Made when it is first needed: never from within a trace, whose threads would wait for it
     /// while it waits for them. Without it rays are held against every facet.
-    pub(super) grid: OnceLock<HierarchicalGrid>,
+    pub(crate) grid: OnceLock<HierarchicalGrid>,
 }
 
 impl MeshSearch {
     /// A search without a grid yet.
-    pub(super) fn new(mesh: TriMesh) -> Self {
+    pub(crate) fn new(mesh: TriMesh) -> Self {
         Self { mesh, grid: OnceLock::new() }
     }
 
     /// Makes the grid, unless it is there. It must not be called from work that is shared out among threads.
-    pub(super) fn prepare(&self) {
+    pub(crate) fn prepare(&self) {
         self.grid.get_or_init(|| HierarchicalGrid::new(&self.mesh));
     }
 
     /// Whether the grid is there.
-    pub(super) fn is_prepared(&self) -> bool {
+    pub(crate) fn is_prepared(&self) -> bool {
         self.grid.get().is_some()
     }
 
     /// The triangles.
     #[inline]
-    pub(super) fn mesh(&self) -> &TriMesh {
+    pub(crate) fn mesh(&self) -> &TriMesh {
         &self.mesh
     }
 
     /// Nearest intersection further than `after` mm from the ray's origin; of two at the same distance (a ray
     /// through an edge) that with the lower facet number.
-    pub(super) fn nearest_hit(&self, ray: &Ray, after: f64) -> Option<Hit> {
+    pub(crate) fn nearest_hit(&self, ray: &Ray, after: f64) -> Option<Hit> {
         let line = ShearedRay::new(ray);
         let mut nearest: Option<(f64, u32)> = None;
         self.walk(ray, |facets| {
@@ -68,7 +72,7 @@ impl MeshSearch {
 
     /// A facet other than `from` that the ray meets between two distances from its origin, mm; the first one
     /// found.
-    pub(super) fn occluder(&self, ray: &Ray, from: u32, [clear, end]: [f64; 2]) -> Option<u32> {
+    pub(crate) fn occluder(&self, ray: &Ray, from: u32, [clear, end]: [f64; 2]) -> Option<u32> {
         let line = ShearedRay::new(ray);
         let mut found = None;
         self.walk(ray, |facets| {
@@ -95,13 +99,13 @@ impl MeshSearch {
     }
 
     /// Barycentric coordinates in `facet` where the ray's line meets its plane.
-    pub(super) fn barycentric(&self, ray: &Ray, facet: u32) -> [f64; 3] {
+    pub(crate) fn barycentric(&self, ray: &Ray, facet: u32) -> [f64; 3] {
         let [a, b, c] = self.sheared(&ShearedRay::new(ray), facet);
         barycentric(a, b, c)
     }
 
     #[inline]
-    pub(super) fn intersect(&self, line: &ShearedRay, facet: u32) -> Option<f64> {
+    pub(crate) fn intersect(&self, line: &ShearedRay, facet: u32) -> Option<f64> {
         let [a, b, c] = self.sheared(line, facet);
         let (met, t) = intersect(a, b, c);
         met.then_some(t)
