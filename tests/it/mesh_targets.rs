@@ -1,5 +1,6 @@
 //! Targets of triangles: against the surfaces that they are tessellations of, and what is refused.
 
+use crate::support::builds::{folder, morion, told};
 use morion::internals::design::{Design, design};
 use morion::internals::geom::{DVec2, DVec3, TriMesh};
 use morion::internals::num::{cos, sin};
@@ -158,6 +159,40 @@ fn what_a_mesh_cannot_show_is_refused_with_its_pixel() {
     refused(
         &wall(3),
         &view(&parted, "vector-field.degree = 8"),
-        &["t.toml:2:", "the surface between them"],
+        &["t.toml:3:15: target.mesh must be in sight", "the surface between them"],
     );
+}
+
+/// Faults of the file and of keys that do not go with it are told at their places, and nothing is written.
+#[test]
+fn faults_of_the_file_have_their_places() {
+    let folder = folder();
+    let text = view(&format!("{PICTURE}{MESH} }}"), "vector-field.degree = 8");
+    let check = |obj: Option<&str>, text: &str| {
+        if let Some(obj) = obj {
+            std::fs::write(folder.path().join("t.obj"), obj).unwrap();
+        }
+        std::fs::write(folder.path().join("p.toml"), text).unwrap();
+        let (code, out, err) = told(&morion(folder.path(), &["check", "p.toml"]));
+        assert_eq!((code, out.as_str()), (2, ""), "{err}");
+        err
+    };
+    let missing = check(None, &text);
+    assert!(missing.contains("p.toml:3:24: target.mesh.file: cannot read t.obj"), "{missing}");
+    let empty = check(Some("v 0 0 400\nv 1 0 400\nv 0 1 400\n"), &text);
+    assert!(
+        empty.contains("p.toml:3:24: target.mesh.file: t.obj: the file holds no facets"),
+        "{empty}"
+    );
+    let wall = "v -9000 -9000 400\nv 9000 -9000 400\nv 0 9000 400\nf 1 2 3\n";
+    let facet = check(Some(wall), &text.replace("chord_um = 5", "facet_px = 1"));
+    let words =
+        "p.toml:7:17: mesh must hold chord_um alone with [target.mesh], found mesh.facet_px";
+    assert!(facet.contains(words), "{facet}");
+    let most = check(None, &text.replace("chord_um = 5", "max_triangles = 5000"));
+    assert!(most.contains("found mesh.max_triangles"), "{most}");
+    let best = "projection.best = { azimuth_deg = [-20, 20], elevation_deg = [60, 80] }\n";
+    let best = text.replace(PICTURE, best).replace("rectangle", "strip");
+    let best = check(None, &best);
+    assert!(best.contains("projection must be a law of known height with [target.mesh]"), "{best}");
 }

@@ -7,7 +7,7 @@ use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, number};
 use super::super::words::list;
 use super::super::{AcceptanceSpec, FileFormat, MeshGoal, schema};
-use super::{SIZE, border, is_size};
+use super::{Entries, SIZE, border, is_size};
 
 /// The part's figures, each with its place.
 #[derive(Default)]
@@ -36,7 +36,12 @@ pub(super) fn part(reader: &mut ProfileReader, root: &Section) -> PartEntry {
 }
 
 /// The mesh's limits; without a projection there is nothing to measure pixels by.
-pub(super) fn mesh(reader: &mut ProfileReader, root: &Section, bare: bool) -> Option<MeshGoal> {
+pub(super) fn mesh(
+    reader: &mut ProfileReader,
+    root: &Section,
+    parts: &Entries,
+) -> Option<MeshGoal> {
+    let bare = parts.bare;
     let section = reader.section(root, "mesh", Required)?;
     let has = |key: &str| section.has(key);
     let lacks = !has("max_triangles") && !has("chord_um");
@@ -77,8 +82,26 @@ pub(super) fn mesh(reader: &mut ProfileReader, root: &Section, bare: bool) -> Op
         );
         reader.complain(most.at, message, &hint);
     }
+    heights_alone(reader, parts, [("facet_px", facet), ("max_triangles", most)]);
     let limits = || MeshGoal::limits(chord.map(|f| f.value), facet.map(|f| f.value));
     Some(most.map_or_else(limits, |most| MeshGoal::Budget(most.value as usize)))
+}
+
+/// Facets of the mirror before a target of facets have heights alone as limits.
+fn heights_alone(
+    reader: &mut ProfileReader,
+    parts: &Entries,
+    others: [(&str, Option<Located<f64>>); 2],
+) {
+    let Some(posed) = parts.posed.as_ref().filter(|posed| posed.is_faceted()) else { return };
+    for (key, found) in others {
+        let Some(found) = found else { continue };
+        let message =
+            format!("mesh must hold chord_um alone with [{}], found mesh.{key}", posed.path);
+        let hint = "across edges of the target's facets no displacement of the picture can be proven; with chord_um = 1 \
+                    the mirror's own facets rarely move it by a pixel";
+        reader.complain(found.at, message, hint);
+    }
 }
 
 pub(super) fn formats(reader: &mut ProfileReader, section: &Section) -> Option<Vec<FileFormat>> {

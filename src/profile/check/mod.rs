@@ -116,7 +116,7 @@ pub(super) fn profile(
     let parts = Entries::read(reader, &root);
     let mount = mount::read(reader, &root, &parts);
     let obstacles = obstacle::read(reader, &root);
-    let mesh = limits::mesh(reader, &root, parts.bare);
+    let mesh = limits::mesh(reader, &root, &parts);
     let export = reader.section(&root, "export", Required);
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
@@ -128,7 +128,6 @@ pub(super) fn profile(
     let tolerance = tolerance::read(reader, &root, setting);
     fits::check(reader, &parts);
     posed_target::suits(reader, &parts);
-    posed_target::mesh_suits(reader, &root, &parts);
     if let Some(panels) = parts.projection.as_ref().and_then(|projection| projection.panels()) {
         panels::suits(reader, &root, &parts, &mount, panels);
         if let (Some(export), Some(formats)) = (&export, &formats) {

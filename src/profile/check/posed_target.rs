@@ -1,6 +1,6 @@
 //! The target surface in any pose: `[target]`.
 
-use super::super::reader::Need::{Optional, Required};
+use super::super::reader::Need::Required;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, NumbersFormat, file, number, numbers};
 use super::layout::LayoutName;
@@ -20,20 +20,8 @@ pub(super) struct PosedEntry {
 
 impl PosedEntry {
     /// Whether it is made of flat facets.
-    fn is_faceted(&self) -> bool {
+    pub(super) fn is_faceted(&self) -> bool {
         self.target.as_ref().is_some_and(PosedTarget::is_faceted)
-    }
-}
-
-/// Facets of the mirror before facets of a target have heights alone as limits.
-pub(super) fn mesh_suits(reader: &mut ProfileReader, root: &Section, parts: &Entries) {
-    let Some(posed) = parts.posed.as_ref().filter(|posed| posed.is_faceted()) else { return };
-    let Some(mesh) = reader.section(root, "mesh", Optional) else { return };
-    for key in ["facet_px", "max_triangles"].into_iter().filter(|key| mesh.has(key)) {
-        let message = format!("mesh must hold chord_um alone with [{}], found {key}", posed.path);
-        let hint = "across the edges of a target's facets no displacement of the picture can be proven; with chord_um = 1 \
-                    facets of the mirror are seldom off by a pixel";
-        reader.complain(mesh.at, message, hint);
     }
 }
 
