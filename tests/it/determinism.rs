@@ -32,7 +32,8 @@ fn the_thread_count_leaves_no_trace(text: &str, code: i32) {
     let one = build(&folder.path().join("1"), &text, "1");
     assert_eq!(one.0, code, "{}", one.1);
     let names: Vec<&str> = one.2.keys().map(String::as_str).collect();
-    let meshes = ["design_error.png", "mirror.3mf", "mirror.glb", "mirror.obj", "mirror.stl"];
+    let meshes =
+        ["curl.png", "design_error.png", "mirror.3mf", "mirror.glb", "mirror.obj", "mirror.stl"];
     let pages = ["preview.png", "report.html", "report.json", "sag.csv"];
     assert_eq!(names, [&meshes[..], &pages].concat());
     for threads in ["2", "7"] {

@@ -76,7 +76,7 @@ fn a_negative_verdict_exits_with_1_and_its_figures() {
     assert!(out.ends_with("  verdict  fail\n"), "{out}");
     assert!(out.contains(" px, over the 0.01 px of accept.pixel_error_max_px"), "{out}");
     let made = files(&folder.path().join("out/small"));
-    assert_eq!(made.len(), 7, "{:?}", made.keys());
+    assert_eq!(made.len(), 8, "{:?}", made.keys());
     // One bad part among good ones is enough, whatever the order.
     std::fs::write(folder.path().join("good.toml"), SMALL).unwrap();
     for order in [["good.toml", "small.toml"], ["small.toml", "good.toml"]] {

@@ -189,7 +189,7 @@ fn a_table_alone_is_proven_by_a_mesh_that_does_not_stay() {
     assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
     assert!(report.trace[0].hit > 19_000 && report.frame.as_ref().unwrap().filled > 0.99);
     let names: Vec<String> = files(&made.folder.path().join("small")).into_keys().collect();
-    let pictures = ["design_error.png", "preview.png"];
+    let pictures = ["curl.png", "design_error.png", "preview.png"];
     let pages = ["report.html", "report.json", "sag.csv", "timings.json"];
     assert_eq!(names, [&pictures[..], &pages].concat());
     let listed: Vec<&str> = report.files.iter().map(|file| &*file.name).collect();
