@@ -143,6 +143,33 @@ struct FieldSample {
     picture: DMat2,
 }
 
+/// Rectangle over which test functions are splines.
+#[derive(Clone, Copy, PartialEq)]
+enum Domain {
+    /// Of the picture, whose sides end it.
+    Picture,
+    /// Of the chart: the mirror's outline, whose image may be bent.
+    Chart,
+}
+
+impl Domain {
+    /// Derivatives of its coordinates by chart coordinates.
+    fn by_chart(self, field: &FieldSample) -> DMat2 {
+        match self {
+            Self::Picture => field.picture,
+            Self::Chart => DMat2::IDENTITY,
+        }
+    }
+
+    /// Area of the picture over its own.
+    fn density(self, field: &FieldSample) -> f64 {
+        match self {
+            Self::Picture => 1.0,
+            Self::Chart => field.picture.determinant().abs(),
+        }
+    }
+}
+
 /// Panel of a mirror, and what it is to show.
 struct Problem<'a> {
     mirror: &'a Mirror,
@@ -151,15 +178,20 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The part of the picture that the errors of a design are taken over, mm.
-    fn area(&self) -> Rect {
+    /// Rectangle that holds the part of the picture that the errors of a design are taken over, mm: the outline's where
+    /// the frame does not end it.
+    fn area(&self) -> (Domain, Rect) {
         let outline = self.mirror.outline.bounds();
-        let image = self.camera.image_of(outline);
-        if !self.view.is_framed() {
-            return image;
+        let (image, frame) = (self.camera.image_of(outline), self.camera.frame());
+        let [min, max] = match self.view.is_framed() {
+            true => [image.min.max(frame.min), image.max.min(frame.max)],
+            false => [image.min, image.max],
+        };
+        let is_whole = min == image.min && max == image.max;
+        match is_whole && self.mirror.chart == self.camera.chart {
+            true => (Domain::Chart, outline),
+            false => (Domain::Picture, Rect { min, max }),
         }
-        let frame = self.camera.frame();
-        Rect { min: image.min.max(frame.min), max: image.max.min(frame.max) }
     }
 
     /// The field at an image point; none where nothing is wanted or no mirror is.
@@ -181,24 +213,28 @@ impl Problem<'_> {
 
     /// Adds the panel's integrals.
     fn add_to(&self, totals: &mut Totals) {
-        let area = self.area();
+        let (domain, area) = self.area();
         if !(area.size().min_element() > 0.0) {
             return;
         }
         let places = Basis::cells(area, CELLS);
-        let fields = parallel::map(places.len(), 64, |k| self.field_at(places.at(k)));
+        let image = |k: usize| match domain {
+            Domain::Picture => places.at(k),
+            Domain::Chart => self.camera.picture.image_point(places.at(k)),
+        };
+        let fields = parallel::map(places.len(), 64, |k| self.field_at(image(k)));
         let wanted: Vec<bool> = fields.iter().map(Option::is_some).collect();
         let basis = Basis::splines(area, CELLS, &wanted);
         let Self { camera, view, .. } = *self;
         let chart = &camera.chart;
-        totals.image += bound(&basis, &fields, &ImageResidual { chart, view });
-        totals.ray += bound(&basis, &fields, &RayResidual { chart, view });
+        totals.image += bound((&basis, domain), &fields, &ImageResidual { chart, view });
+        totals.ray += bound((&basis, domain), &fields, &RayResidual { chart, view });
         let frame = camera.frame();
         for (k, field) in fields.iter().enumerate() {
             let Some(field) = field else { continue };
-            let weight = basis.weight(k);
+            let weight = basis.weight(k) * domain.density(field);
             totals.area += weight;
-            let share = (basis.at(k) - frame.min) / frame.size();
+            let share = (image(k) - frame.min) / frame.size();
             let third = |share: f64| ((share * PARTS as f64) as usize).min(PARTS - 1);
             let part = third(share.x) + PARTS * third(1.0 - share.y);
             let own = self.own_error_mm(field).unwrap_or(0.0);
@@ -212,7 +248,7 @@ impl Problem<'_> {
     fn own_error_mm(&self, field: &FieldSample) -> Option<f64> {
         let Self { camera, view, .. } = *self;
         let chart = &camera.chart;
-        let carry = Carry::of(field, &ImageResidual { chart, view })?;
+        let carry = Carry::of(field, Domain::Picture, &ImageResidual { chart, view })?;
         let twist = view.twist(chart, field.q, field.f) / field.picture.determinant();
         let inverse = carry.inverse_transposed;
         let size = inverse.x_axis.length_squared() + inverse.y_axis.length_squared();
@@ -225,7 +261,7 @@ impl Problem<'_> {
 /// The lower bound of the integral of |J r|^2 over the picture, mm^2 times the square of the unit of `carried`, to first
 /// order, where J carries a slope error to what `carried` measures.
 fn bound(
-    basis: &Basis,
+    (basis, domain): (&Basis, Domain),
     fields: &[Option<FieldSample>],
     carried: &impl PointwiseResidual<2>,
 ) -> f64 {
@@ -233,7 +269,7 @@ fn bound(
         return 0.0;
     }
     let row = |(k, field): (usize, &Option<FieldSample>)| {
-        Some((k, basis.weight(k), dual_sample(field.as_ref()?, carried)?))
+        Some((k, basis.weight(k), dual_sample(field.as_ref()?, domain, carried)?))
     };
     let samples: Vec<_> = fields.iter().enumerate().filter_map(row).collect();
     let all: f64 = samples.iter().map(|(_, weight, sample)| weight * sample.square()).sum();
@@ -264,24 +300,28 @@ pub fn own_errors_px(
     images.iter().map(own).collect()
 }
 
-/// How a slope error along the picture's axes is carried to what is measured.
+/// How a slope error along the axes of a domain is carried to what is measured.
 struct Carry {
-    /// J^-T, J along the picture's axes.
+    /// J^-T, J along the domain's axes.
     inverse_transposed: DMat2,
     /// J along the chart's axes.
     along_chart: DMat2,
-    /// Derivative of the wanted slope by the height, along the picture's axes, 1/mm.
+    /// Derivative of the wanted slope by the height, along the domain's axes, 1/mm.
     wanted_by_height: DVec2,
 }
 
 impl Carry {
     /// At the wanted slope; none where that is not differentiable.
-    fn of(field: &FieldSample, carried: &impl PointwiseResidual<2>) -> Option<Self> {
+    fn of(
+        field: &FieldSample,
+        domain: Domain,
+        carried: &impl PointwiseResidual<2>,
+    ) -> Option<Self> {
         let [x, y] = field.wanted;
         let ResidualSample { by: [a, b], .. } =
             ResidualSample::new(carried, field.q, [field.f, x, y]);
         let along_chart = DMat2::from_cols_array(&[a[1], b[1], a[2], b[2]]);
-        let inverse = (along_chart * field.picture.transpose()).inverse();
+        let inverse = (along_chart * domain.by_chart(field).transpose()).inverse();
         let wanted_by_height = -(inverse * DVec2::new(a[0], b[0]));
         let inverse_transposed = inverse.transpose();
         let is_known = inverse_transposed.is_finite() && wanted_by_height.is_finite();
@@ -289,16 +329,19 @@ impl Carry {
     }
 }
 
-/// J^-T psi as a function of (phi, phi_x, phi_y), less J r: the least squares over phi leave what is not bounded.
+/// J^-T psi as a function of (phi, phi_x, phi_y), less J r: the least squares over phi leave what is not bounded. Both carry
+/// the root of the picture's area over the domain's, the one divided by it and the other multiplied.
 fn dual_sample(
     field: &FieldSample,
+    domain: Domain,
     carried: &impl PointwiseResidual<2>,
 ) -> Option<ResidualSample<2>> {
     let Carry { inverse_transposed: inverse, along_chart, wanted_by_height: by } =
-        Carry::of(field, carried)?;
-    let r = along_chart * field.residual;
+        Carry::of(field, domain, carried)?;
+    let root = f64::sqrt(domain.density(field));
+    let r = root * (along_chart * field.residual);
     let columns = [inverse * DVec2::new(by.y, -by.x), -inverse.y_axis, inverse.x_axis];
-    let by = [0, 1].map(|k| columns.map(|column| column[k]));
+    let by = [0, 1].map(|k| columns.map(|column| column[k] / root));
     Some(ResidualSample { r: r.to_array(), by })
 }
 
@@ -331,7 +374,7 @@ mod tests {
         };
         let fields: Vec<_> = (0..places.len()).map(sample).collect();
         let basis = Basis::splines(area, cells, &vec![true; fields.len()]);
-        bound(&basis, &fields, field)
+        bound((&basis, Domain::Picture), &fields, field)
     }
 
     fn rectangle(width: f64, height: f64) -> Rect {

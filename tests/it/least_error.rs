@@ -39,17 +39,21 @@ fn no_shipped_design_has_less_error() {
     }
 }
 
-/// A mirror whose mean square of image displacements is least at degree 12 is hardly off by more than the bound; the bound
-/// is of first order in the error, and views that err by a percent of their width may be below it by its square.
+/// A mirror whose mean square of image displacements is least at degree 12 is hardly off by more than the bound, four views
+/// of 90 degrees by most, whose degree leaves 0.6 %; the bound is of first order in the error, and views that err by a percent of their width may be below it by its square.
 #[test]
 fn mirrors_of_least_squares_come_near_it() {
-    for name in ["panoramic", "conquistador", "machine-vision", "side-view", "driver"] {
+    let one_view = ["panoramic", "conquistador", "webcam", "machine-vision", "pi-hq", "side-view"];
+    // A frame with bent sides, before near targets and several views beside each other.
+    let others = ["driver", "calibrated", "dome", "four-views"];
+    for name in one_view.into_iter().chain(others) {
         let profile = shipped().iter().find(|profile| profile.name == name).unwrap();
         let line = profile.text.lines().find(|line| line.starts_with("degree")).unwrap();
         let text = profile.text.replace("[method.vector-field]", "[method.fixed-surface]");
+        let text = text.replace("minimax = true", "minimax = false");
         let found = errors(&designed(&text.replace(line, "degree = 12")));
         let [[has, least], _] = found.unwrap();
         println!("{name}: {has} {least} {}", has / least);
-        assert!(0.998 < has / least && has / least < 1.002, "{name}: {has} {least}");
+        assert!(0.998 < has / least && has / least < 1.01, "{name}: {has} {least}");
     }
 }
