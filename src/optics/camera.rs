@@ -137,6 +137,14 @@ impl Camera {
         DVec2::new(x - 0.5 * width, 0.5 * height - y) * self.pixel_mm
     }
 
+    /// Column and row of an image point (mm) in pixels from the upper left corner: the inverse of
+    /// [`Camera::image_point`].
+    #[must_use]
+    pub fn picture_point(&self, image: DVec2) -> [f64; 2] {
+        let [width, height] = self.pixels.map(f64::from);
+        [image.x / self.pixel_mm + 0.5 * width, 0.5 * height - image.y / self.pixel_mm]
+    }
+
     /// A length in the image in mm.
     #[must_use]
     pub fn to_mm(&self, px: Px) -> Mm {

@@ -19,7 +19,9 @@ use crate::part::{self, SizeWarnings, left_out};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
 use crate::raster::FalseColourMap;
-use crate::render::{CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh};
+use crate::render::{
+    CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
+};
 use crate::report::BuildFigures;
 use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts, StepFacts};
 use crate::verdict::sharpness::sharpness;
@@ -298,6 +300,7 @@ fn report(
         profile: profile.into(),
         layout: Some(design.mounting),
         design: design.facts.clone(),
+        unwanted: UnwantedViews::of(design),
         form,
         mesh,
         solid,

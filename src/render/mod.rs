@@ -24,6 +24,7 @@ mod side_view;
 mod solid_of_revolution;
 pub mod test_world;
 mod text_distance_field;
+mod unwanted_views;
 
 pub use crate::raster::EncodingError;
 pub(crate) use camera_view::{
@@ -42,6 +43,7 @@ pub(crate) use shaded_views::optical_normal;
 pub use shaded_views::{shaded_view, shaded_views};
 pub use side_view::{SideView, ViewRay};
 pub use test_world::TestWorld;
+pub use unwanted_views::{OwnCamera, UnwantedViews};
 
 use crate::geom::Ray;
 

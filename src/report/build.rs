@@ -86,18 +86,19 @@ impl BuildReport {
 
     /// Its facts in plain words.
     fn plain_rows(&self) -> AnswerRows {
-        let Self { layout, design, trace, frame, sharpness, accepted, .. } = self;
+        let Self { layout, design, unwanted, trace, frame, sharpness, accepted, .. } = self;
         let picture = plain_picture(trace, frame, accepted);
-        let parts: [&dyn ToRows; 5] =
-            [layout, &picture, &design.least_error, &design.map, &design.straightness];
-        let mut rows = AnswerRows::of(&parts);
+        let of_design: [&dyn ToRows; 4] =
+            [&design.least_error, &design.map, &design.straightness, unwanted];
+        let mut rows = AnswerRows::of(&[layout, &picture]);
+        rows.append(AnswerRows::of(&of_design));
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         rows
     }
 
     /// Its facts in the order of the page.
     fn page_rows(&self) -> AnswerRows {
-        let Self { layout, design, form, mesh, solid, step, sag, .. } = self;
+        let Self { layout, design, unwanted, form, mesh, solid, step, sag, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         let mut rows = AnswerRows::default();
@@ -108,6 +109,7 @@ impl BuildReport {
             &design.least_error,
             &design.map,
             &design.straightness,
+            unwanted,
             form,
             step,
             sag,

@@ -11,12 +11,13 @@ pub(super) fn least_error_sentence(least: &LeastError) -> String {
         return "a mirror without error exists".into();
     }
     let [px, deg] = [*pixel_rms_px, *ray_rms_deg].map(three_digits);
-    let mut sentence = format!("no single mirror is off by less than {px} px RMS ({deg} deg RMS)");
+    let mut sentence =
+        format!("to first order no single mirror is off by less than {px} px RMS ({deg} deg RMS)");
     if let Some(worst) = worst {
         let [own, best] = [worst.own_px, worst.best_px].map(three_digits);
         sentence += &format!(
-            "; most of it at the picture's {}, where a square of {SQUARE} of the width is off by {own} px for itself, and by \
-             {best} px in the best part",
+            "; its curl is most at the picture's {}, where a square of {SQUARE} of the width is off by {own} px for itself, \
+             and least where one is by {best} px",
             worst.name()
         );
     }
@@ -45,7 +46,7 @@ impl Answer for ProfileCheck {
                 true => "a mirror without error exists".into(),
                 false => format!("no less than {} px RMS", three_digits(least.pixel_rms_px)),
             };
-            rows.terminal("", format!("with {}: {then}", changed.change));
+            rows.terminal("", format!("{}: {then}", changed.change));
         }
         if let Some(why) = unsolved {
             rows.terminal("least", format!("not known: {why}"));

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 35] = [
+const MEANINGS: [(&str, &str); 36] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -37,6 +37,10 @@ const MEANINGS: [(&str, &str); 35] = [
         "Samples of the picture that is given as data, and what is lost between them.",
     ),
     ("straight lines", "How far images of straight lines are from the chords through their ends."),
+    (
+        "camera in the picture",
+        "Whether rays come back to the camera, and whether parts of the world are seen twice.",
+    ),
     (
         "best-fit sphere and plane",
         "How far the face is from the nearest sphere and plane: what a shop asks first.",

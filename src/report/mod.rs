@@ -22,6 +22,7 @@ mod replay;
 mod sharpness;
 mod text_layout;
 mod tolerance;
+mod unwanted_views;
 mod unwrap;
 mod visible;
 

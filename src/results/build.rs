@@ -10,6 +10,7 @@ use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
 use crate::mirror::Form;
 use crate::profile::AcceptanceLimits;
+use crate::render::UnwantedViews;
 use crate::trace::FrameFill;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,9 @@ pub struct BuildReport {
     pub layout: Option<Mounting>,
     /// Figures of the design.
     pub design: DesignFacts,
+    /// What the designed mirror shows that nobody asks for; absent without a projection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unwanted: Option<UnwantedViews>,
     /// The sphere and the plane nearest to the mirror.
     pub form: Form,
     /// Figures of the mesh; absent where none could be made.

@@ -149,6 +149,10 @@ fn the_report_has_every_key_with_its_type() {
             ("design.curl.max", Number),
             ("design.curl.condition", Number),
             ("design.curl.rounding", Number),
+            ("design.least_error.pixel_rms_px", Number),
+            ("design.least_error.ray_rms_deg", Number),
+            ("unwanted.seen_twice", Number),
+            ("unwanted.own_camera.off_deg", Number),
             ("form.sphere.radius_of_curvature_mm", Number),
             ("form.sphere.radius_mm", Number),
             ("form.sphere.pv_mm", Number),
@@ -309,12 +313,13 @@ fn the_page_needs_no_network_and_nothing_beside_it() {
         assert!(!own.contains("http:") && !own.contains("https:") && !own.contains("@import"));
     }
     assert!(before.contains("<h2>Part</h2>") && before.contains("id=\"part-glb\""));
-    assert_eq!([before, after].map(|own| own.matches("<img").count()), [1, 3]);
+    assert_eq!([before, after].map(|own| own.matches("<img").count()), [1, 4]);
     for title in [
         "What the camera sees",
         "Side view",
         "Cross-sections",
         "Pixel error, px",
+        "Curl of the wanted slopes, px",
         "Size of the spots, px",
         "Files",
     ] {
