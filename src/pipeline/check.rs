@@ -21,6 +21,7 @@ pub fn check(profile: &Profile) -> ProfileCheck {
         profile: profile.into(),
         least_error,
         alternatives: alternatives.into_iter().map(facts).collect(),
+        accepted: least_error.map(|_| profile.acceptance_limits()),
         unsolved,
     }
 }

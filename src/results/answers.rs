@@ -2,6 +2,7 @@
 
 use super::ProfileId;
 use crate::design::LeastError;
+use crate::profile::AcceptanceLimits;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -18,6 +19,9 @@ pub struct ProfileCheck {
     /// Changes of one key that leave at least a tenth less of it; each was tried.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub alternatives: Vec<LesserErrorFacts>,
+    /// The limits that the picture will be held to; absent without a least error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accepted: Option<AcceptanceLimits>,
     /// Why the least error is not known: no mirror can be designed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unsolved: Option<String>,

@@ -15,7 +15,7 @@ pub fn curl_map(pixels: [u32; 2], own: &[Option<f64>]) -> FalseColourMap {
     let found = Summary::weighted(own.iter().flatten().map(|px| (*px, 1.0)).collect());
     let title = found.map_or("nothing is wanted".into(), |found| {
         let [rms, max] = [found.rms, found.max].map(digits);
-        format!("curl, px that a square of a tenth of the width is off: {rms} rms, {max} max")
+        format!("curl, px that a square 0.1 wide is off: {rms} rms, {max} max")
     });
     let mut map = pixel_error_map(pixels, own);
     map.keys.iter_mut().for_each(|(_, text)| *text = "no mirror, or nothing is wanted".into());
