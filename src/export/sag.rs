@@ -7,6 +7,7 @@ use crate::geom::{DVec2, DVec3, Outline, ScanPath, ScanPattern, angle};
 use crate::mirror::Mirror;
 use crate::num::{cos, max_or_nan, sin};
 use crate::parallel;
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::io::{self, Write};
 use thiserror::Error;
@@ -18,11 +19,15 @@ pub struct SagRow {
     pub at: DVec3,
     /// Its unit normal there.
     pub normal: DVec3,
+    /// The panel that it is on, from 1, of a mirror with steps between panels; none of others.
+    pub panel: Option<usize>,
 }
 
 /// Reason why a table could not be read.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("line {line}: a row must hold six finite numbers, found {found:?}")]
+#[error(
+    "line {line}: a row must hold six finite numbers and the panel, if there are panels, found {found:?}"
+)]
 pub struct SagError {
     /// Line, from 1.
     pub line: usize,
@@ -39,8 +44,9 @@ pub struct SagDeviation {
     pub normal_rad: f64,
 }
 
-/// Titles of the columns.
+/// Titles of the columns, and of what follows where there are steps between panels.
 const TITLES: &str = "X_mm,Y_mm,Z_mm,NX,NY,NZ";
+const PANEL_TITLE: &str = ",panel";
 /// Points that are evaluated at a time.
 const BATCH: usize = 1 << 16;
 /// Points of a spiral that are listed together.
@@ -51,7 +57,8 @@ const COUNTED: f64 = 2e5;
 /// Writes rows of X, Y, Z (mm) and the unit normal along `path`, as far as it lies on `mirror`, all
 /// panels, with nine decimals: Z and normal are those of X and Y as they are written. The header
 /// is of comments that begin with `#`, `notes` among them, and one line of titles. On the ridge of a
-/// folded mirror the normals are the designed panel's.
+/// folded mirror the normals are the designed panel's. Panels with steps between them are scanned one after the other, and
+/// their rows end with the panel's number.
 ///
 /// # Errors
 /// Whatever `out` returns, flushing included.
@@ -62,15 +69,28 @@ pub fn write_sag(
     label: &Label,
     notes: &[String],
 ) -> io::Result<()> {
-    header(out, path, label, notes)?;
-    let mut rows = RowWriter { mirror, pending: Vec::new(), out };
-    walk(path, mirror, |line| rows.add(line))?;
-    rows.flush()?;
+    header(out, mirror, path, label, notes)?;
+    for (panel, mirror) in scanned(mirror) {
+        let mut rows = RowWriter { mirror: &mirror, panel, pending: Vec::new(), out };
+        walk(path, &mirror, |line| rows.add(line))?;
+        rows.flush()?;
+    }
     out.flush()
+}
+
+/// The mirrors that are scanned one after the other: the panels with steps between them, each with its number, or all of
+/// the mirror.
+fn scanned(mirror: &Mirror) -> Vec<(Option<usize>, Cow<'_, Mirror>)> {
+    if !mirror.has_steps() {
+        return vec![(None, Cow::Borrowed(mirror))];
+    }
+    let panels = mirror.panels().into_iter().enumerate();
+    panels.map(|(k, panel)| (Some(k + 1), Cow::Owned(panel))).collect()
 }
 
 fn header(
     out: &mut impl Write,
+    mirror: &Mirror,
     path: &ScanPath,
     label: &Label,
     notes: &[String],
@@ -94,12 +114,13 @@ fn header(
     for note in label.mounting.iter().chain(notes) {
         writeln!(out, "# {}", Label::plain(note))?;
     }
-    writeln!(out, "{TITLES}")
+    writeln!(out, "{TITLES}{}", if mirror.has_steps() { PANEL_TITLE } else { "" })
 }
 
 /// The mirror's rows, evaluated many lines at a time.
 struct RowWriter<'a, W> {
     mirror: &'a Mirror,
+    panel: Option<usize>,
     pending: Vec<Vec<DVec2>>,
     out: &'a mut W,
 }
@@ -115,15 +136,20 @@ impl<W: Write> RowWriter<'_, W> {
 
     fn flush(&mut self) -> io::Result<()> {
         let pending = std::mem::take(&mut self.pending);
-        let found = parallel::map_slice(&pending, 1, |line| on_mirror(self.mirror, line));
+        let on_line = |line: &Vec<DVec2>| on_mirror(self.mirror, self.panel, line);
+        let found = parallel::map_slice(&pending, 1, on_line);
         lines(self.out, &found.concat(), row)
     }
 }
 
-fn row(text: &mut Vec<u8>, SagRow { at, normal }: &SagRow) -> io::Result<()> {
+fn row(text: &mut Vec<u8>, SagRow { at, normal, panel }: &SagRow) -> io::Result<()> {
     let [x, y, z] = at.to_array().map(nine);
     let [a, b, c] = normal.to_array().map(nine);
-    writeln!(text, "{x:.9},{y:.9},{z:.9},{a:.9},{b:.9},{c:.9}")
+    write!(text, "{x:.9},{y:.9},{z:.9},{a:.9},{b:.9},{c:.9}")?;
+    match panel {
+        Some(panel) => writeln!(text, ",{panel}"),
+        None => writeln!(text),
+    }
 }
 
 /// Nine decimals, and no -0.
@@ -132,13 +158,13 @@ fn nine(x: f64) -> f64 {
 }
 
 /// The rows of those places that lie on the mirror, in order.
-fn on_mirror(mirror: &Mirror, line: &[DVec2]) -> Vec<SagRow> {
+fn on_mirror(mirror: &Mirror, panel: Option<usize>, line: &[DVec2]) -> Vec<SagRow> {
     let outline = mirror.full_outline();
     let inside = |&p: &DVec2| {
         let on = under(mirror, p).is_some_and(|q| outline.contains(q));
         on.then(|| DVec2::new(nine(p.x), nine(p.y)))
     };
-    rows(mirror, &line.iter().filter_map(inside).collect::<Vec<_>>())
+    rows(mirror, panel, &line.iter().filter_map(inside).collect::<Vec<_>>())
 }
 
 /// The chart's coordinates of the mirror's place at (X, Y).
@@ -147,13 +173,14 @@ fn under(mirror: &Mirror, p: DVec2) -> Option<DVec2> {
 }
 
 /// The mirror's rows over `places`, of which each has one.
-fn rows(mirror: &Mirror, places: &[DVec2]) -> Vec<SagRow> {
+fn rows(mirror: &Mirror, panel: Option<usize>, places: &[DVec2]) -> Vec<SagRow> {
     let charted: Vec<DVec2> =
         places.iter().map(|&p| under(mirror, p).unwrap_or(DVec2::NAN)).collect();
     let points = mirror.eval_many(&charted);
     let row = |((p, q), point): ((&DVec2, DVec2), _)| SagRow {
         at: p.extend(mirror.position(q, &point).z),
         normal: mirror.normal(q, &point).normalize(),
+        panel,
     };
     places.iter().zip(charted).zip(points).map(row).collect()
 }
@@ -161,6 +188,11 @@ fn rows(mirror: &Mirror, places: &[DVec2]) -> Vec<SagRow> {
 /// Number of places of a scan, about; those beside the mirror count too.
 #[must_use]
 pub fn sag_points(path: &ScanPath, mirror: &Mirror) -> f64 {
+    scanned(mirror).iter().map(|(_, mirror)| points_of_one(path, mirror)).sum()
+}
+
+/// The same of one scan.
+fn points_of_one(path: &ScanPath, mirror: &Mirror) -> f64 {
     let MirrorExtent { lo, hi, radius } = MirrorExtent::of(mirror);
     let ScanPath { pattern, pitch_mm, step_mm } = *path;
     match pattern {
@@ -275,7 +307,7 @@ pub fn sag_bytes(mirror: &Mirror, path: &ScanPath, label: &Label, notes: &[Strin
     let [mut head, mut all] = [ByteCounter::default(), ByteCounter::default()];
     let coarser = ScanPath { pattern, pitch_mm: times * pitch_mm, step_mm: times * step_mm };
     // Counting cannot fail.
-    let _ = header(&mut head, path, label, notes);
+    let _ = header(&mut head, mirror, path, label, notes);
     let _ = write_sag(&mut all, mirror, &coarser, label, notes);
     let rows = all.count().saturating_sub(head.count());
     head.count() + (rows as f64 * times * times) as u64
@@ -286,19 +318,31 @@ pub fn sag_bytes(mirror: &Mirror, path: &ScanPath, label: &Label, notes: &[Strin
 /// # Errors
 /// [`SagError`], the first one.
 pub fn read_sag(bytes: &[u8]) -> Result<Vec<SagRow>, SagError> {
-    let mut titles = true;
+    let (mut titles, mut has_panels) = (true, false);
     let mut rows = Vec::new();
     for (k, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
         if line.is_empty() || line.starts_with(b"#") {
             continue;
         }
-        if std::mem::take(&mut titles) && line == TITLES.as_bytes() {
-            continue;
+        if std::mem::take(&mut titles)
+            && let Some(rest) = line.strip_prefix(TITLES.as_bytes())
+        {
+            has_panels = rest == PANEL_TITLE.as_bytes();
+            if has_panels || rest.is_empty() {
+                continue;
+            }
         }
         let row = std::str::from_utf8(line).ok().and_then(|text| {
+            let (text, panel) = match has_panels {
+                true => {
+                    let (text, panel) = text.rsplit_once(',')?;
+                    (text, Some(panel.parse().ok()?))
+                }
+                false => (text, None),
+            };
             let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
             let [x, y, z, a, b, c] = <[f64; 6]>::try_from(numbers.ok()?).ok()?;
-            let row = SagRow { at: DVec3::new(x, y, z), normal: DVec3::new(a, b, c) };
+            let row = SagRow { at: DVec3::new(x, y, z), normal: DVec3::new(a, b, c), panel };
             (row.at.is_finite() && row.normal.is_finite()).then_some(row)
         });
         let Some(row) = row else {
@@ -310,22 +354,27 @@ pub fn read_sag(bytes: &[u8]) -> Result<Vec<SagRow>, SagError> {
     Ok(rows)
 }
 
-/// Holds every row against `mirror` at the row's X and Y; a place that the mirror does not have is
-/// infinitely far off.
+/// Holds every row against `mirror`, of a mirror with steps the row's panel, at the row's X and Y; a place or a panel that
+/// the mirror does not have is infinitely far off.
 #[must_use]
 pub fn compare_sag(found: &[SagRow], mirror: &Mirror) -> SagDeviation {
-    let worst = |chunk: &[SagRow]| {
-        let places: Vec<DVec2> = chunk.iter().map(|row| row.at.truncate()).collect();
-        let designed = rows(mirror, &places);
-        chunk.iter().zip(designed).fold([0.0, 0.0], |[height, turned], (found, designed)| {
+    let scanned = scanned(mirror);
+    let of_panel = |rows: &[SagRow]| {
+        let known = scanned.iter().find(|(panel, _)| *panel == rows[0].panel);
+        let Some((panel, mirror)) = known else { return [f64::INFINITY; 2] };
+        let places: Vec<DVec2> = rows.iter().map(|row| row.at.truncate()).collect();
+        let designed = self::rows(mirror, *panel, &places);
+        rows.iter().zip(designed).fold([0.0, 0.0], |[height, turned], (found, designed)| {
             let up = (found.at.z - designed.at.z).abs();
             let turn = angle(found.normal, designed.normal);
             [max_or_nan(height, up), max_or_nan(turned, turn)]
         })
     };
+    let larger = |a: [f64; 2], b: [f64; 2]| [max_or_nan(a[0], b[0]), max_or_nan(a[1], b[1])];
+    let worst = |chunk: &[SagRow]| {
+        chunk.chunk_by(|a, b| a.panel == b.panel).map(of_panel).fold([0.0, 0.0], larger)
+    };
     let chunks = parallel::map_chunks(found, TURN, worst);
-    let [height_mm, normal_rad] = chunks
-        .into_iter()
-        .fold([0.0, 0.0], |a, b| [max_or_nan(a[0], b[0]), max_or_nan(a[1], b[1])]);
+    let [height_mm, normal_rad] = chunks.into_iter().fold([0.0, 0.0], larger);
     SagDeviation { height_mm, normal_rad }
 }

@@ -9,7 +9,7 @@ use crate::export::{ByteCounter, Label, compare_sag, read_sag, sag_bytes, sag_po
 use crate::geom::ScanPath;
 use crate::mirror::{Departure, Form};
 use crate::part::cad;
-use crate::profile::{self, CadFormat, Profile};
+use crate::profile::{self, CadFormat, PanelSpec, Profile, ProjectionSpec};
 use crate::publish::sha256;
 use crate::results::{FileFacts, FileFault, SagFacts, StepFacts};
 use std::io::{self, Write};
@@ -195,13 +195,20 @@ impl SagExport<'_> {
             format!("sag departure {sag} PV, square to it {:.6} PV", departure.pv_mm)
         };
         let radius = sphere.radius_of_curvature_mm.map_or("none".into(), |mm| format!("{mm:.6}"));
-        vec![
+        let mut notes = vec![
             format!("design: {} of degree {}, {errors}", facts.method, facts.degree),
             format!(
                 "best-fit sphere: radius of curvature {radius} (negative: a dome), {}",
                 pv(&sphere.departure)
             ),
             format!("best-fit plane: {}", pv(&plane.departure)),
-        ]
+        ];
+        if let Some(ProjectionSpec::Panels(panels)) = &self.design.profile.projection {
+            notes.extend(panels.iter().enumerate().map(|(k, PanelSpec { columns, rows, .. })| {
+                let ([left, right], [top, bottom]) = (columns, rows);
+                format!("panel {}: columns {left} to {right}, rows {top} to {bottom}", k + 1)
+            }));
+        }
+        notes
     }
 }
