@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // cargo adds `--bench`.
     let mut given = std::env::args().skip(1).filter(|text| text != "--bench");
     let triangles = given.next().map_or(Ok(1_000_000), |text| text.parse())?;
-    let solid = Solid::from_face(&face(triangles), 0, None, Precision::Single)?;
+    let solid = Solid::from_face(&face(triangles).into(), None, Precision::Single)?;
     let label = Label {
         profile: "files".into(),
         sha256: "0".repeat(64),

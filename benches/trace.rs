@@ -173,8 +173,7 @@ fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn E
         precision: Precision::Single,
     };
     let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)?;
-    let solid =
-        Solid::from_face(&face.mesh, face.walls, design.border.as_ref(), Precision::Single)?;
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single)?;
     let label = Label {
         profile: profile.name.clone(),
         sha256: profile.sha256.clone(),

@@ -18,7 +18,7 @@ const FLAT_MM: f64 = 1e-6;
 /// [`DesignError::Border`] when a hole, a mark or rounded corners do not fit.
 pub(super) fn around(profile: &Profile, mirror: &Mirror) -> Result<Option<Border>, DesignError> {
     let Some(border) = &profile.part.border else { return Ok(None) };
-    let outline = outline_about_axis(mirror);
+    let outline = outline_about_axis(mirror, border.rim_mm);
     if let Some(conflict) = border.conflicts(&outline).into_iter().next() {
         let hint = fitting(border, &outline, &conflict).unwrap_or(conflict.hint);
         return Err(DesignError::Border { message: conflict.message, hint });
@@ -125,13 +125,18 @@ fn plan(mirror: &Mirror, q: DVec2) -> DVec2 {
     mirror.position(q, &mirror.row(q.y).at(q.x)).truncate()
 }
 
-/// The rectangle along X and Y around the mirror.
-pub(super) fn extent(mirror: &Mirror) -> Rect {
+/// The rectangle along X and Y around the mirror and the foot of its skirt, which is at height `foot_mm`.
+pub(super) fn extent(mirror: &Mirror, foot_mm: f64) -> Rect {
     let rect = match mirror.full_outline() {
         Outline::Ring { outer, .. } => {
             // A mirror under a pinhole has a round outline only if it is round itself.
             let half = DVec2::splat(plan(mirror, DVec2::new(outer, 0.0)).x);
             return Rect { min: -half, max: half };
+        }
+        Outline::Rect(rect) if mirror.has_steps() => {
+            // The skirt leads outwards from the rim.
+            let scale = mirror.chart.view_scale(foot_mm);
+            return Rect { min: rect.min * scale, max: rect.max * scale };
         }
         Outline::Rect(rect) => rect,
     };
@@ -147,15 +152,15 @@ pub(super) fn extent(mirror: &Mirror) -> Rect {
         .fold(none, |all, p| Rect { min: all.min.min(p), max: all.max.max(p) })
 }
 
-/// The rectangle or ring about the axis that holds the mirror, over X and Y.
-fn outline_about_axis(mirror: &Mirror) -> Outline {
+/// The rectangle or ring about the axis that holds the mirror and the foot of its skirt, over X and Y.
+fn outline_about_axis(mirror: &Mirror, foot_mm: f64) -> Outline {
     match mirror.full_outline() {
         Outline::Ring { inner, outer } => {
             let radius = |q: f64| if q == 0.0 { 0.0 } else { plan(mirror, DVec2::new(q, 0.0)).x };
             Outline::Ring { inner: radius(inner), outer: radius(outer) }
         }
         Outline::Rect(_) => {
-            let extent = extent(mirror);
+            let extent = extent(mirror, foot_mm);
             let half = extent.max.abs().max(extent.min.abs());
             Outline::Rect(Rect { min: -half, max: half })
         }

@@ -74,7 +74,8 @@ impl Design {
     /// Volume of the part, mm^3, with true circles where a mesh has polygons.
     #[must_use]
     pub fn volume(&self) -> f64 {
-        let around = self.border.as_ref().map(|border| border.volume(self.mirror.footprint()));
+        let volume = |border: &Border| border.volume(self.mirror.footprint(border.top_mm));
+        let around = self.border.as_ref().map(volume);
         self.mirror.volume() + around.unwrap_or(0.0)
     }
 

@@ -46,7 +46,7 @@ impl Mounting {
         let size = match border.map(|border| border.contour) {
             Some(Contour::Rect { half, .. }) => 2.0 * half,
             Some(Contour::Circle { radius_mm }) => DVec2::splat(2.0 * radius_mm),
-            None => border::extent(mirror).size(),
+            None => border::extent(mirror, 0.0).size(),
         };
         let origin = |view: &ImagingTask| match &view.target {
             Target::Infinity => None,

@@ -89,7 +89,8 @@ mod tests {
         let vertices = (0..side * side).map(vertex).collect();
         let triangles = (0..(side - 1) * (side - 1)).flat_map(quad).collect();
         let solid =
-            Solid::from_face(&TriMesh { vertices, triangles }, 0, None, Precision::Single).unwrap();
+            Solid::from_face(&TriMesh { vertices, triangles }.into(), None, Precision::Single)
+                .unwrap();
         let mesh = solid.mesh();
         assert!(mesh.triangles.len() > GROUP);
         let label = Label {

@@ -4,9 +4,8 @@ use super::{DVec2, DVec3};
 use crate::num::{cos, sin};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Material around the mirror, in the part frame, mm. Seen from above it lies between the mirror's
-/// rim and the contour; its flat top is below the mirror's lowest point, so that a vertical wall
-/// goes all around the mirror.
+/// Material around the mirror, in the part frame, mm. Seen from above it lies between the foot of the mirror's
+/// skirt and the contour; its flat top is below the mirror's lowest point, so that a skirt goes all around the mirror.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Border {
     /// The part's outer side, a vertical wall.
@@ -61,7 +60,7 @@ impl Border {
     /// the circle.
     pub const CHORD_MM: f64 = 2e-3;
 
-    /// Its volume around a mirror that covers `footprint_mm2` of the (X, Y) plane, mm^3.
+    /// Its volume, mm^3, around a part that holds `footprint_mm2` of each horizontal plane below its flat top, in the mean.
     #[must_use]
     pub fn volume(&self, footprint_mm2: f64) -> f64 {
         let cut = self.cut(|round| PI * round.radius() * round.radius());

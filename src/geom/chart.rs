@@ -117,6 +117,13 @@ impl Chart {
         1.0 - self.vergence * (z - self.plane_mm)
     }
 
+    /// X and Y, mm, at which the ray through a point passes the height `z`.
+    #[inline]
+    #[must_use]
+    pub fn passing(&self, p: DVec3, z: f64) -> DVec2 {
+        self.coordinates(p).0 * self.view_scale(z) + self.lean * (z - self.plane_mm)
+    }
+
     /// h of height `f`, mm.
     #[inline]
     pub fn projective_height<S: Scalar>(&self, f: S) -> S {
@@ -261,6 +268,10 @@ mod tests {
             let (ray, p) = (chart.ray(q, 50.0), chart.point(q, -4.0));
             let off = (p - ray.origin).cross(ray.direction).length();
             assert!(off < 1e-13 && (p - ray.origin).dot(ray.direction) > 0.0);
+            assert!(
+                (chart.passing(p, 9.0).extend(9.0) - ray.origin).cross(ray.direction).length()
+                    < 1e-13
+            );
             let view = chart.view(p.to_array());
             assert!((DVec2::from_array(view) - chart.tangent_at(q)).length() < 1e-15);
             let h = chart.projective_height(-4.0);

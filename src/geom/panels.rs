@@ -58,6 +58,15 @@ impl Panels {
         self.0.iter().position(|rect| rect.contains(q)).unwrap_or_else(|| self.nearest(q))
     }
 
+    /// The rectangle that they tile.
+    #[must_use]
+    pub fn bounds(&self) -> Rect {
+        let none = Rect { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+        self.0
+            .iter()
+            .fold(none, |all, rect| Rect { min: all.min.min(rect.min), max: all.max.max(rect.max) })
+    }
+
     fn nearest(&self, q: DVec2) -> usize {
         let outside = |k: usize| Outline::Rect(self.0[k]).distance_outside(q);
         (1..self.0.len()).fold(0, |least, k| if outside(k) < outside(least) { k } else { least })

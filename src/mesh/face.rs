@@ -2,18 +2,16 @@
 
 use super::bound::error_bound::ErrorBound;
 use super::sizing::optimum::Optimum;
-use crate::geom::{Precision, TriMesh};
+use crate::geom::{FaceMesh, Precision};
 
 /// The optical face: all panels of the meshed mirror, and the walls between them, without skirt and base.
 #[derive(Debug, Clone)]
 pub struct Face {
     /// Facets in the part frame, mm. In the chart of parallel rays X and Y are single-precision numbers.
-    pub mesh: TriMesh,
+    pub mesh: FaceMesh,
     /// Number of facets of the designed panels, which come first; what follows is the reflection of a folded mirror's,
     /// or walls.
     pub designed: usize,
-    /// Number of facets of the walls between panels, which come last: none of a mirror without steps.
-    pub walls: usize,
     /// Bounds that hold on every facet, for the mesh as it is and rounded to single precision.
     pub bound: ErrorBound,
     /// Lower bounds on the number of triangles.

@@ -60,10 +60,10 @@ impl<'a> Mesher<'a> {
         let bound = faces.iter().fold(ErrorBound::default(), |most, face| most.max(face.bound));
         let optimum = faces.iter().map(|face| face.optimum).sum();
         let designed = faces.iter().map(|face| face.mesh.triangles.len()).sum();
-        let panels = TriMesh::side_by_side(faces.into_iter().map(|face| face.mesh));
-        let (mesh, walls) = self.whole.with_walls(panels)?;
+        let panels = TriMesh::side_by_side(faces.into_iter().map(|face| face.mesh.into_panels()));
+        let mesh = self.whole.with_walls(panels)?;
         let precision = limits.precision;
-        Ok(Face { mesh, designed, walls, bound, optimum, precision, next_finer: None })
+        Ok(Face { mesh, designed, bound, optimum, precision, next_finer: None })
     }
 
     /// See [`forecast`](super::forecast).

@@ -12,7 +12,7 @@ use super::refine::repair::refine;
 use super::refine::subdivide::subdivide;
 use super::sizing::field::SizingField;
 use super::sizing::optimum::Optimum;
-use crate::geom::{Chart, DVec2, Rect, TriMesh};
+use crate::geom::{Chart, DVec2, FaceMesh, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::optics::ImagingTask;
 use crate::parallel;
@@ -52,7 +52,8 @@ impl<'a> PanelMesher<'a> {
             mesh = mesh.with_reflection(1);
         }
         let precision = limits.precision;
-        Ok(Face { mesh, designed, walls: 0, bound, optimum, precision, next_finer: None })
+        let mesh = FaceMesh::smooth(mesh);
+        Ok(Face { mesh, designed, bound, optimum, precision, next_finer: None })
     }
 
     /// See [`forecast`](super::forecast).

@@ -1,7 +1,7 @@
 //! Volume between a mirror and the base plane.
 
-use super::{HeightAndSlope, HeightField, Mirror, PanelledSurface, Surface, TensorLegendre};
-use crate::geom::{Chart, CommonStretch, DVec2, DVec3, Outline};
+use super::{HeightAndSlope, Mirror};
+use crate::geom::{Chart, DVec2, DVec3, Outline, Rect};
 use crate::num::quadrature::gauss_legendre;
 use crate::num::{asin, cos, sin};
 use crate::parallel;
@@ -19,13 +19,20 @@ const RIM: usize = 512;
 type Of<'a> = &'a (dyn Fn(DVec3, DVec2) -> f64 + Sync);
 
 impl Mirror {
-    /// Volume between all panels and the base plane Z = 0, mm^3, with a land inside a ring that
+    /// Volume between all panels, the skirt and the base plane Z = 0, mm^3, with a land inside a ring that
     /// rises from the inner rim to the rim's mean height in the middle: flat where the rim is.
     ///
     /// Exact to rounding, but for splines in round outlines: their patches are cut by the rim,
     /// which leaves some 1e-9 of it.
     #[must_use]
     pub fn volume(&self) -> f64 {
+        if self.has_steps() {
+            let heights = self
+                .panels()
+                .into_iter()
+                .map(|panel| panel.over_chart(&|z| self.along_rays([0.0, z])));
+            return heights.sum();
+        }
         let panels = if self.folded { 2.0 } else { 1.0 };
         let land = match self.outline {
             Outline::Ring { inner, .. } if inner > 0.0 => {
@@ -34,15 +41,19 @@ impl Mirror {
             }
             _ => 0.0,
         };
-        // The height over the reference plane is (1 - e) / k where the view has shrunk to e.
-        let (plane, k) = (self.chart.plane_mm, self.chart.vergence);
-        let under = |e: f64| 0.5 * plane * e * e + (0.5 * e * e - e * e * e / 3.0) / k;
-        panels * self.under_panel(&|at, _| at.z) + self.under_walls(&under) + land
+        panels * self.under_panel(&|at, _| at.z) + land
     }
 
-    /// Area that the mirror, a land inside a ring included, covers of the (X, Y) plane, mm^2.
+    /// Mean area, mm^2, of what mirror and skirt hold of horizontal planes from Z = 0 up to `top_mm`, which is below the
+    /// mirror; a land inside a ring is within it.
     #[must_use]
-    pub fn footprint(&self) -> f64 {
+    pub fn footprint(&self, top_mm: f64) -> f64 {
+        if self.has_steps() {
+            let area = self.outline.area();
+            let square = |z: f64| self.chart.view_scale(z) * self.chart.view_scale(z);
+            let rise = self.along_rays([0.0, top_mm]);
+            return area * if top_mm > 0.0 { rise / top_mm } else { square(0.0) };
+        }
         let panels = if self.folded { 2.0 } else { 1.0 };
         let land = match self.outline {
             Outline::Ring { inner, .. } => {
@@ -50,7 +61,26 @@ impl Mirror {
             }
             Outline::Rect(_) => 0.0,
         };
-        panels * self.under_panel(&|_, _| 1.0) + self.under_walls(&|e| 0.5 * e * e) + land
+        panels * self.under_panel(&|_, _| 1.0) + land
+    }
+
+    /// The volume, mm, over a unit of the chart's area between two heights, mm: the integral of the view's width squared.
+    fn along_rays(&self, [low, high]: [f64; 2]) -> f64 {
+        let [low_scale, high_scale] = [low, high].map(|z| self.chart.view_scale(z));
+        let squares = low_scale * low_scale + low_scale * high_scale + high_scale * high_scale;
+        (high - low) * squares / 3.0
+    }
+
+    /// The integral of a function of Z, mm, over the chart's area of a rectangular panel.
+    fn over_chart(&self, of: &(dyn Fn(f64) -> f64 + Sync)) -> f64 {
+        let Rect { min, max } = self.outline.bounds();
+        let along = self.nodes(0, min.x, max.x);
+        let line = |&(y, w): &(f64, f64)| {
+            let row = self.row(y);
+            let at = |&(x, w): &(f64, f64)| w * of(self.position(DVec2::new(x, y), &row.at(x)).z);
+            w * along.iter().map(at).sum::<f64>()
+        };
+        parallel::map_slice(&self.nodes(1, min.y, max.y), 1, line).iter().sum()
     }
 
     /// Mean of Z over equal angles at `radius` from the axis, mm.
@@ -101,27 +131,6 @@ impl Mirror {
             }
             Outline::Ring { inner, outer } => self.disc(outer, of) - self.disc(inner, of),
         }
-    }
-
-    /// The integral of a function of height over what the walls between panels cover of the (X, Y) plane, negative where a
-    /// wall overhangs: `primitive` is that of the function times e, by the shrinkage e of the view at the height.
-    fn under_walls(&self, primitive: &dyn Fn(f64) -> f64) -> f64 {
-        let Surface::Panels(PanelledSurface { parts, sheets }) = &self.surface else { return 0.0 };
-        let shrunk = |sheet: &TensorLegendre, q: DVec2| {
-            self.chart.view_scale(self.chart.point(q, sheet.height(q)).z)
-        };
-        let mut sum = 0.0;
-        for line in parts.dividing_lines() {
-            for CommonStretch { pair, ends } in line.stretches(parts) {
-                let [below, above] = pair.map(|k| &sheets[k]);
-                let rise = |(along, w): (f64, f64)| {
-                    let q = line.place(along);
-                    w * (primitive(shrunk(above, q)) - primitive(shrunk(below, q)))
-                };
-                sum += line.at * composite(&ends, NODES).into_iter().map(rise).sum::<f64>();
-            }
-        }
-        sum
     }
 
     /// The same under a disc about the axis: along its chords, the chords at y = radius sin(angle),
@@ -180,7 +189,7 @@ fn composite(breaks: &[f64], count: usize) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{BicubicSpline, Chart, GridAxis, Rect};
+    use crate::geom::{BicubicSpline, Chart, GridAxis};
     use crate::mirror::{HeightField, RadialLegendre, Surface, TensorLegendre};
     use crate::num::legendre::Series;
     use crate::num::sample::Draws;
@@ -196,7 +205,7 @@ mod tests {
         let mirror =
             Mirror { surface, chart, outline, folded: false, mirror_symmetric: [false; 2] };
         assert!((mirror.volume() - 800.0).abs() < 1e-10);
-        assert!((mirror.footprint() - 80.0).abs() < 1e-12);
+        assert!((mirror.footprint(1.0) - 80.0).abs() < 1e-12);
     }
 
     #[test]
@@ -213,7 +222,7 @@ mod tests {
                 let rim = chart.point(DVec2::new(10.0, 0.0), -2.0);
                 let exact = PI * rim.x * rim.x * rim.z;
                 assert!((mirror.volume() / exact - 1.0).abs() < 1e-13);
-                assert!((mirror.footprint() / (exact / rim.z) - 1.0).abs() < 1e-13);
+                assert!((mirror.footprint(1.0) / (exact / rim.z) - 1.0).abs() < 1e-13);
             }
         }
     }

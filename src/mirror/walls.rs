@@ -4,7 +4,7 @@
 //! sides, with a step where one panel ends on a side and the next begins.
 
 use super::{Mirror, Surface};
-use crate::geom::{DVec2, DividingLine, TriMesh, triangulate_loops};
+use crate::geom::{DVec2, DividingLine, FaceMesh, TriMesh, triangulate_loops};
 use thiserror::Error;
 
 /// How far rounding takes a vertex from the line between panels that it is on, as a share of the mirror's size: far less
@@ -34,26 +34,23 @@ struct RimVertex {
 }
 
 impl Mirror {
-    /// The mesh of all panels ([`Mirror::panels`]) with the walls between them, and how many facets, the last ones, are
-    /// walls: none of a mirror without steps.
+    /// The mesh of all panels ([`Mirror::panels`]) with the walls between them, which a mirror without steps has none of.
     ///
     /// # Errors
     /// [`WallFault`] where the meshes of two panels come nearer to each other than they are to the mirror.
-    pub fn with_walls(&self, mut mesh: TriMesh) -> Result<(TriMesh, usize), WallFault> {
-        let Surface::Panels(surface) = &self.surface else { return Ok((mesh, 0)) };
+    pub fn with_walls(&self, mesh: TriMesh) -> Result<FaceMesh, WallFault> {
+        let Surface::Panels(surface) = &self.surface else { return Ok(FaceMesh::smooth(mesh)) };
         let mut rims: Vec<Vec<RimVertex>> = vec![Vec::new(); surface.sheets.len()];
         for vertex in rim_vertices(&mesh) {
             let at = mesh.vertices[vertex as usize];
             let (q, f) = self.chart.coordinates(at);
             rims[self.panel_at(at)].push(RimVertex { vertex, q, f });
         }
-        let facets = mesh.triangles.len();
+        let mut walls = Vec::new();
         for line in surface.parts.dividing_lines() {
-            let wall = self.wall(&mesh, &rims, &line)?;
-            mesh.triangles.extend(wall);
+            walls.extend(self.wall(&mesh, &rims, &line)?);
         }
-        let walls = mesh.triangles.len() - facets;
-        Ok((mesh, walls))
+        Ok(FaceMesh::walled(mesh, &walls, self.chart))
     }
 
     /// The facets of one wall.

@@ -12,7 +12,7 @@ use crate::num::units::{Mm, Px, Um};
 use crate::optics::ImagingTask;
 use crate::profile::{MeshFormat, MeshGoal, Profile};
 use crate::results::{Refusal, RefusalCause};
-use crate::solid::{added, rim};
+use crate::solid::{Rim, added, rim};
 use thiserror::Error;
 
 /// What is made or foreseen for the files that can have it.
@@ -105,8 +105,10 @@ pub(crate) fn added_to(forecast: &FaceForecast, design: &Design) -> usize {
         Outline::Ring { inner, outer } => forecast.rim * inner / (inner + outer),
         Outline::Rect(_) => 0.0,
     };
-    let outer = (forecast.rim - hole).round() as usize;
-    added(outer, hole.round() as usize, design.border.as_ref())
+    let edges = (forecast.rim - hole).round() as usize;
+    // (Steps are few.)
+    let rim = Rim { edges, steps: 0, hole_edges: hole.round() as usize };
+    added(rim, design.border.as_ref())
 }
 
 /// What closing adds to faces of a mirror.
@@ -132,7 +134,7 @@ impl ClosureCount for ClosingCount<'_> {
     fn counted(&self, face: &Face) -> usize {
         // A rim that cannot be closed is the next stage's to refuse.
         let stock = self.0.border.as_ref();
-        rim(&face.mesh).map_or(0, |[outer, hole]| added(outer, hole, stock))
+        rim(&face.mesh).map_or(0, |rim| added(rim, stock))
     }
 }
 

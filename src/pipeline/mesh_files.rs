@@ -126,9 +126,8 @@ pub(super) fn close(
     face: &Face,
     format: MeshFormat,
 ) -> Result<(Solid, String), Error> {
-    let solid =
-        Solid::from_face(&face.mesh, face.walls, design.border.as_ref(), codec(format).precision())
-            .map_err(|source| Error::Solid { profile: run.profile.name.clone(), format, source })?;
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), codec(format).precision())
+        .map_err(|source| Error::Solid { profile: run.profile.name.clone(), format, source })?;
     let note = format!("{} triangles, closed", solid.mesh().triangles.len());
     Ok((solid, note))
 }

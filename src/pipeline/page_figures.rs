@@ -29,8 +29,8 @@ pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures
 
 /// The closed part around a coarse mesh, for drawings; none where it cannot be closed.
 pub(crate) fn coarse_part(design: &Design) -> Option<Solid> {
-    let (face, walls) = coarse_mesh(&design.mirror)?;
-    Solid::from_face(&face, walls, design.border.as_ref(), Precision::Single).ok()
+    let face = coarse_mesh(&design.mirror)?;
+    Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()
 }
 
 /// A part as GLB.

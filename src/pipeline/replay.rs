@@ -8,8 +8,7 @@ use super::tolerance_spec::{PreparedStudy, prepared};
 use super::{Error, Stage};
 use crate::design::Design;
 use crate::export::ImportedMesh;
-use crate::geom::{DVec3, Precision, TriMesh};
-use crate::mesh::Face;
+use crate::geom::{DVec3, FaceMesh, Precision, TriMesh};
 use crate::num::stats::Summary;
 use crate::parallel;
 use crate::part::{self, AtPrecision, codec};
@@ -127,33 +126,31 @@ impl<'a> ImperfectPart<'a> {
         if longest_edge_mm.is_some_and(too_fine) { Err(part.too_fine()) } else { Ok(part) }
     }
 
-    /// The optical face with the part's form and the number of facets of its walls, and how many facets its mesh has as designed.
-    fn face(&self) -> Result<(AtPrecision<(TriMesh, usize)>, String), Error> {
+    /// The face with the part's form, and how many facets its mesh has as designed.
+    fn face(&self) -> Result<(AtPrecision<FaceMesh>, String), Error> {
         let AtPrecision { made, precision, formats, refused } =
             part::face(self.profile, self.design)
                 .map_err(|error| Error::face(self.profile, error))?;
         let note = format!("{} optical triangles", made.mesh.triangles.len());
-        let Face { mut mesh, mut walls, .. } = made;
+        let mut mesh = made.mesh;
         if let Some(edge) = self.longest_edge_mm {
             let between = |a: DVec3, b: DVec3| middle(self.design, a, b);
             // Walls follow the edges of the panels, which are split.
-            mesh.triangles.truncate(mesh.triangles.len() - walls);
-            mesh = mesh.split(edge, MOST_FACETS, between).ok_or_else(|| self.too_fine())?;
-            let walled = self.design.mirror.with_walls(mesh).map_err(|fault| Error::Replay {
+            let panels = mesh.into_panels().split(edge, MOST_FACETS, between);
+            let panels = panels.ok_or_else(|| self.too_fine())?;
+            mesh = self.design.mirror.with_walls(panels).map_err(|fault| Error::Replay {
                 profile: self.profile.name.clone(),
                 reason: fault.to_string(),
             })?;
-            (mesh, walls) = walled;
         }
-        let made = (displaced(self.engine, &self.made, mesh), walls);
+        let made = mesh.moved(|mesh| displaced(self.engine, &self.made, mesh));
         Ok((AtPrecision { made, precision, formats, refused }, note))
     }
 
     /// The closed part in the digits of a format, and how many triangles it has.
-    fn solid(&self, face: &(TriMesh, usize), format: MeshFormat) -> Result<(Solid, String), Error> {
+    fn solid(&self, face: &FaceMesh, format: MeshFormat) -> Result<(Solid, String), Error> {
         let name = || self.profile.name.clone();
-        let (face, walls) = face;
-        let solid = Solid::from_face(face, *walls, self.design.border.as_ref(), Precision::Double)
+        let solid = Solid::from_face(face, self.design.border.as_ref(), Precision::Double)
             .and_then(|solid| {
                 solid.grown(self.engine.growth(&self.made), codec(format).precision())
             })

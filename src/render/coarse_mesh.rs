@@ -1,6 +1,6 @@
 //! A coarse mesh of a mirror for drawings of the part: even, and within no limit.
 
-use crate::geom::{DVec2, Outline, Rect, TriMesh};
+use crate::geom::{DVec2, FaceMesh, Outline, Rect, TriMesh};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
 use std::f64::consts::TAU;
@@ -11,12 +11,11 @@ const CELLS: f64 = 96.0;
 const AROUND: u32 = 144;
 const OUTWARDS: u32 = 48;
 
-/// The optical face of all panels in some 14 000 facets, part frame, mm, and how many facets, the last ones, are walls
-/// between panels; none where the walls cross.
+/// The face of all panels in some 14 000 facets, part frame, mm; none where walls between panels cross.
 #[must_use]
-pub fn coarse_mesh(mirror: &Mirror) -> Option<(TriMesh, usize)> {
+pub fn coarse_mesh(mirror: &Mirror) -> Option<FaceMesh> {
     if !mirror.has_steps() {
-        return Some((smooth_mesh(mirror, mirror.full_outline().bounds().size()), 0));
+        return Some(smooth_mesh(mirror, mirror.full_outline().bounds().size()).into());
     }
     let whole = mirror.outline.bounds().size();
     let panels = mirror.panels().into_iter().map(|panel| smooth_mesh(&panel, whole));
@@ -99,10 +98,9 @@ mod tests {
         for shipped in shipped() {
             let profile = Profile::parse(shipped.name, "", shipped.text.as_bytes()).unwrap();
             let design = crate::design::design_unmeasured(&profile).unwrap();
-            let (mesh, walls) = coarse_mesh(&design.mirror).unwrap();
+            let mesh = coarse_mesh(&design.mirror).unwrap();
             assert!((3_000..20_000).contains(&mesh.triangles.len()), "{}", shipped.name);
-            let solid =
-                Solid::from_face(&mesh, walls, design.border.as_ref(), Precision::Single).unwrap();
+            let solid = Solid::from_face(&mesh, design.border.as_ref(), Precision::Single).unwrap();
             let (found, expected) = (solid.check().volume_mm3, design.volume());
             assert!((found / expected - 1.0).abs() < 5e-3, "{}: {found} {expected}", shipped.name);
         }

@@ -94,7 +94,7 @@ fn loop_pair(mesh: &mut TriMesh, polygon: &[DVec2], top: f64) -> HoleLoops {
 }
 
 /// The triangles between the loop `outer` and those inside it, counter-clockwise from above.
-pub(super) fn triangulate_between(
+fn triangulate_between(
     mesh: &TriMesh,
     outer: &[u32],
     inner: &[&[u32]],
@@ -129,7 +129,7 @@ mod tests {
     }
 
     fn closed(stock: &Border, precision: Precision) -> Result<Solid, SolidError> {
-        Solid::from_face(&tests::face(), 0, Some(stock), precision)
+        Solid::from_face(&tests::face(), Some(stock), precision)
     }
 
     #[test]
@@ -145,8 +145,8 @@ mod tests {
             let stock = plate(holes, marks);
             let solid = closed(&stock, Precision::Single).unwrap();
             assert_eq!(solid.check().euler, 2 - 2 * holes.len() as i64);
-            let [outer, hole] = rim(&tests::face()).unwrap();
-            assert_eq!(solid.mesh().triangles.len(), 2 + added(outer, hole, Some(&stock)));
+            let around = rim(&tests::face()).unwrap();
+            assert_eq!(solid.mesh().triangles.len(), 2 + added(around, Some(&stock)));
             let off = solid.check().volume_mm3 - (stock.volume(4.0) + 8.0);
             assert!(off.abs() <= stock.chords_mm3() + 1e-6 && off.abs() > 1e-5, "{off}");
         }

@@ -324,7 +324,7 @@ mod tests {
     use crate::solid::Solid;
 
     fn cube() -> TriMesh {
-        Solid::from_face(&crate::solid::tests::face(), 0, None, Precision::Double)
+        Solid::from_face(&crate::solid::tests::face(), None, Precision::Double)
             .unwrap()
             .mesh()
             .clone()

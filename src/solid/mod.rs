@@ -3,12 +3,15 @@
 mod border_facets;
 mod check;
 mod defect;
+mod skirt;
 
 pub use check::check;
 pub use defect::{Defect, OpenBoundary, SolidCheck};
+pub use skirt::Rim;
 
-use crate::geom::{Border, DVec2, DVec3, Precision, TriMesh};
+use crate::geom::{Border, DVec2, DVec3, FaceMesh, Precision, TriMesh};
 use crate::parallel;
+use skirt::Feet;
 use thiserror::Error;
 
 /// A closed, oriented 2-manifold of one piece with positive volume, whose facets all have an area.
@@ -67,20 +70,18 @@ pub enum SolidError {
 
 impl Solid {
     /// Closes `face` (facets counter-clockwise from above, over an outline that is star-shaped
-    /// about the axis and may have one hole around it) by a vertical skirt down to the base plane
+    /// about the axis and may have one hole around it) by a skirt along the face's rays down to the base plane
     /// Z = 0 and the base; a hole by a land, a fan of facets to a vertex on the axis at the mean
-    /// height of its rim. Every rim vertex has its own base vertex, so nothing meets in the middle
+    /// height of its rim. Every ray of the rim has its own base vertex, so nothing meets in the middle
     /// of an edge. With `stock` the skirt ends on its flat top, which has the stock's holes and
-    /// marks, and its side leads to the base. Facets come in the order face, land, skirt, flat top,
-    /// marks, holes, side, base. The last `walls` facets of the face are walls between panels, which do not belong to the
-    /// optical face; their edges at the rim may point to the axis. The check sees the coordinates as `precision` leaves them.
+    /// marks, and its side leads to the base. Facets come in the order face, walls between panels, land, skirt, flat top,
+    /// marks, holes, side, base. The check sees the coordinates as `precision` leaves them.
     ///
     /// # Errors
     /// [`SolidError`] when the rim is not of one loop or two, the face touches the base or the
     /// flat top, what is in the flat top touches each other or the result fails `check`.
     pub fn from_face(
-        face: &TriMesh,
-        walls: usize,
+        face: &FaceMesh,
         stock: Option<&Border>,
         precision: Precision,
     ) -> Result<Self, SolidError> {
@@ -93,21 +94,22 @@ impl Solid {
             return Err(SolidError::BelowBorder { lowest_mm, top_mm });
         }
         // A solid shows that no edge of the rim is missing.
-        let on_rim = |edges| Self::on_rim(edges, (face, walls), stock, precision);
+        let on_rim = |edges| Self::on_rim(edges, face, stock, precision);
         on_rim(check::likely_open_edges(face)).or_else(|_| on_rim(check::open_edges(face)))
     }
 
     /// The same with a rim of these edges.
     fn on_rim(
         rim_edges: Vec<(u32, u32)>,
-        (face, walls): (&TriMesh, usize),
+        face: &FaceMesh,
         stock: Option<&Border>,
         precision: Precision,
     ) -> Result<Self, SolidError> {
         let top_mm = stock.map_or(0.0, |stock| stock.top_mm);
         let BoundaryLoops { outer, hole } = boundary_loops(face, rim_edges)?;
-        let mut mesh =
-            with_room(face, added(outer.len(), hole.as_ref().map_or(0, Vec::len), stock));
+        let hole_edges = hole.as_ref().map_or(0, Vec::len);
+        let rim = Rim { edges: outer.len(), steps: 0, hole_edges };
+        let mut mesh = with_room(face, added(rim, stock));
         let land = stock.and_then(|stock| stock.land.as_ref());
         let mut bores = Vec::new();
         if let (Some(hole), Some(land)) = (&hole, land) {
@@ -118,14 +120,8 @@ impl Solid {
             mesh.vertices.push(DVec3::new(0.0, 0.0, height / hole.len() as f64));
             mesh.triangles.extend(sides(&hole).map(|[v, next]| [next, v, centre]));
         }
-        let rim: Vec<DVec2> = outer.iter().map(|&v| face.vertices[v as usize].truncate()).collect();
-        let feet = add_polygon(&mut mesh, &rim, top_mm);
-        wall(&mut mesh, &outer, &feet);
+        let feet = Feet::of(face, &outer, top_mm).skirt(&mut mesh, &outer);
         match stock {
-            None if walls > 0 => {
-                let base = border_facets::triangulate_between(&mesh, &feet, &[], precision)?;
-                mesh.triangles.extend(base.into_iter().map(|[a, b, c]| [a, c, b]));
-            }
             None => {
                 let centre = mesh.vertices.len() as u32;
                 mesh.vertices.push(DVec3::ZERO);
@@ -136,7 +132,7 @@ impl Solid {
         parallel::for_each_mut(&mut mesh.vertices, 1 << 14, |_, v| *v = rounded(*v, precision));
         let check = check(&mesh).through(stock.map_or(0, |stock| stock.through().count()));
         if check.is_solid() {
-            Ok(Self { mesh, check, optical: face.triangles.len() - walls })
+            Ok(Self { mesh, check, optical: face.optical() })
         } else {
             Err(SolidError::Check(check))
         }
@@ -176,16 +172,15 @@ impl Solid {
     }
 }
 
-/// How many facets [`Solid::from_face`] adds to a face with so many edges around it and around its
-/// hole (0: it has none).
+/// How many facets [`Solid::from_face`] adds to a face with such a rim.
 #[must_use]
-pub fn added(outer: usize, hole: usize, stock: Option<&Border>) -> usize {
-    // With stock, what ends on the rim's feet is the flat top in the place of the base.
-    3 * outer + hole + stock.map_or(0, border_facets::added_facets)
+pub fn added(Rim { edges, steps, hole_edges }: Rim, stock: Option<&Border>) -> usize {
+    // With stock, what ends on the rim's feet is the flat top in the place of the base. A step stands on one foot.
+    3 * edges - 2 * steps + hole_edges + stock.map_or(0, border_facets::added_facets)
 }
 
 /// A copy of `face` with room for so many more facets, and the vertices that they may have.
-fn with_room(face: &TriMesh, more: usize) -> TriMesh {
+fn with_room(face: &FaceMesh, more: usize) -> TriMesh {
     let mut mesh = TriMesh {
         vertices: Vec::with_capacity(face.vertices.len() + more),
         triangles: Vec::with_capacity(face.triangles.len() + more),
@@ -218,13 +213,15 @@ fn wall(mesh: &mut TriMesh, upper: &[u32], lower: &[u32]) {
     }
 }
 
-/// How many edges there are around `face`, and around its hole.
+/// The rim of `face` in numbers.
 ///
 /// # Errors
-/// [`SolidError::BoundaryLoops`] when its rim is not of one loop or two.
-pub fn rim(face: &TriMesh) -> Result<[usize; 2], SolidError> {
+/// [`SolidError::BoundaryLoops`] when it is not of one loop or two.
+pub fn rim(face: &FaceMesh) -> Result<Rim, SolidError> {
     let BoundaryLoops { outer, hole } = boundary_loops(face, check::open_edges(face))?;
-    Ok([outer.len(), hole.map_or(0, |hole| hole.len())])
+    let walls = face.wall_edges();
+    let steps = sides(&outer).filter(|&[from, to]| walls.contains(&(from, to))).count();
+    Ok(Rim { edges: outer.len(), steps, hole_edges: hole.map_or(0, |hole| hole.len()) })
 }
 
 /// The sides of a closed loop.
@@ -298,7 +295,11 @@ mod tests {
     use super::*;
 
     /// A square face of two facets at height 2.
-    pub(super) fn face() -> TriMesh {
+    pub(super) fn face() -> FaceMesh {
+        square().into()
+    }
+
+    fn square() -> TriMesh {
         let vertices = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|(x, y)| DVec3::new(x, y, 2.0));
         TriMesh { vertices: vertices.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
@@ -306,16 +307,17 @@ mod tests {
 
     #[test]
     fn a_face_becomes_a_box() {
-        let solid = Solid::from_face(&face(), 0, None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
         assert_eq!(solid.check().volume_mm3, 8.0);
         assert_eq!((solid.check().euler, solid.check().components), (2, 1));
         assert_eq!((solid.mesh().triangles.len(), solid.optical()), (2 + 8 + 4, 2));
-        assert_eq!((rim(&face()).unwrap(), added(4, 0, None)), ([4, 0], 8 + 4));
+        let around = Rim { edges: 4, steps: 0, hole_edges: 0 };
+        assert_eq!((rim(&face()).unwrap(), added(around, None)), (around, 8 + 4));
     }
 
     #[test]
     fn a_body_grows_about_the_origin_and_is_checked_again() {
-        let solid = Solid::from_face(&face(), 0, None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face(), None, Precision::Double).unwrap();
         let grown = solid.grown(1.5, Precision::Single).unwrap();
         assert_eq!((grown.check().volume_mm3, grown.optical()), (27.0, 2));
         assert_eq!(grown.mesh().vertices[2], DVec3::new(1.5, 1.5, 3.0));
@@ -326,19 +328,19 @@ mod tests {
 
     #[test]
     fn a_face_on_the_base_plane_is_refused() {
-        let mut low = face();
+        let mut low = square();
         low.vertices[2].z = 0.0;
         assert_eq!(
-            Solid::from_face(&low, 0, None, Precision::Double).unwrap_err(),
+            Solid::from_face(&low.into(), None, Precision::Double).unwrap_err(),
             SolidError::BelowBasePlane { lowest_mm: 0.0 }
         );
     }
 
     /// The face between the square and a smaller one, half as large at `inner` of height 2.5.
-    fn holed(inner: DVec3) -> TriMesh {
+    fn holed(inner: DVec3) -> FaceMesh {
         let ring: Vec<DVec3> = (0..8)
             .map(|k| {
-                let corner = face().vertices[k % 4];
+                let corner = square().vertices[k % 4];
                 if k < 4 { corner } else { corner * DVec3::new(0.5, 0.5, 1.25) + inner }
             })
             .collect();
@@ -346,19 +348,21 @@ mod tests {
             let n = (k + 1) % 4;
             [[k, n, 4 + n], [k, 4 + n, 4 + k]]
         };
-        TriMesh { vertices: ring, triangles: (0..4).flat_map(quad).collect() }
+        TriMesh { vertices: ring, triangles: (0..4).flat_map(quad).collect() }.into()
     }
 
     #[test]
     fn a_hole_gets_a_land() {
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&holed(DVec3::ZERO), 0, None, precision).unwrap();
+            let solid = Solid::from_face(&holed(DVec3::ZERO), None, precision).unwrap();
             // A box of height 2 and the frustum of a pyramid of height 1/2.
             let exact = 8.0 + 0.5 / 3.0 * (4.0 + 1.0 + 2.0);
             assert!((solid.check().volume_mm3 - exact).abs() < 1e-12);
             assert_eq!((solid.check().euler, solid.check().components), (2, 1));
             assert_eq!((solid.mesh().triangles.len(), solid.optical()), (8 + 4 + 8 + 4, 8));
-            assert_eq!((rim(&holed(DVec3::ZERO)).unwrap(), added(4, 4, None)), ([4, 4], 4 + 8 + 4));
+            let around = Rim { edges: 4, steps: 0, hole_edges: 4 };
+            let found = (rim(&holed(DVec3::ZERO)).unwrap(), added(around, None));
+            assert_eq!(found, (around, 4 + 8 + 4));
             for t in 8..12 {
                 assert!(solid.mesh().area_vector(t).normalize().z == 1.0);
             }
@@ -367,17 +371,17 @@ mod tests {
 
     #[test]
     fn two_holes_and_open_rims_are_refused() {
-        let mut face = holed(DVec3::ZERO);
+        let mut face = holed(DVec3::ZERO).into_panels();
         face.triangles.remove(0);
         let refused = |face: &TriMesh| {
             matches!(
-                Solid::from_face(face, 0, None, Precision::Single),
+                Solid::from_face(&face.clone().into(), None, Precision::Single),
                 Err(SolidError::BoundaryLoops { .. })
             )
         };
         assert!(refused(&face));
         // Apart, two faces have two outer rims.
-        let mut two = holed(DVec3::ZERO);
+        let mut two = holed(DVec3::ZERO).into_panels();
         let (count, other) = (two.vertices.len() as u32, holed(DVec3::ZERO));
         two.vertices.extend(other.vertices.iter().map(|&v| v + DVec3::X * 10.0));
         two.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + count)));
@@ -386,11 +390,12 @@ mod tests {
 
     #[test]
     fn facets_that_rounding_flattens_are_refused() {
-        let mut fine = face();
+        let mut fine = square();
         fine.vertices.push(DVec3::new(1.0 + 1e-12, 0.0, 2.0));
         fine.triangles.push([1, 4, 2]);
-        assert!(Solid::from_face(&fine, 0, None, Precision::Double).is_ok());
-        let Err(SolidError::Check(check)) = Solid::from_face(&fine, 0, None, Precision::Single)
+        assert!(Solid::from_face(&fine.clone().into(), None, Precision::Double).is_ok());
+        let Err(SolidError::Check(check)) =
+            Solid::from_face(&fine.clone().into(), None, Precision::Single)
         else {
             panic!("not refused")
         };

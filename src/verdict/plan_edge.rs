@@ -1,91 +1,65 @@
-//! The edge of a mirror in the plan, where it need not be seen once in each direction from the axis: where the camera
-//! stands beside the axis, what is a rectangle in the chart is none in the plan, and panels of different heights make
-//! an edge with steps.
+//! The edge of a mirror in the plan, where its camera stands beside the axis: what is a rectangle in the chart is
+//! then none in the plan, and need not be seen once in each direction from the axis.
 
 use crate::geom::{DVec2, DVec3, Outline, Rect};
 use crate::mirror::Mirror;
 
-/// Sides of the outline.
+/// Sides of the edge.
 const SIDES: usize = 4;
-/// Samples of a piece of the edge, from which the nearest place is searched for.
+/// Samples of a side, from which the nearest place is searched for.
 const SAMPLES: usize = 128;
 /// Newton's steps to the nearest place: four are enough from a sample.
 const STEPS: usize = 8;
-/// Step of differences along a piece, in pieces.
+/// Step of differences along a side, in sides.
 const STEP: f64 = 1e-6;
-/// Places of two pieces that are this near are the one in which they meet, mm.
-const SAME_MM: f64 = 1e-9;
 
 /// The edge of a mirror and samples of it.
-pub(super) struct PlanEdge {
-    panels: Vec<Mirror>,
-    /// Anticlockwise, each where the one before ends.
-    pieces: Vec<EdgePiece>,
-    /// X and Y, mm, piece by piece.
+pub(super) struct PlanEdge<'a> {
+    mirror: &'a Mirror,
+    rect: Rect,
+    /// X and Y, mm, side by side.
     samples: Vec<DVec2>,
-    /// Longest distance of neighbouring samples.
-    spacing_mm: f64,
 }
 
-/// A piece of the edge: from a place of the chart over a panel to another place, or to the other panel there.
-struct EdgePiece {
-    ends: [(usize, DVec2); 2],
-}
-
-impl PlanEdge {
-    /// The edge of a mirror under a chart that leans, which only rectangles have, or of one with steps; none of others.
-    pub(super) fn new(mirror: &Mirror) -> Option<Self> {
+impl<'a> PlanEdge<'a> {
+    /// The edge of a mirror under a chart that leans, which only rectangles have; none of others.
+    pub(super) fn new(mirror: &'a Mirror) -> Option<Self> {
         let Outline::Rect(rect) = mirror.full_outline() else { return None };
-        if mirror.chart.lean == DVec2::ZERO && !mirror.has_steps() {
+        if mirror.chart.lean == DVec2::ZERO {
             return None;
         }
-        let panels = mirror.panels();
-        let rims: Vec<EdgePiece> = (0..SIDES).flat_map(|side| rims(&panels, rect, side)).collect();
-        let mut pieces = Vec::new();
-        for (k, rim) in rims.iter().enumerate() {
-            let before = rims[(k + rims.len() - 1) % rims.len()].ends[1];
-            if before.0 != rim.ends[0].0 {
-                pieces.push(EdgePiece { ends: [before, rim.ends[0]] });
-            }
-            pieces.push(EdgePiece { ends: rim.ends });
-        }
-        let mut edge = Self { panels, pieces, samples: Vec::new(), spacing_mm: 0.0 };
-        let places = (0..edge.pieces.len() * SAMPLES).map(|k| (k / SAMPLES, share(k % SAMPLES)));
-        edge.samples = places.map(|(piece, at)| edge.point(piece, at).truncate()).collect();
-        let next = edge.samples.iter().cycle().skip(1);
-        let spacing = edge.samples.iter().zip(next).map(|(a, b)| a.distance(*b));
-        edge.spacing_mm = spacing.fold(0.0, f64::max);
+        let mut edge = Self { mirror, rect, samples: Vec::new() };
+        let places = (0..SIDES * SAMPLES).map(|k| (k / SAMPLES, share(k % SAMPLES)));
+        edge.samples = places.map(|(side, at)| edge.point(side, at).truncate()).collect();
         Some(edge)
     }
 
     /// The place of the edge that is nearest to X and Y in the plan, and how far `across` lies beyond it, mm; negative
     /// inside.
     pub(super) fn nearest(&self, across: DVec2) -> (DVec3, f64) {
-        // The nearest sample of each piece, and how far it is.
-        let nearest = |samples: &[DVec2]| {
-            let away = samples.iter().map(|sample| sample.distance(across)).enumerate();
-            away.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
+        let away = |k: &usize| self.samples[*k].distance_squared(across);
+        let first = (0..self.samples.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+        let (side, k) = first.map_or((0, 0), |k| (k / SAMPLES, k % SAMPLES));
+        let here = self.refined(side, share(k), across);
+        // The corner belongs to the side before too.
+        let before = (k == 0).then(|| self.refined((side + SIDES - 1) % SIDES, 1.0, across));
+        let all = [Some(here), before];
+        let nearer = |a: Found, b: Found| {
+            if b.point.truncate().distance(across) < a.point.truncate().distance(across) {
+                b
+            } else {
+                a
+            }
         };
-        let sampled: Vec<(usize, f64)> = self.samples.chunks(SAMPLES).map(nearest).collect();
-        let least = sampled.iter().fold(f64::INFINITY, |least, (_, away)| least.min(*away));
-        let found: Vec<Found> = sampled
-            .iter()
-            .enumerate()
-            .filter(|(_, (_, away))| *away <= least + self.spacing_mm)
-            .map(|(piece, (k, _))| self.refined(piece, share(*k), across))
-            .collect();
-        let away = |found: &Found| found.point.truncate().distance(across);
-        let nearest = found.iter().copied().reduce(|a, b| if away(&b) < away(&a) { b } else { a });
-        let nearest = nearest.expect("the piece of the nearest sample");
-        // Where two pieces meet, both say on which side the place is.
-        let tied = found.iter().filter(|found| away(found) <= away(&nearest) + SAME_MM);
-        let beyond: f64 = tied.map(|found| found.beyond).sum();
-        (nearest.point, away(&nearest).copysign(beyond))
+        let found = all.into_iter().flatten().reduce(nearer).unwrap_or(here);
+        let beyond = all.into_iter().flatten().any(|found| found.beyond > 0.0);
+        let distance = found.point.truncate().distance(across);
+        (found.point, if beyond { distance } else { -distance })
     }
 
-    /// The place of a piece that is nearest, from a place near to it.
-    fn refined(&self, piece: usize, mut at: f64, across: DVec2) -> Found {
-        let plan = |at: f64| self.point(piece, at).truncate();
+    /// The place of a side that is nearest, from a place near to it.
+    fn refined(&self, side: usize, mut at: f64, across: DVec2) -> Found {
+        let plan = |at: f64| self.point(side, at).truncate();
         let way = |at: f64| {
             let [from, to] = [(at - STEP).max(0.0), (at + STEP).min(1.0)];
             (plan(to) - plan(from)) / (to - from)
@@ -95,54 +69,29 @@ impl PlanEdge {
             let next = at + (across - plan(at)).dot(along) / along.length_squared();
             at = next.clamp(0.0, 1.0);
         }
-        let point = self.point(piece, at);
-        // The pieces go round anticlockwise.
-        Found { point, beyond: (across - point.truncate()).perp_dot(way(at).normalize()) }
+        let point = self.point(side, at);
+        // The sides go round anticlockwise.
+        Found { point, beyond: (across - point.truncate()).perp_dot(way(at)) }
     }
 
-    /// The point of the edge at a share of a piece.
-    fn point(&self, piece: usize, at: f64) -> DVec3 {
-        let [(panel, from), (other, to)] = self.pieces[piece].ends;
-        let on = |panel: usize, q: DVec2| {
-            let mirror = &self.panels[panel];
-            mirror.position(q, &mirror.row(q.y).at(q.x))
-        };
-        if panel == other {
-            on(panel, from.lerp(to, at))
-        } else {
-            on(panel, from).lerp(on(other, to), at)
-        }
+    /// The point of the edge at a share of a side.
+    fn point(&self, side: usize, at: f64) -> DVec3 {
+        let Rect { min, max } = self.rect;
+        let corners = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
+        let q = corners[side].lerp(corners[(side + 1) % SIDES], at);
+        self.mirror.position(q, &self.mirror.row(q.y).at(q.x))
     }
-}
-
-/// The rims of the panels along a side of the outline `rect`, anticlockwise: 0 the lower one.
-fn rims(panels: &[Mirror], rect: Rect, side: usize) -> Vec<EdgePiece> {
-    let corners = |Rect { min, max }: Rect| {
-        let all = [min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-        [all[side], all[(side + 1) % SIDES]]
-    };
-    let [first, last] = corners(rect);
-    let (way, across) = ((last - first).normalize(), side % 2);
-    let mut rims: Vec<EdgePiece> = panels
-        .iter()
-        .enumerate()
-        .map(|(k, panel)| EdgePiece { ends: corners(panel.outline.bounds()).map(|q| (k, q)) })
-        .filter(|piece| piece.ends[0].1[1 - across] == first[1 - across])
-        .collect();
-    let along = |piece: &EdgePiece| (piece.ends[0].1 - first).dot(way);
-    rims.sort_by(|a, b| along(a).total_cmp(&along(b)));
-    rims
 }
 
 /// A place of the edge.
 #[derive(Clone, Copy)]
 struct Found {
     point: DVec3,
-    /// How far the place lies beyond the tangent there, mm.
+    /// Positive beyond the edge.
     beyond: f64,
 }
 
-/// Share of a piece at a sample.
+/// Share of a side at a sample.
 fn share(k: usize) -> f64 {
     k as f64 / SAMPLES as f64
 }

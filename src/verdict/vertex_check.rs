@@ -3,7 +3,7 @@
 
 use super::plan_edge::PlanEdge;
 use crate::design::Design;
-use crate::geom::{Border, DVec2, DVec3, Outline};
+use crate::geom::{Border, DVec2, DVec3, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::num::{cos, sin};
 use crate::parallel;
@@ -75,9 +75,25 @@ fn rim(mirror: &Mirror, way: DVec2, reach: f64) -> DVec3 {
     mirror.position(q, &mirror.row(q.y).at(q.x))
 }
 
-/// The point of the mirror's edge next to `across` in the plan, and how far that lies beyond it, mm: in the direction from the
-/// part's axis, or the nearest where the camera stands beside the axis.
-fn edge_at(mirror: &Mirror, leaning: Option<&PlanEdge>, across: DVec2) -> (DVec3, f64) {
+/// The point of the mirror's edge next to `v`, and how far `v` lies beyond it or beyond the skirt below it in the plan,
+/// mm: in the direction from the part's axis, or the nearest where the camera stands beside the axis or the skirt lies along
+/// the camera's rays.
+fn edge_at(mirror: &Mirror, leaning: Option<&PlanEdge>, v: DVec3) -> (DVec3, f64) {
+    let across = v.truncate();
+    if let (true, Outline::Rect(Rect { min, max })) = (mirror.has_steps(), mirror.outline) {
+        // Inside, the nearest side is that of the least distance.
+        let q = mirror.chart.coordinates(v).0;
+        let (below, above) = (q - min, max - q);
+        let inside = below.min(above).min_element();
+        let mut edge = q.clamp(min, max);
+        if inside > 0.0 {
+            let axis = usize::from(below.y.min(above.y) < below.x.min(above.x));
+            edge[axis] = if below[axis] < above[axis] { min[axis] } else { max[axis] };
+        }
+        let beside = if inside > 0.0 { -inside } else { q.distance(edge) };
+        let at = mirror.position_on(mirror.panel_at(v), edge);
+        return (at, beside * mirror.chart.view_scale(v.z));
+    }
     if let Some(edge) = leaning {
         return edge.nearest(across);
     }
@@ -118,8 +134,7 @@ fn distance(
     if inside >= 0.0 && on_mirror <= 1e-9 * size || is_rounded {
         return on_mirror;
     }
-    let across = v.truncate();
-    let (edge, beside) = edge_at(mirror, leaning, across);
+    let (edge, beside) = edge_at(mirror, leaning, v);
     if let Some(stock) = stock {
         let on_skirt = DVec2::new(beside, v.z - v.z.min(edge.z).max(stock.top_mm)).length();
         let on_stock = stock.distance(v, beside, false).min(on_skirt);

@@ -22,8 +22,7 @@ impl ClosureCount for Closed {
     }
 
     fn counted(&self, face: &Face) -> usize {
-        let [outer, hole] = rim(&face.mesh).unwrap();
-        added(outer, hole, None)
+        added(rim(&face.mesh).unwrap(), None)
     }
 }
 
@@ -50,11 +49,7 @@ fn within(design: &Design, triangles: usize, precision: Precision) -> Result<Fac
 
 /// Facets of the solid that `face` becomes.
 fn closed(face: &Face) -> usize {
-    Solid::from_face(&face.mesh, face.walls, None, Precision::Single)
-        .unwrap()
-        .mesh()
-        .triangles
-        .len()
+    Solid::from_face(&face.mesh, None, Precision::Single).unwrap().mesh().triangles.len()
 }
 
 /// Numbers of cells that are whole leave some gaps (a build tells what is not used), and the longest facets that lie

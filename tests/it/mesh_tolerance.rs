@@ -174,7 +174,7 @@ fn hold_shape(design: &Design, face: &Face) {
         assert!(is_symmetric(mesh, DVec3::new(1.0, -1.0, 1.0)), "not symmetric in Y");
     }
     for precision in [Precision::Single, Precision::Double] {
-        let solid = Solid::from_face(mesh, 0, None, precision);
+        let solid = Solid::from_face(mesh, None, precision);
         assert!(solid.is_ok(), "{precision:?}: {}", solid.unwrap_err());
     }
 }

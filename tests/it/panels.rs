@@ -48,6 +48,16 @@ const PINWHEEL: [Panel; 5] = [
     ([120, 200], [80, 160], [0.0, 90.0], 12.0, 0.0),
 ];
 
+/// Every arrangement, with a name.
+pub fn arrangements() -> [(&'static str, Profile); 4] {
+    let names = ["quarters", "three", "columns", "pinwheel"].into_iter();
+    let named: Vec<_> = names
+        .zip(layouts())
+        .map(|(name, panels)| (name, parsed(&text(panels, 8, "\"stl\""))))
+        .collect();
+    named.try_into().expect("as many names as arrangements")
+}
+
 fn layouts() -> [&'static [Panel]; 4] {
     [&QUARTERS, &THREE, &COLUMNS, &PINWHEEL]
 }
@@ -176,18 +186,64 @@ fn walls_close_the_part_in_every_arrangement() {
         let least = steps.fold(f64::INFINITY, f64::min);
         assert!((0.0999..=0.1 + 1e-9).contains(&least), "{panels:?}: a step of {least} mm");
         let face = design.mesh().unwrap();
-        assert!(face.walls > 0);
+        assert!(face.mesh.optical() < face.mesh.triangles.len());
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, face.walls, None, precision).unwrap();
+            let solid = Solid::from_face(&face.mesh, None, precision).unwrap();
             let check = solid.check();
             assert_eq!((check.euler, check.components), (2, 1), "{panels:?}");
-            assert_eq!(solid.optical(), face.mesh.triangles.len() - face.walls);
+            assert_eq!(solid.optical(), face.mesh.optical());
             let (found, exact) = (check.volume_mm3, design.volume());
-            let explained = design.mirror.footprint() * face.bound.chord_mm;
+            let explained = design.mirror.footprint(0.0) * face.bound.chord_mm;
             assert!((found - exact).abs() < 1.1 * explained, "{panels:?}: {found} {exact}");
             assert!((found - exact).abs() > 1e-9, "{panels:?}");
         }
     }
+}
+
+/// Rows of a sag table are places of their panel, and its normals there show what the panel is to show.
+#[test]
+fn a_sag_table_names_the_panel_of_each_row() {
+    let text = text(&COLUMNS, 8, "\"stl\"").replace(
+        "export.formats = [\"stl\"]",
+        "export = { formats = [\"obj\", \"csv\"], sag = { pitch_mm = 1.5, step_mm = 0.5 } }",
+    );
+    let profile = parsed(&text);
+    let folder = folder();
+    let report: BuildReport = build(&profile, folder.path(), &Silent).unwrap();
+    assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.reasons);
+    let design = designed(&text);
+    let (view, pupil) = (design.view.as_ref().unwrap(), design.camera.chart.pupil().unwrap());
+    let written = std::fs::read_to_string(folder.path().join("p/sag.csv")).unwrap();
+    let lines: Vec<&str> = written.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(lines[0], "X_mm,Y_mm,Z_mm,NX,NY,NZ,panel");
+    assert!(written.contains("# panel 2: columns 100 to 230, rows 0 to 240\n"), "{written}");
+    let mut counts = [0; 3];
+    for line in &lines[1..] {
+        let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        let (at, normal) = (DVec3::from_slice(&row[..3]), DVec3::from_slice(&row[3..6]));
+        let panel = row[6] as usize - 1;
+        counts[panel] += 1;
+        // Along the camera's ray to its frame.
+        let q = (at - pupil).truncate() / (pupil.z - at.z) * 150.0;
+        let column = q.x / design.camera.pixel_mm + 160.0;
+        // The part is a little wider than the frame.
+        let [from, to] = COLUMNS[panel].0.map(f64::from);
+        let [least, most] =
+            [if from == 0.0 { -0.05 } else { from }, if to == 320.0 { 320.05 } else { to }];
+        assert!((least - 1e-6..=most + 1e-6).contains(&column), "{line}: column {column}");
+        let seen = reflect((at - pupil).normalize(), normal);
+        // (Within the panel, whose edges belong to both neighbours.)
+        let middle = 0.5 * (from + to);
+        let image =
+            design.camera.image_point(column.clamp(from, to), 120.0 - q.y / design.camera.pixel_mm);
+        let inwards = DVec2::new((middle - column).signum() * 1e-9, 0.0);
+        let off = (seen - view.direction_of(image + inwards, at)).length();
+        assert!(off < 0.02, "{line}: {off} rad off");
+    }
+    // A place for each pitch and step of the plan.
+    let found: f64 = counts.iter().map(|count| f64::from(*count)).sum();
+    let area = f64::from(80) * 60.0;
+    assert!((found / (area / 0.75) - 1.0).abs() < 0.1, "{counts:?}");
 }
 
 /// The witness reads the files, and every vertex is on its panel or its wall.

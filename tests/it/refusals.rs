@@ -14,7 +14,7 @@ fn sound(what: &str, profile: &Profile, face: &Result<Face, MeshError>) {
         Ok(face) => {
             assert!(face.mesh.vertices.iter().all(|v| v.is_finite()), "{what}");
             assert!(limits.hold(&face.bound), "{what}: {:?} over {limits:?}", face.bound);
-            let solid = Solid::from_face(&face.mesh, face.walls, None, Precision::Double);
+            let solid = Solid::from_face(&face.mesh, None, Precision::Double);
             assert!(solid.is_ok(), "{what}: {}", solid.unwrap_err());
         }
         Err(MeshError::TooMany { facets, most }) => assert!(facets > most, "{what}: {facets}"),

@@ -47,8 +47,7 @@ fn compared(what: &str, scene: &Scene, camera: &Camera) -> (Vec<RayEnd>, TraceCo
 fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<RayEnd>, TraceCounts) {
     let design = designed(profile);
     let face = meshed(profile, &design).unwrap();
-    let solid =
-        Solid::from_face(&face.mesh, face.walls, design.border.as_ref(), precision).unwrap();
+    let solid = Solid::from_face(&face.mesh, design.border.as_ref(), precision).unwrap();
     let scene = Scene::new(solid.mesh().clone());
     let fewer = f64::from(design.camera.pixels[0]) / 170.0;
     let camera = Camera {
@@ -298,7 +297,7 @@ fn nine_million_camera_rays_never_slip_between_facets() {
             vertices: (0..side * side).map(corner).collect(),
             triangles: (0..CELLS * CELLS).flat_map(cell).collect(),
         };
-        let solid = Solid::from_face(&face, 0, None, Precision::Double).unwrap();
+        let solid = Solid::from_face(&face.clone().into(), None, Precision::Double).unwrap();
         let scene = Scene::new(solid.mesh().clone());
         let (found, counts) = CameraTrace::new(&scene, &camera, above(&scene)).run();
         assert_eq!(counts.rasterized, found.len());

@@ -25,7 +25,7 @@ const VALLEY: (&str, &str) =
 
 fn solid(profile: &Profile, design: &Design) -> Solid {
     let face = meshed(profile, design).unwrap();
-    Solid::from_face(&face.mesh, face.walls, None, Precision::Double).unwrap()
+    Solid::from_face(&face.mesh, None, Precision::Double).unwrap()
 }
 
 /// Every camera ray, with its image point.
@@ -177,7 +177,7 @@ fn no_pixel_has_a_facet_error_over_the_proven_bound() {
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
         for precision in [Precision::Single, Precision::Double] {
-            let solid = Solid::from_face(&face.mesh, face.walls, None, precision).unwrap();
+            let solid = Solid::from_face(&face.mesh, None, precision).unwrap();
             let scene = Scene::new(solid.mesh().clone());
             let found =
                 witness(&design, &scene, None).summary(|s| Some(s.errors.unwrap().facet_mm));
@@ -313,7 +313,7 @@ fn tilted_normals_are_seen() {
     let profile = profile(&[SMALL]);
     let design = designed(&profile);
     let face = meshed(&profile, &design).unwrap();
-    let solid = Solid::from_face(&face.mesh, face.walls, None, Precision::Double).unwrap();
+    let solid = Solid::from_face(&face.mesh, None, Precision::Double).unwrap();
     let label = Label {
         profile: "case".into(),
         sha256: String::new(),

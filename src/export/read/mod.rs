@@ -231,7 +231,7 @@ mod tests {
             DVec3::new(0.0, 1.5, 3.0),
         ];
         let face = TriMesh { vertices, triangles: vec![[0, 1, 2]] };
-        let solid = Solid::from_face(&face, 0, None, Precision::Single).unwrap();
+        let solid = Solid::from_face(&face.into(), None, Precision::Single).unwrap();
         let label = Label {
             profile: "solid\nof a long name ".repeat(9),
             sha256: "0123456789abcdef".into(),

@@ -151,6 +151,11 @@ impl BSplineSurface {
         u.fit(v.count(), &turned)
     }
 
+    /// How many control points there are along u and along v.
+    pub(super) fn size(&self) -> [usize; 2] {
+        self.axes.each_ref().map(KnotVector::count)
+    }
+
     /// The control points for the k-th u.
     pub(super) fn control_row(&self, k: usize) -> &[DVec3] {
         let count = self.axes[1].count();

@@ -21,6 +21,7 @@ pub(super) fn write_body(
         FittedFaces::Panel { net, straight, folded } => {
             write_panels(data, net, [*straight, *folded], foot_mm, &mut faces)
         }
+        FittedFaces::Panels(panels) => panels.write(data, foot_mm, &mut faces),
         FittedFaces::Trimmed { net, outer: (outer_mm, outer), inner, middle_mm } => {
             let outer = cut(data, net, outer, *outer_mm, inner.as_ref(), *middle_mm, &mut faces);
             wall(data, outer, *outer_mm, foot_mm, &mut faces)

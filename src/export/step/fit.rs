@@ -3,10 +3,11 @@
 use super::FitError;
 use super::b_spline::{BSplineSurface, KnotVector};
 use super::knots::{KnotLines, MOST_SPANS, choose_breaks, written_digits};
+use super::panelled::FittedPanels;
 use super::parametric_surface::ParametricSurface;
 use super::rim_curve::RimCurve;
 use crate::geom::{Border, DVec2, DVec3};
-use crate::mirror::Mirror;
+use crate::mirror::{Mirror, Surface};
 use crate::num::{max_or_nan, radians};
 
 /// The largest distance of the spline from the mirror, mm.
@@ -33,6 +34,8 @@ pub(super) enum FittedFaces {
     /// A rectangular panel, and its reflection in Y = 0 if it is folded. Its sides are straight
     /// from above if X and Y are the spline's parameters.
     Panel { net: BSplineSurface, straight: bool, folded: bool },
+    /// Rectangular panels with steps between them.
+    Panels(FittedPanels),
     /// A bicubic surface with X and Y for parameters, cut along rims.
     Trimmed {
         net: BSplineSurface,
@@ -55,14 +58,13 @@ impl FittedMirror {
         if drilled && !flat { Err(FitError::Land) } else { Ok(()) }
     }
 
-    /// How many control points the surface has along each axis; one, for the curve of a surface
-    /// of revolution, along the second.
+    /// How many control points the surface has along each axis, of panels with steps the largest of their surfaces; one,
+    /// for the curve of a surface of revolution, along the second.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
         match &self.faces {
-            FittedFaces::Panel { net, .. } | FittedFaces::Trimmed { net, .. } => {
-                net.axes.each_ref().map(KnotVector::count)
-            }
+            FittedFaces::Panel { net, .. } | FittedFaces::Trimmed { net, .. } => net.size(),
+            FittedFaces::Panels(panels) => panels.size(),
             FittedFaces::Revolved { points, .. } => [points.len(), 1],
         }
     }
@@ -74,6 +76,17 @@ impl FittedMirror {
 /// [`FitError`] when no reasonable number of knots suffices, or the mirror is no surface over X
 /// and Y.
 pub fn fit_splines(mirror: &Mirror) -> Result<FittedMirror, FitError> {
+    if let Surface::Panels(surface) = &mirror.surface {
+        let fit = |panel: &Mirror| {
+            let surface = ParametricSurface::new(panel)?.with_plane_sides();
+            fit_bicubic(&surface, false)
+        };
+        let fits = mirror.panels().iter().map(fit).collect::<Result<Vec<_>, _>>()?;
+        let error_mm = fits.iter().map(|(_, error_mm)| *error_mm).fold(0.0, max_or_nan);
+        let nets = fits.into_iter().map(|(net, _)| net).collect();
+        let panels = FittedPanels { parts: surface.parts.clone(), nets, chart: mirror.chart };
+        return Ok(FittedMirror { faces: FittedFaces::Panels(panels), error_mm });
+    }
     let surface = ParametricSurface::new(mirror)?;
     let Some(ring) = surface.ring else {
         let (net, error_mm) = fit_bicubic(&surface, mirror.folded)?;
@@ -213,6 +226,8 @@ fn fit_net(surface: &ParametricSurface, axes: [KnotVector; 2], folded: bool) -> 
         if folded && up[j] == 0.0 {
             points[k].y = 0.0;
         }
+        let ends = [[i == 0, i + 1 == columns], [j == 0, j + 1 == rows]];
+        points[k] = surface.on_plane_sides(points[k], ends);
     }
     let fine = |p: DVec3| DVec3::from_array(p.to_array().map(written_digits));
     BSplineSurface { points: points.into_iter().map(fine).collect(), axes }

@@ -5,6 +5,8 @@
 //! 1e-7 mm.
 //!
 //! - A rectangular panel is one untrimmed bicubic spline.
+//! - Panels with steps between them are untrimmed bicubic splines, whose sides lie in planes through the pinhole; so do the
+//!   walls between them and below their outer sides.
 //! - A disc is a bicubic spline over a square, smooth on the axis too, cut along a curve that lies
 //!   on it; so is an annulus whose mirror is not round. The land in the annulus is then a fan from
 //!   the rim to the rim's mean height in the middle.
@@ -16,6 +18,7 @@ mod border;
 mod brep;
 mod fit;
 mod knots;
+mod panelled;
 mod panels;
 mod parametric_surface;
 mod part21;

@@ -15,7 +15,7 @@ pub(super) struct WrittenSurface {
 }
 
 /// A side of a surface: control points in its direction.
-struct SurfaceSide {
+pub(super) struct SurfaceSide {
     ids: Vec<InstanceId>,
     points: Vec<DVec3>,
     axis: KnotVector,
@@ -39,7 +39,7 @@ impl WrittenSurface {
     }
 
     /// The four sides counterclockwise from above, that of the least v first.
-    fn sides(&self) -> [SurfaceSide; 4] {
+    pub(super) fn sides(&self) -> [SurfaceSide; 4] {
         let [u, v] = &self.net.axes;
         let (last_u, last_v) = (u.count() - 1, v.count() - 1);
         let side = |axis: KnotVector, places: Vec<(usize, usize)>| SurfaceSide {
@@ -66,7 +66,7 @@ fn reflected(net: &BSplineSurface) -> BSplineSurface {
 
 /// Vertices of panels' corners that are written.
 #[derive(Default)]
-struct CornerVertices(Vec<(InstanceId, BrepVertex)>);
+pub(super) struct CornerVertices(Vec<(InstanceId, BrepVertex)>);
 
 impl CornerVertices {
     fn at(&mut self, data: &mut DataSection, point: InstanceId, at: DVec3) -> BrepVertex {
@@ -80,7 +80,7 @@ impl CornerVertices {
         }
     }
 
-    fn edge(&mut self, data: &mut DataSection, side: &SurfaceSide) -> BrepEdge {
+    pub(super) fn edge(&mut self, data: &mut DataSection, side: &SurfaceSide) -> BrepEdge {
         let last = side.ids.len() - 1;
         let from = self.at(data, side.ids[0], side.points[0]);
         let to = self.at(data, side.ids[last], side.points[last]);

@@ -28,6 +28,8 @@ pub(super) struct ParametricSurface<'a> {
     radial: Option<RadialProfile>,
     /// Whether it is even in x and in y.
     pub even: [bool; 2],
+    /// Whether each side is kept in its plane through the pinhole, to the last digit.
+    plane_sides: bool,
 }
 
 /// Height along the radius of a surface of revolution: a table out to its rim, and what continues it.
@@ -55,6 +57,7 @@ impl<'a> ParametricSurface<'a> {
             ring: None,
             radial: None,
             even: mirror.mirror_symmetric,
+            plane_sides: false,
         };
         let Outline::Ring { inner, outer } = mirror.outline else { return Ok(surface) };
         let out = |r: f64| {
@@ -76,6 +79,25 @@ impl<'a> ParametricSurface<'a> {
             surface.radial = Some(surface.radial(ring)?);
         }
         Ok(surface)
+    }
+
+    /// The same panel under a pinhole, each of its sides in the plane through the pinhole.
+    pub(super) fn with_plane_sides(self) -> Self {
+        Self { plane_sides: true, ..self }
+    }
+
+    /// A control point of the first or the last line along the axes of `ends`: in the planes of the sides, if they are kept.
+    pub(super) fn on_plane_sides(&self, mut p: DVec3, ends: [[bool; 2]; 2]) -> DVec3 {
+        let Rect { min, max } = self.domain;
+        for axis in (0..2).filter(|_| self.plane_sides) {
+            let side = match ends[axis] {
+                [true, _] => min[axis],
+                [_, true] => max[axis],
+                _ => continue,
+            };
+            p[axis] = side * self.mirror.chart.view_scale(p.z);
+        }
+        p
     }
 
     /// Whether X and Y are the parameters themselves.

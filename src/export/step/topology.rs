@@ -38,6 +38,18 @@ impl BrepEdge {
     }
 }
 
+impl OrientedEdge {
+    /// Where the loop comes from.
+    pub(super) fn from(self) -> BrepVertex {
+        if self.forward { self.edge.from } else { self.edge.to }
+    }
+
+    /// Where the loop goes.
+    pub(super) fn to(self) -> BrepVertex {
+        if self.forward { self.edge.to } else { self.edge.from }
+    }
+}
+
 /// A loop in the opposite direction.
 pub(super) fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
     boundary.iter().rev().map(|edge| OrientedEdge { forward: !edge.forward, ..*edge }).collect()
@@ -124,7 +136,17 @@ impl DataSection {
 
     /// A straight edge.
     pub(super) fn line_edge(&mut self, from: BrepVertex, to: BrepVertex) -> BrepEdge {
-        let edge = self.direction((to.at - from.at).normalize());
+        self.edge_along(from, to, (to.at - from.at).normalize())
+    }
+
+    /// A straight edge in any direction, which is told by the difference of its ends: a unit vector of as many digits
+    /// would leave the end of a long one beside its vertex.
+    pub(super) fn slanted_edge(&mut self, from: BrepVertex, to: BrepVertex) -> BrepEdge {
+        self.edge_along(from, to, to.at - from.at)
+    }
+
+    fn edge_along(&mut self, from: BrepVertex, to: BrepVertex, along: DVec3) -> BrepEdge {
+        let edge = self.direction(along);
         let vector = self.add(format_args!("VECTOR('',{edge},1.)"));
         let line = self.add(format_args!("LINE('',{},{vector})", from.point));
         self.edge(from, to, line)

@@ -130,9 +130,6 @@ pub(super) fn profile(
     posed_target::suits(reader, &parts);
     if let Some(panels) = parts.projection.as_ref().and_then(|projection| projection.panels()) {
         panels::suits(reader, &root, &parts, &mount, panels);
-        if let (Some(export), Some(formats)) = (&export, &formats) {
-            panels::formats_suit(reader, export, formats);
-        }
     }
     target::check(reader, &parts);
     reach::check(reader, &parts);

@@ -1,9 +1,8 @@
 //! Views side by side, each on a panel of its own: the parts of the frame, and what goes with them.
 
-use super::super::reader::Need::Optional;
 use super::super::reader::{ProfileReader, Section};
 use super::super::values::{Located, NumbersFormat, numbers};
-use super::super::{AzimuthalSpec, FileFormat, PanelSpec};
+use super::super::{AzimuthalSpec, PanelSpec};
 use super::Entries;
 use super::camera::CameraName;
 use super::view::{AzimuthalKeys, LAWS, azimuthal};
@@ -133,22 +132,6 @@ pub(super) fn suits(
     if let Some(areas) = areas.filter(|areas| areas.len() > 1) {
         tile(reader, panels, &areas, camera.pixels());
         lines_on_mirror(reader, panels, parts, &camera);
-    }
-}
-
-/// Panels have steps, which is nothing for files of one smooth surface.
-pub(super) fn formats_suit(reader: &mut ProfileReader, export: &Section, formats: &[FileFormat]) {
-    let smooth = formats.iter().find(|format| matches!(format, FileFormat::Cad(_)));
-    if let Some(format) = smooth {
-        let at =
-            reader.value(export, "formats", Optional, "", "").map_or(export.at, |v| v.span().start);
-        let message = format!(
-            "{} must be mesh formats with panels, found \"{}\"",
-            export.path_of("formats"),
-            format.name()
-        );
-        let hint = "there are steps between panels, and that format has one smooth surface here; write stl, obj, 3mf or glb";
-        reader.complain(at, message, hint);
     }
 }
 

@@ -104,8 +104,7 @@ impl Part {
         let design = designed(&profile);
         let face = meshed(&profile, &design).unwrap();
         let solid =
-            Solid::from_face(&face.mesh, face.walls, design.border.as_ref(), Precision::Double)
-                .unwrap();
+            Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Double).unwrap();
         Self { name, optical: solid.optical(), solid: solid.mesh().clone(), design }
     }
 

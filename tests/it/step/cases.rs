@@ -1,5 +1,6 @@
 //! Parts beyond the shipped ones: every outline, camera and kind of surface, and material around.
 
+use crate::panels::arrangements;
 use crate::support::builds::parsed;
 use crate::support::{designed, profile, shipped};
 use morion::internals::design::design;
@@ -119,6 +120,15 @@ part = { width_mm = 60, base_mm = 5 }
         mirror: pinhole,
         stock: Some(stock(contour)),
     });
+    for (name, profile) in arrangements() {
+        cases.push(bare(name, design(&profile).unwrap().mirror));
+    }
+    let mirror = design(&arrangements()[0].1).unwrap().mirror;
+    let half = DVec2::new(60.0, 48.0);
+    let mut stock = stock(Contour::Rect { half, corner_mm: 6.0 });
+    stock.holes = vec![Drilled { at: DVec2::new(54.0, 3.0), diameter_mm: 4.2 }];
+    stock.marks = vec![Drilled { at: DVec2::new(-53.0, 6.0), diameter_mm: 1.0 }];
+    cases.push(Case { name: "quarters-stock".into(), mirror, stock: Some(stock) });
     cases
 }
 
@@ -146,8 +156,14 @@ fn wavy() -> SagGrid {
     SagGrid::parse(text.as_bytes()).unwrap()
 }
 
-/// The area that a mirror covers, seen from above, mm^2.
-pub fn footprint(mirror: &Mirror) -> f64 {
+/// The area that a mirror and its skirt hold of planes below `top_mm`, in the mean, mm^2.
+pub fn footprint(mirror: &Mirror, top_mm: f64) -> f64 {
+    if let (true, Some(pupil)) = (mirror.has_steps(), mirror.chart.pupil()) {
+        // Simpson's rule is exact for a pyramid.
+        let wide = |z: f64| (pupil.z - z) / (pupil.z - mirror.chart.plane_mm);
+        let area = |z: f64| mirror.outline.area() * wide(z) * wide(z);
+        return (area(0.0) + 4.0 * area(0.5 * top_mm) + area(top_mm)) / 6.0;
+    }
     let place = |q: DVec2| -> DVec3 { mirror.position(q, &mirror.surface.at(q)) };
     match mirror.outline {
         Outline::Ring { outer, .. } => {

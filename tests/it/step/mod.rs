@@ -77,7 +77,7 @@ fn volume(case: &Case) -> f64 {
     let radii = |drilled: &[morion::internals::geom::Drilled], of: fn(f64) -> f64| -> f64 {
         drilled.iter().map(|d| of(0.5 * d.diameter_mm)).sum()
     };
-    mirror + stock.top_mm * (contour - footprint(&case.mirror))
+    mirror + stock.top_mm * (contour - footprint(&case.mirror, stock.top_mm))
         - stock.top_mm * radii(&stock.holes, |r| PI * r * r)
         - radii(&stock.marks, |r| PI * r * r * r / 3.0)
 }
@@ -87,11 +87,28 @@ fn is_turned(fit: &FittedMirror) -> bool {
     fit.size()[1] == 1
 }
 
+/// Number of surfaces of the mirror.
+fn panels(mirror: &Mirror) -> usize {
+    match &mirror.surface {
+        morion::internals::mirror::Surface::Panels(surface) => surface.sheets.len(),
+        _ => 1 + usize::from(mirror.folded),
+    }
+}
+
+/// Number of lines between panels with steps.
+fn lines(mirror: &Mirror) -> usize {
+    match &mirror.surface {
+        morion::internals::mirror::Surface::Panels(surface) => surface.parts.dividing_lines().len(),
+        _ => 0,
+    }
+}
+
 /// Faces of the mirror and below, from what the part is.
 fn faces(case: &Case) -> usize {
     let mirror = &case.mirror;
     let own = match mirror.outline {
-        Outline::Rect(_) if !mirror.folded => 1 + 4,
+        // Every line between panels has a wall, every side a skirt.
+        Outline::Rect(_) if !mirror.folded => panels(mirror) + lines(mirror) + 4,
         Outline::Rect(_) => 2 + if mirror.chart.vergence == 0.0 { 4 } else { 6 },
         Outline::Ring { inner, .. } => 2 + usize::from(inner > 0.0),
     };
@@ -133,7 +150,7 @@ fn names(case: &Case, file: &File) {
     let mut told: Vec<String> = file.all("ADVANCED_FACE").into_iter().map(name).collect();
     told.sort();
     let count = |name: &str| told.iter().filter(|told| *told == name).count();
-    let own = if case.mirror.folded { 2 } else { 1 };
+    let own = panels(&case.mirror);
     assert_eq!((count("OPTICAL"), count("BASE")), (own, 1), "{}: {told:?}", case.name);
     let stock = case.stock.as_ref();
     assert_eq!(count("RIM"), usize::from(stock.is_some()), "{}: {told:?}", case.name);
@@ -193,6 +210,7 @@ fn holds_together(name: &str, file: &File) {
             assert!(bound[2].is(".T."));
             let edges = file.get(bound[1].id(), "EDGE_LOOP")[1].list();
             let mut ends = Vec::new();
+            let mut around = Vec::new();
             for edge in edges {
                 let way = file.get(edge.id(), "ORIENTED_EDGE");
                 let (id, forward) = (way[3].id(), way[4].is(".T."));
@@ -209,6 +227,11 @@ fn holds_together(name: &str, file: &File) {
                     let off = distance(&surface, p);
                     assert!(off < 1e-7, "{name}: an edge is {off:e} mm off its face at {p}");
                 }
+                let mut way = places.clone();
+                if !forward {
+                    way.reverse();
+                }
+                around.extend(way);
                 let middle = places[26];
                 let along = (places[27] - places[25]) * if forward { 1.0 } else { -1.0 };
                 let out = normal(&surface, middle) * sense;
@@ -220,7 +243,10 @@ fn holds_together(name: &str, file: &File) {
                 rim.push(Travelled { id, left, upright: out.z.abs() < 1e-9, places });
                 ends.push(if forward { vertices } else { [vertices[1], vertices[0]] });
             }
-            if word == "FACE_OUTER_BOUND" {
+            if let (true, Surface::Plane { normal, .. }) = (word == "FACE_OUTER_BOUND", &surface) {
+                let area = area_vector(&around).dot(*normal * sense);
+                assert!(area > 0.0, "{name}: a plane's loop runs wrongly");
+            } else if word == "FACE_OUTER_BOUND" {
                 for edge in 0..rim.len() {
                     assert!(
                         shape::keeps_left(&rim, edge),
@@ -262,6 +288,12 @@ fn holds_together(name: &str, file: &File) {
     }
 }
 
+/// The area that a closed line goes around, along the normal about which it is anticlockwise.
+fn area_vector(line: &[DVec3]) -> DVec3 {
+    let next = line.iter().cycle().skip(1);
+    line.iter().zip(next).map(|(a, b)| 0.5 * (*a - line[0]).cross(*b - line[0])).sum()
+}
+
 fn resolved(file: &File, values: &[Value]) {
     for value in values {
         match value {
@@ -283,7 +315,8 @@ fn from_mirror(mirror: &Mirror, p: DVec3) -> Option<f64> {
     } else if !mirror.outline.contains(q) {
         return None;
     }
-    let point = mirror.row(q.y).at(q.x);
+    let panel = mirror.has_steps().then(|| mirror.panels().swap_remove(mirror.panel_at(p)));
+    let point = panel.as_ref().unwrap_or(mirror).row(q.y).at(q.x);
     let normal = mirror.normal(q, &point).normalize();
     Some((mirror.position(q, &point) - p).dot(normal).abs())
 }
@@ -299,11 +332,11 @@ fn faces_are_the_mirror_to_what_is_said() {
         assert!(file.header.contains(&said));
         let mut draws = Draws::new(7);
         let mut worst = 0.0f64;
-        let mut panels = 0;
+        let mut found = 0;
         for face in file.all("ADVANCED_FACE") {
             match file.surface(file.get(face, "ADVANCED_FACE")[2].id()) {
                 Surface::Turned { axis, points } => {
-                    panels += 1;
+                    found += 1;
                     let [inner, outer] = axis.ends();
                     for _ in 0..4000 {
                         let p = height(&axis, &points, inner + (outer - inner) * draws.unit());
@@ -322,7 +355,7 @@ fn faces_are_the_mirror_to_what_is_said() {
                         continue;
                     }
                     assert_eq!(axes.each_ref().map(|axis| axis.degree), [3, 3]);
-                    panels += 1;
+                    found += 1;
                     let [u, v] = axes.each_ref().map(reading::Axis::ends);
                     let mut inside = 0;
                     for _ in 0..4000 {
@@ -332,7 +365,7 @@ fn faces_are_the_mirror_to_what_is_said() {
                         );
                         if let Outline::Ring { .. } = case.mirror.outline {
                             // Beyond the rim there is no mirror.
-                            if q.length() > footprint(&case.mirror).sqrt() / PI.sqrt() {
+                            if q.length() > footprint(&case.mirror, 0.0).sqrt() / PI.sqrt() {
                                 continue;
                             }
                         }
@@ -346,7 +379,7 @@ fn faces_are_the_mirror_to_what_is_said() {
                 _ => {}
             }
         }
-        assert_eq!(panels, 1 + usize::from(case.mirror.folded));
+        assert_eq!(found, panels(&case.mirror), "{}", case.name);
         // What is said is measured at corresponding points, so it is rather more.
         let limit = 1.05 * fit.error_mm + 2e-10;
         assert!(worst <= limit, "{}: {worst:e} mm, {:e} said", case.name, fit.error_mm);

@@ -108,7 +108,7 @@ fn by_facets(design: &Design, limit: f64) -> [f64; 3] {
     let face = mesh(mirror, &camera.chart, Some(view), limits).unwrap().mesh;
     let facets = face.triangles.len() as f64;
     let area = mirror.full_outline().area() / (pixel * pixel);
-    let scene = Scene::new(face);
+    let scene = Scene::new(face.into_panels());
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     let asked = ToleranceSpec { samples: 400, ..spec(vec![fixed(Perturbation::TiltX, 1.0)], &[]) };
     for (point, _) in engine(design, asked).places() {

@@ -276,7 +276,7 @@ fn facets_move_content_by_no_more_than_their_bound() {
     let bound = face.bound.facet_mm / design.camera.pixel_mm;
     assert!(bound <= 0.5, "{bound}");
     let view = design.view.as_ref().unwrap();
-    let scene = Scene::new(face.mesh);
+    let scene = Scene::new(face.mesh.into_panels());
     let panorama = Panorama::new(&optics(&design), [160, 120], None, None).unwrap();
     let mut search = InverseMap::new(optics(&design)).search();
     let (mut worst, mut count) = (0.0_f64, 0);
