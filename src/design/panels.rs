@@ -6,7 +6,9 @@
 //! panels meet, the wall between them lies in a plane through the pupil, so that the camera sees its edge alone.
 //!
 //! A wall must not cross itself: along the whole of a line between panels those on one side are above those on the
-//! other. Which side is above follows from an order of the panels; every order is tried.
+//! other. Which side is above follows from an order of the panels; every order is tried. There always is one: panels and
+//! lines are convex and apart, so that in a direction which is along no line none comes before itself, and each line lies
+//! between the panels on both of its sides.
 
 use super::cause::FailureCause;
 use super::facts::DesignFacts;
@@ -36,7 +38,7 @@ pub(super) struct PanelledDesign {
 /// Solves each panel and joins them.
 ///
 /// # Errors
-/// [`FailureCause`] when a panel has no answer, or no order of the panels keeps the walls apart.
+/// [`FailureCause`] when a panel has no answer, or a height on a line between panels that is no number.
 pub(super) fn solved(
     profile: &Profile,
     wanted: &[PanelSpec],
@@ -57,7 +59,8 @@ pub(super) fn solved(
         sheets.push(sheet);
         all_facts.push(facts);
     }
-    let raised = heights(&parts, &sheets).ok_or(FailureCause::NotFinite { what: "step" })?;
+    let raised =
+        heights(&parts, &sheets).ok_or(FailureCause::NotFinite { what: "step between panels" })?;
     let sheets = sheets.iter().zip(raised).map(|(sheet, by)| raise(sheet, by)).collect();
     let mirror = Mirror {
         surface: Surface::Panels(PanelledSurface { parts: parts.clone(), sheets }),
@@ -145,7 +148,7 @@ struct Meeting {
     mean_mm: f64,
 }
 
-/// How much each panel is raised, mm; none where no order of the panels keeps the walls from crossing.
+/// How much each panel is raised, mm; none where a height on a line between panels is no number.
 fn heights(parts: &Panels, sheets: &[TensorLegendre]) -> Option<Vec<f64>> {
     let lines = parts.dividing_lines();
     let meetings: Vec<Meeting> =
@@ -267,4 +270,55 @@ fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> 
         }
     }
     raised
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::DVec2;
+
+    /// Side of the grid whose tilings are tried.
+    const GRID: usize = 4;
+
+    /// Adds every tiling of the cells that are not `taken` by as many rectangles as `left` at most.
+    fn tilings(taken: [[bool; GRID]; GRID], left: usize, made: &Panels, all: &mut Vec<Panels>) {
+        let free = (0..GRID * GRID).find(|k| !taken[k / GRID][k % GRID]);
+        let Some(first) = free else { return all.push(made.clone()) };
+        if left == 0 {
+            return;
+        }
+        let (row, column) = (first / GRID, first % GRID);
+        for bottom in row + 1..=GRID {
+            for right in column + 1..=GRID {
+                let (mut now, mut is_free) = (taken, true);
+                for line in &mut now[row..bottom] {
+                    for cell in &mut line[column..right] {
+                        is_free &= !std::mem::replace(cell, true);
+                    }
+                }
+                if is_free {
+                    let [min, max] = [[column, row], [right, bottom]]
+                        .map(|[x, y]| DVec2::new(x as f64, y as f64));
+                    let mut more = made.clone();
+                    more.0.push(Rect { min, max });
+                    tilings(now, left - 1, &more, all);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_arrangement_has_an_order_without_crossing_walls() {
+        let mut all = Vec::new();
+        tilings([[false; GRID]; GRID], 6, &Panels(Vec::new()), &mut all);
+        // Rectangles of one, two and three, and so on: a pinwheel is among them.
+        assert!(all.len() > 1000, "{}", all.len());
+        for tiling in all {
+            let (lines, mut found) = (tiling.dividing_lines(), 0);
+            for_each_order(tiling.0.len(), &mut |order| {
+                found += usize::from(sides_above(&lines, order).is_some());
+            });
+            assert!(found > 0, "{tiling:?}");
+        }
+    }
 }
