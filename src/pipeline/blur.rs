@@ -50,7 +50,8 @@ impl Command for BlurOptions {
         })?;
         let map = report.map(&lengths);
         let png = run.picture(|| map.png())?;
-        let page = report.html(&map).map_err(|error| Error::Picture(error.to_string()))?;
+        let page =
+            report.html(run.profile, &map).map_err(|error| Error::Picture(error.to_string()))?;
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("blur.png", &png)?;
             files.add_bytes("blur.html", page.as_bytes())?;

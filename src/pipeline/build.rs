@@ -330,7 +330,7 @@ fn page(
     );
     let errors = seen.errors.drawn(design);
     let figures = BuildFigures { part, preview: &seen.picture, errors, curl, spots };
-    let page = report.html(&design.profile.summary, &figures);
+    let page = report.html(&design.profile, &figures);
     page.map_err(|error| Error::Picture(error.to_string()))
 }
 

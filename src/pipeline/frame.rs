@@ -79,7 +79,8 @@ impl Command for FrameOptions {
         };
         let map = report.map(thinned.pixels(), &map, &map_usr);
         let png = run.picture(|| map.png())?;
-        let page = report.html(&map).map_err(|error| Error::Picture(error.to_string()))?;
+        let page =
+            report.html(run.profile, &map).map_err(|error| Error::Picture(error.to_string()))?;
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("frame.png", &png)?;
             files.add_bytes("frame.html", page.as_bytes())?;

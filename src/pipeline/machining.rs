@@ -72,7 +72,10 @@ impl Command for MachiningOptions {
                 sha256: sha256(&png),
             });
             files.add_bytes("gouge.png", &png)?;
-            files.add_bytes("machining.html", found.html(&map).map_err(picture)?.as_bytes())?;
+            files.add_bytes(
+                "machining.html",
+                found.html(run.profile, &map).map_err(picture)?.as_bytes(),
+            )?;
             files.add_report("machining.json", &found.json())?;
             if found.as_cut.is_none() {
                 files.remove(FILE);

@@ -262,7 +262,7 @@ fn concluded(
     let profile = run.profile;
     let report = ToleranceReport::new(profile.into(), study, *facets_from, offenders, machining);
     run.publish(Stage::Report, |files, timer| {
-        let page = report.html(&PlotData::new(engine, seed, trials));
+        let page = report.html(run.profile, &PlotData::new(engine, seed, trials));
         files.add_bytes("trials.csv", table(profile, engine, seed, trials).as_bytes())?;
         files.add_report("tolerance.json", &report.json())?;
         files.add_bytes("tolerance.html", page.as_bytes())?;
@@ -279,8 +279,7 @@ fn tracks(
     PreparedStudy { design, engine, .. }: &PreparedStudy,
 ) -> Result<Option<MachiningReport>, Error> {
     let ToleranceSpec { sources, texture, budget_px, .. } = &engine.spec;
-    // What a ball leaves beside the walls between panels is not foreseen.
-    if design.mirror.has_steps() {
+    if !run.profile.is_one_surface() {
         return Ok(None);
     }
     let Some(tracks) = sources.iter().find(|source| source.kind == Perturbation::Stepover) else {

@@ -245,6 +245,13 @@ impl Profile {
         Self::parse_with(name, file, bytes, NamedFiles::NONE)
     }
 
+    /// Whether the mirror is without walls between panels: beside a wall a ball cutter leaves material that is not
+    /// foreseen.
+    #[must_use]
+    pub fn is_one_surface(&self) -> bool {
+        !matches!(self.projection, Some(ProjectionSpec::Panels(_)))
+    }
+
     /// Reads and checks a profile as [`Self::parse`] does; `files` has the calibration, the map and the
     /// meshes that it may name, or why there are none.
     ///

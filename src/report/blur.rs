@@ -3,7 +3,7 @@
 use super::answer::{Answer, AnswerRows, Head};
 use super::page::{map_figure, page_of};
 use crate::pencil::Quantiles;
-use crate::profile::Aperture;
+use crate::profile::{Aperture, Profile};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{BlurReport, FocusPlane, digits, three_digits};
 
@@ -12,7 +12,7 @@ impl BlurReport {
     ///
     /// # Errors
     /// What the encoder of pictures reports.
-    pub fn html(&self, map: &FalseColourMap) -> Result<String, EncodingError> {
+    pub fn html(&self, profile: &Profile, map: &FalseColourMap) -> Result<String, EncodingError> {
         let caption = format!(
             "Full length of the spot that a point of the world makes at each pixel, by the mirror's shape alone. 95 % \
              are at most {} px long, the longest {} px.",
@@ -21,7 +21,7 @@ impl BlurReport {
         );
         Ok(page_of(
             self,
-            (Some("blur.html"), "sharpness"),
+            (Some(("blur.html", profile)), "sharpness"),
             [map_figure("Length of the spots, px", map, caption)?],
             &[],
         ))

@@ -5,7 +5,7 @@ use super::build_figures::{BuildFigures, about_errors};
 use super::fact_rows::{PlainPicture, TracesWithFrame, worst_pixel_error};
 use super::page::{Page, map_figure, page_of};
 use super::sharpness::PlainSharpness;
-use crate::profile::AcceptanceLimits;
+use crate::profile::{AcceptanceLimits, Profile};
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{BuildReport, TraceFacts, VerifyReport, percent, three_digits};
 use crate::trace::FrameFill;
@@ -48,10 +48,10 @@ impl BuildReport {
     ///
     /// # Errors
     /// What an encoder of pictures reports.
-    pub fn html(&self, summary: &str, figures: &BuildFigures) -> Result<String, EncodingError> {
+    pub fn html(&self, profile: &Profile, figures: &BuildFigures) -> Result<String, EncodingError> {
         let mut page = Page::new(self, "");
         page.paragraph(&self.conclusion());
-        page.paragraph(summary);
+        page.paragraph(&profile.summary);
         page.list(&self.head().reasons);
         page.warnings(&self.warnings);
         page.plain_facts(&self.plain_rows());
@@ -63,7 +63,7 @@ impl BuildReport {
         )?);
         page.files(&self.files);
         page.folded_facts("All figures, and what each means", &self.page_rows());
-        page.links("report.html", &self.profile.name);
+        page.links("report.html", profile);
         Ok(page.finish())
     }
 

@@ -2,6 +2,7 @@
 
 use super::answer::{Answer, AnswerRows, Head};
 use super::page::{map_figure, page_of};
+use crate::profile::Profile;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{FrameReport, digits};
 use crate::trace::{Coverage, FrameFill, Obstruction};
@@ -41,7 +42,7 @@ impl FrameReport {
     ///
     /// # Errors
     /// What the encoder of pictures reports.
-    pub fn html(&self, map: &FalseColourMap) -> Result<String, EncodingError> {
+    pub fn html(&self, profile: &Profile, map: &FalseColourMap) -> Result<String, EncodingError> {
         let caption = format!(
             "Every pixel of the frame: grey where it shows what it should, lighter where it covers more of the world \
              (coarser there), in colour where it is lost. {:.3} % are filled.",
@@ -49,7 +50,7 @@ impl FrameReport {
         );
         Ok(page_of(
             self,
-            (Some("frame.html"), "frame"),
+            (Some(("frame.html", profile)), "frame"),
             [map_figure("Solid angle of a pixel, microsteradian", map, caption)?],
             &[],
         ))

@@ -5,6 +5,7 @@ use super::fact_rows::{errors_sentence, ray_counts, solid_sentence};
 use super::page::{map_figure, page_of};
 use crate::machining::{Fillet, RasterDirection, ScallopFigures};
 use crate::num::rounding::floor_four_digits;
+use crate::profile::Profile;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::results::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
@@ -16,7 +17,7 @@ impl MachiningReport {
     ///
     /// # Errors
     /// What the encoder of pictures reports.
-    pub fn html(&self, map: &FalseColourMap) -> Result<String, EncodingError> {
+    pub fn html(&self, profile: &Profile, map: &FalseColourMap) -> Result<String, EncodingError> {
         let caption = format!(
             "The face from above, each square {} mm wide: what a ball of {} mm radius cannot reach. Grey is where it \
              fits everywhere.",
@@ -24,7 +25,7 @@ impl MachiningReport {
             self.ball_mm
         );
         let figures = [map_figure("Left by the cutter, um", map, caption)?];
-        Ok(page_of(self, (Some("machining.html"), "machining"), figures, &self.files))
+        Ok(page_of(self, (Some(("machining.html", profile)), "machining"), figures, &self.files))
     }
 }
 

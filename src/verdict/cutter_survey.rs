@@ -79,7 +79,7 @@ impl<'a> CutterSurvey<'a> {
         options: &MachiningOptions,
     ) -> Result<Self, MachiningError> {
         let mirror = &design.mirror;
-        if mirror.has_steps() {
+        if !profile.is_one_surface() {
             return Err(MachiningError::Panels);
         }
         let analysis = SurfaceAnalysis::new(mirror, &design.camera, design.view.as_ref());

@@ -296,6 +296,14 @@ fn commands_know_panels_or_refuse_them() {
     let replay = replay.publish(&profile, &out, &Silent).unwrap();
     assert_eq!(replay.verdict, Verdict::Pass, "{:?}", replay.reasons);
 
+    // Pages offer what there is.
+    let page = |name: &str| std::fs::read_to_string(out.join("p").join(name)).unwrap();
+    for name in ["report.html", "tolerance.html"] {
+        assert!(
+            page(name).contains("frame p</code>") && !page(name).contains("machining"),
+            "{name}"
+        );
+    }
     let machining = morion::machining(&profile, &out).unwrap_err().to_string();
     assert!(machining.contains("a mirror of panels has walls"), "{machining}");
     let photo = out.join("p/preview.png");

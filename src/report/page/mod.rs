@@ -18,6 +18,7 @@ pub(super) use side_view::side_view_figure;
 use super::answer::{Answer, AnswerRows};
 use super::meanings::meaning;
 use super::visible::visible;
+use crate::profile::Profile;
 use crate::results::{FileFacts, Verdict, file_size};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -33,13 +34,47 @@ pub(crate) const STYLE: &str = concat!(
     include_str!("assets/drawing.css")
 );
 
-/// Pages of the commands on one profile, which lie in one folder: file, what it answers, and the command.
-const PAGES: [(&str, &str, &str); 5] = [
-    ("report.html", "The part and its verdict", "build NAME"),
-    ("frame.html", "Which pixels are filled, and how large they are in the world", "frame NAME"),
-    ("blur.html", "How sharp each pixel is through the lens", "blur NAME --pupil-mm MM"),
-    ("tolerance.html", "How many parts made with errors are good", "tolerance NAME"),
-    ("machining.html", "What a ball cutter leaves", "machining NAME --ball-mm MM"),
+/// The page of a command on one profile; all lie in one folder.
+struct CommandPage {
+    file: &'static str,
+    answers: &'static str,
+    command: &'static str,
+    /// Whether the command has an answer for a profile.
+    suits: fn(&Profile) -> bool,
+}
+
+/// The pages of all commands.
+const PAGES: [CommandPage; 5] = [
+    CommandPage {
+        file: "report.html",
+        answers: "The part and its verdict",
+        command: "build NAME",
+        suits: |_| true,
+    },
+    CommandPage {
+        file: "frame.html",
+        answers: "Which pixels are filled, and how large they are in the world",
+        command: "frame NAME",
+        suits: |profile| profile.projection.is_some(),
+    },
+    CommandPage {
+        file: "blur.html",
+        answers: "How sharp each pixel is through the lens",
+        command: "blur NAME --pupil-mm MM",
+        suits: |_| true,
+    },
+    CommandPage {
+        file: "tolerance.html",
+        answers: "How many parts made with errors are good",
+        command: "tolerance NAME",
+        suits: |profile| profile.projection.is_some(),
+    },
+    CommandPage {
+        file: "machining.html",
+        answers: "What a ball cutter leaves",
+        command: "machining NAME --ball-mm MM",
+        suits: Profile::is_one_surface,
+    },
 ];
 
 /// A page that is being written.
@@ -187,13 +222,14 @@ impl Page {
         self.raw("</table>");
     }
 
-    /// Adds links to the pages of other commands on the profile.
-    pub(super) fn links(&mut self, own: &str, profile: &str) {
+    /// Adds links to the pages of other commands that have an answer for the profile.
+    pub(super) fn links(&mut self, own: &str, profile: &Profile) {
         self.heading("More about this mirror");
         self.raw("<table>");
-        let profile = escaped(profile);
-        for (file, answers, command) in PAGES.iter().filter(|page| page.0 != own) {
-            let command = command.replace("NAME", &profile);
+        let name = escaped(&profile.name);
+        let others = PAGES.iter().filter(|page| page.file != own && (page.suits)(profile));
+        for CommandPage { file, answers, command, .. } in others {
+            let command = command.replace("NAME", &name);
             self.raw(&format!(
                 "<tr><th scope=\"row\"><a href=\"{file}\">{file}</a></th><td>{answers}: there after \
                  <code>morion {command}</code></td></tr>"
@@ -227,7 +263,7 @@ impl Page {
 /// the pages of other commands lie in the folder of its file `own`, links to them.
 pub(super) fn page_of(
     answer: &impl Answer,
-    (own, about): (Option<&str>, &str),
+    (own, about): (Option<(&str, &Profile)>, &str),
     figures: impl IntoIterator<Item = Figure>,
     files: &[FileFacts],
 ) -> String {
@@ -244,8 +280,8 @@ pub(super) fn page_of(
     if details.of_page().next().is_some() {
         page.folded_facts("All figures, and what each means", &details);
     }
-    if let Some(own) = own {
-        page.links(own, head.profile.map_or("", |profile| &profile.name));
+    if let Some((own, profile)) = own {
+        page.links(own, profile);
     }
     page.finish()
 }

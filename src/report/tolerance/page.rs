@@ -4,6 +4,7 @@ use super::plots::figures;
 use super::words::{
     FORM_RMS, SYSTEMATIC, SourceCells, criterion, or_dash, reference, statistics, unmet,
 };
+use crate::profile::Profile;
 use crate::report::answer::{Answer, AnswerRows};
 use crate::report::page::{Page, escaped};
 use crate::results::{ToleranceReport, displacement, percent};
@@ -12,7 +13,7 @@ use crate::tolerance::{AdjustmentFacts, FormMeasure, PlotData, SourceFacts, Stat
 impl ToleranceReport {
     /// `tolerance.html`.
     #[must_use]
-    pub fn html(&self, data: &PlotData) -> String {
+    pub fn html(&self, profile: &Profile, data: &PlotData) -> String {
         let mut page = Page::new(self, "tolerances");
         self.add_yield(&mut page);
         for reason in self.head().reasons {
@@ -25,7 +26,7 @@ impl ToleranceReport {
         self.add_statistics(&mut page);
         self.add_adjustments(&mut page);
         self.add_machining(&mut page);
-        page.links("tolerance.html", &self.profile.name);
+        page.links("tolerance.html", profile);
         page.finish()
     }
 
