@@ -55,6 +55,14 @@ impl MapFacts {
     }
 }
 
+/// Lines between panels, which a lens with distortion bends in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DividingLineFacts {
+    /// Largest distance in the frame of a line between panels from the edge between pixels that the profile names, pixels:
+    /// what lies between both belongs to the neighbour.
+    pub departure_px: f64,
+}
+
 /// The errors themselves leave the range of double precision.
 const NO_ERROR: FailureCause = FailureCause::NotFinite { what: "image error" };
 
@@ -97,6 +105,9 @@ pub struct DesignFacts {
     /// How straight lines of the world are in the picture; absent of projections that bend them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub straightness: Option<Straightness>,
+    /// How far lines between panels are from the profile's; absent where they are there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dividing_lines: Option<DividingLineFacts>,
 }
 
 /// A curl with its keys, all null when there is none: readers find the keys either way.
@@ -124,6 +135,7 @@ impl DesignFacts {
             least_error: None,
             map: None,
             straightness: None,
+            dividing_lines: None,
         }
     }
 

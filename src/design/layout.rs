@@ -359,16 +359,11 @@ fn check_frame_filled(
 /// The rectangle, about the part's axis, of a mirror of that layout: of the profile's own height, or as high for its
 /// width as the frame is at the mirror.
 pub(super) fn rectangle_of(profile: &Profile, camera: &Camera) -> Rect {
-    let width = profile.part.width_mm;
-    let height = match profile.layout {
-        Layout::Rectangle { height_mm: Some(height_mm) } => height_mm,
-        _ => {
-            let seen = camera.seen_of(camera.frame()).size();
-            width * seen.y / seen.x
-        }
+    let height_mm = match profile.layout {
+        Layout::Rectangle { height_mm } => height_mm,
+        _ => None,
     };
-    let half = 0.5 * DVec2::new(width, height);
-    Rect { min: -half, max: half }
+    camera.rectangle(profile.part.width_mm, height_mm)
 }
 
 /// A rectangular outline, in single precision where the chart's coordinates are the file's.

@@ -31,7 +31,7 @@ mod surface;
 mod visibility;
 
 pub use cause::{FailureCause, FitStage, LocalFailure};
-pub use facts::{CurlFacts, DesignFacts, MapFacts};
+pub use facts::{CurlFacts, DesignFacts, DividingLineFacts, MapFacts};
 pub use least_curl_law::LeastCurlError;
 pub use least_error::{LeastError, SQUARE, WorstPart, own_errors_px};
 pub use mounting::Mounting;

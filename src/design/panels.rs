@@ -11,13 +11,14 @@
 //! between the panels on both of its sides.
 
 use super::cause::FailureCause;
-use super::facts::DesignFacts;
+use super::facts::{DesignFacts, DividingLineFacts};
 use super::layout::{DesignProblem, rectangle_of};
 use super::surface;
-use crate::geom::{CommonStretch, DividingLine, Outline, Panels, Rect};
+use crate::geom::{CommonStretch, DVec2, DividingLine, Outline, Panels, Rect};
 use crate::mirror::{HeightField, Mirror, PanelledSurface, Surface, TensorLegendre};
 use crate::num::legendre::Series;
 use crate::num::radians;
+use crate::num::units::Mm;
 use crate::optics::{Azimuthal, Camera, ImagingTask, PanelledView, Projection, Target};
 use crate::profile::{Method, PanelSpec, Profile};
 use std::sync::Arc;
@@ -47,6 +48,7 @@ pub(super) fn solved(
     let camera = Camera::new(&profile.camera, &profile.mount, profile.part.width_mm);
     let area = rectangle_of(profile, &camera);
     let parts = Panels(wanted.iter().map(|panel| part(&camera, area, panel)).collect());
+    let lines = parts.dividing_lines();
     let views: Vec<Azimuthal> = wanted.iter().map(|panel| view(profile, &camera, panel)).collect();
     let (mut sheets, mut all_facts) = (Vec::new(), Vec::new());
     for (part, view) in parts.0.iter().zip(&views) {
@@ -59,8 +61,8 @@ pub(super) fn solved(
         sheets.push(sheet);
         all_facts.push(facts);
     }
-    let raised =
-        heights(&parts, &sheets).ok_or(FailureCause::NotFinite { what: "step between panels" })?;
+    let raised = heights(&parts, &lines, &sheets)
+        .ok_or(FailureCause::NotFinite { what: "step between panels" })?;
     let sheets = sheets.iter().zip(raised).map(|(sheet, by)| raise(sheet, by)).collect();
     let mirror = Mirror {
         surface: Surface::Panels(PanelledSurface { parts: parts.clone(), sheets }),
@@ -70,13 +72,23 @@ pub(super) fn solved(
         mirror_symmetric: [false; 2],
     };
     let view = ImagingTask {
-        projection: Projection::Panels(Arc::new(PanelledView { parts, views })),
+        projection: Projection::Panels(Arc::new(PanelledView {
+            parts,
+            picture: camera.picture,
+            views,
+        })),
         target: Target::Infinity,
         origin_mm: 0.0,
         fold: None,
         picture: camera.picture,
     };
-    Ok(PanelledDesign { camera, view, mirror, facts: joint(&all_facts) })
+    let dividing_lines = dividing_lines(&camera, wanted, &lines);
+    Ok(PanelledDesign {
+        camera,
+        view,
+        mirror,
+        facts: DesignFacts { dividing_lines, ..joint(&all_facts) },
+    })
 }
 
 /// The panel's part of the frame, mm.
@@ -85,23 +97,17 @@ fn picture_of(camera: &Camera, panel: &PanelSpec) -> Rect {
     Rect { min: camera.image_point(left, bottom), max: camera.image_point(right, top) }
 }
 
-/// The panel's part of the mirror: at the frame's edges it ends with the mirror.
+/// The panel's part of the mirror, between lines for its edges in the frame: at the frame's own edges it ends with the mirror.
 fn part(camera: &Camera, area: Rect, panel: &PanelSpec) -> Rect {
-    let Rect { mut min, mut max } = picture_of(camera, panel);
     let [columns, rows] = camera.pixels;
-    if panel.columns[0] == 0 {
-        min.x = area.min.x;
-    }
-    if panel.columns[1] == columns {
-        max.x = area.max.x;
-    }
-    if panel.rows[1] == rows {
-        min.y = area.min.y;
-    }
-    if panel.rows[0] == 0 {
-        max.y = area.max.y;
-    }
-    Rect { min, max }
+    let line = |axis: usize, edge: u32, ends: [(u32, f64); 2]| {
+        let end = ends.into_iter().find(|(end, _)| *end == edge);
+        end.map_or_else(|| camera.line_at(axis, edge), |(_, at)| at)
+    };
+    let [left, right] =
+        panel.columns.map(|edge| line(0, edge, [(0, area.min.x), (columns, area.max.x)]));
+    let [top, bottom] = panel.rows.map(|edge| line(1, edge, [(0, area.max.y), (rows, area.min.y)]));
+    Rect { min: DVec2::new(left, bottom), max: DVec2::new(right, top) }
 }
 
 fn view(profile: &Profile, camera: &Camera, panel: &PanelSpec) -> Azimuthal {
@@ -110,6 +116,30 @@ fn view(profile: &Profile, camera: &Camera, panel: &PanelSpec) -> Azimuthal {
     let centre_deg = wanted.centre_deg.unwrap_or([0.0, 90.0]);
     Azimuthal::new(law, centre_deg, wanted.roll_deg, wanted.mirrored, &profile.mount)
         .about(picture.centre())
+}
+
+/// How far lines between panels are from the edges that they stand for, in the picture of a lens that bends them.
+fn dividing_lines(
+    camera: &Camera,
+    wanted: &[PanelSpec],
+    lines: &[DividingLine],
+) -> Option<DividingLineFacts> {
+    if !camera.picture.is_distorted() {
+        return None;
+    }
+    let departure = |line: &DividingLine| {
+        let below = &wanted[line.sides[0][0]];
+        let edge = if line.axis == 0 { below.columns[1] } else { below.rows[0] };
+        let edge = camera.image_point(f64::from(edge), f64::from(edge))[line.axis];
+        let [from, to] = line.ends;
+        let places = (0..PLACES).map(|k| from + (to - from) * (k as f64 / (PLACES - 1) as f64));
+        let seen = places.map(|along| camera.picture.image_point(line.place(along)));
+        // What lies beyond the frame nobody sees.
+        let seen = seen.filter(|&image| camera.frames(image));
+        seen.map(|image| (image[line.axis] - edge).abs()).fold(0.0, f64::max)
+    };
+    let largest = lines.iter().map(departure).fold(0.0, f64::max);
+    Some(DividingLineFacts { departure_px: camera.to_px(Mm(largest)).0 })
 }
 
 /// The surface higher by so many mm.
@@ -149,13 +179,12 @@ struct Meeting {
 }
 
 /// How much each panel is raised, mm; none where a height on a line between panels is no number.
-fn heights(parts: &Panels, sheets: &[TensorLegendre]) -> Option<Vec<f64>> {
-    let lines = parts.dividing_lines();
+fn heights(parts: &Panels, lines: &[DividingLine], sheets: &[TensorLegendre]) -> Option<Vec<f64>> {
     let meetings: Vec<Meeting> =
         lines.iter().enumerate().flat_map(|(k, line)| meetings(parts, sheets, k, line)).collect();
     let mut best: Option<(f64, Vec<f64>)> = None;
     for_each_order(parts.0.len(), &mut |order| {
-        let Some(signs) = sides_above(&lines, order) else { return };
+        let Some(signs) = sides_above(lines, order) else { return };
         let raised = least_steps(&meetings, &signs, order);
         let walls_mm2: f64 = meetings
             .iter()
@@ -275,7 +304,6 @@ fn least_steps(meetings: &[Meeting], signs: &[f64], rank: &[usize]) -> Vec<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::DVec2;
 
     /// Side of the grid whose tilings are tried.
     const GRID: usize = 4;

@@ -211,6 +211,43 @@ impl Camera {
         bounds_of_edge(area, |q| self.picture.image_point(q))
     }
 
+    /// The line across the part, in chart coordinates, that stands for the edge between two columns (`axis` 0) or rows (1)
+    /// of the frame, `edge` of them from its left or its top: its constant coordinate, mm. Where the lens bends the edge
+    /// on the part, the line is in the middle of it.
+    #[must_use]
+    pub fn line_at(&self, axis: usize, edge: u32) -> f64 {
+        /// Places along the edge.
+        const PLACES: u32 = 64;
+        let [width, height] = self.pixels.map(f64::from);
+        let edge = f64::from(edge);
+        let at = |k: u32| {
+            let share = f64::from(k) / f64::from(PLACES);
+            let image = match axis {
+                0 => self.image_point(edge, share * height),
+                _ => self.image_point(share * width, edge),
+            };
+            self.picture.chart_point(image)[axis]
+        };
+        if self.picture.is_identity() {
+            return at(0);
+        }
+        let ends = |[low, high]: [f64; 2], at: f64| [low.min(at), high.max(at)];
+        let [low, high] = (0..=PLACES).map(at).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+        0.5 * (low + high)
+    }
+
+    /// The rectangle about the part's axis that is `width_mm` wide, and of that height or as high for its width as the frame
+    /// is at the mirror, mm.
+    #[must_use]
+    pub fn rectangle(&self, width_mm: f64, height_mm: Option<f64>) -> Rect {
+        let height_mm = height_mm.unwrap_or_else(|| {
+            let seen = self.seen_of(self.frame()).size();
+            width_mm * seen.y / seen.x
+        });
+        let half = 0.5 * DVec2::new(width_mm, height_mm);
+        Rect { min: -half, max: half }
+    }
+
     /// Half the frame's width and height, mm of the image.
     #[must_use]
     pub fn half_frame(&self) -> DVec2 {

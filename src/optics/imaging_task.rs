@@ -218,7 +218,7 @@ impl ImagingTask {
     #[must_use]
     pub fn panel_of(&self, q: DVec2) -> usize {
         match &self.projection {
-            Projection::Panels(views) => views.parts.index_of(q),
+            Projection::Panels(views) => views.panel_of(q),
             _ => usize::from(self.reflects(q)),
         }
     }

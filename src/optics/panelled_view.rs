@@ -1,14 +1,17 @@
 //! Views side by side in one picture.
 
-use super::Azimuthal;
+use super::{Azimuthal, PictureMap};
 use crate::geom::{DVec2, Panels};
 use crate::num::Scalar;
 
-/// A view for each part of a picture that rectangles cut up, over image points in mm.
+/// A view for each panel of a mirror, over image points in mm. What parts them are lines of the part, which a lens bends in
+/// the picture: an image point belongs to the panel that the camera sees there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelledView {
-    /// The parts of the picture.
+    /// The panels, mm of the chart.
     pub parts: Panels,
+    /// From the chart to the picture.
+    pub picture: PictureMap,
     /// The view of each.
     pub views: Vec<Azimuthal>,
 }
@@ -32,7 +35,14 @@ impl PanelledView {
         self.views.iter().fold(0.0, |most: f64, view| most.max(view.radians_per_mm()))
     }
 
-    fn view_at(&self, q: DVec2) -> &Azimuthal {
-        &self.views[self.parts.index_of(q)]
+    /// The panel of an image point.
+    #[inline]
+    #[must_use]
+    pub fn panel_of(&self, image: DVec2) -> usize {
+        self.parts.index_of(self.picture.chart_point(image))
+    }
+
+    fn view_at(&self, image: DVec2) -> &Azimuthal {
+        &self.views[self.panel_of(image)]
     }
 }

@@ -162,6 +162,12 @@ impl PictureMap {
         self.lens.is_none()
     }
 
+    /// Whether a lens bends lines.
+    #[must_use]
+    pub fn is_distorted(&self) -> bool {
+        self.lens.is_some_and(|lens| lens.distortion != Distortion::None)
+    }
+
     /// The place that an image point would have through a lens without distortion, from the optical axis: not finite
     /// where the lens has none.
     #[must_use]
@@ -218,7 +224,7 @@ impl PictureMap {
     /// distort.
     #[must_use]
     pub(super) fn inverse_table(&self, picture: Rect, cells: [usize; 2]) -> Option<InverseTable> {
-        let lens = self.lens.filter(|lens| lens.distortion != Distortion::None)?;
+        let lens = self.lens.filter(|_| self.is_distorted())?;
         let corners = [picture.min, picture.max].map(|image| lens.normalised(image));
         Some(InverseTable::new(&lens.distortion, corners, cells))
     }

@@ -88,8 +88,13 @@ impl BuildReport {
     fn plain_rows(&self) -> AnswerRows {
         let Self { layout, design, unwanted, trace, frame, sharpness, accepted, .. } = self;
         let picture = plain_picture(trace, frame, accepted);
-        let of_design: [&dyn ToRows; 4] =
-            [&design.least_error, &design.map, &design.straightness, unwanted];
+        let of_design: [&dyn ToRows; 5] = [
+            &design.least_error,
+            &design.map,
+            &design.straightness,
+            &design.dividing_lines,
+            unwanted,
+        ];
         let mut rows = AnswerRows::of(&[layout, &picture]);
         rows.append(AnswerRows::of(&of_design));
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
@@ -109,6 +114,7 @@ impl BuildReport {
             &design.least_error,
             &design.map,
             &design.straightness,
+            &design.dividing_lines,
             unwanted,
             form,
             step,
@@ -144,6 +150,7 @@ impl Answer for VerifyReport {
         plain_picture(trace, frame, accepted).add_to(&mut rows);
         design.least_error.add_to(&mut rows);
         design.straightness.add_to(&mut rows);
+        design.dividing_lines.add_to(&mut rows);
         sharpness.as_ref().map(PlainSharpness).add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         rows.details(|rows| {

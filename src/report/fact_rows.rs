@@ -1,7 +1,7 @@
 //! Facts of the mirror, its mesh and what the witness saw, in words.
 
 use super::answer::{AnswerRows, ToRows};
-use crate::design::{CurlFacts, DesignFacts, MapFacts, Mounting, Straightness};
+use crate::design::{CurlFacts, DesignFacts, DividingLineFacts, MapFacts, Mounting, Straightness};
 use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
@@ -93,6 +93,16 @@ impl ToRows for Straightness {
         let sentence =
             format!("the design bends straight ones by {px} px at most, {percent} % of the width");
         rows.named("lines", "straight lines", sentence);
+    }
+}
+
+impl ToRows for DividingLineFacts {
+    fn add_to(&self, rows: &mut AnswerRows) {
+        let px = three_digits(self.departure_px);
+        let sentence = format!(
+            "the lens bends those between panels to at most {px} px from the profile's edges"
+        );
+        rows.named("lines", "lines between panels", sentence);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 36] = [
+const MEANINGS: [(&str, &str); 37] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -37,6 +37,10 @@ const MEANINGS: [(&str, &str); 36] = [
         "Samples of the picture that is given as data, and what is lost between them.",
     ),
     ("straight lines", "How far images of straight lines are from the chords through their ends."),
+    (
+        "lines between panels",
+        "How far from the edges that the profile names a pixel may show what its neighbours' panel is to show.",
+    ),
     (
         "camera in the picture",
         "Whether rays come back to the camera, and whether parts of the world are seen twice.",

@@ -200,6 +200,65 @@ fn walls_close_the_part_in_every_arrangement() {
     }
 }
 
+/// Lines between panels are straight on the part; through a lens of one radial coefficient they depart from the edges of
+/// the profile by what its polynomial says, and every pixel shows what the panel that is seen there is to show.
+#[test]
+fn a_lens_bends_the_lines_between_panels_and_no_pixel_is_lost_to_it() {
+    let ideal = text(&QUARTERS, 8, "\"stl\"");
+    let (focal, principal, k1) = (160.0 / tan(radians(15.0)), [131.0, 117.0], -0.25);
+    let pinhole = "camera.pinhole = { pixels = [320, 240], hfov_deg = 30, distance_mm = 150, pupil_mm = 0.8 }";
+    let lens = format!(
+        "camera.calibrated = {{ pixels = [320, 240], focal_px = [{focal}, {focal}], principal_px = {principal:?}, \
+         distortion = [{k1}, 0, 0, 0], distance_mm = 150, pupil_mm = 0.8 }}"
+    );
+    assert!(ideal.contains(pinhole));
+    let built = |text: &str| -> BuildReport {
+        let folder = folder();
+        build(&parsed(text), folder.path(), &Silent).unwrap()
+    };
+    let [bent, straight] = [built(&ideal.replace(pinhole, &lens)), built(&ideal)];
+    assert_eq!(bent.verdict, Verdict::Pass, "{:?}", bent.reasons);
+    assert!(straight.design.dividing_lines.is_none());
+    let rms = |report: &BuildReport| report.trace[0].errors.pixel_error_px.unwrap().rms;
+    assert!(rms(&bent) < 1.5 * rms(&straight), "{} {}", rms(&bent), rms(&straight));
+
+    // By the polynomial of the lens: where it sees a point, and by bisection what it sees at a pixel.
+    let bend = |p: DVec2| p * (1.0 + k1 * p.length_squared());
+    let sight = |pixel: DVec2| {
+        let wanted = (pixel - DVec2::from(principal) - 0.5) / focal;
+        let (mut low, mut high) = (1.0, 1.2);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if bend(wanted * middle).length() < wanted.length() {
+                low = middle
+            } else {
+                high = middle
+            }
+        }
+        wanted * low
+    };
+    let departure = |axis: usize, [edge, length]: [f64; 2]| {
+        let pixel =
+            |along: f64| if axis == 0 { DVec2::new(edge, along) } else { DVec2::new(along, edge) };
+        let on_part: Vec<DVec2> =
+            (0..=500).map(|k| sight(pixel(length * f64::from(k) / 500.0))).collect();
+        let [low, high] =
+            [f64::min, f64::max].map(|f| on_part.iter().map(|p| p[axis]).reduce(f).unwrap());
+        let line = on_part.iter().map(|&p| {
+            let mut at = p;
+            at[axis] = 0.5 * (low + high);
+            focal * bend(at)[axis] + principal[axis] + 0.5 - edge
+        });
+        line.map(f64::abs).fold(0.0, f64::max)
+    };
+    let exact = departure(0, [160.0, 240.0]).max(departure(1, [120.0, 320.0]));
+    let found = bent.design.dividing_lines.as_ref().unwrap().departure_px;
+    assert!(
+        (found / exact - 1.0).abs() < 0.02 && exact > 0.05,
+        "{found} px, by the polynomial {exact}"
+    );
+}
+
 /// Rows of a sag table are places of their panel, and its normals there show what the panel is to show.
 #[test]
 fn a_sag_table_names_the_panel_of_each_row() {

@@ -6,7 +6,7 @@ use super::super::{AzimuthalSpec, PanelSpec};
 use super::Entries;
 use super::camera::CameraName;
 use super::view::{AzimuthalKeys, LAWS, azimuthal};
-use crate::optics::{CameraModel, Mount, Target};
+use crate::optics::{Camera, CameraModel, Mount, Target};
 
 /// Most panels: their heights are chosen among all orders of them.
 const MOST: usize = 6;
@@ -94,7 +94,7 @@ fn edges(
     Some(Located { value: [first, last], at: found.at })
 }
 
-/// Panels fill the frame of a pinhole on the axis, and come in the place of another projection.
+/// Panels fill the frame of a camera with a pinhole on the axis, and come in the place of another projection.
 pub(super) fn suits(
     reader: &mut ProfileReader,
     root: &Section,
@@ -121,9 +121,11 @@ pub(super) fn suits(
         refuse("the camera must be on the axis with panels, found [mount]".to_owned(), hint);
     }
     let Some(camera) = &parts.camera else { return };
-    if camera.name != CameraName::Pinhole {
+    if camera.name == CameraName::Orthographic {
         let found = camera.name.table();
-        let message = format!("camera must be [camera.pinhole] with panels, found [{found}]");
+        let message = format!(
+            "camera must be [camera.pinhole] or [camera.calibrated] with panels, found [{found}]"
+        );
         let hint = "the walls between panels lie along the rays of a pinhole";
         reader.complain(camera.at, message, hint);
     }
@@ -143,17 +145,18 @@ fn lines_on_mirror(
     camera: &CameraModel,
 ) {
     let Some(width) = parts.part.width else { return };
-    let pixel_mm = camera.pixel_mm(width.value);
-    let sizes = [Some(width.value), parts.part.height.map(|height| height.value)];
+    let pixels = camera.pixels();
+    let camera = Camera::new(camera, &Mount::default(), width.value);
+    let size = camera.rectangle(width.value, parts.part.height.map(|height| height.value)).size();
     for panel in panels {
         let keys = [("columns", &panel.columns), ("rows", &panel.rows)];
         for (k, (key, edges)) in keys.into_iter().enumerate() {
-            let (Some(size), Some(edges)) = (sizes[k], edges) else { continue };
-            let pixels = camera.pixels()[k];
-            let off = |edge: u32| (f64::from(edge) - 0.5 * f64::from(pixels)).abs() * pixel_mm;
-            let mut inner = edges.value.into_iter().filter(|edge| (1..pixels).contains(edge));
-            if let Some(edge) = inner.find(|&edge| off(edge) >= 0.5 * size) {
-                let (path, most) = (&panel.path, 0.5 * size);
+            let Some(edges) = edges else { continue };
+            let off = |edge: u32| camera.line_at(k, edge).abs();
+            let most = 0.5 * size[k];
+            let mut inner = edges.value.into_iter().filter(|edge| (1..pixels[k]).contains(edge));
+            if let Some(edge) = inner.find(|&edge| !(off(edge) < most)) {
+                let path = &panel.path;
                 let message = format!(
                     "{path}.{key} must have edges on the mirror, less than {most} mm from its middle, found {edge}, which is \
                      {:.3} mm from it",

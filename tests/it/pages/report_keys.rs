@@ -51,6 +51,27 @@ mesh.facet_px = 3
 export.formats = [\"stl\"]
 ";
 
+/// Two views in the frame of a lens that bends lines.
+const PANELS: &str = "\
+camera.calibrated = { pixels = [120, 80], focal_px = [200, 200], principal_px = [59.5, 39.5], distortion = [-0.3, 0.1, 0, 0], \
+distance_mm = 60 }
+layout.rectangle = {}
+method.vector-field.degree = 8
+part = { width_mm = 38, base_mm = 2 }
+mesh.facet_px = 3
+export.formats = [\"stl\"]
+[[panel]]
+columns = [0, 60]
+rows = [0, 80]
+centre_deg = [0, 40]
+hfov_deg = 40
+[[panel]]
+columns = [60, 120]
+rows = [0, 80]
+centre_deg = [180, 40]
+hfov_deg = 40
+";
+
 /// A leg beside the round mirror.
 const LEG: &str = "\
 [[obstacle]]
@@ -79,6 +100,7 @@ impl Runs {
             ("obstructed", format!("{ROUND}{LEG}")),
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
+            ("panels", PANELS.into()),
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
         }
@@ -170,7 +192,8 @@ fn hold(page: &str, headings: &[&str], values: &[Value]) {
 #[test]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
-    let names = ["all", "budget", "valley", "given", "round", "obstructed", "oblique", "map"];
+    let names =
+        ["all", "budget", "valley", "given", "round", "obstructed", "oblique", "map", "panels"];
     let mut reports: Vec<Value> =
         names.map(|name| runs.printed(&format!("build {name}.toml"))).into();
     runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
