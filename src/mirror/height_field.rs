@@ -85,6 +85,12 @@ pub trait HeightField: Sized {
         self.row(q.y).at(q.x)
     }
 
+    /// Height and slope at each of a few points, with the bits of [`HeightRow::at`].
+    #[inline]
+    fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+        places.map(|q| self.at(q))
+    }
+
     /// Height at one point, mm, with the bits of [`HeightRow::at`].
     fn height(&self, q: DVec2) -> f64 {
         self.at(q).f
@@ -126,14 +132,28 @@ pub trait HeightField: Sized {
     }
 }
 
+/// Places that are evaluated at once: enough to hide how long each operation takes, and few enough for the
+/// registers of a processor with vectors of two numbers.
+const LANES: usize = 8;
+
 /// A surface on one line of constant y.
 pub trait HeightRow {
     /// Height and slope at `x`.
     fn at(&self, x: f64) -> HeightAndSlope;
 
+    /// Height and slope at each of a few places, with the bits of [`HeightRow::at`].
+    #[inline]
+    fn at_each<const N: usize>(&self, xs: [f64; N]) -> [HeightAndSlope; N] {
+        xs.map(|x| self.at(x))
+    }
+
     /// Adds height and slope at each of `xs`, with the bits of [`HeightRow::at`].
     fn extend_at(&self, xs: &[f64], points: &mut Vec<HeightAndSlope>) {
-        points.extend(xs.iter().map(|x| self.at(*x)));
+        let (several, rest) = xs.as_chunks::<LANES>();
+        for xs in several {
+            points.extend(self.at_each(*xs));
+        }
+        points.extend(rest.iter().map(|x| self.at(*x)));
     }
 }
 

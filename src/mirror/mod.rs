@@ -184,20 +184,41 @@ impl Mirror {
         self.surface.height(if self.reflects(q) { q * DVec2::new(1.0, -1.0) } else { q })
     }
 
+    /// Height and slope over each of a few places, with the bits of [`Mirror::at`].
+    #[inline]
+    fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+        let reflected = places.map(|q| self.reflects(q));
+        let side = |k: usize| if reflected[k] { DVec2::new(1.0, -1.0) } else { DVec2::ONE };
+        let points: [_; N] = self.surface.at_each(std::array::from_fn(|k| places[k] * side(k)));
+        std::array::from_fn(|k| {
+            let HeightAndSlope { f, slope } = points[k];
+            HeightAndSlope { f, slope: slope * side(k) }
+        })
+    }
+
     /// Height and slope over each of `places`, best listed in lines of equal y.
     #[must_use]
     pub fn eval_many(&self, places: &[DVec2]) -> Vec<HeightAndSlope> {
+        let on_line = |a: &DVec2, b: &DVec2| a.y == b.y;
         let mut points = Vec::with_capacity(places.len());
-        let mut xs = Vec::new();
-        for line in places.chunk_by(|a, b| a.y == b.y) {
-            // (A row takes longer than a place.)
-            if let [place] = line {
+        let (mut xs, mut rest) = (Vec::new(), places);
+        while let Some(line) = rest.chunk_by(on_line).next() {
+            let few = rest.first_chunk::<SCATTERED>();
+            let scattered = few.filter(|few| few.windows(2).all(|two| !on_line(&two[0], &two[1])));
+            let taken = if let Some(few) = scattered {
+                points.extend(self.at_each(*few));
+                few.len()
+            } else if let [place] = line {
+                // (A row takes longer than a place.)
                 points.push(self.at(*place));
-                continue;
-            }
-            xs.clear();
-            xs.extend(line.iter().map(|q| q.x));
-            self.row(line[0].y).extend_at(&xs, &mut points);
+                1
+            } else {
+                xs.clear();
+                xs.extend(line.iter().map(|q| q.x));
+                self.row(line[0].y).extend_at(&xs, &mut points);
+                line.len()
+            };
+            rest = &rest[taken..];
         }
         points
     }
@@ -303,6 +324,10 @@ impl Mirror {
         None
     }
 }
+
+/// Places on lines of their own that are evaluated at once: half as many as on one line, since the sums of each take twice
+/// the registers.
+const SCATTERED: usize = 4;
 
 /// A mirror on one line of constant y.
 #[derive(Debug, Clone)]

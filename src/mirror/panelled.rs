@@ -54,6 +54,14 @@ impl HeightField for PanelledSurface {
         self.sheets[self.parts.index_of(q)].at(q)
     }
 
+    fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+        let panels = places.map(|q| self.parts.index_of(q));
+        match panels.iter().all(|panel| *panel == panels[0]) {
+            true => self.sheets[panels[0]].at_each(places),
+            false => places.map(|q| self.at(q)),
+        }
+    }
+
     fn height(&self, q: DVec2) -> f64 {
         self.sheets[self.parts.index_of(q)].height(q)
     }
@@ -98,6 +106,14 @@ impl HeightRow for PanelledRow<'_> {
         match self.panels.iter().find(|(k, _)| *k == panel) {
             Some((_, row)) => row.at(x),
             None => self.surface.at(q),
+        }
+    }
+
+    fn at_each<const N: usize>(&self, xs: [f64; N]) -> [HeightAndSlope; N] {
+        let panels = xs.map(|x| self.surface.parts.index_of(DVec2::new(x, self.y)));
+        match self.panels.iter().find(|(k, _)| panels.iter().all(|panel| panel == k)) {
+            Some((_, row)) => row.at_each(xs),
+            None => xs.map(|x| self.at(x)),
         }
     }
 }

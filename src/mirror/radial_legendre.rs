@@ -45,6 +45,11 @@ impl HeightRow for RadialLegendreRow<'_> {
     fn at(&self, x: f64) -> HeightAndSlope {
         self.surface.at(DVec2::new(x, self.y))
     }
+
+    #[inline]
+    fn at_each<const N: usize>(&self, xs: [f64; N]) -> [HeightAndSlope; N] {
+        self.surface.at_each(xs.map(|x| DVec2::new(x, self.y)))
+    }
 }
 
 impl HeightField for RadialLegendre {
@@ -60,6 +65,16 @@ impl HeightField for RadialLegendre {
         let r2 = q.length_squared();
         let Steps { f, d, .. } = self.steps(r2, &self.row.gradient(self.unit(r2)));
         HeightAndSlope { f, slope: q * d }
+    }
+
+    #[inline]
+    fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+        let r2 = places.map(DVec2::length_squared);
+        let jets = self.row.gradients(r2.map(|r2| self.unit(r2)));
+        std::array::from_fn(|k| {
+            let Steps { f, d, .. } = self.steps(r2[k], &jets[k]);
+            HeightAndSlope { f, slope: places[k] * d }
+        })
     }
 
     fn hessian(&self, q: DVec2) -> Hessian {

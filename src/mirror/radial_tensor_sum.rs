@@ -34,6 +34,12 @@ impl HeightField for RadialTensorSum {
         self.radial.at(q).plus(&self.tensor.at(q))
     }
 
+    #[inline]
+    fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+        let (radial, tensor) = (self.radial.at_each(places), self.tensor.at_each(places));
+        std::array::from_fn(|k| radial[k].plus(&tensor[k]))
+    }
+
     fn hessian(&self, q: DVec2) -> Hessian {
         let (a, b) = (self.radial.hessian(q), self.tensor.hessian(q));
         Hessian { xx: a.xx + b.xx, xy: a.xy + b.xy, yy: a.yy + b.yy }
@@ -57,5 +63,11 @@ impl HeightRow for RadialTensorSumRow<'_> {
     #[inline]
     fn at(&self, x: f64) -> HeightAndSlope {
         self.radial.at(x).plus(&self.tensor.at(x))
+    }
+
+    #[inline]
+    fn at_each<const N: usize>(&self, xs: [f64; N]) -> [HeightAndSlope; N] {
+        let (radial, tensor) = (self.radial.at_each(xs), self.tensor.at_each(xs));
+        std::array::from_fn(|k| radial[k].plus(&tensor[k]))
     }
 }

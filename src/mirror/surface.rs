@@ -41,6 +41,14 @@ macro_rules! surfaces {
                 }
             }
 
+            /// As [`HeightField::at_each`].
+            #[must_use]
+            pub fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+                match self {
+                    $(Self::$kind(field) => field.at_each(places),)+
+                }
+            }
+
             /// As [`HeightField::height`].
             #[must_use]
             pub fn height(&self, q: DVec2) -> f64 {
@@ -202,6 +210,8 @@ mod tests {
                 let mut many = Vec::new();
                 surface.row(q.y).extend_at(&xs, &mut many);
                 assert!(xs.iter().map(|x| surface.row(q.y).at(*x)).eq(many), "{q}");
+                let places = [0.0, 0.1, -0.2].map(|off| q + DVec2::new(off, -2.0 * off));
+                assert_eq!(surface.at_each(places), places.map(|q| surface.at(q)), "{q}");
                 assert_eq!(surface.height(q).to_bits(), point.f.to_bits(), "{q}");
                 // The Hessian is the derivative of the slope; differences are good to their step, where a
                 // knot is between.

@@ -36,17 +36,19 @@ impl HeightField for TensorLegendre {
 
     /// Without the memory that a row takes.
     fn at(&self, q: DVec2) -> HeightAndSlope {
-        // As the row has it.
-        let (u, v) =
-            ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
-        let jet = self.series.gradient(u, v);
-        let slope = DVec2::from_array(jet.gradient) * (self.scale_mm / self.half);
-        HeightAndSlope { f: self.scale_mm * jet.f, slope }
+        let [u, v] = self.unit(q);
+        self.point(&self.series.gradient(u, v))
+    }
+
+    #[inline]
+    fn at_each<const N: usize>(&self, places: [DVec2; N]) -> [HeightAndSlope; N] {
+        let units = places.map(|q| self.unit(q));
+        let jets = self.series.gradients(units.map(|[u, _]| u), units.map(|[_, v]| v));
+        jets.map(|jet| self.point(&jet))
     }
 
     fn height(&self, q: DVec2) -> f64 {
-        let (u, v) =
-            ((q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y);
+        let [u, v] = self.unit(q);
         self.scale_mm * self.series.value(u, v)
     }
 
@@ -112,6 +114,18 @@ impl HeightField for TensorLegendre {
 }
 
 impl TensorLegendre {
+    /// (u, v) of a place, as the row has them.
+    #[inline]
+    fn unit(&self, q: DVec2) -> [f64; 2] {
+        [(q.x - self.centre.x) * (1.0 / self.half.x), (q.y - self.centre.y) / self.half.y]
+    }
+
+    #[inline]
+    fn point(&self, jet: &Jet) -> HeightAndSlope {
+        let slope = DVec2::from_array(jet.gradient) * (self.scale_mm / self.half);
+        HeightAndSlope { f: self.scale_mm * jet.f, slope }
+    }
+
     /// The Hessian at `x` of the line of `row`.
     fn hessian_on(&self, row: &TensorLegendreRow, x: f64) -> Hessian {
         let u = (x - self.centre.x) / self.half.x;
@@ -161,19 +175,11 @@ impl HeightRow for TensorLegendreRow {
         self.point(&self.row.gradient(self.argument(x)))
     }
 
-    fn extend_at(&self, xs: &[f64], points: &mut Vec<HeightAndSlope>) {
-        let (several, rest) = xs.as_chunks::<LANES>();
-        for xs in several {
-            let jets = self.row.gradients(xs.map(|x| self.argument(x)));
-            points.extend(jets.iter().map(|jet| self.point(jet)));
-        }
-        points.extend(rest.iter().map(|x| self.at(*x)));
+    #[inline]
+    fn at_each<const N: usize>(&self, xs: [f64; N]) -> [HeightAndSlope; N] {
+        self.row.gradients(xs.map(|x| self.argument(x))).map(|jet| self.point(&jet))
     }
 }
-
-/// Places that are evaluated at once: enough to hide how long each operation takes, and few enough for the
-/// registers of a processor with vectors of two numbers.
-const LANES: usize = 8;
 
 impl TensorLegendreRow {
     #[inline]

@@ -24,6 +24,15 @@ pub struct Jet {
     pub hessian: [f64; 3],
 }
 
+impl Jet {
+    /// One for each lane of (f, f_u, f_v).
+    #[inline]
+    fn each<const N: usize>(sums: [Lanes<N>; 3]) -> [Self; N] {
+        let [f, f_u, f_v] = sums.map(|sum| sum.0);
+        std::array::from_fn(|k| Self { f: f[k], gradient: [f_u[k], f_v[k]], hessian: [0.0; 3] })
+    }
+}
+
 /// P_0(x) ... P_degree(x).
 #[must_use]
 pub fn values(degree: usize, x: f64) -> Vec<f64> {
@@ -153,59 +162,73 @@ impl Series {
     /// Value and gradient at one point, with the bits of [`Row::gradient`].
     #[must_use]
     pub fn gradient(&self, u: f64, v: f64) -> Jet {
-        let (mut p, mut p0, mut d, mut d0) = (1.0, 0.0, 0.0, 0.0);
-        let (mut f, mut f_u, mut f_v) = (0.0, 0.0, 0.0);
-        self.fold(v, |i, [fold, fold_v]| {
-            f += fold * p;
-            f_u += fold * d;
-            f_v += fold_v * p;
-            let [grow, shrink, odd] = step(i);
-            (d, d0) = (d0 + odd * p, d);
-            (p, p0) = (grow * u * p - shrink * p0, p);
-        });
+        let [f, f_u, f_v] = self.sums(u, v);
         Jet { f, gradient: [f_u, f_v], hessian: [0.0; 3] }
+    }
+
+    /// [`Series::gradient`] at several points at once, with its bits.
+    #[inline]
+    #[must_use]
+    pub fn gradients<const N: usize>(&self, u: [f64; N], v: [f64; N]) -> [Jet; N] {
+        Jet::each(self.sums(Lanes(u), Lanes(v)))
+    }
+
+    /// (f, f_u, f_v) at (`u`, `v`).
+    #[inline]
+    fn sums<A: Arithmetic>(&self, u: A, v: A) -> [A; 3] {
+        let [one, zero] = [1.0, 0.0].map(A::constant);
+        let (mut p, mut p0, mut d, mut d0) = (one, zero, zero, zero);
+        let mut sums = [zero; 3];
+        self.fold(v, |i, [fold, fold_v]| {
+            sums = [sums[0] + fold * p, sums[1] + fold * d, sums[2] + fold_v * p];
+            let [grow, shrink, odd] = step(i);
+            (d, d0) = (d0 + p * odd, d);
+            (p, p0) = (u * grow * p - p0 * shrink, p);
+        });
+        sums
     }
 
     /// Hands on, for every u-degree, the sum over its c_ij times (P_j, P_j', P_j'')(`v`), as many of
     /// these as are wanted.
     #[inline]
-    fn fold<const N: usize>(&self, v: f64, mut take: impl FnMut(usize, [f64; N])) {
-        let mut room = [[0.0; N]; ROOM];
+    fn fold<A: Arithmetic, const N: usize>(&self, v: A, mut take: impl FnMut(usize, [A; N])) {
+        let [one, zero] = [1.0, 0.0].map(A::constant);
+        let mut room = [[zero; N]; ROOM];
         let mut more;
         let basis = if self.columns <= ROOM {
             &mut room[..self.columns]
         } else {
-            more = vec![[0.0; N]; self.columns];
+            more = vec![[zero; N]; self.columns];
             &mut more[..]
         };
-        let (mut now, mut before) = ([1.0, 0.0, 0.0], [0.0; 3]);
+        let (mut now, mut before) = ([one, zero, zero], [zero; 3]);
         for (j, basis) in basis.iter_mut().enumerate() {
             basis.copy_from_slice(&now[..N]);
             let [grow, shrink, odd] = step(j);
             let [p, d, dd] = now;
             let next =
-                [grow * v * p - shrink * before[0], before[1] + odd * p, before[2] + odd * d];
+                [v * grow * p - before[0] * shrink, before[1] + p * odd, before[2] + d * odd];
             (now, before) = (next, [p, d, dd]);
         }
         // Two rows at a time: the additions of one do not wait for those of the other.
         let mut pairs = self.coefficients.chunks_exact(2 * self.columns);
         for (i, pair) in pairs.by_ref().enumerate() {
             let (first, second) = pair.split_at(self.columns);
-            let mut sums = [[0.0; N]; 2];
+            let mut sums = [[zero; N]; 2];
             for ((c, d), basis) in first.iter().zip(second).zip(&*basis) {
                 for (k, basis) in basis.iter().enumerate() {
-                    sums[0][k] += c * basis;
-                    sums[1][k] += d * basis;
+                    sums[0][k] = sums[0][k] + *basis * *c;
+                    sums[1][k] = sums[1][k] + *basis * *d;
                 }
             }
             take(2 * i, sums[0]);
             take(2 * i + 1, sums[1]);
         }
         if self.rows % 2 == 1 {
-            let mut sums = [0.0; N];
+            let mut sums = [zero; N];
             for (c, basis) in pairs.remainder().iter().zip(&*basis) {
                 for (sum, basis) in sums.iter_mut().zip(basis) {
-                    *sum += c * basis;
+                    *sum = *sum + *basis * *c;
                 }
             }
             take(self.rows - 1, sums);
@@ -265,8 +288,7 @@ impl Row {
     #[inline]
     #[must_use]
     pub fn gradients<const N: usize>(&self, u: [f64; N]) -> [Jet; N] {
-        let [f, f_u, f_v] = self.sums(Lanes(u)).map(|sum| sum.0);
-        std::array::from_fn(|k| Jet { f: f[k], gradient: [f_u[k], f_v[k]], hessian: [0.0; 3] })
+        Jet::each(self.sums(Lanes(u)))
     }
 
     /// (f, f_u, f_v) at `u`.
