@@ -7,6 +7,9 @@ pub mod align {
 pub mod bench {
     pub use crate::bench::*;
 }
+pub mod brep {
+    pub use crate::brep::*;
+}
 #[cfg(feature = "cli")]
 pub mod cli {
     pub use crate::cli::*;

@@ -66,6 +66,7 @@
 
 mod align;
 mod bench;
+mod brep;
 #[cfg(feature = "cli")]
 mod cli;
 mod design;

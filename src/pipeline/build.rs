@@ -1,7 +1,8 @@
 //! `morion build`: every stage, every file, and back from the bytes on the disk.
 
 use super::build_cache::{self, BuildRecord, Output};
-use super::cad_exports::{CadCheck, CadExport, cad_exports, check_export};
+use super::cad_export::{CadExport, CadFigures};
+use super::cad_exports::{CadCheck, cad_exports, check_export};
 use super::check_file::{MeshSource, check_file};
 use super::dry_run::{check_room, least_bytes};
 use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
@@ -23,7 +24,7 @@ use crate::render::{
     CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
 };
 use crate::report::BuildFigures;
-use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts, StepFacts};
+use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts};
 use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
@@ -93,9 +94,8 @@ impl Command for BuildOptions {
         // What the disk made of the bytes may be otherwise the next time.
         let altered = checked.meshes.iter().any(|check| check.altered);
         let inputs = if altered { String::new() } else { inputs };
-        let step = exports.iter().find_map(|export| export.step_facts());
         drop(exports);
-        let about = (*form(), step, *sharp());
+        let about = (*form(), *sharp());
         let (report, seen) = report(profile, &design, about, &made, checked);
         publish(run, (&made, &design), (&report, &seen), inputs)?;
         Ok(report)
@@ -191,7 +191,7 @@ impl Made {
         let check = |export: &dyn CadExport| {
             let staged = run.files.staged(export.format().file_name())?;
             let bytes = staged.read()?;
-            Ok(check_export(run, export, &self.label, &bytes, staged.sha256()))
+            Ok(check_export(run, export, &bytes, staged.sha256()))
         };
         let cad = exports.iter().map(|export| check(&**export)).collect::<Result<_, Error>>()?;
         // Without a mesh file the designed mirror is what there is to see.
@@ -267,7 +267,7 @@ fn count_unknowns(run: &Run, design: &Design) {
 fn report(
     profile: &Profile,
     design: &Design,
-    (form, step, sharpness): (Form, Option<StepFacts>, Option<SharpnessFacts>),
+    (form, sharpness): (Form, Option<SharpnessFacts>),
     made: &Made,
     checked: Checked,
 ) -> (BuildReport, Seen) {
@@ -278,11 +278,15 @@ fn report(
     };
     let mut reasons: Vec<Reason> = refused.cloned().map(Reason::from).into_iter().collect();
     reasons.extend(findings.reasons);
-    let (mut files, mut sag) = (findings.files, None);
-    for CadCheck { file, faults, sag: found } in checked.cad {
+    let (mut files, mut sag, mut step) = (findings.files, None, None);
+    for CadCheck { file, faults, figures } in checked.cad {
         reasons.extend(faults.into_iter().map(|fault| Reason::from(fault).of_file(&file.name)));
         files.push(file);
-        sag = sag.or(found);
+        match figures {
+            Some(CadFigures::Sag(facts)) => sag = Some(facts),
+            Some(CadFigures::Step(facts)) => step = Some(facts),
+            None => {}
+        }
     }
     // What was made for the rays alone stays nowhere.
     files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));

@@ -1,6 +1,7 @@
 //! A build without its files: how large everything would be.
 
-use super::cad_exports::{CadExport, cad_exports};
+use super::cad_export::CadExport;
+use super::cad_exports::cad_exports;
 use super::mesh_files::label;
 use super::run::Run;
 use super::{Error, Observer, Stage};

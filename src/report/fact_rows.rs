@@ -163,6 +163,19 @@ impl ToRows for StepFacts {
         let ([u, v], error) = (self.control_points, digits(self.fit_error_nm));
         let sentence = format!("{u} x {v} control points, within {error} nm of the design");
         rows.named("step", "STEP splines", sentence);
+        if let Some(body) = &self.body {
+            let sentence = format!(
+                "one closed solid of {} faces and {} edges, {:.6} mm^3; on {} rays from the camera its mirror is \
+                 within {} nm and {:.1e} rad of the design",
+                body.faces,
+                body.edges,
+                body.volume_mm3,
+                body.rays,
+                digits(body.surface_error_nm),
+                body.normal_error_rad,
+            );
+            rows.page("STEP read back", sentence);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 37] = [
+const MEANINGS: [(&str, &str); 38] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -59,6 +59,10 @@ const MEANINGS: [(&str, &str); 37] = [
     (
         "STEP splines",
         "Control points of the STEP file's surface, and how near it is to the design.",
+    ),
+    (
+        "STEP read back",
+        "The solid that the STEP file was read back as, and how near its mirror is to the design.",
     ),
     ("sag table", "Rows of X, Y, Z and normal, and how near they are to the design."),
     ("solid", "Whether the file is one closed body, and its volume beside the design's."),

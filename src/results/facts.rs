@@ -137,6 +137,28 @@ pub struct StepFacts {
     pub fit_error_nm: f64,
     /// Control points of a panel along each axis; one along the second for a surface of revolution.
     pub control_points: [usize; 2],
+    /// The solid that the file was read back as; absent where it is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<StepBodyFacts>,
+}
+
+/// A STEP file as it was read back: one closed solid of curved faces, beside the design.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StepBodyFacts {
+    /// Number of faces.
+    pub faces: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Largest distance of an edge from its faces, nm.
+    pub gap_nm: f64,
+    /// Volume, mm^3.
+    pub volume_mm3: f64,
+    /// Number of rays from the camera on which the face was held against the design.
+    pub rays: usize,
+    /// Largest distance from the design where they meet the file's faces, nm.
+    pub surface_error_nm: f64,
+    /// Largest angle to the design's normal there, radians.
+    pub normal_error_rad: f64,
 }
 
 /// What the witness saw in one file.

@@ -14,9 +14,30 @@ pub enum FileFault {
     /// They are no file of their format.
     #[error("{0}")]
     Unreadable(String),
-    /// A drawing is another than the design gives.
-    #[error("it is not what the design gives")]
-    OffDesign,
+    /// Rays from the camera miss a body.
+    #[error("{missed} of {rays} rays from the camera miss the mirror in it")]
+    Missed {
+        /// Number of rays that miss.
+        missed: usize,
+        /// Number of rays.
+        rays: usize,
+    },
+    /// The surface of a body is off the design.
+    #[error("its mirror is {off_mm:.3e} mm off the design, over {limit_mm:e} mm")]
+    SurfaceError {
+        /// Largest departure along the normal, mm.
+        off_mm: f64,
+        /// What the fit of the splines and rounding explain, mm.
+        limit_mm: f64,
+    },
+    /// The volume of a body is another than the design's.
+    #[error("volume {found_mm3:.6} mm^3 where the design has {designed_mm3:.6}")]
+    VolumeError {
+        /// Volume of the body, mm^3.
+        found_mm3: f64,
+        /// Volume of the design, mm^3.
+        designed_mm3: f64,
+    },
     /// A table's heights are off the design.
     #[error("a height is {off_mm:.3e} mm off the design, over {limit_mm:e} mm")]
     HeightError {

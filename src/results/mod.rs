@@ -28,7 +28,7 @@ pub use build::{BuildReport, VerifyReport};
 pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
 pub use facts::{
     ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, SCHEMA, SagFacts,
-    SolidFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
+    SolidFacts, StepBodyFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
 };
 pub use faults::{
     FileFault, LeastFilled, PictureFault, PixelErrorFigure, RayFault, Refusal, RefusalCause,

@@ -23,6 +23,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("profile", &["tolerance_terms", "optics", "geom", "raster", "num"]),
     ("publish", &["profile", "parallel"]),
     ("mirror", &["geom", "num", "parallel"]),
+    ("brep", &["geom", "num", "parallel"]),
     ("design", &["profile", "optics", "mirror", "num", "geom", "parallel"]),
     ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),
     ("solid", &["geom", "num", "parallel"]),

@@ -1,0 +1,109 @@
+//! STEP files (ISO 10303-21) read back as a stranger would: the closed body of curved faces, and where rays meet it.
+//!
+//! Nothing is taken from a writer but the file. [`Body::read`] reads one solid of one closed shell; everything that
+//! it does not know is refused with the line and the number of the entity instance.
+
+mod b_spline;
+mod context;
+mod curve;
+mod entities;
+mod error;
+mod face;
+mod geometry;
+mod hierarchy;
+mod part21;
+mod patch;
+mod shell;
+mod surface;
+mod trim;
+
+pub use error::StepError;
+
+use crate::geom::{DVec3, Ray};
+use crate::parallel;
+use context::find_solid;
+use entities::Entities;
+use face::TrimmedFace;
+use hierarchy::Hierarchy;
+use part21::Exchange;
+use shell::Shell;
+
+/// A closed body of curved faces.
+pub struct Body {
+    faces: Vec<TrimmedFace>,
+    hierarchy: Hierarchy,
+    facts: BodyFacts,
+}
+
+/// What a closed body of curved faces is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyFacts {
+    /// Number of faces.
+    pub faces: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Largest distance of an edge from one of its faces, mm.
+    pub gap_mm: f64,
+    /// What the file says points and curves may be apart, mm.
+    pub uncertainty_mm: f64,
+    /// Millimetres of the file's unit of length.
+    pub unit_mm: f64,
+    /// Volume, mm^3.
+    pub volume_mm3: f64,
+}
+
+/// Where a ray meets a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyHit {
+    /// Distance along the ray, mm.
+    pub t: f64,
+    /// Number of the face.
+    pub face: u32,
+    /// Unit normal there, out of the body.
+    pub normal: DVec3,
+}
+
+impl Body {
+    /// Reads the one solid of a STEP file, and checks that its shell is closed: every edge has two faces, on whose
+    /// surfaces it lies within the file's uncertainty, and normals lead outwards.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub fn read(bytes: &[u8]) -> Result<Self, StepError> {
+        let mut entities = Entities::new(Exchange::parse(bytes)?);
+        let solid = find_solid(&mut entities)?;
+        let Shell { faces, edges, vertices, gap_mm } = Shell::read(&entities, &solid)?;
+        let volume_mm3 =
+            parallel::map_slice(&faces, 1, TrimmedFace::volume_share).into_iter().sum();
+        if !(volume_mm3 > 0.0) {
+            let fault =
+                format!("its volume is {volume_mm3} mm^3: normals must lead out of the body");
+            return Err(StepError { line: 0, entity: Some(solid.id), fault });
+        }
+        let facts = BodyFacts {
+            faces: faces.len(),
+            edges,
+            vertices,
+            gap_mm,
+            uncertainty_mm: solid.uncertainty_mm,
+            unit_mm: entities.mm,
+            volume_mm3,
+        };
+        let hierarchy = Hierarchy::new(&faces);
+        Ok(Self { faces, hierarchy, facts })
+    }
+
+    /// What it is.
+    #[must_use]
+    pub fn facts(&self) -> BodyFacts {
+        self.facts
+    }
+
+    /// Nearest place at more than `least` and less than `most` mm along a ray where it meets the body.
+    #[must_use]
+    pub fn nearest_hit(&self, ray: &Ray, least: f64, most: f64) -> Option<BodyHit> {
+        self.hierarchy.nearest(&self.faces, ray, [least, most])
+    }
+}

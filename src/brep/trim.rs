@@ -1,0 +1,355 @@
+//! The part of a surface that a face is: which parameters its edges enclose.
+//!
+//! From a point the line of constant u that rises in v is followed, and the edges that it crosses are counted by the
+//! way they run. Counts of two points are equal if and only if no edge lies between them, whatever the surface does
+//! at its poles and seams, so the points inside are those with the count of a point beside an edge.
+
+use super::curve::Curve;
+use super::surface::{FaceSurface, solve};
+use crate::geom::DVec3;
+
+/// An edge's curve from one vertex to the other, as a loop of a face runs along it.
+#[derive(Debug, Clone)]
+pub(super) struct Travel<'a> {
+    pub curve: &'a Curve,
+    /// First and last parameter; they may fall.
+    pub range: [f64; 2],
+}
+
+/// Parameters of a place on an edge, and their derivatives along it.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// The curve's parameter.
+    t: f64,
+    q: [f64; 2],
+    /// Derivative of u by t.
+    du: f64,
+    /// Distance of the curve from the surface, mm.
+    off: f64,
+}
+
+/// A piece of an edge along which u rises or falls.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    edge: usize,
+    ends: [Place; 2],
+    /// How far v may be from the chord's.
+    bulge: f64,
+}
+
+/// The edges of a face in the parameters of its surface, without seams: edges along which a face meets itself.
+#[derive(Debug, Clone)]
+pub(super) struct Trim {
+    edges: Vec<(Curve, [f64; 2])>,
+    pieces: Vec<Piece>,
+    /// Numbers of the pieces over each of equal parts of u's range.
+    bins: Vec<Vec<u32>>,
+    /// Least u, and the length of a part.
+    first: [f64; 2],
+    /// Increase of u once round.
+    period: Option<f64>,
+    /// Where v begins on a surface that closes along v.
+    cut: Option<[f64; 2]>,
+    /// Count of crossings of the points inside.
+    inside: i32,
+    /// Largest distance of an edge from the surface, mm.
+    pub off_mm: f64,
+}
+
+/// Pieces of each part of an edge between its breaks.
+const PIECES: usize = 4;
+/// Parts of u's range.
+const BINS: usize = 256;
+/// Halvings in which a crossing is found: to rounding.
+const HALVINGS: usize = 60;
+/// Least length of a piece along u of whose sides one is inside, as a share of u's range.
+const LEVEL: f64 = 1e-6;
+/// Pieces of edges beside which the points inside are counted: one is enough where no edges cross.
+const SAMPLES: usize = 16;
+
+impl Trim {
+    /// The trim of `surface` by these edges, with the face to the left of them if `left`, to the right otherwise.
+    ///
+    /// # Errors
+    /// What is wrong with the edges.
+    pub(super) fn new(surface: &FaceSurface, edges: &[Travel], left: bool) -> Result<Self, String> {
+        let [period, period_v] = surface.periods();
+        let mut trim = Self {
+            edges: edges.iter().map(|edge| (edge.curve.clone(), edge.range)).collect(),
+            pieces: Vec::new(),
+            bins: Vec::new(),
+            first: [0.0; 2],
+            period,
+            cut: None,
+            inside: 0,
+            off_mm: 0.0,
+        };
+        let mut traced: Vec<Vec<Place>> =
+            edges.iter().map(|edge| trim.trace(surface, edge)).collect();
+        if let Some(period) = period_v {
+            trim.cut = Some(trim.cut_between(&mut traced, period)?);
+        }
+        for (edge, places) in traced.iter().enumerate() {
+            for ends in places.windows(2) {
+                trim.add(surface, edge, [ends[0], ends[1]]);
+            }
+        }
+        trim.sort();
+        trim.inside = trim.count_inside(surface, left)?;
+        // Without poles and seams what is of the face lies between edges.
+        let wanted = if left { 1 } else { -1 };
+        if period.is_none() && trim.inside != wanted {
+            return Err("its edges run the wrong way round".into());
+        }
+        if !trim.edges.is_empty() && trim.pieces.is_empty() {
+            return Err("its edges enclose nothing".into());
+        }
+        Ok(trim)
+    }
+
+    /// Places along an edge, so near each other that u rises or falls between neighbours.
+    fn trace(&mut self, surface: &FaceSurface, edge: &Travel) -> Vec<Place> {
+        let breaks = edge.curve.breaks(edge.range);
+        let part = |ends: &[f64]| {
+            let [from, to] = [ends[0], ends[1]];
+            (0..PIECES).map(move |k| from + (to - from) * k as f64 / PIECES as f64)
+        };
+        let mut ts: Vec<f64> = breaks.windows(2).flat_map(part).collect();
+        ts.extend(breaks.last());
+        let mut places: Vec<Place> = Vec::with_capacity(ts.len());
+        for t in ts {
+            let before = places.last().copied();
+            let place = self.place(surface, edge.curve, t, before);
+            self.off_mm = self.off_mm.max(place.off);
+            if let Some(before) = before
+                && before.du * place.du < 0.0
+            {
+                places.push(self.turn(surface, edge.curve, [before, place]));
+            }
+            places.push(place);
+        }
+        places
+    }
+
+    /// Where on an edge u neither rises nor falls, between two places.
+    fn turn(&self, surface: &FaceSurface, curve: &Curve, [mut a, mut b]: [Place; 2]) -> Place {
+        for _ in 0..HALVINGS {
+            let middle = self.place(surface, curve, 0.5 * (a.t + b.t), Some(a));
+            if middle.du * a.du > 0.0 { a = middle } else { b = middle }
+        }
+        a
+    }
+
+    fn place(&self, surface: &FaceSurface, curve: &Curve, t: f64, near: Option<Place>) -> Place {
+        let (at, along) = curve.at(t);
+        let mut q = surface.inverse(at, near.map(|near| near.q));
+        let [on, u, v] = surface.at(q);
+        let step = solve([u, v], along);
+        if let (Some(near), [period, period_v]) = (near, surface.periods()) {
+            q[0] = turned(q[0], near.q[0], period);
+            q[1] = turned(q[1], near.q[1], period_v);
+        }
+        Place { t, q, du: step[0], off: on.distance(at) }
+    }
+
+    /// The range of v of a surface that closes along v, which begins where no edge is.
+    fn cut_between(&self, traced: &mut [Vec<Place>], period: f64) -> Result<[f64; 2], String> {
+        let all = || traced.iter().flatten().map(|place| place.q[1]);
+        let mut values: Vec<f64> = all().map(|v| v.rem_euclid(period)).collect();
+        values.sort_by(f64::total_cmp);
+        let Some(&first) = values.first() else { return Ok([0.0, period]) };
+        let mut widest = (first + period - values[values.len() - 1], first);
+        for pair in values.windows(2) {
+            if pair[1] - pair[0] > widest.0 {
+                widest = (pair[1] - pair[0], pair[1]);
+            }
+        }
+        let cut = widest.1 - 0.5 * widest.0;
+        for places in traced.iter_mut() {
+            let Some(first) = places.first() else { continue };
+            let shift = cut + (first.q[1] - cut).rem_euclid(period) - first.q[1];
+            places.iter_mut().for_each(|place| place.q[1] += shift);
+            if places.iter().any(|place| place.q[1] < cut || place.q[1] > cut + period) {
+                return Err("edges go all the way round a surface that closes both ways".into());
+            }
+        }
+        Ok([cut, cut + period])
+    }
+
+    fn add(&mut self, surface: &FaceSurface, edge: usize, ends: [Place; 2]) {
+        let [a, b] = ends;
+        if a.q[0] == b.q[0] {
+            return;
+        }
+        let middle = self.place(surface, &self.edges[edge].0, 0.5 * (a.t + b.t), Some(a));
+        let share = (middle.q[0] - a.q[0]) / (b.q[0] - a.q[0]);
+        let chord = a.q[1] + (b.q[1] - a.q[1]) * share;
+        let size = a.q[1].abs().max(b.q[1].abs());
+        let mut off = (middle.q[1] - chord).abs();
+        if let Some([from, to]) = self.cut {
+            // (The place's v may be a whole turn off.)
+            off = off.min((off - (to - from)).abs());
+        }
+        // The middle shows three quarters of the largest distance of a cubic, at least.
+        self.pieces.push(Piece { edge, ends, bulge: 2.0 * off + 1e-12 * size });
+    }
+
+    /// Sorts the pieces into bins.
+    fn sort(&mut self) {
+        let us = || self.pieces.iter().flat_map(|piece| piece.ends.map(|end| end.q[0]));
+        let first = us().fold(f64::INFINITY, f64::min);
+        let last = us().fold(f64::NEG_INFINITY, f64::max);
+        let length = self.period.unwrap_or(last - first).max(f64::MIN_POSITIVE);
+        self.first = [if first.is_finite() { first } else { 0.0 }, length / BINS as f64];
+        self.bins = vec![Vec::new(); BINS];
+        for (number, piece) in self.pieces.iter().enumerate() {
+            let [a, b] = piece.ends.map(|end| (end.q[0] - self.first[0]) / self.first[1]);
+            let (from, to) = (a.min(b).floor() as i64, a.max(b).floor() as i64);
+            for bin in from..=to.min(from + BINS as i64 - 1) {
+                let bin = match self.period {
+                    Some(_) => bin.rem_euclid(BINS as i64),
+                    None => bin.clamp(0, BINS as i64 - 1),
+                };
+                let bin = &mut self.bins[bin as usize];
+                if bin.last() != Some(&(number as u32)) {
+                    bin.push(number as u32);
+                }
+            }
+        }
+    }
+
+    /// Count of the points inside, from points on the edges: of an edge that runs to the right or to the left of the
+    /// face's inside, those of the inside are above or below.
+    fn count_inside(&self, surface: &FaceSurface, left: bool) -> Result<i32, String> {
+        let mut found = None;
+        // Pieces of constant u, to rounding, have no sides above and below.
+        let least = LEVEL * BINS as f64 * self.first[1];
+        let width = |piece: &Piece| piece.ends[1].q[0] - piece.ends[0].q[0];
+        let numbers = (0..).zip(&self.pieces).filter(|(_, piece)| width(piece).abs() > least);
+        let step = (numbers.clone().count() / SAMPLES).max(1);
+        for (number, piece) in numbers.step_by(step) {
+            let [a, b] = piece.ends;
+            let curve = &self.edges[piece.edge].0;
+            let middle = self.place(surface, curve, 0.5 * (a.t + b.t), Some(a));
+            let rises = width(piece) > 0.0;
+            let own = match (rises == left, rises) {
+                (true, _) => 0,
+                (false, true) => -1,
+                (false, false) => 1,
+            };
+            let count = own + self.crossings(middle.q, surface, Some(number));
+            if *found.get_or_insert(count) != count {
+                return Err("its edges cross or run against each other".into());
+            }
+        }
+        Ok(found.unwrap_or(0))
+    }
+
+    /// Edges above a point, without the piece `except`, each counted by the way it runs: 1 towards smaller u, -1
+    /// towards larger u.
+    fn crossings(&self, [u, v]: [f64; 2], surface: &FaceSurface, except: Option<u32>) -> i32 {
+        let place = (u - self.first[0]) / self.first[1];
+        let bin = match self.period {
+            Some(_) => (place.floor() as i64).rem_euclid(BINS as i64),
+            None => (place.floor() as i64).clamp(0, BINS as i64 - 1),
+        };
+        let crossing = |&number: &u32| {
+            let piece = &self.pieces[number as usize];
+            let [a, b] = piece.ends;
+            let middle = 0.5 * (a.q[0] + b.q[0]);
+            let u = self.period.map_or(u, |period| u - period * ((u - middle) / period).round());
+            let is_beside = (a.q[0] <= u) == (b.q[0] <= u);
+            if is_beside || except == Some(number) || !self.is_above(piece, [u, v], surface) {
+                return 0;
+            }
+            if b.q[0] > a.q[0] { -1 } else { 1 }
+        };
+        self.bins[bin as usize].iter().map(crossing).sum()
+    }
+
+    /// Whether a piece is above a point whose u is among its own: by the chord where that decides, or by the curve.
+    fn is_above(&self, piece: &Piece, [u, v]: [f64; 2], surface: &FaceSurface) -> bool {
+        let [mut a, mut b] = piece.ends;
+        let chord = a.q[1] + (b.q[1] - a.q[1]) * (u - a.q[0]) / (b.q[0] - a.q[0]);
+        if (chord - v).abs() > piece.bulge {
+            return chord > v;
+        }
+        let curve = &self.edges[piece.edge].0;
+        for _ in 0..HALVINGS {
+            let middle = self.place(surface, curve, 0.5 * (a.t + b.t), Some(a));
+            if (middle.q[0] <= u) == (a.q[0] <= u) { a = middle } else { b = middle }
+        }
+        a.q[1] > v
+    }
+
+    /// Whether a point of the surface belongs to the face.
+    pub(super) fn contains(&self, surface: &FaceSurface, [u, v]: [f64; 2]) -> bool {
+        if self.edges.is_empty() {
+            return true;
+        }
+        let v = self.cut.map_or(v, |[from, to]| from + (v - from).rem_euclid(to - from));
+        self.crossings([u, v], surface, None) == self.inside
+    }
+
+    /// Least and largest v of the edges.
+    pub(super) fn extent_v(&self) -> [f64; 2] {
+        let all = self.pieces.iter().flat_map(|piece| piece.ends.map(|end| end.q[1]));
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        all.fold(none, |[lo, hi], v| [lo.min(v), hi.max(v)])
+    }
+
+    /// Where v begins and ends on a surface that closes along v.
+    pub(super) fn cut(&self) -> Option<[f64; 2]> {
+        self.cut
+    }
+
+    /// Whether what is inside reaches the end of the surface at its largest v.
+    pub(super) fn reaches_end(&self) -> bool {
+        self.inside == 0
+    }
+
+    /// Sum over all edges of the integral of `f(u, v) du` by a rule of nodes and weights on [-1, 1].
+    pub(super) fn integral(
+        &self,
+        surface: &FaceSurface,
+        (nodes, weights): (&[f64], &[f64]),
+        f: impl Fn([f64; 2]) -> f64,
+    ) -> f64 {
+        let of_piece = |piece: &Piece| {
+            let [a, b] = piece.ends;
+            let (middle, half) = (0.5 * (a.t + b.t), 0.5 * (b.t - a.t));
+            let curve = &self.edges[piece.edge].0;
+            let at = |(x, w): (&f64, &f64)| {
+                let place = self.place(surface, curve, middle + half * x, Some(a));
+                w * half * place.du * f(place.q)
+            };
+            nodes.iter().zip(weights).map(at).sum::<f64>()
+        };
+        self.pieces.iter().map(of_piece).sum()
+    }
+
+    /// Whether the edges are the whole border of a rectangle of parameters, whose corners these are.
+    pub(super) fn is_whole(&self, [us, vs]: [[f64; 2]; 2]) -> bool {
+        let [du, dv] = [us, vs].map(|[from, to]| 1e-9 * (to - from));
+        let on = |q: [f64; 2]| {
+            us.iter().any(|u| (q[0] - u).abs() <= du) || vs.iter().any(|v| (q[1] - v).abs() <= dv)
+        };
+        let [low, high] = self.extent_v();
+        self.period.is_none()
+            && self.pieces.iter().all(|piece| piece.ends.iter().all(|end| on(end.q)))
+            && (low - vs[0]).abs() <= dv
+            && (high - vs[1]).abs() <= dv
+            && self.pieces.len() > 1
+    }
+}
+
+/// `x` with as many whole turns as bring it near `near`.
+fn turned(x: f64, near: f64, period: Option<f64>) -> f64 {
+    period.map_or(x, |period| x - period * ((x - near) / period).round())
+}
+
+/// Least and largest coordinates of places.
+pub(super) fn bounds(places: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
+    let none = [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)];
+    places.fold(none, |[lo, hi], p| [lo.min(p), hi.max(p)])
+}

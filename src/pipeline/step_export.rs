@@ -1,0 +1,204 @@
+//! The STEP file: written from splines, and held against the design once it was read back as a solid.
+
+use super::Error;
+use super::cad_export::{CadExport, CadFigures};
+use crate::brep::Body;
+use crate::design::Design;
+use crate::export::step::{FittedMirror, fit_splines, write_step};
+use crate::export::{ByteCounter, Label};
+use crate::geom::{DVec2, DVec3, Ray, angle};
+use crate::mirror::Mirror;
+use crate::profile::{CadFormat, Profile};
+use crate::results::{FileFault, StepBodyFacts, StepFacts};
+use std::io::{self, Write};
+
+/// Rays along each side of the outline by which a solid is held against the design.
+const ACROSS: u32 = 64;
+/// Distance from the design at which those rays begin, mm.
+const BEFORE_MM: f64 = 50.0;
+/// What coordinates of nine decimals and rounding of the crossing leave, mm.
+const ROUNDING_MM: f64 = 2e-9;
+/// What points and curves of a file may be apart, mm: what Morion's files say of themselves.
+const UNCERTAINTY_MM: f64 = 1e-7;
+
+/// The STEP file of a designed mirror.
+pub(super) struct StepExport<'a> {
+    design: &'a Design,
+    fit: FittedMirror,
+}
+
+impl<'a> StepExport<'a> {
+    /// Fits splines to the mirror of `design`.
+    ///
+    /// # Errors
+    /// [`Error::Step`] when none suit it.
+    pub(super) fn new(profile: &Profile, design: &'a Design) -> Result<Self, Error> {
+        let fit = fit_splines(&design.mirror).and_then(|fit| {
+            fit.check_land(design.border.as_ref())?;
+            Ok(fit)
+        });
+        let fail = |source| Error::Step { profile: profile.name.clone(), source };
+        Ok(Self { design, fit: fit.map_err(fail)? })
+    }
+
+    /// What a solid has of the design, and what it lacks.
+    fn compared(&self, body: &Body) -> (StepBodyFacts, Vec<FileFault>) {
+        let off = SurfaceDepartures::of(body, &self.design.mirror);
+        let (facts, designed_mm3) = (body.facts(), self.design.volume());
+        let limit_mm = self.fit.error_mm + ROUNDING_MM;
+        let mut faults = Vec::new();
+        if off.missed > 0 {
+            faults.push(FileFault::Missed { missed: off.missed, rays: off.rays });
+        }
+        if !(off.along_normal_mm <= limit_mm) {
+            faults.push(FileFault::SurfaceError { off_mm: off.along_normal_mm, limit_mm });
+        }
+        // Every face may be off by so much.
+        let [x, y, z] = self.design.mounting.size_mm;
+        let allowed = (limit_mm + UNCERTAINTY_MM) * 2.0 * (x * y + y * z + z * x);
+        if !((facts.volume_mm3 - designed_mm3).abs() <= allowed) {
+            faults.push(FileFault::VolumeError { found_mm3: facts.volume_mm3, designed_mm3 });
+        }
+        let facts = StepBodyFacts {
+            faces: facts.faces,
+            edges: facts.edges,
+            gap_nm: facts.gap_mm * 1e6,
+            volume_mm3: facts.volume_mm3,
+            rays: off.rays,
+            surface_error_nm: off.along_normal_mm * 1e6,
+            normal_error_rad: off.normal_rad,
+        };
+        (facts, faults)
+    }
+}
+
+impl CadExport for StepExport<'_> {
+    fn format(&self) -> CadFormat {
+        CadFormat::Step
+    }
+
+    fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
+        write_step(&mut out, &self.fit, self.design.border.as_ref(), label)
+    }
+
+    fn bytes(&self, label: &Label) -> u64 {
+        let mut bytes = ByteCounter::default();
+        self.write(&mut bytes, label).map_or(0, |()| bytes.count())
+    }
+
+    fn check(&self, bytes: &[u8]) -> (Vec<FileFault>, Option<CadFigures>) {
+        let (body, faults) = match Body::read(bytes) {
+            Ok(body) => {
+                let (facts, faults) = self.compared(&body);
+                (Some(facts), faults)
+            }
+            Err(error) => (None, vec![FileFault::Unreadable(error.to_string())]),
+        };
+        let facts = StepFacts {
+            fit_error_nm: self.fit.error_mm * 1e6,
+            control_points: self.fit.size(),
+            body,
+        };
+        (faults, Some(CadFigures::Step(facts)))
+    }
+}
+
+/// How far a solid is from a designed mirror, on rays from the camera.
+#[derive(Default)]
+struct SurfaceDepartures {
+    /// Number of rays.
+    rays: usize,
+    /// Number of those that miss the solid.
+    missed: usize,
+    /// Largest distance along the design's normal, mm.
+    along_normal_mm: f64,
+    /// Largest angle between the normals, radians.
+    normal_rad: f64,
+}
+
+impl SurfaceDepartures {
+    /// Of rays in a grid over the mirror's outline, none of which is on a line between panels of the middle.
+    fn of(body: &Body, mirror: &Mirror) -> Self {
+        let outline = mirror.full_outline();
+        let bounds = outline.bounds();
+        let share = |k: u32, beside: f64| (f64::from(k) + beside) / f64::from(ACROSS);
+        let mut all = Self::default();
+        for row in 0..ACROSS {
+            let line = (0..ACROSS).map(|column| {
+                bounds.min + bounds.size() * DVec2::new(share(column, 0.37), share(row, 0.41))
+            });
+            let places: Vec<DVec2> = line.filter(|&q| outline.aims(q)).collect();
+            for (&q, place) in places.iter().zip(mirror.eval_many(&places)) {
+                let at = mirror.position(q, &place);
+                let direction = mirror.chart.ray(q, 0.0).direction;
+                let ray = Ray { origin: at - direction * BEFORE_MM, direction };
+                all.add(body, &ray, (at, mirror.normal(q, &place).normalize()));
+            }
+        }
+        all
+    }
+
+    /// Adds a ray that meets the mirror at a place with such a normal.
+    fn add(&mut self, body: &Body, ray: &Ray, (at, normal): (DVec3, DVec3)) {
+        self.rays += 1;
+        let Some(hit) = body.nearest_hit(ray, 0.0, f64::INFINITY) else {
+            self.missed += 1;
+            return;
+        };
+        let off = (ray.at(hit.t) - at).dot(normal).abs();
+        self.along_normal_mm = self.along_normal_mm.max(off);
+        self.normal_rad = self.normal_rad.max(angle(hit.normal, normal));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh_files::labelled;
+    use super::*;
+    use crate::design::design;
+
+    /// What the check of the panoramic mirror's STEP file says once its text is changed so.
+    fn faults(change: impl FnOnce(&str) -> String) -> Vec<FileFault> {
+        let text = include_bytes!("../../profiles/panoramic.toml");
+        let profile = Profile::parse("panoramic", "panoramic.toml", text).unwrap();
+        let design = design(&profile).unwrap();
+        let export = StepExport::new(&profile, &design).unwrap();
+        let mut bytes = Vec::new();
+        export.write(&mut bytes, &labelled(&design, String::new())).unwrap();
+        let text = change(std::str::from_utf8(&bytes).unwrap());
+        export.check(text.as_bytes()).0
+    }
+
+    #[test]
+    fn what_is_written_is_what_is_designed() {
+        assert_eq!(faults(str::to_owned), []);
+    }
+
+    #[test]
+    fn a_control_point_moved_by_ten_nanometres_is_off_the_design() {
+        let off = faults(|text| {
+            let coordinates = |line: &str| -> Option<Vec<f64>> {
+                let list = line.split_once("=CARTESIAN_POINT('',(")?.1.strip_suffix("));")?;
+                list.split(',').map(|number| number.parse().ok()).collect()
+            };
+            let points = text.lines().filter_map(|line| Some((line, coordinates(line)?)));
+            let is_on_top = |p: &[f64]| p.iter().all(|x| x.abs() > 0.1);
+            let middle = |p: &[f64]| p[0].abs() + p[1].abs();
+            let (line, p) = points
+                .filter(|(_, p)| is_on_top(p))
+                .min_by(|(_, a), (_, b)| middle(a).total_cmp(&middle(b)))
+                .unwrap();
+            let head = line.split_once('=').unwrap().0;
+            let moved =
+                format!("{head}=CARTESIAN_POINT('',({},{},{:.10}));", p[0], p[1], p[2] + 1e-5);
+            text.replacen(line, &moved, 1)
+        });
+        assert!(matches!(off[..], [FileFault::SurfaceError { .. }]), "{off:?}");
+    }
+
+    #[test]
+    fn a_part_in_centimetres_is_off_the_design() {
+        let off = faults(|text| text.replacen(".MILLI.", ".CENTI.", 1));
+        assert!(matches!(off[..], [.., FileFault::VolumeError { .. }]), "{off:?}");
+    }
+}
