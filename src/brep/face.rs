@@ -10,10 +10,10 @@ use crate::num::quadrature::gauss_legendre;
 
 /// Nodes of Gauss' rule beyond twice the degree where the integrand is no polynomial: for circles and for weights.
 const MORE_NODES: usize = 8;
+/// Nodes of Gauss' rule on each part of a whole turn, a quarter of which a rational spline may be.
+const TURN_NODES: usize = 16;
 /// Nodes of Gauss' rule on each piece of an edge.
 const EDGE_NODES: usize = 8;
-/// Pieces of a whole turn in the volume's integral.
-const TURN_PIECES: usize = 16;
 
 /// A face of a closed shell.
 pub(super) struct TrimmedFace {
@@ -145,11 +145,11 @@ impl TrimmedFace {
         let mut sum = if self.same { sum } else { -sum };
         let period = surface.periods()[0];
         if let (true, Some(period)) = (self.trim.reaches_end(), period) {
-            let step = period / TURN_PIECES as f64;
-            for piece in 0..TURN_PIECES {
-                let middle = step * (piece as f64 + 0.5);
-                let at = |(x, w): (&f64, &f64)| w * up_to([middle + 0.5 * step * x, end]);
-                sum += 0.5 * step * nodes.iter().zip(&weights).map(at).sum::<f64>();
+            let (nodes, weights) = gauss_legendre(TURN_NODES);
+            for ends in surface.breaks_u([0.0, period]).windows(2) {
+                let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+                let at = |(x, w): (&f64, &f64)| w * up_to([middle + half * x, end]);
+                sum += half * nodes.iter().zip(&weights).map(at).sum::<f64>();
             }
         }
         sum

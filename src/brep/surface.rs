@@ -4,7 +4,7 @@ use super::b_spline::SplineSurface;
 use super::curve::Curve;
 use crate::geom::DVec3;
 use crate::num::{atan2, cos, sin};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_8, TAU};
 
 /// A place with three unit vectors at right angles, right-handed.
 #[derive(Debug, Clone, Copy)]
@@ -83,6 +83,36 @@ impl FaceSurface {
         }
     }
 
+    /// Length of the range of u; 1 where the surface has no end.
+    pub(super) fn length_u(&self) -> f64 {
+        match self {
+            Self::Plane(_) => 1.0,
+            Self::Revolved { .. } => TAU,
+            Self::Spline(spline) => {
+                let [lo, hi] = spline.knots[0].domain();
+                hi - lo
+            }
+        }
+    }
+
+    /// Where a range of u, which may fall, is cut before it is integrated: knots, or eighths of a half turn.
+    pub(super) fn breaks_u(&self, [from, to]: [f64; 2]) -> Vec<f64> {
+        let (lo, hi) = (from.min(to), from.max(to));
+        let mut inner: Vec<f64> = match self {
+            Self::Plane(_) => Vec::new(),
+            Self::Revolved { .. } => {
+                let count = ((hi - lo) / FRAC_PI_8).ceil().clamp(1.0, 64.0) as usize;
+                (1..count).map(|k| lo + (hi - lo) * k as f64 / count as f64).collect()
+            }
+            Self::Spline(spline) => spline.knots[0].breaks(),
+        };
+        inner.retain(|&u| u > lo && u < hi);
+        if from > to {
+            inner.reverse();
+        }
+        std::iter::once(from).chain(inner).chain([to]).collect()
+    }
+
     /// Least and largest v; infinite where the surface has no end.
     pub(super) fn range_v(&self) -> [f64; 2] {
         match self {
@@ -159,7 +189,8 @@ fn within(v: f64, [lo, hi]: [f64; 2], meridian: &Curve) -> f64 {
     turned.clamp(lo, hi)
 }
 
-/// Steps of each span at whose ends the nearest point of a spline is looked for.
+/// Parts of each span in whose middles the nearest point of a spline is looked for: at its ends it may have poles, from
+/// where no step leads away.
 const COARSE: usize = 2;
 
 /// Parameters of the nearest of a spline's points on a grid.
@@ -168,11 +199,9 @@ fn coarse(spline: &SplineSurface, p: DVec3) -> [f64; 2] {
         let breaks = spline.knots[axis].breaks();
         let span = |ends: &[f64]| {
             let [from, to] = [ends[0], ends[1]];
-            (0..COARSE).map(move |k| from + (to - from) * k as f64 / COARSE as f64)
+            (0..COARSE).map(move |k| from + (to - from) * (k as f64 + 0.5) / COARSE as f64)
         };
-        let mut places: Vec<f64> = breaks.windows(2).flat_map(span).collect();
-        places.extend(breaks.last());
-        places
+        breaks.windows(2).flat_map(span).collect::<Vec<f64>>()
     });
     let mut best = (f64::INFINITY, [us[0], vs[0]]);
     for &u in &us {

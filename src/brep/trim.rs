@@ -26,12 +26,15 @@ struct Place {
     du: f64,
     /// Distance of the curve from the surface, mm.
     off: f64,
+    /// Whether it is at a pole of the surface, where every u is the same point.
+    is_pole: bool,
 }
 
 /// A piece of an edge along which u rises or falls.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
-    edge: usize,
+    /// The edge; none at a pole, where a loop that comes to it at one u leaves it at another.
+    edge: Option<usize>,
     ends: [Place; 2],
     /// How far v may be from the chord's.
     bulge: f64,
@@ -60,6 +63,8 @@ pub(super) struct Trim {
 const PIECES: usize = 4;
 /// Parts of u's range.
 const BINS: usize = 256;
+/// Length of a line of constant v, mm, that is a point.
+const POLE_MM: f64 = 1e-6;
 /// Halvings in which a crossing is found: to rounding.
 const HALVINGS: usize = 60;
 /// Least length of a piece along u of whose sides one is inside, as a share of u's range.
@@ -91,9 +96,10 @@ impl Trim {
         }
         for (edge, places) in traced.iter().enumerate() {
             for ends in places.windows(2) {
-                trim.add(surface, edge, [ends[0], ends[1]]);
+                trim.add(surface, Some(edge), [ends[0], ends[1]]);
             }
         }
+        trim.cross_poles(surface, &traced, left);
         trim.sort();
         trim.inside = trim.count_inside(surface, left)?;
         // Without poles and seams what is of the face lies between edges.
@@ -128,7 +134,42 @@ impl Trim {
             }
             places.push(place);
         }
+        leave_poles(&mut places);
         places
+    }
+
+    /// Adds what loops run along at poles: from the u at which an edge comes to one to that at which the next leaves it, with the
+    /// face between them.
+    fn cross_poles(&mut self, surface: &FaceSurface, traced: &[Vec<Place>], left: bool) {
+        let ends = |at: fn(&[Place]) -> Option<&Place>| {
+            traced.iter().filter_map(move |places| at(places)).filter(|place| place.is_pole)
+        };
+        let mut leaving: Vec<Place> = ends(<[Place]>::first).copied().collect();
+        for from in ends(<[Place]>::last) {
+            let [lowest, highest] = surface.range_v();
+            let is_top = highest - from.q[1] < from.q[1] - lowest;
+            let is_same = |to: &Place| (highest - to.q[1] < to.q[1] - lowest) == is_top;
+            let Some(next) = leaving.iter().position(is_same) else { continue };
+            let mut to = leaving.swap_remove(next).q[0];
+            if let Some(period) = self.period {
+                let way = if is_top == left { -1.0 } else { 1.0 };
+                to = from.q[0] + way * (way * (to - from.q[0])).rem_euclid(period);
+            }
+            let breaks = surface.breaks_u([from.q[0], to]);
+            let place = |u: &f64| Place { t: *u, q: [*u, from.q[1]], du: 1.0, ..*from };
+            let places: Vec<Place> = breaks.iter().map(place).collect();
+            for ends in places.windows(2) {
+                self.add(surface, None, [ends[0], ends[1]]);
+            }
+        }
+    }
+
+    /// A place of a piece, or of an edge between `ends`.
+    fn along(&self, surface: &FaceSurface, edge: Option<usize>, t: f64, near: Place) -> Place {
+        match edge {
+            Some(edge) => self.place(surface, &self.edges[edge].0, t, Some(near)),
+            None => Place { t, q: [t, near.q[1]], ..near },
+        }
     }
 
     /// Where on an edge u neither rises nor falls, between two places.
@@ -149,7 +190,9 @@ impl Trim {
             q[0] = turned(q[0], near.q[0], period);
             q[1] = turned(q[1], near.q[1], period_v);
         }
-        Place { t, q, du: step[0], off: on.distance(at) }
+        let is_pole = u.length() * surface.length_u() <= POLE_MM;
+        let du = if is_pole { 0.0 } else { step[0] };
+        Place { t, q, du, off: on.distance(at), is_pole }
     }
 
     /// The range of v of a surface that closes along v, which begins where no edge is.
@@ -176,12 +219,12 @@ impl Trim {
         Ok([cut, cut + period])
     }
 
-    fn add(&mut self, surface: &FaceSurface, edge: usize, ends: [Place; 2]) {
+    fn add(&mut self, surface: &FaceSurface, edge: Option<usize>, ends: [Place; 2]) {
         let [a, b] = ends;
         if a.q[0] == b.q[0] {
             return;
         }
-        let middle = self.place(surface, &self.edges[edge].0, 0.5 * (a.t + b.t), Some(a));
+        let middle = self.along(surface, edge, 0.5 * (a.t + b.t), a);
         let share = (middle.q[0] - a.q[0]) / (b.q[0] - a.q[0]);
         let chord = a.q[1] + (b.q[1] - a.q[1]) * share;
         let size = a.q[1].abs().max(b.q[1].abs());
@@ -229,8 +272,7 @@ impl Trim {
         let step = (numbers.clone().count() / SAMPLES).max(1);
         for (number, piece) in numbers.step_by(step) {
             let [a, b] = piece.ends;
-            let curve = &self.edges[piece.edge].0;
-            let middle = self.place(surface, curve, 0.5 * (a.t + b.t), Some(a));
+            let middle = self.along(surface, piece.edge, 0.5 * (a.t + b.t), a);
             let rises = width(piece) > 0.0;
             let own = match (rises == left, rises) {
                 (true, _) => 0,
@@ -274,9 +316,8 @@ impl Trim {
         if (chord - v).abs() > piece.bulge {
             return chord > v;
         }
-        let curve = &self.edges[piece.edge].0;
         for _ in 0..HALVINGS {
-            let middle = self.place(surface, curve, 0.5 * (a.t + b.t), Some(a));
+            let middle = self.along(surface, piece.edge, 0.5 * (a.t + b.t), a);
             if (middle.q[0] <= u) == (a.q[0] <= u) { a = middle } else { b = middle }
         }
         a.q[1] > v
@@ -318,9 +359,8 @@ impl Trim {
         let of_piece = |piece: &Piece| {
             let [a, b] = piece.ends;
             let (middle, half) = (0.5 * (a.t + b.t), 0.5 * (b.t - a.t));
-            let curve = &self.edges[piece.edge].0;
             let at = |(x, w): (&f64, &f64)| {
-                let place = self.place(surface, curve, middle + half * x, Some(a));
+                let place = self.along(surface, piece.edge, middle + half * x, a);
                 w * half * place.du * f(place.q)
             };
             nodes.iter().zip(weights).map(at).sum::<f64>()
@@ -340,6 +380,17 @@ impl Trim {
             && (low - vs[0]).abs() <= dv
             && (high - vs[1]).abs() <= dv
             && self.pieces.len() > 1
+    }
+}
+
+/// Gives places at a pole the u at which the edge comes to it or leaves it.
+fn leave_poles(places: &mut [Place]) {
+    let last = places.len() - 1;
+    for [at, beside] in [[0, 1], [last, last - 1]] {
+        if places[at].is_pole {
+            places[at].q[0] = places[beside].q[0];
+            places[at].du = places[beside].du;
+        }
     }
 }
 

@@ -7,6 +7,7 @@ mod cases;
 mod read_back;
 mod reading;
 mod shape;
+mod strangers;
 
 use crate::support::draws::Draws;
 use crate::support::shipped;
