@@ -79,6 +79,18 @@ impl Curve {
         self.breaks(range).into_iter().map(|t| self.at(t).0).collect()
     }
 
+    /// Points whose convex hull holds the curve between two parameters.
+    pub(super) fn hull(&self, range: [f64; 2]) -> Vec<DVec3> {
+        match self {
+            Self::Line { .. } => range.map(|t| self.at(t).0).to_vec(),
+            Self::Ellipse { centre, axes: [x, y] } => {
+                let sides = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+                sides.map(|[a, b]| *centre + *x * a + *y * b).to_vec()
+            }
+            Self::Spline(spline) => spline.points.iter().map(|point| point.project()).collect(),
+        }
+    }
+
     /// The curve in other coordinates: of points, and of vectors.
     pub(super) fn mapped(
         &self,

@@ -15,11 +15,23 @@ const TURN_NODES: usize = 16;
 /// Nodes of Gauss' rule on each piece of an edge.
 const EDGE_NODES: usize = 8;
 
+/// How much of a part of a surface belongs to a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Share {
+    /// None.
+    None,
+    /// Perhaps some.
+    Some,
+    /// All.
+    All,
+}
+
 /// A face of a closed shell.
+#[derive(Debug)]
 pub(super) struct TrimmedFace {
     surface: FaceSurface,
     /// Whether the surface's normal leads out of the body.
-    same: bool,
+    pub same: bool,
     pub trim: Trim,
     /// Whether all of the surface belongs to it.
     whole: bool,
@@ -29,16 +41,11 @@ pub(super) struct TrimmedFace {
 }
 
 impl TrimmedFace {
-    /// The face of `surface` between `edges`, on which the `places` are.
+    /// The face of `surface` between `edges`.
     ///
     /// # Errors
     /// What is wrong with the edges.
-    pub(super) fn new(
-        surface: FaceSurface,
-        same: bool,
-        edges: &[Travel],
-        places: &[DVec3],
-    ) -> Result<Self, String> {
+    pub(super) fn new(surface: FaceSurface, same: bool, edges: &[Travel]) -> Result<Self, String> {
         // Only u may close where v does not: crossings are counted along v.
         let is_across = matches!(surface.periods(), [None, Some(_)]);
         let (surface, same) =
@@ -50,7 +57,7 @@ impl TrimmedFace {
         };
         let patches = Patch::of(&surface, Self::extent_v(&surface, &trim));
         let hull = patches.iter().flat_map(|patch| patch.bounds);
-        let bounds = bounds(hull.chain(places.iter().copied()));
+        let bounds = bounds(hull.chain(edges.iter().flat_map(|edge| edge.curve.hull(edge.range))));
         Ok(Self { surface, same, trim, whole, patches, bounds })
     }
 
@@ -59,7 +66,7 @@ impl TrimmedFace {
         if let Some(cut) = trim.cut() {
             return cut;
         }
-        let ([least, most], [low, high]) = (surface.range_v(), trim.extent_v());
+        let ([least, most], [low, high]) = (surface.range_v(), trim.reach_v());
         let finite = |end: f64, edge: f64| if end.is_finite() { end } else { edge };
         [finite(least, low), finite(most, high)]
     }
@@ -94,13 +101,42 @@ impl TrimmedFace {
         hits.retain(|hit| hit.t > least);
         hits.sort_by(|a, b| a.t.total_cmp(&b.t));
         hits.iter().find_map(|hit| {
-            let q = match (&self.surface, self.patches.get(patch)) {
-                (FaceSurface::Plane(_), _) | (_, None) => self.surface.inverse(hit.at, None),
-                (surface, Some(patch)) => patch.parameters(surface, hit),
-            };
+            let q = self.parameters(patch, hit.q, hit.at);
             let is_own = self.whole || self.trim.contains(&self.surface, q);
             is_own.then(|| (hit.t, self.normal(q)))
         })
+    }
+
+    /// The surface's parameters of a place, at parameters in [0, 1] of the patch of this number.
+    fn parameters(&self, patch: usize, q: [f64; 2], at: DVec3) -> [f64; 2] {
+        match (&self.surface, self.patches.get(patch)) {
+            (FaceSurface::Plane(_), _) | (_, None) => self.surface.inverse(at, None),
+            (surface, Some(patch)) => patch.parameters(surface, q, at),
+        }
+    }
+
+    /// Whether the place at these parameters of the patch of this number belongs to the face.
+    pub(super) fn holds(&self, patch: usize, q: [f64; 2], at: DVec3) -> bool {
+        self.whole || self.trim.contains(&self.surface, self.parameters(patch, q, at))
+    }
+
+    /// How much of a part of the patch of this number, from 0 to 1 along both axes, belongs to the face.
+    pub(super) fn share(&self, patch: usize, part: [[f64; 2]; 2]) -> Share {
+        if self.whole {
+            return Share::All;
+        }
+        let own = &self.patches[patch];
+        if self.trim.may_part(own.ranges_of(&self.surface, part)) {
+            return Share::Some;
+        }
+        let middle = part.map(|[from, to]| 0.5 * (from + to));
+        if self.holds(patch, middle, own.at(middle)) { Share::All } else { Share::None }
+    }
+
+    /// A place on a plane face and its normal out of the body; none of other faces.
+    pub(super) fn plane(&self) -> Option<(DVec3, DVec3)> {
+        let FaceSurface::Plane(frame) = &self.surface else { return None };
+        Some((frame.at, if self.same { frame.z } else { -frame.z }))
     }
 
     /// Integral over the face of a third of its place times its normal, mm^3: with the other faces' the volume.

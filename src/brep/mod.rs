@@ -4,6 +4,7 @@
 //! it does not know is refused with the line and the number of the entity instance.
 
 mod b_spline;
+mod charted;
 mod context;
 mod curve;
 mod entities;
@@ -17,6 +18,7 @@ mod shell;
 mod surface;
 mod trim;
 
+pub use charted::ChartedBody;
 pub use error::StepError;
 
 use crate::geom::{DVec3, Ray};
@@ -29,6 +31,7 @@ use part21::Exchange;
 use shell::Shell;
 
 /// A closed body of curved faces.
+#[derive(Debug)]
 pub struct Body {
     faces: Vec<TrimmedFace>,
     hierarchy: Hierarchy,
@@ -99,6 +102,12 @@ impl Body {
     #[must_use]
     pub fn facts(&self) -> BodyFacts {
         self.facts
+    }
+
+    /// Least and largest coordinates, mm.
+    #[must_use]
+    pub fn bounds(&self) -> [DVec3; 2] {
+        trim::bounds(self.faces.iter().flat_map(|face| face.bounds))
     }
 
     /// Nearest place at more than `least` and less than `most` mm along a ray where it meets the body.

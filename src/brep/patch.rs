@@ -15,8 +15,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 /// A piece of a surface: control points along v for the first of u's, then for the next.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
-    points: Vec<Weighted>,
-    degrees: [usize; 2],
+    pub points: Vec<Weighted>,
+    pub degrees: [usize; 2],
     /// The surface's parameters at both ends of each axis.
     ranges: [[f64; 2]; 2],
     /// Least and largest coordinates of its control points, mm.
@@ -53,23 +53,37 @@ impl Patch {
         }
     }
 
-    /// The surface's parameters of a hit.
-    pub(super) fn parameters(&self, surface: &FaceSurface, hit: &PatchHit) -> [f64; 2] {
+    /// The surface's parameters at those of the patch, in [0, 1], where the surface is at the place `at`.
+    pub(super) fn parameters(&self, surface: &FaceSurface, q: [f64; 2], at: DVec3) -> [f64; 2] {
         let along = |axis: usize| {
             let [from, to] = self.ranges[axis];
-            from + (to - from) * hit.q[axis].clamp(0.0, 1.0)
+            from + (to - from) * q[axis].clamp(0.0, 1.0)
         };
         match surface {
             // The angle is no linear function of the parameter.
             FaceSurface::Revolved { meridian: Curve::Ellipse { .. }, .. } => {
-                surface.inverse(hit.at, None)
+                surface.inverse(at, None)
             }
             FaceSurface::Revolved { frame, .. } => {
-                let at = frame.components(hit.at - frame.at);
+                let at = frame.components(at - frame.at);
                 [crate::num::atan2(at.y, at.x), along(1)]
             }
             _ => [along(0), along(1)],
         }
+    }
+
+    /// Ranges of the surface's parameters that hold those of a part of the patch.
+    pub(super) fn ranges_of(&self, surface: &FaceSurface, part: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        // Where a parameter is no linear function of the patch's, that of the whole patch.
+        let linear = match surface {
+            FaceSurface::Plane(_) | FaceSurface::Spline(_) => [true; 2],
+            FaceSurface::Revolved { meridian: Curve::Ellipse { .. }, .. } => [false; 2],
+            FaceSurface::Revolved { .. } => [false, true],
+        };
+        [0, 1].map(|axis| {
+            let [from, to] = self.ranges[axis];
+            if linear[axis] { part[axis].map(|x| from + (to - from) * x) } else { [from, to] }
+        })
     }
 
     /// Adds where the ray's line meets the patch to `hits`.
@@ -92,7 +106,7 @@ impl Patch {
     }
 
     /// The point at parameters in [0, 1].
-    fn at(&self, [u, v]: [f64; 2]) -> DVec3 {
+    pub(super) fn at(&self, [u, v]: [f64; 2]) -> DVec3 {
         let [p, q] = self.degrees;
         let ([a, _], [b, _]) = (bernstein(p, u), bernstein(q, v));
         let mut sum = Weighted::ZERO;

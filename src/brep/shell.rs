@@ -206,7 +206,7 @@ fn face(
             Travel { curve: &edge.curve, range: if along { [from, to] } else { [to, from] } }
         })
         .collect();
-    let face = TrimmedFace::new(surface, bounds.same, &travels, &places);
+    let face = TrimmedFace::new(surface, bounds.same, &travels);
     let face = face.map_err(|fault| bounds.entity.fault(fault))?;
     let off = face.trim.off_mm;
     if !(off <= limit) {

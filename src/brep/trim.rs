@@ -45,6 +45,8 @@ struct Piece {
 pub(super) struct Trim {
     edges: Vec<(Curve, [f64; 2])>,
     pieces: Vec<Piece>,
+    /// Ends of pieces of edges of one u: that, and the least and the largest v.
+    upright: Vec<[f64; 3]>,
     /// Numbers of the pieces over each of equal parts of u's range.
     bins: Vec<Vec<u32>>,
     /// Least u, and the length of a part.
@@ -82,6 +84,7 @@ impl Trim {
         let mut trim = Self {
             edges: edges.iter().map(|edge| (edge.curve.clone(), edge.range)).collect(),
             pieces: Vec::new(),
+            upright: Vec::new(),
             bins: Vec::new(),
             first: [0.0; 2],
             period,
@@ -222,6 +225,8 @@ impl Trim {
     fn add(&mut self, surface: &FaceSurface, edge: Option<usize>, ends: [Place; 2]) {
         let [a, b] = ends;
         if a.q[0] == b.q[0] {
+            let ([_, low], [_, high]) = (a.q, b.q);
+            self.upright.push([a.q[0], low.min(high), low.max(high)]);
             return;
         }
         let middle = self.along(surface, edge, 0.5 * (a.t + b.t), a);
@@ -332,11 +337,44 @@ impl Trim {
         self.crossings([u, v], surface, None) == self.inside
     }
 
-    /// Least and largest v of the edges.
-    pub(super) fn extent_v(&self) -> [f64; 2] {
-        let all = self.pieces.iter().flat_map(|piece| piece.ends.map(|end| end.q[1]));
+    /// Whether an edge may come into these ranges of u and v: elsewhere all or none belongs to the face.
+    pub(super) fn may_part(&self, [us, vs]: [[f64; 2]; 2]) -> bool {
+        let turn = self.cut.map(|[from, to]| to - from);
+        let meets = |[from, to]: [f64; 2], [lo, hi]: [f64; 2], period: Option<f64>| {
+            // With as many whole turns as bring one's start just behind the other's.
+            let shift = period.map_or(0.0, |period| period * ((lo - from) / period).floor());
+            let is_over = |from: f64, to: f64| from <= hi && to >= lo;
+            let later = period.unwrap_or(0.0);
+            is_over(from + shift, to + shift) || is_over(from + shift + later, to + shift + later)
+        };
+        let of_piece = |piece: &Piece| {
+            let [a, b] = piece.ends.map(|end| end.q);
+            let [low, high] = [a[1].min(b[1]) - piece.bulge, a[1].max(b[1]) + piece.bulge];
+            [[a[0].min(b[0]), a[0].max(b[0])], [low, high]]
+        };
+        let of_upright = |&[u, low, high]: &[f64; 3]| [[u, u], [low, high]];
+        let mut all = self.pieces.iter().map(of_piece).chain(self.upright.iter().map(of_upright));
+        all.any(|[u, v]| meets(u, us, self.period) && meets(v, vs, turn))
+    }
+
+    /// Least and largest v of the ends of the edges' pieces.
+    fn extent_v(&self) -> [f64; 2] {
+        self.widest_v(|_| 0.0)
+    }
+
+    /// Bounds of v of the edges.
+    pub(super) fn reach_v(&self) -> [f64; 2] {
+        self.widest_v(|piece| piece.bulge)
+    }
+
+    fn widest_v(&self, beyond: impl Fn(&Piece) -> f64) -> [f64; 2] {
+        let ends = |piece: &Piece| {
+            piece.ends.map(|end| [end.q[1] - beyond(piece), end.q[1] + beyond(piece)])
+        };
+        let upright = self.upright.iter().map(|[_, low, high]| [*low, *high]);
+        let all = self.pieces.iter().flat_map(ends).chain(upright);
         let none = [f64::INFINITY, f64::NEG_INFINITY];
-        all.fold(none, |[lo, hi], v| [lo.min(v), hi.max(v)])
+        all.fold(none, |[lo, hi], [low, high]| [lo.min(low), hi.max(high)])
     }
 
     /// Where v begins and ends on a surface that closes along v.

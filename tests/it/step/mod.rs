@@ -4,6 +4,7 @@
 //! number of faces it should have beside it, for `tests/outside/check_step.py`.
 
 mod cases;
+mod charted;
 mod read_back;
 mod reading;
 mod shape;

@@ -3,6 +3,7 @@
 use crate::support::draws::Draws;
 use morion::internals::brep::Body;
 use morion::internals::geom::{DVec3, Ray};
+use morion::internals::num::{cos, sin};
 use std::f64::consts::PI;
 
 /// Share of a volume, of 12 decimals in the file.
@@ -10,7 +11,7 @@ const VOLUME: f64 = 1e-10;
 /// Distance from a surface in closed form, mm.
 const SURFACE_MM: f64 = 1e-9;
 
-fn body(name: &str) -> Body {
+pub fn body(name: &str) -> Body {
     let file = format!("{}/tests/fixtures/step/{name}.step", env!("CARGO_MANIFEST_DIR"));
     Body::read(&std::fs::read(file).unwrap()).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
@@ -176,5 +177,23 @@ fn rays_meet_bodies_where_closed_forms_say() {
             assert!(is_beside || hit.normal.distance(normal) < 1e-4, "{name} {ray:?} {hit:?}");
         }
         assert!(met > 200 && passed > 100, "{name}: {met} met, {passed} passed");
+    }
+}
+
+#[test]
+fn rays_meet_a_slanting_cap_up_to_its_rim() {
+    let body = body("cylinder");
+    let axis = DVec3::ONE.normalize();
+    let across = axis.any_orthonormal_pair();
+    for k in 0..1000 {
+        let angle = 2.0 * PI * f64::from(k) / 1000.0;
+        let out = across.0 * cos(angle) + across.1 * sin(angle);
+        let rim = DVec3::new(1.0, 2.0, 3.0) + axis * 7.0 + out * 3.9999;
+        let ray = Ray { origin: rim + axis * 5.0, direction: -axis };
+        let hit = body.nearest_hit(&ray, 0.0, f64::INFINITY).unwrap();
+        assert!(
+            (hit.t - 5.0).abs() < SURFACE_MM && hit.normal.distance(axis) < 1e-9,
+            "{k}: {hit:?}"
+        );
     }
 }

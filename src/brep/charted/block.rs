@@ -1,0 +1,197 @@
+//! A few rows of a few rays, met with the pieces of a body that the chart shows there.
+
+use super::bicubic::{ROWS, Row};
+use super::tile::{Tile, WIDENED};
+use crate::geom::{Chart, DVec2, DVec3};
+use crate::num::Lanes;
+
+/// Columns of a block.
+pub(super) const COLUMNS: usize = 32;
+/// Steps of Newton's method at most: each leaves a third of the distance, at first.
+const STEPS: usize = 12;
+/// Last step of Newton's method, of a range from 0 to 1: what is left is its square.
+const LAST_STEP: f64 = 1e-9;
+/// How far a zero may be beyond a tile: rounding, so that none is lost between two of them.
+const BEYOND: f64 = 1e-10;
+
+/// Where a ray meets a tile or a plane face: the highest such place so far.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found {
+    /// Height over the chart's plane, mm.
+    pub up: f64,
+    pub face: u32,
+    /// Normal of any length.
+    pub normal: DVec3,
+}
+
+impl Found {
+    pub(super) const NOTHING: Self =
+        Self { up: f64::NEG_INFINITY, face: u32::MAX, normal: DVec3::ZERO };
+}
+
+/// Chart coordinates of some rays, and what they meet.
+pub(super) struct Block {
+    /// By column, of all rows; not numbers where there is no ray.
+    pub rays: [[DVec2; ROWS]; COLUMNS],
+    /// Number of columns.
+    pub columns: usize,
+    /// The box around all.
+    pub bounds: [DVec2; 2],
+    pub found: [[Found; ROWS]; COLUMNS],
+}
+
+impl Block {
+    /// The block of rows, from one column on.
+    pub(super) fn new(rows: &[&[DVec2]], first: usize) -> Self {
+        let columns = (rows[0].len() - first).min(COLUMNS);
+        let mut rays = [[DVec2::NAN; ROWS]; COLUMNS];
+        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for (k, row) in rows.iter().enumerate() {
+            for (column, &q) in rays.iter_mut().zip(&row[first..first + columns]) {
+                column[k] = q;
+                // (NaN stays out.)
+                (lo, hi) = (q.min(lo), q.max(hi));
+            }
+        }
+        let found = [[Found::NOTHING; ROWS]; COLUMNS];
+        Self { rays, columns, bounds: [lo, hi], found }
+    }
+
+    /// The least height of what rays meet; minus infinity while one meets nothing.
+    pub(super) fn lowest(&self) -> f64 {
+        let all = self.found[..self.columns].iter().flatten().zip(self.rays.iter().flatten());
+        all.filter(|(_, q)| !q.x.is_nan())
+            .fold(f64::INFINITY, |least, (found, _)| least.min(found.up))
+    }
+
+    /// Meets all rays with a tile; `is_own` tells whether parameters of its patch belong to the face.
+    pub(super) fn meet(
+        &mut self,
+        tile: &Tile,
+        chart: &Chart,
+        is_own: &mut dyn FnMut([f64; 2], DVec3) -> bool,
+    ) {
+        let mut before: [[Row; 2]; 4] = [[Lanes([0.0; ROWS]); 2]; 4];
+        let mut known = 0;
+        for column in 0..self.columns {
+            let rays = &self.rays[column];
+            if !rays.iter().any(|&q| tile.bounds.holds(q)) {
+                known = 0;
+                continue;
+            }
+            let start = extrapolated(&before, known);
+            let q = [Lanes(rays.map(|q| q.x)), Lanes(rays.map(|q| q.y))];
+            let met = newton(tile, chart, q, start);
+            before = [met.at, before[0], before[1], before[2]];
+            known = (known + 1).min(4);
+            for row in 0..ROWS {
+                let place = met.at.map(|x| x.0[row] + 0.5);
+                let is_inside = place.iter().all(|x| *x >= -BEYOND && *x <= 1.0 + BEYOND);
+                let found = &mut self.found[column][row];
+                // (Also false of what is no number.)
+                if !(is_inside && met.up.0[row] > found.up && met.last.0[row] <= LAST_STEP) {
+                    continue;
+                }
+                let normal = met.normal.map(|x| x.0[row]);
+                let upright = DVec3::from_array(normal);
+                let normal = upright - DVec3::Z * upright.truncate().dot(chart.lean);
+                let up = met.up.0[row];
+                if tile.trimmed {
+                    let of_patch = [0, 1].map(|k| {
+                        let [from, to] = tile.part[k];
+                        from + (to - from) * place[k]
+                    });
+                    let scale = 1.0 - chart.vergence * up;
+                    let at = rays[row] * scale + chart.lean * up;
+                    if !is_own(of_patch, at.extend(up + chart.plane_mm)) {
+                        continue;
+                    }
+                }
+                let normal = if tile.same { normal } else { -normal };
+                *found = Found { up, face: tile.face, normal };
+            }
+        }
+    }
+}
+
+/// The place after those of `known` columns before, by a polynomial through them.
+#[inline(always)]
+fn extrapolated([a, b, c, d]: &[[Row; 2]; 4], known: usize) -> [Row; 2] {
+    let place = |k: usize| match known {
+        0 => Lanes([0.0; ROWS]),
+        1 => a[k],
+        2 => a[k] * 2.0 - b[k],
+        3 => (a[k] - b[k]) * 3.0 + c[k],
+        _ => a[k] * 4.0 - b[k] * 6.0 + c[k] * 4.0 - d[k],
+    };
+    [0, 1].map(|k| {
+        // Nothing is known of the map farther out; what is no number begins in the middle.
+        let inside = |x: f64| if x.is_finite() { x.clamp(-MOST, MOST) } else { 0.0 };
+        Lanes(place(k).0.map(inside))
+    })
+}
+
+/// Largest distance from the middle.
+const MOST: f64 = 0.5 + WIDENED;
+
+/// Where rays meet the widened tile.
+struct Met {
+    /// Parameters less a half.
+    at: [Row; 2],
+    /// Height over the chart's plane, mm.
+    up: Row,
+    /// Normal of any length, of the upright body.
+    normal: [Row; 3],
+    /// Length of the last step; not small where the tile is not met.
+    last: Row,
+}
+
+/// Newton's method for four rays at once.
+#[inline(always)]
+fn newton(tile: &Tile, chart: &Chart, q: [Row; 2], mut at: [Row; 2]) -> Met {
+    let (k, powers) = (chart.vergence, &tile.powers);
+    let mut step = 0;
+    loop {
+        let [x, y, up] = [0, 1, 2].map(|component| powers.at(component, at));
+        let one = Lanes([1.0; ROWS]);
+        let w = if tile.polynomial { [one, one - one, one - one] } else { powers.at(3, at) };
+        let [f, g] = [(&x, q[0]), (&y, q[1])].map(|(x, q)| {
+            if k == 0.0 && tile.polynomial {
+                [x[0] - q, x[1], x[2]]
+            } else {
+                [0, 1, 2].map(|n| x[n] - q * (w[n] - up[n] * k))
+            }
+        });
+        let inverse = one / (f[1] * g[2] - f[2] * g[1]);
+        let by = [(f[0] * g[2] - f[2] * g[0]) * inverse, (f[1] * g[0] - f[0] * g[1]) * inverse];
+        let last = Lanes([0, 1, 2, 3].map(|n| by[0].0[n].abs().max(by[1].0[n].abs())));
+        let next = [0, 1].map(|axis| at[axis] - by[axis]);
+        // From the second step on, who leaves the widened tile is not in the tile.
+        let is_out = |n: usize| step > 1 && next.iter().any(|x| !(x.0[n].abs() <= MOST));
+        if step + 1 >= STEPS || (0..ROWS).all(|n| last.0[n] <= LAST_STEP || is_out(n)) {
+            let height = up[0] - up[1] * by[0] - up[2] * by[1];
+            let (height, normal) = if tile.polynomial {
+                (height, cross([&x, &y, &up]))
+            } else {
+                let weight = w[0] - w[1] * by[0] - w[2] * by[1];
+                let [x, y, up] = [&x, &y, &up].map(|a| derived(a, &w));
+                (height / weight, cross([&x, &y, &up]))
+            };
+            return Met { at: next, up: height, normal, last };
+        }
+        at = next.map(|x| Lanes(x.0.map(|x| x.clamp(-MOST, MOST))));
+        step += 1;
+    }
+}
+
+/// Value, and derivatives times the square of the weight, of a component divided by the weight.
+#[inline(always)]
+fn derived(a: &[Row; 3], w: &[Row; 3]) -> [Row; 3] {
+    [a[0], a[1] * w[0] - a[0] * w[1], a[2] * w[0] - a[0] * w[2]]
+}
+
+/// The vector product of the derivatives along u and v.
+#[inline(always)]
+fn cross([x, y, z]: [&[Row; 3]; 3]) -> [Row; 3] {
+    [y[1] * z[2] - z[1] * y[2], z[1] * x[2] - x[1] * z[2], x[1] * y[2] - y[1] * x[2]]
+}
