@@ -3,15 +3,19 @@
 //! A pair is a camera ray with the shadow test of its reflected ray: rays given; outcome, facet and
 //! direction out.
 
+use morion::internals::brep::Body;
 use morion::internals::design::{Design, design};
+use morion::internals::export::step::{fit_splines, write_step};
 use morion::internals::export::{Label, read_stl, write_stl};
 use morion::internals::geom::{DVec3, Precision, Ray, TriMesh};
 use morion::internals::mesh::{Limits, mesh};
 use morion::internals::optics::{Calibration, Distortion};
 use morion::internals::pipeline::load;
-use morion::internals::profile::{CalibrationFile, LensModel};
+use morion::internals::profile::{CalibrationFile, LensModel, Profile};
 use morion::internals::solid::Solid;
-use morion::internals::trace::{CameraTrace, Obstacles, Outcome, RayEnd, Scene, TraceCounts};
+use morion::internals::trace::{
+    BodyScene, CameraTrace, Obstacles, Outcome, RayEnd, Scene, TraceCounts,
+};
 use std::error::Error;
 use std::fs::{self, File};
 use std::hint::black_box;
@@ -29,6 +33,7 @@ cargo bench --bench trace -- [OPTIONS]
 
     --profile NAME  shipped profile or profile file [default: conquistador]
     --stl FILE      the profile's mirror as a build wrote it [default: made in memory]
+    --step          the curved faces of the profile's STEP file, as it is read back, in the place of a mesh
     --runs K        the fastest counts [default: 9]
     --dump FOLDER   mesh, rays and what became of them for other programs, as plain little-endian
                     numbers: vertices.f64, triangles.u32, rays.f64 (origin, direction), found.f64
@@ -45,6 +50,7 @@ cargo bench --bench trace -- [OPTIONS]
 struct Options {
     profile: String,
     stl: Option<String>,
+    step: bool,
     runs: usize,
     dump: Option<String>,
     calibration: Option<String>,
@@ -56,6 +62,7 @@ impl Options {
         let mut options = Self {
             profile: "conquistador".into(),
             stl: None,
+            step: false,
             runs: 9,
             dump: None,
             calibration: None,
@@ -81,6 +88,7 @@ impl Options {
                         other => return Err(format!("{other} is no model")),
                     });
                 }
+                "--step" => options.step = true,
                 "--bench" => measured = true,
                 _ => return Err(format!("{name}?\n\n{USAGE}")),
             }
@@ -102,6 +110,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(calibration) = &options.calibration {
         let folder = options.dump.as_ref().ok_or("--calibration needs --dump")?;
         return rays(calibration, options.model, Path::new(folder));
+    }
+    if options.step {
+        return curved(&options);
     }
     let (design, mesh) = made(&options.profile, options.stl.as_deref())?;
     let [columns, rows] = design.camera.pixels;
@@ -153,10 +164,54 @@ fn main() -> Result<(), Box<dyn Error>> {
     print!("{times}");
     if let Some(folder) = &options.dump {
         let trace = CameraTrace::new(&scene, &design.camera, top);
-        dump(Path::new(folder), &trace, &found)?;
+        dump(Path::new(folder), scene.mesh(), (&trace, &found))?;
         fs::write(Path::new(folder).join("morion.txt"), times)?;
     }
     Ok(())
+}
+
+/// Times of the rays against the curved faces of the STEP file that the profile makes, as it is read back.
+fn curved(options: &Options) -> Result<(), Box<dyn Error>> {
+    let design = design(&load(&options.profile)?)?;
+    let mut bytes = Vec::new();
+    let fit = fit_splines(&design.mirror)?;
+    write_step(&mut bytes, &fit, design.border.as_ref(), &label(&design.profile))?;
+    let body = || Body::read(&bytes);
+    let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref()).map(Arc::new);
+    let scene = BodyScene::new(body()?, obstacles);
+    let [columns, rows] = design.camera.pixels;
+    let pieces = scene.body().pieces().len();
+    println!("{}: {pieces} pieces of curved faces, {columns} x {rows} rays", options.profile);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        pool.install(|| {
+            let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
+            let (mut ends, counts) = trace.run();
+            let next = least(
+                options.runs,
+                || (),
+                |()| {
+                    black_box(trace.run_into(&mut ends));
+                },
+            );
+            let rate = ends.len() as f64 / next * 1e-3;
+            if threads == 1 {
+                println!("{} proven, {} followed", counts.proven, counts.followed);
+            }
+            println!("curved_pairs_{threads} {rate:.3} M/s ({next:.3} ms)");
+        });
+    }
+    Ok(())
+}
+
+/// The words of a file.
+fn label(profile: &Profile) -> Label {
+    Label {
+        profile: profile.name.clone(),
+        sha256: profile.sha256.clone(),
+        tolerances: String::new(),
+        mounting: Vec::new(),
+    }
 }
 
 /// The mesh of the STL file that the profile makes, or of one that was written, as it is read back.
@@ -174,14 +229,8 @@ fn made(profile: &str, stl: Option<&str>) -> Result<(Design, TriMesh), Box<dyn E
     };
     let face = mesh(&design.mirror, &design.camera.chart, design.view.as_ref(), limits)?;
     let solid = Solid::from_face(&face.mesh, design.border.as_ref(), Precision::Single)?;
-    let label = Label {
-        profile: profile.name.clone(),
-        sha256: profile.sha256.clone(),
-        tolerances: String::new(),
-        mounting: Vec::new(),
-    };
     let mut bytes = Vec::new();
-    write_stl(&mut bytes, &solid, &label)?;
+    write_stl(&mut bytes, &solid, &label(profile))?;
     Ok((design, read_stl(&bytes)?.mesh))
 }
 
@@ -196,10 +245,13 @@ fn least<T>(runs: usize, new: impl Fn() -> T, mut run: impl FnMut(&T)) -> f64 {
     times.fold(f64::INFINITY, f64::min)
 }
 
-fn dump(folder: &Path, trace: &CameraTrace, found: &[RayEnd]) -> Result<(), Box<dyn Error>> {
+fn dump(
+    folder: &Path,
+    mesh: &TriMesh,
+    (trace, found): (&CameraTrace, &[RayEnd]),
+) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let numbers = |name: &str, all: &mut dyn Iterator<Item = f64>| numbers(folder, name, all);
-    let mesh = trace.scene().mesh();
     numbers("vertices.f64", &mut mesh.vertices.iter().flat_map(DVec3::to_array))?;
     let triangles: Vec<u8> =
         mesh.triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();

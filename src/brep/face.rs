@@ -133,6 +133,14 @@ impl TrimmedFace {
         if self.holds(patch, middle, own.at(middle)) { Share::All } else { Share::None }
     }
 
+    /// Axes of the patch of this number on a surface of revolution: outwards where it begins, the way it turns, and the
+    /// axis; none on other surfaces.
+    pub(super) fn turn_of(&self, patch: usize) -> Option<[DVec3; 3]> {
+        let FaceSurface::Revolved { frame, .. } = &self.surface else { return None };
+        let [out, across] = self.patches[patch].quarter(frame);
+        Some([out, across, frame.z])
+    }
+
     /// A place on a plane face and its normal out of the body; none of other faces.
     pub(super) fn plane(&self) -> Option<(DVec3, DVec3)> {
         let FaceSurface::Plane(frame) = &self.surface else { return None };

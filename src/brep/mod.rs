@@ -4,6 +4,7 @@
 //! it does not know is refused with the line and the number of the entity instance.
 
 mod b_spline;
+mod bicubic;
 mod charted;
 mod context;
 mod curve;
@@ -14,12 +15,14 @@ mod geometry;
 mod hierarchy;
 mod part21;
 mod patch;
+mod pieces;
 mod shell;
 mod surface;
 mod trim;
 
 pub use charted::ChartedBody;
 pub use error::StepError;
+pub use pieces::SurfacePiece;
 
 use crate::geom::{DVec3, Ray};
 use crate::parallel;
@@ -108,6 +111,12 @@ impl Body {
     #[must_use]
     pub fn bounds(&self) -> [DVec3; 2] {
         trim::bounds(self.faces.iter().flat_map(|face| face.bounds))
+    }
+
+    /// Pieces that make up all its faces.
+    #[must_use]
+    pub fn pieces(&self) -> Vec<SurfacePiece> {
+        parallel::map_slice(&self.faces, 1, pieces::of_face).concat()
     }
 
     /// Nearest place at more than `least` and less than `most` mm along a ray where it meets the body.

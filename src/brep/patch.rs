@@ -72,6 +72,11 @@ impl Patch {
         }
     }
 
+    /// Directions from the axis of a surface of revolution to where the patch begins and ends.
+    pub(super) fn quarter(&self, frame: &Frame) -> [DVec3; 2] {
+        quarter_axes(frame, (self.ranges[0][0] / FRAC_PI_2).round() as usize)
+    }
+
     /// Ranges of the surface's parameters that hold those of a part of the patch.
     pub(super) fn ranges_of(&self, surface: &FaceSurface, part: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         // Where a parameter is no linear function of the patch's, that of the whole patch.
@@ -150,8 +155,7 @@ fn of_revolved(frame: &Frame, meridian: &Curve, range_v: [f64; 2]) -> Vec<Patch>
     let mut patches = Vec::new();
     for (line, vs) in meridian.pieces(range_v) {
         for quarter in 0..4 {
-            let axes = [frame.x, frame.y, -frame.x, -frame.y];
-            let (a, b) = (axes[quarter], axes[(quarter + 1) % 4]);
+            let [a, b] = quarter_axes(frame, quarter);
             let arc = [(a, 1.0), (a + b, FRAC_1_SQRT_2), (b, 1.0)];
             let point = |(out, weight): (DVec3, f64)| {
                 line.iter().map(move |point| {
@@ -166,6 +170,12 @@ fn of_revolved(frame: &Frame, meridian: &Curve, range_v: [f64; 2]) -> Vec<Patch>
         }
     }
     patches
+}
+
+/// Where a quarter of a turn begins and ends.
+fn quarter_axes(frame: &Frame, quarter: usize) -> [DVec3; 2] {
+    let axes = [frame.x, frame.y, -frame.x, -frame.y];
+    [axes[quarter % 4], axes[(quarter + 1) % 4]]
 }
 
 /// Whether the images of the control points lie to one side of an axis through the origin.

@@ -6,62 +6,42 @@
 
 use super::band_depths::BAND_ROWS;
 use super::camera_rays::CameraRays;
-use super::occlusion::{OcclusionProof, RayPacket};
-use super::rasterizer::{PixelHit, Rasterizer};
-use super::ray_end::{Outcome, RayEnd, reflect_at_facet};
-use super::scene::{LeavingRay, Scene};
+use super::ray_end::{Outcome, RayEnd};
+use super::scene::LeavingRay;
+use super::trace_counts::TraceCounts;
+use super::traced_part::TracedPart;
+use super::tracer::{Tracer, Undecided, gathered};
+use crate::brep::ChartedBody;
 use crate::geom::Ray;
 use crate::optics::Camera;
 use crate::parallel::{self, ScratchPool};
-use std::ops::{Add, Range};
-use std::sync::Arc;
-
-/// Side of the smallest squares of pixels whose reflected rays are proven unoccluded together; the
-/// largest are as high as a band.
-const SMALLEST_SQUARE: usize = 2;
-
-/// Numbers of rays by how they were traced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct TraceCounts {
-    /// Camera rays whose facet was found by the rasterizer.
-    pub rasterized: usize,
-    /// Camera rays whose facet was searched for in the grid.
-    pub searched: usize,
-    /// Reflected rays that were proven unoccluded.
-    pub proven: usize,
-    /// Reflected rays that were followed through the grid.
-    pub followed: usize,
-}
-
-impl Add for TraceCounts {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            rasterized: self.rasterized + other.rasterized,
-            searched: self.searched + other.searched,
-            proven: self.proven + other.proven,
-            followed: self.followed + other.followed,
-        }
-    }
-}
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// Trace of the rays through all pixel centres of a camera in a scene.
 #[derive(Debug, Clone)]
 pub struct CameraTrace<'a> {
-    scene: &'a Scene,
+    part: TracedPart<'a>,
     rays: Arc<CameraRays>,
+    /// The curved faces as the camera sees them, if all are before its pinhole; made when they are first needed.
+    charted: Arc<OnceLock<Option<ChartedBody<'a>>>>,
     shortcuts: bool,
     /// Most pixels of a strip, unless two bands have more.
     strip_pixels: usize,
 }
 
 impl<'a> CameraTrace<'a> {
-    /// Trace of the rays of `camera`, where they are parallel from height `top_mm`, in `scene`.
+    /// Trace of the rays of `camera`, where they are parallel from height `top_mm`, at a part: a [`Scene`] of a mesh, or
+    /// a [`BodyScene`].
+    ///
+    /// [`Scene`]: super::Scene
+    /// [`BodyScene`]: super::BodyScene
     #[must_use]
-    pub fn new(scene: &'a Scene, camera: &Camera, top_mm: f64) -> Self {
+    pub fn new(part: impl Into<TracedPart<'a>>, camera: &Camera, top_mm: f64) -> Self {
         let rays = Arc::new(CameraRays::new(camera, top_mm));
-        Self { scene, rays, shortcuts: true, strip_pixels: Self::STRIP_PIXELS }
+        let part = part.into();
+        let charted = Arc::default();
+        Self { part, rays, charted, shortcuts: true, strip_pixels: Self::STRIP_PIXELS }
     }
 
     /// The same trace without rasterizer and proofs: every ray is searched for and followed. It must
@@ -77,10 +57,9 @@ impl<'a> CameraTrace<'a> {
         Self { strip_pixels, ..self }
     }
 
-    /// The scene that is traced.
-    #[must_use]
-    pub fn scene(&self) -> &'a Scene {
-        self.scene
+    /// The part that is traced.
+    pub(super) fn part(&self) -> TracedPart<'a> {
+        self.part
     }
 
     /// Columns and rows.
@@ -124,7 +103,7 @@ impl<'a> CameraTrace<'a> {
 
     fn run_rows_into(&self, rows: Range<usize>, ends: &mut [RayEnd]) -> TraceCounts {
         let first = rows.start;
-        let tracer = Tracer::new(self, rows);
+        let tracer = self.tracer(rows);
         let found = parallel::map_chunks_mut(ends, self.band_pixels(), |number, ends| {
             tracer.trace_band(first + number * BAND_ROWS, ends)
         });
@@ -164,7 +143,26 @@ impl<'a> CameraTrace<'a> {
 
     /// What is needed to trace the rows of a strip.
     pub(super) fn tracer(&self, rows: Range<usize>) -> Tracer<'_> {
-        Tracer::new(self, rows)
+        if !self.shortcuts {
+            return Tracer::searching(self.part, &self.rays);
+        }
+        let outside = self.starts_outside();
+        let charted = if outside { self.charted() } else { None };
+        Tracer::new(self.part, &self.rays, rows, (outside, charted))
+    }
+
+    /// The curved faces as the camera sees them.
+    fn charted(&self) -> Option<&ChartedBody<'a>> {
+        let TracedPart::Body(scene) = self.part else { return None };
+        let charted = || {
+            let CameraRays { camera, top_mm, .. } = *self.rays;
+            let [columns, rows] = camera.pixels.map(|n| n as usize);
+            let row = self.rays.charted_row(rows / 2);
+            let pixel_mm = (row[columns - 1] - row[0]).length() / columns as f64;
+            let pixel_mm = if pixel_mm.is_finite() { pixel_mm } else { 0.0 };
+            ChartedBody::new(scene.body(), &camera.chart, top_mm, pixel_mm)
+        };
+        self.charted.get_or_init(charted).as_ref()
     }
 
     /// Traces the bands of `rows`, a slice of the strip of `tracer`, side by side. `each` gets the number of the
@@ -207,12 +205,12 @@ impl<'a> CameraTrace<'a> {
         if undecided.len() <= FEW {
             let leave = |(pixel, end): &Undecided| LeavingRay::new(&ray(*pixel), end);
             let leaving: Vec<LeavingRay> = undecided.iter().map(leave).collect();
-            if !self.scene.blocks_any(&leaving) {
+            if !self.part.blocks_any(&leaving) {
                 return Vec::new();
             }
         }
-        self.scene.prepare_search();
-        let follow = |(pixel, end): &Undecided| (*pixel, self.scene.occlusion(&ray(*pixel), end));
+        self.part.prepare_search();
+        let follow = |(pixel, end): &Undecided| (*pixel, self.part.occlusion(&ray(*pixel), end));
         let outcomes = parallel::map_slice(undecided, 64, follow);
         outcomes.into_iter().filter(|(_, outcome)| *outcome != Outcome::Hit).collect()
     }
@@ -222,188 +220,10 @@ impl<'a> CameraTrace<'a> {
         self.pixels()[0] as usize * BAND_ROWS
     }
 
-    /// Whether the camera's rays start outside the mesh.
+    /// Whether the camera's rays start outside the part.
     fn starts_outside(&self) -> bool {
         let chart = &self.rays.camera.chart;
         let start = chart.pupil().map_or(self.rays.top_mm, |pupil| pupil.z);
-        self.scene.bounds().is_some_and(|(_, hi)| start > hi.z)
-    }
-}
-
-/// A pixel, counted from the first of some rows, and the end of its ray, whose reflected ray has still to be
-/// followed.
-type Undecided = (usize, RayEnd);
-
-/// The counts of bands, one after the other, and their undecided pixels, counted from the first of the first.
-fn gathered(bands: Vec<BandTrace>) -> (TraceCounts, Vec<Undecided>) {
-    let (mut counts, mut undecided, mut pixels) = (TraceCounts::default(), Vec::new(), 0);
-    for band in bands {
-        counts = counts + band.counts;
-        undecided.extend(band.undecided.into_iter().map(|(pixel, end)| (pixels + pixel, end)));
-        pixels += band.pixels;
-    }
-    (counts, undecided)
-}
-
-/// What is told of the trace of a band.
-#[derive(Default)]
-pub(super) struct BandTrace {
-    counts: TraceCounts,
-    pixels: usize,
-    undecided: Vec<Undecided>,
-}
-
-/// Rays, scene and the shortcuts that may be taken.
-pub(super) struct Tracer<'a> {
-    scene: &'a Scene,
-    rays: Arc<CameraRays>,
-    /// Without one, every facet is searched for.
-    rasterizer: Option<Rasterizer<'a>>,
-    /// Without one, every reflected ray is followed.
-    proof: Option<&'a OcclusionProof>,
-}
-
-impl<'a> Tracer<'a> {
-    fn new(trace: &'a CameraTrace, rows: Range<usize>) -> Self {
-        let CameraTrace { scene, ref rays, shortcuts, .. } = *trace;
-        if !shortcuts {
-            scene.prepare_search();
-            return Self { scene, rays: Arc::clone(rays), rasterizer: None, proof: None };
-        }
-        let proof = if trace.starts_outside() { scene.occlusion_proof() } else { None };
-        let rasterizer = Rasterizer::new(scene, rays, rows, None);
-        // Without the one all camera rays are searched for, without the other all reflected ones.
-        if rasterizer.is_none() || proof.is_none() {
-            scene.prepare_search();
-        }
-        let rays = Arc::clone(rasterizer.as_ref().map_or(rays, Rasterizer::rays));
-        Self { scene, rays, rasterizer, proof }
-    }
-
-    /// The rays, those of the tracer's rows at hand.
-    pub(super) fn rays(&self) -> &CameraRays {
-        &self.rays
-    }
-
-    /// Traces the rays of the band from row `first` on. Where the scene has no grid, reflected rays that are
-    /// not proven unoccluded are told of and not followed.
-    fn trace_band(&self, first: usize, ends: &mut [RayEnd]) -> BandTrace {
-        let columns = self.rays.camera.pixels[0] as usize;
-        let mut band = BandTrace { pixels: ends.len(), ..BandTrace::default() };
-        let counts = &mut band.counts;
-        if let Some(rasterizer) = &self.rasterizer {
-            counts.rasterized = ends.len();
-            rasterizer.draw(first, ends, |PixelHit { column, row, t, facet, normal }| {
-                let along = self.rays.at(column, row).direction;
-                let (outcome, direction) = reflect_at_facet(along, normal);
-                RayEnd { outcome, facet, t, direction }
-            });
-        } else {
-            counts.searched = ends.len();
-            for (k, end) in ends.iter_mut().enumerate() {
-                let ray = self.rays.at(k % columns, first + k / columns);
-                *end = self.scene.trace_primary(&ray);
-            }
-        }
-        self.obstruct(first, ends);
-        OcclusionPass { tracer: self, columns, first, ends, band: &mut band }.run();
-        band
-    }
-
-    /// Finds the obstructed ones among the rays of the band from row `first` on. (What is proven of the others,
-    /// that the mesh is in no reflected ray's way, holds with obstacles as without.)
-    fn obstruct(&self, first: usize, ends: &mut [RayEnd]) {
-        if self.scene.obstacles().is_none() {
-            return;
-        }
-        let columns = self.rays.camera.pixels[0] as usize;
-        for (k, end) in ends.iter_mut().enumerate() {
-            let ray = self.rays.at(k % columns, first + k / columns);
-            end.outcome = self.scene.obstructed(&ray, end);
-        }
-    }
-}
-
-/// Search for the occluded ones among a band's reflected rays, square by square of pixels.
-struct OcclusionPass<'a, 'b> {
-    tracer: &'a Tracer<'a>,
-    columns: usize,
-    /// The band's first row.
-    first: usize,
-    ends: &'b mut [RayEnd],
-    band: &'b mut BandTrace,
-}
-
-impl OcclusionPass<'_, '_> {
-    fn run(&mut self) {
-        let columns = self.columns;
-        let rows = self.ends.len() / columns;
-        for left in (0..columns).step_by(BAND_ROWS) {
-            self.square([left, 0], [(left + BAND_ROWS).min(columns), rows]);
-        }
-    }
-
-    /// Decides the pixels from the upper left corner up to, not including, the lower right one: all
-    /// together if the proof holds, else quarter by quarter, the smallest squares ray by ray.
-    fn square(&mut self, from @ [left, upper]: [usize; 2], to @ [right, lower]: [usize; 2]) {
-        let (packet, reflected) = self.packet(from, to);
-        if reflected == 0 {
-            return;
-        }
-        let proof = self.tracer.proof;
-        if proof.is_some_and(|proof| proof.is_unoccluded(&packet)) {
-            self.band.counts.proven += reflected;
-            return;
-        }
-        let side = (right - left).max(lower - upper);
-        if side > SMALLEST_SQUARE && proof.is_some() {
-            let middle = [0, 1].map(|axis| from[axis] + side / 2);
-            for [x, y] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
-                let half = |k: usize, axis: usize| {
-                    let cut = middle[axis].min(to[axis]);
-                    if k == 0 { [from[axis], cut] } else { [cut, to[axis]] }
-                };
-                let ([left, right], [upper, lower]) = (half(x, 0), half(y, 1));
-                self.square([left, upper], [right, lower]);
-            }
-            return;
-        }
-        self.follow(from, to);
-    }
-
-    /// The reflected rays of a square of pixels, and their number.
-    #[inline]
-    fn packet(&self, [left, upper]: [usize; 2], [right, lower]: [usize; 2]) -> (RayPacket, usize) {
-        let mut packet = RayPacket::EMPTY;
-        let mut reflected = 0;
-        for row in upper..lower {
-            for column in left..right {
-                let RayEnd { outcome, t, direction, .. } = self.ends[row * self.columns + column];
-                if outcome == Outcome::Hit {
-                    let origin = self.tracer.rays.point(column, self.first + row, t);
-                    packet.add(origin, direction);
-                    reflected += 1;
-                }
-            }
-        }
-        (packet, reflected)
-    }
-
-    /// Follows the reflected rays of a square of pixels one by one.
-    fn follow(&mut self, [left, upper]: [usize; 2], [right, lower]: [usize; 2]) {
-        let (Tracer { scene, rays, .. }, columns) = (self.tracer, self.columns);
-        let search = scene.has_search();
-        for k in (upper..lower).flat_map(|row| row * columns + left..row * columns + right) {
-            let end = &mut self.ends[k];
-            if end.outcome == Outcome::Hit {
-                self.band.counts.followed += 1;
-                if search {
-                    let ray = rays.at(k % columns, self.first + k / columns);
-                    end.outcome = scene.occlusion(&ray, end);
-                } else {
-                    self.band.undecided.push((k, *end));
-                }
-            }
-        }
+        self.part.bounds().is_some_and(|(_, hi)| start > hi.z)
     }
 }

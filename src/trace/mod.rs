@@ -9,6 +9,7 @@
 //! evaluate it.
 
 mod band_depths;
+mod body_scene;
 mod camera_rays;
 mod camera_trace;
 mod closed_mesh;
@@ -25,11 +26,15 @@ mod rasterizer;
 mod ray_end;
 mod sample_trace;
 mod scene;
+mod trace_counts;
 mod trace_result;
 mod trace_summary;
+mod traced_part;
+mod tracer;
 
 pub use crate::geom::Hit;
-pub use camera_trace::{CameraTrace, TraceCounts};
+pub use body_scene::BodyScene;
+pub use camera_trace::CameraTrace;
 pub use coverage::{ColumnCoverage, Coverage, CoverageBuilder, MinMeanMax, Seam};
 pub use frame_fill::{FrameFill, FrameFillBuilder, LostPixels, PixelClass, classify_pixels};
 pub use obstacles::Obstacles;
@@ -38,5 +43,7 @@ pub use pixel_trace::{PixelTrace, RayErrors};
 pub use ray_end::{Outcome, RayEnd};
 pub use sample_trace::{SampleRays, SampleTrace};
 pub use scene::Scene;
+pub use trace_counts::TraceCounts;
 pub use trace_result::{ExpectedRay, TraceResult, TraceStrip};
 pub use trace_summary::TraceSummary;
+pub use traced_part::TracedPart;

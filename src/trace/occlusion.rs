@@ -7,6 +7,7 @@
 //! the normals (docs/theory.md, T52).
 
 use super::closed_mesh::is_closed;
+use crate::brep::SurfacePiece;
 use crate::geom::{DVec2, DVec3, TriMesh};
 use crate::parallel;
 
@@ -164,20 +165,21 @@ impl OcclusionProof {
     /// fails.
     pub(super) fn new(mesh: &TriMesh, closed: bool) -> Option<Self> {
         let (lo, hi) = mesh.bounds()?;
-        let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
-        let wanted = (mesh.triangles.len() as f64 / FACETS_PER_CELL).clamp(CELLS[0], CELLS[1]);
-        // Few digits, so that multiples are exact.
-        let cell = f64::from_bits((size.x * size.y / wanted).sqrt().to_bits() >> 44 << 44);
-        let origin = (lo.truncate() / cell).floor() * cell;
-        let margin = MARGIN * lo.abs().max(hi.abs()).max_element();
-        if !(cell > 0.0 && margin.is_finite()) {
-            return None;
-        }
-        let (levels, closed) = parallel::join(
-            || levels(mesh, origin, cell, hi.truncate()),
-            || closed || is_closed(mesh),
-        );
-        closed.then_some(Self { origin, levels, margin })
+        let cells = CellGrid::over([lo, hi], mesh.triangles.len())?;
+        let facet = |triangle: &[u32; 3]| {
+            FacetBounds::of_facet(triangle.map(|v| mesh.vertices[v as usize]))
+        };
+        let (levels, closed) =
+            parallel::join(|| cells.levels(&mesh.triangles, facet), || closed || is_closed(mesh));
+        closed.then_some(Self { origin: cells.origin, levels, margin: cells.margin })
+    }
+
+    /// The quadtree over a closed body of curved pieces between `bounds`.
+    pub(super) fn of_closed(pieces: &[SurfacePiece], bounds: [DVec3; 2]) -> Option<Self> {
+        let cells = CellGrid::over(bounds, pieces.len())?;
+        let levels = cells
+            .levels(pieces, |piece| FacetBounds { bounds: piece.bounds, normals: piece.normals });
+        Some(Self { origin: cells.origin, levels, margin: cells.margin })
     }
 
     /// Whether no ray of `packet` meets a facet. The rays must start on the outer side of facets, where
@@ -208,90 +210,133 @@ impl OcclusionProof {
     }
 }
 
-/// The levels of the quadtree, from cells of side `cell` on.
-fn levels(mesh: &TriMesh, origin: DVec2, cell: f64, hi: DVec2) -> Vec<Level> {
-    let mut sizes = vec![(cell, [0, 1].map(|k| ((hi - origin)[k] / cell) as usize + 1))];
-    while let Some(&(cell, [columns, rows])) = sizes.last()
-        && columns.max(rows) > 1
-    {
-        sizes.push((2.0 * cell, [columns.div_ceil(2), rows.div_ceil(2)]));
-    }
-    let empty = || -> Vec<Vec<FacetClasses>> {
-        sizes
-            .iter()
-            .map(|(_, [columns, rows])| vec![[NormalCone::EMPTY; 3]; columns * rows])
-            .collect()
-    };
-    let size = CHUNK.max(mesh.triangles.len().div_ceil(4));
-    let sorted = parallel::map_chunks(&mesh.triangles, size, |chunk| {
-        let mut own = empty();
-        for triangle in chunk {
-            let corners = triangle.map(|v| mesh.vertices[v as usize]);
-            sort(corners, origin, &sizes, &mut own);
-        }
-        own
-    });
-    let own = sorted.into_iter().reduce(|mut a, b| {
-        for (a, b) in a.iter_mut().flatten().zip(b.iter().flatten()) {
-            gather(a, b);
-        }
-        a
-    });
-    let mut levels: Vec<Level> = Vec::with_capacity(sizes.len());
-    for (&(cell, count), own) in sizes.iter().zip(own.unwrap_or_else(empty)) {
-        let mut all = own.clone();
-        if let Some(Level { count: [columns, _], all: finer, .. }) = levels.last() {
-            for (k, facets) in finer.iter().enumerate() {
-                gather(&mut all[k / columns / 2 * count[0] + k % columns / 2], facets);
-            }
-        }
-        levels.push(Level { cell, count, own, all });
-    }
-    levels
+/// Bounds of a facet, or of a piece of a curved face: of its places, mm, and of its unit normals.
+#[derive(Debug, Clone, Copy)]
+struct FacetBounds {
+    bounds: [DVec3; 2],
+    normals: [DVec3; 2],
 }
 
-/// Adds a facet to the cells that it touches in the first level where these are four at most.
-#[inline]
-fn sort(
-    corners @ [a, b, c]: [DVec3; 3],
-    origin: DVec2,
-    sizes: &[(f64, [usize; 2])],
-    own: &mut [Vec<FacetClasses>],
-) {
-    let (cell, [columns, rows]) = sizes[0];
-    let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
-    let first = (lo.truncate() - origin) / cell;
-    let last = (hi.truncate() - origin) / cell;
-    // A facet that ends on a border does not count in the cell beyond: cells are enlarged when asked.
-    let index = |x: f64, count: usize| (x as usize).min(count - 1);
-    let before = |x: f64, count: usize| {
-        let k = index(x, count);
-        if k > 0 && k as f64 == x { k - 1 } else { k }
-    };
-    let (mut first, mut last) = (
-        [index(first.x, columns), index(first.y, rows)],
-        [before(last.x, columns), before(last.y, rows)],
-    );
-    let mut level = 0;
-    while last[0] > first[0] + 1 || last[1] > first[1] + 1 {
-        first = first.map(|k| k / 2);
-        last = last.map(|k| k / 2);
-        level += 1;
+impl FacetBounds {
+    #[inline]
+    fn of_facet([a, b, c]: [DVec3; 3]) -> Self {
+        let normal = (b - a).cross(c - a);
+        let unit = normal / normal.length();
+        let all = DVec3::ONE;
+        let normals = if unit.is_finite() { [unit; 2] } else { [-all, all] };
+        Self { bounds: [a.min(b).min(c), a.max(b).max(c)], normals }
     }
-    let normal = (b - a).cross(c - a);
-    let unit = normal / normal.length();
-    let all = DVec3::ONE;
-    let (class, normals) = if !unit.is_finite() {
-        (1, [-all, all])
-    } else if unit.z > 0.1 {
-        (0, [unit; 2])
-    } else {
-        (if unit.z < -0.1 { 2 } else { 1 }, [unit; 2])
-    };
-    let facet = NormalCone { top: corners[0].z.max(corners[1].z).max(corners[2].z), normals };
-    for j in first[1]..=last[1].max(first[1]) {
-        for i in first[0]..=last[0].max(first[0]) {
-            own[level][j * sizes[level].1[0] + i][class].extend(&facet);
+
+    /// Number of its class: facing up, sideways or down.
+    #[inline]
+    fn class(&self) -> usize {
+        let [lo, hi] = self.normals;
+        if lo.z > 0.1 {
+            0
+        } else if hi.z < -0.1 {
+            2
+        } else {
+            1
+        }
+    }
+}
+
+/// Where the cells of the quadtree lie.
+struct CellGrid {
+    origin: DVec2,
+    cell: f64,
+    margin: f64,
+    /// Side of the cells, and the numbers of columns and rows, of every level.
+    sizes: Vec<(f64, [usize; 2])>,
+}
+
+impl CellGrid {
+    /// Cells over so many facets between bounds; `None` where these are not finite.
+    fn over([lo, hi]: [DVec3; 2], facets: usize) -> Option<Self> {
+        let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
+        let wanted = (facets as f64 / FACETS_PER_CELL).clamp(CELLS[0], CELLS[1]);
+        // Few digits, so that multiples are exact.
+        let cell = f64::from_bits((size.x * size.y / wanted).sqrt().to_bits() >> 44 << 44);
+        let origin = (lo.truncate() / cell).floor() * cell;
+        let margin = MARGIN * lo.abs().max(hi.abs()).max_element();
+        if !(cell > 0.0 && margin.is_finite()) {
+            return None;
+        }
+        let mut sizes =
+            vec![(cell, [0, 1].map(|k| ((hi.truncate() - origin)[k] / cell) as usize + 1))];
+        while let Some(&(cell, [columns, rows])) = sizes.last()
+            && columns.max(rows) > 1
+        {
+            sizes.push((2.0 * cell, [columns.div_ceil(2), rows.div_ceil(2)]));
+        }
+        Some(Self { origin, cell, margin, sizes })
+    }
+
+    /// The levels of the quadtree over facets.
+    fn levels<T: Sync>(
+        &self,
+        facets: &[T],
+        bounds: impl Fn(&T) -> FacetBounds + Sync,
+    ) -> Vec<Level> {
+        let empty = || -> Vec<Vec<FacetClasses>> {
+            let cells = self.sizes.iter().map(|(_, [columns, rows])| columns * rows);
+            cells.map(|cells| vec![[NormalCone::EMPTY; 3]; cells]).collect()
+        };
+        let size = CHUNK.max(facets.len().div_ceil(4));
+        let sorted = parallel::map_chunks(facets, size, |chunk| {
+            let mut own = empty();
+            for facet in chunk {
+                self.sort(&bounds(facet), &mut own);
+            }
+            own
+        });
+        let own = sorted.into_iter().reduce(|mut a, b| {
+            for (a, b) in a.iter_mut().flatten().zip(b.iter().flatten()) {
+                gather(a, b);
+            }
+            a
+        });
+        let mut levels: Vec<Level> = Vec::with_capacity(self.sizes.len());
+        for (&(cell, count), own) in self.sizes.iter().zip(own.unwrap_or_else(empty)) {
+            let mut all = own.clone();
+            if let Some(Level { count: [columns, _], all: finer, .. }) = levels.last() {
+                for (k, facets) in finer.iter().enumerate() {
+                    gather(&mut all[k / columns / 2 * count[0] + k % columns / 2], facets);
+                }
+            }
+            levels.push(Level { cell, count, own, all });
+        }
+        levels
+    }
+
+    /// Adds a facet to the cells that it touches in the first level where these are four at most.
+    #[inline]
+    fn sort(&self, facet: &FacetBounds, own: &mut [Vec<FacetClasses>]) {
+        let [columns, rows] = self.sizes[0].1;
+        let [lo, hi] = facet.bounds;
+        let first = (lo.truncate() - self.origin) / self.cell;
+        let last = (hi.truncate() - self.origin) / self.cell;
+        // A facet that ends on a border does not count in the cell beyond: cells are enlarged when asked.
+        let index = |x: f64, count: usize| (x as usize).min(count - 1);
+        let before = |x: f64, count: usize| {
+            let k = index(x, count);
+            if k > 0 && k as f64 == x { k - 1 } else { k }
+        };
+        let (mut first, mut last) = (
+            [index(first.x, columns), index(first.y, rows)],
+            [before(last.x, columns), before(last.y, rows)],
+        );
+        let mut level = 0;
+        while last[0] > first[0] + 1 || last[1] > first[1] + 1 {
+            first = first.map(|k| k / 2);
+            last = last.map(|k| k / 2);
+            level += 1;
+        }
+        let (class, cone) = (facet.class(), NormalCone { top: hi.z, normals: facet.normals });
+        for j in first[1]..=last[1].max(first[1]) {
+            for i in first[0]..=last[0].max(first[0]) {
+                own[level][j * self.sizes[level].1[0] + i][class].extend(&cone);
+            }
         }
     }
 }

@@ -79,24 +79,36 @@ impl Scene {
     #[must_use]
     pub fn obstructed(&self, ray: &Ray, end: &RayEnd) -> Outcome {
         let Some(obstacles) = self.obstacles() else { return end.outcome };
-        if let Some((number, _)) = obstacles.between(ray, [Obstacles::clear(ray), end.t]) {
-            return Outcome::Obstructed(number);
-        }
-        if end.outcome != Outcome::Hit {
-            return end.outcome;
-        }
-        let LeavingRay { ray, from, clear } = LeavingRay::new(ray, end);
-        let Some((number, t)) = obstacles.before_target(&ray, clear) else { return Outcome::Hit };
-        match self.occluder_before(&ray, from, [clear, t]) {
-            Some(_) => Outcome::Hit,
-            None => Outcome::Obstructed(number),
-        }
+        obstruction(obstacles, ray, end, |leaving, range| {
+            self.occluder_before(&leaving.ray, leaving.from, range).is_some()
+        })
     }
 
     /// Outcome of a ray that `end` says to be reflected: occluded by a facet, or not.
     pub(super) fn occlusion(&self, ray: &Ray, end: &RayEnd) -> Outcome {
         let LeavingRay { ray, from, clear } = LeavingRay::new(ray, end);
         self.occluder(&ray, from, clear).map_or(Outcome::Hit, Outcome::Shadowed)
+    }
+}
+
+/// Outcome of a ray of which `end` says what it meets of the part first; `is_met` tells whether the part is met by a
+/// reflected ray between two distances, mm.
+pub(super) fn obstruction(
+    obstacles: &Obstacles,
+    ray: &Ray,
+    end: &RayEnd,
+    is_met: impl FnOnce(&LeavingRay, [f64; 2]) -> bool,
+) -> Outcome {
+    if let Some((number, _)) = obstacles.between(ray, [Obstacles::clear(ray), end.t]) {
+        return Outcome::Obstructed(number);
+    }
+    if end.outcome != Outcome::Hit {
+        return end.outcome;
+    }
+    let leaving = LeavingRay::new(ray, end);
+    match obstacles.before_target(&leaving.ray, leaving.clear) {
+        Some((number, t)) if !is_met(&leaving, [leaving.clear, t]) => Outcome::Obstructed(number),
+        _ => Outcome::Hit,
     }
 }
 

@@ -1,11 +1,14 @@
 //! One ray per pixel: its end, its reflected direction, and how far that is from the expected one.
 
 use super::band_depths::BAND_ROWS;
-use super::camera_trace::{CameraTrace, TraceCounts, Tracer};
+use super::camera_trace::CameraTrace;
 use super::digest::Digest;
 use super::pixel_trace::{PixelTrace, RayErrors};
 use super::ray_end::{Outcome, RayEnd};
 use super::scene::Scene;
+use super::trace_counts::TraceCounts;
+use super::traced_part::TracedPart;
+use super::tracer::Tracer;
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::num::stats::Summary;
 use crate::optics::{ImagingTask, reflect};
@@ -148,16 +151,16 @@ impl TraceStrip {
 
 /// Comparison of traced rays with expected ones.
 struct Comparison<'a> {
-    scene: &'a Scene,
-    normals: Option<&'a [[DVec3; 3]]>,
+    /// A mesh with normals at the corners of its facets.
+    smoothed: Option<(&'a Scene, &'a [[DVec3; 3]])>,
     task: Option<&'a ImagingTask>,
     /// By column, what its image points share.
     turns: Vec<[f64; 2]>,
 }
 
 impl<'a> Comparison<'a> {
-    fn new(
-        trace: &CameraTrace<'a>,
+    fn new<'b: 'a>(
+        trace: &CameraTrace<'b>,
         normals: Option<&'a [[DVec3; 3]]>,
         task: Option<&'a ImagingTask>,
     ) -> Self {
@@ -165,7 +168,11 @@ impl<'a> Comparison<'a> {
             let columns = 0..trace.pixels()[0] as usize;
             columns.map(|column| task.turn(trace.rays().image_point(column, 0).x)).collect()
         };
-        Self { scene: trace.scene(), normals, task, turns: task.map_or(Vec::new(), turn) }
+        let smoothed = match trace.part() {
+            TracedPart::Mesh(scene) => normals.map(|normals| (scene, normals)),
+            TracedPart::Body(_) => None,
+        };
+        Self { smoothed, task, turns: task.map_or(Vec::new(), turn) }
     }
 
     /// Traces the pixels of some rows into `pixels`, whatever is in there.
@@ -180,7 +187,7 @@ impl<'a> Comparison<'a> {
         let columns = trace.pixels()[0] as usize;
         pixels.resize(columns * rows.len(), PixelTrace::MISSED);
         let room = |pixels: usize| {
-            Digest::with_room_for(pixels, self.task.is_some(), self.normals.is_some())
+            Digest::with_room_for(pixels, self.task.is_some(), self.smoothed.is_some())
         };
         let band = |first: usize, ends: &[RayEnd], pixels: &mut [PixelTrace]| {
             let rows = pixels.chunks_mut(columns).zip(ends.chunks(columns));
@@ -239,8 +246,8 @@ impl<'a> Comparison<'a> {
                 facet_mm: task.projection.image_distance(content, expected.designed),
             }
         };
-        let smooth = self.normals.map(|normals| {
-            let weights = self.scene.barycentric(&ray, end.facet);
+        let smooth = self.smoothed.map(|(scene, normals)| {
+            let weights = scene.barycentric(&ray, end.facet);
             let corners = normals[end.facet as usize].iter().zip(weights);
             errors(reflect(ray.direction, corners.map(|(n, w)| *n * w).sum()))
         });

@@ -1,7 +1,7 @@
 //! A few rows of a few rays, met with the pieces of a body that the chart shows there.
 
-use super::bicubic::{ROWS, Row};
 use super::tile::{Tile, WIDENED};
+use crate::brep::bicubic::{ROWS, RowLanes};
 use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::Lanes;
 
@@ -71,7 +71,7 @@ impl Block {
         chart: &Chart,
         is_own: &mut dyn FnMut([f64; 2], DVec3) -> bool,
     ) {
-        let mut before: [[Row; 2]; 4] = [[Lanes([0.0; ROWS]); 2]; 4];
+        let mut before: [[RowLanes; 2]; 4] = [[Lanes([0.0; ROWS]); 2]; 4];
         let mut known = 0;
         for column in 0..self.columns {
             let rays = &self.rays[column];
@@ -116,7 +116,7 @@ impl Block {
 
 /// The place after those of `known` columns before, by a polynomial through them.
 #[inline(always)]
-fn extrapolated([a, b, c, d]: &[[Row; 2]; 4], known: usize) -> [Row; 2] {
+fn extrapolated([a, b, c, d]: &[[RowLanes; 2]; 4], known: usize) -> [RowLanes; 2] {
     let place = |k: usize| match known {
         0 => Lanes([0.0; ROWS]),
         1 => a[k],
@@ -137,18 +137,18 @@ const MOST: f64 = 0.5 + WIDENED;
 /// Where rays meet the widened tile.
 struct Met {
     /// Parameters less a half.
-    at: [Row; 2],
+    at: [RowLanes; 2],
     /// Height over the chart's plane, mm.
-    up: Row,
+    up: RowLanes,
     /// Normal of any length, of the upright body.
-    normal: [Row; 3],
+    normal: [RowLanes; 3],
     /// Length of the last step; not small where the tile is not met.
-    last: Row,
+    last: RowLanes,
 }
 
 /// Newton's method for four rays at once.
 #[inline(always)]
-fn newton(tile: &Tile, chart: &Chart, q: [Row; 2], mut at: [Row; 2]) -> Met {
+fn newton(tile: &Tile, chart: &Chart, q: [RowLanes; 2], mut at: [RowLanes; 2]) -> Met {
     let (k, powers) = (chart.vergence, &tile.powers);
     let mut step = 0;
     loop {
@@ -186,12 +186,12 @@ fn newton(tile: &Tile, chart: &Chart, q: [Row; 2], mut at: [Row; 2]) -> Met {
 
 /// Value, and derivatives times the square of the weight, of a component divided by the weight.
 #[inline(always)]
-fn derived(a: &[Row; 3], w: &[Row; 3]) -> [Row; 3] {
+fn derived(a: &[RowLanes; 3], w: &[RowLanes; 3]) -> [RowLanes; 3] {
     [a[0], a[1] * w[0] - a[0] * w[1], a[2] * w[0] - a[0] * w[2]]
 }
 
 /// The vector product of the derivatives along u and v.
 #[inline(always)]
-fn cross([x, y, z]: [&[Row; 3]; 3]) -> [Row; 3] {
+fn cross([x, y, z]: [&[RowLanes; 3]; 3]) -> [RowLanes; 3] {
     [y[1] * z[2] - z[1] * y[2], z[1] * x[2] - x[1] * z[2], x[1] * y[2] - y[1] * x[2]]
 }

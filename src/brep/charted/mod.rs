@@ -5,15 +5,14 @@
 //! proven is left to the general search, ray by ray: pieces on edge, at poles, of a high degree. Pieces that show the
 //! camera their back are hidden: it is outside the closed body (docs/theory.md, T121).
 
-mod bicubic;
 mod block;
 mod tile;
 
+use super::bicubic::{Net, Powers, ROWS};
 use super::face::{Share, TrimmedFace};
 use super::{Body, BodyHit};
 use crate::geom::{Chart, DVec2, DVec3, Ray};
 use crate::parallel;
-use bicubic::{Net, Powers, ROWS};
 use block::{Block, COLUMNS, Found};
 use tile::{ChartBox, Tile, proven_side};
 

@@ -1,7 +1,7 @@
 //! Pieces of patches whose picture in a camera's chart is proven one to one: a ray meets one at most once, where
 //! Newton's method leads from anywhere near (docs/theory.md, T121).
 
-use super::bicubic::{Control, Net, Powers};
+use crate::brep::bicubic::{Control, Net, Powers};
 use crate::geom::{Chart, DVec2};
 
 /// How far a piece is widened at each end, as a share of its range, before its picture is proven one to one.

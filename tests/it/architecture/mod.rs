@@ -28,7 +28,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("mesh", &["mirror", "optics", "geom", "num", "parallel"]),
     ("solid", &["geom", "num", "parallel"]),
     ("export", &["solid", "mirror", "geom", "num", "parallel"]),
-    ("trace", &["geom", "optics", "num", "parallel"]),
+    ("trace", &["brep", "geom", "optics", "num", "parallel"]),
     ("align", &["mirror", "optics", "geom", "num", "parallel"]),
     (
         "tolerance",

@@ -1,13 +1,13 @@
 //! Maps of degree 3 by 3 in Bezier's form, as a camera's chart shows them, and their values by Horner's rule.
 
-use super::super::patch::Patch;
+use super::patch::Patch;
 use crate::geom::Chart;
 use crate::num::Lanes;
 
 /// Rows that are worked on at once.
 pub(super) const ROWS: usize = 4;
 /// A number for each of the rows.
-pub(super) type Row = Lanes<ROWS>;
+pub(super) type RowLanes = Lanes<ROWS>;
 
 /// A control point: X and Y and the height over the chart's plane, where a lean is taken off, and the weight; all times
 /// the weight.
@@ -99,7 +99,7 @@ fn line_over(line: [Control; 4], [from, to]: [f64; 2]) -> [Control; 4] {
 }
 
 /// Value and derivatives along u and v of one of a map's components, at a place for each of the rows.
-pub(super) type Values = [Row; 3];
+pub(super) type Values = [RowLanes; 3];
 
 /// Coefficients of the powers of u - 1/2 (outer) and v - 1/2 of each component.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +117,7 @@ impl Powers {
 
     /// Value and derivatives of a component, from u - 1/2 and v - 1/2.
     #[inline(always)]
-    pub(super) fn at(&self, component: usize, [u, v]: [Row; 2]) -> Values {
+    pub(super) fn at(&self, component: usize, [u, v]: [RowLanes; 2]) -> Values {
         let line = |c: &[f64; 4]| {
             let value = ((v * c[3] + c[2]) * v + c[1]) * v + c[0];
             (value, (v * (3.0 * c[3]) + 2.0 * c[2]) * v + c[1])
