@@ -56,6 +56,14 @@ impl Net {
         Self(rows)
     }
 
+    /// The axis along which control points are farther apart.
+    pub(super) fn longer_axis(&self) -> usize {
+        let [along_u, along_v] = self
+            .derivatives()
+            .map(|all| all.fold(0.0, |most: f64, [x, y, up, _]| most.max(x * x + y * y + up * up)));
+        usize::from(along_v > along_u)
+    }
+
     /// Derivatives of the map along u and along v, at their control points.
     pub(super) fn derivatives(&self) -> [impl Iterator<Item = Control> + '_; 2] {
         let difference = |a: Control, b: Control| [0, 1, 2, 3].map(|k| 3.0 * (b[k] - a[k]));

@@ -33,6 +33,9 @@ use hierarchy::Hierarchy;
 use part21::Exchange;
 use shell::Shell;
 
+/// Pieces across a body at least.
+const PIECES_ACROSS: f64 = 64.0;
+
 /// A closed body of curved faces.
 #[derive(Debug)]
 pub struct Body {
@@ -113,10 +116,12 @@ impl Body {
         trim::bounds(self.faces.iter().flat_map(|face| face.bounds))
     }
 
-    /// Pieces that make up all its faces.
+    /// Pieces that make up all its faces, small along X and Y by the size of the body.
     #[must_use]
     pub fn pieces(&self) -> Vec<SurfacePiece> {
-        parallel::map_slice(&self.faces, 1, pieces::of_face).concat()
+        let [lo, hi] = self.bounds();
+        let size = (hi - lo).truncate().max_element() / PIECES_ACROSS;
+        parallel::map_slice(&self.faces, 1, |face| pieces::of_face(face, size)).concat()
     }
 
     /// Nearest place at more than `least` and less than `most` mm along a ray where it meets the body.

@@ -21,17 +21,19 @@ const ANY: [DVec3; 2] = [DVec3::NEG_ONE, DVec3::ONE];
 /// some ten degrees sees the back of such a piece, or is above it.
 const NARROW: f64 = 0.06;
 /// Halvings of a patch at most, along both axes together.
-const MOST_DEPTH: usize = 6;
+const MOST_DEPTH: usize = 10;
+/// Z of a unit normal from which on a plane face is level: it is as high everywhere, nearly.
+const LEVEL: f64 = 0.99;
 /// By how much normals are widened: rounding is far below it.
 const MARGIN: f64 = 1e-12;
 
 /// A box of vectors.
 type Vectors = [Interval; 3];
 
-/// The pieces of a face.
-pub(super) fn of_face(face: &TrimmedFace) -> Vec<SurfacePiece> {
+/// The pieces of a face, each at most `size` mm long along X and Y, but where it is level.
+pub(super) fn of_face(face: &TrimmedFace, size: f64) -> Vec<SurfacePiece> {
     if let Some((_, normal)) = face.plane() {
-        return vec![SurfacePiece { bounds: face.bounds, normals: [normal; 2] }];
+        return of_plane(face, normal, size);
     }
     // Coordinates as they are.
     let space = Chart::on_axis(0.0, 0.0);
@@ -41,7 +43,7 @@ pub(super) fn of_face(face: &TrimmedFace) -> Vec<SurfacePiece> {
             pieces.push(SurfacePiece { bounds: patch.bounds, normals: ANY });
             continue;
         };
-        Cutter { face, number, net, pieces: &mut pieces }.cut([[0.0, 1.0]; 2], 0);
+        Cutter { face, number, net, size, pieces: &mut pieces }.cut([[0.0, 1.0]; 2], 0);
     }
     pieces
 }
@@ -51,6 +53,7 @@ struct Cutter<'a> {
     face: &'a TrimmedFace,
     number: usize,
     net: Net,
+    size: f64,
     pieces: &'a mut Vec<SurfacePiece>,
 }
 
@@ -65,20 +68,50 @@ impl Cutter<'_> {
             Some(axes) => turned(&self.net.over([[0.0; 2], part[1]]), part[0], axes),
             None => cross(tangents(&net)),
         };
-        let [lo, hi] = components(if self.face.same { normals } else { normals.map(|n| -n) });
-        if depth < MOST_DEPTH && (hi - lo).max_element() > NARROW {
-            let axis = depth % 2;
-            let middle = 0.5 * (part[axis][0] + part[axis][1]);
-            for half in 0..2 {
-                let mut part = part;
-                part[axis][1 - half] = middle;
-                self.cut(part, depth + 1);
-            }
+        let unit = components(if self.face.same { normals } else { normals.map(|n| -n) });
+        let points = net.controls().map(|&[x, y, z, w]| DVec3::new(x, y, z) / w);
+        let bounds = super::trim::bounds(points);
+        let wide = (bounds[1] - bounds[0]).truncate().max_element() > self.size;
+        let is_whole = (unit[1] - unit[0]).max_element() <= NARROW && !wide;
+        if is_whole || depth == MOST_DEPTH {
+            self.pieces.push(SurfacePiece { bounds, normals: unit });
             return;
         }
-        let points = net.controls().map(|&[x, y, z, w]| DVec3::new(x, y, z) / w);
-        self.pieces.push(SurfacePiece { bounds: super::trim::bounds(points), normals: [lo, hi] });
+        let axis = net.longer_axis();
+        let middle = 0.5 * (part[axis][0] + part[axis][1]);
+        for half in 0..2 {
+            let mut part = part;
+            part[axis][1 - half] = middle;
+            self.cut(part, depth + 1);
+        }
     }
+}
+
+/// Slices of a plane face, upright if it is: nothing in one is higher than the edges there.
+fn of_plane(face: &TrimmedFace, normal: DVec3, size: f64) -> Vec<SurfacePiece> {
+    let [lo, hi] = face.bounds;
+    let normals = [normal; 2];
+    let length = hi - lo;
+    let axis = usize::from(length.y > length.x);
+    let count = (length[axis] / size).ceil();
+    if !(count > 1.0) || normal.z.abs() > LEVEL {
+        return vec![SurfacePiece { bounds: face.bounds, normals }];
+    }
+    let edges = face.trim.edge_boxes();
+    let slice = |k: usize| {
+        let end = |k: usize| lo[axis] + length[axis] * (k as f64 / count);
+        let [from, to] = [end(k), end(k + 1)];
+        let margin = MARGIN * (1.0 + lo.abs().max(hi.abs()).max_element());
+        let own =
+            edges.iter().filter(|[lo, hi]| lo[axis] <= to + margin && hi[axis] >= from - margin);
+        let (mut least, mut most) = own
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), [lo, hi]| {
+                (least.min(*lo), most.max(*hi))
+            });
+        (least[axis], most[axis]) = (from, to);
+        SurfacePiece { bounds: [least, most], normals }
+    };
+    (0..count as usize).map(slice).collect()
 }
 
 /// Bounds of the directions along u and v, of any length.

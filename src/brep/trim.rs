@@ -4,6 +4,7 @@
 //! way they run. Counts of two points are equal if and only if no edge lies between them, whatever the surface does
 //! at its poles and seams, so the points inside are those with the count of a point beside an edge.
 
+use super::b_spline::Weighted;
 use super::curve::Curve;
 use super::surface::{FaceSurface, solve};
 use crate::geom::DVec3;
@@ -360,6 +361,18 @@ impl Trim {
     /// Least and largest v of the ends of the edges' pieces.
     fn extent_v(&self) -> [f64; 2] {
         self.widest_v(|_| 0.0)
+    }
+
+    /// Boxes around pieces of the edges, mm.
+    pub(super) fn edge_boxes(&self) -> Vec<[DVec3; 2]> {
+        let of_edge = |(curve, [from, to]): &(Curve, [f64; 2])| {
+            let pieces = curve.pieces([from.min(*to), from.max(*to)]);
+            let of_piece = |(points, _): (Vec<Weighted>, _)| {
+                bounds(points.iter().map(|point| point.project()))
+            };
+            pieces.into_iter().map(of_piece).collect::<Vec<_>>()
+        };
+        self.edges.iter().flat_map(of_edge).collect()
     }
 
     /// Bounds of v of the edges.

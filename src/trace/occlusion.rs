@@ -165,7 +165,8 @@ impl OcclusionProof {
     /// fails.
     pub(super) fn new(mesh: &TriMesh, closed: bool) -> Option<Self> {
         let (lo, hi) = mesh.bounds()?;
-        let cells = CellGrid::over([lo, hi], mesh.triangles.len())?;
+        let wanted = mesh.triangles.len() as f64 / FACETS_PER_CELL;
+        let cells = CellGrid::over([lo, hi], wanted)?;
         let facet = |triangle: &[u32; 3]| {
             FacetBounds::of_facet(triangle.map(|v| mesh.vertices[v as usize]))
         };
@@ -176,7 +177,7 @@ impl OcclusionProof {
 
     /// The quadtree over a closed body of curved pieces between `bounds`.
     pub(super) fn of_closed(pieces: &[SurfacePiece], bounds: [DVec3; 2]) -> Option<Self> {
-        let cells = CellGrid::over(bounds, pieces.len())?;
+        let cells = CellGrid::over(bounds, pieces.len() as f64)?;
         let levels = cells
             .levels(pieces, |piece| FacetBounds { bounds: piece.bounds, normals: piece.normals });
         Some(Self { origin: cells.origin, levels, margin: cells.margin })
@@ -251,10 +252,10 @@ struct CellGrid {
 }
 
 impl CellGrid {
-    /// Cells over so many facets between bounds; `None` where these are not finite.
-    fn over([lo, hi]: [DVec3; 2], facets: usize) -> Option<Self> {
+    /// About so many cells between bounds; `None` where these are not finite.
+    fn over([lo, hi]: [DVec3; 2], wanted: f64) -> Option<Self> {
         let size = (hi - lo).truncate().max(DVec2::splat(1e-6 * (hi - lo).max_element()));
-        let wanted = (facets as f64 / FACETS_PER_CELL).clamp(CELLS[0], CELLS[1]);
+        let wanted = wanted.clamp(CELLS[0], CELLS[1]);
         // Few digits, so that multiples are exact.
         let cell = f64::from_bits((size.x * size.y / wanted).sqrt().to_bits() >> 44 << 44);
         let origin = (lo.truncate() / cell).floor() * cell;

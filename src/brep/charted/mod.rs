@@ -261,7 +261,7 @@ impl Cutter<'_> {
         } else if depth == MOST_DEPTH || bounds.size().min_element() <= self.thin {
             self.pieces.unproven.push(Region { face: self.number, bounds });
         } else {
-            let axis = longer_axis(&net);
+            let axis = net.longer_axis();
             let middle = 0.5 * (part[axis][0] + part[axis][1]);
             for half in 0..2 {
                 let mut part = part;
@@ -271,12 +271,4 @@ impl Cutter<'_> {
         }
         Some(())
     }
-}
-
-/// The axis along which control points are farther apart.
-fn longer_axis(net: &Net) -> usize {
-    let [along_u, along_v] = net
-        .derivatives()
-        .map(|all| all.fold(0.0, |most: f64, [x, y, up, _]| most.max(x * x + y * y + up * up)));
-    usize::from(along_v > along_u)
 }
