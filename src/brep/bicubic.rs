@@ -126,17 +126,13 @@ impl Powers {
     /// Value and derivatives of a component, from u - 1/2 and v - 1/2.
     #[inline(always)]
     pub(super) fn at(&self, component: usize, [u, v]: [RowLanes; 2]) -> Values {
-        let line = |c: &[f64; 4]| {
-            let value = ((v * c[3] + c[2]) * v + c[1]) * v + c[0];
-            (value, (v * (3.0 * c[3]) + 2.0 * c[2]) * v + c[1])
-        };
-        let [(a, da), (b, db), (c, dc), (d, dd)] =
-            [0, 1, 2, 3].map(|i| line(&self.0[component][i]));
-        [
-            ((d * u + c) * u + b) * u + a,
-            (d * 3.0 * u + c * 2.0) * u + b,
-            ((dd * u + dc) * u + db) * u + da,
-        ]
+        let [a, b, c, d] = &self.0[component];
+        let (a, da) = cubic(lanes(a), v);
+        let (b, db) = cubic(lanes(b), v);
+        let (c, dc) = cubic(lanes(c), v);
+        let (d, dd) = cubic(lanes(d), v);
+        let (value, along_u) = cubic([a, b, c, d], u);
+        [value, along_u, ((dd * u + dc) * u + db) * u + da]
     }
 
     /// Values and derivatives of all components at one place.
@@ -144,6 +140,19 @@ impl Powers {
         let place = [u, v].map(|x| Lanes([x; ROWS]));
         [0, 1, 2, 3].map(|component| self.at(component, place).map(|value| value.0[0]))
     }
+}
+
+#[inline(always)]
+fn lanes(c: &[f64; 4]) -> [RowLanes; 4] {
+    [Lanes([c[0]; ROWS]), Lanes([c[1]; ROWS]), Lanes([c[2]; ROWS]), Lanes([c[3]; ROWS])]
+}
+
+/// Value and derivative of a cubic, by Horner's rule for both.
+#[inline(always)]
+fn cubic([a, b, c, d]: [RowLanes; 4], t: RowLanes) -> (RowLanes, RowLanes) {
+    let second = d * t + c;
+    let first = second * t + b;
+    (first * t + a, (d * t + second) * t + first)
 }
 
 /// Coefficients of the powers of t - 1/2 of a cubic with these control points.

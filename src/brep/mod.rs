@@ -20,7 +20,7 @@ mod shell;
 mod surface;
 mod trim;
 
-pub use charted::ChartedBody;
+pub use charted::{ChartedBody, ChartedHit};
 pub use error::StepError;
 pub use pieces::SurfacePiece;
 

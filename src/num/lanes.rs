@@ -1,8 +1,9 @@
 //! Several numbers side by side, for work that is the same for all of them: the processor then handles two or
 //! more at a time. Each gets the bits that it would get alone.
+//!
+//! Operations are loops that are always inlined: as calls of closures they take many times as long.
 
 use super::scalar::Arithmetic;
-use std::array::from_fn;
 use std::f64::consts::FRAC_2_PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -14,16 +15,22 @@ macro_rules! lanewise {
     ($($operator:ident $name:ident $sign:tt),* $(,)?) => {$(
         impl<const L: usize> $operator for Lanes<L> {
             type Output = Self;
-            #[inline]
-            fn $name(self, b: Self) -> Self {
-                Self(from_fn(|k| self.0[k] $sign b.0[k]))
+            #[inline(always)]
+            fn $name(mut self, b: Self) -> Self {
+                for (a, b) in self.0.iter_mut().zip(b.0) {
+                    *a = *a $sign b;
+                }
+                self
             }
         }
         impl<const L: usize> $operator<f64> for Lanes<L> {
             type Output = Self;
-            #[inline]
-            fn $name(self, b: f64) -> Self {
-                Self(from_fn(|k| self.0[k] $sign b))
+            #[inline(always)]
+            fn $name(mut self, b: f64) -> Self {
+                for a in &mut self.0 {
+                    *a = *a $sign b;
+                }
+                self
             }
         }
     )*};
@@ -33,9 +40,12 @@ lanewise!(Add add +, Sub sub -, Mul mul *, Div div /);
 
 impl<const L: usize> Neg for Lanes<L> {
     type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        Self(from_fn(|k| -self.0[k]))
+    #[inline(always)]
+    fn neg(mut self) -> Self {
+        for a in &mut self.0 {
+            *a = -*a;
+        }
+        self
     }
 }
 

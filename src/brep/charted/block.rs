@@ -6,7 +6,7 @@ use crate::geom::{Chart, DVec2, DVec3};
 use crate::num::Lanes;
 
 /// Columns of a block.
-pub(super) const COLUMNS: usize = 32;
+pub(super) const COLUMNS: usize = 64;
 /// Steps of Newton's method at most: each leaves a third of the distance, at first.
 const STEPS: usize = 12;
 /// Last step of Newton's method, of a range from 0 to 1: what is left is its square.
@@ -71,7 +71,7 @@ impl Block {
         chart: &Chart,
         is_own: &mut dyn FnMut([f64; 2], DVec3) -> bool,
     ) {
-        let mut before: [[RowLanes; 2]; 4] = [[Lanes([0.0; ROWS]); 2]; 4];
+        let mut before: History = [[Lanes([0.0; ROWS]); 2]; ORDER];
         let mut known = 0;
         for column in 0..self.columns {
             let rays = &self.rays[column];
@@ -81,9 +81,14 @@ impl Block {
             }
             let start = extrapolated(&before, known);
             let q = [Lanes(rays.map(|q| q.x)), Lanes(rays.map(|q| q.y))];
-            let met = newton(tile, chart, q, start);
-            before = [met.at, before[0], before[1], before[2]];
-            known = (known + 1).min(4);
+            let met = if tile.polynomial {
+                newton::<true>(tile, chart, q, start)
+            } else {
+                newton::<false>(tile, chart, q, start)
+            };
+            before.copy_within(0..ORDER - 1, 1);
+            before[0] = met.at;
+            known = (known + 1).min(ORDER);
             for row in 0..ROWS {
                 let place = met.at.map(|x| x.0[row] + 0.5);
                 let is_inside = place.iter().all(|x| *x >= -BEYOND && *x <= 1.0 + BEYOND);
@@ -114,21 +119,57 @@ impl Block {
     }
 }
 
+/// Places on columns before, the last one first.
+type History = [[RowLanes; 2]; ORDER];
+/// Number of places from which the next is foretold: it is then nearer than [`LAST_STEP`] where a tile is seen by some
+/// fifty columns.
+const ORDER: usize = 6;
+/// By the number of places, what each counts in the value of their polynomial at the next.
+const FORETOLD: [[f64; ORDER]; ORDER + 1] = [
+    [0.0; ORDER],
+    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [2.0, -1.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0, -3.0, 1.0, 0.0, 0.0, 0.0],
+    [4.0, -6.0, 4.0, -1.0, 0.0, 0.0],
+    [5.0, -10.0, 10.0, -5.0, 1.0, 0.0],
+    [6.0, -15.0, 20.0, -15.0, 6.0, -1.0],
+];
+
 /// The place after those of `known` columns before, by a polynomial through them.
 #[inline(always)]
-fn extrapolated([a, b, c, d]: &[[RowLanes; 2]; 4], known: usize) -> [RowLanes; 2] {
-    let place = |k: usize| match known {
-        0 => Lanes([0.0; ROWS]),
-        1 => a[k],
-        2 => a[k] * 2.0 - b[k],
-        3 => (a[k] - b[k]) * 3.0 + c[k],
-        _ => a[k] * 4.0 - b[k] * 6.0 + c[k] * 4.0 - d[k],
-    };
-    [0, 1].map(|k| {
-        // Nothing is known of the map farther out; what is no number begins in the middle.
-        let inside = |x: f64| if x.is_finite() { x.clamp(-MOST, MOST) } else { 0.0 };
-        Lanes(place(k).0.map(inside))
-    })
+fn extrapolated(before: &History, known: usize) -> [RowLanes; 2] {
+    let mut next = [Lanes([0.0; ROWS]); 2];
+    for (place, share) in before.iter().zip(&FORETOLD[known]).take(known) {
+        next[0] = next[0] + place[0] * *share;
+        next[1] = next[1] + place[1] * *share;
+    }
+    clamp(&mut next);
+    next
+}
+
+/// Brings places into the widened tile: nothing is known of the map farther out. What is no number begins in the
+/// middle.
+#[inline(always)]
+fn clamp(at: &mut [RowLanes; 2]) {
+    for x in at.iter_mut().flat_map(|axis| &mut axis.0) {
+        *x = if *x >= -MOST {
+            if *x <= MOST { *x } else { MOST }
+        } else if *x < 0.0 {
+            -MOST
+        } else {
+            0.0
+        };
+    }
+}
+
+/// The larger of the lengths of both, row by row.
+#[inline(always)]
+fn largest(by: &[RowLanes; 2]) -> RowLanes {
+    let mut most = by[0];
+    for (most, other) in most.0.iter_mut().zip(by[1].0) {
+        *most = if other.abs() > most.abs() { other.abs() } else { most.abs() };
+    }
+    most
 }
 
 /// Largest distance from the middle.
@@ -146,40 +187,41 @@ struct Met {
     last: RowLanes,
 }
 
-/// Newton's method for four rays at once.
+/// Newton's method for four rays at once, on a tile whose weights are 1 if `POLYNOMIAL`.
 #[inline(always)]
-fn newton(tile: &Tile, chart: &Chart, q: [RowLanes; 2], mut at: [RowLanes; 2]) -> Met {
+fn newton<const POLYNOMIAL: bool>(
+    tile: &Tile,
+    chart: &Chart,
+    q: [RowLanes; 2],
+    mut at: [RowLanes; 2],
+) -> Met {
     let (k, powers) = (chart.vergence, &tile.powers);
+    let one = Lanes([1.0; ROWS]);
+    let zero = Lanes([0.0; ROWS]);
     let mut step = 0;
     loop {
-        let [x, y, up] = [0, 1, 2].map(|component| powers.at(component, at));
-        let one = Lanes([1.0; ROWS]);
-        let w = if tile.polynomial { [one, one - one, one - one] } else { powers.at(3, at) };
-        let [f, g] = [(&x, q[0]), (&y, q[1])].map(|(x, q)| {
-            if k == 0.0 && tile.polynomial {
-                [x[0] - q, x[1], x[2]]
-            } else {
-                [0, 1, 2].map(|n| x[n] - q * (w[n] - up[n] * k))
-            }
-        });
+        let (x, y, up) = (powers.at(0, at), powers.at(1, at), powers.at(2, at));
+        let w = if POLYNOMIAL { [one, zero, zero] } else { powers.at(3, at) };
+        let scale = [w[0] - up[0] * k, w[1] - up[1] * k, w[2] - up[2] * k];
+        let f = [x[0] - q[0] * scale[0], x[1] - q[0] * scale[1], x[2] - q[0] * scale[2]];
+        let g = [y[0] - q[1] * scale[0], y[1] - q[1] * scale[1], y[2] - q[1] * scale[2]];
         let inverse = one / (f[1] * g[2] - f[2] * g[1]);
         let by = [(f[0] * g[2] - f[2] * g[0]) * inverse, (f[1] * g[0] - f[0] * g[1]) * inverse];
-        let last = Lanes([0, 1, 2, 3].map(|n| by[0].0[n].abs().max(by[1].0[n].abs())));
-        let next = [0, 1].map(|axis| at[axis] - by[axis]);
+        let next = [at[0] - by[0], at[1] - by[1]];
+        let last = largest(&by);
         // From the second step on, who leaves the widened tile is not in the tile.
         let is_out = |n: usize| step > 1 && next.iter().any(|x| !(x.0[n].abs() <= MOST));
         if step + 1 >= STEPS || (0..ROWS).all(|n| last.0[n] <= LAST_STEP || is_out(n)) {
             let height = up[0] - up[1] * by[0] - up[2] * by[1];
-            let (height, normal) = if tile.polynomial {
-                (height, cross([&x, &y, &up]))
-            } else {
-                let weight = w[0] - w[1] * by[0] - w[2] * by[1];
-                let [x, y, up] = [&x, &y, &up].map(|a| derived(a, &w));
-                (height / weight, cross([&x, &y, &up]))
-            };
-            return Met { at: next, up: height, normal, last };
+            if POLYNOMIAL {
+                return Met { at: next, up: height, normal: cross([&x, &y, &up]), last };
+            }
+            let weight = w[0] - w[1] * by[0] - w[2] * by[1];
+            let normal = cross([&derived(&x, &w), &derived(&y, &w), &derived(&up, &w)]);
+            return Met { at: next, up: height / weight, normal, last };
         }
-        at = next.map(|x| Lanes(x.0.map(|x| x.clamp(-MOST, MOST))));
+        at = next;
+        clamp(&mut at);
         step += 1;
     }
 }

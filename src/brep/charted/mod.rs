@@ -8,9 +8,9 @@
 mod block;
 mod tile;
 
+use super::Body;
 use super::bicubic::{Net, Powers, ROWS};
 use super::face::{Share, TrimmedFace};
-use super::{Body, BodyHit};
 use crate::geom::{Chart, DVec2, DVec3, Ray};
 use crate::parallel;
 use block::{Block, COLUMNS, Found};
@@ -36,6 +36,17 @@ struct Pieces {
     tiles: Vec<Tile>,
     planes: Vec<Region>,
     unproven: Vec<Region>,
+}
+
+/// Where a ray of a camera meets a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChartedHit {
+    /// Distance along the ray, mm.
+    pub t: f64,
+    /// Number of the face.
+    pub face: u32,
+    /// Normal there, out of the body, of any length.
+    pub normal: DVec3,
 }
 
 /// A body with its pieces, as a camera outside it sees them.
@@ -72,17 +83,20 @@ impl<'a> ChartedBody<'a> {
 
     /// Meets the rays of some rows, given by their chart coordinates, with the body, and calls `each` with the row and
     /// the column of every ray that meets it, the ray and the hit.
-    pub fn meet(&self, rows: &[&[DVec2]], mut each: impl FnMut([usize; 2], &Ray, BodyHit)) {
+    pub fn meet(&self, rows: &[&[DVec2]], mut each: impl FnMut([usize; 2], &Ray, ChartedHit)) {
         let near = self.pieces.near(&ChartBox::of_rays(rows));
         for (number, rows) in rows.chunks(ROWS).enumerate() {
             let near = near.near(&ChartBox::of_rays(rows));
             for first in (0..rows[0].len()).step_by(COLUMNS) {
                 let block = self.met(&near, Block::new(rows, first));
+                let [lo, hi] = block.bounds;
+                let unproven = near.unproven.iter().filter(|region| region.bounds.meets(lo, hi));
+                let unproven: Vec<&Region> = unproven.copied().collect();
                 for column in 0..block.columns {
                     for row in 0..rows.len() {
-                        let Some((ray, hit)) = self.hit(&near, &block, [row, column]) else {
-                            continue;
-                        };
+                        let hit =
+                            self.hit(&unproven, block.rays[column][row], &block.found[column][row]);
+                        let Some((ray, hit)) = hit else { continue };
                         each([number * ROWS + row, first + column], &ray, hit);
                     }
                 }
@@ -93,17 +107,20 @@ impl<'a> ChartedBody<'a> {
     /// A block with what its rays meet of tiles and planes.
     fn met(&self, near: &Near, mut block: Block) -> Block {
         let [lo, hi] = block.bounds;
+        let mut lowest = f64::NEG_INFINITY;
         for tile in near.tiles.iter().filter(|tile| tile.bounds.meets(lo, hi)) {
             // (Tiles come by their height.)
-            if tile.bounds.top + ABOVE_MM < block.lowest() {
+            if tile.bounds.top + ABOVE_MM < lowest {
                 break;
             }
             let face = &self.body.faces[tile.face as usize];
             block.meet(tile, &self.chart, &mut |q, at| face.holds(tile.patch as usize, q, at));
+            lowest = block.lowest();
         }
         for plane in near.planes.iter().filter(|plane| plane.bounds.meets(lo, hi)) {
-            if plane.bounds.top + ABOVE_MM >= block.lowest() {
+            if plane.bounds.top + ABOVE_MM >= lowest {
                 self.meet_plane(plane, &mut block);
+                lowest = block.lowest();
             }
         }
         block
@@ -129,22 +146,22 @@ impl<'a> ChartedBody<'a> {
         }
     }
 
-    /// The ray of a place in a block, and what it meets.
-    fn hit(&self, near: &Near, block: &Block, [row, column]: [usize; 2]) -> Option<(Ray, BodyHit)> {
-        let (q, found) = (block.rays[column][row], block.found[column][row]);
+    /// The ray at chart coordinates, and what it meets: of tiles and planes what was found.
+    #[inline]
+    fn hit(&self, unproven: &[&Region], q: DVec2, found: &Found) -> Option<(Ray, ChartedHit)> {
         let may_be_met =
             |region: &&Region| region.bounds.holds(q) && region.bounds.top + ABOVE_MM >= found.up;
-        if near.unproven.iter().any(may_be_met) {
-            let ray = self.chart.ray(q, self.top_mm);
-            let hit = self.body.nearest_hit(&ray, 0.0, f64::INFINITY)?;
-            return Some((ray, hit));
-        }
-        if found.face == Found::NOTHING.face {
+        let is_searched = unproven.iter().any(may_be_met);
+        if !is_searched && found.face == Found::NOTHING.face {
             return None;
         }
         let ray = self.chart.ray(q, self.top_mm);
+        if is_searched {
+            let hit = self.body.nearest_hit(&ray, 0.0, f64::INFINITY)?;
+            return Some((ray, ChartedHit { t: hit.t, face: hit.face, normal: hit.normal }));
+        }
         let t = (found.up + self.chart.plane_mm - ray.origin.z) / ray.direction.z;
-        Some((ray, BodyHit { t, face: found.face, normal: found.normal.normalize() }))
+        Some((ray, ChartedHit { t, face: found.face, normal: found.normal }))
     }
 }
 

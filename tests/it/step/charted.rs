@@ -75,7 +75,7 @@ fn compare(name: &str, body: &Body) -> usize {
                 continue;
             };
             let off = (found.t - wanted.t).abs();
-            let turned = found.normal.distance(wanted.normal);
+            let turned = found.normal.normalize().distance(wanted.normal);
             assert!(off <= OFF_MM, "{name} {number} {k}: {found:?} {wanted:?}");
             let is_same = found.face == wanted.face && turned <= OFF_NORMAL;
             assert!(is_same, "{name} {number} {k}: {turned:e} {found:?} {wanted:?}");
