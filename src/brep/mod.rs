@@ -53,6 +53,11 @@ pub struct BodyFacts {
     pub edges: usize,
     /// Number of vertices.
     pub vertices: usize,
+    /// Pieces that hang together by edges.
+    pub components: usize,
+    /// Vertices - edges + faces, less the loops beyond the first of each face: 2 for a body without handles, 2 less
+    /// for each through hole.
+    pub euler: i64,
     /// Largest distance of an edge from one of its faces, mm.
     pub gap_mm: f64,
     /// What the file says points and curves may be apart, mm.
@@ -83,7 +88,8 @@ impl Body {
     pub fn read(bytes: &[u8]) -> Result<Self, StepError> {
         let mut entities = Entities::new(Exchange::parse(bytes)?);
         let solid = find_solid(&mut entities)?;
-        let Shell { faces, edges, vertices, gap_mm } = Shell::read(&entities, &solid)?;
+        let Shell { faces, edges, vertices, loops, components, gap_mm } =
+            Shell::read(&entities, &solid)?;
         let volume_mm3 =
             parallel::map_slice(&faces, 1, TrimmedFace::volume_share).into_iter().sum();
         if !(volume_mm3 > 0.0) {
@@ -95,6 +101,8 @@ impl Body {
             faces: faces.len(),
             edges,
             vertices,
+            components,
+            euler: vertices as i64 - edges as i64 + 2 * faces.len() as i64 - loops as i64,
             gap_mm,
             uncertainty_mm: solid.uncertainty_mm,
             unit_mm: entities.mm,
@@ -122,6 +130,12 @@ impl Body {
         let [lo, hi] = self.bounds();
         let size = (hi - lo).truncate().max_element() / PIECES_ACROSS;
         parallel::map_slice(&self.faces, 1, |face| pieces::of_face(face, size)).concat()
+    }
+
+    /// Z of the highest place of a face, by its number, mm.
+    #[must_use]
+    pub fn top_of(&self, face: u32) -> f64 {
+        self.faces[face as usize].bounds[1].z
     }
 
     /// Nearest place at more than `least` and less than `most` mm along a ray where it meets the body.

@@ -30,6 +30,10 @@ struct Edge<'a> {
 struct Bounds<'a> {
     entity: Entity<'a>,
     loops: Vec<(u64, bool)>,
+    /// Vertices that bound the face by themselves.
+    points: Vec<u64>,
+    /// Number of loops, points included.
+    count: usize,
     surface: u64,
     same: bool,
 }
@@ -40,6 +44,10 @@ pub(super) struct Shell {
     /// Number of edges and of vertices.
     pub edges: usize,
     pub vertices: usize,
+    /// Number of loops of edges, and of points that stand for one.
+    pub loops: usize,
+    /// Pieces that hang together by edges.
+    pub components: usize,
     /// Largest distance of an edge from a face or of its ends from its vertices, mm.
     pub gap_mm: f64,
 }
@@ -67,11 +75,37 @@ impl Shell {
         let made = parallel::map_slice(&bounds, 1, |bounds| face(entities, bounds, &edges, limit));
         let faces = made.into_iter().collect::<Result<Vec<TrimmedFace>, StepError>>()?;
         let gap_mm = faces.iter().fold(0.0, |most: f64, face| most.max(face.trim.off_mm));
-        let mut vertices: Vec<u64> = edges.values().flat_map(|edge| edge.ends).collect();
+        let points = bounds.iter().flat_map(|bounds| bounds.points.iter().copied());
+        let mut vertices: Vec<u64> =
+            edges.values().flat_map(|edge| edge.ends).chain(points).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        Ok(Self { faces, edges: edges.len(), vertices: vertices.len(), gap_mm })
+        let loops = bounds.iter().map(|bounds| bounds.count).sum();
+        let components = components(&bounds);
+        Ok(Self { faces, edges: edges.len(), vertices: vertices.len(), loops, components, gap_mm })
     }
+}
+
+/// Number of sets of faces that hang together by edges.
+fn components(faces: &[Bounds]) -> usize {
+    let mut users: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    for (number, face) in faces.iter().enumerate() {
+        for (edge, _) in &face.loops {
+            users.entry(*edge).or_default().push(number);
+        }
+    }
+    let (mut seen, mut count) = (vec![false; faces.len()], 0);
+    for first in 0..faces.len() {
+        let mut waiting = vec![first];
+        count += usize::from(!seen[first]);
+        while let Some(number) = waiting.pop() {
+            if !std::mem::replace(&mut seen[number], true) {
+                let edges = faces[number].loops.iter();
+                waiting.extend(edges.flat_map(|(edge, _)| users[edge].iter().copied()));
+            }
+        }
+    }
+    count
 }
 
 /// That every edge is run along once and against once.
@@ -98,8 +132,9 @@ fn read_bounds<'a>(
         return Err(entity.refused("face"));
     }
     let (surface, same) = (entity.reference(2)?, entity.flag(3)?);
-    let mut loops = Vec::new();
+    let (mut loops, mut points, mut count) = (Vec::new(), Vec::new(), 0);
     for id in entity.references(1)? {
+        count += 1;
         let bound = entities.entity(entity, id)?;
         if !matches!(bound.keyword(), "FACE_OUTER_BOUND" | "FACE_BOUND") {
             return Err(bound.refused("bound"));
@@ -108,7 +143,10 @@ fn read_bounds<'a>(
         let edge_loop = entities.follow(bound, 1)?;
         match edge_loop.keyword() {
             // The tip of a cone or the pole of a sphere.
-            "VERTEX_LOOP" => continue,
+            "VERTEX_LOOP" => {
+                points.push(edge_loop.reference(1)?);
+                continue;
+            }
             "EDGE_LOOP" => {}
             _ => return Err(edge_loop.refused("loop")),
         }
@@ -137,7 +175,7 @@ fn read_bounds<'a>(
             return Err(edge_loop.fault("it does not end where it begins"));
         }
     }
-    Ok(Bounds { entity, loops, surface, same })
+    Ok(Bounds { entity, loops, points, count, surface, same })
 }
 
 fn read_edge<'a>(

@@ -53,6 +53,34 @@ pub enum FaceError {
     Single(String),
 }
 
+/// What a build makes or foresees of a mesh.
+pub(crate) enum MeshOutcome<T> {
+    /// This.
+    Made(T),
+    /// Nothing, for a reason, although the build goes on.
+    Refused(Refusal),
+    /// Nothing: the profile asks for no mesh file, and for a STEP file that is traced.
+    Unasked,
+}
+
+impl<T> MeshOutcome<T> {
+    /// What was made.
+    pub(crate) fn made(&self) -> Option<&T> {
+        match self {
+            Self::Made(made) => Some(made),
+            Self::Refused(_) | Self::Unasked => None,
+        }
+    }
+
+    /// Why nothing was made.
+    pub(crate) fn refused(&self) -> Option<&Refusal> {
+        match self {
+            Self::Refused(refusal) => Some(refusal),
+            Self::Made(_) | Self::Unasked => None,
+        }
+    }
+}
+
 /// The face that the profile asks for.
 ///
 /// # Errors

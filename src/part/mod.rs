@@ -6,7 +6,9 @@ mod formats;
 mod promise;
 mod size_warnings;
 
-pub(crate) use face::{AtPrecision, FaceError, added_to, face, left_out, limits, plan};
-pub(crate) use formats::{MeshCodec, cad, codec, meshes};
+pub(crate) use face::{
+    AtPrecision, FaceError, MeshOutcome, added_to, face, left_out, limits, plan,
+};
+pub(crate) use formats::{MeshCodec, cad, codec, meshes, needs_mesh};
 pub(crate) use promise::Promise;
 pub(crate) use size_warnings::SizeWarnings;

@@ -1,9 +1,9 @@
 //! `morion build`: every stage, every file, and back from the bytes on the disk.
 
 use super::build_cache::{self, BuildRecord, Output};
-use super::cad_export::{CadExport, CadFigures};
+use super::cad_export::{CadExport, CadFigures, CadFindings};
 use super::cad_exports::{CadCheck, cad_exports, check_export};
-use super::check_file::{MeshSource, check_file};
+use super::check_file::{MeshSource, check_file, witness_body};
 use super::dry_run::{check_room, least_bytes};
 use super::mesh_files::{MeshFiles, label, meshed, write_meshes};
 use super::page_figures::{
@@ -14,9 +14,10 @@ use super::{Error, Observer, Stage};
 use crate::design::Design;
 use crate::export::Label;
 use crate::geom::Precision;
+use crate::mesh::Face;
 use crate::mirror::{Form, Surface};
 use crate::parallel;
-use crate::part::{self, SizeWarnings, left_out};
+use crate::part::{self, AtPrecision, MeshOutcome, SizeWarnings, left_out, needs_mesh};
 use crate::profile::{FileFormat, Profile};
 use crate::publish::StagedFile;
 use crate::raster::FalseColourMap;
@@ -24,7 +25,7 @@ use crate::render::{
     CameraPicture, CameraView, Distance, ReflectedCentres, TestWorld, TracedMesh, UnwantedViews,
 };
 use crate::report::BuildFigures;
-use crate::results::{BuildReport, Reason, Refusal, SCHEMA, SharpnessFacts};
+use crate::results::{BuildReport, Reason, SCHEMA, SharpnessFacts};
 use crate::verdict::sharpness::sharpness;
 use crate::verdict::{self, FileCheck, Findings};
 use std::path::Path;
@@ -92,7 +93,7 @@ impl Command for BuildOptions {
         let mut made = Made::written(run, &design, &exports, &about_design)?;
         let checked = made.checked(run, &design, &exports)?;
         // What the disk made of the bytes may be otherwise the next time.
-        let altered = checked.meshes.iter().any(|check| check.altered);
+        let altered = checked.traced.iter().any(|check| check.altered);
         let inputs = if altered { String::new() } else { inputs };
         drop(exports);
         let about = (*form(), *sharp());
@@ -114,8 +115,8 @@ fn repeated(run: &mut Run, inputs: &str) -> Result<Option<BuildReport>, Error> {
 
 /// Files of the part, written but not published.
 struct Made {
-    /// The mesh files, or why there are none although the build goes on.
-    meshes: Result<MeshFiles, Refusal>,
+    /// The mesh files.
+    meshes: MeshOutcome<MeshFiles>,
     /// The words of every file on its mirror.
     label: Label,
 }
@@ -128,24 +129,40 @@ impl Made {
         exports: &[Box<dyn CadExport + '_>],
         beside: &(dyn Fn() + Sync),
     ) -> Result<Self, Error> {
-        let mesh = || parallel::join(|| meshed(run, design), beside).0;
-        let face = match run.stage(Stage::Mesh, mesh) {
-            Ok(face) => Ok(face),
-            Err(Error::Mesh { source, .. }) => {
-                let left_out = left_out(run.profile, source);
-                Err(left_out.map_err(|error| Error::face(run.profile, error))?)
-            }
-            Err(error) => return Err(error),
-        };
-        let label = label(design, face.as_ref().ok().map(|face| &face.made.bound));
+        let face = Self::face(run, design, beside)?;
+        let label = label(design, face.made().map(|face| &face.made.bound));
         let meshes = match face {
-            Ok(face) => Ok(write_meshes(run, design, face, &label)?),
-            Err(refused) => Err(refused),
+            MeshOutcome::Made(face) => MeshOutcome::Made(write_meshes(run, design, face, &label)?),
+            MeshOutcome::Refused(refused) => MeshOutcome::Refused(refused),
+            MeshOutcome::Unasked => MeshOutcome::Unasked,
         };
         for export in exports {
             run.write(export.format().file_name(), |out| export.write(out, &label))?;
         }
         Ok(Self { meshes, label })
+    }
+
+    /// Meshes the mirror, where the build needs that.
+    fn face(
+        run: &Run,
+        design: &Design,
+        beside: &(dyn Fn() + Sync),
+    ) -> Result<MeshOutcome<AtPrecision<Face>>, Error> {
+        if !needs_mesh(run.profile) {
+            beside();
+            run.timer.worked(Stage::Mesh, "meshes", [0, 1], "no mesh file is asked for");
+            return Ok(MeshOutcome::Unasked);
+        }
+        let mesh = || parallel::join(|| meshed(run, design), beside).0;
+        match run.stage(Stage::Mesh, mesh) {
+            Ok(face) => Ok(MeshOutcome::Made(face)),
+            Err(Error::Mesh { source, .. }) => {
+                let left_out = left_out(run.profile, source);
+                let refused = left_out.map_err(|error| Error::face(run.profile, error))?;
+                Ok(MeshOutcome::Refused(refused))
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// Reads, checks and traces the files as they are on the disk: one at a time, so that memory does not
@@ -156,9 +173,9 @@ impl Made {
         design: &Design,
         exports: &[Box<dyn CadExport + '_>],
     ) -> Result<Checked, Error> {
-        let (mut meshes, mut picture) = (Vec::new(), None);
+        let (mut traced, mut picture) = (Vec::new(), None);
         let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
-        if let Ok(made) = &mut self.meshes {
+        if let MeshOutcome::Made(made) = &mut self.meshes {
             for format in made.formats.clone() {
                 let written = made.take_written(format);
                 let staged = run.files.staged(format.file_name())?;
@@ -185,23 +202,32 @@ impl Made {
                     let mesh = TracedMesh { scene, centres };
                     picture = Some(painted(run, design, CameraView::Mesh(&mesh))?);
                 }
-                meshes.push(check);
+                traced.push(check);
             }
         }
-        let check = |export: &dyn CadExport| {
-            let staged = run.files.staged(export.format().file_name())?;
-            let bytes = staged.read()?;
-            Ok(check_export(run, export, &bytes, staged.sha256()))
-        };
-        let cad = exports.iter().map(|export| check(&**export)).collect::<Result<_, Error>>()?;
         // Without a mesh file the designed mirror is what there is to see.
-        let view = if meshes.is_empty() { CameraView::Smooth } else { CameraView::Shut };
+        let view = if traced.is_empty() { CameraView::Smooth } else { CameraView::Shut };
+        let mut cad = Vec::new();
+        for export in exports {
+            let staged = run.files.staged(export.format().file_name())?;
+            let mut check = check_export(run, &**export, &staged.read()?, staged.sha256());
+            if let Some((body, promise)) = check.findings.body.take() {
+                let is_first = traced.is_empty();
+                let of = (check.file.clone(), body);
+                traced.push(witness_body(run, design, of, promise, &mut |strip, _| {
+                    if is_first {
+                        errors.add(strip);
+                    }
+                }));
+            }
+            cad.push(check);
+        }
         let picture = match picture {
             Some(picture) => picture,
             None => painted(run, design, view)?,
         };
         let errors = errors.finish_or_smooth(design);
-        Ok(Checked { meshes, cad, seen: Seen { picture, errors } })
+        Ok(Checked { traced, cad, seen: Seen { picture, errors } })
     }
 
     /// Whether a file of this format is published.
@@ -209,7 +235,7 @@ impl Made {
         is_asked(profile, format)
             && match format {
                 FileFormat::Mesh(format) => {
-                    self.meshes.as_ref().is_ok_and(|meshes| meshes.formats.contains(&format))
+                    self.meshes.made().is_some_and(|meshes| meshes.formats.contains(&format))
                 }
                 FileFormat::Cad(_) => true,
             }
@@ -225,7 +251,8 @@ fn is_asked(profile: &Profile, format: FileFormat) -> bool {
 
 /// What the bytes on the disk showed.
 struct Checked {
-    meshes: Vec<FileCheck>,
+    /// The files that were traced: of meshes, then of curved faces.
+    traced: Vec<FileCheck>,
     cad: Vec<CadCheck>,
     seen: Seen,
 }
@@ -271,16 +298,16 @@ fn report(
     made: &Made,
     checked: Checked,
 ) -> (BuildReport, Seen) {
-    let findings = Findings::beside(profile, design, checked.meshes, sharpness);
-    let refused = match &made.meshes {
-        Ok(meshes) => meshes.refused.as_ref(),
-        Err(refused) => Some(refused),
-    };
+    let findings = Findings::beside(profile, design, checked.traced, sharpness);
+    let meshes = made.meshes.made();
+    let refused = made.meshes.refused().or(meshes.and_then(|meshes| meshes.refused.as_ref()));
     let mut reasons: Vec<Reason> = refused.cloned().map(Reason::from).into_iter().collect();
     reasons.extend(findings.reasons);
     let (mut files, mut sag, mut step) = (findings.files, None, None);
-    for CadCheck { file, faults, figures } in checked.cad {
+    for CadCheck { file, findings: CadFindings { faults, figures, .. } } in checked.cad {
         reasons.extend(faults.into_iter().map(|fault| Reason::from(fault).of_file(&file.name)));
+        // (Of one that was traced it is there.)
+        files.retain(|known| known.name != file.name);
         files.push(file);
         match figures {
             Some(CadFigures::Sag(facts)) => sag = Some(facts),
@@ -290,12 +317,12 @@ fn report(
     }
     // What was made for the rays alone stays nowhere.
     files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
-    let (mesh, solid) = made.meshes.as_ref().ok().and_then(|meshes| meshes.facts.clone()).unzip();
-    let precision = made.meshes.as_ref().map_or(Precision::Double, |meshes| meshes.precision);
+    let (mesh, solid) = meshes.and_then(|meshes| meshes.facts.clone()).unzip();
+    let precision = meshes.map_or(Precision::Double, |meshes| meshes.precision);
     let size = SizeWarnings { profile, design, precision };
     let lengths: Vec<(&str, u64)> = files.iter().map(|f| (&*f.name, f.bytes)).collect();
     let mut warnings = size.on(mesh.map_or(0, |mesh| mesh.triangles), &lengths);
-    let next_finer = made.meshes.as_ref().ok().and_then(|meshes| meshes.next_finer);
+    let next_finer = meshes.and_then(|meshes| meshes.next_finer);
     warnings.extend(mesh.as_ref().and_then(|mesh| size.unspent(mesh, next_finer)));
     let blurred = findings.sharpness.as_ref().and_then(SharpnessFacts::warning);
     warnings.extend(blurred.map(|warning| format!("{}: {warning}", profile.name)));

@@ -1,6 +1,6 @@
 //! The files of the mirror as designed that a profile asks for, and what their bytes showed.
 
-use super::cad_export::{CadExport, CadFigures};
+use super::cad_export::{CadExport, CadFindings};
 use super::run::Run;
 use super::sag_export::SagExport;
 use super::step_export::StepExport;
@@ -41,10 +41,8 @@ pub(super) fn cad_exports<'a>(
 pub(super) struct CadCheck {
     /// The file.
     pub file: FileFacts,
-    /// What is wrong with it, each without the file's name.
-    pub faults: Vec<FileFault>,
-    /// Its figures, if there are any.
-    pub figures: Option<CadFigures>,
+    /// What they showed; what is wrong with them without the file's name.
+    pub findings: CadFindings,
 }
 
 /// Reads the bytes of a file that were written with `sha256`, and holds them against the design.
@@ -62,12 +60,12 @@ pub(super) fn check_export(
             bytes: bytes.len() as u64,
             sha256: sha256(bytes),
         };
-        let (mut faults, figures) = export.check(bytes);
+        let mut findings = export.check(bytes);
         if file.sha256 != written_sha256 {
-            faults.insert(0, FileFault::Altered);
+            findings.faults.insert(0, FileFault::Altered);
         }
         let note = format!("{}: as designed", file.name);
-        let note = faults.first().map_or(note, ToString::to_string);
-        (CadCheck { file, faults, figures }, note)
+        let note = findings.faults.first().map_or(note, ToString::to_string);
+        (CadCheck { file, findings }, note)
     })
 }

@@ -2,6 +2,7 @@
 
 use super::observer::Stage;
 use super::run::Run;
+use crate::brep::Body;
 use crate::design::Design;
 use crate::export::{ImportedMesh, ReadError, StlComparison};
 use crate::geom::TriMesh;
@@ -11,8 +12,8 @@ use crate::profile::MeshFormat;
 use crate::publish::{FileError, StagedFile, hash_pieces, sha256};
 use crate::results::FileFacts;
 use crate::solid::{Solid, SolidCheck};
-use crate::trace::{PixelClass, TraceStrip};
-use crate::verdict::{CheckedMesh, FileCheck};
+use crate::trace::TraceCounts;
+use crate::verdict::{CheckedMesh, EachStrip, FileCheck};
 
 /// A mesh file to be read.
 pub(super) enum MeshSource<'a> {
@@ -34,13 +35,13 @@ pub(super) fn check_file(
     format: MeshFormat,
     source: MeshSource,
     promise: Promise,
-    each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
+    each: EachStrip,
 ) -> Result<FileCheck, FileError> {
     let check = |reread, proven| CheckedMesh::new(design, reread, proven);
     let (file, read) = open_source(run, format, source, check)?;
     Ok(match read {
         Ok(checked) => witness(run, design, (file, format), checked, promise, each),
-        Err(error) => FileCheck::unreadable(file, format, promise, error),
+        Err(error) => FileCheck::unreadable(file, format, promise, &error),
     })
 }
 
@@ -144,14 +145,34 @@ pub(super) fn witness(
     file: (FileFacts, MeshFormat),
     checked: CheckedMesh,
     promise: Promise,
-    each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
+    each: EachStrip,
 ) -> FileCheck {
     run.timer.always(Stage::Trace, || {
         let promised = (promise, run.timer.shortcuts());
-        let (check, counts) = FileCheck::traced(run.profile, design, file, checked, promised, each);
-        run.timer.traced(counts);
-        let rays = check.trace.as_ref().map_or(0, |trace| trace.rays);
-        let note = format!("{}: {rays} rays aimed at the mirror", check.file.name);
-        (check, note)
+        let of = (run.profile, design);
+        told(run, FileCheck::traced(of, file, checked, promised, each))
     })
+}
+
+/// Traces a body of curved faces that are off the design as promised; `each` is called with every strip of the frame.
+pub(super) fn witness_body(
+    run: &Run,
+    design: &Design,
+    (file, body): (FileFacts, Body),
+    promise: Promise,
+    each: EachStrip,
+) -> FileCheck {
+    run.timer.always(Stage::Trace, || {
+        let promised = (promise, run.timer.shortcuts());
+        let of = (run.profile, design);
+        told(run, FileCheck::traced_body(of, file, body, promised, each))
+    })
+}
+
+/// Counts how rays were traced; the check with a note for the observer.
+fn told(run: &Run, (check, counts): (FileCheck, TraceCounts)) -> (FileCheck, String) {
+    run.timer.traced(counts);
+    let rays = check.trace.as_ref().map_or(0, |trace| trace.rays);
+    let note = format!("{}: {rays} rays aimed at the mirror", check.file.name);
+    (check, note)
 }

@@ -11,7 +11,9 @@ use crate::geom::{Outline, Precision};
 use crate::mesh::{ErrorBound, Limits, MeshPlan, mesh};
 use crate::mirror::Form;
 use crate::num::units::{Mm, Um};
-use crate::part::{self, AtPrecision, MeshCodec, SizeWarnings, added_to, codec, left_out};
+use crate::part::{
+    self, AtPrecision, MeshCodec, MeshOutcome, SizeWarnings, added_to, codec, left_out, needs_mesh,
+};
 use crate::profile::{MeshFormat, Profile};
 use crate::results::{BuildForecast, FileForecast, ForecastLimit, MeshForecast, Refusal};
 use crate::solid::Solid;
@@ -66,22 +68,25 @@ pub(super) fn check_room(
         return Ok(());
     }
     let planned = planned(run.profile, design)?;
-    // (Where no mesh is asked for, one is written all the same until it is traced.)
-    let meshes = planned.as_ref().map_or(Vec::new(), |plan| meshes(run, design, plan).1);
+    // (Where no file is asked for that can be traced, one is written all the same until it is traced.)
+    let meshes = planned.made().map_or(Vec::new(), |plan| meshes(run, design, plan).1);
     let label = forecast_label(design);
     let drawn: u64 = exports.iter().map(|export| export.bytes(&label)).sum();
     let bytes = drawn + meshes.iter().map(|file| file.bytes).sum::<u64>();
     Ok(run.files.ensure_space((SURE * bytes as f64) as u64)?)
 }
 
-/// The mesh that is foreseen, or why there will be none although the build goes on.
+/// The mesh that is foreseen.
 fn planned(
     profile: &Profile,
     design: &Design,
-) -> Result<Result<AtPrecision<MeshPlan>, Refusal>, Error> {
+) -> Result<MeshOutcome<AtPrecision<MeshPlan>>, Error> {
+    if !needs_mesh(profile) {
+        return Ok(MeshOutcome::Unasked);
+    }
     let found = match part::plan(profile, design) {
-        Ok(plan) => Ok(Ok(plan)),
-        Err(error) => left_out(profile, error).map(Err),
+        Ok(plan) => Ok(MeshOutcome::Made(plan)),
+        Err(error) => left_out(profile, error).map(MeshOutcome::Refused),
     };
     found.map_err(|error| Error::face(profile, error))
 }
@@ -95,15 +100,15 @@ fn forecast(
     run: &Run,
     design: &Design,
     exports: &[Box<dyn CadExport + '_>],
-    planned: &Result<AtPrecision<MeshPlan>, Refusal>,
+    planned: &MeshOutcome<AtPrecision<MeshPlan>>,
 ) -> BuildForecast {
     let profile = run.profile;
-    let (mesh, mut files, refused, precision) = match planned {
-        Ok(plan) => {
+    let (mesh, mut files, refused, precision) = match planned.made() {
+        Some(plan) => {
             let (mesh, files) = meshes(run, design, plan);
             (Some(mesh), files, plan.refused.as_ref(), plan.precision)
         }
-        Err(refused) => (None, Vec::new(), Some(refused), Precision::Double),
+        None => (None, Vec::new(), planned.refused(), Precision::Double),
     };
     files.retain(|file| profile.formats.iter().any(|format| format.name() == file.format));
     let label = forecast_label(design);

@@ -1,6 +1,6 @@
 //! The sag table: rows of the design, and held against it once they were read back.
 
-use super::cad_export::{CadExport, CadFigures};
+use super::cad_export::{CadExport, CadFigures, CadFindings};
 use crate::design::Design;
 use crate::export::{Label, compare_sag, read_sag, sag_bytes, write_sag};
 use crate::geom::ScanPath;
@@ -35,10 +35,13 @@ impl CadExport for SagExport<'_> {
         sag_bytes(&self.design.mirror, &self.path, label, &self.notes())
     }
 
-    fn check(&self, bytes: &[u8]) -> (Vec<FileFault>, Option<CadFigures>) {
+    fn check(&self, bytes: &[u8]) -> CadFindings {
         let rows = match read_sag(bytes) {
             Ok(rows) => rows,
-            Err(error) => return (vec![FileFault::Unreadable(error.to_string())], None),
+            Err(error) => {
+                let faults = vec![FileFault::Unreadable(error.to_string())];
+                return CadFindings { faults, figures: None, body: None };
+            }
         };
         let off = compare_sag(&rows, &self.design.mirror);
         let (off_mm, off_rad) = (off.height_mm, off.normal_rad);
@@ -54,7 +57,7 @@ impl CadExport for SagExport<'_> {
         }
         let facts =
             SagFacts { rows: rows.len(), height_error_mm: off_mm, normal_error_rad: off_rad };
-        (faults, Some(CadFigures::Sag(facts)))
+        CadFindings { faults, figures: Some(CadFigures::Sag(facts)), body: None }
     }
 }
 

@@ -1,13 +1,14 @@
 //! The STEP file: written from splines, and held against the design once it was read back as a solid.
 
 use super::Error;
-use super::cad_export::{CadExport, CadFigures};
+use super::cad_export::{CadExport, CadFigures, CadFindings};
 use crate::brep::Body;
 use crate::design::Design;
 use crate::export::step::{FittedMirror, fit_splines, write_step};
 use crate::export::{ByteCounter, Label};
 use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::mirror::Mirror;
+use crate::part::Promise;
 use crate::profile::{CadFormat, Profile};
 use crate::results::{FileFault, StepBodyFacts, StepFacts};
 use std::io::{self, Write};
@@ -41,35 +42,44 @@ impl<'a> StepExport<'a> {
         Ok(Self { design, fit: fit.map_err(fail)? })
     }
 
-    /// What a solid has of the design, and what it lacks.
-    fn compared(&self, body: &Body) -> (StepBodyFacts, Vec<FileFault>) {
-        let off = SurfaceDepartures::of(body, &self.design.mirror);
-        let (facts, designed_mm3) = (body.facts(), self.design.volume());
-        let limit_mm = self.fit.error_mm + ROUNDING_MM;
-        let mut faults = Vec::new();
-        if off.missed > 0 {
-            faults.push(FileFault::Missed { missed: off.missed, rays: off.rays });
-        }
-        if !(off.along_normal_mm <= limit_mm) {
-            faults.push(FileFault::SurfaceError { off_mm: off.along_normal_mm, limit_mm });
-        }
-        // Every face may be off by so much.
-        let [x, y, z] = self.design.mounting.size_mm;
-        let allowed = (limit_mm + UNCERTAINTY_MM) * 2.0 * (x * y + y * z + z * x);
-        if !((facts.volume_mm3 - designed_mm3).abs() <= allowed) {
-            faults.push(FileFault::VolumeError { found_mm3: facts.volume_mm3, designed_mm3 });
-        }
-        let facts = StepBodyFacts {
-            faces: facts.faces,
-            edges: facts.edges,
-            gap_nm: facts.gap_mm * 1e6,
-            volume_mm3: facts.volume_mm3,
-            rays: off.rays,
-            surface_error_nm: off.along_normal_mm * 1e6,
-            normal_error_rad: off.normal_rad,
-        };
-        (facts, faults)
+    /// The errors that the file may have.
+    fn promise(&self) -> Promise {
+        let chord_mm = self.fit.error_mm + ROUNDING_MM;
+        Promise { chord_mm, ..Promise::of_profile(&self.design.profile) }
     }
+}
+
+/// What a solid has of a design that it is `limit_mm` off at most, and what it lacks.
+pub(super) fn compared(
+    body: &Body,
+    design: &Design,
+    limit_mm: f64,
+) -> (StepBodyFacts, Vec<FileFault>) {
+    let off = SurfaceDepartures::of(body, &design.mirror);
+    let (facts, designed_mm3) = (body.facts(), design.volume());
+    let mut faults = Vec::new();
+    if off.missed > 0 {
+        faults.push(FileFault::Missed { missed: off.missed, rays: off.rays });
+    }
+    if !(off.along_normal_mm <= limit_mm) {
+        faults.push(FileFault::SurfaceError { off_mm: off.along_normal_mm, limit_mm });
+    }
+    // Every face may be off by so much.
+    let [x, y, z] = design.mounting.size_mm;
+    let allowed = (limit_mm + UNCERTAINTY_MM) * 2.0 * (x * y + y * z + z * x);
+    if !((facts.volume_mm3 - designed_mm3).abs() <= allowed) {
+        faults.push(FileFault::VolumeError { found_mm3: facts.volume_mm3, designed_mm3 });
+    }
+    let facts = StepBodyFacts {
+        faces: facts.faces,
+        edges: facts.edges,
+        gap_nm: facts.gap_mm * 1e6,
+        volume_mm3: facts.volume_mm3,
+        rays: off.rays,
+        surface_error_nm: off.along_normal_mm * 1e6,
+        normal_error_rad: off.normal_rad,
+    };
+    (facts, faults)
 }
 
 impl CadExport for StepExport<'_> {
@@ -86,20 +96,21 @@ impl CadExport for StepExport<'_> {
         self.write(&mut bytes, label).map_or(0, |()| bytes.count())
     }
 
-    fn check(&self, bytes: &[u8]) -> (Vec<FileFault>, Option<CadFigures>) {
-        let (body, faults) = match Body::read(bytes) {
+    fn check(&self, bytes: &[u8]) -> CadFindings {
+        let promise = self.promise();
+        let (body, facts, faults) = match Body::read(bytes) {
             Ok(body) => {
-                let (facts, faults) = self.compared(&body);
-                (Some(facts), faults)
+                let (facts, faults) = compared(&body, self.design, promise.chord_mm);
+                (Some((body, promise)), Some(facts), faults)
             }
-            Err(error) => (None, vec![FileFault::Unreadable(error.to_string())]),
+            Err(error) => (None, None, vec![FileFault::Unreadable(error.to_string())]),
         };
         let facts = StepFacts {
             fit_error_nm: self.fit.error_mm * 1e6,
             control_points: self.fit.size(),
-            body,
+            body: facts,
         };
-        (faults, Some(CadFigures::Step(facts)))
+        CadFindings { faults, figures: Some(CadFigures::Step(facts)), body }
     }
 }
 
@@ -166,7 +177,7 @@ mod tests {
         let mut bytes = Vec::new();
         export.write(&mut bytes, &labelled(&design, String::new())).unwrap();
         let text = change(std::str::from_utf8(&bytes).unwrap());
-        export.check(text.as_bytes()).0
+        export.check(text.as_bytes()).faults
     }
 
     #[test]

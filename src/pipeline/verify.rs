@@ -183,7 +183,7 @@ impl Verify<'_> {
         let (mut reread, units) = match read {
             Ok(read) => read,
             Err(error) => {
-                let mut check = FileCheck::unreadable(file, format, promise, error);
+                let mut check = FileCheck::unreadable(file, format, promise, &error);
                 check.measured = self.options.align;
                 check.rename(self.name());
                 let (units, alignment, oversize, map) = (None, None, None, None);

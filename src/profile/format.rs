@@ -33,6 +33,18 @@ pub enum CadFormat {
     Csv,
 }
 
+impl From<MeshFormat> for FileFormat {
+    fn from(format: MeshFormat) -> Self {
+        Self::Mesh(format)
+    }
+}
+
+impl From<CadFormat> for FileFormat {
+    fn from(format: CadFormat) -> Self {
+        Self::Cad(format)
+    }
+}
+
 impl MeshFormat {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Stl, Self::Obj, Self::ThreeMf, Self::Glb];

@@ -1,19 +1,21 @@
 //! What the bytes of one file showed: as a solid, at its vertices, and to the camera's rays.
 
 use super::vertex_check::worst_vertex;
+use crate::brep::{Body, BodyFacts};
 use crate::design::Design;
-use crate::export::{ImportedMesh, ReadError};
+use crate::export::ImportedMesh;
 use crate::geom::{DVec2, DVec3};
 use crate::num::stats::Summary;
 use crate::optics::reflect;
 use crate::part::Promise;
-use crate::profile::{MeshFormat, Profile};
+use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
 use crate::results::{ErrorFacts, FileFacts, SolidFacts, TraceFacts, VertexFacts};
 use crate::solid::{SolidCheck, check};
 use crate::trace::{
-    CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Obstacles, Outcome, PixelClass, Scene,
-    TraceCounts, TraceResult, TraceStrip, TraceSummary, classify_pixels,
+    BodyScene, CameraTrace, ExpectedRay, FrameFill, FrameFillBuilder, Obstacles, Outcome,
+    PixelClass, Scene, TraceCounts, TraceResult, TraceStrip, TraceSummary, classify_pixels,
 };
+use std::error::Error;
 use std::sync::Arc;
 
 /// What the bytes of one file showed.
@@ -21,7 +23,7 @@ pub(crate) struct FileCheck {
     /// The file.
     pub file: FileFacts,
     /// Its format.
-    pub format: MeshFormat,
+    pub format: FileFormat,
     /// Whether the bytes are others than were written.
     pub altered: bool,
     /// Whether it is a measured part, which is judged by what it does and not by its facets.
@@ -29,14 +31,14 @@ pub(crate) struct FileCheck {
     /// The errors that it may have.
     pub promise: Promise,
     /// Why it could not be read, if so; then there is no more.
-    pub unreadable: Option<ReadError>,
+    pub unreadable: Option<String>,
     /// The witness's figures.
     pub trace: Option<TraceFacts>,
     /// How many rays what is around the mirror shadows.
     pub by_rim: usize,
     /// The frame.
     pub frame: Option<FrameFill>,
-    /// The mesh, until the picture is painted.
+    /// The mesh, until the picture is painted; none of curved faces.
     pub scene: Option<Scene>,
 }
 
@@ -44,17 +46,17 @@ impl FileCheck {
     /// Of a file that could not be read.
     pub(crate) fn unreadable(
         file: FileFacts,
-        format: MeshFormat,
+        format: impl Into<FileFormat>,
         promise: Promise,
-        error: ReadError,
+        error: &dyn Error,
     ) -> Self {
         Self {
             file,
-            format,
+            format: format.into(),
             altered: false,
             measured: false,
             promise,
-            unreadable: Some(error),
+            unreadable: Some(error.to_string()),
             trace: None,
             by_rim: 0,
             frame: None,
@@ -67,52 +69,48 @@ impl FileCheck {
     /// the frame and the classes of its pixels, which are forgotten thereafter: where there is no projection
     /// without classes.
     pub(crate) fn traced(
-        profile: &Profile,
-        design: &Design,
+        (profile, design): (&Profile, &Design),
         (file, format): (FileFacts, MeshFormat),
         checked: CheckedMesh,
         (promise, shortcuts): (Promise, bool),
-        each: &mut dyn FnMut(&TraceStrip, &[PixelClass]),
+        each: EachStrip,
     ) -> (Self, TraceCounts) {
         let CheckedMesh { reread: ImportedMesh { mesh, normals }, solid, vertex } = checked;
-        let camera = &design.camera;
         let closed = solid.check.closed && solid.check.oriented && solid.check.manifold;
         let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
         let scene = Scene::for_cameras(mesh, closed).among(obstacles.map(Arc::new));
-        let table = expected_rays(design, promise.chord_mm);
-        let trace = CameraTrace::new(&scene, camera, scene.above_mm());
-        let trace = if shortcuts { trace } else { trace.without_shortcuts() };
-        let (normals, view) = (normals.as_deref(), design.view.as_ref());
-        let (mut summary, mut shadowed) = (TraceSummary::default(), 0);
-        let mut frame = view.map(|_| FrameFillBuilder::default());
-        let counts = TraceStrip::each(&trace, normals, view, table, |strip| {
-            summary.add(strip);
-            shadowed += by_rim(design, &scene, &strip.traced);
-            let mut classes = Vec::new();
-            if let Some(frame) = &mut frame {
-                classes = pixel_classes(profile, design, strip);
-                frame.add(&strip.traced, &classes);
-            }
-            each(strip, &classes);
-        });
-        let frame = frame.map(|frame| frame.finish(camera.pixels, tolerance_px(profile)));
-        let has_normals = normals.is_some();
-        let mut trace =
-            trace_facts(file.name.clone(), summary, camera.pixel_mm, has_normals, solid);
-        trace.worst_vertex = vertex;
-        let check = Self {
-            file,
-            format,
-            altered: false,
-            measured: false,
-            promise,
-            unreadable: None,
-            trace: Some(trace),
-            by_rim: shadowed,
-            frame,
-            scene: Some(scene),
+        let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
+        let tracing = FileTrace { profile, design, promise, shortcuts };
+        let height = |facet: u32| {
+            let corners = scene.mesh().corners(facet as usize);
+            corners.iter().fold(f64::NEG_INFINITY, |top, v| top.max(v.z))
         };
+        let seen = tracing.run(trace, normals.as_deref(), &height, each);
+        let (mut check, counts) = tracing.check(seen, (file, format.into()), solid);
+        if let Some(trace) = &mut check.trace {
+            trace.worst_vertex = vertex;
+        }
+        check.scene = Some(scene);
         (check, counts)
+    }
+
+    /// The same of a closed body of curved faces, whose mirror is off that of `design` as promised.
+    pub(crate) fn traced_body(
+        (profile, design): (&Profile, &Design),
+        file: FileFacts,
+        body: Body,
+        (promise, shortcuts): (Promise, bool),
+        each: EachStrip,
+    ) -> (Self, TraceCounts) {
+        let solid =
+            SolidFacts::new(&solid_check(body.facts()).through(design.holes()), design.volume());
+        let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref());
+        let scene = BodyScene::new(body, obstacles.map(Arc::new));
+        let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
+        let tracing = FileTrace { profile, design, promise, shortcuts };
+        let height = |face: u32| scene.body().top_of(face);
+        let seen = tracing.run(trace, None, &height, each);
+        tracing.check(seen, (file, CadFormat::Step.into()), solid)
     }
 
     /// Calls the file `name`.
@@ -121,6 +119,98 @@ impl FileCheck {
             trace.file.clone_from(&name);
         }
         self.file.name = name;
+    }
+}
+
+/// What is called with every strip of a traced frame and the classes of its pixels.
+pub(crate) type EachStrip<'a> = &'a mut dyn FnMut(&TraceStrip, &[PixelClass]);
+
+/// How a file is traced.
+struct FileTrace<'a> {
+    profile: &'a Profile,
+    design: &'a Design,
+    promise: Promise,
+    shortcuts: bool,
+}
+
+/// What the camera's rays show of a file.
+struct SeenFile {
+    summary: TraceSummary,
+    /// How many rays what is around the mirror shadows.
+    by_rim: usize,
+    frame: Option<FrameFill>,
+    has_normals: bool,
+    counts: TraceCounts,
+}
+
+impl FileTrace<'_> {
+    /// Traces the frame. `height` is Z of the highest place of a facet or a face, mm.
+    fn run(
+        &self,
+        trace: CameraTrace,
+        normals: Option<&[[DVec3; 3]]>,
+        height: &dyn Fn(u32) -> f64,
+        each: EachStrip,
+    ) -> SeenFile {
+        let Self { profile, design, promise, shortcuts } = self;
+        let trace = if *shortcuts { trace } else { trace.without_shortcuts() };
+        let table = expected_rays(design, promise.chord_mm);
+        let (view, has_normals) = (design.view.as_ref(), normals.is_some());
+        let (mut summary, mut by_rim) = (TraceSummary::default(), 0);
+        let mut frame = view.map(|_| FrameFillBuilder::default());
+        let counts = TraceStrip::each(&trace, normals, view, table, |strip| {
+            summary.add(strip);
+            by_rim += shadowed_by_rim(design, height, &strip.traced);
+            let mut classes = Vec::new();
+            if let Some(frame) = &mut frame {
+                classes = pixel_classes(profile, design, strip);
+                frame.add(&strip.traced, &classes);
+            }
+            each(strip, &classes);
+        });
+        let frame = frame.map(|frame| frame.finish(design.camera.pixels, tolerance_px(profile)));
+        SeenFile { summary, by_rim, frame, has_normals, counts }
+    }
+
+    /// The check of a file of which that was seen.
+    fn check(
+        &self,
+        seen: SeenFile,
+        (file, format): (FileFacts, FileFormat),
+        solid: SolidFacts,
+    ) -> (FileCheck, TraceCounts) {
+        let SeenFile { summary, by_rim, frame, has_normals, counts } = seen;
+        let pixel_mm = self.design.camera.pixel_mm;
+        let trace = trace_facts(file.name.clone(), summary, pixel_mm, has_normals, solid);
+        let check = FileCheck {
+            file,
+            format,
+            altered: false,
+            measured: false,
+            promise: self.promise,
+            unreadable: None,
+            trace: Some(trace),
+            by_rim,
+            frame,
+            scene: None,
+        };
+        (check, counts)
+    }
+}
+
+/// What a body that was read is as a solid: its reader refuses what is not closed.
+fn solid_check(facts: BodyFacts) -> SolidCheck {
+    SolidCheck {
+        closed: true,
+        oriented: true,
+        manifold: true,
+        open: None,
+        components: facts.components,
+        euler: facts.euler,
+        holes: 0,
+        volume_mm3: facts.volume_mm3,
+        defects: Vec::new(),
+        defect_count: 0,
     }
 }
 
@@ -157,11 +247,11 @@ fn pixel_classes(profile: &Profile, design: &Design, strip: &TraceStrip) -> Vec<
     classify_pixels(strip, design.camera.pixel_mm, tolerance_px(profile), folded)
 }
 
-fn by_rim(design: &Design, scene: &Scene, witness: &TraceResult) -> usize {
+/// How many rays facets or faces below the top of what is around the mirror shadow.
+fn shadowed_by_rim(design: &Design, height: &dyn Fn(u32) -> f64, witness: &TraceResult) -> usize {
     let Some(stock) = &design.border else { return 0 };
     let top = stock.top_mm * (1.0 + 1e-6);
-    let around = |facet: u32| scene.mesh().corners(facet as usize).iter().all(|v| v.z <= top);
-    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if around(facet)))
+    witness.count(|outcome| matches!(outcome, Outcome::Shadowed(facet) if height(facet) <= top))
 }
 
 /// The table of expected rays, a row of the sensor at a time, from the chart coordinates of its camera rays. Rays that

@@ -9,14 +9,14 @@ mod vertex_check;
 
 pub(crate) use cutter_survey::CutterSurvey;
 pub use cutter_survey::MachiningOptions;
-pub(crate) use file_check::{CheckedMesh, FileCheck, expected_rays};
+pub(crate) use file_check::{CheckedMesh, EachStrip, FileCheck, expected_rays};
 pub(crate) use remedy::filling;
 
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Border, Outline, Precision};
 use crate::part::codec;
-use crate::profile::{AcceptanceLimit, AcceptanceLimits, Profile};
+use crate::profile::{AcceptanceLimit, AcceptanceLimits, FileFormat, Profile};
 use crate::results::{
     FileFacts, FileFault, LeastFilled, PictureFault, PixelErrorFigure, RayFault, Reason,
     ShapeFault, SharpnessFacts, TraceFacts, Verdict,
@@ -103,7 +103,7 @@ fn of_file(profile: &Profile, design: &Design, check: &FileCheck) -> Vec<Reason>
 pub(crate) fn bytes(check: &FileCheck) -> impl Iterator<Item = FileFault> {
     let altered = check.altered.then_some(FileFault::Altered);
     let unreadable = check.unreadable.as_ref();
-    altered.into_iter().chain(unreadable.map(|error| FileFault::Unreadable(error.to_string())))
+    altered.into_iter().chain(unreadable.map(|error| FileFault::Unreadable(error.clone())))
 }
 
 /// That too little of the frame is filled.
@@ -152,16 +152,18 @@ pub(crate) fn form(
     (!(pv_um <= limit_um)).then(|| ShapeFault::FormError { pv_um, limit_um }.into())
 }
 
-/// Why a file's mesh is not the designed part.
+/// Why a file's mesh is not the designed part, or its curved faces no solid.
 fn shape(design: &Design, check: &FileCheck, trace: &TraceFacts) -> Vec<ShapeFault> {
     let chord_mm = check.promise.chord_mm;
-    let [rounding, moved] = match codec(check.format).precision() {
+    let solid = &trace.solid;
+    let mut faults: Vec<_> = solid.reasons.iter().cloned().map(ShapeFault::NotSolid).collect();
+    // (What curved faces have of the design is held by the limits of their splines.)
+    let FileFormat::Mesh(format) = check.format else { return faults };
+    let [rounding, moved] = match codec(format).precision() {
         Precision::Double => [ROUNDING; 2],
         Precision::Single => [ROUNDING_SINGLE, ROUNDING_VERTEX],
     };
     let allowed_mm3 = volume_tolerance(design, chord_mm) + rounding * design.volume();
-    let solid = &trace.solid;
-    let mut faults: Vec<_> = solid.reasons.iter().cloned().map(ShapeFault::NotSolid).collect();
     let (found_mm3, designed_mm3) = (solid.check.volume_mm3, solid.volume_expected_mm3);
     if !((found_mm3 - designed_mm3).abs() <= allowed_mm3) {
         faults.push(ShapeFault::Volume { found_mm3, designed_mm3, allowed_mm3 });

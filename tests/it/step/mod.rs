@@ -9,6 +9,7 @@ mod read_back;
 mod reading;
 mod shape;
 mod strangers;
+mod witness;
 
 use crate::support::draws::Draws;
 use crate::support::shipped;
