@@ -33,10 +33,11 @@ cargo bench --bench trace -- [OPTIONS]
 
     --profile NAME  shipped profile or profile file [default: conquistador]
     --stl FILE      the profile's mirror as a build wrote it [default: made in memory]
-    --step          the curved faces of the profile's STEP file, as it is read back, in the place of a mesh
+    --step FILE     curved faces in the place of a mesh: those of the profile's STEP file as a build wrote it, or made in
+                    memory for `-`
     --runs K        the fastest counts [default: 9]
     --dump FOLDER   mesh, rays and what became of them for other programs, as plain little-endian
-                    numbers: vertices.f64, triangles.u32, rays.f64 (origin, direction), found.f64
+                    numbers: vertices.f64, triangles.u32 (none of curved faces), rays.f64 (origin, direction), found.f64
                     (outcome: 0 reflected, 1 missed, 2 shadowed, 3 back face, 4 + k behind the
                     profile's obstacle k, from 0; facet; distance; direction), and morion.txt with our times
     --calibration FILE
@@ -50,7 +51,7 @@ cargo bench --bench trace -- [OPTIONS]
 struct Options {
     profile: String,
     stl: Option<String>,
-    step: bool,
+    step: Option<String>,
     runs: usize,
     dump: Option<String>,
     calibration: Option<String>,
@@ -62,7 +63,7 @@ impl Options {
         let mut options = Self {
             profile: "conquistador".into(),
             stl: None,
-            step: false,
+            step: None,
             runs: 9,
             dump: None,
             calibration: None,
@@ -88,7 +89,7 @@ impl Options {
                         other => return Err(format!("{other} is no model")),
                     });
                 }
-                "--step" => options.step = true,
+                "--step" => options.step = Some(value()?),
                 "--bench" => measured = true,
                 _ => return Err(format!("{name}?\n\n{USAGE}")),
             }
@@ -111,8 +112,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let folder = options.dump.as_ref().ok_or("--calibration needs --dump")?;
         return rays(calibration, options.model, Path::new(folder));
     }
-    if options.step {
-        return curved(&options);
+    if let Some(step) = &options.step {
+        return curved(&options, step);
     }
     let (design, mesh) = made(&options.profile, options.stl.as_deref())?;
     let [columns, rows] = design.camera.pixels;
@@ -164,42 +165,46 @@ fn main() -> Result<(), Box<dyn Error>> {
     print!("{times}");
     if let Some(folder) = &options.dump {
         let trace = CameraTrace::new(&scene, &design.camera, top);
-        dump(Path::new(folder), scene.mesh(), (&trace, &found))?;
+        dump(Path::new(folder), Some(scene.mesh()), (&trace, &found))?;
         fs::write(Path::new(folder).join("morion.txt"), times)?;
     }
     Ok(())
 }
 
-/// Times of the rays against the curved faces of the STEP file that the profile makes, as it is read back.
-fn curved(options: &Options) -> Result<(), Box<dyn Error>> {
+/// Times of the rays against the curved faces of a STEP file of the profile.
+fn curved(options: &Options, step: &str) -> Result<(), Box<dyn Error>> {
     let design = design(&load(&options.profile)?)?;
     let mut bytes = Vec::new();
-    let fit = fit_splines(&design.mirror)?;
-    write_step(&mut bytes, &fit, design.border.as_ref(), &label(&design.profile))?;
-    let body = || Body::read(&bytes);
+    if step == "-" {
+        let fit = fit_splines(&design.mirror)?;
+        write_step(&mut bytes, &fit, design.border.as_ref(), &label(&design.profile))?;
+    } else {
+        bytes = fs::read(step).map_err(|error| format!("{step}: {error}"))?;
+    }
     let obstacles = Obstacles::new(&design.obstacles, design.view.as_ref()).map(Arc::new);
-    let scene = BodyScene::new(body()?, obstacles);
+    let scene = BodyScene::new(Body::read(&bytes)?, obstacles);
     let [columns, rows] = design.camera.pixels;
     let pieces = scene.body().pieces().len();
     println!("{}: {pieces} pieces of curved faces, {columns} x {rows} rays", options.profile);
+    let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
+    let (mut ends, counts) = trace.run();
+    println!("{} proven, {} followed", counts.proven, counts.followed);
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         pool.install(|| {
-            let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
-            let (mut ends, counts) = trace.run();
-            let next = least(
+            let ms = least(
                 options.runs,
                 || (),
                 |()| {
                     black_box(trace.run_into(&mut ends));
                 },
             );
-            let rate = ends.len() as f64 / next * 1e-3;
-            if threads == 1 {
-                println!("{} proven, {} followed", counts.proven, counts.followed);
-            }
-            println!("curved_pairs_{threads} {rate:.3} M/s ({next:.3} ms)");
+            let rate = ends.len() as f64 / ms * 1e-3;
+            println!("curved_pairs_{threads} {rate:.3} M/s ({ms:.3} ms)");
         });
+    }
+    if let Some(folder) = &options.dump {
+        dump(Path::new(folder), None, (&trace, &ends))?;
     }
     Ok(())
 }
@@ -247,15 +252,17 @@ fn least<T>(runs: usize, new: impl Fn() -> T, mut run: impl FnMut(&T)) -> f64 {
 
 fn dump(
     folder: &Path,
-    mesh: &TriMesh,
+    mesh: Option<&TriMesh>,
     (trace, found): (&CameraTrace, &[RayEnd]),
 ) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     let numbers = |name: &str, all: &mut dyn Iterator<Item = f64>| numbers(folder, name, all);
-    numbers("vertices.f64", &mut mesh.vertices.iter().flat_map(DVec3::to_array))?;
-    let triangles: Vec<u8> =
-        mesh.triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();
-    fs::write(folder.join("triangles.u32"), triangles)?;
+    if let Some(mesh) = mesh {
+        numbers("vertices.f64", &mut mesh.vertices.iter().flat_map(DVec3::to_array))?;
+        let triangles: Vec<u8> =
+            mesh.triangles.iter().flatten().flat_map(|vertex| vertex.to_le_bytes()).collect();
+        fs::write(folder.join("triangles.u32"), triangles)?;
+    }
     let [columns, rows] = trace.pixels();
     let rays = (0..columns * rows).map(|k| trace.ray(k % columns, k / columns));
     numbers(

@@ -3,6 +3,7 @@
 use super::StepError;
 use super::part21::{Exchange, Parameter, Record};
 use crate::geom::DVec3;
+use glam::DMat3;
 
 /// The entity instances of a file.
 pub(super) struct Entities {
@@ -11,6 +12,22 @@ pub(super) struct Entities {
     pub mm: f64,
     /// Radians of the file's unit of plane angle.
     pub radians: f64,
+    /// Where the body is put.
+    motion: RigidMotion,
+}
+
+/// A motion of a body: a turn, and then a shift, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidMotion {
+    /// A rotation.
+    pub rotation: DMat3,
+    /// mm.
+    pub shift: DVec3,
+}
+
+impl RigidMotion {
+    /// No motion at all.
+    pub const NONE: Self = Self { rotation: DMat3::IDENTITY, shift: DVec3::ZERO };
 }
 
 /// One record of an instance: its attributes are asked for by their places.
@@ -22,8 +39,8 @@ pub(super) struct Entity<'a> {
 }
 
 impl Entities {
-    pub(super) fn new(exchange: Exchange) -> Self {
-        Self { exchange, mm: 1.0, radians: 1.0 }
+    pub(super) fn new(exchange: Exchange, motion: RigidMotion) -> Self {
+        Self { exchange, mm: 1.0, radians: 1.0, motion }
     }
 
     /// All records of this name.
@@ -76,16 +93,21 @@ impl Entities {
         self.follow(from, at)?.named(keyword)
     }
 
-    /// The point that `id` names, mm.
+    /// The point that `id` names where the body is put, mm.
     pub(super) fn point(&self, from: Entity, id: u64) -> Result<DVec3, StepError> {
         let point = self.entity(from, id)?.named("CARTESIAN_POINT")?;
-        Ok(point.triple(1)? * self.mm)
+        Ok(self.turned(point.triple(1)? * self.mm) + self.motion.shift)
+    }
+
+    /// A vector of the file as it stands where the body is put.
+    pub(super) fn turned(&self, along: DVec3) -> DVec3 {
+        if self.motion == RigidMotion::NONE { along } else { self.motion.rotation * along }
     }
 
     /// The unit vector of a direction that an attribute names.
     pub(super) fn direction(&self, from: Entity, at: usize) -> Result<DVec3, StepError> {
         let direction = self.follow_as(from, at, "DIRECTION")?;
-        let along = direction.triple(1)?.try_normalize();
+        let along = direction.triple(1)?.try_normalize().map(|along| self.turned(along));
         along.ok_or_else(|| direction.fault("a direction without length"))
     }
 }

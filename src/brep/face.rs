@@ -133,6 +133,19 @@ impl TrimmedFace {
         if self.holds(patch, middle, own.at(middle)) { Share::All } else { Share::None }
     }
 
+    /// The place at parameters in [0, 1] of the patch of this number, or of the rectangle around a plane face; none where
+    /// it does not belong to the face.
+    pub(super) fn place(&self, patch: usize, q: [f64; 2]) -> Option<DVec3> {
+        let at = match (self.patches.get(patch), &self.surface) {
+            (Some(patch), _) => patch.at(q),
+            (None, surface) => {
+                let [[u0, u1], [v0, v1]] = self.trim.extent();
+                surface.at([u0 + (u1 - u0) * q[0], v0 + (v1 - v0) * q[1]])[0]
+            }
+        };
+        self.holds(patch, q, at).then_some(at)
+    }
+
     /// Axes of the patch of this number on a surface of revolution: outwards where it begins, the way it turns, and the
     /// axis; none on other surfaces.
     pub(super) fn turn_of(&self, patch: usize) -> Option<[DVec3; 3]> {

@@ -19,7 +19,7 @@ pub(super) fn placement(entities: &Entities, place: Entity) -> Result<Frame, Ste
         true => Ok(None),
         false => entities.direction(place, k).map(Some),
     };
-    let z = direction(2)?.unwrap_or(DVec3::Z);
+    let z = direction(2)?.unwrap_or_else(|| entities.turned(DVec3::Z));
     let x = match place.keyword() {
         "AXIS2_PLACEMENT_3D" => direction(3)?,
         "AXIS1_PLACEMENT" => None,

@@ -16,15 +16,17 @@ mod hierarchy;
 mod part21;
 mod patch;
 mod pieces;
+mod samples;
 mod shell;
 mod surface;
 mod trim;
 
 pub use charted::{ChartedBody, ChartedHit};
+pub use entities::RigidMotion;
 pub use error::StepError;
 pub use pieces::SurfacePiece;
 
-use crate::geom::{DVec3, Ray};
+use crate::geom::{DVec3, Ray, TriMesh};
 use crate::parallel;
 use context::find_solid;
 use entities::Entities;
@@ -86,7 +88,15 @@ impl Body {
     /// # Errors
     /// [`StepError`].
     pub fn read(bytes: &[u8]) -> Result<Self, StepError> {
-        let mut entities = Entities::new(Exchange::parse(bytes)?);
+        Self::read_moved(bytes, RigidMotion::NONE)
+    }
+
+    /// The same put elsewhere.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub fn read_moved(bytes: &[u8], motion: RigidMotion) -> Result<Self, StepError> {
+        let mut entities = Entities::new(Exchange::parse(bytes)?, motion);
         let solid = find_solid(&mut entities)?;
         let Shell { faces, edges, vertices, loops, components, gap_mm } =
             Shell::read(&entities, &solid)?;
@@ -130,6 +140,13 @@ impl Body {
         let [lo, hi] = self.bounds();
         let size = (hi - lo).truncate().max_element() / PIECES_ACROSS;
         parallel::map_slice(&self.faces, 1, |face| pieces::of_face(face, size)).concat()
+    }
+
+    /// Facets with their corners on the faces, some ten thousand: not closed, for what needs to know roughly where the
+    /// surface is. Those that an edge cuts are left out.
+    #[must_use]
+    pub fn sampled(&self) -> TriMesh {
+        samples::of_faces(&self.faces)
     }
 
     /// Z of the highest place of a face, by its number, mm.

@@ -363,6 +363,13 @@ impl Trim {
         self.widest_v(|_| 0.0)
     }
 
+    /// Least and largest u and v of the ends of the edges' pieces.
+    pub(super) fn extent(&self) -> [[f64; 2]; 2] {
+        let us = self.pieces.iter().flat_map(|piece| piece.ends.map(|end| end.q[0]));
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        [us.fold(none, |[lo, hi], u| [lo.min(u), hi.max(u)]), self.extent_v()]
+    }
+
     /// Boxes around pieces of the edges, mm.
     pub(super) fn edge_boxes(&self) -> Vec<[DVec3; 2]> {
         let of_edge = |(curve, [from, to]): &(Curve, [f64; 2])| {

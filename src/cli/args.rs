@@ -92,7 +92,7 @@ pub(super) struct CheckArgs {
 // Arguments of `morion verify`.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
-    /// The file: STL, OBJ, 3MF or GLB, in the part frame of the profile unless --align is given
+    /// The file: STL, OBJ, 3MF, GLB or STEP, in the part frame of the profile unless --align is given
     pub file: PathBuf,
     /// Profile file, or name of a shipped profile
     #[arg(long)]

@@ -1,27 +1,31 @@
 //! `morion verify`: files of unknown making: CAM exports, and scans of parts that were made.
 
-use super::check_file::{open, witness};
+use super::check_file::{open, witness, witness_body};
 use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
+use super::step_export::compared;
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
+use crate::brep::{Body, RigidMotion};
 use crate::design::Design;
 use crate::export::ImportedMesh;
-use crate::geom::{DVec3, Welder};
+use crate::geom::{DVec3, TriMesh, Welder};
 use crate::mirror::Form;
 use crate::part::{Promise, codec};
-use crate::profile::{MeshFormat, Profile};
+use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
 use crate::publish;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::report::form_map;
-use crate::results::{AlignmentFacts, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport};
-use crate::verdict::{self, CheckedMesh, FileCheck, Findings};
+use crate::results::{
+    AlignmentFacts, FileFacts, FileFault, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport,
+};
+use crate::verdict::{self, CheckedMesh, EachStrip, FileCheck, Findings};
 use std::path::{Path, PathBuf};
 
 /// A file of unknown making, and how it is looked at: writes `report.json` and `report.html` into NAME-verify.
 #[derive(Debug, Clone, Copy)]
 pub struct Verify<'a> {
-    /// The file: an STL, OBJ, 3MF or GLB.
+    /// The file: an STL, OBJ, 3MF, GLB or STEP.
     pub path: &'a Path,
     /// How it is looked at.
     pub options: VerifyOptions,
@@ -57,8 +61,11 @@ impl Command for Verify<'_> {
     type Report = VerifyReport;
 
     fn check(&self, _profile: &Profile) -> Result<(), Error> {
-        let format = self.format()?;
-        if codec(format).declares_unit() && self.options.units.is_some() {
+        let declares_unit = match self.format()? {
+            FileFormat::Mesh(format) => codec(format).declares_unit(),
+            FileFormat::Cad(_) => true,
+        };
+        if declares_unit && self.options.units.is_some() {
             return Err(Error::Declared { path: self.name() });
         }
         Ok(())
@@ -68,7 +75,7 @@ impl Command for Verify<'_> {
         PathBuf::from(format!("{}-verify", profile.name))
     }
 
-    /// Reads an STL, OBJ, 3MF or GLB of any making, checks it and traces it against what the profile asks for.
+    /// Reads an STL, OBJ, 3MF, GLB or STEP of any making, checks it and traces it against what the profile asks for.
     fn run(&self, run: &mut Run) -> Result<VerifyReport, Error> {
         let bytes = publish::read(self.path)?;
         let design = run.design()?;
@@ -78,7 +85,10 @@ impl Command for Verify<'_> {
             design: &design,
             size: SizeRange::of(&design.mirror, design.border.as_ref()),
         };
-        let found = self.look(&part, bytes)?;
+        let found = match self.format()? {
+            FileFormat::Mesh(format) => self.look(&part, format, bytes)?,
+            FileFormat::Cad(_) => self.look_at_body(&part, &bytes)?,
+        };
         let map = found.map.as_ref();
         let form_error_um = map.and_then(FormMap::error);
         let measured = self.options.align;
@@ -87,6 +97,8 @@ impl Command for Verify<'_> {
         let Findings { files, trace, frame, sharpness, accepted, mut reasons } =
             Findings::new(run.profile, &design, vec![found.check]);
         let mut warnings = Vec::new();
+        let faults = found.faults.into_iter();
+        reasons.extend(faults.map(|fault| Reason::from(fault).of_file(&name)));
         if found.far > 0 {
             let far = Reason::from(ShapeFault::FarFacets { count: found.far }).of_file(&name);
             // Of a measured part that is noise; of a part it is a fault.
@@ -141,6 +153,8 @@ struct Part<'r, 'a> {
 /// What a file showed.
 struct Found {
     check: FileCheck,
+    /// What curved faces lack of the design.
+    faults: Vec<FileFault>,
     units: Option<UnitFacts>,
     alignment: Option<AlignmentFacts>,
     /// Facets far from the part, which are left out.
@@ -158,19 +172,20 @@ impl Verify<'_> {
         self.path.display().to_string()
     }
 
-    /// The format that the file's name ends in.
-    fn format(&self) -> Result<MeshFormat, Error> {
+    /// The format that the file's name ends in: of triangles, or STEP.
+    fn format(&self) -> Result<FileFormat, Error> {
         let ending = self.path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        MeshFormat::ALL
-            .into_iter()
-            .find(|format| Some(format.name()) == ending.as_deref())
-            .ok_or_else(|| Error::Format { path: self.name() })
+        if matches!(ending.as_deref(), Some("step" | "stp")) {
+            return Ok(CadFormat::Step.into());
+        }
+        let found =
+            MeshFormat::ALL.into_iter().find(|format| Some(format.name()) == ending.as_deref());
+        found.map(FileFormat::Mesh).ok_or_else(|| Error::Format { path: self.name() })
     }
 
     /// Reads the file, brings it to millimetres and, if it is measured, into the part frame, and traces it.
-    fn look(&self, part: &Part, bytes: Vec<u8>) -> Result<Found, Error> {
+    fn look(&self, part: &Part, format: MeshFormat, bytes: Vec<u8>) -> Result<Found, Error> {
         let Part { run, design, size } = part;
-        let format = self.format()?;
         let promise = Promise::of_profile(run.profile);
         let (file, read) = open(run, format, bytes, |mut reread| {
             let found = match codec(format).declares_unit() {
@@ -183,24 +198,89 @@ impl Verify<'_> {
         let (mut reread, units) = match read {
             Ok(read) => read,
             Err(error) => {
-                let mut check = FileCheck::unreadable(file, format, promise, &error);
-                check.measured = self.options.align;
-                check.rename(self.name());
-                let (units, alignment, oversize, map) = (None, None, None, None);
-                let errors = None;
-                return Ok(Found { check, units, alignment, far: 0, oversize, map, errors });
+                return Ok(self.unreadable(FileCheck::unreadable(file, format, promise, &error)));
             }
         };
         let oversize = size.size_factor(&reread.mesh);
         let alignment = match self.options.align {
-            true => Some(self.aligned(part, &mut reread)?),
+            true => {
+                let found = self.aligned(part, &reread.mesh)?;
+                place(&mut reread, &found);
+                Some(AlignmentFacts::new(&found))
+            }
             false => None,
         };
         let far = leave_far(&mut reread, design);
-        let mut map = FormMapBuilder::new(&design.mirror, &design.camera);
         let checked = CheckedMesh::new(design, reread, None);
+        let about = About { faults: Vec::new(), units, alignment, far, oversize };
+        Ok(self.traced(design, about, |each| {
+            witness(run, design, (file, format), checked, promise, each)
+        }))
+    }
+
+    /// Reads a STEP file, brings it, if it is measured, into the part frame, and traces it.
+    fn look_at_body(&self, part: &Part, bytes: &[u8]) -> Result<Found, Error> {
+        let Part { run, design, size } = part;
+        let promise = Promise::of_profile(run.profile);
+        let format = CadFormat::Step;
+        let (name, sha256) = (format.file_name().to_owned(), publish::sha256(bytes));
+        let file =
+            FileFacts { name, format: format.name().into(), bytes: bytes.len() as u64, sha256 };
+        let read = run.timer.always(Stage::Read, || {
+            let body = Body::read(bytes);
+            let note = match &body {
+                Ok(body) => format!("{}: {} curved faces", self.name(), body.facts().faces),
+                Err(error) => error.to_string(),
+            };
+            (body, note)
+        });
+        let mut body = match read {
+            Ok(body) => body,
+            Err(error) => {
+                return Ok(self.unreadable(FileCheck::unreadable(file, format, promise, &error)));
+            }
+        };
+        let samples = body.sampled();
+        let oversize = size.size_factor(&samples);
+        let mut alignment = None;
+        if self.options.align {
+            let found = self.aligned(part, &samples)?;
+            let motion = RigidMotion { rotation: found.pose.matrix(), shift: found.pose.shift };
+            alignment = Some(AlignmentFacts::new(&found));
+            // (It was read before, where it stood.)
+            if let Ok(moved) = Body::read_moved(bytes, motion) {
+                body = moved;
+            }
+        }
+        // A measured part is held to its form.
+        let faults = match self.options.align {
+            true => Vec::new(),
+            false => compared(&body, design, promise.chord_mm).1,
+        };
+        let units = UnitFacts::new(LengthUnit::Mm, DECLARED);
+        let about = About { faults, units, alignment, far: 0, oversize };
+        Ok(self
+            .traced(design, about, |each| witness_body(run, design, (file, body), promise, each)))
+    }
+
+    /// A file that could not be read.
+    fn unreadable(&self, mut check: FileCheck) -> Found {
+        check.measured = self.options.align;
+        check.rename(self.name());
+        let (units, alignment, oversize, map, errors) = (None, None, None, None, None);
+        Found { check, faults: Vec::new(), units, alignment, far: 0, oversize, map, errors }
+    }
+
+    /// A file as `witness` sees it, and the maps of its errors.
+    fn traced(
+        &self,
+        design: &Design,
+        about: About,
+        witness: impl FnOnce(EachStrip) -> FileCheck,
+    ) -> Found {
+        let mut map = FormMapBuilder::new(&design.mirror, &design.camera);
         let mut errors = ErrorMapBuilder::new(design, MAP_COLUMNS);
-        let mut check = witness(run, design, (file, format), checked, promise, &mut |strip, _| {
+        let mut check = witness(&mut |strip, _| {
             errors.add(strip);
             if self.options.align {
                 map.add(strip.rows.clone(), |[column, row]| {
@@ -214,20 +294,28 @@ impl Verify<'_> {
         check.rename(self.name());
         let map = self.options.align.then(|| map.finish());
         let errors = Some(errors.finish());
-        Ok(Found { check, units: Some(units), alignment, far, oversize, map, errors })
+        let About { faults, units, alignment, far, oversize } = about;
+        Found { check, faults, units: Some(units), alignment, far, oversize, map, errors }
     }
 
-    /// Brings a measured part into the part frame.
-    fn aligned(&self, part: &Part, reread: &mut ImportedMesh) -> Result<AlignmentFacts, Error> {
-        let found = part.run.stage(Stage::Align, || {
-            let found = align(&part.design.mirror, &reread.mesh)
+    /// How a measured part is brought into the part frame.
+    fn aligned(&self, part: &Part, mesh: &TriMesh) -> Result<Alignment, Error> {
+        part.run.stage(Stage::Align, || {
+            let found = align(&part.design.mirror, mesh)
                 .map_err(|source| Error::Align { path: self.name(), source })?;
             let note = format!("{:.3} um rms after {} steps", 1e3 * found.rms_mm, found.steps);
             Ok((found, note))
-        })?;
-        place(reread, &found);
-        Ok(AlignmentFacts::new(&found))
+        })
     }
+}
+
+/// What is known of a file before it is traced.
+struct About {
+    faults: Vec<FileFault>,
+    units: UnitFacts,
+    alignment: Option<AlignmentFacts>,
+    far: usize,
+    oversize: Option<(f64, Option<LengthUnit>)>,
 }
 
 /// The warning of a unit that nothing speaks for, or none but the file's size.

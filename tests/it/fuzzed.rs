@@ -14,6 +14,8 @@ mod mesh;
 mod obj;
 #[path = "../../fuzz/properties/profile.rs"]
 mod profile;
+#[path = "../../fuzz/properties/step.rs"]
+mod step;
 #[path = "../../fuzz/properties/stl.rs"]
 mod stl;
 
@@ -65,6 +67,11 @@ fn obj_files_of_the_fuzzer_come_to_a_verdict() {
 #[test]
 fn glb_files_of_the_fuzzer_come_to_a_verdict() {
     replay("glb", |bytes| glb::holds(bytes, 0));
+}
+
+#[test]
+fn step_files_of_the_fuzzer_are_solids_or_refused() {
+    replay("step", step::holds);
 }
 
 #[test]

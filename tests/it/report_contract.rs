@@ -69,7 +69,7 @@ enum Kind {
 
 use Kind::{Count, CountPair, Flag, Number, Range, Sha256, Text, Texts};
 use morion::internals::report::{Answer, TextLayout};
-use morion::internals::results::{BuildReport, Verdict};
+use morion::internals::results::{BuildReport, TraceFacts, Verdict};
 
 const SPREAD: [(&str, Kind); 3] = [("rms", Number), ("p95", Number), ("max", Number)];
 
@@ -540,11 +540,11 @@ fn the_profile_allows_what_the_report_passes() {
     assert!(built.report.frame.unwrap().filled >= accept.frame_filled.unwrap());
 }
 
-/// Where only a drawing is asked for, a mesh is made to be traced, and thrown away.
+/// Where only a sag table is asked for, a mesh is made to be traced, and thrown away.
 #[test]
 fn the_summary_names_no_file_that_is_not_there() {
     let folder = folder();
-    let drawn = parsed(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]"));
+    let drawn = parsed(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"csv\"]"));
     let report = build(&drawn, folder.path(), &Silent).unwrap();
     assert!(!folder.path().join("small/mirror.obj").exists());
     let layout = TextLayout { details: true, ..TextLayout::default() };
@@ -555,4 +555,46 @@ fn the_summary_names_no_file_that_is_not_there() {
     assert!(!page.contains("mirror.obj"));
     // Nor does the report itself, nor a reason.
     assert!(!report.json().contains("mirror.obj"), "{}", report.json());
+}
+
+/// Where only a STEP file is asked for, its curved faces are traced.
+#[test]
+fn no_triangles_are_made_where_only_a_step_file_is_asked_for() {
+    let both = small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\", \"obj\"]");
+    let both = built(&both);
+    let alone = built(&small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]"));
+    let report = alone.json();
+    assert!(report.get("mesh").is_none() && report.get("solid").is_none(), "{report}");
+    let names = |built: &Built| -> Vec<String> {
+        built.report.trace.iter().map(|trace| trace.file.clone()).collect()
+    };
+    assert_eq!(names(&both), ["mirror.obj", "mirror.step"]);
+    assert_eq!(names(&alone), ["mirror.step"]);
+    // Beside a mesh or alone, the file is the same and shows the same.
+    assert_eq!(alone.files["mirror.step"].len(), both.files["mirror.step"].len());
+    let ([step], [obj, beside]) = (&alone.report.trace[..], &both.report.trace[..]) else {
+        panic!("{report}")
+    };
+    let hits = |trace: &TraceFacts| [trace.rays, trace.hit, trace.missed, trace.back_face];
+    assert_eq!(hits(step), hits(beside));
+    assert_eq!(hits(step), hits(obj));
+    assert_eq!(step.errors, beside.errors);
+    // Splines within 2 nm show the design, facets do not.
+    let facet = |trace: &TraceFacts| trace.errors.facet_error_px.unwrap().max;
+    assert!(facet(step) < 0.01 && facet(step) < 0.1 * facet(obj), "{step:?} {obj:?}");
+    let solid = &step.solid;
+    assert!(solid.check.is_solid() && solid.check.euler == 2, "{solid:?}");
+    assert_eq!(alone.report.verdict, Verdict::Pass);
+    assert!(alone.report.frame.is_some());
+}
+
+/// A STEP file that shows another picture does not pass.
+#[test]
+fn the_verdict_holds_the_step_file() {
+    let limited = small_but("formats = [\"stl\", \"obj\"]", "formats = [\"step\"]")
+        .replace("facet_px = 3", "facet_px = 1e-7");
+    let report = built(&limited).report;
+    let said = report.reasons.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    assert!(said.contains("mirror.step: ") && said.contains("mesh.facet_px"), "{said}");
+    assert_eq!(report.verdict, Verdict::Fail);
 }

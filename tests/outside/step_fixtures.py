@@ -1,4 +1,4 @@
-"""Writes tests/fixtures/step: bodies of OpenCASCADE as STEP in other schemas and units than Morion's own.
+"""Writes fuzz/seeds/step: bodies of OpenCASCADE as STEP in other schemas and units than Morion's own.
 
 usage: step_fixtures.py FOLDER, with the packages of requirements-older.txt
 """

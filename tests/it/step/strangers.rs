@@ -12,7 +12,7 @@ const VOLUME: f64 = 1e-10;
 const SURFACE_MM: f64 = 1e-9;
 
 pub fn body(name: &str) -> Body {
-    let file = format!("{}/tests/fixtures/step/{name}.step", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("{}/fuzz/seeds/step/{name}.step", env!("CARGO_MANIFEST_DIR"));
     Body::read(&std::fs::read(file).unwrap()).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
