@@ -27,7 +27,7 @@ pub fn holds(bytes: &[u8]) {
     for piece in body.pieces() {
         assert!(piece.normals[0].cmple(piece.normals[1]).all(), "{piece:?}");
     }
-    body.sampled();
+    assert!(body.sampled().vertices.iter().all(|v| v.is_finite()));
     let size = (hi - lo).max_element();
     let start = 2.0 * size + hi.z;
     let place = |k: u32| {

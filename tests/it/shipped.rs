@@ -19,6 +19,10 @@ fn passes(name: &str) {
     for trace in &report.trace {
         assert_eq!((trace.hit, trace.missed, trace.shadowed), (trace.rays, 0, 0), "{name}");
         let errors = trace.errors.facet_error_px.unwrap();
+        if trace.file == "mirror.step" {
+            assert!(errors.max < 0.02, "{name}: {errors:?}");
+            continue;
+        }
         // A limit is used up; a budget's bound is its strictest facet's.
         let least = if mesh.max_triangles.is_none() { 0.8 } else { 0.5 };
         let used = errors.max / mesh.facet_px.bound;

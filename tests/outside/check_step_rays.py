@@ -6,7 +6,8 @@ usage: check_step_rays.py OUT RAYS NAME...
 OUT/NAME/mirror.step is the file that was built of OUT/NAME.toml, and OUT/NAME/curved what `cargo test --bench trace --
 --profile OUT/NAME.toml --step OUT/NAME/mirror.step --dump OUT/NAME/curved` wrote of the witness. Of so many RAYS, spread
 over the frame, OpenCASCADE's own intersection finds the first face and its normal. Prints one line per mirror; exits 1 if a
-distance differs by more than 1e-8 mm or a reflected direction by more than 1e-8 rad, or one of both misses.
+distance differs by more than 1e-8 mm or a reflected direction by more than 1e-8 rad, or one of both misses. Rays of which
+OpenCASCADE finds an odd number of crossings of the closed body are left out; they may be one in 200.
 
 Before the first mirror it is proven that the check can fail: of rays that are moved by 1e-6 mm it must.
 """
@@ -25,7 +26,12 @@ from verdicts import told
 FAR = 1e-8  # mm, between distances along a ray
 TURNED = 1e-8  # rad, between directions
 TOLERANCE = 1e-10  # mm, of OpenCASCADE's search
+LOST = 0.005  # of the rays, by OpenCASCADE alone
 MISSED = 1
+
+
+class Lost(Exception):
+    """OpenCASCADE meets a closed body an odd number of times: it lost a face beside an edge."""
 
 
 def shape_of(path):
@@ -41,6 +47,8 @@ def first_hit(search, origin, along):
     hits = [(search.WParameter(k), k) for k in range(1, search.NbPnt() + 1)]
     if not hits:
         return None
+    if len(hits) % 2:
+        raise Lost
     distance, k = min(hits)
     surface = BRepAdaptor_Surface(search.Face(k))
     u, v = search.UParameter(k), search.VParameter(k)
@@ -50,17 +58,22 @@ def first_hit(search, origin, along):
 
 
 def compared(search, rays, found):
-    """Largest differences of distances and of directions, and the number of rays that one of both misses."""
-    far = turned = missed = 0
+    """Largest differences of distances and of directions, and the numbers of rays that one of both misses and that
+    OpenCASCADE lost."""
+    far = turned = missed = lost = 0
     for (*origin, x, y, z), (outcome, _, distance, *direction) in zip(rays, found):
-        met = first_hit(search, origin, np.array([x, y, z]))
+        try:
+            met = first_hit(search, origin, np.array([x, y, z]))
+        except Lost:
+            lost += 1
+            continue
         if met is None or outcome == MISSED:
             missed += (met is None) != (outcome == MISSED)
             continue
         far = max(far, abs(met[0] - distance))
         if any(direction):
             turned = max(turned, np.linalg.norm(met[1] - direction))
-    return far, turned, missed
+    return far, turned, missed, lost
 
 
 def main(out, count, *names):
@@ -76,11 +89,12 @@ def main(out, count, *names):
         rays[:, 2] += moved
         search = IntCurvesFace_ShapeIntersector()
         search.Load(shape_of(folder / "mirror.step"), TOLERANCE)
-        far, turned, missed = compared(search, rays, found)
+        far, turned, missed, lost = compared(search, rays, found)
         wrong = [f"{missed} rays are missed by one alone"] if missed else []
+        wrong += [f"OpenCASCADE lost {lost} rays"] if lost > LOST * len(rays) else []
         wrong += [f"{far:.1e} mm apart"] if not far <= FAR else []
         wrong += [f"{turned:.1e} rad apart"] if not turned <= TURNED else []
-        return f"{len(rays)} rays, {far:.1e} mm, {turned:.1e} rad", wrong
+        return f"{len(rays)} rays ({lost} lost), {far:.1e} mm, {turned:.1e} rad", wrong
 
     if not complaints(names[0], 1e-6)[1]:
         print("rays that were moved are not noticed")
