@@ -18,7 +18,7 @@ macro_rules! lanewise {
             #[inline(always)]
             fn $name(mut self, b: Self) -> Self {
                 for (a, b) in self.0.iter_mut().zip(b.0) {
-                    *a = *a $sign b;
+                    *a $sign b;
                 }
                 self
             }
@@ -28,7 +28,7 @@ macro_rules! lanewise {
             #[inline(always)]
             fn $name(mut self, b: f64) -> Self {
                 for a in &mut self.0 {
-                    *a = *a $sign b;
+                    *a $sign b;
                 }
                 self
             }
@@ -36,7 +36,7 @@ macro_rules! lanewise {
     )*};
 }
 
-lanewise!(Add add +, Sub sub -, Mul mul *, Div div /);
+lanewise!(Add add +=, Sub sub -=, Mul mul *=, Div div /=);
 
 impl<const L: usize> Neg for Lanes<L> {
     type Output = Self;

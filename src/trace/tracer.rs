@@ -43,7 +43,7 @@ pub(super) struct BandTrace {
 /// How the first places that rays meet are found.
 enum FirstHits<'a> {
     /// Facets are rasterized.
-    Drawn(Rasterizer<'a>),
+    Drawn(Box<Rasterizer<'a>>),
     /// Curved faces are met in the camera's chart.
     Charted(&'a ChartedBody<'a>),
     /// Each is searched for.
@@ -76,9 +76,8 @@ impl<'a> Tracer<'a> {
     ) -> Self {
         let proof = if outside { part.occlusion_proof() } else { None };
         let first_hits = match (part, charted) {
-            (TracedPart::Mesh(scene), _) => {
-                Rasterizer::new(scene, rays, rows.clone(), None).map(FirstHits::Drawn)
-            }
+            (TracedPart::Mesh(scene), _) => Rasterizer::new(scene, rays, rows.clone(), None)
+                .map(|drawn| FirstHits::Drawn(Box::new(drawn))),
             (TracedPart::Body(_), charted) => charted.map(FirstHits::Charted),
         };
         let rays = match &first_hits {

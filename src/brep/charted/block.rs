@@ -89,29 +89,22 @@ impl Block {
             before.copy_within(0..ORDER - 1, 1);
             before[0] = met.at;
             known = (known + 1).min(ORDER);
-            for row in 0..ROWS {
-                let place = met.at.map(|x| x.0[row] + 0.5);
-                let is_inside = place.iter().all(|x| *x >= -BEYOND && *x <= 1.0 + BEYOND);
+            for (row, q) in rays.iter().enumerate() {
                 let found = &mut self.found[column][row];
-                // (Also false of what is no number.)
-                if !(is_inside && met.up.0[row] > found.up && met.last.0[row] <= LAST_STEP) {
-                    continue;
-                }
-                let normal = met.normal.map(|x| x.0[row]);
-                let upright = DVec3::from_array(normal);
-                let normal = upright - DVec3::Z * upright.truncate().dot(chart.lean);
+                let Some(place) = met.above(row, found.up) else { continue };
                 let up = met.up.0[row];
                 if tile.trimmed {
                     let of_patch = [0, 1].map(|k| {
                         let [from, to] = tile.part[k];
                         from + (to - from) * place[k]
                     });
-                    let scale = 1.0 - chart.vergence * up;
-                    let at = rays[row] * scale + chart.lean * up;
+                    let at = *q * (1.0 - chart.vergence * up) + chart.lean * up;
                     if !is_own(of_patch, at.extend(up + chart.plane_mm)) {
                         continue;
                     }
                 }
+                let upright = DVec3::from_array(met.normal.map(|x| x.0[row]));
+                let normal = upright - DVec3::Z * upright.truncate().dot(chart.lean);
                 let normal = if tile.same { normal } else { -normal };
                 *found = Found { up, face: tile.face, normal };
             }
@@ -185,6 +178,19 @@ struct Met {
     normal: [RowLanes; 3],
     /// Length of the last step; not small where the tile is not met.
     last: RowLanes,
+}
+
+impl Met {
+    /// The tile's parameters, from 0 to 1, of the place where a row's ray meets it; none where it does not, or not above
+    /// the height `up`.
+    #[inline(always)]
+    fn above(&self, row: usize, up: f64) -> Option<[f64; 2]> {
+        let place = self.at.map(|x| x.0[row] + 0.5);
+        let is_inside = place.iter().all(|x| *x >= -BEYOND && *x <= 1.0 + BEYOND);
+        // (Also false of what is no number.)
+        let is_met = is_inside && self.up.0[row] > up && self.last.0[row] <= LAST_STEP;
+        is_met.then_some(place)
+    }
 }
 
 /// Newton's method for four rays at once, on a tile whose weights are 1 if `POLYNOMIAL`.
