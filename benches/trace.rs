@@ -189,6 +189,7 @@ fn curved(options: &Options, step: &str) -> Result<(), Box<dyn Error>> {
     let trace = CameraTrace::new(&scene, &design.camera, scene.above_mm());
     let (mut ends, counts) = trace.run();
     println!("{} proven, {} followed", counts.proven, counts.followed);
+    let mut lines = Vec::new();
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         pool.install(|| {
@@ -200,11 +201,14 @@ fn curved(options: &Options, step: &str) -> Result<(), Box<dyn Error>> {
                 },
             );
             let rate = ends.len() as f64 / ms * 1e-3;
-            println!("curved_pairs_{threads} {rate:.3} M/s ({ms:.3} ms)");
+            lines.push(format!("curved_pairs_{threads} {rate:.3} M/s ({ms:.3} ms)"));
         });
     }
+    let times = lines.join("\n") + "\n";
+    print!("{times}");
     if let Some(folder) = &options.dump {
         dump(Path::new(folder), None, (&trace, &ends))?;
+        fs::write(Path::new(folder).join("morion.txt"), times)?;
     }
     Ok(())
 }
