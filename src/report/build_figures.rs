@@ -3,6 +3,7 @@
 use super::least_error::least_error_sentence;
 use super::page::{Figure, image, map_figure, part_figure, sections_figure, side_view_figure};
 use crate::design::{LeastError, Mounting};
+use crate::profile::CadFormat;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::render::{PartSection, SideView};
 use crate::results::{SharpnessFacts, TraceFacts, three_digits};
@@ -51,7 +52,8 @@ impl BuildFigures<'_> {
         if let Some(part) = &self.part {
             figures.push(part_figure(&part.glb, &part.still, &size));
         }
-        figures.push(preview(self.preview));
+        let has_mesh = traces.iter().any(|trace| trace.file != CadFormat::Step.file_name());
+        figures.push(preview(self.preview, has_mesh));
         if let Some(part) = &self.part {
             figures.extend(side_view_figure(&part.side_view));
             figures.extend(sections_figure(&part.sections));
@@ -71,14 +73,18 @@ impl BuildFigures<'_> {
     }
 }
 
-fn preview(png: &[u8]) -> Figure {
+/// The picture of the test world: in the first mesh file, or else in the designed mirror.
+fn preview(png: &[u8], has_mesh: bool) -> Figure {
     let alt = "What the camera sees in the mirror of a world marked in azimuth and elevation";
+    let mirror =
+        if has_mesh { "mirror of the file" } else { "designed mirror, without its shadows" };
     Figure {
         title: "What the camera sees".into(),
         body: image(png, "preview", alt),
-        caption: "The test world in the mirror of the file: lines every 15 degrees with their azimuth and \
-                  elevation, sky above, ground below; black where the camera sees no mirror."
-            .into(),
+        caption: format!(
+            "The test world in the {mirror}: lines every 15 degrees with their azimuth and \
+             elevation, sky above, ground below; black where the camera sees no mirror."
+        ),
     }
 }
 
