@@ -3,6 +3,8 @@
 use morion::internals::brep::{Body, ChartedBody};
 use morion::internals::geom::{Chart, DVec2, DVec3, Ray};
 
+/// Faces of a body that is cut into pieces.
+const FEW: usize = 8;
 /// Rays across a body, along each side.
 const ACROSS: u32 = 5;
 
@@ -24,7 +26,9 @@ pub fn holds(bytes: &[u8]) {
         return;
     }
     assert!(lo.cmple(hi).all(), "{lo} {hi}");
-    for piece in body.pieces() {
+    // (Of many faces they take seconds in a program that counts its branches.)
+    let pieces = if facts.faces <= FEW { body.pieces() } else { Vec::new() };
+    for piece in pieces {
         assert!(piece.normals[0].cmple(piece.normals[1]).all(), "{piece:?}");
     }
     assert!(body.sampled().vertices.iter().all(|v| v.is_finite()));
