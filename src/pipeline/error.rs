@@ -180,7 +180,7 @@ pub enum Error {
         path: String,
     },
     /// A file to be verified is of no known format.
-    #[error("{path}: the name must end in {}, .step or .stp", MeshFormat::endings())]
+    #[error("{path}: the name must end in .step, .stp, {}", MeshFormat::endings())]
     Format {
         /// The file.
         path: String,

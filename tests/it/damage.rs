@@ -397,20 +397,22 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
     std::fs::write(home.join("hole.stl"), without_facet(stl.clone(), t)).unwrap();
     std::fs::write(home.join("lifted.STL"), lifted(stl.clone(), usize::MAX)).unwrap();
     std::fs::write(home.join("short.stl"), &stl[..stl.len() - 9]).unwrap();
+    std::fs::write(home.join("mesh.stp"), &stl).unwrap();
     let promised = format!("which take {} bytes, but it has {}", stl.len(), stl.len() - 9);
     for (file, why) in [
         ("hole.stl", "- hole.stl: open: only facet "),
         ("short.stl", &*promised),
         ("lifted.STL", " px, over the 3 px of mesh.facet_px"),
+        ("mesh.stp", "- mesh.stp: line 1: "),
     ] {
         let (code, out, err) = verify(file);
         assert_eq!((code, &*err), (1, ""), "{out}");
         assert!(out.contains(why) && out.ends_with("verdict  fail\n"), "{out}");
     }
 
-    std::fs::write(home.join("mirror.step"), &stl).unwrap();
+    std::fs::write(home.join("mirror.igs"), &stl).unwrap();
     for (file, why) in [
-        ("mirror.step", "the name must end in .stl, .obj, .3mf or .glb"),
+        ("mirror.igs", "the name must end in .step, .stp, .stl, .obj, .3mf or .glb"),
         ("nowhere.stl", "cannot read nowhere.stl"),
     ] {
         let (code, out, err) = verify(file);
