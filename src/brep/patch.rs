@@ -214,13 +214,20 @@ fn zeros_of(
         zeros.push(to_part([0.5; 2]));
     } else {
         let axis = depth % 2;
-        let middle = 0.5 * (part[axis][0] + part[axis][1]);
-        for (half, own) in halves(net, degrees, axis).iter().enumerate() {
-            let mut part = part;
-            part[axis][1 - half] = middle;
-            zeros_of(own, degrees, part, depth + 1, zeros);
+        for (own, half) in halves(net, degrees, axis).iter().zip(halves_of(part, axis)) {
+            zeros_of(own, degrees, half, depth + 1, zeros);
         }
     }
+}
+
+/// Both halves along an axis of a part of a patch, given by the ranges of u and v.
+pub(super) fn halves_of(part: [[f64; 2]; 2], axis: usize) -> [[[f64; 2]; 2]; 2] {
+    let middle = 0.5 * (part[axis][0] + part[axis][1]);
+    [0, 1].map(|half| {
+        let mut part = part;
+        part[axis][1 - half] = middle;
+        part
+    })
 }
 
 /// Whether no zero is in the unit square nor beside it by rounding.

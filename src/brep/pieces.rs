@@ -2,6 +2,7 @@
 
 use super::bicubic::{Control, Net};
 use super::face::{Share, TrimmedFace};
+use super::patch::halves_of;
 use crate::geom::{Chart, DVec3};
 use crate::num::{Interval, atan2, cos, sin};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -78,11 +79,8 @@ impl Cutter<'_> {
             return;
         }
         let axis = net.longer_axis();
-        let middle = 0.5 * (part[axis][0] + part[axis][1]);
-        for half in 0..2 {
-            let mut part = part;
-            part[axis][1 - half] = middle;
-            self.cut(part, depth + 1);
+        for half in halves_of(part, axis) {
+            self.cut(half, depth + 1);
         }
     }
 }
@@ -104,14 +102,12 @@ fn of_plane(face: &TrimmedFace, normal: DVec3, size: f64) -> Vec<SurfacePiece> {
         let margin = MARGIN * (1.0 + lo.abs().max(hi.abs()).max_element());
         let own =
             edges.iter().filter(|[lo, hi]| lo[axis] <= to + margin && hi[axis] >= from - margin);
-        let (mut least, mut most) = own
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, most), [lo, hi]| {
-                (least.min(*lo), most.max(*hi))
-            });
+        let [mut least, mut most] = super::trim::bounds(own.flatten().copied());
         (least[axis], most[axis]) = (from, to);
-        SurfacePiece { bounds: [least, most], normals }
+        // (None of the face is where no edge is.)
+        least.is_finite().then_some(SurfacePiece { bounds: [least, most], normals })
     };
-    (0..count as usize).map(slice).collect()
+    (0..count as usize).filter_map(slice).collect()
 }
 
 /// Bounds of the directions along u and v, of any length.

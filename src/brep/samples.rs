@@ -1,7 +1,7 @@
 //! Facets on the faces of a body.
 
 use super::face::TrimmedFace;
-use crate::geom::{DVec3, TriMesh};
+use crate::geom::TriMesh;
 
 /// Facets of a body, about.
 const FACETS: f64 = 20_000.0;
@@ -25,16 +25,17 @@ pub(super) fn of_faces(faces: &[TrimmedFace]) -> TriMesh {
 fn add(mesh: &mut TriMesh, face: &TrimmedFace, patch: usize, side: usize) {
     let share = |k: usize| k as f64 / side as f64;
     let across = side + 1;
-    let places: Vec<Option<DVec3>> = (0..across * across)
-        .map(|k| face.place(patch, [share(k / across), share(k % across)]))
+    // Numbers of the vertices; none where the place does not belong to the face.
+    let place = |k: usize| face.place(patch, [share(k / across), share(k % across)]);
+    let vertices: Vec<Option<u32>> = (0..across * across)
+        .map(|k| {
+            mesh.vertices.push(place(k)?);
+            Some(mesh.vertices.len() as u32 - 1)
+        })
         .collect();
-    let first = mesh.vertices.len() as u32;
-    // (Places beyond the face are vertices of no facet.)
-    mesh.vertices.extend(places.iter().map(|place| place.unwrap_or(DVec3::ZERO)));
     for k in (0..side * across).filter(|k| k % across < side) {
-        let corners = [k, k + across, k + across + 1, k + 1];
-        if corners.iter().all(|&corner| places[corner].is_some()) {
-            let [a, b, c, d] = corners.map(|corner| first + corner as u32);
+        let corners = [k, k + across, k + across + 1, k + 1].map(|corner| vertices[corner]);
+        if let [Some(a), Some(b), Some(c), Some(d)] = corners {
             let pair = if face.same { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
             mesh.triangles.extend(pair);
         }

@@ -147,11 +147,8 @@ pub(super) fn witness(
     promise: Promise,
     each: EachStrip,
 ) -> FileCheck {
-    run.timer.always(Stage::Trace, || {
-        let promised = (promise, run.timer.shortcuts());
-        let of = (run.profile, design);
-        told(run, FileCheck::traced(of, file, checked, promised, each))
-    })
+    let of = (run.profile, design);
+    traced(run, |shortcuts| FileCheck::traced(of, file, checked, (promise, shortcuts), each))
 }
 
 /// Traces a body of curved faces that are off the design as promised; `each` is called with every strip of the frame.
@@ -162,17 +159,17 @@ pub(super) fn witness_body(
     promise: Promise,
     each: EachStrip,
 ) -> FileCheck {
-    run.timer.always(Stage::Trace, || {
-        let promised = (promise, run.timer.shortcuts());
-        let of = (run.profile, design);
-        told(run, FileCheck::traced_body(of, file, body, promised, each))
-    })
+    let of = (run.profile, design);
+    traced(run, |shortcuts| FileCheck::traced_body(of, file, body, (promise, shortcuts), each))
 }
 
-/// Counts how rays were traced; the check with a note for the observer.
-fn told(run: &Run, (check, counts): (FileCheck, TraceCounts)) -> (FileCheck, String) {
-    run.timer.traced(counts);
-    let rays = check.trace.as_ref().map_or(0, |trace| trace.rays);
-    let note = format!("{}: {rays} rays aimed at the mirror", check.file.name);
-    (check, note)
+/// Traces a file, with shortcuts or without, and counts how its rays were traced.
+fn traced(run: &Run, trace: impl FnOnce(bool) -> (FileCheck, TraceCounts)) -> FileCheck {
+    run.timer.always(Stage::Trace, || {
+        let (check, counts) = trace(run.timer.shortcuts());
+        run.timer.traced(counts);
+        let rays = check.trace.as_ref().map_or(0, |trace| trace.rays);
+        let note = format!("{}: {rays} rays aimed at the mirror", check.file.name);
+        (check, note)
+    })
 }

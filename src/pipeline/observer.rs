@@ -210,7 +210,8 @@ impl<'a> StageTimer<'a> {
     /// Counts rays that were traced.
     pub fn traced(&self, counts: TraceCounts) {
         let TraceCounts { rasterized, searched, proven, followed } = counts;
-        let drawing = "facets are drawn over the pixels, with the same result";
+        let drawing =
+            "facets are drawn over the pixels, curved faces met along rows, with the same result";
         self.worked(Stage::Trace, "camera rays searched for", [searched, rasterized], drawing);
         let leaving = "they provably meet nothing";
         self.worked(Stage::Trace, "reflected rays followed", [followed, proven], leaving);

@@ -234,11 +234,11 @@ impl Verify<'_> {
             };
             (body, note)
         });
+        let unreadable =
+            |file, error| Ok(self.unreadable(FileCheck::unreadable(file, format, promise, &error)));
         let mut body = match read {
             Ok(body) => body,
-            Err(error) => {
-                return Ok(self.unreadable(FileCheck::unreadable(file, format, promise, &error)));
-            }
+            Err(error) => return unreadable(file, error),
         };
         let samples = body.sampled();
         let oversize = size.size_factor(&samples);
@@ -247,10 +247,10 @@ impl Verify<'_> {
             let found = self.aligned(part, &samples)?;
             let motion = RigidMotion { rotation: found.pose.matrix(), shift: found.pose.shift };
             alignment = Some(AlignmentFacts::new(&found));
-            // (It was read before, where it stood.)
-            if let Ok(moved) = Body::read_moved(bytes, motion) {
-                body = moved;
-            }
+            body = match Body::read_moved(bytes, motion) {
+                Ok(moved) => moved,
+                Err(error) => return unreadable(file, error),
+            };
         }
         // A measured part is held to its form.
         let faults = match self.options.align {

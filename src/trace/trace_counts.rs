@@ -5,13 +5,13 @@ use std::ops::Add;
 /// Numbers of rays by how they were traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TraceCounts {
-    /// Camera rays whose facet was found by the rasterizer.
+    /// Camera rays whose facet was found by the rasterizer, or whose curved face was met with those of its neighbours.
     pub rasterized: usize,
-    /// Camera rays whose facet was searched for in the grid.
+    /// Camera rays whose facet or face was searched for.
     pub searched: usize,
     /// Reflected rays that were proven unoccluded.
     pub proven: usize,
-    /// Reflected rays that were followed through the grid.
+    /// Reflected rays that were followed.
     pub followed: usize,
 }
 

@@ -11,6 +11,7 @@ mod tile;
 use super::Body;
 use super::bicubic::{Net, Powers, ROWS};
 use super::face::{Share, TrimmedFace};
+use super::patch::halves_of;
 use crate::geom::{Chart, DVec2, DVec3, Ray};
 use crate::parallel;
 use block::{Block, COLUMNS, Found};
@@ -278,12 +279,8 @@ impl Cutter<'_> {
         } else if depth == MOST_DEPTH || bounds.size().min_element() <= self.thin {
             self.pieces.unproven.push(Region { face: self.number, bounds });
         } else {
-            let axis = net.longer_axis();
-            let middle = 0.5 * (part[axis][0] + part[axis][1]);
-            for half in 0..2 {
-                let mut part = part;
-                part[axis][1 - half] = middle;
-                self.cut(whole, patch, part, depth + 1)?;
+            for half in halves_of(part, net.longer_axis()) {
+                self.cut(whole, patch, half, depth + 1)?;
             }
         }
         Some(())
