@@ -5,7 +5,7 @@
 
 use morion::internals::brep::Body;
 use morion::internals::design::{Design, design};
-use morion::internals::export::step::{fit_splines, write_step};
+use morion::internals::export::step::{StepSchema, fit_splines, write_step};
 use morion::internals::export::{Label, read_stl, write_stl};
 use morion::internals::geom::{DVec3, Precision, Ray, TriMesh};
 use morion::internals::mesh::{Limits, mesh};
@@ -177,7 +177,13 @@ fn curved(options: &Options, step: &str) -> Result<(), Box<dyn Error>> {
     let mut bytes = Vec::new();
     if step == "-" {
         let fit = fit_splines(&design.mirror)?;
-        write_step(&mut bytes, &fit, design.border.as_ref(), &label(&design.profile))?;
+        write_step(
+            &mut bytes,
+            &fit,
+            design.border.as_ref(),
+            &StepSchema::Ap214,
+            &label(&design.profile),
+        )?;
     } else {
         bytes = fs::read(step).map_err(|error| format!("{step}: {error}"))?;
     }

@@ -39,7 +39,7 @@ pub use remedy::{KeyChange, KeyValue, LesserError, MOST_TRIALS, Remedy, lesser_e
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
-use crate::geom::{Border, Obstacle, Outline};
+use crate::geom::{Border, Contour, DatumScheme, Obstacle, Outline};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, MethodKind, Profile, ProjectionSpec, ShapeSpec};
@@ -77,6 +77,20 @@ impl Design {
         let volume = |border: &Border| border.volume(self.mirror.footprint(border.top_mm));
         let around = self.border.as_ref().map(volume);
         self.mirror.volume() + around.unwrap_or(0.0)
+    }
+
+    /// The faces of the part from which a shop sets it up.
+    #[must_use]
+    pub fn datums(&self) -> DatumScheme {
+        let half = 0.5 * border::extent(&self.mirror, 0.0).size();
+        let walls = match self.mirror.outline {
+            Outline::Ring { .. } => Some(Contour::Circle { radius_mm: half.x }),
+            // Under a pinhole walls are upright below curves, or lean.
+            Outline::Rect(_) => {
+                self.mirror.chart.is_plan().then_some(Contour::Rect { half, corner_mm: 0.0 })
+            }
+        };
+        DatumScheme::new(self.border.as_ref(), walls)
     }
 
     /// The same mirror under a camera with so many columns and rows, in as wide a frame.

@@ -6,6 +6,7 @@
 mod bicubic_spline;
 mod border;
 mod chart;
+mod datum_scheme;
 mod derivative_bounds;
 mod face_mesh;
 mod mesh_search;
@@ -21,6 +22,7 @@ mod trimesh;
 pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, LEAST_KNOTS};
 pub use border::{Border, Contour, Drilled, Land};
 pub use chart::Chart;
+pub use datum_scheme::{DatumFeature, DatumScheme};
 pub use derivative_bounds::DerivativeBounds;
 pub use face_mesh::FaceMesh;
 pub use glam::{DVec2, DVec3};

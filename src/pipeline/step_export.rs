@@ -4,13 +4,14 @@ use super::Error;
 use super::cad_export::{CadExport, CadFigures, CadFindings};
 use crate::brep::Body;
 use crate::design::Design;
-use crate::export::step::{FittedMirror, fit_splines, write_step};
+use crate::export::step::{FittedMirror, Pmi, StepSchema, fit_splines, write_step};
 use crate::export::{ByteCounter, Label};
-use crate::geom::{DVec2, DVec3, Ray, angle};
+use crate::geom::{DVec2, DVec3, Outline, Ray, angle};
 use crate::mirror::Mirror;
 use crate::part::Promise;
-use crate::profile::{CadFormat, Profile};
-use crate::results::{FileFault, StepBodyFacts, StepFacts};
+use crate::profile::{CadFormat, Profile, StepProtocol};
+use crate::results::{FileFault, PmiFacts, StepBodyFacts, StepFacts};
+use crate::tolerance::{Engine, FormLimit, Perturbation, ToleranceSpec};
 use std::io::{self, Write};
 
 /// Rays along each side of the outline by which a solid is held against the design.
@@ -26,6 +27,9 @@ const UNCERTAINTY_MM: f64 = 1e-7;
 pub(super) struct StepExport<'a> {
     design: &'a Design,
     fit: FittedMirror,
+    schema: StepSchema,
+    /// The form error that gives the tolerance in it.
+    limited_by: Option<Perturbation>,
 }
 
 impl<'a> StepExport<'a> {
@@ -39,7 +43,28 @@ impl<'a> StepExport<'a> {
             Ok(fit)
         });
         let fail = |source| Error::Step { profile: profile.name.clone(), source };
-        Ok(Self { design, fit: fit.map_err(fail)? })
+        let fit = fit.map_err(fail)?;
+        let (schema, limited_by) = match profile.step {
+            StepProtocol::Ap214 => (StepSchema::Ap214, None),
+            StepProtocol::Ap242 => {
+                let limit = form_limit(design);
+                let profile_mm = limit.and_then(|limit| rounded_down(limit.width_mm));
+                let pmi = Pmi { datums: design.datums(), profile_mm };
+                (StepSchema::Ap242(pmi), limit.map(|limit| limit.term))
+            }
+        };
+        Ok(Self { design, fit, schema, limited_by })
+    }
+
+    /// What the file says of datum features and tolerance.
+    fn pmi(&self) -> Option<PmiFacts> {
+        let StepSchema::Ap242(pmi) = &self.schema else { return None };
+        let datums = pmi.datums.lettered();
+        Some(PmiFacts {
+            datums: datums.map(|(letter, feature)| format!("{letter} {feature}")).collect(),
+            surface_profile_mm: pmi.profile_mm,
+            limited_by: self.limited_by.map(|term| term.key().to_owned()),
+        })
     }
 
     /// The errors that the file may have.
@@ -47,6 +72,26 @@ impl<'a> StepExport<'a> {
         let chord_mm = self.fit.error_mm + ROUNDING_MM;
         Promise { chord_mm, ..Promise::of_profile(&self.design.profile) }
     }
+}
+
+/// The largest form error with which the picture keeps what the profile accepts; none without a projection, or where the
+/// design leaves no room for any.
+fn form_limit(design: &Design) -> Option<FormLimit> {
+    let limits = design.profile.acceptance_limits();
+    let round = matches!(design.mirror.outline, Outline::Ring { .. });
+    let spec = ToleranceSpec::of_form(&design.profile, round);
+    let engine = Engine::new(&design.mirror, &design.camera, design.view.as_ref()?, spec)?;
+    engine.form_limit(limits.pixel_error_rms_px.value, limits.pixel_error_max_px.value)
+}
+
+/// A length, mm, as a drawing has it: two digits, no larger, in whole nanometres; none of less than one.
+fn rounded_down(mm: f64) -> Option<f64> {
+    let (nm, mut unit) = ((mm * 1e6) as u64, 1);
+    while nm / unit >= 100 {
+        unit *= 10;
+    }
+    let nm = nm / unit * unit;
+    (nm > 0).then_some(nm as f64 / 1e6)
 }
 
 /// What a solid has of a design that it is `limit_mm` off at most, and what it lacks.
@@ -88,7 +133,7 @@ impl CadExport for StepExport<'_> {
     }
 
     fn write(&self, mut out: &mut dyn Write, label: &Label) -> io::Result<()> {
-        write_step(&mut out, &self.fit, self.design.border.as_ref(), label)
+        write_step(&mut out, &self.fit, self.design.border.as_ref(), &self.schema, label)
     }
 
     fn bytes(&self, label: &Label) -> u64 {
@@ -108,6 +153,7 @@ impl CadExport for StepExport<'_> {
         let facts = StepFacts {
             fit_error_nm: self.fit.error_mm * 1e6,
             control_points: self.fit.size(),
+            pmi: self.pmi(),
             body: facts,
         };
         CadFindings { faults, figures: Some(CadFigures::Step(facts)), body }
@@ -178,6 +224,20 @@ mod tests {
         export.write(&mut bytes, &labelled(&design, String::new())).unwrap();
         let text = change(std::str::from_utf8(&bytes).unwrap());
         export.check(text.as_bytes()).faults
+    }
+
+    #[test]
+    fn tolerances_have_two_digits_and_are_no_wider() {
+        let cases = [
+            (0.023_7, Some(0.023)),
+            (0.1, Some(0.1)),
+            (9.99, Some(9.9)),
+            (0.000_009_9, Some(0.000_009)),
+            (9e-7, None),
+        ];
+        for (mm, found) in cases {
+            assert_eq!(rounded_down(mm), found);
+        }
     }
 
     #[test]

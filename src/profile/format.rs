@@ -33,6 +33,16 @@ pub enum CadFormat {
     Csv,
 }
 
+/// The schema of a STEP file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StepProtocol {
+    /// AP214: the shape and its colours.
+    #[default]
+    Ap214,
+    /// AP242: datum features and the mirror's tolerance too.
+    Ap242,
+}
+
 impl From<MeshFormat> for FileFormat {
     fn from(format: MeshFormat) -> Self {
         Self::Mesh(format)

@@ -35,7 +35,7 @@ pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
 pub use calibration::{CalibrationError, CalibrationFile, CoefficientFault, LensModel};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
-pub use format::{CadFormat, FileFormat, MeshFormat};
+pub use format::{CadFormat, FileFormat, MeshFormat, StepProtocol};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
 pub use projection::{
@@ -119,6 +119,8 @@ pub struct Profile {
     pub formats: Vec<FileFormat>,
     /// Sampling of the sag table.
     pub sag: SagTable,
+    /// Schema of the STEP file.
+    pub step: StepProtocol,
     /// The limits a finished mirror must keep to pass.
     pub accept: AcceptanceSpec,
     /// The errors of making and mounting that are expected.

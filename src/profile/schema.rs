@@ -54,6 +54,7 @@ const RARE: &[&str] = &[
     "holes_mm",
     "marks_mm",
     "sag",
+    "step",
 ];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
@@ -187,7 +188,8 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
         ],
     ),
     ("mesh", &["chord_um", "facet_px", "max_triangles"]),
-    ("export", &["formats", "sag"]),
+    ("export", &["formats", "sag", "step"]),
+    ("export.step", &["schema"]),
     ("export.sag", &["path", "pitch_mm", "step_mm"]),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled", "blur_p95_px"]),
     (

@@ -6,8 +6,8 @@ use crate::mirror::{Departure, Form};
 use crate::num::stats::Summary;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits};
 use crate::results::{
-    ErrorFacts, Limited, MeshFacts, SagFacts, SolidFacts, StepFacts, TraceFacts, digits, figures,
-    of_at_most, percent, three_digits,
+    ErrorFacts, Limited, MeshFacts, PmiFacts, SagFacts, SolidFacts, StepFacts, TraceFacts, digits,
+    figures, of_at_most, percent, three_digits,
 };
 use crate::solid::OpenBoundary;
 use crate::trace::FrameFill;
@@ -163,6 +163,9 @@ impl ToRows for StepFacts {
         let ([u, v], error) = (self.control_points, digits(self.fit_error_nm));
         let sentence = format!("{u} x {v} control points, within {error} nm of the design");
         rows.named("step", "STEP splines", sentence);
+        if let Some(pmi) = &self.pmi {
+            rows.named("pmi", "STEP tolerance", pmi_sentence(pmi));
+        }
         if let Some(body) = &self.body {
             let sentence = format!(
                 "one closed solid of {} faces and {} edges, {:.6} mm^3; on {} rays from the camera its mirror is \
@@ -177,6 +180,18 @@ impl ToRows for StepFacts {
             rows.page("STEP read back", sentence);
         }
     }
+}
+
+/// Datum features and tolerance of a STEP file in words.
+fn pmi_sentence(pmi: &PmiFacts) -> String {
+    let datums = pmi.datums.join(", ");
+    let profile = match (pmi.surface_profile_mm, &pmi.limited_by) {
+        (Some(mm), Some(term)) => {
+            format!("profile of the mirror within {} mm, which {term} limits", digits(mm))
+        }
+        _ => "no tolerance, as the design leaves no room in the limits of the picture".into(),
+    };
+    format!("datums {datums}; {profile}")
 }
 
 impl ToRows for SagFacts {

@@ -131,15 +131,32 @@ pub struct SagFacts {
 }
 
 /// The splines of a STEP file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StepFacts {
     /// Largest distance from the design, nm.
     pub fit_error_nm: f64,
     /// Control points of a panel along each axis; one along the second for a surface of revolution.
     pub control_points: [usize; 2],
+    /// What an AP242 file says of datum features and tolerance; absent of an AP214 file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pmi: Option<PmiFacts>,
     /// The solid that the file was read back as; absent where it is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<StepBodyFacts>,
+}
+
+/// Product and manufacturing information in a STEP file that programs read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PmiFacts {
+    /// Datum features, each with its letter.
+    pub datums: Vec<String>,
+    /// Width of the zone along the normals in which the mirror's faces lie, mm; absent where no limit of the picture
+    /// gives one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_profile_mm: Option<f64>,
+    /// The form error that uses up the picture's limits first, by the key of its error source.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limited_by: Option<String>,
 }
 
 /// A STEP file as it was read back: one closed solid of curved faces, beside the design.

@@ -27,7 +27,7 @@ pub use blur::{BlurReport, FocusPlane, SpotFacts, VirtualImages};
 pub use build::{BuildReport, VerifyReport};
 pub use build_forecast::{BuildForecast, FileForecast, ForecastLimit, MeshForecast};
 pub use facts::{
-    ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, ProfileId, SCHEMA, SagFacts,
+    ErrorFacts, FileFacts, Limited, MeshFacts, OverOptimum, PmiFacts, ProfileId, SCHEMA, SagFacts,
     SolidFacts, StepBodyFacts, StepFacts, TraceFacts, Verdict, VertexFacts,
 };
 pub use faults::{

@@ -3,7 +3,7 @@
 use super::{ErrorSource, Process, TextureShape, ToleranceSpec, form_of_pv};
 use crate::geom::BicubicSpline;
 use crate::profile::{Profile, Tolerance};
-use crate::tolerance_terms::{ErrorSourceRow, Perturbation};
+use crate::tolerance_terms::{Distribution, ErrorSourceRow, FormMeasure, Perturbation, Reference};
 use thiserror::Error;
 
 /// About how many places stand for the picture: a Fibonacci number, as lattices have that many. RMS
@@ -49,10 +49,42 @@ impl ToleranceSpec {
             let (stepover_mm, ball_radius_mm) = (tracks.limit, texture.ball_radius_mm);
             return Err(TracksError { stepover_mm, ball_radius_mm });
         }
-        Ok(Self {
+        Ok(Self::of_sources(profile, sources, map))
+    }
+
+    /// The question how much form error the mirror of `profile`, round or not, bears: terms of one micrometre from peak
+    /// to valley, against the projection and without adjustment, as a finished part is judged.
+    #[must_use]
+    pub fn of_form(profile: &Profile, round: bool) -> Self {
+        let source = |row: &ErrorSourceRow| ErrorSource {
+            kind: row.perturbation,
+            limit: 1.0,
+            distribution: Distribution::Fixed,
+            weight: 1.0,
+        };
+        let rows =
+            ErrorSourceRow::TABLE.iter().filter(|row| row.perturbation.form_term().is_some());
+        let sources = rows.filter(|row| row.applies_to.holds(round, false, false)).map(source);
+        Self {
+            form: FormMeasure::Pv,
+            compensators: Vec::new(),
+            reference: Reference::Projection,
+            ..Self::of_sources(profile, sources.collect(), None)
+        }
+    }
+
+    /// What `profile` asks of these sources.
+    fn of_sources(
+        profile: &Profile,
+        sources: Vec<ErrorSource>,
+        map: Option<BicubicSpline>,
+    ) -> Self {
+        let asked = &profile.tolerance;
+        let usual = Process::of(asked.preset).texture;
+        Self {
             sources,
             form: asked.form,
-            texture,
+            texture: texture(asked, &usual, profile.lens.wavelength_nm),
             map,
             compensators: asked.compensators.clone(),
             criterion: asked.criterion,
@@ -61,7 +93,7 @@ impl ToleranceSpec {
             budget_blur_px: asked.budget_blur_px.unwrap_or(asked.budget_px),
             target_yield: asked.target_yield,
             samples: SAMPLES,
-        })
+        }
     }
 }
 
@@ -102,7 +134,7 @@ mod tests {
     use super::*;
     use crate::optics::CameraModel;
     use crate::profile::{Layout, shipped};
-    use crate::tolerance_terms::{Compensator, Criterion, Distribution, ProcessPreset};
+    use crate::tolerance_terms::{Compensator, Criterion, ProcessPreset};
 
     fn profile(edit: &str) -> Profile {
         let shipped = shipped().iter().find(|p| p.name == "conquistador").unwrap();

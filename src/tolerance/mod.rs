@@ -21,6 +21,7 @@ mod error_source;
 mod extent;
 mod footprint;
 mod form_field;
+mod form_limit;
 mod full_trace;
 mod line_of_sight;
 mod linear_model;
@@ -56,7 +57,7 @@ pub use engine::Engine;
 pub use error_source::ErrorSource;
 pub use extent::extent;
 pub use form_field::form_of_pv;
-
+pub use form_limit::FormLimit;
 pub use perturbed_system::PerturbedSystem;
 pub use plot_data::{Offender, PlotData, worst_offenders};
 pub use preset::Process;

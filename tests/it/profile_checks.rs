@@ -6,8 +6,8 @@ use morion::internals::geom::{ScanPath, ScanPattern};
 use morion::internals::optics::{CameraModel, Mount, StripLaw, Target};
 use morion::internals::profile::{
     AcceptanceSpec, FileFormat, Layout, LensSpec, MeshFormat, MeshGoal, Method, MethodKind,
-    PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StripLawSpec,
-    StripSpec, Tolerance, shipped,
+    PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StepProtocol,
+    StripLawSpec, StripSpec, Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -47,6 +47,7 @@ fn the_shipped_conquistador_is_the_papers() {
                 minimax: false,
             }),
             part: PartSpec { width_mm: 60.0, base_mm: 5.0, border: None },
+            step: StepProtocol::Ap214,
             mesh: MeshGoal::limits(Some(2.0), Some(1.0)),
             formats: [MeshFormat::Stl, MeshFormat::Obj].map(FileFormat::Mesh).to_vec(),
             sag: SagTable::default(),
@@ -94,6 +95,25 @@ fn a_sag_table_has_a_path_and_spacings_or_usual_ones() {
             1,
             "{complaints}"
         );
+    }
+}
+
+#[test]
+fn a_step_file_has_a_schema() {
+    let step = |text: &str| {
+        let export = format!("export.formats = [\"step\"]\n{text}");
+        with(&[("export.formats = [\"stl\"]\n", &export)]).map(|profile| profile.step)
+    };
+    assert_eq!(step("").unwrap(), StepProtocol::Ap214);
+    assert_eq!(step("export.step.schema = \"ap214\"").unwrap(), StepProtocol::Ap214);
+    assert_eq!(step("export.step.schema = \"ap242\"").unwrap(), StepProtocol::Ap242);
+    for (text, words) in [
+        ("export.step.schema = \"ap-242\"", "did you mean \"ap242\"?"),
+        ("export.step.schema = 242", "export.step.schema must be \"ap214\" or \"ap242\""),
+        ("export.step.scheme = \"ap242\"", "did you mean schema?"),
+    ] {
+        let complaints = step(text).unwrap_err();
+        assert!(complaints.contains(words), "{complaints}");
     }
 }
 

@@ -3,10 +3,10 @@
 
 usage: check_step.py FILE.step...
 Beside each file, FILE.step.json may say {"volume_mm3": ..., "faces": ...}, or the report.json of its
-build the volume.
+build the volume, and the datum features and tolerance of an AP242 file.
 Prints one line per file; exits 1 if any of them is not one valid closed solid in millimetres whose
 edges lie on their faces within 1e-7 mm, does not intersect itself, or has another volume or number
-of faces than is wanted.
+of faces than is wanted, or other datum features and tolerances than the report has, as XCAF reads them.
 """
 
 import json
@@ -29,6 +29,7 @@ from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID, TopAbs_VERTEX
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
+import step_pmi
 from verdicts import told
 
 VOLUME = 1e-7  # relative
@@ -89,7 +90,11 @@ def beside(path):
             return json.load(file)
     if os.path.exists(report):
         with open(report, encoding="utf-8") as file:
-            return {"volume_mm3": json.load(file)["solid"]["volume_expected_mm3"]}
+            found = json.load(file)
+        wanted = {"pmi": found["step"].get("pmi")}
+        if found.get("solid"):
+            wanted["volume_mm3"] = found["solid"]["volume_expected_mm3"]
+        return wanted
     return {}
 
 
@@ -141,8 +146,11 @@ def complaints(path):
         "fit for booleans": (not analyzer.HasFaulty(), True),
     }
     with open(path, encoding="ascii") as file:
-        found["coloured faces"] = (coloured(path), file.read().count("ADVANCED_FACE('OPTICAL'"))
+        optical = file.read().count("ADVANCED_FACE('OPTICAL'")
+    found["coloured faces"] = (coloured(path), optical)
     wrong = [f"{name} {got}, not {want}" for name, (got, want) in found.items() if got != want]
+    if wanted.get("pmi"):
+        wrong += step_pmi.complaints(path, wanted["pmi"], optical)
     holds = volume(shape)
     figures = f"{count['faces']} faces, {holds:.6f} mm3, gaps {apart:.1e} mm"
     if "volume_mm3" in wanted:

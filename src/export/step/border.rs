@@ -1,7 +1,8 @@
 //! The material around a mirror: outer walls, flat top, holes, marks and base plane.
 
+use super::face_role::FaceRole;
 use super::part21::{DataSection, InstanceId, real};
-use super::topology::{BrepEdge, BrepVertex, FaceRole, OrientedEdge, reversed};
+use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
 use crate::geom::{Border, Contour, DVec2, DVec3, Drilled};
 use std::f64::consts::FRAC_PI_4;
 

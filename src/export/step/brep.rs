@@ -2,11 +2,12 @@
 
 use super::b_spline::{BSplineSurface, KnotVector};
 use super::border::{write_border, write_hole};
+use super::face_role::FaceRole;
 use super::fit::{FittedFaces, FittedMirror};
 use super::panels::{WrittenSurface, write_panels};
 use super::part21::{DataSection, InstanceId, list};
 use super::rim_curve::RimCurve;
-use super::topology::{BrepEdge, BrepVertex, FaceRole, OrientedEdge, reversed};
+use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
 use crate::geom::{Border, DVec2, DVec3, Land};
 
 /// Writes the body, with `border` around the mirror if there is any; its number.

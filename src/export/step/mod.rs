@@ -1,4 +1,4 @@
-//! STEP (ISO 10303-21, AP214): the mirror as bicubic splines in a closed body, for CAD and CAM.
+//! STEP (ISO 10303-21, AP214 or AP242): the mirror as bicubic splines in a closed body, for CAD and CAM.
 //!
 //! The body is the mesh solid's, with curved faces: the mirror, vertical walls and a base plane, or
 //! the material around the mirror. Faces share their edges, and no edge is further from a face than
@@ -16,20 +16,24 @@
 mod b_spline;
 mod border;
 mod brep;
+mod face_role;
 mod fit;
 mod knots;
 mod panelled;
 mod panels;
 mod parametric_surface;
 mod part21;
+mod pmi;
 mod rim_curve;
 mod topology;
 
 pub use fit::{FittedMirror, fit_splines};
+pub use pmi::Pmi;
 
 use super::Label;
 use crate::geom::{Border, DVec3};
 use part21::{DataSection, InstanceId, list, quoted};
+use pmi::ShapeContext;
 use std::io::{self, Write};
 use thiserror::Error;
 
@@ -77,6 +81,35 @@ pub enum FitError {
     Chart,
 }
 
+/// The schema of a file: what else it says of the part.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StepSchema {
+    /// AP214: the shape and its colours.
+    Ap214,
+    /// AP242 in its first edition: datum features and the mirror's tolerance too.
+    Ap242(Pmi),
+}
+
+impl StepSchema {
+    /// Name and number of the schema, its application's name and its short name, and the year of the standard.
+    fn names(&self) -> [&'static str; 4] {
+        match self {
+            Self::Ap214 => [
+                "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }",
+                "automotive design",
+                "automotive_design",
+                "2000",
+            ],
+            Self::Ap242(_) => [
+                "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }",
+                "managed model based 3d engineering",
+                "ap242_managed_model_based_3d_engineering",
+                "2014",
+            ],
+        }
+    }
+}
+
 /// Writes the body as STEP: what `fit` found of the mirror, with `border` around it if there is any.
 /// Lengths have the digits that matter, 1e-10 mm; nothing depends on the time or the machine.
 ///
@@ -86,10 +119,15 @@ pub fn write_step(
     out: &mut impl Write,
     fit: &FittedMirror,
     border: Option<&Border>,
+    schema: &StepSchema,
     label: &Label,
 ) -> io::Result<()> {
     let mut data = DataSection::default();
-    product(&mut data, fit, border, label);
+    let context = product(&mut data, (fit, border), schema, label);
+    if let StepSchema::Ap242(pmi) = schema {
+        pmi.write(&mut data, &context);
+    }
+    let [named, ..] = schema.names();
     let description = [
         format!("Morion mirror: profile {}", label.profile),
         format!("sha256 {}", label.sha256),
@@ -106,7 +144,7 @@ pub fn write_step(
         "ISO-10303-21;\nHEADER;\n\
          FILE_DESCRIPTION(({description}),'2;1');\n\
          FILE_NAME({name},'',(''),(''),{program},{program},'');\n\
-         FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\n\
+         FILE_SCHEMA(('{named}'));\n\
          ENDSEC;\nDATA;\n"
     )?;
     out.write_all(data.text.as_bytes())?;
@@ -115,11 +153,17 @@ pub fn write_step(
 }
 
 /// The product, its shape and the body.
-fn product(data: &mut DataSection, fit: &FittedMirror, border: Option<&Border>, label: &Label) {
+fn product(
+    data: &mut DataSection,
+    (fit, border): (&FittedMirror, Option<&Border>),
+    schema: &StepSchema,
+    label: &Label,
+) -> ShapeContext {
     let name = quoted(&label.profile);
-    let context = data.add("APPLICATION_CONTEXT('automotive design')");
+    let [_, application, short, year] = schema.names();
+    let context = data.add(format_args!("APPLICATION_CONTEXT('{application}')"));
     data.add(format_args!(
-        "APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{context})"
+        "APPLICATION_PROTOCOL_DEFINITION('international standard','{short}',{year},{context})"
     ));
     let kind = data.add(format_args!("PRODUCT_CONTEXT('',{context},'mechanical')"));
     let product = data.add(format_args!("PRODUCT({name},{name},'',({kind}))"));
@@ -148,6 +192,7 @@ fn product(data: &mut DataSection, fit: &FittedMirror, border: Option<&Border>, 
         data.add(format_args!("ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{body}),{space})"));
     data.add(format_args!("SHAPE_DEFINITION_REPRESENTATION({shape},{brep})"));
     coloured(data, space);
+    ShapeContext { shape, brep, length }
 }
 
 /// Colour of the mirror's faces: red, green, blue.
@@ -162,7 +207,7 @@ fn coloured(data: &mut DataSection, space: InstanceId) {
     let side = data.add(format_args!("SURFACE_SIDE_STYLE('',({fill}))"));
     let usage = data.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,{side})"));
     let style = data.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT(({usage}))"));
-    let faces = data.optical.clone();
+    let faces: Vec<InstanceId> = data.optical().collect();
     let items: Vec<InstanceId> = faces
         .into_iter()
         .map(|face| data.add(format_args!("STYLED_ITEM('',({style}),{face})")))

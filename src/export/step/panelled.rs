@@ -2,9 +2,10 @@
 //! outer sides.
 
 use super::b_spline::BSplineSurface;
+use super::face_role::FaceRole;
 use super::panels::{CornerVertices, WrittenSurface};
 use super::part21::{DataSection, InstanceId};
-use super::topology::{BrepEdge, BrepVertex, FaceRole, OrientedEdge, reversed};
+use super::topology::{BrepEdge, BrepVertex, OrientedEdge, reversed};
 use crate::geom::{Chart, DVec2, DVec3, DividingLine, Panels, Rect};
 
 /// Sides of a rectangle.

@@ -1,8 +1,9 @@
 //! Rectangular panels: untrimmed spline faces, and the walls under their sides.
 
 use super::b_spline::{BSplineSurface, KnotVector};
+use super::face_role::FaceRole;
 use super::part21::{DataSection, InstanceId};
-use super::topology::{BrepEdge, BrepVertex, FaceRole, OrientedEdge};
+use super::topology::{BrepEdge, BrepVertex, OrientedEdge};
 use crate::geom::{DVec2, DVec3};
 
 /// A B-spline surface that is written.

@@ -1,5 +1,7 @@
 //! The data section of an exchange structure (ISO 10303-21): numbered entity instances, reals and strings.
 
+use super::face_role::FaceRole;
+use crate::geom::DVec2;
 use std::fmt::{Display, Write};
 
 /// The number of an instance.
@@ -12,12 +14,21 @@ impl Display for InstanceId {
     }
 }
 
+/// A face that is written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WrittenFace {
+    pub id: InstanceId,
+    pub role: FaceRole,
+    /// X and Y of the outward normal of an upright plane.
+    pub out: Option<DVec2>,
+}
+
 /// The entity instances written so far.
 #[derive(Debug, Default)]
 pub(super) struct DataSection {
     pub text: String,
-    /// The mirror's faces.
-    pub optical: Vec<InstanceId>,
+    /// The body's faces.
+    pub(super) faces: Vec<WrittenFace>,
     last: u32,
     /// Through holes named so far.
     pub(super) holes: usize,
@@ -30,6 +41,11 @@ impl DataSection {
         // Writing to memory cannot fail.
         let _ = writeln!(self.text, "#{}={what};", self.last);
         InstanceId(self.last)
+    }
+
+    /// The mirror's faces.
+    pub(super) fn optical(&self) -> impl Iterator<Item = InstanceId> {
+        self.faces.iter().filter(|face| face.role == FaceRole::Optical).map(|face| face.id)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Geometry and topology of a boundary representation (ISO 10303-42) as instances of a data section.
 
 use super::b_spline::KnotVector;
-use super::part21::{DataSection, InstanceId, digits, list, real};
+use super::face_role::FaceRole;
+use super::part21::{DataSection, InstanceId, WrittenFace, digits, list, real};
 use crate::geom::{DVec2, DVec3};
-use std::fmt::Display;
 
 /// A vertex and where it is.
 #[derive(Debug, Clone, Copy)]
@@ -53,42 +53,6 @@ impl OrientedEdge {
 /// A loop in the opposite direction.
 pub(super) fn reversed(boundary: &[OrientedEdge]) -> Vec<OrientedEdge> {
     boundary.iter().rev().map(|edge| OrientedEdge { forward: !edge.forward, ..*edge }).collect()
-}
-
-/// The part of the body that a face bounds: its name in the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum FaceRole {
-    /// The mirror.
-    Optical,
-    /// The flat land or the middle inside a round mirror.
-    Land,
-    /// A wall from the mirror's edge down to the base or to the rim.
-    Wall,
-    /// The flat top of the border.
-    Rim,
-    /// An outer wall of the border.
-    Side,
-    /// The bottom.
-    Base,
-    /// A through hole, counted from 1.
-    Hole(usize),
-    /// A mark, counted from 1.
-    Mark(usize),
-}
-
-impl Display for FaceRole {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Optical => f.write_str("OPTICAL"),
-            Self::Land => f.write_str("LAND"),
-            Self::Wall => f.write_str("WALL"),
-            Self::Rim => f.write_str("RIM"),
-            Self::Side => f.write_str("SIDE"),
-            Self::Base => f.write_str("BASE"),
-            Self::Hole(k) => write!(f, "HOLE_{k}"),
-            Self::Mark(k) => write!(f, "MARK_{k}"),
-        }
-    }
 }
 
 impl DataSection {
@@ -246,6 +210,18 @@ impl DataSection {
         surface: InstanceId,
         same: bool,
     ) -> InstanceId {
+        self.face_towards(role, loops, surface, same, None)
+    }
+
+    /// A face as [`Self::face`] has it, of which the outward normal's X and Y are known if it is an upright plane.
+    fn face_towards(
+        &mut self,
+        role: FaceRole,
+        loops: &[Vec<OrientedEdge>],
+        surface: InstanceId,
+        same: bool,
+        out: Option<DVec2>,
+    ) -> InstanceId {
         let mut bounds = Vec::new();
         for (k, boundary) in loops.iter().enumerate() {
             let name = if k == 0 { "FACE_OUTER_BOUND" } else { "FACE_BOUND" };
@@ -253,11 +229,9 @@ impl DataSection {
             bounds.push(self.add(format_args!("{name}('',{boundary},.T.)")));
         }
         let (bounds, flag) = (list(&bounds), if same { "T" } else { "F" });
-        let face = self.add(format_args!("ADVANCED_FACE('{role}',{bounds},{surface},.{flag}.)"));
-        if role == FaceRole::Optical {
-            self.optical.push(face);
-        }
-        face
+        let id = self.add(format_args!("ADVANCED_FACE('{role}',{bounds},{surface},.{flag}.)"));
+        self.faces.push(WrittenFace { id, role, out });
+        id
     }
 
     /// A plane face with this normal, out of the body.
@@ -271,7 +245,8 @@ impl DataSection {
         let across = if normal.x == 0.0 { DVec3::X } else { DVec3::Y };
         let place = self.placement(at, normal, across);
         let plane = self.add(format_args!("PLANE('',{place})"));
-        self.face(role, loops, plane, true)
+        let out = (normal.z == 0.0).then_some(normal.truncate());
+        self.face_towards(role, loops, plane, true, out)
     }
 
     /// An upright cylinder.

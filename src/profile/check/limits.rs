@@ -4,9 +4,9 @@ use toml::de::DeValue;
 
 use super::super::reader::Need::{Optional, Required};
 use super::super::reader::{ProfileReader, Section};
-use super::super::values::{Located, number};
+use super::super::values::{Located, number, word};
 use super::super::words::list;
-use super::super::{AcceptanceSpec, FileFormat, MeshGoal, schema};
+use super::super::{AcceptanceSpec, FileFormat, MeshGoal, StepProtocol, schema};
 use super::{Entries, SIZE, border, is_size};
 
 /// The part's figures, each with its place.
@@ -102,6 +102,16 @@ fn heights_alone(
                     the mirror's own facets rarely move it by a pixel";
         reader.complain(found.at, message, hint);
     }
+}
+
+/// The schema of the STEP file; the default where `[export]` does not say.
+pub(super) fn step(reader: &mut ProfileReader, export: &Section) -> StepProtocol {
+    let Some(section) = reader.section(export, "step", Optional) else {
+        return StepProtocol::default();
+    };
+    let words = [("ap214", StepProtocol::Ap214), ("ap242", StepProtocol::Ap242)];
+    let hint = "ap242 has datum features and the mirror's profile tolerance, ap214 the shape alone";
+    word(reader, &section, "schema", &words, hint).unwrap_or_default()
 }
 
 pub(super) fn formats(reader: &mut ProfileReader, section: &Section) -> Option<Vec<FileFormat>> {

@@ -120,6 +120,7 @@ pub(super) fn profile(
     let export = reader.section(&root, "export", Required);
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
+    let step = export.as_ref().map(|export| limits::step(reader, export));
     let accept = limits::accept(reader, &root, parts.bare);
     let setting = tolerance::Setting {
         camera: parts.camera.as_ref().and_then(|found| found.camera),
@@ -164,6 +165,7 @@ pub(super) fn profile(
         mesh: mesh?,
         formats: formats?,
         sag: sag?,
+        step: step?,
         accept: accept?,
         tolerance,
         form_map: None,

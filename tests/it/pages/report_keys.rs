@@ -84,8 +84,10 @@ struct Runs(tempfile::TempDir);
 impl Runs {
     fn new() -> Self {
         let runs = Self(folder());
-        let formats =
-            ("[\"stl\", \"obj\"]", "[\"stl\", \"obj\", \"3mf\", \"glb\", \"step\", \"csv\"]");
+        let formats = (
+            "[\"stl\", \"obj\"]",
+            "[\"stl\", \"obj\", \"3mf\", \"glb\", \"step\", \"csv\"]\nstep.schema = \"ap242\"",
+        );
         let budget = ("chord_um = 20\nfacet_px = 3", "max_triangles = 20000");
         let lens = ("pixels = [160, 120]", "pixels = [160, 120]\nna = 0.01");
         let valley = ("ridge = \"crest\"", "ridge = \"valley\"");

@@ -5,6 +5,7 @@
 
 mod cases;
 mod charted;
+mod pmi;
 mod read_back;
 mod reading;
 mod shape;
@@ -16,7 +17,9 @@ use crate::support::shipped;
 use cases::{Case, cases, footprint, unmeshed};
 use morion::internals::design::design;
 use morion::internals::export::Label;
-use morion::internals::export::step::{FitError, FittedMirror, fit_splines, write_step};
+use morion::internals::export::step::{
+    FitError, FittedMirror, StepSchema, fit_splines, write_step,
+};
 use morion::internals::geom::{Chart, Contour, DVec2, DVec3, Outline};
 use morion::internals::mirror::Mirror;
 use morion::internals::profile::{Profile, SagGrid};
@@ -58,7 +61,8 @@ fn fitted(case: &Case) -> FittedMirror {
 
 fn written(case: &Case, fit: &FittedMirror) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_step(&mut bytes, fit, case.stock.as_ref(), &label(&case.name)).unwrap();
+    write_step(&mut bytes, fit, case.stock.as_ref(), &StepSchema::Ap214, &label(&case.name))
+        .unwrap();
     bytes
 }
 
@@ -423,7 +427,7 @@ fn the_header_survives_any_name() {
     let fit = fit_splines(&mirror).unwrap();
     let name = format!("it's a\\b\n*/ENDSEC; \u{e9} {}", "long ".repeat(99));
     let mut bytes = Vec::new();
-    write_step(&mut bytes, &fit, None, &label(&name)).unwrap();
+    write_step(&mut bytes, &fit, None, &StepSchema::Ap214, &label(&name)).unwrap();
     let file = File::parse(&bytes);
     assert!(file.header.contains("it''s a\\\\b?*/ENDSEC; ? long "));
     assert!(file.header.contains("FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));"));
