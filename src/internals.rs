@@ -23,6 +23,9 @@ pub mod export {
 pub mod geom {
     pub use crate::geom::*;
 }
+pub mod inspection {
+    pub use crate::inspection::*;
+}
 pub mod machining {
     pub use crate::machining::*;
 }

@@ -73,6 +73,7 @@ mod design;
 mod export;
 mod front;
 mod geom;
+mod inspection;
 #[doc(hidden)]
 pub mod internals;
 mod machining;

@@ -11,12 +11,14 @@
 mod coarse_search;
 mod form;
 mod normal_equations;
+mod points;
 mod pose;
 mod reference_surface;
 mod unit;
 mod vertex_patch;
 
 pub use form::{FormError, FormMap, FormMapBuilder, FormStatistics};
+pub use points::{PointAlignment, PointResidual, align_points};
 pub use pose::Pose;
 pub use unit::{LengthUnit, SizeRange};
 pub use vertex_patch::VertexPatch;
@@ -43,6 +45,8 @@ pub struct Alignment {
     /// Share of outliers: of the area around vertices within a twentieth of the width from the
     /// mirror.
     pub outliers: f64,
+    /// Standard deviation of normal noise with the residuals' median, mm.
+    pub scale_mm: f64,
     /// Share of the mirror's area that the other vertices stand for.
     pub covered: f64,
     /// Number of vertices that determine the pose.
@@ -160,17 +164,29 @@ pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
     if turned_over {
         patches.iter_mut().for_each(|patch| patch.area = -patch.area);
     }
-    let rough = coarse_search(&patches, &reference);
-    let (pose, steps, last) = refine(&patches, &reference, rough)?;
+    let fit =
+        aligned(&patches, &reference, |all, reach| (area(all, reach) / reference.area).min(1.0))?;
+    Ok(Alignment { turned_over, ..fit })
+}
 
-    let at = |margin: f64| residuals(&patches, &pose, |p| reference.project(p, margin));
+/// The area, mm^2, that residuals below `reach` stand for.
+fn area(all: &[Option<AlignmentResidual>], reach: f64) -> f64 {
+    let within = all.iter().flatten().filter(|residual| residual.distance.abs() < reach);
+    within.map(|residual| residual.area).sum()
+}
+
+/// Aligns patches with the reference; `covered`: the share of it that residuals below some reach stand for.
+fn aligned(
+    patches: &[VertexPatch],
+    reference: &ReferenceSurface,
+    covered: impl Fn(&[Option<AlignmentResidual>], f64) -> f64,
+) -> Result<Alignment, AlignError> {
+    let rough = coarse_search(patches, reference);
+    let (pose, steps, last) = refine(patches, reference, rough)?;
+
+    let at = |margin: f64| residuals(patches, &pose, |p| reference.project(p, margin));
     let reach = OUTLIER * last.scale;
-    let area = |all: &[Option<AlignmentResidual>], reach: f64| {
-        let within = all.iter().flatten().filter(|residual| residual.distance.abs() < reach);
-        within.map(|residual| residual.area).sum::<f64>()
-    };
-    let all = at(0.0);
-    let covered = (area(&all, reach) / reference.area).min(1.0);
+    let covered = covered(&at(0.0), reach);
     // What stands on the rim may belong to what is beside it, and what is far off to what a pinhole
     // would see through the part.
     let inner = at(RIM * reference.width);
@@ -184,14 +200,15 @@ pub fn align(mirror: &Mirror, mesh: &TriMesh) -> Result<Alignment, AlignError> {
     }
     Ok(Alignment {
         pose,
-        turned_over,
+        turned_over: false,
         rms_mm: last.rms_mm,
+        scale_mm: last.scale,
         outliers,
         covered,
         vertices,
         steps,
         condition: last.step.condition,
-        free: last.step.free(&reference),
+        free: last.step.free(reference),
     })
 }
 

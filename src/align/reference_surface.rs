@@ -51,7 +51,14 @@ pub(super) struct ReferenceSurface<'a> {
     pub radius: f64,
     /// The larger side of its outline, mm.
     pub width: f64,
+    /// Radius of the ball whose centres are measured, mm; 0 where points lie on the part.
+    ball_mm: f64,
 }
+
+/// Steps towards the place that a ball touches: each leaves a share of the ball's radius over that of the curvature.
+const CONTACT_STEPS: usize = 40;
+/// Distance within which the place is found, mm.
+const CONTACT_MM: f64 = 1e-9;
 
 impl<'a> ReferenceSurface<'a> {
     /// Measures `mirror` and tabulates it.
@@ -78,20 +85,53 @@ impl<'a> ReferenceSurface<'a> {
             percentile_95(pieces.into_iter().map(|(at, w)| ((at - centre).length(), w)).collect());
         let width = outline.bounds().size().max_element();
         let table = table(mirror, outline);
-        Self { mirror, outline, table, area, centre, gyration, radius, width }
+        Self { mirror, outline, table, area, centre, gyration, radius, width, ball_mm: 0.0 }
+    }
+
+    /// The surface that centres of a ball of this radius, mm, lie on when it touches the mirror.
+    #[must_use]
+    pub(super) fn touched_by(self, ball_mm: f64) -> Self {
+        Self { ball_mm, ..self }
+    }
+
+    /// What a ball with its centre at `p` touches, by `project` of points on the mirror: the place of its centre above it.
+    fn touched(
+        &self,
+        p: DVec3,
+        project: impl Fn(DVec3) -> Option<ProjectedPoint>,
+    ) -> Option<ProjectedPoint> {
+        let mut foot = project(p)?;
+        if self.ball_mm == 0.0 {
+            return Some(foot);
+        }
+        for _ in 0..CONTACT_STEPS {
+            let before = foot.normal;
+            foot = project(p - self.ball_mm * foot.normal)?;
+            if self.ball_mm * (foot.normal - before).length() < CONTACT_MM {
+                break;
+            }
+        }
+        Some(ProjectedPoint { at: foot.at + self.ball_mm * foot.normal, ..foot })
     }
 
     /// Projection of `p`, to all digits; `None` outside the outline or closer than `margin` mm to its
     /// rim or to a fold.
     #[must_use]
     pub(super) fn project(&self, p: DVec3, margin: f64) -> Option<ProjectedPoint> {
-        let q = self.inside(p, margin)?;
-        Some(ProjectedPoint::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
+        self.touched(p, |p| {
+            let q = self.inside(p, margin)?;
+            Some(ProjectedPoint::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
+        })
     }
 
     /// [`ReferenceSurface::project`] by the table, to some thousandth of the width.
     #[must_use]
     pub(super) fn project_approximately(&self, p: DVec3) -> Option<ProjectedPoint> {
+        self.touched(p, |p| self.tabulated(p))
+    }
+
+    /// The place on the camera's ray of `p`, by the table.
+    fn tabulated(&self, p: DVec3) -> Option<ProjectedPoint> {
         let q = self.inside(p, 0.0)?;
         let bounds = self.outline.bounds();
         let u = (q - bounds.min) / bounds.size() * (NODES - 1) as f64;

@@ -37,7 +37,7 @@ pub(super) enum CommandArg {
     Build(BuildArgs),
     /// Validate a profile, and nothing else
     Check(CheckArgs),
-    /// Check and ray-trace a mesh file of any making against a profile
+    /// Check and ray-trace a file of any making, or measured points, against a profile
     Verify(VerifyArgs),
     /// A picture of a scene in the mirror, or of the mirror itself, into DIR/NAME/render-SCENE.png
     Render(RenderArgs),
@@ -51,6 +51,8 @@ pub(super) enum CommandArg {
     Tolerance(ToleranceArgs),
     /// What a ball cutter makes of the mirror: fit, scallops, pixels, and the as-cut part, into DIR/NAME/
     Machining(MachiningArgs),
+    /// Plan the points of a coordinate measuring machine: a table and a program, into DIR/NAME/
+    Inspect(InspectArgs),
     /// Run time against error of design, mesh, witness and trials, into DIR/bench/
     Bench(BenchArgs),
     /// A page on this machine in which a profile is changed and seen, until Ctrl-C; builds go into DIR/studio/
@@ -92,7 +94,8 @@ pub(super) struct CheckArgs {
 // Arguments of `morion verify`.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
-    /// The file: STL, OBJ, 3MF, GLB or STEP, in the part frame of the profile unless --align is given
+    /// The file: STL, OBJ, 3MF, GLB or STEP, in the part frame of the profile unless --align is given; with --align
+    /// also measured points: CSV or XYZ (lines of X, Y, Z) or PLY
     pub file: PathBuf,
     /// Profile file, or name of a shipped profile
     #[arg(long)]
@@ -104,6 +107,9 @@ pub(super) struct VerifyArgs {
     /// Unit of the file's coordinates [default: by its size]
     #[arg(long, value_enum, value_name = "UNIT")]
     pub units: Option<UnitArg>,
+    /// Points are centres of the probe's ball of this radius [default: points on the part]
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    pub probe_mm: Option<f64>,
     /// Folder for the report and its page, in DIR/NAME-verify/; with --align also for the form error's map
     /// [default: none; with --align: out]
     #[arg(long, value_name = "DIR")]
@@ -227,6 +233,22 @@ pub(super) struct ToleranceArgs {
         conflicts_with_all = ["profile", "trials", "seed", "until", "part", "replay"]
     )]
     pub merge: Vec<PathBuf>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion inspect`.
+#[derive(Debug, Args)]
+pub(super) struct InspectArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
+    /// Degree of the form that the points are enough for: three points to a degree across the mirror, 1 to 40
+    #[arg(long, value_name = "D", default_value_t = 4)]
+    pub degree: usize,
+    /// Least distance of a point from rims, ridges and steps [default: 2 % of the width, 0.5 at least]
+    #[arg(long, value_name = "MM")]
+    pub margin_mm: Option<f64>,
     /// Folder for results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,

@@ -1,12 +1,13 @@
 //! Commands: from arguments to options.
 
 use super::args::{
-    BlurArgs, BuildArgs, FrameArgs, MachiningArgs, MapFormatArg, RenderArgs, RowsArg,
+    BlurArgs, BuildArgs, FrameArgs, InspectArgs, MachiningArgs, MapFormatArg, RenderArgs, RowsArg,
     ToleranceArgs, UnwrapArgs, VerifyArgs,
 };
 use crate::pipeline::{
-    BlurOptions, BuildOptions, Effort, FrameOptions, MachiningOptions, MapFormat, RenderOptions,
-    ReplayOptions, Rows, ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions,
+    BlurOptions, BuildOptions, Effort, FrameOptions, InspectOptions, MachiningOptions, MapFormat,
+    RenderOptions, ReplayOptions, Rows, ToleranceOptions, Unwrap, UnwrapOptions, Verify,
+    VerifyOptions,
 };
 use crate::results::Aperture;
 use std::num::NonZeroUsize;
@@ -24,8 +25,15 @@ impl BuildArgs {
 
 impl VerifyArgs {
     pub(super) fn command(&self) -> Verify<'_> {
-        let options = VerifyOptions { units: self.units.map(Into::into), align: self.align };
+        let (units, align) = (self.units.map(Into::into), self.align);
+        let options = VerifyOptions { units, align, probe_mm: self.probe_mm };
         Verify { path: &self.file, options }
+    }
+}
+
+impl InspectArgs {
+    pub(super) fn options(&self) -> InspectOptions {
+        InspectOptions { degree: self.degree, margin_mm: self.margin_mm }
     }
 }
 

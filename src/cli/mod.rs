@@ -101,6 +101,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Blur(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Tolerance(args) => terminal.tolerance(args),
         CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Inspect(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Bench(args) => terminal.bench(args),
         #[cfg(feature = "studio")]
         CommandArg::Studio(args) => terminal.studio(args),

@@ -4,9 +4,9 @@ use super::failure::CommandFailure;
 use crate::bench::{self, BenchReport};
 use crate::pipeline::{BuildTimings, Timings};
 use crate::results::{
-    BlurReport, BuildForecast, BuildReport, ErrorLine, FrameReport, MachiningReport, NamedOutput,
-    PartTrials, PoseFile, ProfileCheck, RenderReport, ReplayReport, SCHEMA, ShippedProfile,
-    ToleranceReport, UnwrapReport, VerifyReport,
+    BlurReport, BuildForecast, BuildReport, ErrorLine, FrameReport, InspectionReport,
+    MachiningReport, NamedOutput, PartTrials, PoseFile, ProfileCheck, RenderReport, ReplayReport,
+    SCHEMA, ShippedProfile, ToleranceReport, UnwrapReport, VerifyReport,
 };
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
@@ -52,6 +52,7 @@ fn all() -> Vec<Output> {
             "morion tolerance (the file alone)",
         ),
         output::<MachiningReport>("machining", "machining.json", "morion machining"),
+        output::<InspectionReport>("inspect", "inspection.json", "morion inspect"),
         Output { version: bench::SCHEMA, ..bench },
         output::<ShippedProfile>("profiles", "shipped profile, a line for each", "morion profiles"),
         output::<NamedOutput>("schema", "JSON output, a line for each", "morion schema"),

@@ -13,8 +13,8 @@ mod threemf;
 pub use glb::{glb_bytes, write_glb};
 pub use obj::{obj_bytes, write_obj, write_obj_bare};
 pub use read::{
-    GlbError, ImportedMesh, ReadError, StlComparison, ThreeMfError, read_3mf, read_glb, read_obj,
-    read_stl,
+    GlbError, ImportedMesh, MOST_POINTS, PlyError, PointFormat, PointsError, ReadError,
+    StlComparison, ThreeMfError, read_3mf, read_glb, read_obj, read_points, read_stl,
 };
 pub use sag::{
     SagDeviation, SagError, SagRow, compare_sag, read_sag, sag_bytes, sag_points, write_sag,

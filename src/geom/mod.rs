@@ -18,6 +18,7 @@ mod sampling;
 mod split;
 mod triangulate;
 mod trimesh;
+mod xyz_lines;
 
 pub use bicubic_spline::{BicubicSpline, BicubicSplineRow, LEAST_KNOTS};
 pub use border::{Border, Contour, Drilled, Land};
@@ -35,6 +36,7 @@ pub use rect::Rect;
 pub use sampling::{GridAxis, ScanPath, ScanPattern};
 pub use triangulate::{TriangulationFault, triangulate_loops};
 pub use trimesh::{TriMesh, Welder, turn};
+pub use xyz_lines::{XyzFault, XyzLine, xyz_lines};
 
 /// How many digits the coordinates of a file carry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -179,8 +179,35 @@ pub enum Error {
         /// The file.
         path: String,
     },
+    /// A list of points without a pose.
+    #[error("{path}: a list of points is of a part that was measured; add --align")]
+    Points {
+        /// The file.
+        path: String,
+    },
+    /// A probe of a file that holds no points.
+    #[error(
+        "{path}: only lists of points (.csv, .xyz, .txt, .asc, .ply) are of centres of a ball; leave --probe-mm out"
+    )]
+    Probe {
+        /// The file.
+        path: String,
+    },
+    /// An option has a value that means nothing.
+    #[error("{option} must be {must}, found {found}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What it must be.
+        must: String,
+        /// What it is.
+        found: String,
+    },
     /// A file to be verified is of no known format.
-    #[error("{path}: the name must end in .step, .stp, {}", MeshFormat::endings())]
+    #[error(
+        "{path}: the name must end in .step, .stp, .csv, .xyz, .txt, .asc, .ply, {}",
+        MeshFormat::endings()
+    )]
     Format {
         /// The file.
         path: String,

@@ -2,16 +2,17 @@
 
 use super::Error;
 use super::cad_export::{CadExport, CadFigures, CadFindings};
+use super::form_study::{FormStudy, zone_mm};
 use crate::brep::Body;
 use crate::design::Design;
 use crate::export::step::{FittedMirror, Pmi, StepSchema, fit_splines, write_step};
 use crate::export::{ByteCounter, Label};
-use crate::geom::{DVec2, DVec3, Outline, Ray, angle};
+use crate::geom::{DVec2, DVec3, Ray, angle};
 use crate::mirror::Mirror;
 use crate::part::Promise;
 use crate::profile::{CadFormat, Profile, StepProtocol};
 use crate::results::{FileFault, PmiFacts, StepBodyFacts, StepFacts};
-use crate::tolerance::{Engine, FormLimit, Perturbation, ToleranceSpec};
+use crate::tolerance::Perturbation;
 use std::io::{self, Write};
 
 /// Rays along each side of the outline by which a solid is held against the design.
@@ -47,8 +48,8 @@ impl<'a> StepExport<'a> {
         let (schema, limited_by) = match profile.step {
             StepProtocol::Ap214 => (StepSchema::Ap214, None),
             StepProtocol::Ap242 => {
-                let limit = form_limit(design);
-                let profile_mm = limit.and_then(|limit| rounded_down(limit.width_mm));
+                let limit = FormStudy::new(design).and_then(|study| study.limit());
+                let profile_mm = limit.as_ref().and_then(zone_mm);
                 let pmi = Pmi { datums: design.datums(), profile_mm };
                 (StepSchema::Ap242(pmi), limit.map(|limit| limit.term))
             }
@@ -72,26 +73,6 @@ impl<'a> StepExport<'a> {
         let chord_mm = self.fit.error_mm + ROUNDING_MM;
         Promise { chord_mm, ..Promise::of_profile(&self.design.profile) }
     }
-}
-
-/// The largest form error with which the picture keeps what the profile accepts; none without a projection, or where the
-/// design leaves no room for any.
-fn form_limit(design: &Design) -> Option<FormLimit> {
-    let limits = design.profile.acceptance_limits();
-    let round = matches!(design.mirror.outline, Outline::Ring { .. });
-    let spec = ToleranceSpec::of_form(&design.profile, round);
-    let engine = Engine::new(&design.mirror, &design.camera, design.view.as_ref()?, spec)?;
-    engine.form_limit(limits.pixel_error_rms_px.value, limits.pixel_error_max_px.value)
-}
-
-/// A length, mm, as a drawing has it: two digits, no larger, in whole nanometres; none of less than one.
-fn rounded_down(mm: f64) -> Option<f64> {
-    let (nm, mut unit) = ((mm * 1e6) as u64, 1);
-    while nm / unit >= 100 {
-        unit *= 10;
-    }
-    let nm = nm / unit * unit;
-    (nm > 0).then_some(nm as f64 / 1e6)
 }
 
 /// What a solid has of a design that it is `limit_mm` off at most, and what it lacks.
@@ -224,20 +205,6 @@ mod tests {
         export.write(&mut bytes, &labelled(&design, String::new())).unwrap();
         let text = change(std::str::from_utf8(&bytes).unwrap());
         export.check(text.as_bytes()).faults
-    }
-
-    #[test]
-    fn tolerances_have_two_digits_and_are_no_wider() {
-        let cases = [
-            (0.023_7, Some(0.023)),
-            (0.1, Some(0.1)),
-            (9.99, Some(9.9)),
-            (0.000_009_9, Some(0.000_009)),
-            (9e-7, None),
-        ];
-        for (mm, found) in cases {
-            assert_eq!(rounded_down(mm), found);
-        }
     }
 
     #[test]

@@ -1,18 +1,20 @@
 //! `morion verify`: files of unknown making: CAM exports, and scans of parts that were made.
 
 use super::check_file::{open, witness, witness_body};
+use super::file_units::{declared, in_millimetres, unit_warning};
 use super::page_figures::{ErrorMap, ErrorMapBuilder, MAP_COLUMNS};
 use super::run::{Command, Run};
 use super::step_export::compared;
+use super::verify_points::PointList;
 use super::{Error, Observer, Stage};
 use crate::align::{Alignment, FormMap, FormMapBuilder, LengthUnit, SizeRange, align};
 use crate::brep::{Body, RigidMotion};
 use crate::design::Design;
-use crate::export::ImportedMesh;
+use crate::export::{ImportedMesh, PointFormat};
 use crate::geom::{DVec3, TriMesh, Welder};
 use crate::mirror::Form;
 use crate::part::{Promise, codec};
-use crate::profile::{CadFormat, FileFormat, MeshFormat, Profile};
+use crate::profile::{CadFormat, MeshFormat, Profile};
 use crate::publish;
 use crate::raster::{EncodingError, FalseColourMap};
 use crate::report::form_map;
@@ -25,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// A file of unknown making, and how it is looked at: writes `report.json` and `report.html` into NAME-verify.
 #[derive(Debug, Clone, Copy)]
 pub struct Verify<'a> {
-    /// The file: an STL, OBJ, 3MF, GLB or STEP.
+    /// The file: an STL, OBJ, 3MF, GLB or STEP, or a list of points as CSV, XYZ or PLY.
     pub path: &'a Path,
     /// How it is looked at.
     pub options: VerifyOptions,
@@ -38,6 +40,15 @@ pub struct VerifyOptions {
     pub units: Option<LengthUnit>,
     /// Fit its pose first, and judge it as a measured part: its files have the form error's map too.
     pub align: bool,
+    /// Radius of the ball whose centres a list of points holds, mm; none: points on the part.
+    pub probe_mm: Option<f64>,
+}
+
+/// What a file to be verified is.
+enum VerifiedFormat {
+    Mesh(MeshFormat),
+    Step,
+    Points(PointFormat),
 }
 
 /// The form error's map.
@@ -61,14 +72,29 @@ impl Command for Verify<'_> {
     type Report = VerifyReport;
 
     fn check(&self, _profile: &Profile) -> Result<(), Error> {
-        let declares_unit = match self.format()? {
-            FileFormat::Mesh(format) => codec(format).declares_unit(),
-            FileFormat::Cad(_) => true,
+        let VerifyOptions { units, align, probe_mm } = self.options;
+        let format = self.format()?;
+        let declares_unit = match format {
+            VerifiedFormat::Mesh(format) => codec(format).declares_unit(),
+            VerifiedFormat::Step => true,
+            VerifiedFormat::Points(_) => false,
         };
-        if declares_unit && self.options.units.is_some() {
+        if declares_unit && units.is_some() {
             return Err(Error::Declared { path: self.name() });
         }
-        Ok(())
+        let is_points = matches!(format, VerifiedFormat::Points(_));
+        if is_points && !align {
+            return Err(Error::Points { path: self.name() });
+        }
+        match probe_mm {
+            Some(_) if !is_points => Err(Error::Probe { path: self.name() }),
+            Some(mm) if !(mm > 0.0 && mm.is_finite()) => Err(Error::Option {
+                option: "--probe-mm",
+                must: "the radius of the ball, positive and finite".into(),
+                found: mm.to_string(),
+            }),
+            _ => Ok(()),
+        }
     }
 
     fn folder(&self, profile: &Profile) -> PathBuf {
@@ -79,15 +105,23 @@ impl Command for Verify<'_> {
     fn run(&self, run: &mut Run) -> Result<VerifyReport, Error> {
         let bytes = publish::read(self.path)?;
         let design = run.design()?;
+        let format = self.format()?;
+        if let VerifiedFormat::Points(format) = format {
+            let VerifyOptions { units, probe_mm, .. } = self.options;
+            let list = PointList { name: self.name(), format, units, probe_mm };
+            let report = list.verified(run, &design, &bytes)?;
+            publish_maps(run, (None, None), &report)?;
+            return Ok(report);
+        }
         let form = Form::of(&design.mirror);
         let part = Part {
             run,
             design: &design,
             size: SizeRange::of(&design.mirror, design.border.as_ref()),
         };
-        let found = match self.format()? {
-            FileFormat::Mesh(format) => self.look(&part, format, bytes)?,
-            FileFormat::Cad(_) => self.look_at_body(&part, &bytes)?,
+        let found = match format {
+            VerifiedFormat::Mesh(format) => self.look(&part, format, bytes)?,
+            _ => self.look_at_body(&part, &bytes)?,
         };
         let map = found.map.as_ref();
         let form_error_um = map.and_then(FormMap::error);
@@ -128,6 +162,7 @@ impl Command for Verify<'_> {
             units,
             alignment,
             form_error_um,
+            measured_form: None,
             frame,
             sharpness,
             accepted,
@@ -172,15 +207,20 @@ impl Verify<'_> {
         self.path.display().to_string()
     }
 
-    /// The format that the file's name ends in: of triangles, or STEP.
-    fn format(&self) -> Result<FileFormat, Error> {
+    /// The format that the file's name ends in.
+    fn format(&self) -> Result<VerifiedFormat, Error> {
         let ending = self.path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        if matches!(ending.as_deref(), Some("step" | "stp")) {
-            return Ok(CadFormat::Step.into());
-        }
-        let found =
+        let mesh =
             MeshFormat::ALL.into_iter().find(|format| Some(format.name()) == ending.as_deref());
-        found.map(FileFormat::Mesh).ok_or_else(|| Error::Format { path: self.name() })
+        match (mesh, ending.as_deref()) {
+            (Some(format), _) => Ok(VerifiedFormat::Mesh(format)),
+            (None, Some("step" | "stp")) => Ok(VerifiedFormat::Step),
+            (None, Some("csv" | "xyz" | "txt" | "asc")) => {
+                Ok(VerifiedFormat::Points(PointFormat::Text))
+            }
+            (None, Some("ply")) => Ok(VerifiedFormat::Points(PointFormat::Ply)),
+            _ => Err(Error::Format { path: self.name() }),
+        }
     }
 
     /// Reads the file, brings it to millimetres and, if it is measured, into the part frame, and traces it.
@@ -190,8 +230,8 @@ impl Verify<'_> {
         let (file, read) = open(run, format, bytes, |mut reread| {
             let found = match codec(format).declares_unit() {
                 // It is read in millimetres.
-                true => UnitFacts::new(LengthUnit::Mm, DECLARED),
-                false => in_millimetres(&mut reread, size, self.options.units),
+                true => declared(),
+                false => in_millimetres(&mut reread.mesh, size, self.options.units),
             };
             (reread, found)
         })?;
@@ -257,7 +297,7 @@ impl Verify<'_> {
             true => Vec::new(),
             false => compared(&body, design, promise.chord_mm).1,
         };
-        let units = UnitFacts::new(LengthUnit::Mm, DECLARED);
+        let units = declared();
         let about = About { faults, units, alignment, far: 0, oversize };
         Ok(self
             .traced(design, about, |each| witness_body(run, design, (file, body), promise, each)))
@@ -316,47 +356,6 @@ struct About {
     alignment: Option<AlignmentFacts>,
     far: usize,
     oversize: Option<(f64, Option<LengthUnit>)>,
-}
-
-/// The warning of a unit that nothing speaks for, or none but the file's size.
-fn unit_warning(name: &str, units: UnitFacts, measured: bool) -> Option<String> {
-    match units {
-        UnitFacts { chosen: ASSUMED, .. } => Some(format!(
-            "{name}: no unit makes this file as large as the part; taken as millimetres (--units \
-             says otherwise)"
-        )),
-        // A measured part is cut; a file to be cut from is what this matters for.
-        UnitFacts { chosen: BY_SIZE, mm_per_unit, name: unit }
-            if mm_per_unit != 1.0 && !measured =>
-        {
-            Some(format!(
-                "{name}: taken as {unit} by its size; shops take such files as millimetres"
-            ))
-        }
-        _ => None,
-    }
-}
-
-/// How a unit is called that the file names, that its size speaks for, and that nothing speaks for.
-const DECLARED: &str = "declared";
-const BY_SIZE: &str = "by size";
-const ASSUMED: &str = "assumed";
-
-/// Brings a mesh to millimetres.
-fn in_millimetres(
-    reread: &mut ImportedMesh,
-    size: &SizeRange,
-    asked: Option<LengthUnit>,
-) -> UnitFacts {
-    let (unit, chosen) = match asked {
-        Some(unit) => (unit, "asked"),
-        None => match size.unit(&reread.mesh) {
-            (unit, true) => (unit, BY_SIZE),
-            (unit, false) => (unit, ASSUMED),
-        },
-    };
-    unit.convert(&mut reread.mesh);
-    UnitFacts::new(unit, chosen)
 }
 
 /// Facets that reach this many times as far as the part does are none of it.

@@ -1,7 +1,6 @@
 //! A given mirror's heights: lines of X, Y and Z that together are a complete regular grid.
 
-use crate::geom::GridAxis;
-use std::str::FromStr;
+use crate::geom::{GridAxis, XyzFault, XyzLine, xyz_lines};
 use thiserror::Error;
 
 /// Heights on a regular grid, in millimetres.
@@ -113,12 +112,15 @@ pub enum GridError {
     },
 }
 
-/// One line's place and height.
-#[derive(Clone, Copy)]
-struct GridPoint {
-    at: [f64; 2],
-    z: f64,
-    line: u32,
+impl From<XyzFault> for GridError {
+    fn from(fault: XyzFault) -> Self {
+        match fault {
+            XyzFault::NotText { line } => Self::NotText { line },
+            XyzFault::Columns { line, found } => Self::Columns { line, found },
+            XyzFault::Number { line, axis, found } => Self::Number { line, axis, found },
+            XyzFault::TooMany { line } => Self::TooMany { line },
+        }
+    }
 }
 
 impl SagGrid {
@@ -128,7 +130,7 @@ impl SagGrid {
     /// # Errors
     /// The first [`GridError`] met.
     pub fn parse(bytes: &[u8]) -> Result<Self, GridError> {
-        let samples = samples(bytes)?;
+        let samples = xyz_lines(bytes, MOST_NODES)?;
         let axes = [0, 1].map(|k| {
             let mut places: Vec<f64> = samples.iter().map(|s| s.at[k]).collect();
             places.sort_unstable_by(f64::total_cmp);
@@ -142,11 +144,10 @@ impl SagGrid {
             return Err(GridError::TooFew { columns: x.count, rows: y.count });
         }
         // As long as a node may be missing, the grid may be far larger than the file.
-        let index = |s: &GridPoint| {
-            node(&y, s.at[1]).0 as u64 * x.count as u64 + node(&x, s.at[0]).0 as u64
-        };
+        let index =
+            |s: &XyzLine| node(&y, s.at[1]).0 as u64 * x.count as u64 + node(&x, s.at[0]).0 as u64;
         let mut nodes: Vec<(u64, u32, f64)> =
-            samples.iter().map(|s| (index(s), s.line, s.z)).collect();
+            samples.iter().map(|s| (index(s), s.line, s.at[2])).collect();
         drop(samples);
         nodes.sort_unstable_by_key(|node| (node.0, node.1));
         let place = |k: u64| {
@@ -173,62 +174,6 @@ impl SagGrid {
             });
         }
         Ok(Self { x, y, z_mm: nodes.into_iter().map(|node| node.2).collect() })
-    }
-}
-
-fn samples(bytes: &[u8]) -> Result<Vec<GridPoint>, GridError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut samples = Vec::new();
-    let mut titles = true;
-    for (k, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
-        let number = k + 1;
-        let text = std::str::from_utf8(line).map_err(|_| GridError::NotText { line: number })?;
-        let text = text.split('#').next().unwrap_or("").trim();
-        if text.is_empty() {
-            continue;
-        }
-        let may_be_titles = std::mem::take(&mut titles);
-        let fields = fields(text);
-        if may_be_titles && fields[0].is_some_and(|field| f64::from_str(field).is_err()) {
-            continue;
-        }
-        let [Some(x), Some(y), Some(z)] = fields else {
-            return Err(GridError::Columns { line: number, found: short(text) });
-        };
-        let value = |axis: char, field: &str| match f64::from_str(field) {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(GridError::Number { line: number, axis, found: short(field) }),
-        };
-        let at = [value('X', x)?, value('Y', y)?];
-        let z = value('Z', z)?;
-        if samples.len() == MOST_NODES {
-            return Err(GridError::TooMany { line: number });
-        }
-        samples.push(GridPoint { at, z, line: u32::try_from(number).unwrap_or(u32::MAX) });
-    }
-    Ok(samples)
-}
-
-/// The first three columns.
-fn fields(text: &str) -> [Option<&str>; 3] {
-    let mark = [';', ','].into_iter().find(|&mark| text.contains(mark));
-    match mark {
-        Some(mark) => {
-            let mut fields = text.split(mark).map(str::trim);
-            std::array::from_fn(|_| fields.next())
-        }
-        None => {
-            let mut fields = text.split_whitespace();
-            std::array::from_fn(|_| fields.next())
-        }
-    }
-}
-
-fn short(text: &str) -> String {
-    const MOST: usize = 40;
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
     }
 }
 
@@ -277,7 +222,7 @@ fn node(axis: &GridAxis, place: f64) -> (usize, f64) {
     (nearest as usize, (steps - nearest).abs())
 }
 
-fn off_grid(sample: &GridPoint, axes: &[GridAxis; 2]) -> Option<GridError> {
+fn off_grid(sample: &XyzLine, axes: &[GridAxis; 2]) -> Option<GridError> {
     (0..2).find_map(|k| {
         let (nearest, off) = node(&axes[k], sample.at[k]);
         (off > OFF).then(|| GridError::OffGrid {

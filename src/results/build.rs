@@ -4,7 +4,8 @@ use super::Reason;
 use super::SharpnessFacts;
 use super::{AlignmentFacts, UnitFacts};
 use super::{
-    FileFacts, MeshFacts, ProfileId, SagFacts, SolidFacts, StepFacts, TraceFacts, Verdict,
+    FileFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts, StepFacts, TraceFacts,
+    Verdict,
 };
 use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
@@ -92,6 +93,9 @@ pub struct VerifyReport {
     /// much material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form_error_um: Option<FormError>,
+    /// What a list of points says of the form; absent of meshes and solids.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_form: Option<MeasuredForm>,
     /// The frame as the file shows it; absent where it could not be read.
     pub frame: Option<FrameFill>,
     /// Sharpness of the picture through a lens; absent where no pixel has a spot.

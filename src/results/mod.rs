@@ -8,6 +8,7 @@ mod build_forecast;
 mod facts;
 mod faults;
 mod frame;
+mod inspection;
 mod machining;
 mod measured;
 mod reason;
@@ -35,6 +36,7 @@ pub use faults::{
     ShapeFault,
 };
 pub use frame::{FrameReport, PixelSolidAngle, RoundMirror};
+pub use inspection::{FormTermFacts, InspectionReport, MeasuredForm};
 pub use machining::{
     AsCutFacts, BestFacts, BudgetFacts, GougeFacts, MachiningReport, ReachFacts, StockFacts,
 };

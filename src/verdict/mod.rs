@@ -15,6 +15,7 @@ pub(crate) use remedy::filling;
 use crate::align::FormError;
 use crate::design::Design;
 use crate::geom::{Border, Outline, Precision};
+use crate::num::stats::Summary;
 use crate::part::codec;
 use crate::profile::{AcceptanceLimit, AcceptanceLimits, FileFormat, Profile};
 use crate::results::{
@@ -211,19 +212,29 @@ fn limits<'a>(
             over.map(|(limit_px, key)| PictureFault::FacetError { found_px, limit_px, key });
         finite("facet error", found_px).or(fault)
     });
-    let accepted = profile.acceptance_limits();
-    let figures = [
-        (PixelErrorFigure::Rms, pixel.map(|e| e.rms), accepted.pixel_error_rms_px),
-        (PixelErrorFigure::Max, pixel.map(|e| e.max), accepted.pixel_error_max_px),
-    ];
-    let pixels = figures.into_iter().filter_map(move |(figure, found, limit)| {
-        let found_px = found?;
-        // A measured part is held to what the profile names.
-        let is_over = (is_made || !limit.usual) && !(found_px <= limit.value);
-        let fault = is_over.then_some(PictureFault::PixelError { figure, found_px, limit });
-        finite(figure.name(), found_px).or(fault)
+    // A measured part is held to what the profile names.
+    let pixels = pixel.into_iter().flat_map(move |errors| {
+        pixel_errors(profile, errors, move |limit| is_made || !limit.usual)
     });
     facet.into_iter().chain(pixels)
+}
+
+/// Why pixel errors do not pass, of the profile's limits those that are `held`.
+pub(crate) fn pixel_errors(
+    profile: &Profile,
+    errors: Summary,
+    held: impl Fn(&AcceptanceLimit) -> bool,
+) -> impl Iterator<Item = PictureFault> {
+    let accepted = profile.acceptance_limits();
+    let figures = [
+        (PixelErrorFigure::Rms, errors.rms, accepted.pixel_error_rms_px),
+        (PixelErrorFigure::Max, errors.max, accepted.pixel_error_max_px),
+    ];
+    figures.into_iter().filter_map(move |(figure, found_px, limit)| {
+        let is_over = held(&limit) && !(found_px <= limit.value);
+        let fault = is_over.then_some(PictureFault::PixelError { figure, found_px, limit });
+        finite(figure.name(), found_px).or(fault)
+    })
 }
 
 /// That an error has no finite value.

@@ -23,6 +23,7 @@ mod frame;
 mod fuzzed;
 mod given_mirrors;
 mod glb;
+mod inspection;
 mod least_error;
 mod machining;
 mod manners;

@@ -1,10 +1,14 @@
-//! Reading meshes back, as a stranger would: nothing is taken from the writer but the file.
+//! Reading meshes back, and measured points, as a stranger would: nothing is taken from the writer but the file.
 
 mod glb;
 mod plain_obj;
+mod ply;
+mod points;
 mod threemf;
 
 pub use glb::{GlbError, read_glb};
+pub use ply::PlyError;
+pub use points::{MOST_POINTS, PointFormat, PointsError, read_points};
 pub use threemf::{ThreeMfError, read_3mf};
 
 use crate::geom::{DVec3, TriMesh, Welder};

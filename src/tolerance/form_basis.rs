@@ -1,0 +1,44 @@
+//! The low terms in which form errors are told: departures of one millimetre from peak to valley over a mirror.
+
+use super::extent::extent;
+use super::form_field::FormField;
+use crate::geom::Outline;
+use crate::mirror::Mirror;
+use crate::tolerance_terms::{ErrorSourceRow, FormMeasure, FormTerm, Perturbation};
+
+/// The low terms of a mirror: Legendre's over a rectangle, Zernike's over a disc or a ring.
+#[derive(Debug, Clone)]
+pub struct FormBasis {
+    terms: Vec<(Perturbation, FormField)>,
+}
+
+impl FormBasis {
+    /// The terms that are error sources of `mirror`.
+    #[must_use]
+    pub fn new(mirror: &Mirror) -> Self {
+        let (centre, half) = extent(mirror);
+        let round = matches!(mirror.outline, Outline::Ring { .. });
+        let rows =
+            ErrorSourceRow::TABLE.iter().filter(|row| row.applies_to.holds(round, false, false));
+        let terms = rows.filter_map(|row| {
+            let field = match row.perturbation.form_term()? {
+                FormTerm::Legendre(i, j) => {
+                    FormField::legendre(i, j, centre, half, FormMeasure::Pv)
+                }
+                FormTerm::Zernike(j) => FormField::zernike(j, half[0], FormMeasure::Pv),
+            };
+            Some((row.perturbation, field))
+        });
+        Self { terms: terms.collect() }
+    }
+
+    /// The error source of each term.
+    pub fn terms(&self) -> impl Iterator<Item = Perturbation> {
+        self.terms.iter().map(|(term, _)| *term)
+    }
+
+    /// The departure along Z of each term at X and Y, mm.
+    pub fn heights(&self, at: [f64; 2]) -> impl Iterator<Item = f64> {
+        self.terms.iter().map(move |(_, field)| field.at(at)[0])
+    }
+}
