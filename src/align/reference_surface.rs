@@ -94,17 +94,19 @@ impl<'a> ReferenceSurface<'a> {
         Self { ball_mm, ..self }
     }
 
-    /// What a ball with its centre at `p` touches, by `project` of points on the mirror: the place of its centre above it.
+    /// What a ball with its centre at `p` touches, by `project` of points on the mirror and so many steps at most: the place
+    /// of its centre above it.
     fn touched(
         &self,
         p: DVec3,
+        steps: usize,
         project: impl Fn(DVec3) -> Option<ProjectedPoint>,
     ) -> Option<ProjectedPoint> {
         let mut foot = project(p)?;
         if self.ball_mm == 0.0 {
             return Some(foot);
         }
-        for _ in 0..CONTACT_STEPS {
+        for _ in 0..steps {
             let before = foot.normal;
             foot = project(p - self.ball_mm * foot.normal)?;
             if self.ball_mm * (foot.normal - before).length() < CONTACT_MM {
@@ -118,7 +120,7 @@ impl<'a> ReferenceSurface<'a> {
     /// rim or to a fold.
     #[must_use]
     pub(super) fn project(&self, p: DVec3, margin: f64) -> Option<ProjectedPoint> {
-        self.touched(p, |p| {
+        self.touched(p, CONTACT_STEPS, |p| {
             let q = self.inside(p, margin)?;
             Some(ProjectedPoint::new(self.mirror, q, &self.mirror.row(q.y).at(q.x)))
         })
@@ -127,7 +129,7 @@ impl<'a> ReferenceSurface<'a> {
     /// [`ReferenceSurface::project`] by the table, to some thousandth of the width.
     #[must_use]
     pub(super) fn project_approximately(&self, p: DVec3) -> Option<ProjectedPoint> {
-        self.touched(p, |p| self.tabulated(p))
+        self.touched(p, 1, |p| self.tabulated(p))
     }
 
     /// The place on the camera's ray of `p`, by the table.

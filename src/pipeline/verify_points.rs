@@ -4,7 +4,7 @@ use super::file_units::{in_millimetres, unit_warning};
 use super::form_study::{FormStudy, zone_mm};
 use super::run::Run;
 use super::{Error, Stage};
-use crate::align::{FormMap, LengthUnit, PointAlignment, SizeRange, align_points};
+use crate::align::{FormMap, LengthUnit, PointAlignment, PointResidual, SizeRange, align_points};
 use crate::design::Design;
 use crate::export::{PointFormat, read_points};
 use crate::geom::TriMesh;
@@ -166,16 +166,21 @@ impl PointList {
 
     /// The form of aligned points, and what it does to the picture.
     fn form(&self, design: &Design, aligned: &PointAlignment) -> MeasuredForm {
-        let near = aligned.residuals.iter().flatten();
-        let near = near.filter(|residual| residual.distance.abs() < aligned.reach_mm);
         let fit = fit_form(&design.mirror, aligned);
         let study = FormStudy::new(design);
         let zone = study.as_ref().and_then(|study| zone_mm(&study.limit()?));
-        let outside = |zone: f64| near.clone().filter(|r| r.distance.abs() > 0.5 * zone).count();
+        let near = |r: &PointResidual| r.distance.abs() < aligned.reach_mm;
+        let used: Vec<bool> = match &fit {
+            Some(fit) => fit.used.clone(),
+            None => aligned.residuals.iter().map(|r| r.as_ref().is_some_and(near)).collect(),
+        };
+        let all = aligned.residuals.iter().zip(&used).filter(|(_, used)| **used);
+        let used: Vec<&PointResidual> = all.filter_map(|(r, _)| r.as_ref()).collect();
+        let outside = |zone: f64| used.iter().filter(|r| r.distance.abs() > 0.5 * zone).count();
         let picture = |fit: &FormFit| study.as_ref()?.pixel_errors(&micrometres(fit));
         MeasuredForm {
             points: aligned.residuals.len(),
-            used: near.clone().count(),
+            used: used.len(),
             probe_mm: self.probe_mm,
             terms: fit.iter().flat_map(|fit| fit.terms.iter().map(facts_of)).collect(),
             rest_um: fit.as_ref().map(|fit| 1e3 * fit.rest_mm),

@@ -34,8 +34,8 @@ fn points_lie_on_the_mirror_evenly_and_away_from_rims_ridges_and_steps() {
             let nearest = nearest.map(|(_, other)| other.at.distance(point.at)).fold(1e9, f64::min);
             assert!(nearest > 0.3 * plan.spacing_mm, "{name} {k}: {nearest}");
         }
-        // Twice the margin leaves fewer, and none beyond a quarter of the side.
-        let fewer = plan_points(mirror, DEGREE, 5.0).points.len();
+        // A larger margin leaves fewer, and one of the mirror's size none.
+        let fewer = plan_points(mirror, DEGREE, 2.0 * plan.spacing_mm).points.len();
         assert!(fewer < plan.points.len(), "{name}: {fewer}");
         assert!(plan_points(mirror, DEGREE, 200.0).points.is_empty(), "{name}");
         let twice = plan_points(mirror, 2 * DEGREE, 1.2).points.len();
@@ -84,6 +84,7 @@ fn terms(design: &Design, round: bool, at: DVec3) -> Vec<f64> {
 struct Touched {
     design: Design,
     plan: InspectionPlan,
+    round: bool,
     motions: DMatrix<f64>,
     terms: DMatrix<f64>,
 }
@@ -107,7 +108,7 @@ impl Touched {
             plan.points.iter().map(|p| terms(&design, round, p.at)).collect();
         let term = |k: usize, j: usize| heights[k][j] * plan.points[k].normal.z;
         let terms = DMatrix::from_fn(count, heights[0].len(), term);
-        Self { design, plan, motions, terms }
+        Self { design, plan, round, motions, terms }
     }
 
     /// What is told of a form, mm: its terms once the best pose has taken what it can.
@@ -126,7 +127,9 @@ impl Touched {
         let stream = RandomStream { seed: 11, trial: run };
         let mut draws = Draws::new(run);
         let mut turn = || 0.1 * (2.0 * draws.unit() - 1.0);
-        let turn = DVec3::new(turn(), turn(), turn());
+        // A turn about the axis of a round mirror is not seen, and turns the form with it.
+        let clocking = if self.round { 0.0 } else { turn() };
+        let turn = DVec3::new(turn(), turn(), clocking);
         let pose = Pose::about(DVec3::ZERO, turn * 20.0, turn);
         let points: Vec<DVec3> = self
             .plan
@@ -158,7 +161,9 @@ fn terms_are_as_uncertain_as_is_said() {
             let form = DVector::from_fn(count, |_, _| 6e-3 * (draws.unit() - 0.5));
             let wanted = touched.beyond_pose(&form);
             let fit = touched.found(&form, NOISE_MM, ball_mm, run);
-            assert_eq!(fit.points, touched.plan.points.len());
+            // (Of some twenty thousand points under normal noise one may be called an outlier.)
+            let out = fit.used.iter().filter(|used| !**used).count();
+            assert!(out <= 1, "{name} {run}: {out}");
             for (term, wanted) in fit.terms.iter().zip(wanted.iter()) {
                 let pull = (term.pv_mm - wanted) / term.uncertainty_mm;
                 within += usize::from(pull.abs() < 3.0);
@@ -357,12 +362,12 @@ fn what_cannot_be_measured_is_refused() {
         ),
         (verify("few.csv", &["--align"]), "few.csv: "),
         (verify("mesh.stl", &["--align", "--probe-mm", "1"]), "leave --probe-mm out"),
-        (verify("few.csv", &["--align", "--probe-mm", "-1"]), "--probe-mm"),
+        (verify("few.csv", &["--align", "--probe-mm", "0"]), "--probe-mm"),
         (
             vec!["inspect", "conquistador", "--degree", "0"],
             "--degree must be a whole number from 1 to 40, found 0",
         ),
-        (vec!["inspect", "conquistador", "--margin-mm", "-1"], "--margin-mm"),
+        (vec!["inspect", "conquistador", "--margin-mm", "inf"], "--margin-mm"),
         (
             vec!["inspect", "conquistador", "--margin-mm", "40"],
             "--margin-mm must be less than half",

@@ -342,7 +342,8 @@ fn commands_know_panels_or_refuse_them() {
     let profile = load(path.to_str().unwrap()).unwrap();
     let out = folder.path().join("out");
     build(&profile, &out, &Silent).unwrap();
-    let (copy, options) = (out.join("p/mirror.stl"), VerifyOptions { units: None, align: true });
+    let (copy, options) =
+        (out.join("p/mirror.stl"), VerifyOptions { align: true, ..VerifyOptions::default() });
     let verify = Verify { path: &copy, options };
     let (found, _) = verify.in_memory(&profile, &Silent).unwrap();
     assert_eq!(found.verdict, Verdict::Pass, "{:?}", found.reasons);

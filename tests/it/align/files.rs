@@ -60,7 +60,8 @@ fn obj(mesh: &TriMesh, normals: &[morion::internals::geom::DVec3]) -> String {
 fn look(file: &Path, limits: [f64; 2], units: Option<LengthUnit>, aligned: bool) -> VerifyReport {
     let folder = file.parent().unwrap();
     let source = load(profile(folder, limits).to_str().unwrap()).unwrap();
-    let verify = Verify { path: file, options: VerifyOptions { units, align: aligned } };
+    let verify =
+        Verify { path: file, options: VerifyOptions { units, align: aligned, probe_mm: None } };
     let report = match aligned {
         true => verify.publish(&source, &folder.join("made"), &Silent),
         false => verify.in_memory(&source, &Silent).map(|(report, _)| report),
@@ -203,7 +204,7 @@ fn a_part_of_another_form_does_not_pass_for_want_of_limits() {
     std::fs::write(&profile, text).unwrap();
     let source = load(profile.to_str().unwrap()).unwrap();
     assert!(source.accept.pixel_error_max_px.is_none());
-    let options = VerifyOptions { units: None, align: true };
+    let options = VerifyOptions { align: true, ..VerifyOptions::default() };
     for (stretch, verdict) in [(1.0, Verdict::Pass), (1.02, Verdict::Fail)] {
         let mut mesh = part.solid.clone();
         mesh.vertices.iter_mut().for_each(|v| v.z *= stretch);
