@@ -4,13 +4,14 @@
 //! Their examples share a profile, `examples/small.toml`, and write into a temporary folder.
 
 use crate::pipeline::{
-    BlurOptions, BuildOptions, Command, Error, FrameOptions, MachiningOptions, RenderOptions,
-    ReplayOptions, Silent, ToleranceOptions, Unwrap, UnwrapOptions, Verify, VerifyOptions, dry_run,
+    BlurOptions, BuildOptions, Command, Error, FrameOptions, InspectOptions, MachiningOptions,
+    RenderOptions, ReplayOptions, Silent, ToleranceOptions, Unwrap, UnwrapOptions, Verify,
+    VerifyOptions, dry_run,
 };
 use crate::profile::Profile;
 use crate::results::{
-    BlurReport, BuildForecast, BuildReport, FrameReport, MachiningReport, RenderReport,
-    ReplayReport, ToleranceReport, UnwrapReport, VerifyReport,
+    BlurReport, BuildForecast, BuildReport, FrameReport, InspectionReport, MachiningReport,
+    RenderReport, ReplayReport, ToleranceReport, UnwrapReport, VerifyReport,
 };
 use std::path::Path;
 
@@ -64,6 +65,22 @@ pub fn forecast(profile: &Profile) -> Result<BuildForecast, Error> {
 pub fn verify(profile: &Profile, path: impl AsRef<Path>) -> Result<VerifyReport, Error> {
     let verify = Verify { path: path.as_ref(), options: VerifyOptions::default() };
     Ok(verify.in_memory(profile, &Silent)?.0)
+}
+
+/// Plans the points at which a measuring machine touches the part, into `out/NAME`.
+///
+/// ```
+/// # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+/// # let out = tempfile::tempdir()?;
+/// let plan = morion::inspect(&profile, &out)?;
+/// assert!(plan.points > 40 && out.path().join("small/inspection.dmi").exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`enum@Error`] as of [`build`].
+pub fn inspect(profile: &Profile, out: impl AsRef<Path>) -> Result<InspectionReport, Error> {
+    InspectOptions::default().publish(profile, out.as_ref(), &Silent)
 }
 
 /// Checks how well the sensor is filled, into `out/NAME`.

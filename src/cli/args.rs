@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::number_args::{aperture, finite, percent, pixels, positive, share, threads, trials};
 use crate::pipeline::LengthUnit;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
@@ -355,73 +356,6 @@ pub enum RowsArg {
     Equirectangular,
     /// Conformal
     Mercator,
-}
-
-/// A number for which `fits` holds; otherwise it says what it must be.
-fn number(text: &str, must: &str, fits: impl Fn(f64) -> bool) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|&x: &f64| x.is_finite() && fits(x));
-    number.ok_or_else(|| format!("it must be {must}"))
-}
-
-/// Most threads: more of them than cores are of no use, and each has a stack.
-const MOST_THREADS: usize = 1024;
-
-fn threads(text: &str) -> Result<usize, String> {
-    let number = text.parse().ok().filter(|n| (1..=MOST_THREADS).contains(n));
-    number.ok_or_else(|| format!("it must be a whole number from 1 to {MOST_THREADS}"))
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    number(text, "a number from 0 to 1", |x| (0.0..=1.0).contains(&x))
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text, "a number of millimetres from 1e-6 to 1e9", |x| (1e-6..=1e9).contains(&x))
-}
-
-fn aperture(text: &str) -> Result<f64, String> {
-    number(text, "a number from 1e-6 to 0.99", |x| (1e-6..=0.99).contains(&x))
-}
-
-/// Pixels, with or without their unit.
-fn pixels(text: &str) -> Result<f64, String> {
-    let number_of = text.trim().trim_end_matches("px").trim();
-    number(number_of, "a number of pixels from 1e-6 to 1e6, as in 0.5px", |x| {
-        (1e-6..=1e6).contains(&x)
-    })
-}
-
-fn finite(text: &str) -> Result<f64, String> {
-    number(text, "a number from -1e9 to 1e9", |x| x.abs() <= 1e9)
-}
-
-/// Most trials of a run.
-const MOST_TRIALS: u64 = 10_000_000;
-/// The last number of a trial: as far as whole numbers of JSON go everywhere.
-const LAST_TRIAL: u64 = 1 << 53;
-
-/// A number of trials, or the numbers of some.
-fn trials(text: &str) -> Result<Range<u64>, String> {
-    let number = |text: &str| text.trim().replace('_', "").parse::<u64>().ok();
-    let range = match text.split_once("..") {
-        None => number(text).map(|count| 0..count),
-        Some((from, to)) => number(from).zip(number(to)).map(|(from, to)| from..to),
-    };
-    match range {
-        Some(range) if range.is_empty() => Err("there must be at least one".into()),
-        Some(range) if range.end > LAST_TRIAL => Err(format!("the last number is {LAST_TRIAL}")),
-        Some(range) if range.end - range.start > MOST_TRIALS => {
-            Err(format!("there must be at most {MOST_TRIALS} at a time; make --part after --part"))
-        }
-        Some(range) => Ok(range),
-        None => Err("write a number, as in 10000, or a range, as in 5000..10000".into()),
-    }
-}
-
-/// A share, from percent.
-fn percent(text: &str) -> Result<f64, String> {
-    let percent = text.trim().trim_end_matches('%').trim();
-    number(percent, "a percentage over 0, as in 0.5%", |p| p > 0.0 && p <= 100.0).map(|p| p / 100.0)
 }
 
 /// How results are printed.

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod failure;
 mod memory;
+mod number_args;
 mod progress;
 mod schemas;
 #[cfg(unix)]

@@ -3,7 +3,7 @@
 use crate::align::{PointAlignment, PointResidual};
 use crate::geom::DVec3;
 use crate::mirror::Mirror;
-use crate::tolerance::{FormBasis, Perturbation};
+use crate::tolerance::{LowFormTerms, Perturbation};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// A term of the form error.
@@ -49,7 +49,7 @@ const ROUNDS: usize = 8;
 /// at the rim is none.
 #[must_use]
 pub fn fit_form(mirror: &Mirror, found: &PointAlignment) -> Option<FormFit> {
-    let basis = FormBasis::new(mirror);
+    let basis = LowFormTerms::new(mirror);
     let count = basis.terms().count();
     let rows = columns(&basis, found)?;
     let mut used: Vec<bool> = found
@@ -84,7 +84,7 @@ pub fn fit_form(mirror: &Mirror, found: &PointAlignment) -> Option<FormFit> {
 
 /// What each point on the mirror is moved by along its normal: by six motions, by the terms, and how far it is off;
 /// none of other points, and none at all where no point is on the mirror.
-fn columns(basis: &FormBasis, found: &PointAlignment) -> Option<Vec<Option<Vec<f64>>>> {
+fn columns(basis: &LowFormTerms, found: &PointAlignment) -> Option<Vec<Option<Vec<f64>>>> {
     let near = found.residuals.iter().flatten();
     let points = near.clone().count();
     if points == 0 {

@@ -12,6 +12,8 @@ mod map;
 mod mesh;
 #[path = "../../fuzz/properties/obj.rs"]
 mod obj;
+#[path = "../../fuzz/properties/points.rs"]
+mod points;
 #[path = "../../fuzz/properties/profile.rs"]
 mod profile;
 #[path = "../../fuzz/properties/step.rs"]
@@ -72,6 +74,11 @@ fn glb_files_of_the_fuzzer_come_to_a_verdict() {
 #[test]
 fn step_files_of_the_fuzzer_are_solids_or_refused() {
     replay("step", step::holds);
+}
+
+#[test]
+fn points_of_the_fuzzer_are_aligned_or_refused() {
+    replay("points", points::holds);
 }
 
 #[test]

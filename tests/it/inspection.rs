@@ -300,7 +300,7 @@ fn a_plan_is_measured_and_judged_in_every_format() {
     // Three times the zone of one term: it is found, and the picture does not pass.
     let bent = |row: &[f64; 6]| {
         let u = row[0] / 30.0;
-        let four = (35.0 * u.powi(4) - 30.0 * u * u + 3.0) / 8.0 / (10.0 / 7.0);
+        let four = (35.0 * u * u * u * u - 30.0 * u * u + 3.0) / 8.0 / (10.0 / 7.0);
         3.0 * zone * four * row[5]
     };
     std::fs::write(at.join("bent.csv"), lines(&bent, ",")).unwrap();

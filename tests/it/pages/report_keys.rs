@@ -201,6 +201,9 @@ fn the_page_of_reports_has_every_key() {
     runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
     reports.push(runs.printed("verify scan.stl --profile round.toml --align"));
     reports.push(runs.printed("verify out/all/mirror.obj --profile all.toml"));
+    runs.printed("inspect all.toml");
+    let points = "verify out/all/inspection.csv --profile all.toml --align --probe-mm 0.001";
+    reports.push(runs.printed(points));
     let headings = ["## `report.json` of a build", "## `report.json` of a verified file"];
     hold(REPORT, &headings, &reports);
     hold(REPORT, &["## `timings.json`"], &[runs.file("out/all/timings.json")]);
@@ -232,6 +235,7 @@ fn the_page_of_studies_has_every_key() {
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
+    hold(STUDIES, &["## `inspection.json`"], &[runs.printed("inspect all.toml")]);
     let bench = runs.printed("bench round.toml --quick --suggest 3px");
     hold(STUDIES, &["## `bench.json`"], &[bench]);
 }

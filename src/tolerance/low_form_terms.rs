@@ -8,11 +8,11 @@ use crate::tolerance_terms::{ErrorSourceRow, FormMeasure, FormTerm, Perturbation
 
 /// The low terms of a mirror: Legendre's over a rectangle, Zernike's over a disc or a ring.
 #[derive(Debug, Clone)]
-pub struct FormBasis {
+pub struct LowFormTerms {
     terms: Vec<(Perturbation, FormField)>,
 }
 
-impl FormBasis {
+impl LowFormTerms {
     /// The terms that are error sources of `mirror`.
     #[must_use]
     pub fn new(mirror: &Mirror) -> Self {
