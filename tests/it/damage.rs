@@ -412,7 +412,10 @@ fn verify_tells_whole_files_from_damaged_and_unreadable_ones() {
 
     std::fs::write(home.join("mirror.igs"), &stl).unwrap();
     for (file, why) in [
-        ("mirror.igs", "the name must end in .step, .stp, .stl, .obj, .3mf or .glb"),
+        (
+            "mirror.igs",
+            "the name must end in .step, .stp, .csv, .xyz, .txt, .asc, .ply, .stl, .obj, .3mf or .glb",
+        ),
         ("nowhere.stl", "cannot read nowhere.stl"),
     ] {
         let (code, out, err) = verify(file);
