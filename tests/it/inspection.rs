@@ -2,7 +2,7 @@
 
 use crate::support::builds::{folder, morion, save, told};
 use crate::support::draws::Draws;
-use crate::support::{refused, shipped, shipped_text};
+use crate::support::{refused, shipped, shipped_text, times};
 use morion::internals::align::{Pose, align_points};
 use morion::internals::design::{Design, design};
 use morion::internals::geom::DVec3;
@@ -150,13 +150,13 @@ impl Touched {
 /// neither too small nor too large.
 #[test]
 fn terms_are_as_uncertain_as_is_said() {
-    const RUNS: u64 = 100;
+    let runs = times(25, 100) as u64;
     const NOISE_MM: f64 = 5e-4;
     for (name, round, ball_mm) in [("conquistador", false, 0.0), ("hyperbolic", true, 1.0)] {
         let touched = Touched::new(name, round);
         let count = touched.terms.ncols();
         let (mut within, mut squares, mut rest) = (0, 0.0, 0.0);
-        for run in 0..RUNS {
+        for run in 0..runs {
             let mut draws = Draws::new(1000 + run);
             let form = DVector::from_fn(count, |_, _| 6e-3 * (draws.unit() - 0.5));
             let wanted = touched.beyond_pose(&form);
@@ -171,12 +171,14 @@ fn terms_are_as_uncertain_as_is_said() {
             }
             rest += fit.rest_mm / NOISE_MM;
         }
-        let tried = (RUNS as usize * count) as f64;
-        let share = within as f64 / tried;
-        assert!((0.95..=0.9995).contains(&share), "{name}: {share}");
-        let spread = (squares / tried).sqrt();
-        assert!((0.9..1.1).contains(&spread), "{name}: {spread}");
-        assert!((rest / RUNS as f64 - 1.0).abs() < 0.02, "{name}: {rest}");
+        let tried = runs as usize * count;
+        // Of a thousand normal numbers three are further off; of some hundred there may be none.
+        let most = if tried > 700 { 0.9995 } else { 1.0 };
+        let share = within as f64 / tried as f64;
+        assert!((0.95..=most).contains(&share), "{name}: {share}");
+        let spread = (squares / tried as f64).sqrt();
+        assert!((0.88..1.12).contains(&spread), "{name}: {spread}");
+        assert!((rest / runs as f64 - 1.0).abs() < 0.03, "{name}: {rest}");
     }
 }
 

@@ -63,7 +63,7 @@ fn no_advice_of_a_mesh_is_without_a_number() {
         let random = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
         let mut runner = TestRunner::new_with_rng(Config::default(), random);
         let mut said = Vec::new();
-        for _ in 0..4 {
+        for _ in 0..times(2, 4) {
             let tree = wanted::strategy().new_tree(&mut runner).expect("numbers");
             let Wanted { text, heights, .. } = tree.current();
             let texts = LIMITS.iter().map(|limits| with_limits(&text, limits));
