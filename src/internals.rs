@@ -62,6 +62,9 @@ pub mod report {
 pub mod results {
     pub use crate::results::*;
 }
+pub mod sheet {
+    pub use crate::sheet::*;
+}
 pub mod solid {
     pub use crate::solid::*;
 }

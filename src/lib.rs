@@ -91,6 +91,7 @@ mod raster;
 mod render;
 mod report;
 mod results;
+mod sheet;
 mod solid;
 #[cfg(feature = "studio")]
 mod studio;

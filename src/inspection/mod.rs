@@ -7,4 +7,4 @@ mod plan;
 
 pub use dmis::write_dmis;
 pub use form_fit::{FittedTerm, FormFit, fit_form};
-pub use plan::{InspectionPlan, MOST_DEGREE, PlannedPoint, least_margin_mm, plan_points};
+pub use plan::{InspectionPlan, MOST_DEGREE, PlannedPoint, least_margin_mm, plan_points, rims};

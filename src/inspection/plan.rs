@@ -63,6 +63,18 @@ pub fn plan_points(mirror: &Mirror, degree: usize, margin_mm: f64) -> Inspection
     InspectionPlan { points: points.collect(), spacing_mm }
 }
 
+/// The rims of the mirror's panels, closed, mm.
+#[must_use]
+pub fn rims(mirror: &Mirror) -> Vec<Vec<DVec3>> {
+    let of = |panel: &Mirror| {
+        let mut rim: Vec<DVec3> =
+            rim(panel.outline).into_iter().map(|q| touched(panel, q).at).collect();
+        rim.extend(rim.first().copied());
+        rim
+    };
+    mirror.panels().iter().map(of).collect()
+}
+
 fn touched(mirror: &Mirror, q: DVec2) -> PlannedPoint {
     let point = mirror.at(q);
     let normal = mirror.normal(q, &point).normalize();

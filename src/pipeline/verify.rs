@@ -17,7 +17,7 @@ use crate::part::{Promise, codec};
 use crate::profile::{CadFormat, MeshFormat, Profile};
 use crate::publish;
 use crate::raster::{EncodingError, FalseColourMap};
-use crate::report::form_map;
+use crate::report::{form_map, inspection_sheet};
 use crate::results::{
     AlignmentFacts, FileFacts, FileFault, Reason, SCHEMA, ShapeFault, UnitFacts, VerifyReport,
 };
@@ -51,8 +51,9 @@ enum VerifiedFormat {
     Points(PointFormat),
 }
 
-/// The form error's map.
+/// The form error's map, and the sheet of a list of points.
 const MAP: &str = "form_error.png";
+const SHEET: &str = "inspection.pdf";
 
 /// Verifies the file at `path` in the part frame, with units by size.
 ///
@@ -109,8 +110,9 @@ impl Command for Verify<'_> {
         if let VerifiedFormat::Points(format) = format {
             let VerifyOptions { units, probe_mm, .. } = self.options;
             let list = PointList { name: self.name(), format, units, probe_mm };
-            let report = list.verified(run, &design, &bytes)?;
-            publish_maps(run, (None, None), &report)?;
+            let (report, map) = list.verified(run, &design, &bytes)?;
+            let sheet = inspection_sheet(&report, &map);
+            publish_maps(run, (None, None), sheet.as_deref(), &report)?;
             return Ok(report);
         }
         let form = Form::of(&design.mirror);
@@ -172,7 +174,7 @@ impl Command for Verify<'_> {
         };
         if measured || run.files.folder().is_some() {
             let errors = found.errors.and_then(|errors| errors.drawn(&design));
-            publish_maps(run, (map, errors.as_ref()), &report)?;
+            publish_maps(run, (map, errors.as_ref()), None, &report)?;
         }
         Ok(report)
     }
@@ -395,10 +397,11 @@ fn place(reread: &mut ImportedMesh, alignment: &Alignment) {
     }
 }
 
-/// Writes the report, its page, and the form error's map of a measured part.
+/// Writes the report, its page, the form error's map of a measured part, and the sheet of one that was touched.
 fn publish_maps(
     run: &mut Run,
     (map, errors): (Option<&FormMap>, Option<&FalseColourMap>),
+    sheet: Option<&[u8]>,
     report: &VerifyReport,
 ) -> Result<(), Error> {
     let picture = |error: EncodingError| Error::Picture(error.to_string());
@@ -409,6 +412,12 @@ fn publish_maps(
                 files.add_bytes(MAP, &map.png().map_err(picture)?)?;
             }
             None => files.remove(MAP),
+        }
+        match sheet {
+            Some(sheet) => {
+                files.add_bytes(SHEET, sheet)?;
+            }
+            None => files.remove(SHEET),
         }
         let page = report.html(errors, map.as_ref()).map_err(picture)?;
         files.add_bytes("report.html", page.as_bytes())?;

@@ -7,11 +7,12 @@ use super::{Error, Stage};
 use crate::align::{FormMap, LengthUnit, PointAlignment, PointResidual, SizeRange, align_points};
 use crate::design::Design;
 use crate::export::{PointFormat, read_points};
-use crate::geom::TriMesh;
-use crate::inspection::{FittedTerm, FormFit, fit_form};
+use crate::geom::{DVec3, TriMesh};
+use crate::inspection::{FittedTerm, FormFit, fit_form, rims};
 use crate::mirror::Form;
 use crate::part::Promise;
 use crate::publish::sha256;
+use crate::report::InspectionMap;
 use crate::results::{
     AlignmentFacts, FileFacts, FileFault, FormTermFacts, MeasuredForm, PictureFault, Reason,
     SCHEMA, UnitFacts, VerifyReport,
@@ -37,16 +38,18 @@ struct PointFindings {
     alignment: AlignmentFacts,
     form: MeasuredForm,
     departures: FormMap,
+    map: InspectionMap,
 }
 
 impl PointList {
-    /// Reads the points, brings them to millimetres and into the part's frame, and judges the form that they show.
+    /// Reads the points, brings them to millimetres and into the part's frame, and judges the form that they show; and
+    /// where they are.
     pub(super) fn verified(
         &self,
         run: &Run,
         design: &Design,
         bytes: &[u8],
-    ) -> Result<VerifyReport, Error> {
+    ) -> Result<(VerifyReport, InspectionMap), Error> {
         let (found, unreadable) = match self.looked_at(run, design, bytes)? {
             Ok(found) => (Some(found), None),
             Err(fault) => (None, Some(Reason::from(fault).of_file(&self.name))),
@@ -72,11 +75,11 @@ impl PointList {
             Some(found) => (found.departures.error(), Some(found)),
             None => (None, None),
         };
-        let (units, alignment, measured_form) = match found {
-            Some(found) => (Some(found.units), Some(found.alignment), Some(found.form)),
-            None => (None, None, None),
+        let (units, alignment, measured_form, map) = match found {
+            Some(found) => (Some(found.units), Some(found.alignment), Some(found.form), found.map),
+            None => (None, None, None, InspectionMap::default()),
         };
-        Ok(VerifyReport {
+        let report = VerifyReport {
             schema: SCHEMA,
             profile: run.profile.into(),
             layout: design.mounting,
@@ -94,7 +97,8 @@ impl PointList {
             verdict: verdict::of(&reasons),
             reasons,
             warnings,
-        })
+        };
+        Ok((report, map))
     }
 
     /// Why the part does not pass.
@@ -154,6 +158,7 @@ impl PointList {
         });
         let mm = aligned.residuals.iter().map(|r| r.map_or(f64::NAN, |r| r.distance)).collect();
         Ok(Ok(PointFindings {
+            map: map(design, &aligned),
             units,
             alignment: AlignmentFacts::new(&aligned.alignment),
             form,
@@ -188,6 +193,16 @@ impl PointList {
             surface_profile_mm: zone,
             outside: zone.map(outside),
         }
+    }
+}
+
+/// The points in the plan, between the mirror's rims.
+fn map(design: &Design, aligned: &PointAlignment) -> InspectionMap {
+    let flat = |rim: Vec<DVec3>| rim.into_iter().map(DVec3::truncate).collect();
+    let points = aligned.residuals.iter().flatten();
+    InspectionMap {
+        rims: rims(&design.mirror).into_iter().map(flat).collect(),
+        points: points.map(|r| (r.at.truncate(), 1e3 * r.distance)).collect(),
     }
 }
 

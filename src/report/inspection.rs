@@ -75,9 +75,9 @@ impl ToRows for MeasuredForm {
             rows.named("picture", "picture with this form", sentence);
         }
         for (k, term) in self.terms.iter().enumerate() {
-            // (No more digits than it deserves.)
-            let unit = 0.01 * term.uncertainty_um;
-            let um = if unit > 0.0 { (term.pv_um / unit).round() * unit + 0.0 } else { term.pv_um };
+            // (What is far below its uncertainty is nothing.)
+            let is_some = term.pv_um.abs() > 0.001 * term.uncertainty_um;
+            let um = if is_some { term.pv_um } else { 0.0 };
             let [um, uncertainty] = [um, term.uncertainty_um].map(digits);
             let sentence =
                 format!("{um} um from peak to valley, +- {uncertainty} um: {}", term.term);

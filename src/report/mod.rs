@@ -11,6 +11,7 @@ mod build_forecast;
 mod fact_rows;
 mod frame;
 mod inspection;
+mod inspection_sheet;
 mod least_error;
 mod machining;
 mod maps;
@@ -30,6 +31,7 @@ mod visible;
 pub use answer::{Answer, AnswerRows, Head, ToRows};
 pub use build_figures::{BuildFigures, PartFigures};
 pub use inspection::inspection_csv;
+pub use inspection_sheet::{InspectionMap, inspection_sheet};
 pub use maps::{curl_map, design_error_map, form_map, gouge_map, pixel_error_map, spot_map};
 #[cfg(feature = "studio")]
 pub(crate) use page::{MapLetter, STYLE, THREE, VIEWER, map_letters};

@@ -311,6 +311,15 @@ fn a_plan_is_measured_and_judged_in_every_format() {
     let reasons = report["reasons"].to_string();
     assert!(reasons.contains("bent.csv: ") && reasons.contains("pixel error"), "{reasons}");
     let terms = report["measured_form"]["terms"].as_array().unwrap();
+    let sheet = std::fs::read(at.join("out/conquistador-verify/inspection.pdf")).unwrap();
+    let holds = |word: &str| sheet.windows(word.len()).any(|found| found == word.as_bytes());
+    assert!(
+        sheet.starts_with(b"%PDF-") && holds("(FAIL)") && holds("Legendre term of degree 4 in X")
+    );
+    for term in terms {
+        let [um, uncertainty] = ["pv_um", "uncertainty_um"].map(|key| term[key].as_f64().unwrap());
+        assert!(holds(&format!("({um:.3})")) && holds(&format!("({uncertainty:.3})")), "{term}");
+    }
     let term = terms.iter().find(|term| term["term"] == "legendre_40_um").unwrap();
     assert!(term["pv_um"].as_f64().unwrap() > 2000.0 * zone, "{term}");
 }

@@ -16,6 +16,7 @@ const ALL_ABOVE: &[&str] = &["..."];
 const TABLE: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("num", &["parallel"]),
+    ("sheet", &[]),
     ("tolerance_terms", &["num"]),
     ("geom", &["num", "parallel"]),
     ("raster", &["num"]),

@@ -1,0 +1,53 @@
+//! The font of sheets: DejaVu Sans, cut down to Latin 1.
+
+use std::sync::LazyLock;
+use ttf_parser::Face;
+
+/// Letters of Latin 1 as TrueType, made of DejaVu Sans by fontTools' `pyftsubset`: licence beside it.
+pub(super) const FILE: &[u8] = include_bytes!("font/DejaVuSans-latin1.ttf");
+/// First and last character that the font is asked for.
+pub(super) const FIRST: u8 = 32;
+pub(super) const LAST: u8 = 255;
+
+/// Figures of the font, in thousandths of the size of its letters.
+pub(super) struct FontFigures {
+    /// Widths of the characters from the first to the last; 0 of those that there are not.
+    pub widths: Vec<f32>,
+    pub ascent: f32,
+    pub descent: f32,
+    pub cap_height: f32,
+    pub bounds: [f32; 4],
+}
+
+pub(super) static FIGURES: LazyLock<FontFigures> = LazyLock::new(|| {
+    // (The file is a part of this program.)
+    let face = Face::parse(FILE, 0).expect("the font that is built in");
+    let scale = 1000.0 / f32::from(face.units_per_em());
+    let width = |character: u8| {
+        let glyph = face.glyph_index(char::from(character));
+        let advance = glyph.and_then(|glyph| face.glyph_hor_advance(glyph));
+        advance.map_or(0.0, |advance| f32::from(advance) * scale)
+    };
+    let bounds = face.global_bounding_box();
+    let ends = [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max];
+    FontFigures {
+        widths: (FIRST..=LAST).map(width).collect(),
+        ascent: f32::from(face.ascender()) * scale,
+        descent: f32::from(face.descender()) * scale,
+        cap_height: f32::from(face.capital_height().unwrap_or(face.ascender())) * scale,
+        bounds: ends.map(|end| f32::from(end) * scale),
+    }
+});
+
+/// Text in the font's encoding, Latin 1 in which 0x80 to 0x9f are nothing; what it has not is a question mark.
+pub(super) fn encoded(text: &str) -> Vec<u8> {
+    let is_letter = |byte: &u8| matches!(byte, 32..=126 | 160..=255);
+    let byte = |c: char| u8::try_from(u32::from(c)).ok().filter(is_letter).unwrap_or(b'?');
+    text.chars().map(byte).collect()
+}
+
+/// Width, mm, of a line of text with letters of this size.
+pub(super) fn text_width_mm(text: &str, size_mm: f64) -> f64 {
+    let width = |byte: u8| f64::from(FIGURES.widths[usize::from(byte - FIRST)]);
+    encoded(text).into_iter().map(width).sum::<f64>() * size_mm / 1000.0
+}
