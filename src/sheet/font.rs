@@ -51,3 +51,19 @@ pub(super) fn text_width_mm(text: &str, size_mm: f64) -> f64 {
     let width = |byte: u8| f64::from(FIGURES.widths[usize::from(byte - FIRST)]);
     encoded(text).into_iter().map(width).sum::<f64>() * size_mm / 1000.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_letter_of_latin_1_has_a_width_and_others_are_question_marks() {
+        assert_eq!(encoded("\u{b1}0.5 \u{b5}m\u{2300}\n"), b"\xb10.5 \xb5m??");
+        for byte in (32..=126).chain(160..=255) {
+            assert!(FIGURES.widths[usize::from(byte - FIRST)] > 0.0, "{byte}");
+        }
+        // DejaVu's digits are 1303 of 2048 wide.
+        let wide = text_width_mm("0123456789", 3.0);
+        assert!((wide - 30.0 * 1303.0 / 2048.0).abs() < 1e-4, "{wide}");
+    }
+}
