@@ -2,7 +2,7 @@
 
 use super::normal_equations::{AlignmentResidual, residuals};
 use super::reference_surface::ReferenceSurface;
-use super::{AlignError, Alignment, OUTLIER, VertexPatch, aligned};
+use super::{AlignError, Alignment, FACE, OUTLIER, VertexPatch, aligned};
 use crate::geom::{DVec2, DVec3};
 use crate::mirror::Mirror;
 
@@ -22,7 +22,8 @@ pub struct PointResidual {
 pub struct PointAlignment {
     /// The pose.
     pub alignment: Alignment,
-    /// What each point says of the mirror, in their order; none of a point beside it.
+    /// What each point says of the mirror, in their order; none of a point beside it, or so far from it that it belongs to
+    /// another face.
     pub residuals: Vec<Option<PointResidual>>,
     /// Distance from which on a point is an outlier, mm.
     pub reach_mm: f64,
@@ -56,7 +57,9 @@ pub fn align_points(
         normal: found.normal,
         distance: found.distance,
     };
-    let residuals = found.into_iter().map(|found| found.map(residual)).collect();
+    let face_mm = FACE * reference.width;
+    let of_face = |found: &AlignmentResidual| found.distance.abs() < face_mm;
+    let residuals = found.into_iter().map(|found| found.filter(of_face).map(residual)).collect();
     let reach_mm = OUTLIER * alignment.scale_mm;
     Ok(PointAlignment { alignment, residuals, reach_mm })
 }

@@ -152,13 +152,14 @@ impl PointList {
             Ok((found, note))
         })?;
         let form = run.timer.always(Stage::Trace, || {
-            let form = self.form(design, &aligned);
+            let (form, used) = self.form(design, &aligned);
             let note = format!("{} points, {} terms", form.used, form.terms.len());
-            (form, note)
+            ((form, used), note)
         });
+        let (form, used) = form;
         let mm = aligned.residuals.iter().map(|r| r.map_or(f64::NAN, |r| r.distance)).collect();
         Ok(Ok(PointFindings {
-            map: map(design, &aligned),
+            map: map(design, &used),
             units,
             alignment: AlignmentFacts::new(&aligned.alignment),
             form,
@@ -169,8 +170,12 @@ impl PointList {
         }))
     }
 
-    /// The form of aligned points, and what it does to the picture.
-    fn form(&self, design: &Design, aligned: &PointAlignment) -> MeasuredForm {
+    /// The form of aligned points and what it does to the picture, and the points that it rests on.
+    fn form(
+        &self,
+        design: &Design,
+        aligned: &PointAlignment,
+    ) -> (MeasuredForm, Vec<PointResidual>) {
         let fit = fit_form(&design.mirror, aligned);
         let study = FormStudy::new(design);
         let zone = study.as_ref().and_then(|study| zone_mm(&study.limit()?));
@@ -180,10 +185,10 @@ impl PointList {
             None => aligned.residuals.iter().map(|r| r.as_ref().is_some_and(near)).collect(),
         };
         let all = aligned.residuals.iter().zip(&used).filter(|(_, used)| **used);
-        let used: Vec<&PointResidual> = all.filter_map(|(r, _)| r.as_ref()).collect();
+        let used: Vec<PointResidual> = all.filter_map(|(r, _)| *r).collect();
         let outside = |zone: f64| used.iter().filter(|r| r.distance.abs() > 0.5 * zone).count();
         let picture = |fit: &FormFit| study.as_ref()?.pixel_errors(&micrometres(fit));
-        MeasuredForm {
+        let form = MeasuredForm {
             points: aligned.residuals.len(),
             used: used.len(),
             probe_mm: self.probe_mm,
@@ -192,17 +197,17 @@ impl PointList {
             pixel_error_px: fit.as_ref().and_then(picture),
             surface_profile_mm: zone,
             outside: zone.map(outside),
-        }
+        };
+        (form, used)
     }
 }
 
 /// The points in the plan, between the mirror's rims.
-fn map(design: &Design, aligned: &PointAlignment) -> InspectionMap {
+fn map(design: &Design, used: &[PointResidual]) -> InspectionMap {
     let flat = |rim: Vec<DVec3>| rim.into_iter().map(DVec3::truncate).collect();
-    let points = aligned.residuals.iter().flatten();
     InspectionMap {
         rims: rims(&design.mirror).into_iter().map(flat).collect(),
-        points: points.map(|r| (r.at.truncate(), 1e3 * r.distance)).collect(),
+        points: used.iter().map(|r| (r.at.truncate(), 1e3 * r.distance)).collect(),
     }
 }
 

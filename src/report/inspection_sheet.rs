@@ -10,7 +10,7 @@ use crate::tolerance_terms::ErrorSourceRow;
 pub struct InspectionMap {
     /// Rims of the mirror's panels.
     pub rims: Vec<Vec<DVec2>>,
-    /// Points on the mirror, and how far the made surface is off there, um.
+    /// Points on the mirror that are no outliers, and how far the made surface is off there, um.
     pub points: Vec<(DVec2, f64)>,
 }
 
@@ -88,8 +88,11 @@ fn figures(sheet: &mut Sheet, report: &VerifyReport, form: &MeasuredForm, y: f64
         lines.push(format!("picture with this form off by {rms} px RMS, {max} at most{allowed}"));
     }
     if let Some(error) = &report.form_error_um {
-        let [pv, rms] = [error.all.pv, error.all.rms].map(digits);
-        lines.push(format!("departure from the design {pv} um from peak to valley, {rms} um RMS"));
+        let inner = &error.without_outliers;
+        let [pv, rms] = [inner.pv, inner.rms].map(digits);
+        lines.push(format!(
+            "departure from the design {pv} um from peak to valley, {rms} um RMS without outliers"
+        ));
     }
     if let (Some(mm), Some(outside)) = (form.surface_profile_mm, form.outside) {
         lines.push(format!("profile tolerance {} mm: {outside} points outside", digits(mm)));
@@ -113,7 +116,7 @@ fn terms(sheet: &mut Sheet, form: &MeasuredForm, y: f64) -> f64 {
     sheet.rule(y - 1.4, [LEFT, COLUMNS[2]], 0.25);
     let mut y = y - ROW - 0.6;
     for term in &form.terms {
-        let [um, uncertainty] = [term.pv_um, term.uncertainty_um].map(|um| format!("{um:.3}"));
+        let [um, uncertainty] = [term.pv_um, term.uncertainty_um].map(|um| coordinate(um, 3));
         row(sheet, y, [&described(&term.term), &um, &uncertainty]);
         y -= ROW;
     }

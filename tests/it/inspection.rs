@@ -299,6 +299,13 @@ fn a_plan_is_measured_and_judged_in_every_format() {
     let (code, report) = verdict("ball.csv", &["--probe-mm", "1.5"]);
     assert_eq!((code, &report["measured_form"]["probe_mm"]), (0, &1.5.into()));
     assert!(report["form_error_um"]["pv"].as_f64().unwrap() < 0.01, "{report}");
+    // Wrong touches on the base and in the air are of no mirror's form: as far as that the sheet's map would show nothing else.
+    let base = "1,2,0\n-9,4,0\n12,-7,0\n0,9,90\n";
+    std::fs::write(at.join("base.csv"), lines(&|_| 0.0, ",") + base).unwrap();
+    let (code, report) = verdict("base.csv", &[]);
+    assert_eq!((code, &report["measured_form"]["used"]), (0, &table.len().into()));
+    assert_eq!(report["measured_form"]["points"], table.len() + 4);
+    assert!(report["form_error_um"]["pv"].as_f64().unwrap() < 0.01, "{}", report["form_error_um"]);
     // Three times the zone of one term: it is found, and the picture does not pass.
     let bent = |row: &[f64; 6]| {
         let u = row[0] / 30.0;

@@ -37,9 +37,9 @@ pub enum PlyError {
         most: usize,
     },
     /// Its data end before its elements do.
-    #[error("its data end before element {element} of {name}")]
+    #[error("its data end before element {element} of {name:?}")]
     Short {
-        /// Name of the element.
+        /// Name of the element, cut short.
         name: String,
         /// Its number, from 1.
         element: usize,
@@ -151,7 +151,8 @@ pub(super) fn read_ply(bytes: &[u8], most: usize) -> Result<Vec<DVec3>, PlyError
     let (encoding, elements, start) = header(bytes)?;
     let mut data = PlyData { rest: &bytes[start..], encoding };
     for element in &elements {
-        let short = |k: usize| PlyError::Short { name: element.name.clone(), element: k + 1 };
+        let name = || element.name.chars().take(QUOTED).collect();
+        let short = |k: usize| PlyError::Short { name: name(), element: k + 1 };
         let room = data.rest.len().saturating_add(1);
         let least = element.least_bytes(encoding).max(1);
         if element.count > 0 && element.count.saturating_sub(1) > room / least {
@@ -364,6 +365,10 @@ mod tests {
         ] {
             assert_eq!(read_ply(text.as_bytes(), 9), Err(wanted), "{text}");
         }
+        // A name that would steer a terminal.
+        let steering = b"ply\nformat ascii 1.0\nelement \x1b[31m 9\nproperty int n\nend_header\n";
+        let said = read_ply(steering, 9).unwrap_err().to_string();
+        assert!(said.contains("of \"\\u{1b}[31m\"") && !said.contains(char::is_control), "{said}");
         // Lists of negative length, and of one that no memory has.
         let lists = |length: &[u8]| {
             let head = "ply\nformat binary_little_endian 1.0\nelement a 1\nproperty list int double ids\n\
