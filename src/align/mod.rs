@@ -125,7 +125,7 @@ const LEAST_COVERED: f64 = 0.25;
 const UNLIKE: f64 = 0.005;
 /// Standard deviations from which on a vertex is an outlier: the biweight then keeps 95 % of least
 /// squares' efficiency under normal noise.
-const OUTLIER: f64 = 4.685;
+pub(crate) const OUTLIER: f64 = 4.685;
 /// Distance, as a share of the width, beyond which facets do not belong to the optical face.
 const FACE: f64 = 0.05;
 /// Width of the strip at rim and fold that is left out, as a share of the width: edges are rounded, their

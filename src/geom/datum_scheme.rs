@@ -8,8 +8,10 @@ use std::fmt;
 pub enum DatumFeature {
     /// The plane base.
     Base,
-    /// The plane outer side with this outward normal.
-    Side(DVec2),
+    /// The plane outer side towards -Y.
+    FrontSide,
+    /// The plane outer side towards -X.
+    LeftSide,
     /// The round outer side.
     Outside,
     /// A through hole of the flat rim: its number among all holes of the part, from 1.
@@ -20,8 +22,8 @@ impl fmt::Display for DatumFeature {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Base => f.write_str("base"),
-            Self::Side(out) if out.x == 0.0 => f.write_str("side towards -Y"),
-            Self::Side(_) => f.write_str("side towards -X"),
+            Self::FrontSide => f.write_str("side towards -Y"),
+            Self::LeftSide => f.write_str("side towards -X"),
             Self::Outside => f.write_str("round outside"),
             Self::Hole(k) => write!(f, "hole {k}"),
         }
@@ -62,15 +64,21 @@ impl DatumScheme {
     pub fn lettered(&self) -> impl Iterator<Item = (char, DatumFeature)> {
         ('A'..='C').zip(self.0.iter().copied())
     }
+
+    /// The features in words, each with its letter.
+    #[must_use]
+    pub fn words(&self) -> Vec<String> {
+        self.lettered().map(|(letter, feature)| format!("{letter} {feature}")).collect()
+    }
 }
 
 /// The sides of a rectangle that a part can be set against, the longer one first.
 fn sides(half: DVec2, corner_mm: f64) -> impl Iterator<Item = DatumFeature> {
     let [along_x, along_y] = [half.x, half.y].map(|half| 2.0 * (half - corner_mm));
-    let mut both = [(DVec2::NEG_Y, along_x), (DVec2::NEG_X, along_y)];
+    let mut both = [(DatumFeature::FrontSide, along_x), (DatumFeature::LeftSide, along_y)];
     both.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let long = |(_, length): &(DVec2, f64)| *length >= DatumScheme::LEAST_SIDE_MM;
-    both.into_iter().filter(long).map(|(out, _)| DatumFeature::Side(out))
+    let long = |(_, length): &(DatumFeature, f64)| *length >= DatumScheme::LEAST_SIDE_MM;
+    both.into_iter().filter(long).map(|(side, _)| side)
 }
 
 #[cfg(test)]
@@ -79,9 +87,7 @@ mod tests {
     use crate::geom::{Drilled, Land};
 
     fn words(border: Option<&Border>, walls: Option<Contour>) -> String {
-        let scheme = DatumScheme::new(border, walls);
-        let all = scheme.lettered().map(|(letter, feature)| format!("{letter} {feature}"));
-        all.collect::<Vec<_>>().join(", ")
+        DatumScheme::new(border, walls).words().join(", ")
     }
 
     fn border(contour: Contour, holes: usize) -> Border {

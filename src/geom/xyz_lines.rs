@@ -1,6 +1,7 @@
 //! Text of one place a line: X, Y and Z in any of the usual dialects.
 
 use std::str::FromStr;
+use thiserror::Error;
 
 /// A line's place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,14 +13,16 @@ pub struct XyzLine {
 }
 
 /// Why a line is none of X, Y and Z, with its number from 1.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum XyzFault {
     /// Not text.
+    #[error("line {line}: a list of points must be UTF-8 text, found other bytes")]
     NotText {
         /// Line.
         line: usize,
     },
     /// A line with fewer than three columns.
+    #[error("line {line}: a line must hold X, Y and Z, found {found:?}")]
     Columns {
         /// Line.
         line: usize,
@@ -27,6 +30,10 @@ pub enum XyzFault {
         found: String,
     },
     /// A column that is no finite number.
+    #[error(
+        "line {line}: {axis} must be a finite number, found {found:?}; the first three columns are X, Y and Z, with \
+         decimal points"
+    )]
     Number {
         /// Line.
         line: usize,
@@ -36,9 +43,12 @@ pub enum XyzFault {
         found: String,
     },
     /// One line more than may be.
+    #[error("a list must have at most {most} points, found more; thin it out")]
     TooMany {
         /// The first line too many.
         line: usize,
+        /// Most that there may be.
+        most: usize,
     },
 }
 
@@ -72,7 +82,7 @@ pub fn xyz_lines(bytes: &[u8], most: usize) -> Result<Vec<XyzLine>, XyzFault> {
         };
         let at = [value('X', x)?, value('Y', y)?, value('Z', z)?];
         if places.len() == most {
-            return Err(XyzFault::TooMany { line: number });
+            return Err(XyzFault::TooMany { line: number, most });
         }
         places.push(XyzLine { at, line: u32::try_from(number).unwrap_or(u32::MAX) });
     }

@@ -1,6 +1,6 @@
 //! Measured points to form terms with their uncertainty, beyond what a better pose would take away.
 
-use crate::align::{PointAlignment, PointResidual};
+use crate::align::{OUTLIER, PointAlignment, PointResidual};
 use crate::geom::DVec3;
 use crate::mirror::Mirror;
 use crate::tolerance::{LowFormTerms, Perturbation};
@@ -34,8 +34,7 @@ const MOTIONS: usize = 6;
 /// to rounding.
 const FREE: f64 = 1e-3;
 const ROUNDING: f64 = 1e-6;
-/// Standard deviations from which on a point is an outlier, as of meshes, and the least standard deviation, mm.
-const OUTLIER: f64 = 4.685;
+/// Least standard deviation from which outliers are told, mm.
 const ROUNDING_MM: f64 = 1e-9;
 
 /// Rounds in which points are told from outliers of the form found so far.

@@ -10,7 +10,6 @@ use crate::export::sag_points;
 use crate::mirror::Form;
 use crate::part::cad;
 use crate::profile::{self, CadFormat, Profile};
-use crate::publish::sha256;
 use crate::results::{FileFacts, FileFault};
 
 /// The files of the mirror of `design` that the profile asks for, each ready to be written.
@@ -54,12 +53,7 @@ pub(super) fn check_export(
 ) -> CadCheck {
     run.timer.always(Stage::Read, || {
         let format = export.format();
-        let file = FileFacts {
-            name: format.file_name().to_owned(),
-            format: format.name().into(),
-            bytes: bytes.len() as u64,
-            sha256: sha256(bytes),
-        };
+        let file = FileFacts::of(format.file_name(), format.name(), bytes);
         let mut findings = export.check(bytes);
         if file.sha256 != written_sha256 {
             findings.faults.insert(0, FileFault::Altered);

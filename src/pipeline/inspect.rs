@@ -6,7 +6,6 @@ use super::{Error, Stage};
 use crate::design::Design;
 use crate::inspection::{InspectionPlan, MOST_DEGREE, least_margin_mm, plan_points, write_dmis};
 use crate::profile::Profile;
-use crate::publish::sha256;
 use crate::report::{Answer, inspection_csv};
 use crate::results::{FileFacts, InspectionReport, SCHEMA};
 
@@ -48,7 +47,7 @@ impl Command for InspectOptions {
     fn run(&self, run: &mut Run) -> Result<InspectionReport, Error> {
         let design = run.design()?;
         let margin_mm = self.margin_mm.unwrap_or_else(|| least_margin_mm(&design.mirror));
-        let (plan, limit) = run.timer.always(Stage::Forecast, || {
+        let (plan, limit) = run.timer.always(Stage::Plan, || {
             let plan = plan_points(&design.mirror, self.degree, margin_mm);
             let limit = FormStudy::new(&design).and_then(|study| study.limit());
             let note = format!("{} points", plan.points.len());
@@ -61,7 +60,6 @@ impl Command for InspectOptions {
                 found: margin_mm.to_string(),
             });
         }
-        let datums = design.datums();
         let mut report = InspectionReport {
             schema: SCHEMA,
             profile: run.profile.into(),
@@ -69,7 +67,7 @@ impl Command for InspectOptions {
             points: plan.points.len(),
             spacing_mm: plan.spacing_mm,
             margin_mm,
-            datums: datums.lettered().map(|(letter, datum)| format!("{letter} {datum}")).collect(),
+            datums: design.datums().words(),
             surface_profile_mm: limit.as_ref().and_then(zone_mm),
             limited_by: limit.map(|limit| limit.term.key().to_owned()),
             files: Vec::new(),
@@ -78,8 +76,8 @@ impl Command for InspectOptions {
         let csv = inspection_csv(&plan, &report, &notes);
         let dmis = dmis(&plan, &report, &notes);
         report.files = vec![
-            file("inspection.csv", "csv", csv.as_bytes()),
-            file("inspection.dmi", "dmis", &dmis),
+            FileFacts::of("inspection.csv", "csv", csv.as_bytes()),
+            FileFacts::of("inspection.dmi", "dmis", &dmis),
         ];
         run.publish(Stage::Report, |files, _| {
             files.add_bytes("inspection.csv", csv.as_bytes())?;
@@ -97,15 +95,6 @@ fn dmis(plan: &InspectionPlan, report: &InspectionReport, notes: &[String]) -> V
     // Writing to memory cannot fail.
     let _ = write_dmis(&mut bytes, plan, report.surface_profile_mm, notes);
     bytes
-}
-
-fn file(name: &str, format: &str, bytes: &[u8]) -> FileFacts {
-    FileFacts {
-        name: name.into(),
-        format: format.into(),
-        bytes: bytes.len() as u64,
-        sha256: sha256(bytes),
-    }
 }
 
 /// What an inspector has to know before the first point.

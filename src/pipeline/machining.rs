@@ -16,7 +16,6 @@ use crate::mirror::Mirror;
 use crate::num::rounding::ceil_two_digits;
 use crate::part::{Promise, codec};
 use crate::profile::{MeshFormat, Profile};
-use crate::publish::sha256;
 use crate::raster::EncodingError;
 use crate::report::{Answer, gouge_map};
 use crate::results::{AsCutFacts, FileFacts, MachiningReport, RayFault, Reason, ShapeFault};
@@ -65,12 +64,7 @@ impl Command for MachiningOptions {
             let map = gouge_map(&gouge, self.ball_mm);
             let picture = |error: EncodingError| Error::Picture(error.to_string());
             let png = map.png().map_err(picture)?;
-            found.files.push(FileFacts {
-                name: "gouge.png".to_owned(),
-                format: "png".into(),
-                bytes: png.len() as u64,
-                sha256: sha256(&png),
-            });
+            found.files.push(FileFacts::of("gouge.png", "png", &png));
             files.add_bytes("gouge.png", &png)?;
             files.add_bytes(
                 "machining.html",

@@ -18,6 +18,8 @@ pub enum Stage {
     Mesh,
     /// Tolerances -> how large the mesh will be, without it.
     Forecast,
+    /// Mirror -> places where a part is to be touched.
+    Plan,
     /// Face -> closed, checked body.
     Solid,
     /// Mirror and cutter -> what the cutter leaves.
@@ -54,6 +56,7 @@ impl Stage {
             Self::Design => "design",
             Self::Mesh => "mesh",
             Self::Forecast => "forecast",
+            Self::Plan => "plan",
             Self::Solid => "solid",
             Self::Cut => "cut",
             Self::Write => "write",

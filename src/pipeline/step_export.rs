@@ -60,9 +60,8 @@ impl<'a> StepExport<'a> {
     /// What the file says of datum features and tolerance.
     fn pmi(&self) -> Option<PmiFacts> {
         let StepSchema::Ap242(pmi) = &self.schema else { return None };
-        let datums = pmi.datums.lettered();
         Some(PmiFacts {
-            datums: datums.map(|(letter, feature)| format!("{letter} {feature}")).collect(),
+            datums: pmi.datums.words(),
             surface_profile_mm: pmi.profile_mm,
             limited_by: self.limited_by.map(|term| term.key().to_owned()),
         })

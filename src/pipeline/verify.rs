@@ -265,9 +265,7 @@ impl Verify<'_> {
         let Part { run, design, size } = part;
         let promise = Promise::of_profile(run.profile);
         let format = CadFormat::Step;
-        let (name, sha256) = (format.file_name().to_owned(), publish::sha256(bytes));
-        let file =
-            FileFacts { name, format: format.name().into(), bytes: bytes.len() as u64, sha256 };
+        let file = FileFacts::of(format.file_name(), format.name(), bytes);
         let read = run.timer.always(Stage::Read, || {
             let body = Body::read(bytes);
             let note = match &body {

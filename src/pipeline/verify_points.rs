@@ -11,7 +11,6 @@ use crate::geom::{DVec3, TriMesh};
 use crate::inspection::{FittedTerm, FormFit, fit_form, rims};
 use crate::mirror::Form;
 use crate::part::Promise;
-use crate::publish::sha256;
 use crate::report::InspectionMap;
 use crate::results::{
     AlignmentFacts, FileFacts, FileFault, FormTermFacts, MeasuredForm, PictureFault, Reason,
@@ -62,15 +61,11 @@ impl PointList {
             reasons.extend(self.faults(design, found));
             warnings.extend(unit_warning(&self.name, found.units, true));
         }
-        let file = FileFacts {
-            name: self.name.clone(),
-            format: match self.format {
-                PointFormat::Text => "points".into(),
-                PointFormat::Ply => "ply".into(),
-            },
-            bytes: bytes.len() as u64,
-            sha256: sha256(bytes),
+        let format = match self.format {
+            PointFormat::Text => "points",
+            PointFormat::Ply => "ply",
         };
+        let file = FileFacts::of(&self.name, format, bytes);
         let (form_error_um, found) = match found {
             Some(found) => (found.departures.error(), Some(found)),
             None => (None, None),

@@ -118,7 +118,7 @@ impl From<XyzFault> for GridError {
             XyzFault::NotText { line } => Self::NotText { line },
             XyzFault::Columns { line, found } => Self::Columns { line, found },
             XyzFault::Number { line, axis, found } => Self::Number { line, axis, found },
-            XyzFault::TooMany { line } => Self::TooMany { line },
+            XyzFault::TooMany { line, .. } => Self::TooMany { line },
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::num::stats::{Summary, or_null, unless_null};
 use crate::profile::Profile;
+use crate::publish::sha256;
 use crate::solid::SolidCheck;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -56,6 +57,19 @@ pub struct FileFacts {
     pub bytes: u64,
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
+}
+
+impl FileFacts {
+    /// The facts of a file with these bytes.
+    #[must_use]
+    pub fn of(name: &str, format: &str, bytes: &[u8]) -> Self {
+        Self {
+            name: name.to_owned(),
+            format: format.to_owned(),
+            bytes: bytes.len() as u64,
+            sha256: sha256(bytes),
+        }
+    }
 }
 
 /// A limit asked for and the bound proven.

@@ -62,9 +62,7 @@ impl ToleranceSpec {
             distribution: Distribution::Fixed,
             weight: 1.0,
         };
-        let rows =
-            ErrorSourceRow::TABLE.iter().filter(|row| row.perturbation.form_term().is_some());
-        let sources = rows.filter(|row| row.applies_to.holds(round, false, false)).map(source);
+        let sources = ErrorSourceRow::of_form(round).map(source);
         Self {
             form: FormMeasure::Pv,
             compensators: Vec::new(),

@@ -11,7 +11,7 @@ use super::work_counts::WorkCounts;
 use crate::geom::DVec2;
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask};
-use crate::tolerance_terms::{Compensator, FormTerm, MisalignmentField, Perturbation, Reference};
+use crate::tolerance_terms::{Compensator, MisalignmentField, Perturbation, Reference};
 
 /// A designed system prepared for trials: its samples, error sources, adjustments and derivatives.
 #[derive(Debug, Clone)]
@@ -43,15 +43,10 @@ impl Engine {
         let size = 2.0 * half[0].max(half[1]);
         let (mut forms, mut fields) = (Vec::new(), Vec::new());
         for source in &spec.sources {
-            let field = match source.kind.form_term() {
-                Some(FormTerm::Legendre(i, j)) => {
-                    FormField::legendre(i, j, centre, half, spec.form)
-                }
-                Some(FormTerm::Zernike(j)) => FormField::zernike(j, half[0], spec.form),
-                None => continue,
-            };
-            forms.push(source.kind);
-            fields.push(field);
+            if let Some(term) = source.kind.form_term() {
+                forms.push(source.kind);
+                fields.push(FormField::of_term(term, (centre, half), spec.form));
+            }
         }
         let slope = spec.sources.iter().any(|source| source.kind == Perturbation::Slope);
         let length = spec.texture.slope_correlation_mm;

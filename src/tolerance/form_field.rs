@@ -60,6 +60,18 @@ pub fn form_of_pv(term: FormTerm, measure: FormMeasure) -> f64 {
 }
 
 impl FormField {
+    /// A term over the rectangle about `centre` with these half sides, or over the disc of half its width about the axis.
+    pub(super) fn of_term(
+        term: FormTerm,
+        (centre, half): ([f64; 2], [f64; 2]),
+        measure: FormMeasure,
+    ) -> Self {
+        match term {
+            FormTerm::Legendre(i, j) => Self::legendre(i, j, centre, half, measure),
+            FormTerm::Zernike(j) => Self::zernike(j, half[0], measure),
+        }
+    }
+
     /// The Legendre term of degrees `i` and `j` up to 4 over a rectangle.
     #[must_use]
     pub(super) fn legendre(

@@ -4,7 +4,7 @@ use super::extent::extent;
 use super::form_field::FormField;
 use crate::geom::Outline;
 use crate::mirror::Mirror;
-use crate::tolerance_terms::{ErrorSourceRow, FormMeasure, FormTerm, Perturbation};
+use crate::tolerance_terms::{ErrorSourceRow, FormMeasure, Perturbation};
 
 /// The low terms of a mirror: Legendre's over a rectangle, Zernike's over a disc or a ring.
 #[derive(Debug, Clone)]
@@ -16,18 +16,11 @@ impl LowFormTerms {
     /// The terms that are error sources of `mirror`.
     #[must_use]
     pub fn new(mirror: &Mirror) -> Self {
-        let (centre, half) = extent(mirror);
+        let extent = extent(mirror);
         let round = matches!(mirror.outline, Outline::Ring { .. });
-        let rows =
-            ErrorSourceRow::TABLE.iter().filter(|row| row.applies_to.holds(round, false, false));
-        let terms = rows.filter_map(|row| {
-            let field = match row.perturbation.form_term()? {
-                FormTerm::Legendre(i, j) => {
-                    FormField::legendre(i, j, centre, half, FormMeasure::Pv)
-                }
-                FormTerm::Zernike(j) => FormField::zernike(j, half[0], FormMeasure::Pv),
-            };
-            Some((row.perturbation, field))
+        let terms = ErrorSourceRow::of_form(round).filter_map(|row| {
+            let term = row.perturbation.form_term()?;
+            Some((row.perturbation, FormField::of_term(term, extent, FormMeasure::Pv)))
         });
         Self { terms: terms.collect() }
     }

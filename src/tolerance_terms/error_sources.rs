@@ -121,6 +121,15 @@ impl ActsOn {
     }
 }
 
+impl ErrorSourceRow {
+    /// The rows of low form terms over a disc or a ring, or over a rectangle.
+    pub fn of_form(round: bool) -> impl Iterator<Item = &'static Self> {
+        let is_form = |row: &&Self| row.perturbation.form_term().is_some();
+        let holds = move |row: &&Self| row.applies_to.holds(round, false, false);
+        Self::TABLE.iter().filter(is_form).filter(holds)
+    }
+}
+
 /// Systems that have an error source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AppliesTo {

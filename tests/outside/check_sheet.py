@@ -29,7 +29,8 @@ def complaints(folder):
     figures = [f"{form['used']} of {form['points']} points", report["verdict"].upper(), report["profile"]["sha256"]]
     figures += [report["files"][0]["sha256"], f"{form['rest_um']:.3f}"]
     for term in form["terms"]:
-        figures += [f"{term['pv_um']:.3f}", f"{term['uncertainty_um']:.3f}"]
+        # (Nothing has no sign.)
+        figures += [f"{round(term[key], 3) + 0.0:.3f}" for key in ("pv_um", "uncertainty_um")]
     return bad + [f"{figure} is not in the text" for figure in figures if figure not in text]
 
 

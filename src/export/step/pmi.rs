@@ -21,14 +21,16 @@ const ASKEW: f64 = 1e-9;
 /// Whether a face is the datum feature; `bordered`: of a part with a flat rim, whose outer walls are its sides.
 fn is_feature(face: &WrittenFace, feature: DatumFeature, bordered: bool) -> bool {
     let is_outer = face.role == if bordered { FaceRole::Side } else { FaceRole::Wall };
+    let looks = |out: DVec2| {
+        let along = |n: DVec2| n.dot(out) > 0.0 && n.perp_dot(out).abs() < ASKEW;
+        is_outer && face.out.is_some_and(along)
+    };
     match feature {
         DatumFeature::Base => face.role == FaceRole::Base,
         DatumFeature::Hole(k) => face.role == FaceRole::Hole(k),
         DatumFeature::Outside => is_outer,
-        DatumFeature::Side(out) => {
-            let along = |n: DVec2| n.dot(out) > 0.0 && n.perp_dot(out).abs() < ASKEW;
-            is_outer && face.out.is_some_and(along)
-        }
+        DatumFeature::FrontSide => looks(DVec2::NEG_Y),
+        DatumFeature::LeftSide => looks(DVec2::NEG_X),
     }
 }
 
