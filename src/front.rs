@@ -4,14 +4,14 @@
 //! Their examples share a profile, `examples/small.toml`, and write into a temporary folder.
 
 use crate::pipeline::{
-    BlurOptions, BuildOptions, Command, Error, FrameOptions, InspectOptions, MachiningOptions,
-    RenderOptions, ReplayOptions, Silent, ToleranceOptions, Unwrap, UnwrapOptions, Verify,
-    VerifyOptions, dry_run,
+    BlurOptions, BuildOptions, Command, DrawingOptions, Error, FrameOptions, InspectOptions,
+    MachiningOptions, RenderOptions, ReplayOptions, Silent, ToleranceOptions, Unwrap,
+    UnwrapOptions, Verify, VerifyOptions, dry_run,
 };
 use crate::profile::Profile;
 use crate::results::{
-    BlurReport, BuildForecast, BuildReport, FrameReport, InspectionReport, MachiningReport,
-    RenderReport, ReplayReport, ToleranceReport, UnwrapReport, VerifyReport,
+    BlurReport, BuildForecast, BuildReport, DrawingReport, FrameReport, InspectionReport,
+    MachiningReport, RenderReport, ReplayReport, ToleranceReport, UnwrapReport, VerifyReport,
 };
 use std::path::Path;
 
@@ -81,6 +81,22 @@ pub fn verify(profile: &Profile, path: impl AsRef<Path>) -> Result<VerifyReport,
 /// [`enum@Error`] as of [`build`].
 pub fn inspect(profile: &Profile, out: impl AsRef<Path>) -> Result<InspectionReport, Error> {
     InspectOptions::default().publish(profile, out.as_ref(), &Silent)
+}
+
+/// Draws the part for a shop to sign, into `out/NAME`.
+///
+/// ```
+/// # let profile = morion::Profile::parse("small", "small.toml", include_bytes!("../examples/small.toml"))?;
+/// # let out = tempfile::tempdir()?;
+/// let report = morion::drawing(&profile, &out)?;
+/// assert!(report.drawing.slope_error_mrad.is_some() && out.path().join("small/drawing.pdf").exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`enum@Error`] as of [`build`].
+pub fn drawing(profile: &Profile, out: impl AsRef<Path>) -> Result<DrawingReport, Error> {
+    DrawingOptions.publish(profile, out.as_ref(), &Silent)
 }
 
 /// Checks how well the sensor is filled, into `out/NAME`.

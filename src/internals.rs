@@ -17,6 +17,9 @@ pub mod cli {
 pub mod design {
     pub use crate::design::*;
 }
+pub mod drawing {
+    pub use crate::drawing::*;
+}
 pub mod export {
     pub use crate::export::*;
 }

@@ -54,6 +54,8 @@ pub(super) enum CommandArg {
     Machining(MachiningArgs),
     /// Plan the points of a coordinate measuring machine: a table and a program, into DIR/NAME/
     Inspect(InspectArgs),
+    /// The drawing of the part that a shop signs, as PDF and DXF, into DIR/NAME/
+    Drawing(DrawingArgs),
     /// Run time against error of design, mesh, witness and trials, into DIR/bench/
     Bench(BenchArgs),
     /// A page on this machine in which a profile is changed and seen, until Ctrl-C; builds go into DIR/studio/
@@ -250,6 +252,16 @@ pub(super) struct InspectArgs {
     /// Least distance of a point from rims, ridges and steps [default: 2 % of the width, 0.5 at least]
     #[arg(long, value_name = "MM")]
     pub margin_mm: Option<f64>,
+    /// Folder for results
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub out: PathBuf,
+}
+
+// Arguments of `morion drawing`.
+#[derive(Debug, Args)]
+pub(super) struct DrawingArgs {
+    /// Profile file, or name of a shipped profile
+    pub profile: String,
     /// Folder for results
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,

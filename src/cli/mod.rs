@@ -13,7 +13,9 @@ mod styles;
 
 use crate::bench::{BenchOptions, bench};
 use crate::parallel;
-use crate::pipeline::{Command, ToleranceOptions, TrialsPart, check, dry_run, load, merge};
+use crate::pipeline::{
+    Command, DrawingOptions, ToleranceOptions, TrialsPart, check, dry_run, load, merge,
+};
 use crate::profile::{Profile, Shipped, shipped};
 use crate::report::{Answer, TextLayout, visible};
 use crate::results::{NamedOutput, PartTrials, ShippedProfile, Verdict};
@@ -103,6 +105,7 @@ fn execute(arguments: &Arguments) -> Result<u8, CommandFailure> {
         CommandArg::Tolerance(args) => terminal.tolerance(args),
         CommandArg::Machining(args) => terminal.publish(&args.options(), &args.profile, &args.out),
         CommandArg::Inspect(args) => terminal.publish(&args.options(), &args.profile, &args.out),
+        CommandArg::Drawing(args) => terminal.publish(&DrawingOptions, &args.profile, &args.out),
         CommandArg::Bench(args) => terminal.bench(args),
         #[cfg(feature = "studio")]
         CommandArg::Studio(args) => terminal.studio(args),

@@ -4,9 +4,10 @@ use super::failure::CommandFailure;
 use crate::bench::{self, BenchReport};
 use crate::pipeline::{BuildTimings, Timings};
 use crate::results::{
-    BlurReport, BuildForecast, BuildReport, ErrorLine, FrameReport, InspectionReport,
-    MachiningReport, NamedOutput, PartTrials, PoseFile, ProfileCheck, RenderReport, ReplayReport,
-    SCHEMA, ShippedProfile, ToleranceReport, UnwrapReport, VerifyReport,
+    BlurReport, BuildForecast, BuildReport, DrawingReport, ErrorLine, FrameReport,
+    InspectionReport, MachiningReport, NamedOutput, PartTrials, PoseFile, ProfileCheck,
+    RenderReport, ReplayReport, SCHEMA, ShippedProfile, ToleranceReport, UnwrapReport,
+    VerifyReport,
 };
 use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
@@ -53,6 +54,7 @@ fn all() -> Vec<Output> {
         ),
         output::<MachiningReport>("machining", "machining.json", "morion machining"),
         output::<InspectionReport>("inspect", "inspection.json", "morion inspect"),
+        output::<DrawingReport>("drawing", "drawing.json", "morion drawing"),
         Output { version: bench::SCHEMA, ..bench },
         output::<ShippedProfile>("profiles", "shipped profile, a line for each", "morion profiles"),
         output::<NamedOutput>("schema", "JSON output, a line for each", "morion schema"),

@@ -39,7 +39,7 @@ pub use remedy::{KeyChange, KeyValue, LesserError, MOST_TRIALS, Remedy, lesser_e
 pub use solve::SolveError;
 pub use straightness::Straightness;
 
-use crate::geom::{Border, Contour, DatumScheme, Obstacle, Outline};
+use crate::geom::{Border, Contour, DVec2, DatumScheme, Obstacle, Outline, Rect};
 use crate::mirror::Mirror;
 use crate::optics::{Camera, ImagingTask, Target};
 use crate::profile::{Method, MethodKind, Profile, ProjectionSpec, ShapeSpec};
@@ -77,6 +77,17 @@ impl Design {
         let volume = |border: &Border| border.volume(self.mirror.footprint(border.top_mm));
         let around = self.border.as_ref().map(volume);
         self.mirror.volume() + around.unwrap_or(0.0)
+    }
+
+    /// The rectangle along X and Y around the part, mm.
+    #[must_use]
+    pub fn plan_bounds(&self) -> Rect {
+        let around = |half: DVec2| Rect { min: -half, max: half };
+        match self.border.as_ref().map(|border| border.contour) {
+            Some(Contour::Rect { half, .. }) => around(half),
+            Some(Contour::Circle { radius_mm }) => around(DVec2::splat(radius_mm)),
+            None => border::extent(&self.mirror, 0.0),
+        }
     }
 
     /// The faces of the part from which a shop sets it up.

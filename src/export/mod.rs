@@ -17,7 +17,8 @@ pub use read::{
     StlComparison, ThreeMfError, read_3mf, read_glb, read_obj, read_points, read_stl,
 };
 pub use sag::{
-    SagDeviation, SagError, SagRow, compare_sag, read_sag, sag_bytes, sag_points, write_sag,
+    SagDeviation, SagError, SagRow, compare_sag, read_sag, sag_bytes, sag_heights, sag_points,
+    write_sag,
 };
 pub use stl::{stl_bytes, write_stl};
 pub use text::ByteCounter;

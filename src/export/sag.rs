@@ -167,6 +167,17 @@ fn on_mirror(mirror: &Mirror, panel: Option<usize>, line: &[DVec2]) -> Vec<SagRo
     rows(mirror, panel, &line.iter().filter_map(inside).collect::<Vec<_>>())
 }
 
+/// Z of the mirror over each of these places, mm; none beside it.
+#[must_use]
+pub fn sag_heights(mirror: &Mirror, places: &[DVec2]) -> Vec<Option<f64>> {
+    let panels = scanned(mirror);
+    let height = |p: &DVec2| {
+        let mut rows = panels.iter().flat_map(|(k, mirror)| on_mirror(mirror, *k, &[*p]));
+        rows.next().map(|row| row.at.z)
+    };
+    places.iter().map(height).collect()
+}
+
 /// The chart's coordinates of the mirror's place at (X, Y).
 fn under(mirror: &Mirror, p: DVec2) -> Option<DVec2> {
     mirror.intersect_camera_ray(&mirror.chart.parallel(), p)

@@ -303,7 +303,7 @@ fn report(
     let refused = made.meshes.refused().or(meshes.and_then(|meshes| meshes.refused.as_ref()));
     let mut reasons: Vec<Reason> = refused.cloned().map(Reason::from).into_iter().collect();
     reasons.extend(findings.reasons);
-    let (mut files, mut sag, mut step) = (findings.files, None, None);
+    let (mut files, mut sag, mut step, mut drawing) = (findings.files, None, None, None);
     for CadCheck { file, findings: CadFindings { faults, figures, .. } } in checked.cad {
         reasons.extend(faults.into_iter().map(|fault| Reason::from(fault).of_file(&file.name)));
         // (Of one that was traced it is there.)
@@ -312,6 +312,7 @@ fn report(
         match figures {
             Some(CadFigures::Sag(facts)) => sag = Some(facts),
             Some(CadFigures::Step(facts)) => step = Some(facts),
+            Some(CadFigures::Drawing(facts)) => drawing = Some(*facts),
             None => {}
         }
     }
@@ -339,6 +340,7 @@ fn report(
         trace: findings.trace,
         sag,
         step,
+        drawing,
         frame: findings.frame,
         sharpness: findings.sharpness,
         accepted: findings.accepted,

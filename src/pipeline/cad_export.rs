@@ -4,7 +4,7 @@ use crate::brep::Body;
 use crate::export::Label;
 use crate::part::Promise;
 use crate::profile::CadFormat;
-use crate::results::{FileFault, SagFacts, StepFacts};
+use crate::results::{DrawingFacts, FileFault, SagFacts, StepFacts};
 use std::io::{self, Write};
 
 /// A file of the mirror as designed.
@@ -39,4 +39,5 @@ pub(super) struct CadFindings {
 pub(super) enum CadFigures {
     Sag(SagFacts),
     Step(StepFacts),
+    Drawing(Box<DrawingFacts>),
 }

@@ -1,6 +1,8 @@
 //! The files of the mirror as designed that a profile asks for, and what their bytes showed.
 
 use super::cad_export::{CadExport, CadFindings};
+use super::drawing_export::DrawingExport;
+use super::part_drawing::PartDrawing;
 use super::run::Run;
 use super::sag_export::SagExport;
 use super::step_export::StepExport;
@@ -16,7 +18,7 @@ use crate::results::{FileFacts, FileFault};
 ///
 /// # Errors
 /// [`Error::Table`] when a sag table would have too many places, which can depend on the design;
-/// [`Error::Step`] when no splines suit the mirror.
+/// [`Error::Step`] when no splines suit the mirror; [`Error::Drawing`] when it cannot be drawn.
 pub(super) fn cad_exports<'a>(
     profile: &Profile,
     design: &'a Design,
@@ -27,13 +29,23 @@ pub(super) fn cad_exports<'a>(
     if cad(profile).any(|format| format == CadFormat::Csv) && !(points <= most) {
         return Err(Error::Table { profile: profile.name.clone(), points, most });
     }
-    let export = |format| -> Result<Box<dyn CadExport + 'a>, Error> {
-        Ok(match format {
-            CadFormat::Csv => Box::new(SagExport { design, form, path }),
-            CadFormat::Step => Box::new(StepExport::new(profile, design)?),
-        })
-    };
-    cad(profile).map(export).collect()
+    let mut drawing = None;
+    let mut exports: Vec<Box<dyn CadExport + 'a>> = Vec::new();
+    for format in cad(profile) {
+        match format {
+            CadFormat::Csv => exports.push(Box::new(SagExport { design, form, path })),
+            CadFormat::Step => exports.push(Box::new(StepExport::new(profile, design)?)),
+            CadFormat::Pdf | CadFormat::Dxf => {
+                let drawing = match &mut drawing {
+                    Some(drawing) => drawing,
+                    none => none.insert(PartDrawing::new(profile, design, form)?),
+                };
+                let file = DrawingExport::new(profile, drawing, format);
+                exports.extend(file.map(|file| Box::new(file) as Box<dyn CadExport + 'a>));
+            }
+        }
+    }
+    Ok(exports)
 }
 
 /// What the bytes of one such file showed.

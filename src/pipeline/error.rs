@@ -43,6 +43,14 @@ pub enum Error {
         /// Why.
         source: FitError,
     },
+    /// A drawing is asked for, and there is no part to draw.
+    #[error("cannot draw {profile}: {reason}")]
+    Drawing {
+        /// Profile name.
+        profile: String,
+        /// Why.
+        reason: String,
+    },
     /// A sag table of too many places.
     #[error(
         "cannot write the sag table of {profile}: it would sample {points:.1e} places, over {most:.0e}; \

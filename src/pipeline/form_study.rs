@@ -5,6 +5,7 @@ use crate::geom::Outline;
 use crate::num::hypot;
 use crate::num::random::RandomStream;
 use crate::num::stats::Summary;
+use crate::results::PmiFacts;
 use crate::tolerance::{Engine, FormLimit, Perturbation, ToleranceSpec};
 
 /// A design whose picture is traced with low form errors.
@@ -29,6 +30,13 @@ impl<'a> FormStudy<'a> {
         self.engine.form_limit(limits.pixel_error_rms_px.value, limits.pixel_error_max_px.value)
     }
 
+    /// The largest slope error with which the picture keeps the RMS that the profile accepts, mrad RMS; none where the
+    /// design leaves no room for any.
+    pub(super) fn slope_limit(&self) -> Option<f64> {
+        let limits = self.design.profile.acceptance_limits();
+        self.engine.slope_limit(limits.pixel_error_rms_px.value)
+    }
+
     /// Pixel errors against the projection, px, of a mirror with these form errors, um from peak to valley: traced in
     /// full at places all over the picture; none where a ray does not meet it.
     pub(super) fn pixel_errors(&self, form: &[(Perturbation, f64)]) -> Option<Summary> {
@@ -37,6 +45,15 @@ impl<'a> FormStudy<'a> {
         let moved = self.engine.displacements(&[made]).remove(0);
         let lengths: Vec<f64> = moved.chunks_exact(2).map(|d| hypot(d[0], d[1])).collect();
         Summary::of(lengths).filter(|errors| errors.max.is_finite())
+    }
+}
+
+/// What a part is measured from, and how far its mirror may be off.
+pub(super) fn pmi_facts(design: &Design, limit: Option<&FormLimit>) -> PmiFacts {
+    PmiFacts {
+        datums: design.datums().words(),
+        surface_profile_mm: limit.and_then(zone_mm),
+        limited_by: limit.map(|limit| limit.term.key().to_owned()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `morion inspect`: where a coordinate measuring machine has to touch a part, as a table and as a program.
 
-use super::form_study::{FormStudy, zone_mm};
+use super::form_study::{FormStudy, pmi_facts};
 use super::run::{Command, Run};
 use super::{Error, Stage};
 use crate::design::Design;
@@ -67,9 +67,7 @@ impl Command for InspectOptions {
             points: plan.points.len(),
             spacing_mm: plan.spacing_mm,
             margin_mm,
-            datums: design.datums().words(),
-            surface_profile_mm: limit.as_ref().and_then(zone_mm),
-            limited_by: limit.map(|limit| limit.term.key().to_owned()),
+            pmi: pmi_facts(&design, limit.as_ref()),
             files: Vec::new(),
         };
         let notes = notes(&design, &report);
@@ -93,14 +91,14 @@ impl Command for InspectOptions {
 fn dmis(plan: &InspectionPlan, report: &InspectionReport, notes: &[String]) -> Vec<u8> {
     let mut bytes = Vec::new();
     // Writing to memory cannot fail.
-    let _ = write_dmis(&mut bytes, plan, report.surface_profile_mm, notes);
+    let _ = write_dmis(&mut bytes, plan, report.pmi.surface_profile_mm, notes);
     bytes
 }
 
 /// What an inspector has to know before the first point.
 fn notes(design: &Design, report: &InspectionReport) -> Vec<String> {
     let profile = &design.profile;
-    let zone = match report.surface_profile_mm {
+    let zone = match report.pmi.surface_profile_mm {
         Some(mm) => {
             format!("profile of the mirror within {mm} mm of the design, along its normals")
         }
@@ -111,7 +109,7 @@ fn notes(design: &Design, report: &InspectionReport) -> Vec<String> {
     vec![
         format!("Morion: profile {}, sha256 {}", profile.name, profile.sha256),
         "millimetres; part frame: X right in the picture, Y up in it, Z towards the camera; base at Z = 0".into(),
-        format!("datum features: {}", report.datums.join(", ")),
+        format!("datum features: {}", report.pmi.datums.join(", ")),
         zone,
         format!(
             "{} points for a form of degree {}, at least {:.3} mm from rims; then `morion verify POINTS.csv --profile \

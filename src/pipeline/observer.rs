@@ -20,6 +20,8 @@ pub enum Stage {
     Forecast,
     /// Mirror -> places where a part is to be touched.
     Plan,
+    /// Design -> the sheet that a shop signs.
+    Draw,
     /// Face -> closed, checked body.
     Solid,
     /// Mirror and cutter -> what the cutter leaves.
@@ -57,6 +59,7 @@ impl Stage {
             Self::Mesh => "mesh",
             Self::Forecast => "forecast",
             Self::Plan => "plan",
+            Self::Draw => "draw",
             Self::Solid => "solid",
             Self::Cut => "cut",
             Self::Write => "write",

@@ -27,10 +27,16 @@ pub(crate) fn part_figures(design: &Design, label: &Label) -> Option<PartFigures
     Some(PartFigures { glb, still, side_view, sections: sections.to_vec() })
 }
 
-/// The closed part around a coarse mesh, for drawings; none where it cannot be closed.
+/// The closed part around a coarse mesh, for pictures; none where it cannot be closed.
 pub(crate) fn coarse_part(design: &Design) -> Option<Solid> {
-    let face = coarse_mesh(&design.mirror)?;
-    Solid::from_face(&face, design.border.as_ref(), Precision::Single).ok()
+    coarse_solid(design, Precision::Single).ok()
+}
+
+/// The same with the digits of a precision, or why it cannot be closed.
+pub(super) fn coarse_solid(design: &Design, precision: Precision) -> Result<Solid, String> {
+    let face = coarse_mesh(&design.mirror).ok_or("the walls between its panels cross")?;
+    let solid = Solid::from_face(&face, design.border.as_ref(), precision);
+    solid.map_err(|error| error.to_string())
 }
 
 /// A part as GLB.

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::cad_export::{CadExport, CadFigures, CadFindings};
-use super::form_study::{FormStudy, zone_mm};
+use super::form_study::{FormStudy, pmi_facts};
 use crate::brep::Body;
 use crate::design::Design;
 use crate::export::step::{FittedMirror, Pmi, StepSchema, fit_splines, write_step};
@@ -12,7 +12,6 @@ use crate::mirror::Mirror;
 use crate::part::Promise;
 use crate::profile::{CadFormat, Profile, StepProtocol};
 use crate::results::{FileFault, PmiFacts, StepBodyFacts, StepFacts};
-use crate::tolerance::Perturbation;
 use std::io::{self, Write};
 
 /// Rays along each side of the outline by which a solid is held against the design.
@@ -29,8 +28,8 @@ pub(super) struct StepExport<'a> {
     design: &'a Design,
     fit: FittedMirror,
     schema: StepSchema,
-    /// The form error that gives the tolerance in it.
-    limited_by: Option<Perturbation>,
+    /// What it says of datum features and tolerance.
+    pmi: Option<PmiFacts>,
 }
 
 impl<'a> StepExport<'a> {
@@ -45,26 +44,16 @@ impl<'a> StepExport<'a> {
         });
         let fail = |source| Error::Step { profile: profile.name.clone(), source };
         let fit = fit.map_err(fail)?;
-        let (schema, limited_by) = match profile.step {
+        let (schema, pmi) = match profile.step {
             StepProtocol::Ap214 => (StepSchema::Ap214, None),
             StepProtocol::Ap242 => {
                 let limit = FormStudy::new(design).and_then(|study| study.limit());
-                let profile_mm = limit.as_ref().and_then(zone_mm);
-                let pmi = Pmi { datums: design.datums(), profile_mm };
-                (StepSchema::Ap242(pmi), limit.map(|limit| limit.term))
+                let facts = pmi_facts(design, limit.as_ref());
+                let profile_mm = facts.surface_profile_mm;
+                (StepSchema::Ap242(Pmi { datums: design.datums(), profile_mm }), Some(facts))
             }
         };
-        Ok(Self { design, fit, schema, limited_by })
-    }
-
-    /// What the file says of datum features and tolerance.
-    fn pmi(&self) -> Option<PmiFacts> {
-        let StepSchema::Ap242(pmi) = &self.schema else { return None };
-        Some(PmiFacts {
-            datums: pmi.datums.words(),
-            surface_profile_mm: pmi.profile_mm,
-            limited_by: self.limited_by.map(|term| term.key().to_owned()),
-        })
+        Ok(Self { design, fit, schema, pmi })
     }
 
     /// The errors that the file may have.
@@ -133,7 +122,7 @@ impl CadExport for StepExport<'_> {
         let facts = StepFacts {
             fit_error_nm: self.fit.error_mm * 1e6,
             control_points: self.fit.size(),
-            pmi: self.pmi(),
+            pmi: self.pmi.clone(),
             body: facts,
         };
         CadFindings { faults, figures: Some(CadFigures::Step(facts)), body }

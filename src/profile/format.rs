@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-/// A kind of file to write: the part as a mesh, or the mirror as designed.
+/// A kind of file to write: the part as a mesh, or as designed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FileFormat {
     /// Triangles of the part, which are read back and traced.
     Mesh(MeshFormat),
-    /// The mirror as designed.
+    /// The part as designed.
     Cad(CadFormat),
 }
 
@@ -24,13 +24,17 @@ pub enum MeshFormat {
     Glb,
 }
 
-/// A format of the designed mirror.
+/// A format of the designed part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CadFormat {
     /// STEP, curved faces.
     Step,
     /// Table of places and normals of the mirror, decimal text.
     Csv,
+    /// Drawing as PDF.
+    Pdf,
+    /// Drawing as DXF.
+    Dxf,
 }
 
 /// The schema of a STEP file.
@@ -88,13 +92,15 @@ impl MeshFormat {
 
 impl CadFormat {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Step, Self::Csv];
+    pub const ALL: [Self; 4] = [Self::Step, Self::Csv, Self::Pdf, Self::Dxf];
 
     /// Name in a profile, and its file's.
     const fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Step => ("step", "mirror.step"),
             Self::Csv => ("csv", "sag.csv"),
+            Self::Pdf => ("pdf", "drawing.pdf"),
+            Self::Dxf => ("dxf", "drawing.dxf"),
         }
     }
 

@@ -9,6 +9,7 @@ mod border;
 mod calibration;
 mod check;
 mod complaint;
+mod drawing;
 mod format;
 mod lines;
 mod mesh_goal;
@@ -35,6 +36,7 @@ pub use border::{BorderConflict, BorderFeature, BorderSpec, is_in_land};
 pub use calibration::{CalibrationError, CalibrationFile, CoefficientFault, LensModel};
 pub use check::hex;
 pub use complaint::{Complaint, Complaints};
+pub use drawing::{DrawingSpec, PaperSize, TitleBlock, ViewArrangement};
 pub use format::{CadFormat, FileFormat, MeshFormat, StepProtocol};
 pub use mesh_goal::MeshGoal;
 pub use obstacle::{CameraBody, ObstacleSpec};
@@ -121,6 +123,8 @@ pub struct Profile {
     pub sag: SagTable,
     /// Schema of the STEP file.
     pub step: StepProtocol,
+    /// What a drawing says beside its figures.
+    pub drawing: DrawingSpec,
     /// The limits a finished mirror must keep to pass.
     pub accept: AcceptanceSpec,
     /// The errors of making and mounting that are expected.

@@ -55,6 +55,12 @@ const RARE: &[&str] = &[
     "marks_mm",
     "sag",
     "step",
+    "drawing",
+    "paper",
+    "revision",
+    "imperfections",
+    "texture",
+    "general_tolerance",
 ];
 
 /// Every table by its path, and its keys. The profile itself is the empty path.
@@ -75,6 +81,7 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
             "part",
             "mesh",
             "export",
+            "drawing",
             "accept",
             "tolerance",
         ],
@@ -191,6 +198,25 @@ pub(crate) const TABLES: &[(&str, &[&str])] = &[
     ("export", &["formats", "sag", "step"]),
     ("export.step", &["schema"]),
     ("export.sag", &["path", "pitch_mm", "step_mm"]),
+    (
+        "drawing",
+        &[
+            "paper",
+            "projection",
+            "owner",
+            "number",
+            "revision",
+            "title",
+            "material",
+            "coating",
+            "imperfections",
+            "texture",
+            "general_tolerance",
+            "creator",
+            "approver",
+            "date",
+        ],
+    ),
     ("accept", &["pixel_error_rms_px", "pixel_error_max_px", "frame_filled", "blur_p95_px"]),
     (
         "tolerance",

@@ -16,14 +16,14 @@ impl Answer for BuildReport {
     }
 
     fn rows(&self) -> AnswerRows {
-        let Self { design, form, mesh, solid, files, step, sag, .. } = self;
+        let Self { design, form, mesh, solid, files, step, sag, drawing, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let mut rows = self.plain_rows();
         files.add_to(&mut rows);
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         rows.details(|rows| {
             rows.append(AnswerRows::of(&[
-                design, form, mesh, solid, step, sag, trace, frame, sharpness, accepted,
+                design, form, mesh, solid, step, sag, drawing, trace, frame, sharpness, accepted,
             ]));
         });
         rows
@@ -103,7 +103,7 @@ impl BuildReport {
 
     /// Its facts in the order of the page.
     fn page_rows(&self) -> AnswerRows {
-        let Self { layout, design, unwanted, form, mesh, solid, step, sag, .. } = self;
+        let Self { layout, design, unwanted, form, mesh, solid, step, sag, drawing, .. } = self;
         let Self { trace, frame, sharpness, accepted, .. } = self;
         let trace = &TracesWithFrame { traces: trace, has_frame: frame.is_some() };
         let mut rows = AnswerRows::default();
@@ -119,6 +119,7 @@ impl BuildReport {
             form,
             step,
             sag,
+            drawing,
             mesh,
             solid,
             trace,

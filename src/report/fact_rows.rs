@@ -182,8 +182,8 @@ impl ToRows for StepFacts {
     }
 }
 
-/// Datum features and tolerance of a STEP file in words.
-fn pmi_sentence(pmi: &PmiFacts) -> String {
+/// Datum features and tolerance of a part in words.
+pub(super) fn pmi_sentence(pmi: &PmiFacts) -> String {
     let datums = pmi.datums.join(", ");
     let profile = match (pmi.surface_profile_mm, &pmi.limited_by) {
         (Some(mm), Some(term)) => {

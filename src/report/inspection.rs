@@ -13,7 +13,7 @@ pub fn inspection_csv(
     notes: &[String],
 ) -> String {
     let mut out = String::new();
-    let zone = report.surface_profile_mm.map(|mm| 0.5 * mm);
+    let zone = report.pmi.surface_profile_mm.map(|mm| 0.5 * mm);
     // Writing to a string cannot fail.
     for note in notes {
         let plain: String = note.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
@@ -49,8 +49,8 @@ impl Answer for InspectionReport {
                 self.degree
             ),
         );
-        rows.add("datums", self.datums.join(", "));
-        let zone = match (self.surface_profile_mm, &self.limited_by) {
+        rows.add("datums", self.pmi.datums.join(", "));
+        let zone = match (self.pmi.surface_profile_mm, &self.pmi.limited_by) {
             (Some(mm), Some(term)) => format!(
                 "all within {} mm, half of it to either side of the design along its normal; {term} limits it",
                 digits(mm)

@@ -2,7 +2,7 @@
 
 use crate::geom::DVec2;
 use crate::results::{FileFacts, MeasuredForm, VerifyReport, coordinate, digits};
-use crate::sheet::{A4_MM, Sheet, SheetColour, TextAlign};
+use crate::sheet::{A4_MM, Pen, Sheet, SheetColour, TextAlign};
 use crate::tolerance_terms::ErrorSourceRow;
 
 /// What the sheet's map shows: places in the plan, mm.
@@ -29,6 +29,9 @@ const COLUMNS: [f64; 3] = [LEFT + 70.0, LEFT + 105.0, LEFT + 140.0];
 /// Place of the map, and of the lines to sign on, mm.
 const MAP_HEIGHT: f64 = 92.0;
 const FOOT: f64 = 24.0;
+/// Pens of the mirror's rims, and of points where there is too little material.
+const RIM: Pen = Pen::black(0.25).coloured(SheetColour::Grey);
+const HOLLOW: Pen = Pen::black(0.2).coloured(SheetColour::Blue);
 /// Largest and least radius of a point of the map, mm.
 const DOTS: [f64; 2] = [2.6, 0.25];
 
@@ -151,14 +154,17 @@ fn draw_map(sheet: &mut Sheet, map: &InspectionMap, top: f64) {
         [0.5 * (LEFT + RIGHT) + q.x, top - 0.5 * height + q.y]
     };
     for rim in &map.rims {
-        sheet.strokes(rim.iter().map(|&p| at(p)).collect(), 0.25, SheetColour::Grey);
+        sheet.strokes(rim.iter().map(|&p| at(p)).collect(), RIM);
     }
     let most = map.points.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
     for &(place, um) in &map.points {
         let share = if most > 0.0 { um.abs() / most } else { 0.0 };
         let radius = DOTS[1] + (DOTS[0] - DOTS[1]) * share;
-        let colour = if um > 0.0 { SheetColour::Red } else { SheetColour::Blue };
-        sheet.circle(at(place), radius, um > 0.0, colour);
+        if um > 0.0 {
+            sheet.disc(at(place), radius, SheetColour::Red);
+        } else {
+            sheet.circle(at(place), radius, HOLLOW);
+        }
     }
     let caption = format!(
         "Plan, Y upwards: filled where there is too much material, hollow where there is too little; the largest {} um.",

@@ -1,7 +1,7 @@
 //! What the figures of the pages mean.
 
 /// Headings of the pages' tables by how they end, and what each figure means.
-const MEANINGS: [(&str, &str); 38] = [
+const MEANINGS: [(&str, &str); 40] = [
     ("profile sha256", "Fingerprint of the profile's text: equal for equal profiles."),
     ("part", "Size over all, along X, Y and Z."),
     ("camera", "Where the lens's entrance pupil is in the part's frame, whose Z = 0 is the base."),
@@ -59,6 +59,14 @@ const MEANINGS: [(&str, &str); 38] = [
     (
         "STEP splines",
         "Control points of the STEP file's surface, and how near it is to the design.",
+    ),
+    (
+        "STEP tolerance",
+        "What the part is measured from, and how far its mirror may be off, for programs that read the STEP file.",
+    ),
+    (
+        "drawing",
+        "The sheet that a shop signs, what the part is measured from, and how far its mirror may be off.",
     ),
     (
         "STEP read back",

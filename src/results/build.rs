@@ -4,8 +4,8 @@ use super::Reason;
 use super::SharpnessFacts;
 use super::{AlignmentFacts, UnitFacts};
 use super::{
-    FileFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts, StepFacts, TraceFacts,
-    Verdict,
+    DrawingFacts, FileFacts, MeasuredForm, MeshFacts, ProfileId, SagFacts, SolidFacts, StepFacts,
+    TraceFacts, Verdict,
 };
 use crate::align::FormError;
 use crate::design::{DesignFacts, Mounting};
@@ -50,6 +50,9 @@ pub struct BuildReport {
     /// Error of the STEP file's splines; absent when none was written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<StepFacts>,
+    /// Every figure of the drawing; absent when none was written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawing: Option<DrawingFacts>,
     /// The frame as the first mesh file shows it; absent when none could be read.
     pub frame: Option<FrameFill>,
     /// Sharpness of the picture through a lens; absent where no pixel has a spot.

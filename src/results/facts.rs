@@ -159,7 +159,7 @@ pub struct StepFacts {
     pub body: Option<StepBodyFacts>,
 }
 
-/// Product and manufacturing information in a STEP file that programs read.
+/// Product and manufacturing information of a part: what it is measured from, and how far its mirror may be off.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PmiFacts {
     /// Datum features, each with its letter.

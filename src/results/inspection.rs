@@ -1,6 +1,6 @@
 //! The inspection of a made part: the plan of its points, and what measured points say of its form.
 
-use super::{FileFacts, ProfileId};
+use super::{FileFacts, PmiFacts, ProfileId};
 use crate::num::stats::Summary;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -20,15 +20,9 @@ pub struct InspectionReport {
     pub spacing_mm: f64,
     /// Least distance of a point from rims, ridges and steps, mm.
     pub margin_mm: f64,
-    /// Datum features of the part's frame, each with its letter.
-    pub datums: Vec<String>,
-    /// Width of the zone along the normals in which the points have to lie, mm; absent where no limit of the picture
-    /// gives one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub surface_profile_mm: Option<f64>,
-    /// The form error that uses up the picture's limits first, by the key of its error source.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub limited_by: Option<String>,
+    /// Datum features of the part's frame, and the zone in which the points have to lie.
+    #[serde(flatten)]
+    pub pmi: PmiFacts,
     /// The files.
     pub files: Vec<FileFacts>,
 }

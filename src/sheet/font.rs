@@ -39,10 +39,19 @@ pub(super) static FIGURES: LazyLock<FontFigures> = LazyLock::new(|| {
     }
 });
 
+/// Whether sheets have a letter for every character of `text`: those of Latin 1.
+#[must_use]
+pub fn is_printable(text: &str) -> bool {
+    text.chars().all(|c| u8::try_from(u32::from(c)).is_ok_and(is_letter))
+}
+
+fn is_letter(byte: u8) -> bool {
+    matches!(byte, 32..=126 | 160..=255)
+}
+
 /// Text in the font's encoding, Latin 1 in which 0x80 to 0x9f are nothing; what it has not is a question mark.
 pub(super) fn encoded(text: &str) -> Vec<u8> {
-    let is_letter = |byte: &u8| matches!(byte, 32..=126 | 160..=255);
-    let byte = |c: char| u8::try_from(u32::from(c)).ok().filter(is_letter).unwrap_or(b'?');
+    let byte = |c: char| u8::try_from(u32::from(c)).ok().filter(|b| is_letter(*b)).unwrap_or(b'?');
     text.chars().map(byte).collect()
 }
 

@@ -1,13 +1,18 @@
 //! A sheet of paper to print and sign: lines, circles and text, in millimetres from its lower left corner, as PDF with vector
-//! text in a font that the file holds.
+//! text in a font that the file holds, and as DXF.
 
+mod dxf;
 mod font;
 mod pdf;
+
+pub use font::is_printable;
 
 use font::text_width_mm;
 
 /// Width and height of A4 upright, mm.
 pub const A4_MM: [f64; 2] = [210.0, 297.0];
+/// Width and height of A3 lying, mm.
+pub const A3_MM: [f64; 2] = [420.0, 297.0];
 
 /// A colour that prints dark enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,24 +27,106 @@ pub enum SheetColour {
     Blue,
 }
 
+/// How a line is broken (ISO 128-2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dashes {
+    /// Not at all.
+    Continuous,
+    /// Long dashes and dots: an axis.
+    Chain,
+}
+
+/// A pen: what a line looks like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pen {
+    /// Width of the line, mm.
+    pub width_mm: f64,
+    /// Its colour.
+    pub colour: SheetColour,
+    /// How it is broken.
+    pub dashes: Dashes,
+}
+
+impl Pen {
+    /// A black line.
+    #[must_use]
+    pub const fn black(width_mm: f64) -> Self {
+        Self { width_mm, colour: SheetColour::Black, dashes: Dashes::Continuous }
+    }
+
+    /// The same line in another colour.
+    #[must_use]
+    pub const fn coloured(self, colour: SheetColour) -> Self {
+        Self { colour, ..self }
+    }
+
+    /// An axis.
+    #[must_use]
+    pub const fn chain(width_mm: f64) -> Self {
+        Self { dashes: Dashes::Chain, ..Self::black(width_mm) }
+    }
+}
+
 /// Where text stands from its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextAlign {
-    /// To the right of it.
+    /// It begins there.
     Left,
-    /// To the left of it.
+    /// Its middle is there.
+    Centre,
+    /// It ends there.
     Right,
+}
+
+/// The way in which a line of text runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextWay {
+    /// To the right.
+    Across,
+    /// Upwards.
+    Up,
+}
+
+/// A line of text.
+#[derive(Debug, Clone, PartialEq)]
+struct TextLine {
+    at: [f64; 2],
+    size_mm: f64,
+    text: String,
+    align: TextAlign,
+    way: TextWay,
+}
+
+impl TextLine {
+    /// Where its first letter stands.
+    fn start(&self) -> [f64; 2] {
+        let share = match self.align {
+            TextAlign::Left => 0.0,
+            TextAlign::Centre => 0.5,
+            TextAlign::Right => 1.0,
+        };
+        let back = share * text_width_mm(&self.text, self.size_mm);
+        let [x, y] = self.at;
+        match self.way {
+            TextWay::Across => [x - back, y],
+            TextWay::Up => [x, y - back],
+        }
+    }
 }
 
 /// Something on a sheet.
 #[derive(Debug, Clone, PartialEq)]
 enum SheetMark {
     /// Straight strokes from place to place.
-    Strokes { places: Vec<[f64; 2]>, width_mm: f64, colour: SheetColour },
-    /// A circle, as a line or filled.
-    Circle { centre: [f64; 2], radius_mm: f64, is_filled: bool, colour: SheetColour },
+    Strokes { places: Vec<[f64; 2]>, pen: Pen },
+    /// A filled triangle.
+    Triangle { corners: [[f64; 2]; 3], colour: SheetColour },
+    /// A circle.
+    Circle { centre: [f64; 2], radius_mm: f64, pen: Pen },
+    /// A filled circle.
+    Disc { centre: [f64; 2], radius_mm: f64, colour: SheetColour },
     /// A line of text, whose letters stand on `at`.
-    Text { at: [f64; 2], size_mm: f64, text: String, colour: SheetColour },
+    Text(TextLine),
 }
 
 /// A sheet with what is on it.
@@ -59,36 +146,59 @@ impl Sheet {
         Self { size_mm, marks: Vec::new() }
     }
 
+    /// Its width and height, mm.
+    #[must_use]
+    pub fn size_mm(&self) -> [f64; 2] {
+        self.size_mm
+    }
+
     /// Draws straight strokes through these places.
-    pub fn strokes(&mut self, places: Vec<[f64; 2]>, width_mm: f64, colour: SheetColour) {
-        self.marks.push(SheetMark::Strokes { places, width_mm, colour });
+    pub fn strokes(&mut self, places: Vec<[f64; 2]>, pen: Pen) {
+        self.marks.push(SheetMark::Strokes { places, pen });
     }
 
     /// Draws a level line.
     pub fn rule(&mut self, y: f64, [from, to]: [f64; 2], width_mm: f64) {
-        self.strokes(vec![[from, y], [to, y]], width_mm, SheetColour::Black);
+        self.strokes(vec![[from, y], [to, y]], Pen::black(width_mm));
+    }
+
+    /// Draws a rectangle from its lower left to its upper right corner.
+    pub fn frame(&mut self, [left, low]: [f64; 2], [right, high]: [f64; 2], width_mm: f64) {
+        let places = vec![[left, low], [right, low], [right, high], [left, high], [left, low]];
+        self.strokes(places, Pen::black(width_mm));
+    }
+
+    /// Fills a triangle.
+    pub fn triangle(&mut self, corners: [[f64; 2]; 3], colour: SheetColour) {
+        self.marks.push(SheetMark::Triangle { corners, colour });
     }
 
     /// Draws a circle.
-    pub fn circle(
-        &mut self,
-        centre: [f64; 2],
-        radius_mm: f64,
-        is_filled: bool,
-        colour: SheetColour,
-    ) {
-        self.marks.push(SheetMark::Circle { centre, radius_mm, is_filled, colour });
+    pub fn circle(&mut self, centre: [f64; 2], radius_mm: f64, pen: Pen) {
+        self.marks.push(SheetMark::Circle { centre, radius_mm, pen });
+    }
+
+    /// Fills a circle.
+    pub fn disc(&mut self, centre: [f64; 2], radius_mm: f64, colour: SheetColour) {
+        self.marks.push(SheetMark::Disc { centre, radius_mm, colour });
     }
 
     /// Writes a line of text with letters of this size.
-    pub fn text(&mut self, [x, y]: [f64; 2], size_mm: f64, text: &str, align: TextAlign) {
-        let width = text_width_mm(text, size_mm);
-        let left = match align {
-            TextAlign::Left => x,
-            TextAlign::Right => x - width,
-        };
-        let (text, colour) = (text.to_owned(), SheetColour::Black);
-        self.marks.push(SheetMark::Text { at: [left, y], size_mm, text, colour });
+    pub fn text(&mut self, at: [f64; 2], size_mm: f64, text: &str, align: TextAlign) {
+        let (text, way) = (text.to_owned(), TextWay::Across);
+        self.marks.push(SheetMark::Text(TextLine { at, size_mm, text, align, way }));
+    }
+
+    /// Writes a line of text that runs upwards.
+    pub fn text_up(&mut self, at: [f64; 2], size_mm: f64, text: &str, align: TextAlign) {
+        let (text, way) = (text.to_owned(), TextWay::Up);
+        self.marks.push(SheetMark::Text(TextLine { at, size_mm, text, align, way }));
+    }
+
+    /// Width of a line of text, mm.
+    #[must_use]
+    pub fn width_of(text: &str, size_mm: f64) -> f64 {
+        text_width_mm(text, size_mm)
     }
 
     /// Writes text in lines no longer than `width_mm`, broken between words; the height of the line below.
@@ -105,6 +215,13 @@ impl Sheet {
     #[must_use]
     pub fn pdf(&self, title: &str) -> Vec<u8> {
         pdf::written(self, title)
+    }
+
+    /// The sheet as DXF of release 12, every length times `scale`: of a drawing at 1:2 with a scale of 2 its views have
+    /// the part's size. The same bytes for the same sheet.
+    #[must_use]
+    pub fn dxf(&self, scale: f64) -> Vec<u8> {
+        dxf::written(self, scale)
     }
 }
 
@@ -142,7 +259,7 @@ mod tests {
         let sheet = || {
             let mut sheet = Sheet::new(A4_MM);
             sheet.text([20.0, 250.0], 4.0, "0.010 mm", TextAlign::Left);
-            sheet.circle([50.0, 50.0], 10.0, false, SheetColour::Blue);
+            sheet.circle([50.0, 50.0], 10.0, Pen::black(0.2).coloured(SheetColour::Blue));
             sheet.rule(30.0, [20.0, 190.0], 0.3);
             sheet.pdf("A sheet")
         };

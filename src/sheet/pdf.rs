@@ -1,7 +1,7 @@
 //! A sheet as a PDF of one page.
 
 use super::font::{FIGURES, FILE, FIRST, LAST, encoded};
-use super::{Sheet, SheetColour, SheetMark};
+use super::{Dashes, Pen, Sheet, SheetColour, SheetMark, TextLine, TextWay};
 use pdf_writer::types::FontFlags;
 use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 
@@ -9,8 +9,8 @@ use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 const POINTS: f64 = 72.0 / 25.4;
 /// Distance of a circle's control points from the ends of a quarter, in its radius: off by 0.03 % at most.
 const QUARTER: f64 = 0.552_284_749_830_793;
-/// Width of a circle's line, mm.
-const THIN_MM: f64 = 0.2;
+/// Dashes and gaps of an axis, in the line's width (ISO 128-2).
+const CHAIN: [f64; 4] = [24.0, 3.0, 0.5, 3.0];
 /// The font's name in the page and in itself; six letters before it tell that it is a part of a font.
 const FONT: Name = Name(b"F1");
 const BASE_FONT: Name = Name(b"MORION+DejaVuSans");
@@ -81,35 +81,66 @@ fn points(mm: f64) -> f32 {
 
 fn draw(content: &mut Content, mark: &SheetMark) {
     match mark {
-        SheetMark::Strokes { places, width_mm, colour } => {
-            let [r, g, b] = rgb(*colour);
-            content.set_stroke_rgb(r, g, b).set_line_width(points(*width_mm));
-            for (k, place) in places.iter().enumerate() {
-                let [x, y] = place.map(points);
-                if k == 0 {
-                    content.move_to(x, y)
-                } else {
-                    content.line_to(x, y)
-                };
-            }
+        SheetMark::Strokes { places, pen } => {
+            take(content, pen);
+            trace_lines(content, places);
             content.stroke();
         }
-        SheetMark::Circle { centre, radius_mm, is_filled, colour } => {
-            let [r, g, b] = rgb(*colour);
-            content.set_stroke_rgb(r, g, b).set_fill_rgb(r, g, b).set_line_width(points(THIN_MM));
+        SheetMark::Triangle { corners, colour } => {
+            fill_with(content, *colour);
+            trace_lines(content, corners);
+            content.close_path().fill_nonzero();
+        }
+        SheetMark::Circle { centre, radius_mm, pen } => {
+            take(content, pen);
             trace_circle(content, *centre, *radius_mm);
-            if *is_filled {
-                content.fill_nonzero()
-            } else {
-                content.stroke()
-            };
+            content.stroke();
         }
-        SheetMark::Text { at, size_mm, text, colour } => {
-            let ([r, g, b], [x, y]) = (rgb(*colour), at.map(points));
-            content.begin_text().set_font(FONT, points(*size_mm)).set_fill_rgb(r, g, b);
-            content.next_line(x, y).show(Str(&encoded(text))).end_text();
+        SheetMark::Disc { centre, radius_mm, colour } => {
+            fill_with(content, *colour);
+            trace_circle(content, *centre, *radius_mm);
+            content.fill_nonzero();
         }
+        SheetMark::Text(line) => write_text(content, line),
     }
+}
+
+/// Takes a pen for the lines that follow.
+fn take(content: &mut Content, pen: &Pen) {
+    let [r, g, b] = rgb(pen.colour);
+    content.set_stroke_rgb(r, g, b).set_line_width(points(pen.width_mm));
+    let dashes: &[f64] = match pen.dashes {
+        Dashes::Continuous => &[],
+        Dashes::Chain => &CHAIN,
+    };
+    content.set_dash_pattern(dashes.iter().map(|share| points(share * pen.width_mm)), 0.0);
+}
+
+fn fill_with(content: &mut Content, colour: SheetColour) {
+    let [r, g, b] = rgb(colour);
+    content.set_fill_rgb(r, g, b);
+}
+
+fn trace_lines(content: &mut Content, places: &[[f64; 2]]) {
+    for (k, place) in places.iter().enumerate() {
+        let [x, y] = place.map(points);
+        if k == 0 {
+            content.move_to(x, y)
+        } else {
+            content.line_to(x, y)
+        };
+    }
+}
+
+fn write_text(content: &mut Content, line: &TextLine) {
+    fill_with(content, SheetColour::Black);
+    let [x, y] = line.start().map(points);
+    content.begin_text().set_font(FONT, points(line.size_mm));
+    match line.way {
+        TextWay::Across => content.next_line(x, y),
+        TextWay::Up => content.set_text_matrix([0.0, 1.0, -1.0, 0.0, x, y]),
+    };
+    content.show(Str(&encoded(&line.text))).end_text();
 }
 
 /// Four quarters of a circle as cubic curves.

@@ -37,6 +37,7 @@ mod quadratic_yield_model;
 mod replay;
 mod sampling;
 mod sensitivity;
+mod slope_limit;
 mod solve_for_target;
 mod spec;
 mod study;

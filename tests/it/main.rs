@@ -15,6 +15,7 @@ mod cones;
 mod damage;
 mod design_accuracy;
 mod determinism;
+mod drawing;
 mod dry_run;
 mod economy;
 mod facet_limits;

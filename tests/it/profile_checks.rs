@@ -5,9 +5,9 @@ use crate::support::shipped_text;
 use morion::internals::geom::{ScanPath, ScanPattern};
 use morion::internals::optics::{CameraModel, Mount, StripLaw, Target};
 use morion::internals::profile::{
-    AcceptanceSpec, FileFormat, Layout, LensSpec, MeshFormat, MeshGoal, Method, MethodKind,
-    PanelSource, PartSpec, Profile, ProjectionSpec, Ridge, SagTable, ShapeSpec, StepProtocol,
-    StripLawSpec, StripSpec, Tolerance, shipped,
+    AcceptanceSpec, DrawingSpec, FileFormat, Layout, LensSpec, MeshFormat, MeshGoal, Method,
+    MethodKind, PanelSource, PaperSize, PartSpec, Profile, ProjectionSpec, Ridge, SagTable,
+    ShapeSpec, StepProtocol, StripLawSpec, StripSpec, Tolerance, shipped,
 };
 use proptest::prelude::*;
 
@@ -48,6 +48,7 @@ fn the_shipped_conquistador_is_the_papers() {
             }),
             part: PartSpec { width_mm: 60.0, base_mm: 5.0, border: None },
             step: StepProtocol::Ap214,
+            drawing: DrawingSpec::default(),
             mesh: MeshGoal::limits(Some(2.0), Some(1.0)),
             formats: [MeshFormat::Stl, MeshFormat::Obj].map(FileFormat::Mesh).to_vec(),
             sag: SagTable::default(),
@@ -114,6 +115,40 @@ fn a_step_file_has_a_schema() {
     ] {
         let complaints = step(text).unwrap_err();
         assert!(complaints.contains(words), "{complaints}");
+    }
+}
+
+#[test]
+fn a_drawing_says_what_its_font_has_letters_for() {
+    let drawing = |text: &str| {
+        let export = format!("export.formats = [\"stl\"]\n{text}\n");
+        with(&[("export.formats = [\"stl\"]\n", &export)]).map(|profile| profile.drawing)
+    };
+    assert_eq!(drawing("").unwrap(), DrawingSpec::default());
+    let said =
+        drawing("drawing = { paper = \"A4\", owner = \" \u{c6}rø \", date = 2026-11-27 }").unwrap();
+    assert_eq!(
+        (said.paper, &*said.title.owner, &*said.title.date),
+        (PaperSize::A4, "\u{c6}r\u{f8}", "2026-11-27")
+    );
+    assert_eq!(drawing("drawing.date = \"2026-11-27\"").unwrap().title.date, "2026-11-27");
+    let long = format!("drawing.title = \"{}\"", "x".repeat(61));
+    for (text, words) in [
+        ("drawing.paper = \"a4\"", "drawing.paper must be \"A3\" or \"A4\""),
+        ("drawing.projection = \"first\"", "did you mean \"first-angle\"?"),
+        (
+            "drawing.owner = \"\u{65e5}\u{672c}\"",
+            "found '\u{65e5}', which the drawing's font has not",
+        ),
+        ("drawing.title = \"two\\nlines\"", "found '\\n', which the drawing's font has not"),
+        (&long, "found 61 characters"),
+        ("drawing.date = \"27.11.2026\"", "drawing.date must be a date as year-month-day"),
+        ("drawing.date = 2026-11-27T10:00:00", "as in date = 2026-11-27"),
+        ("drawing.number = 4711", "drawing.number must be text of at most 60 characters"),
+        ("drawing.colour = \"red\"", "drawing must hold only"),
+    ] {
+        let complaints = drawing(text).unwrap_err();
+        assert!(complaints.contains(words), "{text}: {complaints}");
     }
 }
 

@@ -3,6 +3,7 @@
 mod border;
 mod calibrated;
 mod camera;
+mod drawing;
 mod fits;
 mod layout;
 mod limits;
@@ -121,6 +122,7 @@ pub(super) fn profile(
     let formats = export.as_ref().and_then(|export| limits::formats(reader, export));
     let sag = export.as_ref().map(|export| sag::read(reader, export, &parts.part));
     let step = export.as_ref().map(|export| limits::step(reader, export));
+    let drawing = drawing::read(reader, &root);
     let accept = limits::accept(reader, &root, parts.bare);
     let setting = tolerance::Setting {
         camera: parts.camera.as_ref().and_then(|found| found.camera),
@@ -166,6 +168,7 @@ pub(super) fn profile(
         formats: formats?,
         sag: sag?,
         step: step?,
+        drawing,
         accept: accept?,
         tolerance,
         form_map: None,

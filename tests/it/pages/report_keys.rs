@@ -72,6 +72,14 @@ centre_deg = [180, 40]
 hfov_deg = 40
 ";
 
+/// A flat rim with rounded corners, a hole and a mark.
+const RIM: &str = "\
+base_mm = 4
+border_mm = 6
+corner_radius_mm = 2
+holes_mm = [[10.5, 8.5, 2]]
+marks_mm = [[-10.5, 8.5, 1]]";
+
 /// A leg beside the round mirror.
 const LEG: &str = "\
 [[obstacle]]
@@ -103,6 +111,7 @@ impl Runs {
             ("oblique", OBLIQUE.into()),
             ("map", MAP.into()),
             ("panels", PANELS.into()),
+            ("rimmed", edited(SMALL, &[("base_mm = 2", RIM), ("\"stl\", \"obj\"", "\"pdf\"")])),
         ] {
             std::fs::write(runs.path(&format!("{name}.toml")), text).unwrap();
         }
@@ -194,8 +203,18 @@ fn hold(page: &str, headings: &[&str], values: &[Value]) {
 #[test]
 fn the_page_of_reports_has_every_key() {
     let runs = Runs::new();
-    let names =
-        ["all", "budget", "valley", "given", "round", "obstructed", "oblique", "map", "panels"];
+    let names = [
+        "all",
+        "budget",
+        "valley",
+        "given",
+        "round",
+        "obstructed",
+        "oblique",
+        "map",
+        "panels",
+        "rimmed",
+    ];
     let mut reports: Vec<Value> =
         names.map(|name| runs.printed(&format!("build {name}.toml"))).into();
     runs.open("out/round/mirror.stl", &runs.path("scan.stl"));
@@ -235,6 +254,7 @@ fn the_page_of_studies_has_every_key() {
         "machining valley.toml --ball-mm 1 --stepover-mm 0.3 --budget-px 3 --scallop-um 5 --no-as-cut",
     ];
     hold(STUDIES, &["## `machining.json`"], &cut.map(|command| runs.printed(command)));
+    hold(STUDIES, &["## `drawing.json`"], &[runs.printed("drawing rimmed.toml")]);
     hold(STUDIES, &["## `inspection.json`"], &[runs.printed("inspect all.toml")]);
     let bench = runs.printed("bench round.toml --quick --suggest 3px");
     hold(STUDIES, &["## `bench.json`"], &[bench]);

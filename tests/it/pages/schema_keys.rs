@@ -28,6 +28,7 @@ const TABLES: &[(&[&str], &str, &[&str])] = &[
     (&["frame"], STUDIES, &["## `frame.json`"]),
     (&["blur"], STUDIES, &["## `blur.json`"]),
     (&["machining"], STUDIES, &["## `machining.json`"]),
+    (&["drawing"], STUDIES, &["## `drawing.json`"]),
     (&["inspect"], STUDIES, &["## `inspection.json`"]),
     (&["bench"], STUDIES, &["## `bench.json`"]),
     (&["tolerance"], TOLERANCE, &["## `tolerance.json`"]),

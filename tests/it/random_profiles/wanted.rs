@@ -48,7 +48,7 @@ const RADIAL_LAWS: [&str; 10] = [
     "cylinder",
     "table",
 ];
-const FORMATS: [&str; 6] = ["stl", "obj", "3mf", "glb", "step", "csv"];
+const FORMATS: [&str; 8] = ["stl", "obj", "3mf", "glb", "step", "csv", "pdf", "dxf"];
 const PRESETS: [&str; 3] = ["precision-cnc", "spdt", "sla-print"];
 
 /// What the parts of a profile have to know of each other.

@@ -1,0 +1,160 @@
+//! The drawing of a designed part: its figures, and the sheet that shows them.
+
+use super::Error;
+use super::form_study::{FormStudy, pmi_facts};
+use super::inspect::InspectOptions;
+use super::page_figures::coarse_solid;
+use crate::design::Design;
+use crate::drawing::{self, DrawnPart};
+use crate::export::sag_heights;
+use crate::geom::{Border, Contour, DVec2, Drilled, Outline, Precision};
+use crate::inspection::{least_margin_mm, plan_points, rims};
+use crate::mirror::{Form, Mirror};
+use crate::num::rounding::{ceil_125, two_digits_below};
+use crate::profile::{CadFormat, PaperSize, Profile};
+use crate::results::{DrawingFacts, DrawnFeature};
+use crate::sheet::Sheet;
+
+/// Most steps of the sag table's excerpt along X, and along Y, by the room on the paper.
+fn sag_steps(paper: PaperSize) -> [f64; 2] {
+    match paper {
+        PaperSize::A3 => [12.0, 10.0],
+        PaperSize::A4 => [6.0, 6.0],
+    }
+}
+
+/// The drawing of a part.
+pub(super) struct PartDrawing {
+    /// Its figures.
+    pub facts: DrawingFacts,
+    sheet: Sheet,
+    /// Millimetres of the part to one of the sheet.
+    enlargement: f64,
+}
+
+impl PartDrawing {
+    /// Draws the part of `design`, whose mirror has this `form`.
+    ///
+    /// # Errors
+    /// [`Error::Drawing`] when no closed part can be made of its mirror.
+    pub(super) fn new(profile: &Profile, design: &Design, form: &Form) -> Result<Self, Error> {
+        let solid = coarse_solid(design, Precision::Double);
+        let solid =
+            solid.map_err(|reason| Error::Drawing { profile: profile.name.clone(), reason })?;
+        let margin_mm = least_margin_mm(&design.mirror);
+        let plan = plan_points(&design.mirror, InspectOptions::DEGREE, margin_mm);
+        let inspected: Vec<DVec2> = plan.points.iter().map(|point| point.at.truncate()).collect();
+        let facts = facts(profile, design, form, inspected.len());
+        let part = DrawnPart::new(solid, circles(design), inspected);
+        let sheet = drawing::drawn(profile, &facts, &part);
+        let enlargement = 1.0 / drawing::scale(profile, facts.size_mm).factor();
+        Ok(Self { facts, sheet, enlargement })
+    }
+
+    /// The file of a format that is a drawing; none of others.
+    pub(super) fn file(&self, profile: &Profile, format: CadFormat) -> Option<Vec<u8>> {
+        match format {
+            CadFormat::Pdf => Some(self.sheet.pdf(&format!("Drawing of {}", profile.name))),
+            CadFormat::Dxf => Some(self.sheet.dxf(self.enlargement)),
+            CadFormat::Step | CadFormat::Csv => None,
+        }
+    }
+}
+
+/// The figures of a drawing.
+fn facts(profile: &Profile, design: &Design, form: &Form, inspected: usize) -> DrawingFacts {
+    let size_mm = design.mounting.size_mm;
+    let study = FormStudy::new(design);
+    let slope = study.as_ref().and_then(FormStudy::slope_limit);
+    let border = design.border.as_ref();
+    let (is_round, corner) = match border.map(|border| border.contour) {
+        Some(Contour::Circle { .. }) => (true, None),
+        Some(Contour::Rect { corner_mm, .. }) => (false, Some(corner_mm)),
+        None => (matches!(design.mirror.outline, Outline::Ring { .. }), None),
+    };
+    let spec = &profile.drawing;
+    DrawingFacts {
+        paper: spec.paper.name().to_owned(),
+        projection: spec.arrangement.name().to_owned(),
+        scale: drawing::scale(profile, size_mm).to_string(),
+        size_mm,
+        least_mm: design.plan_bounds().min.to_array(),
+        mirror_mm: mirror_size(&design.mirror).to_array(),
+        lowest_mm: profile.part.base_mm,
+        is_round,
+        rim_mm: border.map(|border| border.top_mm),
+        corner_radius_mm: corner.filter(|radius| *radius > 0.0),
+        features: border.map_or(Vec::new(), features),
+        sphere_radius_mm: form.sphere.radius_of_curvature_mm,
+        sphere_departure_mm: form.sphere.departure.pv_mm,
+        pmi: pmi_facts(design, study.as_ref().and_then(FormStudy::limit).as_ref()),
+        slope_error_mrad: slope.map(two_digits_below),
+        sag_mm: sag(&design.mirror, sag_steps(spec.paper)),
+        inspection_points: inspected,
+        camera: format!("{}, {}", design.mounting.camera(), design.mounting.looks()),
+    }
+}
+
+/// Size of the rectangle around the mirror in the plan, mm.
+fn mirror_size(mirror: &Mirror) -> DVec2 {
+    let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let places = rims(mirror).into_iter().flatten().map(|p| p.truncate());
+    let (low, high) = places.fold(none, |(low, high), p| (low.min(p), high.max(p)));
+    high - low
+}
+
+/// Holes, those of the land in the middle first, and marks, with their numbers.
+fn features(border: &Border) -> Vec<DrawnFeature> {
+    let feature = |name: String, round: &Drilled, what: String| DrawnFeature {
+        name,
+        at_mm: round.at.to_array(),
+        diameter_mm: round.diameter_mm,
+        what,
+    };
+    let inside = border.land.iter().flat_map(|land| &land.holes);
+    let holes = inside.chain(&border.holes).enumerate();
+    let marks = border.marks.iter().enumerate();
+    holes
+        .map(|(k, hole)| feature(format!("H{}", k + 1), hole, "through".to_owned()))
+        .chain(marks.map(|(k, mark)| {
+            let what = format!("dimple 90\u{b0} x {}", mark.radius());
+            feature(format!("M{}", k + 1), mark, what)
+        }))
+        .collect()
+}
+
+/// Circles in the plan of the part.
+fn circles(design: &Design) -> Vec<(DVec2, f64)> {
+    let mirror = &design.mirror;
+    let mut circles = Vec::new();
+    if let Outline::Ring { inner, outer } = mirror.outline {
+        for rim in [inner, outer].into_iter().filter(|rim| *rim > 0.0) {
+            let q = DVec2::new(rim, 0.0);
+            circles.push((DVec2::ZERO, mirror.position(q, &mirror.at(q)).truncate().length()));
+        }
+    }
+    if let Some(border) = &design.border {
+        if let Contour::Circle { radius_mm } = border.contour {
+            circles.push((DVec2::ZERO, radius_mm));
+        }
+        let round = border.through().map(|(hole, _)| hole).chain(&border.marks);
+        circles.extend(round.map(|round| (round.at, round.radius())));
+    }
+    circles
+}
+
+/// Places of the mirror over a grid of round coordinates about the axis.
+fn sag(mirror: &Mirror, [across, along]: [f64; 2]) -> Vec<[f64; 3]> {
+    let half = 0.5 * mirror_size(mirror);
+    // (Sizes are found to rounding.)
+    let step = ceil_125(2.0 * (1.0 - 1e-9) * (half.x / across).max(half.y / along));
+    let steps = |half: f64| {
+        let count = (half * (1.0 + 1e-9) / step).floor() as i64;
+        (-count..=count).map(move |k| k as f64 * step)
+    };
+    let places: Vec<DVec2> =
+        steps(half.y).flat_map(|y| steps(half.x).map(move |x| DVec2::new(x, y))).collect();
+    let heights = sag_heights(mirror, &places);
+    let found = places.iter().zip(heights).filter_map(|(p, z)| Some([p.x, p.y, z?]));
+    found.collect()
+}
