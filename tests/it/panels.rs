@@ -73,7 +73,7 @@ fn text(panels: &[Panel], degree: usize, formats: &str) -> String {
     format!(
         "camera.pinhole = {{ pixels = [320, 240], hfov_deg = 30, distance_mm = 150, pupil_mm = 0.8 }}\n\
          layout.rectangle = {{}}\nmethod.vector-field.degree = {degree}\n\
-         part = {{ width_mm = 80.4, base_mm = 5 }}\nmesh.facet_px = 1\nexport.formats = [{formats}]\n\
+         part = {{ width_mm = 80.4, base_mm = 5 }}\nmesh.facet_px = 3\nexport.formats = [{formats}]\n\
          accept = {{ pixel_error_rms_px = 5, pixel_error_max_px = 20 }}\n{panels}"
     )
 }
@@ -180,7 +180,7 @@ fn meetings(mirror: &Mirror) -> Vec<[f64; 2]> {
 #[test]
 fn walls_close_the_part_in_every_arrangement() {
     for panels in layouts() {
-        let coarse = text(panels, 8, "\"stl\"").replace("mesh.facet_px = 1", "mesh.chord_um = 5");
+        let coarse = text(panels, 8, "\"stl\"").replace("mesh.facet_px = 3", "mesh.chord_um = 5");
         let design = designed(&coarse);
         let steps = meetings(&design.mirror).into_iter().map(|[a, b]| (a - b).abs());
         let least = steps.fold(f64::INFINITY, f64::min);
@@ -310,7 +310,6 @@ fn a_sag_table_names_the_panel_of_each_row() {
 fn files_of_panels_pass_and_show_their_views() {
     for panels in share(2, 1, [&QUARTERS[..], &COLUMNS[..]]) {
         let text = text(panels, 10, "\"stl\", \"obj\", \"3mf\", \"glb\"");
-        let text = text.replace("mesh.facet_px = 1", "mesh.facet_px = 3");
         let folder = folder();
         let report: BuildReport = build(&parsed(&text), folder.path(), &Silent).unwrap();
         assert_eq!(report.verdict, Verdict::Pass, "{panels:?}: {:?}", report.reasons);
@@ -379,7 +378,7 @@ fn front_floor_and_rear_fill_the_frame() {
         ([0, 320], [80, 160], [0.0, 90.0], 80.0, 0.0),
         ([0, 320], [160, 240], [180.0, 20.0], 80.0, 0.0),
     ];
-    let text = text(&stacked, 12, "\"stl\"").replace("mesh.facet_px = 1", "mesh.facet_px = 2");
+    let text = text(&stacked, 12, "\"stl\"");
     let folder = folder();
     let frame = morion::frame(&parsed(&text), folder.path()).unwrap().frame;
     assert!(frame.filled > 0.97, "{frame:?}");
