@@ -2,7 +2,7 @@
 
 use crate::support::altered_files::FileRewriter;
 use crate::support::builds::{SMALL, command, files, folder, morion, parsed, save, told};
-use crate::support::small_but;
+use crate::support::{share, small_but};
 use morion::internals::export::{ImportedMesh, read_obj, read_stl};
 use morion::internals::geom::DVec3;
 use morion::internals::pipeline::{Observer, Silent, build, verify};
@@ -319,7 +319,7 @@ fn an_obj_or_a_glb_cut_off_anywhere_never_passes() {
         let length = whole.len();
         let ends = (least..30).map(|cut| length - cut);
         let spread = (0..12).map(|k| k * length / 12);
-        for keep in spread.chain(ends) {
+        for keep in share(3, 0, spread.chain(ends)) {
             std::fs::write(&path, &whole[..keep]).unwrap();
             let report = verify(&small(formats), &path, &Silent).unwrap();
             assert_eq!(report.verdict, Verdict::Fail, "{keep} of {length} bytes");

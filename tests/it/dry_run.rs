@@ -51,7 +51,7 @@ fn forecasts_of_the_shipped_mirrors_are_near() {
         (MeshGoal::Budget(20_000), &stl[..]),
     ];
     // Each by one of them, in turns, but for a long run.
-    let profiles: Vec<_> = share(6, 0, shipped()).collect();
+    let profiles: Vec<_> = share(8, 0, shipped()).collect();
     profiles.par_iter().enumerate().for_each(|(k, profile)| {
         let profile = support::shipped(profile.name);
         for (mesh, formats) in asked.iter().cycle().skip(k).take(times(1, asked.len())) {

@@ -23,7 +23,8 @@ fn holds(profile: &Profile, facet_px: f64) {
 #[test]
 fn limits_beside_those_that_hold_do_too() {
     // These three once ended in slivers, between neighbours that did not.
-    for (name, facet_px) in [("panoramic", 0.25), ("conquistador", 0.3), ("conquistador", 0.27)] {
+    let once = [("panoramic", 0.25), ("conquistador", 0.3), ("conquistador", 0.27)];
+    for (name, facet_px) in share(2, 0, once) {
         holds(&shipped(name), facet_px);
     }
     if times(0, 1) == 0 {

@@ -150,7 +150,7 @@ impl Touched {
 /// neither too small nor too large.
 #[test]
 fn terms_are_as_uncertain_as_is_said() {
-    let runs = times(25, 100) as u64;
+    let runs = times(12, 100) as u64;
     const NOISE_MM: f64 = 5e-4;
     for (name, round, ball_mm) in [("conquistador", false, 0.0), ("hyperbolic", true, 1.0)] {
         let touched = Touched::new(name, round);

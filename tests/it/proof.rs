@@ -34,7 +34,7 @@ fn hold(what: &str, seen: Seen, face: &Face, limits: &Limits, n: u32, climb: boo
 #[test]
 fn bounds_of_shipped_profiles_are_true_and_tight() {
     let profiles = morion::internals::profile::shipped().iter().enumerate();
-    for (k, Shipped { name, .. }) in share(4, 0, profiles) {
+    for (k, Shipped { name, .. }) in share(6, 0, profiles) {
         let coarser = [(10.0, 10.0), (100.0, 100.0), (100.0, 12.0)];
         for (times_chord, times_facet) in share(3, k, coarser) {
             let mut profile = shipped(name);

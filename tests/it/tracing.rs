@@ -4,7 +4,7 @@
 use crate::support::builds::parsed;
 use crate::support::draws::Draws;
 use crate::support::parts::case;
-use crate::support::{designed, meshed, profile, shipped};
+use crate::support::{designed, meshed, profile, share, shipped};
 use morion::internals::geom::{Chart, DVec3, Precision, Ray, TriMesh};
 use morion::internals::optics::{Camera, CameraModel, Distortion, Mount, PictureMap};
 use morion::internals::profile::{MeshGoal, Profile};
@@ -61,6 +61,7 @@ fn swept(what: &str, profile: &Profile, precision: Precision) -> (Vec<RayEnd>, T
 #[test]
 fn shortcuts_change_nothing_for_shipped_mirrors() {
     let names: Vec<&str> = morion::internals::profile::shipped().iter().map(|p| p.name).collect();
+    let names: Vec<&str> = share(3, 1, names).collect();
     names.par_iter().for_each(|name| {
         let mut profile = shipped(name);
         profile.mesh = MeshGoal::limits(None, Some(8.0));
@@ -274,11 +275,12 @@ fn a_million_rays_from_within_never_slip_between_facets() {
 }
 
 #[test]
-fn nine_million_camera_rays_never_slip_between_facets() {
+fn camera_rays_never_slip_between_facets() {
     const PIXELS: u32 = 1001;
     const CELLS: u32 = 100;
     let cases = (0..9u64).map(|case| (case, [0.0, 0.002, 0.01][(case % 3) as usize]));
-    for (case, vergence) in cases {
+    // One of each vergence, but for a long run.
+    for (case, vergence) in share(4, 0, cases) {
         let chart = Chart::on_axis(vergence, 5.0);
         let camera =
             Camera { pixels: [PIXELS; 2], pixel_mm: 0.1, chart, picture: PictureMap::default() };

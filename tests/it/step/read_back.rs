@@ -11,7 +11,7 @@ const VOLUME: f64 = 1e-7;
 
 #[test]
 fn bodies_are_closed_as_large_as_the_part_and_met_by_rays_where_the_mirror_is() {
-    for case in share(3, 0, all()) {
+    for case in share(5, 0, all()) {
         let fit = fitted(&case);
         let body = Body::read(&written(&case, &fit));
         let body = body.unwrap_or_else(|error| panic!("{}: {error}", case.name));
